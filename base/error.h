@@ -1,0 +1,40 @@
+// Errors that reach a person. See docs/notation.md, "Errors".
+//   InputError   what the user gave cannot be used: file, place in it, value, allowed range, what to do.
+//   DeviceError  a library, the operating system or a device refused; names the call.
+//   Cancelled    the user pressed Ctrl-C; everything finished so far is kept.
+// Numerical trouble is not an error: it is a status in the result. A broken invariant is a bug: GONOGO_ASSERT.
+#pragma once
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+namespace gonogo {
+
+struct InputError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct DeviceError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+struct Cancelled : std::runtime_error {
+  Cancelled() : std::runtime_error("interrupted; what was finished is kept, and the same command continues from there") {}
+};
+
+/// Process exit codes: 0 success, 1 bug or device failure, 2 bad input, 130 interrupted (128 + SIGINT).
+enum class ExitCode { success = 0, failure = 1, bad_input = 2, interrupted = 130 };
+
+}  // namespace gonogo
+
+#ifdef NDEBUG
+#define GONOGO_ASSERT(condition) ((void)0)
+#elif defined(__CUDA_ARCH__)
+#define GONOGO_ASSERT(condition) ((condition) ? (void)0 : __trap())
+#else
+#define GONOGO_ASSERT(condition)                                                                           \
+  ((condition) ? (void)0                                                                                   \
+               : (std::fprintf(stderr, "%s:%d: broken invariant: %s\n", __FILE__, __LINE__, #condition), \
+                  std::abort()))
+#endif

@@ -1,0 +1,80 @@
+#include "base/progress.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace gonogo {
+namespace {
+
+using Seconds = std::chrono::duration<double>;
+
+std::string clock_time(double seconds) {
+  char text[32];
+  if (seconds < 60)
+    std::snprintf(text, sizeof text, "%.0f s", seconds);
+  else
+    std::snprintf(text, sizeof text, "%d:%02d min", int(seconds) / 60, int(seconds) % 60);
+  return text;
+}
+
+std::string bar(double fraction) {
+  constexpr int width = 24;
+  std::string text = "[";
+  for (int i = 0; i < width; ++i) text += i < fraction * width ? '#' : '.';
+  return text + "]";
+}
+
+}  // namespace
+
+Progress::Progress(std::string task, std::string unit, std::size_t total)
+    : task_(std::move(task)),
+      unit_(std::move(unit)),
+      total_(total),
+      terminal_(::isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()),
+      last_print_(start_) {}
+
+Progress::~Progress() { finish(); }
+
+void Progress::update(std::size_t done, const std::string& note, std::size_t reused) {
+  done_ = done;
+  note_ = note;
+  reused_ = reused;
+  const auto now = std::chrono::steady_clock::now();
+  const double interval = terminal_ ? 0.1 : 10.0;
+  if (Seconds(now - last_print_).count() < interval) return;
+  last_print_ = now;
+  print(false);
+}
+
+void Progress::finish() {
+  if (finished_) return;
+  finished_ = true;
+  print(true);
+}
+
+void Progress::print(bool last) {
+  const double elapsed = Seconds(std::chrono::steady_clock::now() - start_).count();
+  const double rate = elapsed > 0 ? double(done_ - reused_) / elapsed : 0;
+  std::string line = task_ + ": ";
+  if (terminal_ && total_ > 0 && !last) line += bar(double(done_) / double(total_)) + " ";
+  line += std::to_string(done_) + (total_ > 0 ? "/" + std::to_string(total_) : "") + " " + unit_;
+  char text[64];
+  if (rate > 0) {
+    std::snprintf(text, sizeof text, ", %.3g/s", rate);
+    line += text;
+  }
+  if (last)
+    line += ", " + clock_time(elapsed);
+  else if (rate > 0 && total_ > done_)
+    line += ", " + clock_time(double(total_ - done_) / rate) + " left";
+  if (!note_.empty()) line += ", " + note_;
+  std::fprintf(stderr, terminal_ ? "\r\033[K%s%s" : "%s%s", line.c_str(), terminal_ && !last ? "" : "\n");
+}
+
+void log_line(const std::string& task, const std::string& message) {
+  std::fprintf(stderr, "%s: %s\n", task.c_str(), message.c_str());
+}
+
+}  // namespace gonogo

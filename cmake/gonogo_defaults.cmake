@@ -1,0 +1,36 @@
+# What every target of this project is compiled with.
+#
+#   gonogo_library(<name> SOURCES <cpp>... [LINK <public>...] [LINK_PRIVATE <private>...])
+#   gonogo_defaults(<target>)
+#
+# Arithmetic is strict so that results do not depend on compiler version or thread count: no contraction
+# into fused multiply-adds, no reassociation. CUDA gets the same promise by -fmad=false (base/CMakeLists.txt).
+
+find_package(Threads REQUIRED)
+find_package(OpenMP REQUIRED COMPONENTS CXX)
+
+if(GONOGO_CUDA)
+  enable_language(CUDA)
+endif()
+
+function(gonogo_defaults target)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}")
+  set(host_flags -Wall -Wextra -Wshadow=local -ffp-contract=off)
+  if(GONOGO_WERROR)
+    list(APPEND host_flags -Werror)
+  endif()
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:${host_flags}>")
+  if(GONOGO_CUDA)
+    target_compile_options(${target} PRIVATE
+      "$<$<COMPILE_LANGUAGE:CUDA>:-fmad=false;--expt-relaxed-constexpr;-Xcompiler=-ffp-contract=off>")
+  endif()
+endfunction()
+
+function(gonogo_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LINK_PRIVATE" ${ARGN})
+  add_library(gonogo_${name} STATIC ${ARG_SOURCES})
+  add_library(gonogo::${name} ALIAS gonogo_${name})
+  gonogo_defaults(gonogo_${name})
+  target_link_libraries(gonogo_${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
+endfunction()

@@ -1,0 +1,78 @@
+// The contract: every variable, measure, verdict and reason, read from configs/schema/variables.json, which is compiled
+// into the program. Nobody keeps a second list.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "base/json/json.h"
+
+namespace gonogo::pipeline {
+
+struct EncoderSpec {
+  std::string code;  // "thermometer", "one_hot" or "gray"
+  int bits = 0;
+};
+
+struct Variable {
+  std::string name, label, unit;
+  double minimum = 0, maximum = 0;  // [unit]
+  std::string sets, source;         // what it sets in the simulator; which raster or table it comes from
+  std::string prior;                // "region", "uniform" or "fixed"
+  EncoderSpec encoder;
+};
+
+struct Measure {
+  std::string name, unit, about;
+};
+
+/// The enumerators' values are the raster codes; the constructor of Contract checks them against the schema.
+enum class Verdict : int { go = 1, slow_go = 2, no_go = 3, unknown = 4 };
+enum class Reason : int {
+  none = 0, slope_unstable, rollover, slid_back, power, sinkage, traction, obstacle, timeout, simulation_failed, outside_sampled
+};
+
+struct VerdictInfo {
+  std::string name;
+  int code;
+  std::string label, colour, colour_blind_safe;
+};
+
+struct ReasonInfo {
+  std::string name;
+  int code;
+  std::vector<std::string> verdicts;
+  std::string label, colour, about;
+};
+
+/// A (verdict, reason) pair that a valid trial can end with: one outcome unit of the learner each, in this order:
+/// go/none, slow_go/none, then no_go with each of its reasons. `unknown` is not an outcome: it is a failed measurement.
+struct Outcome {
+  Verdict verdict;
+  Reason reason;
+  std::string name;  // "go", "slow_go", "no_go/traction", ...
+};
+
+class Contract {
+ public:
+  std::vector<Variable> variables;
+  std::vector<Measure> measures;
+  std::vector<VerdictInfo> verdicts;
+  std::vector<ReasonInfo> reasons;
+  std::vector<Outcome> outcomes;
+
+  /// Position in `variables`; throws InputError naming the nearest valid name.
+  std::size_t variable_index(const std::string& name) const;
+  std::size_t measure_index(const std::string& name) const;
+  /// Position in `outcomes`; throws InputError for pairs that are not outcomes (unknown).
+  std::size_t outcome_index(Verdict verdict, Reason reason) const;
+  const VerdictInfo& info(Verdict verdict) const;
+  const ReasonInfo& info(Reason reason) const;
+};
+
+/// The contract compiled into this program.
+const Contract& contract();
+
+/// The schema's text, byte for byte (hashed into provenance).
+const std::string& contract_text();
+
+}  // namespace gonogo::pipeline

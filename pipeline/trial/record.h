@@ -1,0 +1,27 @@
+// What goes into a trial and what comes out: the row of the dataset.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/study/contract.h"
+
+namespace gonogo::pipeline {
+
+/// One point of a design. Its trial is a pure function of (study, point): same point, same bits.
+struct DesignPoint {
+  std::uint64_t index = 0;         // position in the design, 0-based
+  std::uint64_t seed = 0;          // of the bed; replicates differ only here
+  std::int64_t replicate_of = -1;  // index of the point whose variables this one repeats, or -1
+  double proposal_density = 1;     // of the design at this point, relative to uniform over the sampled box
+  std::vector<double> variables;   // [contract().variables.size()], in the units of the contract
+};
+
+struct TrialRecord {
+  DesignPoint point;
+  Verdict verdict = Verdict::unknown;
+  Reason reason = Reason::simulation_failed;
+  std::vector<double> measures;  // [contract().measures.size()]; NaN where a failed trial has none
+  std::uint64_t attempts = 1;    // 2 when the first attempt failed a check and the smaller step was used
+};
+
+}  // namespace gonogo::pipeline
