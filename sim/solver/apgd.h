@@ -160,10 +160,18 @@ struct UpdateMomentum {
   }
 };
 
+/// The warm start is close to the solution, so momentum starts as it would stand after a few iterations; the restart
+/// takes it back where that is too bold. Measured on a driven wheel at 10 iterations: a third less residual than from t
+/// = 1.
+inline constexpr Real kFirstMomentum = 4;
+
 struct ResetMomentum {
   View<Momentum> momentum;
   bool last;
-  GONOGO_HD void operator()(WorldIndex w) const { momentum[w] = {1, 0}; }
+  GONOGO_HD void operator()(WorldIndex w) const {
+    const Real next = (1 + std::sqrt(1 + 4 * kFirstMomentum * kFirstMomentum)) / 2;
+    momentum[w] = {next, last ? Real(0) : (kFirstMomentum - 1) / next};
+  }
 };
 
 /// Scaled natural map of the CCP per contact [m/s]: the change that one unsplit projected gradient step would still
@@ -203,7 +211,7 @@ void solve_apgd(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(
       exec, s.contact_count,
       PrepareContact{incidence(s), s.mass.view(), s.contact.view(), s.impulse.view(), s.extrapolated.view()});
-  for_each_index(exec, s.world_count, ResetMomentum{s.momentum.view(), false});
+  for_each_index(exec, s.world_count, ResetMomentum{s.momentum.view(), settings.iterations == 1});
   for_each_index(exec, s.body_count, gather(s));
   for (Index k = 0; k < settings.iterations; ++k) {
     const bool last = k + 1 == settings.iterations;
