@@ -88,6 +88,9 @@ class SimulationOn final : public Simulation {
     return sum * (1.0 / settings_.step);
   }
 
+  std::vector<Contact> contacts() override { return s_.contact.download(); }
+  std::vector<Impulse> impulses() override { return s_.impulse.download(); }
+
   Snapshot snapshot() override {
     Snapshot p{s_.position.download(),      s_.orientation.download(),   s_.velocity.download(),
                s_.first_contact.download(), s_.flags.download(),         s_.key.download(),

@@ -89,11 +89,10 @@ struct ContactFinder {
       return;
     }
     // Boxes and wheels: reject by a bounding sphere before turning into their frame.
+    const Real edge = lug_edge_radius(other);
     const Real reach =
         radius + envelope +
-        (other.type == ShapeType::box
-             ? length(other.size)
-             : std::sqrt((other.size.x + other.size.z) * (other.size.x + other.size.z) + other.size.y * other.size.y));
+        (other.type == ShapeType::box ? length(other.size) : std::sqrt(edge * edge + other.size.y * other.size.y));
     if (dot(d, d) >= reach * reach || !may_touch(i, j)) return;
     const Vec3 p = rotate_back(q, d);
     if (other.type == ShapeType::box) {
