@@ -12,14 +12,18 @@ using Library = nlohmann::ordered_json;
 
 Json from_library(const Library& j) {
   switch (j.type()) {
-    case Library::value_t::boolean: return j.get<bool>();
-    case Library::value_t::number_integer: return j.get<std::int64_t>();
+    case Library::value_t::boolean:
+      return j.get<bool>();
+    case Library::value_t::number_integer:
+      return j.get<std::int64_t>();
     case Library::value_t::number_unsigned: {
       const auto u = j.get<std::uint64_t>();
       return u <= std::uint64_t(INT64_MAX) ? Json(std::int64_t(u)) : Json(u);
     }
-    case Library::value_t::number_float: return j.get<double>();
-    case Library::value_t::string: return j.get<std::string>();
+    case Library::value_t::number_float:
+      return j.get<double>();
+    case Library::value_t::string:
+      return j.get<std::string>();
     case Library::value_t::array: {
       Json::Array items;
       items.reserve(j.size());
@@ -31,7 +35,8 @@ Json from_library(const Library& j) {
       for (const auto& [key, value] : j.items()) members.emplace_back(key, from_library(value));
       return members;
     }
-    default: return nullptr;
+    default:
+      return nullptr;
   }
 }
 
