@@ -1,0 +1,125 @@
+// Owning arrays on the host or on the GPU: the only place that allocates GPU memory.
+#pragma once
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/view.h"
+
+#ifdef __CUDACC__
+#include <cuda_runtime.h>
+#endif
+
+namespace gonogo {
+
+/// Runs on the host with this many threads.
+struct Cpu {
+  int threads = 1;
+};
+
+/// Runs on the current GPU in this stream (cudaStream_t; void* so that host code can hold it).
+struct Cuda {
+  void* stream = nullptr;
+};
+
+#ifdef __CUDACC__
+inline void check_cuda(cudaError_t status, const char* call) {
+  if (status != cudaSuccess) throw DeviceError(std::string("CUDA ") + call + ": " + cudaGetErrorString(status));
+}
+#endif
+
+template <class T, class Exec>
+class Buffer;
+
+template <class T>
+class Buffer<T, Cpu> {
+ public:
+  Buffer() = default;
+  explicit Buffer(std::size_t size) : items_(size) {}
+  Index size() const { return Index(items_.size()); }
+  T* data() { return items_.data(); }
+  View<T> view() { return {items_.data(), size()}; }
+  /// New elements are zero; old ones keep their values.
+  void resize(std::size_t size) { items_.resize(size); }
+  void fill_zero(std::size_t size) { items_.assign(size, T{}); }
+  void upload(const std::vector<T>& from) { items_ = from; }
+  std::vector<T> download() const { return items_; }
+  T read(Index i) const { return items_[i]; }
+  void write(Index i, const T& value) { items_[i] = value; }
+  void swap(Buffer& other) { items_.swap(other.items_); }
+
+ private:
+  std::vector<T> items_;
+};
+
+#ifdef __CUDACC__
+template <class T>
+class Buffer<T, Cuda> {
+ public:
+  Buffer() = default;
+  explicit Buffer(std::size_t size) { resize(size); }
+  ~Buffer() { cudaFree(data_); }
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+  Buffer(Buffer&& other) noexcept { swap(other); }
+  Buffer& operator=(Buffer&& other) noexcept { return swap(other), *this; }
+
+  Index size() const { return Index(size_); }
+  T* data() { return data_; }
+  View<T> view() { return {data_, size()}; }
+
+  /// Grows by half again when it must; new memory is zero. Throws DeviceError that names the bytes asked for.
+  void resize(std::size_t size) {
+    if (size > capacity_) {
+      const std::size_t capacity = std::max(size, capacity_ + capacity_ / 2);
+      T* grown = nullptr;
+      if (cudaMalloc(&grown, capacity * sizeof(T)) != cudaSuccess)
+        throw DeviceError("out of GPU memory: " + std::to_string(capacity * sizeof(T)) +
+                          " bytes asked for; use fewer worlds or a smaller bed");
+      check_cuda(cudaMemset(grown, 0, capacity * sizeof(T)), "clear");
+      if (size_ > 0) check_cuda(cudaMemcpy(grown, data_, size_ * sizeof(T), cudaMemcpyDeviceToDevice), "copy");
+      cudaFree(data_);
+      data_ = grown;
+      capacity_ = capacity;
+    } else if (size > size_) {
+      check_cuda(cudaMemset(data_ + size_, 0, (size - size_) * sizeof(T)), "clear");
+    }
+    size_ = size;
+  }
+  void fill_zero(std::size_t size) {
+    resize(size);
+    if (size > 0) check_cuda(cudaMemset(data_, 0, size * sizeof(T)), "clear");
+  }
+  void upload(const std::vector<T>& from) {
+    resize(from.size());
+    if (!from.empty())
+      check_cuda(cudaMemcpy(data_, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice), "upload");
+  }
+  std::vector<T> download() const {
+    std::vector<T> to(size_);
+    if (size_ > 0) check_cuda(cudaMemcpy(to.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost), "download");
+    return to;
+  }
+  T read(Index i) const {
+    T value;
+    check_cuda(cudaMemcpy(&value, data_ + i, sizeof(T), cudaMemcpyDeviceToHost), "read");
+    return value;
+  }
+  void write(Index i, const T& value) {
+    check_cuda(cudaMemcpy(data_ + i, &value, sizeof(T), cudaMemcpyHostToDevice), "write");
+  }
+  void swap(Buffer& other) noexcept {
+    std::swap(data_, other.data_);
+    std::swap(size_, other.size_);
+    std::swap(capacity_, other.capacity_);
+  }
+
+ private:
+  T* data_ = nullptr;
+  std::size_t size_ = 0, capacity_ = 0;
+};
+#endif
+
+}  // namespace gonogo
