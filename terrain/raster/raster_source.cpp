@@ -18,6 +18,7 @@ namespace fs = std::filesystem;
 
 struct RasterSource::State {
   fs::path path;
+  DatasetHandle original;  // what a warped dataset reads from; must outlive it
   DatasetHandle dataset;
   MapGrid grid;
   double scale = 1, offset = 0;  // stored value -> value
@@ -231,6 +232,7 @@ RasterSource RasterSource::open_on_grid(const fs::path& path, const MapGrid& gri
   state->scale = original->GetRasterBand(1)->GetScale();
   state->offset = original->GetRasterBand(1)->GetOffset();
   state->dataset = warp_to(*original, grid, resampling, path);
+  state->original = std::move(original);
   return RasterSource(std::move(state));
 }
 
