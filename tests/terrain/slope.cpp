@@ -130,7 +130,7 @@ TEST_CASE("relief agrees with gdaldem") {
 }
 
 TEST_CASE("the whole sample region agrees with the gdaldem of this machine") {
-  if (std::system("gdaldem --version >/dev/null 2>&1") != 0) {
+  if (std::system("command -v gdaldem >/dev/null 2>&1") != 0) {
     WARN("gdal-bin is not installed: the whole-region comparison did not run, the stored windows did");
     return;
   }
