@@ -56,19 +56,22 @@ double distance(double a, double b) { return std::abs(a - b); }
 double on_circle(double a, double b) { return std::abs(std::remainder(a - b, 360.0)); }
 bool always(std::size_t) { return true; }
 
+/// Aspect is compared where the slope exceeds 1 degree: on flatter ground single precision decides gdaldem's answer.
 void check_against_gdaldem(const std::string& elevation, const std::string& slope, const std::string& aspect) {
   const RasterSource source = RasterSource::open_elevation(elevation);
   const CellSize cell = {source.grid().cell_width_m(), source.grid().cell_height_m()};
-  const Tile z = read_all(elevation, 1), ours = slope_degrees(z, cell);
+  const Tile z = read_all(elevation, 1), ours = slope_degrees(z, cell), ours_aspect = aspect_degrees(z, cell);
+  const Tile theirs_aspect = read_all(aspect);
   const Comparison steepness = compare(ours, read_all(slope), distance, always);
   CHECK(steepness.hole_mismatches == 0);
   CHECK(steepness.compared > 1000);
   CHECK(steepness.worst < 2e-3);
-  const Comparison direction =
-      compare(aspect_degrees(z, cell), read_all(aspect), on_circle, [&](std::size_t i) { return ours.value[i] > 1; });
-  CHECK(direction.hole_mismatches == 0);
-  CHECK(direction.compared > 1000);
-  CHECK(direction.worst < 0.05);
+  const auto steep = [&](std::size_t i) { return ours.value[i] > 1; };
+  CHECK(compare(ours_aspect, theirs_aspect, on_circle, steep).worst < 0.05);
+  CHECK(compare(ours_aspect, theirs_aspect, on_circle, steep).compared > 1000);
+  for (std::size_t i = 0; i < ours.value.size(); ++i)
+    if (std::isnan(ours.value[i]) || ours.value[i] > 1)
+      REQUIRE(std::isnan(ours_aspect.value[i]) == std::isnan(theirs_aspect.value[i]));
 }
 
 }  // namespace
@@ -138,7 +141,10 @@ TEST_CASE("the whole sample region agrees with the gdaldem of this machine") {
   const std::string dem = GONOGO_SOURCE_DIR "/configs/regions/sagehen/elevation_10m.tif";
   const std::string slope = (folder / "slope.tif").string(), aspect = (folder / "aspect.tif").string();
   REQUIRE(std::system(("gdaldem slope -q -alg Horn " + dem + " " + slope).c_str()) == 0);
-  REQUIRE(std::system(("gdaldem aspect -q -alg Horn " + dem + " " + aspect).c_str()) == 0);
+  // Aspect does not depend on the height's zero; 2048 m lower, gdaldem's single precision has two more bits for it.
+  const std::string lowered = (folder / "lowered.tif").string();
+  REQUIRE(std::system(("gdal_translate -q -scale 2048 4096 0 2048 " + dem + " " + lowered).c_str()) == 0);
+  REQUIRE(std::system(("gdaldem aspect -q -alg Horn " + lowered + " " + aspect).c_str()) == 0);
   check_against_gdaldem(dem, slope, aspect);
 }
 
