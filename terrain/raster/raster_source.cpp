@@ -263,16 +263,4 @@ Tile RasterSource::read(Window window) const {
   return tile;
 }
 
-Tile RasterSource::read_overview(int columns, int rows) const {
-  const MapGrid& grid = state_->grid;
-  Tile out(columns, rows, kNoData);
-  for (int row = 0; row < rows; ++row) {
-    const int source_row = int((row + 0.5) * grid.rows / rows);
-    const Tile line = read({0, source_row, grid.columns, 1});
-    for (int column = 0; column < columns; ++column)
-      out.at(column, row) = line.at(int((column + 0.5) * grid.columns / columns), 0);
-  }
-  return out;
-}
-
 }  // namespace gonogo::terrain

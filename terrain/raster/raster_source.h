@@ -36,9 +36,6 @@ class RasterSource {
   /// Throws InputError when the file is damaged. One thread at a time.
   Tile read(Window window) const;
 
-  /// The whole raster drawn into columns x rows cells (nearest cell), for pictures.
-  Tile read_overview(int columns, int rows) const;
-
  private:
   struct State;
   explicit RasterSource(std::unique_ptr<State> state);
