@@ -110,13 +110,11 @@ struct UpdateContact {
     const Contact& c = contact[i];
     const Velocity &a = velocity[c.body_a], &b = velocity[c.body_b];
     const Impulse from = extrapolated[i], old = impulse[i];
-    const Impulse next = projected_step(c, from, a, b, c.step);
+    const ContactGradient gradient = contact_gradient(c, a, b);
+    const Impulse next = projected_step(c, from, gradient, c.step);
     const Vec3 change = next.linear - old.linear, turn = next.angular - old.angular;
     const Real beta = momentum[c.world].beta;
-    // Restart test: the step back from the extrapolated point, in the metric, against the direction of travel.
-    const Vec3 back = from.linear - next.linear, turn_back = from.angular - next.angular;
-    progress[i] = dot(back, c.normal) * dot(change, c.normal) * (1 / c.step.n - 1 / c.step.t) +
-                  dot(back, change) / c.step.t + dot(turn_back, turn) / c.step.r;
+    progress[i] = dot(gradient.linear, change) + dot(gradient.angular, turn);
     impulse[i] = next;
     extrapolated[i].linear = next.linear + change * beta;
     extrapolated[i].angular = next.angular + turn * beta;
@@ -180,7 +178,7 @@ struct MeasureResidual {
     const Contact& c = contact[i];
     const ConeStep step{c.step.n * c.unsplit, c.step.t * c.unsplit, c.step.r * c.unsplit};
     const Impulse from = impulse[i];
-    const Impulse next = projected_step(c, from, velocity[c.body_a], velocity[c.body_b], step);
+    const Impulse next = projected_step(c, from, contact_gradient(c, velocity[c.body_a], velocity[c.body_b]), step);
     const Vec3 change = next.linear - from.linear, turn = next.angular - from.angular;
     const Real normal = dot(change, c.normal);
     const Vec3 tangential = change - c.normal * normal;
