@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/nearest.h"
 
 namespace gonogo {
 namespace {
@@ -22,28 +23,6 @@ std::string show(Range range) {
   if (low) return "at least " + show(range.minimum);
   if (high) return "at most " + show(range.maximum);
   return "any number";
-}
-
-/// Number of single-character edits between two words (Levenshtein 1966).
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
-      diagonal = row[j];
-      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
-    }
-  }
-  return row[b.size()];
-}
-
-std::string join(const std::vector<std::string>& words) {
-  std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
 }
 
 }  // namespace
@@ -142,7 +121,7 @@ std::string Config::text_or(const std::string& key, const std::string& fallback)
 std::string Config::choice(const std::string& key, const std::vector<std::string>& allowed) const {
   const std::string value = text(key);
   if (std::find(allowed.begin(), allowed.end(), value) == allowed.end())
-    fail(key, "\"" + value + "\" is not one of: " + join(allowed));
+    fail(key, "\"" + value + "\" is not one of: " + join_words(allowed));
   return value;
 }
 
@@ -203,10 +182,7 @@ void Config::finish() const {
     std::sort(known.begin(), known.end());
     known.erase(std::unique(known.begin(), known.end()), known.end());
     if (known.empty()) fail(key, "unknown key; this object takes none");
-    const auto nearest = std::min_element(known.begin(), known.end(), [&](const auto& a, const auto& b) {
-      return edit_distance(a, key) < edit_distance(b, key);
-    });
-    fail(key, "unknown key; did you mean \"" + *nearest + "\"? Known keys: " + join(known));
+    fail(key, "unknown key; did you mean \"" + nearest_word(key, known) + "\"? Known keys: " + join_words(known));
   }
 }
 

@@ -1,6 +1,8 @@
 #include "base/json/json.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -10,35 +12,81 @@ namespace {
 
 using Library = nlohmann::ordered_json;
 
-Json from_library(const Library& j) {
-  switch (j.type()) {
-    case Library::value_t::boolean:
-      return j.get<bool>();
-    case Library::value_t::number_integer:
-      return j.get<std::int64_t>();
-    case Library::value_t::number_unsigned: {
-      const auto u = j.get<std::uint64_t>();
-      return u <= std::uint64_t(INT64_MAX) ? Json(std::int64_t(u)) : Json(u);
-    }
-    case Library::value_t::number_float:
-      return j.get<double>();
-    case Library::value_t::string:
-      return j.get<std::string>();
-    case Library::value_t::array: {
-      Json::Array items;
-      items.reserve(j.size());
-      for (const auto& item : j) items.push_back(from_library(item));
-      return items;
-    }
-    case Library::value_t::object: {
-      Json::Object members;
-      for (const auto& [key, value] : j.items()) members.emplace_back(key, from_library(value));
-      return members;
-    }
-    default:
-      return nullptr;
+constexpr std::size_t kMaxDepth = 512;  // of nested lists and objects: deeper text is an attack or an accident
+
+/// Receives the parts of a text from the library's parser and builds the value. Strict where the library is not:
+/// a key that appears twice in one object is an error, because one of the two values would be lost.
+class Builder : public nlohmann::json_sax<Library> {
+ public:
+  Builder(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+  Json take() { return std::move(root_); }
+
+  bool null() override { return add(nullptr); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t value) override { return add(std::int64_t(value)); }
+  bool number_unsigned(number_unsigned_t value) override {
+    return add(value <= std::uint64_t(INT64_MAX) ? Json(std::int64_t(value)) : Json(std::uint64_t(value)));
   }
-}
+  bool number_float(number_float_t value, const string_t&) override { return add(value); }
+  bool string(string_t& value) override { return add(std::move(value)); }
+  bool binary(binary_t&) override { return false; }
+
+  bool start_object(std::size_t) override { return open(true); }
+  bool start_array(std::size_t) override { return open(false); }
+  bool key(string_t& key) override {
+    if (!open_.back().seen.insert(key).second)
+      throw InputError(name_ + ": the key \"" + key + "\" appears twice in one object; remove one of them");
+    open_.back().key = key;
+    return true;
+  }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+
+  bool parse_error(std::size_t position, const std::string& token, const nlohmann::detail::exception& e) override {
+    const std::size_t end = std::min(position == 0 ? 0 : position - 1, text_.size());
+    const auto line = 1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(end), '\n');
+    const std::string where = name_ + ": line " + std::to_string(line) + ": ";
+    if (e.id == kOutOfRange) throw InputError(where + "the number " + token + " is too large to represent");
+    throw InputError(where + "not valid JSON (a comma, quote or bracket is missing or too many near there)");
+  }
+
+ private:
+  static constexpr int kOutOfRange = 406;  // the library's identifier of a number that overflows
+
+  struct Open {
+    bool is_object;
+    Json::Object members;
+    Json::Array items;
+    std::string key;
+    std::set<std::string> seen;
+  };
+
+  bool open(bool is_object) {
+    if (open_.size() == kMaxDepth)
+      throw InputError(name_ + ": lists and objects are nested deeper than " + std::to_string(kMaxDepth) + " levels");
+    open_.push_back({is_object, {}, {}, {}, {}});
+    return true;
+  }
+  bool close() {
+    Open done = std::move(open_.back());
+    open_.pop_back();
+    return done.is_object ? add(std::move(done.members)) : add(std::move(done.items));
+  }
+  bool add(Json value) {
+    if (open_.empty())
+      root_ = std::move(value);
+    else if (open_.back().is_object)
+      open_.back().members.emplace_back(std::move(open_.back().key), std::move(value));
+    else
+      open_.back().items.push_back(std::move(value));
+    return true;
+  }
+
+  std::string_view text_;
+  const std::string& name_;
+  Json root_;
+  std::vector<Open> open_;
+};
 
 Library to_library(const Json& json) {
   if (json.is_bool()) return json.boolean();
@@ -54,7 +102,7 @@ Library to_library(const Json& json) {
     return out;
   }
   if (json.is_integer()) {
-    if (json.number() > double(INT64_MAX)) return json.unsigned_integer();
+    if (json.number() >= double(INT64_MAX)) return json.unsigned_integer();
     return json.integer();
   }
   if (json.is_number()) return json.number();
@@ -131,17 +179,14 @@ std::string Json::type_name() const {
   return is_array() ? "list" : "object";
 }
 
-std::string Json::dump(int indent) const { return to_library(*this).dump(indent); }
+std::string Json::dump(int indent) const {
+  return to_library(*this).dump(indent, ' ', false, Library::error_handler_t::replace);
+}
 
 Json Json::parse(std::string_view text, const std::string& name) {
-  try {
-    return from_library(Library::parse(text));
-  } catch (const Library::parse_error& e) {
-    std::size_t line = 1;
-    for (std::size_t i = 0; i + 1 < e.byte && i < text.size(); ++i) line += text[i] == '\n';
-    throw InputError(name + ": line " + std::to_string(line) +
-                     ": not valid JSON (a comma, quote or bracket is missing or too many near there)");
-  }
+  Builder builder(text, name);
+  Library::sax_parse(text, &builder);
+  return builder.take();
 }
 
 Json Json::read(const std::filesystem::path& path) { return parse(read_file(path), path.string()); }

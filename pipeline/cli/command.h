@@ -2,6 +2,7 @@
 // InputError, DeviceError or Cancelled, and main() turns them into one sentence and an exit code.
 #pragma once
 #include <CLI/CLI.hpp>
+#include <string>
 
 #include "base/json/json.h"
 
@@ -15,6 +16,12 @@ struct Globals {
 
 /// Prints the result of a command: one JSON line under --json, otherwise `text` for people.
 void print_result(const Globals& globals, const Json& result, const std::string& text);
+
+/// All commands of this build, in the order of pipeline/cli/CMakeLists.txt (generated there).
+void add_commands(CLI::App& app, const Globals& globals);
+
+/// A command whose room was left out at build time: says which option brings it in, as InputError.
+void add_left_out_command(CLI::App& app, const std::string& name, const std::string& option);
 
 void add_run_command(CLI::App& app, const Globals& globals);
 void add_design_command(CLI::App& app, const Globals& globals);

@@ -2,6 +2,7 @@
 // into the program. Nobody keeps a second list.
 #pragma once
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/json/json.h"
@@ -25,10 +26,11 @@ struct Measure {
   std::string name, unit, about;
 };
 
-/// The enumerators' values are the raster codes; the constructor of Contract checks them against the schema.
+/// The enumerators' values are the raster codes; parse_contract() checks them against the schema.
 enum class Verdict : int { go = 1, slow_go = 2, no_go = 3, unknown = 4 };
 enum class Reason : int {
-  none = 0, slope_unstable, rollover, slid_back, power, sinkage, traction, obstacle, timeout, simulation_failed, outside_sampled
+  none = 0, slope_unstable, rollover, slid_back, power, sinkage, traction, obstacle, timeout, simulation_failed, outside_sampled,
+  input_missing
 };
 
 struct VerdictInfo {
@@ -68,6 +70,10 @@ class Contract {
   const VerdictInfo& info(Verdict verdict) const;
   const ReasonInfo& info(Reason reason) const;
 };
+
+/// Reads a schema; throws InputError when a key is unknown or missing, a name appears twice, or the verdicts and reasons
+/// differ from the enumerators above. `name` starts the message.
+Contract parse_contract(std::string_view text, const std::string& name);
 
 /// The contract compiled into this program.
 const Contract& contract();

@@ -1,0 +1,13 @@
+// Which program made a file: release and git revision, written into everything it makes.
+#pragma once
+
+namespace gonogo {
+
+/// Release, "0.1.0".
+const char* program_version();
+
+/// Git revision of the sources at build time, "1a2b3c4d5e6f", with "-dirty" for uncommitted changes; "unknown" outside
+/// git.
+const char* program_revision();
+
+}  // namespace gonogo
