@@ -22,6 +22,7 @@ ctest --test-dir "$folder" -j "$(nproc)" --output-on-failure --output-junit "$re
 
 run=$(from_report tests) failed=$(from_report failures) skipped=$(from_report skipped) disabled=$(from_report disabled)
 passed=$((run - failed - skipped - disabled))
-say "$passed of $registered tests passed, $failed failed, $skipped skipped, $disabled disabled"
+say "$passed of $registered registered tests passed ($disabled disabled)"
 ((status == 0)) || fail "tests failed (ctest exit status $status)"
 ((passed == registered)) || fail "$((registered - passed)) registered tests did not run"
+printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"

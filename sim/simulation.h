@@ -56,6 +56,10 @@ class Simulation {
 
   /// Sum of the contact impulses on a body in the latest step divided by the step [N].
   virtual Vec3d contact_force(WorldIndex world, BodyIndex b) = 0;
+  /// Contacts of all worlds in the latest step and their impulses, in the same order; bodies are counted through the
+  /// batch: index in its world plus the bodies of the worlds before.
+  virtual std::vector<Contact> contacts() = 0;
+  virtual std::vector<Impulse> impulses() = 0;
 
   virtual Snapshot snapshot() = 0;
   virtual void restore(const Snapshot& snapshot) = 0;

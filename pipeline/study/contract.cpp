@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::pair<const char*, Verdict>, 4> kVerdicts{
     {{"go", Verdict::go}, {"slow_go", Verdict::slow_go}, {"no_go", Verdict::no_go}, {"unknown", Verdict::unknown}}};
 
-constexpr std::array<std::pair<const char*, Reason>, 11> kReasons{{{"none", Reason::none},
+constexpr std::array<std::pair<const char*, Reason>, 12> kReasons{{{"none", Reason::none},
                                                                    {"slope_unstable", Reason::slope_unstable},
                                                                    {"rollover", Reason::rollover},
                                                                    {"slid_back", Reason::slid_back},
@@ -25,7 +25,8 @@ constexpr std::array<std::pair<const char*, Reason>, 11> kReasons{{{"none", Reas
                                                                    {"obstacle", Reason::obstacle},
                                                                    {"timeout", Reason::timeout},
                                                                    {"simulation_failed", Reason::simulation_failed},
-                                                                   {"outside_sampled", Reason::outside_sampled}}};
+                                                                   {"outside_sampled", Reason::outside_sampled},
+                                                                   {"input_missing", Reason::input_missing}}};
 
 template <class Table>
 std::vector<std::string> names_of(const Table& table) {

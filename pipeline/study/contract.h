@@ -29,7 +29,8 @@ struct Measure {
 /// The enumerators' values are the raster codes; parse_contract() checks them against the schema.
 enum class Verdict : int { go = 1, slow_go = 2, no_go = 3, unknown = 4 };
 enum class Reason : int {
-  none = 0, slope_unstable, rollover, slid_back, power, sinkage, traction, obstacle, timeout, simulation_failed, outside_sampled
+  none = 0, slope_unstable, rollover, slid_back, power, sinkage, traction, obstacle, timeout, simulation_failed, outside_sampled,
+  input_missing
 };
 
 struct VerdictInfo {

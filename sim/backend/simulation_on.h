@@ -88,6 +88,9 @@ class SimulationOn final : public Simulation {
     return sum * (1.0 / settings_.step);
   }
 
+  std::vector<Contact> contacts() override { return s_.contact.download(); }
+  std::vector<Impulse> impulses() override { return s_.impulse.download(); }
+
   Snapshot snapshot() override {
     Snapshot p{s_.position.download(),      s_.orientation.download(),   s_.velocity.download(),
                s_.first_contact.download(), s_.flags.download(),         s_.key.download(),
@@ -159,7 +162,9 @@ class SimulationOn final : public Simulation {
     s_.motor_extrapolated.fill_zero(s_.motor.size());
     s_.centre.fill_zero(s_.shape_count);
     s_.contacts_of_shape.fill_zero(s_.shape_count);
-    s_.shape_in_bin.fill_zero(s_.shape_count);
+    s_.binned_count = s_.shape_count - s_.large.size();
+    s_.shape_in_bin.fill_zero(s_.binned_count);
+    s_.sphere_in_bin.fill_zero(s_.binned_count);
     s_.first_in_bin.fill_zero(s_.bin_count + 1);
   }
 

@@ -12,9 +12,10 @@ GONOGO_HD inline double folded(double x, double origin, double period) {
   return x - period * std::floor((x - origin) / period);
 }
 
-/// Shortest of all periodic images of a difference.
+/// Shortest of all periodic images of a difference between two points that lie less than 1.5 periods apart.
 GONOGO_HD inline double nearest_image(double d, double period) {
-  return period > 0 ? d - period * std::rint(d / period) : d;
+  const double half = period / 2;
+  return period <= 0 || (d <= half && d >= -half) ? d : d > 0 ? d - period : d + period;
 }
 GONOGO_HD inline Vec3d nearest_image(const Vec3d& d, const Vec3d& period) {
   return {nearest_image(d.x, period.x), nearest_image(d.y, period.y), d.z};
@@ -40,21 +41,31 @@ GONOGO_HD inline Index bin_index(const WorldParameters& world, const BinCoordina
   return world.first_bin + (b.z * world.bins[1] + b.y) * world.bins[0] + b.x;
 }
 
-/// Neighbour `n` of 0..13: 0 is the bin itself, the others are the half of its 26 neighbours that come later.
-/// Returns -1 where there is none.
-GONOGO_HD inline Index neighbour_bin(const WorldParameters& world, const BinCoordinates& b, int n) {
-  const int code = n + 13;  // 13 is (0, 0, 0) among the 27 offsets in z-y-x order
-  BinCoordinates o{b.x + code % 3 - 1, b.y + code / 3 % 3 - 1, b.z + code / 9 - 1};
-  if (o.x < 0 || o.x >= world.bins[0]) {
-    if (world.period.x <= 0) return -1;
-    o.x = (o.x + world.bins[0]) % world.bins[0];
+/// Bins x + from .. x + to of one row, folded where periodic, left out where there are none.
+template <class Visit>
+GONOGO_HD inline void visit_row(const WorldParameters& world, BinCoordinates b, Index from, Index to, bool shared,
+                                Visit&& visit) {
+  if (b.z >= world.bins[2]) return;
+  if (b.y < 0 || b.y >= world.bins[1]) {
+    if (world.period.y <= 0) return;
+    b.y = (b.y + world.bins[1]) % world.bins[1];
   }
-  if (o.y < 0 || o.y >= world.bins[1]) {
-    if (world.period.y <= 0) return -1;
-    o.y = (o.y + world.bins[1]) % world.bins[1];
-  }
-  if (o.z < 0 || o.z >= world.bins[2]) return -1;
-  return bin_index(world, o);
+  const Index row = bin_index(world, {0, b.y, b.z}), count = world.bins[0];
+  const Index low = b.x + from, high = b.x + to;
+  const Index inside_low = low < 0 ? 0 : low, inside_high = high >= count ? count - 1 : high;
+  visit(row + inside_low, row + inside_high + 1, shared);
+  if (world.period.x <= 0) return;
+  if (low < 0) visit(row + low + count, row + low + count + 1, false);
+  if (high >= count) visit(row + high - count, row + high - count + 1, false);
+}
+
+/// Calls visit(first, last, shared) for the half of the 27 bins around `b` that a sphere of this bin looks at: ranges
+/// of consecutive bins, `last` excluded; `shared` tells the range that starts with the sphere's own bin.
+template <class Visit>
+GONOGO_HD inline void visit_neighbour_bins(const WorldParameters& world, const BinCoordinates& b, Visit&& visit) {
+  visit_row(world, {b.x, b.y, b.z}, 0, 1, true, visit);
+  visit_row(world, {b.x, b.y + 1, b.z}, -1, 1, false, visit);
+  for (Index dy = -1; dy <= 1; ++dy) visit_row(world, {b.x, b.y + dy, b.z + 1}, -1, 1, false, visit);
 }
 
 /// Shape i -> its centre in the world and its bin (-1 for large shapes).
@@ -93,6 +104,23 @@ struct FillBin {
   }
 };
 
+struct CopyBinnedSphere {
+  View<const Shape> shape;
+  View<const Vec3d> centre;
+  View<const WorldIndex> world_of_body;
+  View<const WorldParameters> world;
+  View<const ShapeIndex> shape_in_bin;
+  View<BinnedSphere> sphere_in_bin;
+
+  GONOGO_HD void operator()(Index k) const {
+    const ShapeIndex i = shape_in_bin[k];
+    const WorldParameters& w = world[world_of_body[shape[i].body]];
+    const Vec3d c = centre[i];
+    sphere_in_bin[k] = {
+        {folded(c.x, w.origin.x, w.period.x), folded(c.y, w.origin.y, w.period.y), c.z}, shape[i].size.x, i};
+  }
+};
+
 /// Restores ascending order inside each segment: the threads filled it in any order.
 struct SortSegment {
   View<const Index> first;
@@ -119,6 +147,9 @@ void sort_into_bins(Exec exec, State<Exec>& s) {
   for_each_index(exec, s.shape_count,
                  FillBin{s.bin_of_shape.view(), s.first_in_bin.view(), s.bin_cursor.view(), s.shape_in_bin.view()});
   for_each_index(exec, s.bin_count, SortSegment{s.first_in_bin.view(), s.shape_in_bin.view()});
+  for_each_index(exec, s.binned_count,
+                 CopyBinnedSphere{s.shape.view(), s.centre.view(), s.world_of_body.view(), s.world.view(),
+                                  s.shape_in_bin.view(), s.sphere_in_bin.view()});
 }
 
 }  // namespace gonogo::sim

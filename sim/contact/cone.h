@@ -22,22 +22,19 @@ struct ConeStep {
 /// quadratic function of n alone. Its pieces are told apart by which of the two is clipped; the right one is the one
 /// whose minimum lies inside it.
 GONOGO_HD inline ConeImpulse project_onto_cone(const ConeImpulse& p, Real mu, Real rho, const ConeStep& step) {
-  const Real slide = length(p.tangential), roll = length(p.rolling);
+  const Real slide_square = dot(p.tangential, p.tangential), roll_square = dot(p.rolling, p.rolling);
   const Real n0 = p.normal;
-  // Clipped when n < slide / mu (roll / rho); compared by products, so that mu = 0 or rho = 0 need no special case.
-  const bool slide_clips = slide > mu * n0, roll_clips = roll > rho * n0;
-  Real n = n0;
-  if (slide_clips || roll_clips) {
-    const Real slide_weight = mu / step.t, roll_weight = rho / step.r;
-    const Real both = (n0 / step.n + slide_weight * slide + roll_weight * roll) /
-                      (1 / step.n + slide_weight * mu + roll_weight * rho);
-    if (slide > mu * both && roll > rho * both) {
-      n = both;
-    } else if (slide_clips && slide * rho >= roll * mu) {  // sliding clips up to a larger n than rolling does
-      n = (n0 / step.n + slide_weight * slide) / (1 / step.n + slide_weight * mu);
-    } else {
-      n = (n0 / step.n + roll_weight * roll) / (1 / step.n + roll_weight * rho);
-    }
+  if (n0 >= 0 && slide_square <= mu * mu * n0 * n0 && roll_square <= rho * rho * n0 * n0) return p;  // inside
+  const Real slide = std::sqrt(slide_square), roll = std::sqrt(roll_square);
+  const Real slide_weight = mu / step.t, roll_weight = rho / step.r, normal_weight = 1 / step.n;
+  // Clipped where n < slide / mu (roll / rho); compared by products, so that mu = 0 or rho = 0 need no special case.
+  Real n = (normal_weight * n0 + slide_weight * slide + roll_weight * roll) /
+           (normal_weight + slide_weight * mu + roll_weight * rho);
+  if (!(slide > mu * n && roll > rho * n)) {  // not both are clipped: the one that clips up to a larger n is
+    if (slide > mu * n0 && slide * rho >= roll * mu)
+      n = (normal_weight * n0 + slide_weight * slide) / (normal_weight + slide_weight * mu);
+    else
+      n = (normal_weight * n0 + roll_weight * roll) / (normal_weight + roll_weight * rho);
   }
   if (n <= 0) return {};
   const Real slide_scale = slide > mu * n ? mu * n / slide : Real(1);

@@ -43,18 +43,25 @@ GONOGO_HD inline Vec3 contact_velocity(const Contact& c, const Velocity& a, cons
   return a.linear + cross(a.angular, c.arm_a) - b.linear - cross(b.angular, c.arm_b);
 }
 
-/// gamma - S (D^T v + b), projected onto the contact's cone: one projected-gradient update with step sizes S.
-GONOGO_HD inline Impulse projected_step(const Contact& c, const Impulse& from, const Velocity& a, const Velocity& b,
+/// Gradient of the CCP at a contact: D^T v + b, linear [m/s] and turning [rad/s].
+struct ContactGradient {
+  Vec3 linear, angular;
+};
+
+GONOGO_HD inline ContactGradient contact_gradient(const Contact& c, const Velocity& a, const Velocity& b) {
+  return {contact_velocity(c, a, b) + c.normal * c.bias, c.rho > 0 ? a.angular - b.angular : Vec3{}};
+}
+
+/// gamma - S g, projected onto the contact's cone: one projected-gradient update with step sizes S.
+GONOGO_HD inline Impulse projected_step(const Contact& c, const Impulse& from, const ContactGradient& g,
                                         const ConeStep& step) {
-  const Vec3 u = contact_velocity(c, a, b);
-  const Real u_n = dot(u, c.normal);
+  const Real g_n = dot(g.linear, c.normal);
   const Real from_n = dot(from.linear, c.normal);
   ConeImpulse target;
-  target.normal = from_n - step.n * (u_n + c.bias) + c.cohesion;
-  target.tangential = (from.linear - c.normal * from_n) - (u - c.normal * u_n) * step.t;
+  target.normal = from_n - step.n * g_n + c.cohesion;
+  target.tangential = (from.linear - c.normal * from_n) - (g.linear - c.normal * g_n) * step.t;
   if (c.rho > 0) {
-    const Vec3 w = a.angular - b.angular;
-    const Vec3 wish = from.angular - w * step.r;
+    const Vec3 wish = from.angular - g.angular * step.r;
     target.rolling = wish - c.normal * dot(wish, c.normal);
   }
   const ConeImpulse p = project_onto_cone(target, c.mu, c.rho, step);

@@ -17,7 +17,8 @@ struct ContactFinder {
   View<const WorldIndex> world_of_body;
   View<const WorldParameters> world;
   View<const Index> bin_of_shape, first_in_bin;
-  View<const ShapeIndex> shape_in_bin, large;
+  View<const BinnedSphere> sphere_in_bin;
+  View<const ShapeIndex> large;
   View<const BodyMass> mass;
   Real envelope;
 
@@ -47,16 +48,20 @@ struct ContactFinder {
 
   template <class Visit>
   GONOGO_HD void visit_spheres(ShapeIndex i, const WorldParameters& w, Visit&& visit) const {
-    const BinCoordinates b = bin_of(w, centre[i]);
-    for (int n = 0; n < 14; ++n) {
-      const Index bin = neighbour_bin(w, b, n);
-      if (bin < 0) continue;
-      for (Index k = first_in_bin[bin]; k < first_in_bin[bin + 1]; ++k) {
-        const ShapeIndex j = shape_in_bin[k];
-        if (n == 0 && j <= i) continue;
-        visit_sphere_pair(i, j, w, visit);
+    const Vec3d here{folded(centre[i].x, w.origin.x, w.period.x), folded(centre[i].y, w.origin.y, w.period.y),
+                     centre[i].z};
+    const Real radius = shape[i].size.x, reach_i = radius + envelope;
+    visit_neighbour_bins(w, bin_of(w, here), [&](Index first, Index last, bool shared) {
+      const Index own_end = first_in_bin[first + 1];
+      for (Index k = first_in_bin[first]; k < first_in_bin[last]; ++k) {
+        const BinnedSphere& other = sphere_in_bin[k];
+        if (shared && k < own_end && other.shape <= i) continue;
+        const auto d = static_cast<Vec3>(nearest_image(here - other.centre, w.period));
+        const Real reach = reach_i + other.radius;
+        if (dot(d, d) < reach * reach && may_touch(i, other.shape))
+          visit(other.shape, 0, sphere_sphere_gap(d, radius + other.radius));
       }
-    }
+    });
   }
 
   template <class Visit>
@@ -84,11 +89,10 @@ struct ContactFinder {
       return;
     }
     // Boxes and wheels: reject by a bounding sphere before turning into their frame.
+    const Real edge = lug_edge_radius(other);
     const Real reach =
         radius + envelope +
-        (other.type == ShapeType::box
-             ? length(other.size)
-             : std::sqrt((other.size.x + other.size.z) * (other.size.x + other.size.z) + other.size.y * other.size.y));
+        (other.type == ShapeType::box ? length(other.size) : std::sqrt(edge * edge + other.size.y * other.size.y));
     if (dot(d, d) >= reach * reach || !may_touch(i, j)) return;
     const Vec3 p = rotate_back(q, d);
     if (other.type == ShapeType::box) {
@@ -205,7 +209,7 @@ struct WriteContacts {
 template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder{s.shape.view(), s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
-                             s.world.view(), s.bin_of_shape.view(), s.first_in_bin.view(), s.shape_in_bin.view(),
+                             s.world.view(), s.bin_of_shape.view(), s.first_in_bin.view(), s.sphere_in_bin.view(),
                              s.large.view(), s.mass.view(),         settings.envelope};
   s.first_contact.swap(s.old_first_contact);
   s.key.swap(s.old_key);

@@ -110,13 +110,11 @@ struct UpdateContact {
     const Contact& c = contact[i];
     const Velocity &a = velocity[c.body_a], &b = velocity[c.body_b];
     const Impulse from = extrapolated[i], old = impulse[i];
-    const Impulse next = projected_step(c, from, a, b, c.step);
+    const ContactGradient gradient = contact_gradient(c, a, b);
+    const Impulse next = projected_step(c, from, gradient, c.step);
     const Vec3 change = next.linear - old.linear, turn = next.angular - old.angular;
     const Real beta = momentum[c.world].beta;
-    // Restart test: the step back from the extrapolated point, in the metric, against the direction of travel.
-    const Vec3 back = from.linear - next.linear, turn_back = from.angular - next.angular;
-    progress[i] = dot(back, c.normal) * dot(change, c.normal) * (1 / c.step.n - 1 / c.step.t) +
-                  dot(back, change) / c.step.t + dot(turn_back, turn) / c.step.r;
+    progress[i] = dot(gradient.linear, change) + dot(gradient.angular, turn);
     impulse[i] = next;
     extrapolated[i].linear = next.linear + change * beta;
     extrapolated[i].angular = next.angular + turn * beta;
@@ -162,10 +160,18 @@ struct UpdateMomentum {
   }
 };
 
+/// The warm start is close to the solution, so momentum starts as it would stand after a few iterations; the restart
+/// takes it back where that is too bold. Measured on a driven wheel at 10 iterations: a third less residual than from t
+/// = 1.
+inline constexpr Real kFirstMomentum = 4;
+
 struct ResetMomentum {
   View<Momentum> momentum;
   bool last;
-  GONOGO_HD void operator()(WorldIndex w) const { momentum[w] = {1, 0}; }
+  GONOGO_HD void operator()(WorldIndex w) const {
+    const Real next = (1 + std::sqrt(1 + 4 * kFirstMomentum * kFirstMomentum)) / 2;
+    momentum[w] = {next, last ? Real(0) : (kFirstMomentum - 1) / next};
+  }
 };
 
 /// Scaled natural map of the CCP per contact [m/s]: the change that one unsplit projected gradient step would still
@@ -180,7 +186,7 @@ struct MeasureResidual {
     const Contact& c = contact[i];
     const ConeStep step{c.step.n * c.unsplit, c.step.t * c.unsplit, c.step.r * c.unsplit};
     const Impulse from = impulse[i];
-    const Impulse next = projected_step(c, from, velocity[c.body_a], velocity[c.body_b], step);
+    const Impulse next = projected_step(c, from, contact_gradient(c, velocity[c.body_a], velocity[c.body_b]), step);
     const Vec3 change = next.linear - from.linear, turn = next.angular - from.angular;
     const Real normal = dot(change, c.normal);
     const Vec3 tangential = change - c.normal * normal;
@@ -205,7 +211,7 @@ void solve_apgd(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(
       exec, s.contact_count,
       PrepareContact{incidence(s), s.mass.view(), s.contact.view(), s.impulse.view(), s.extrapolated.view()});
-  for_each_index(exec, s.world_count, ResetMomentum{s.momentum.view(), false});
+  for_each_index(exec, s.world_count, ResetMomentum{s.momentum.view(), settings.iterations == 1});
   for_each_index(exec, s.body_count, gather(s));
   for (Index k = 0; k < settings.iterations; ++k) {
     const bool last = k + 1 == settings.iterations;

@@ -77,6 +77,13 @@ struct WorldSums {
   double contact_count = 0;
 };
 
+/// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
+struct BinnedSphere {
+  Vec3d centre;  // folded into the period [m]
+  Real radius;   // [m]
+  ShapeIndex shape;
+};
+
 /// Momentum of the accelerated iteration, per world.
 struct Momentum {
   Real t = 1, beta = 0;
@@ -84,7 +91,7 @@ struct Momentum {
 
 template <class Exec>
 struct State {
-  Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0, contact_count = 0;
+  Index world_count = 0, body_count = 0, shape_count = 0, binned_count = 0, bin_count = 0, contact_count = 0;
 
   Buffer<WorldParameters, Exec> world;
   Buffer<Vec3d, Exec> position;             // [body] centres of mass, inside the period [m]
@@ -103,6 +110,7 @@ struct State {
   // Rebuilt every step.
   Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
   Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
+  Buffer<BinnedSphere, Exec> sphere_in_bin;
   Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
   Buffer<Contact, Exec> contact;
   Buffer<Impulse, Exec> impulse, extrapolated;  // [contact]

@@ -1,0 +1,40 @@
+// The map of a region: slope from the elevation raster, soil from the soil raster and the region's table, P(go) from
+// the model, class and reason by the rules; written as GeoTIFF layers, a figure and an area table. Works block by block
+// of rows: memory does not grow with the raster, and neither threads nor block size change a bit of the result.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/map/area.h"
+#include "pipeline/map/outcome_model.h"
+#include "pipeline/map/region.h"
+#include "pipeline/map/rules.h"
+
+namespace gonogo::pipeline {
+
+struct MapRequest {
+  OutcomeModel model;
+  Region region;
+  MapRules rules;
+  std::filesystem::path out;  // folder
+  bool colour_blind_safe = false;
+  int threads = 0;       // 0: all cores
+  int block_rows = 256;  // rows in memory at a time
+};
+
+struct MapSummary {
+  AreaCount area;
+  double area_km2 = 0;
+  std::vector<std::filesystem::path>
+      files;                         // go.tif, p_go.tif, reason.tif, outside_share.tif, map.png, area.csv, map.json
+  std::vector<std::string> remarks;  // one sentence each, about what the map cannot say and why
+  bool reused = false;               // the folder already held this very map
+};
+
+/// Writes the map unless the folder already holds the one of the same model, region, rasters, rules and program
+/// version, with untouched files. Throws InputError for unusable rasters, DeviceError when writing fails; earlier files
+/// are then as they were.
+MapSummary make_map(const MapRequest& request);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,105 @@
+#include "pipeline/map/map_record.h"
+
+#include <sstream>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "base/version.h"
+
+namespace gonogo::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kRecordName = "map.json";
+
+Json spreads_json(const Spreads& spreads) {
+  Json json = Json::object();
+  for (const auto& [name, spread] : spreads) {
+    Json entry = Json::object();
+    if (spread.kind == Spread::Kind::unknown)
+      entry["unknown"] = spread.source;
+    else
+      entry["range"] = Json::Array{spread.low, spread.high};
+    json[name] = entry;
+  }
+  return json;
+}
+
+Json rules_json(const MapRules& rules) {
+  Json json = Json::object();
+  json["go"] = rules.go;
+  json["no_go"] = rules.no_go;
+  json["tolerated_outside_share"] = rules.tolerated_outside_share;
+  json["draws"] = rules.draws;
+  json["values"] = spreads_json(rules.values);
+  return json;
+}
+
+}  // namespace
+
+Json map_inputs(const MapRequest& request) {
+  Json inputs = Json::object();
+  inputs["version"] = program_version();
+  inputs["revision"] = program_revision();
+  inputs["contract_hash"] = content_hash(contract_text());
+  inputs["model_hash"] = request.model.hash;
+  inputs["vehicle"] = request.model.vehicle;
+  inputs["fidelity"] = request.model.fidelity;
+  inputs["region"] = request.region.name;
+  inputs["region_hash"] = file_hash(request.region.file);
+  inputs["elevation_hash"] = file_hash(request.region.elevation.file);
+  if (request.region.soil_class) inputs["soil_class_hash"] = file_hash(request.region.soil_class->file);
+  inputs["rules"] = rules_json(request.rules);
+  inputs["colour_blind_safe"] = request.colour_blind_safe;
+  return inputs;
+}
+
+Metadata map_metadata(const MapRequest& request, const Json& inputs) {
+  Metadata metadata;
+  metadata.emplace_back("TIFFTAG_SOFTWARE", std::string("gonogo ") + program_version());
+  for (const char* key :
+       {"version", "revision", "region", "region_hash", "model_hash", "elevation_hash", "soil_class_hash"})
+    if (const Json* value = inputs.find(key)) metadata.emplace_back(std::string("GONOGO_") + key, value->string());
+  metadata.emplace_back("GONOGO_rules", inputs.at("rules").dump());
+  metadata.emplace_back("GONOGO_heading", "uphill");
+  metadata.emplace_back("GONOGO_vehicle", "quarter vehicle " + request.model.vehicle);
+  return metadata;
+}
+
+std::optional<MapSummary> find_finished_map(const MapRequest& request, const Json& inputs) {
+  const fs::path record_file = request.out / kRecordName;
+  if (!fs::exists(record_file)) return std::nullopt;
+  MapSummary summary;
+  try {
+    const Json record = Json::read(record_file);
+    if (record.at("inputs").dump() != inputs.dump()) return std::nullopt;
+    for (const auto& [name, hash] : record.at("files").members()) {
+      if (!fs::exists(request.out / name) || file_hash(request.out / name) != hash.string()) return std::nullopt;
+      summary.files.push_back(request.out / name);
+    }
+    summary.area = AreaCount::from_json(record.at("area"));
+    summary.area_km2 = record.at("area_km2").number();
+    for (const Json& remark : record.at("remarks").items()) summary.remarks.push_back(remark.string());
+  } catch (const InputError&) {
+    return std::nullopt;  // a record that cannot be understood belongs to no finished map of ours: make it anew
+  }
+  summary.files.push_back(record_file);
+  summary.reused = true;
+  return summary;
+}
+
+void write_map_record(const MapRequest& request, const Json& inputs, const MapSummary& summary) {
+  Json record = Json::object();
+  record["schema"] = "gonogo/map/1";
+  record["inputs"] = inputs;
+  record["area_km2"] = summary.area_km2;
+  record["area"] = summary.area.to_json();
+  record["remarks"] = Json(summary.remarks);
+  Json files = Json::object();
+  for (const fs::path& file : summary.files) files[file.filename().string()] = file_hash(file);
+  record["files"] = files;
+  write_file_atomically(request.out / kRecordName, record.dump(2) + "\n");
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,24 @@
+// What a map needs of a trained model. pipeline/map/model_source.h makes one from a model file; tests make their own.
+#pragma once
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/json/config.h"
+
+namespace gonogo::pipeline {
+
+struct OutcomeModel {
+  /// Probabilities of the outcomes of contract() for many points at once; a not-a-number marks an unknown variable.
+  /// points: [point count x variable count] row by row, result: [point count x outcome count]. Each row sums to 1 and
+  /// does not depend on the others.
+  std::function<void(std::span<const double> points, std::span<double> result)> probabilities;
+  /// Box in which trials were simulated, [variable count]; a variable held fixed has equal ends.
+  std::vector<Range> sampled;
+  std::string hash;      // of the model's file
+  std::string vehicle;   // name for titles, may be empty
+  std::string fidelity;  // what the trials simulated, for titles, may be empty
+};
+
+}  // namespace gonogo::pipeline

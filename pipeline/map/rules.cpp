@@ -1,0 +1,63 @@
+#include "pipeline/map/rules.h"
+
+#include <limits>
+
+namespace gonogo::pipeline {
+namespace {
+
+double probability_of(const Prospect& prospect, Verdict verdict) {
+  const auto& outcomes = contract().outcomes;
+  double sum = 0;
+  for (std::size_t i = 0; i < outcomes.size(); ++i)
+    if (outcomes[i].verdict == verdict) sum += prospect.outcome[i];
+  return sum;
+}
+
+Verdict verdict_at(double p_go, bool slow_is_likelier, const MapRules& rules) {
+  if (p_go < rules.no_go) return Verdict::no_go;
+  if (p_go < rules.go || slow_is_likelier) return Verdict::slow_go;
+  return Verdict::go;
+}
+
+Reason likeliest_no_go_reason(const Prospect& prospect) {
+  const auto& outcomes = contract().outcomes;
+  double best = -1;
+  Reason reason = Reason::none;
+  for (std::size_t i = 0; i < outcomes.size(); ++i)
+    if (outcomes[i].verdict == Verdict::no_go && prospect.outcome[i] > best) {
+      best = prospect.outcome[i];
+      reason = outcomes[i].reason;
+    }
+  return reason;
+}
+
+}  // namespace
+
+MapRules read_map_rules(const std::optional<Config>& section) {
+  MapRules rules;
+  if (!section) return rules;
+  rules.go = section->number_or("go", rules.go, {0, 1});
+  rules.no_go = section->number_or("no_go", rules.no_go, {0, rules.go});
+  rules.tolerated_outside_share = section->number_or("tolerated_outside_share", 0, {0, 1});
+  rules.draws = int(section->integer_or("draws", rules.draws, {1, 4096}));
+  if (const auto values = section->object_if("values")) rules.values = read_spreads(*values);
+  section->finish();
+  return rules;
+}
+
+double Prospect::p_go() const {
+  if (outside_share >= 1) return std::numeric_limits<double>::quiet_NaN();
+  return probability_of(*this, Verdict::go) + probability_of(*this, Verdict::slow_go);
+}
+
+CellClass classify(const Prospect& prospect, const MapRules& rules) {
+  if (prospect.outside_share >= 1) return {Verdict::unknown, Reason::outside_sampled};
+  const double outside = prospect.outside_share > rules.tolerated_outside_share ? prospect.outside_share : 0;
+  const double lower = prospect.p_go() * (1 - outside), upper = lower + outside;
+  const bool slow = probability_of(prospect, Verdict::slow_go) > probability_of(prospect, Verdict::go);
+  const Verdict verdict = verdict_at(lower, slow, rules);
+  if (verdict != verdict_at(upper, slow, rules)) return {Verdict::unknown, Reason::outside_sampled};
+  return {verdict, verdict == Verdict::no_go ? likeliest_no_go_reason(prospect) : Reason::none};
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,45 @@
+// From outcome probabilities to the class and reason of a cell.
+//
+// P(go) is the probability of go or slow_go in a valid trial. Where a share u of what the soil may be was never
+// sampled, P(go) lies between p (1 - u) and p (1 - u) + u, with p the P(go) of the sampled part. A cell gets a class
+// only if the whole interval agrees on it, and is unknown otherwise; so it is never go on the strength of what was not
+// simulated.
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "base/json/config.h"
+#include "pipeline/map/spread.h"
+#include "pipeline/study/contract.h"
+
+namespace gonogo::pipeline {
+
+/// The section "map" of a study.
+struct MapRules {
+  double go = 0.8;                     // P(go) at or above: go, or slow_go when slow_go is the likelier outcome
+  double no_go = 0.5;                  // P(go) below: no_go; between the two: slow_go
+  double tolerated_outside_share = 0;  // shares u up to this are taken as if they behaved like the sampled part
+  int draws = 16;                      // points drawn from the ranges of a soil
+  Spreads values;                      // of the mission, such as payload; win over the region's
+};
+
+/// Throws InputError. Without a section the defaults hold.
+MapRules read_map_rules(const std::optional<Config>& section);
+
+/// What the model says about a soil at one slope.
+struct Prospect {
+  std::vector<double> outcome;  // mean probabilities over the sampled part, [outcome count]; zeros when there is none
+  double outside_share = 1;     // share of the soil's points that lie outside what was sampled
+
+  double p_go() const;  // of the sampled part; not-a-number when there is none
+};
+
+struct CellClass {
+  Verdict verdict = Verdict::unknown;
+  Reason reason = Reason::outside_sampled;
+};
+
+/// `no_go` cells get their likeliest no_go reason, `unknown` ones outside_sampled.
+CellClass classify(const Prospect& prospect, const MapRules& rules);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,45 @@
+// The figure of a map at print quality: class map with relief, legend, scale bar, north arrow and coordinates; P(go);
+// reasons; and P(go) against slope for each soil. Knows nothing of models or contracts: it draws what it is given.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "terrain/raster/grid.h"
+
+namespace gonogo::pipeline {
+
+/// A class of a panel, with its share of the area [0, 1].
+struct FigureClass {
+  int code = 0;
+  std::string label, colour;  // "#rrggbb"
+  double share = 0;
+};
+
+struct FigureStop {
+  double value = 0;
+  std::string colour;
+};
+
+/// P(go) of one soil over slope. A not-a-number breaks the line.
+struct FigureCurve {
+  std::string label;
+  std::vector<double> slope_deg, p_go;
+};
+
+struct MapFigure {
+  std::string title, subtitle;
+  std::vector<std::string> notes;              // below the panels, one line each
+  terrain::MapGrid grid;                       // of the map, not of the picture
+  terrain::Tile shade, verdict, reason, p_go;  // the picture's cells, all of one size; shade in [0, 1]
+  std::vector<FigureClass> classes, reasons;   // in the order of the legend
+  std::vector<FigureStop> p_go_ramp;           // increasing from 0 to 1
+  std::vector<FigureCurve> curves;
+  double go_threshold = 0.8, no_go_threshold = 0.5;
+  double steepest_sampled_deg = 0;
+};
+
+/// Writes a PNG 2400 pixels wide. Throws DeviceError when it cannot be written.
+void draw_map_figure(const std::filesystem::path& path, const MapFigure& figure);
+
+}  // namespace gonogo::pipeline

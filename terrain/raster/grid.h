@@ -1,0 +1,41 @@
+// Where the cells of a map lie on the ground, and rectangles of cells.
+#pragma once
+#include <string>
+#include <vector>
+
+namespace gonogo::terrain {
+
+/// A north-up grid of equal cells in a projected coordinate system. Row 0 is the northernmost.
+struct MapGrid {
+  int columns = 0, rows = 0;
+  double west = 0, north = 0;              // outer corner of cell (0, 0) [units of the CRS]
+  double cell_width = 0, cell_height = 0;  // both positive [units of the CRS]
+  double metres_per_unit = 1;              // of the CRS
+  std::string crs_wkt;                     // WKT2
+  std::string crs_name;                    // "NAD83 / UTM zone 11N"
+  std::string crs_code;                    // "EPSG:26911", or empty when the file names no authority
+  std::string unit_name = "metre";         // of the CRS
+
+  double cell_width_m() const { return cell_width * metres_per_unit; }
+  double cell_height_m() const { return cell_height * metres_per_unit; }
+  double cell_area_m2() const { return cell_width_m() * cell_height_m(); }
+};
+
+/// Rectangle of cells; may reach beyond the grid, where there is no data.
+struct Window {
+  int column = 0, row = 0, columns = 0, rows = 0;
+};
+
+/// Values of a window, row by row from the north, [rows * columns]. Not-a-number marks nodata.
+struct Tile {
+  int columns = 0, rows = 0;
+  std::vector<float> value;
+
+  Tile() = default;
+  Tile(int columns_, int rows_, float fill)
+      : columns(columns_), rows(rows_), value(std::size_t(columns_) * rows_, fill) {}
+  float& at(int column, int row) { return value[std::size_t(row) * columns + column]; }
+  float at(int column, int row) const { return value[std::size_t(row) * columns + column]; }
+};
+
+}  // namespace gonogo::terrain
