@@ -21,7 +21,9 @@ std::uint32_t packed(Colour c) {
 
 /// Relief as a factor on the colour: 1 on flat ground under a light at 45 degrees (brightness 0.707), stretched because
 /// most ground is far gentler than the light is low.
-double relief_factor(float shade) { return std::isnan(shade) ? 1 : std::clamp(1 + 1.5 * (shade - 0.7071), 0.35, 1.15); }
+double relief_factor(float shade, double strength) {
+  return std::isnan(shade) ? 1 : std::clamp(1 + strength * (shade - 0.7071), 0.6, 1.12);
+}
 
 std::string whole_number(double x) {
   char text[32];
