@@ -94,7 +94,8 @@ class Buffer<T, Cuda> {
   }
   void upload(const std::vector<T>& from) {
     resize(from.size());
-    if (!from.empty()) check_cuda(cudaMemcpy(data_, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice), "upload");
+    if (!from.empty())
+      check_cuda(cudaMemcpy(data_, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice), "upload");
   }
   std::vector<T> download() const {
     std::vector<T> to(size_);

@@ -20,7 +20,8 @@ struct DeviceError : std::runtime_error {
 };
 
 struct Cancelled : std::runtime_error {
-  Cancelled() : std::runtime_error("interrupted; what was finished is kept, and the same command continues from there") {}
+  Cancelled()
+      : std::runtime_error("interrupted; what was finished is kept, and the same command continues from there") {}
 };
 
 /// Process exit codes: 0 success, 1 bug or device failure, 2 bad input, 130 interrupted (128 + SIGINT).
@@ -33,8 +34,8 @@ enum class ExitCode { success = 0, failure = 1, bad_input = 2, interrupted = 130
 #elif defined(__CUDA_ARCH__)
 #define GONOGO_ASSERT(condition) ((condition) ? (void)0 : __trap())
 #else
-#define GONOGO_ASSERT(condition)                                                                           \
-  ((condition) ? (void)0                                                                                   \
-               : (std::fprintf(stderr, "%s:%d: broken invariant: %s\n", __FILE__, __LINE__, #condition), \
-                  std::abort()))
+#define GONOGO_ASSERT(condition) \
+  ((condition)                   \
+       ? (void)0                 \
+       : (std::fprintf(stderr, "%s:%d: broken invariant: %s\n", __FILE__, __LINE__, #condition), std::abort()))
 #endif

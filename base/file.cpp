@@ -51,8 +51,8 @@ void create_folder(const fs::path& folder) {
 
 void replace_file_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
   create_folder(folder_of(path));
-  const fs::path temporary =
-      folder_of(path) / ("." + path.stem().string() + ".partial-" + std::to_string(::getpid()) + path.extension().string());
+  const fs::path temporary = folder_of(path) / ("." + path.stem().string() + ".partial-" + std::to_string(::getpid()) +
+                                                path.extension().string());
   try {
     write(temporary);
     flush_to_disk(temporary);

@@ -11,7 +11,8 @@ namespace gonogo {
 std::string read_file(const std::filesystem::path& path);
 
 /// Writes `content` so that `path` holds either its old content or all of the new one, also after kill -9 or a full
-/// disk. Creates parent folders. Throws DeviceError naming the path and the system's reason; the partial file is removed.
+/// disk. Creates parent folders. Throws DeviceError naming the path and the system's reason; the partial file is
+/// removed.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 
 /// Same promise for libraries that write files themselves: `write(temporary)` fills the temporary file beside `path`

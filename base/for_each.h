@@ -20,6 +20,15 @@ GONOGO_HD inline Index atomic_increment(Index& counter) {
 #endif
 }
 
+/// Raises bits; safe from many threads.
+GONOGO_HD inline void atomic_raise(Index& word, Index bits) {
+#ifdef __CUDA_ARCH__
+  atomicOr(&word, bits);
+#else
+  __atomic_fetch_or(&word, bits, __ATOMIC_RELAXED);
+#endif
+}
+
 /// Below this many indices a second thread costs more than it saves.
 inline constexpr Index kSerialBelow = 512;
 
@@ -33,7 +42,7 @@ void for_each_index(Cpu exec, Index count, const Body& body) {
   for (Index i = 0; i < count; ++i) body(i);
 }
 
-/// out[i] = in[0] + ... + in[i-1], out[count] = total. `in` may be `out`'s first `count` elements. Returns the total.
+/// out[i] = in[0] + ... + in[i-1] for i = 0..count; out has one element more than in. Returns the total, out[count].
 inline Index exclusive_scan(Cpu, View<const Index> in, View<Index> out) {
   Index sum = 0;
   for (Index i = 0; i < in.size; ++i) {
@@ -62,8 +71,7 @@ void for_each_index(Cuda exec, Index count, const Body& body) {
 
 inline Index exclusive_scan(Cuda exec, View<const Index> in, View<Index> out) {
   const auto stream = static_cast<cudaStream_t>(exec.stream);
-  // One element more than `in`, which must therefore be followed by readable memory holding any value: scan the
-  // output instead, after copying, so that the last element is the total.
+  // Scanned in place with a zero appended, so that the last element becomes the total.
   check_cuda(cudaMemcpyAsync(out.data, in.data, sizeof(Index) * in.size, cudaMemcpyDeviceToDevice, stream), "copy");
   check_cuda(cudaMemsetAsync(out.data + in.size, 0, sizeof(Index), stream), "clear");
   std::size_t bytes = 0;

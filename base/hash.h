@@ -8,6 +8,8 @@ namespace gonogo {
 
 /// 32 hexadecimal digits.
 std::string content_hash(std::string_view content);
+
+/// Hash of a file's content, read block by block. Throws InputError when it is missing or cannot be read.
 std::string file_hash(const std::filesystem::path& path);
 
 }  // namespace gonogo

@@ -27,8 +27,9 @@ GONOGO_HD inline RandomBlock philox(RandomBlock counter, std::uint32_t key0, std
 
 /// 128 random bits for draw `index` of stream `stream` under `seed`.
 GONOGO_HD inline RandomBlock random_block(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
-  return philox({{std::uint32_t(index), std::uint32_t(index >> 32), std::uint32_t(stream), std::uint32_t(stream >> 32)}},
-                std::uint32_t(seed), std::uint32_t(seed >> 32));
+  return philox(
+      {{std::uint32_t(index), std::uint32_t(index >> 32), std::uint32_t(stream), std::uint32_t(stream >> 32)}},
+      std::uint32_t(seed), std::uint32_t(seed >> 32));
 }
 
 GONOGO_HD inline std::uint64_t random_bits(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {

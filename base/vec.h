@@ -28,26 +28,42 @@ using Vec3 = Vec3T<Real>;
 using Vec3d = Vec3T<double>;
 
 template <class T>
-GONOGO_HD inline Vec3T<T> operator+(Vec3T<T> a, const Vec3T<T>& b) { return a += b; }
+GONOGO_HD inline Vec3T<T> operator+(Vec3T<T> a, const Vec3T<T>& b) {
+  return a += b;
+}
 template <class T>
-GONOGO_HD inline Vec3T<T> operator-(Vec3T<T> a, const Vec3T<T>& b) { return a -= b; }
+GONOGO_HD inline Vec3T<T> operator-(Vec3T<T> a, const Vec3T<T>& b) {
+  return a -= b;
+}
 template <class T>
-GONOGO_HD inline Vec3T<T> operator-(const Vec3T<T>& a) { return {-a.x, -a.y, -a.z}; }
+GONOGO_HD inline Vec3T<T> operator-(const Vec3T<T>& a) {
+  return {-a.x, -a.y, -a.z};
+}
 template <class T>
-GONOGO_HD inline Vec3T<T> operator*(Vec3T<T> a, T s) { return a *= s; }
+GONOGO_HD inline Vec3T<T> operator*(Vec3T<T> a, T s) {
+  return a *= s;
+}
 template <class T>
-GONOGO_HD inline Vec3T<T> operator*(T s, Vec3T<T> a) { return a *= s; }
+GONOGO_HD inline Vec3T<T> operator*(T s, Vec3T<T> a) {
+  return a *= s;
+}
 /// Component by component.
 template <class T>
-GONOGO_HD inline Vec3T<T> scale(const Vec3T<T>& a, const Vec3T<T>& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+GONOGO_HD inline Vec3T<T> scale(const Vec3T<T>& a, const Vec3T<T>& b) {
+  return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
 template <class T>
-GONOGO_HD inline T dot(const Vec3T<T>& a, const Vec3T<T>& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+GONOGO_HD inline T dot(const Vec3T<T>& a, const Vec3T<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 template <class T>
 GONOGO_HD inline Vec3T<T> cross(const Vec3T<T>& a, const Vec3T<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 template <class T>
-GONOGO_HD inline T length(const Vec3T<T>& a) { return std::sqrt(dot(a, a)); }
+GONOGO_HD inline T length(const Vec3T<T>& a) {
+  return std::sqrt(dot(a, a));
+}
 
 /// Symmetric 3x3 matrix.
 struct SymMat3 {

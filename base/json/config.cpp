@@ -76,8 +76,10 @@ Config Config::child(const Json& value, const std::string& where) const {
 }
 
 double Config::checked_number(const Json& value, const std::string& key, Range range) const {
-  if (!value.is_number()) fail(key, "expected a number " + show(range) + ", found " + value.type_name() + " " + value.dump());
-  if (!range.contains(value.number())) fail(key, "value " + value.dump() + " is outside the allowed range: " + show(range));
+  if (!value.is_number())
+    fail(key, "expected a number " + show(range) + ", found " + value.type_name() + " " + value.dump());
+  if (!range.contains(value.number()))
+    fail(key, "value " + value.dump() + " is outside the allowed range: " + show(range));
   return value.number();
 }
 

@@ -70,7 +70,7 @@ class Config {
 
   std::shared_ptr<const Document> document_;
   const Json* value_;
-  std::string where_;                               // JSON path, "bed.size_m[2]"
+  std::string where_;                                // JSON path, "bed.size_m[2]"
   std::shared_ptr<std::vector<std::string>> asked_;  // keys asked for: known to the reader
 };
 

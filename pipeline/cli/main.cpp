@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <string>
 #include <vector>
@@ -93,6 +94,8 @@ int run_and_explain(int argc, char** argv) {
     return fail(ExitCode::interrupted, error.what());
   } catch (const DeviceError& error) {
     return fail(ExitCode::failure, error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(ExitCode::failure, error.path1().string() + ": " + error.code().message());
   } catch (const std::bad_alloc&) {
     return fail(ExitCode::failure, "out of memory; take a smaller problem or a machine with more memory");
   } catch (const std::exception& error) {

@@ -33,6 +33,10 @@ TEST_CASE("a file hashes like its content, zero bytes included") {
   const std::string content("a\0b\n", 4);
   write_file_atomically(folder / "f", content);
   CHECK(file_hash(folder / "f") == content_hash(content));
+  std::string large;
+  for (int i = 0; i < 600000; ++i) large += std::to_string(i);
+  write_file_atomically(folder / "large", large);
+  CHECK(file_hash(folder / "large") == content_hash(large));
   CHECK(contains(input_error([&] { file_hash(folder / "none"); }), "no such file"));
 }
 

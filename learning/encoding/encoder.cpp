@@ -1,0 +1,222 @@
+#include "learning/encoding/encoder.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.h"
+#include "base/json/config.h"
+
+namespace gonogo::learning {
+namespace {
+
+std::string short_number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.6g", x);
+  return text;
+}
+
+unsigned gray_code(int bin) { return unsigned(bin) ^ (unsigned(bin) >> 1); }
+
+int gray_inverse(unsigned code) {
+  for (unsigned shift = 1; shift < 32; shift <<= 1) code ^= code >> shift;
+  return int(code);
+}
+
+}  // namespace
+
+std::string code_name(Code code) {
+  if (code == Code::thermometer) return "thermometer";
+  return code == Code::one_hot ? "one_hot" : "gray";
+}
+
+Code code_from_name(const std::string& name) {
+  for (Code code : {Code::thermometer, Code::one_hot, Code::gray})
+    if (name == code_name(code)) return code;
+  throw InputError("code \"" + name + "\" does not exist; use thermometer, one_hot or gray");
+}
+
+int Encoder::bins_for_units(Code code, int units) {
+  if (code == Code::thermometer) return units + 1;
+  return code == Code::one_hot ? std::max(units, 1) : 1 << units;
+}
+
+Encoder Encoder::by_edges(std::string name, std::string unit, Code code, std::vector<double> edges, double lower,
+                          double upper) {
+  Encoder encoder;
+  encoder.name_ = std::move(name);
+  encoder.unit_ = std::move(unit);
+  encoder.code_ = code;
+  encoder.edges_ = std::move(edges);
+  encoder.lower_ = lower;
+  encoder.upper_ = upper;
+  encoder.check();
+  return encoder;
+}
+
+Encoder Encoder::by_range(std::string name, std::string unit, Code code, int bins, double lower, double upper) {
+  if (bins < 1) throw InputError("variable " + name + ": " + std::to_string(bins) + " bins; at least 1 is needed");
+  std::vector<double> edges;
+  for (int k = 1; k < bins && lower < upper; ++k) edges.push_back(lower + (upper - lower) * k / bins);
+  return by_edges(std::move(name), std::move(unit), code, std::move(edges), lower, upper);
+}
+
+Encoder Encoder::by_quantile(std::string name, std::string unit, Code code, int bins, std::vector<double> values) {
+  std::erase_if(values, [](double x) { return std::isnan(x); });
+  if (values.empty()) throw InputError("variable " + name + ": no known value to take quantiles of");
+  std::sort(values.begin(), values.end());
+  std::vector<double> edges;
+  for (int k = 1; k < bins; ++k) {
+    const std::size_t right = values.size() * std::size_t(k) / std::size_t(bins);
+    if (right == 0 || right >= values.size()) continue;
+    const double edge = values[right - 1] + (values[right] - values[right - 1]) / 2;
+    const double last = edges.empty() ? values.front() : edges.back();
+    if (edge > last && edge < values.back()) edges.push_back(edge);
+  }
+  // Gray code words exist for powers of two only: repeated values may have left fewer bins.
+  if (code == Code::gray) edges.resize(std::bit_floor(edges.size() + 1) - 1);
+  return by_edges(std::move(name), std::move(unit), code, std::move(edges), values.front(), values.back());
+}
+
+Encoder Encoder::categorical(std::string name, std::vector<std::string> categories) {
+  if (categories.empty()) throw InputError("variable " + name + ": a categorical variable needs at least one category");
+  Encoder encoder;
+  encoder.name_ = std::move(name);
+  encoder.code_ = Code::one_hot;
+  encoder.lower_ = -0.5;
+  encoder.upper_ = double(categories.size()) - 0.5;
+  for (std::size_t k = 1; k < categories.size(); ++k) encoder.edges_.push_back(double(k) - 0.5);
+  encoder.categories_ = std::move(categories);
+  encoder.check();
+  return encoder;
+}
+
+void Encoder::check() const {
+  const std::string where = "encoder of " + name_ + ": ";
+  if (!std::isfinite(lower_) || !std::isfinite(upper_) || lower_ > upper_)
+    throw InputError(where + "range " + short_number(lower_) + " to " + short_number(upper_) + " is not an interval");
+  double last = lower_;
+  for (double edge : edges_) {
+    if (!(edge > last && edge < upper_))
+      throw InputError(where + "edge " + short_number(edge) + " is not above the one before and inside the range");
+    last = edge;
+  }
+  if (edges_.size() >= 4096) throw InputError(where + "more than 4096 bins");
+  if (code_ == Code::gray && !std::has_single_bit(unsigned(bin_count())))
+    throw InputError(where + "a Gray code needs 2, 4, 8, ... bins, not " + std::to_string(bin_count()));
+  if (!categories_.empty() && (code_ != Code::one_hot || categories_.size() != std::size_t(bin_count())))
+    throw InputError(where + "categories need a one_hot code with one bin each");
+}
+
+std::size_t Encoder::unit_count() const {
+  if (edges_.empty()) return 0;
+  if (code_ == Code::thermometer) return edges_.size();
+  return code_ == Code::one_hot ? std::size_t(bin_count()) : std::size_t(std::bit_width(edges_.size()));
+}
+
+std::vector<std::string> Encoder::unit_labels() const {
+  std::vector<std::string> labels;
+  for (std::size_t k = 0; k < unit_count(); ++k) {
+    if (code_ == Code::thermometer)
+      labels.push_back(name_ + ">" + short_number(edges_[k]));
+    else if (code_ == Code::gray)
+      labels.push_back(name_ + ":gray" + std::to_string(k));
+    else
+      labels.push_back(name_ + "=" + (categories_.empty() ? short_number(value(int(k))) : categories_[k]));
+  }
+  return labels;
+}
+
+int Encoder::bin_of(double x) const {
+  GONOGO_ASSERT(!std::isnan(x));
+  return int(std::upper_bound(edges_.begin(), edges_.end(), x) - edges_.begin());
+}
+
+double Encoder::value(int bin) const {
+  const double left = bin == 0 ? lower_ : edges_[std::size_t(bin) - 1];
+  const double right = bin == bin_count() - 1 ? upper_ : edges_[std::size_t(bin)];
+  return left + (right - left) / 2;
+}
+
+double Encoder::resolution(int bin) const {
+  return (bin == bin_count() - 1 ? upper_ : edges_[std::size_t(bin)]) - value(bin);
+}
+
+void Encoder::encode(int bin, std::span<Bit> units) const {
+  GONOGO_ASSERT(units.size() == unit_count() && bin >= 0 && bin < bin_count());
+  for (std::size_t k = 0; k < units.size(); ++k) {
+    if (code_ == Code::thermometer)
+      units[k] = k < std::size_t(bin);
+    else if (code_ == Code::one_hot)
+      units[k] = k == std::size_t(bin);
+    else
+      units[k] = (gray_code(bin) >> k) & 1;
+  }
+}
+
+void Encoder::encode_smooth(double x, std::span<double> units) const {
+  if (units.empty()) return;
+  int left = bin_of(x);
+  double share = 0;  // of the code word of left + 1
+  if (categories_.empty()) {
+    if (x < value(left)) --left;
+    if (left < 0)
+      left = 0;
+    else if (left < bin_count() - 1)
+      share = std::clamp((x - value(left)) / (value(left + 1) - value(left)), 0.0, 1.0);
+  }
+  std::vector<Bit> word(units.size());
+  encode(left, word);
+  for (std::size_t k = 0; k < units.size(); ++k) units[k] = word[k];
+  if (share == 0) return;
+  encode(left + 1, word);
+  for (std::size_t k = 0; k < units.size(); ++k) units[k] += share * (double(word[k]) - units[k]);
+}
+
+DecodedBin Encoder::decode(std::span<const Bit> units, DecodeRule rule) const {
+  GONOGO_ASSERT(units.size() == unit_count());
+  if (units.empty()) return {0, true};
+  if (code_ == Code::gray) {
+    unsigned word = 0;
+    for (std::size_t k = 0; k < units.size(); ++k) word |= unsigned(units[k]) << k;
+    return {gray_inverse(word), true};
+  }
+  const auto ones = std::size_t(std::count(units.begin(), units.end(), Bit(1)));
+  if (code_ == Code::thermometer) {
+    const bool valid = std::is_sorted(units.rbegin(), units.rend());
+    return valid || rule == DecodeRule::repair ? DecodedBin{int(ones), valid} : DecodedBin{};
+  }
+  if (ones == 0 || (ones > 1 && rule == DecodeRule::discard)) return {};
+  std::size_t seen = 0, k = 0;
+  for (; k < units.size(); ++k) {
+    seen += units[k];
+    if (seen == (ones + 1) / 2) break;
+  }
+  return {int(k), ones == 1};
+}
+
+Json Encoder::to_json() const {
+  Json json;
+  json["name"] = name_;
+  json["unit"] = unit_;
+  json["code"] = code_name(code_);
+  json["lower"] = lower_;
+  json["upper"] = upper_;
+  json["edges"] = Json(edges_);
+  json["categories"] = Json(categories_);
+  return json;
+}
+
+Encoder Encoder::from_json(const Json& json, const std::string& source) {
+  const Config config = Config::parse(json.dump(), source);
+  Encoder encoder = by_edges(config.text("name"), config.text("unit"),
+                             code_from_name(config.choice("code", {"thermometer", "one_hot", "gray"})),
+                             config.numbers("edges"), config.number("lower"), config.number("upper"));
+  encoder.categories_ = config.texts("categories");
+  config.finish();
+  encoder.check();
+  return encoder;
+}
+
+}  // namespace gonogo::learning

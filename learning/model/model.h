@@ -1,0 +1,35 @@
+// A trained model and its file. model.h5 holds weights, biases, the layout as JSON, the training points and log, and
+// everything needed to say where it came from.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/json/json.h"
+#include "learning/encoding/layout.h"
+#include "learning/model/weights.h"
+
+namespace gonogo::learning {
+
+struct EpochLog {
+  double epoch = 0;
+  double training_loss = 0;  // mean -log P(outcome | variables) of the training rows [nat]
+  double held_out_loss = 0;  // of the held-out rows; not-a-number when there were none
+};
+
+struct Model {
+  VisibleLayout layout;
+  RbmWeights weights;
+  std::vector<double> sampled_lower, sampled_upper;  // [variable count]: box in which trials were made
+  std::vector<double> training_points;               // [point count x variable count]
+  std::vector<EpochLog> log;
+  Json provenance = Json::object();  // data_hash, contract_hash, sampler, seed, settings, counts, scores
+};
+
+/// Throws DeviceError when the file cannot be written; never leaves half a file.
+void write_model(const std::filesystem::path& path, const Model& model);
+/// Throws InputError for files that are missing, truncated, of another schema, with sizes that do not fit one another
+/// or with weights that are not finite.
+Model read_model(const std::filesystem::path& path);
+
+}  // namespace gonogo::learning

@@ -1,0 +1,220 @@
+#include "learning/model/posterior.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/random.h"
+
+namespace gonogo::learning {
+namespace {
+
+constexpr std::size_t kMostHidden = 1024;  // hidden units whose fields fit on the stack
+
+/// Turns log weights into probabilities in place; the common way to end every sum here.
+void normalise(std::span<double> log_weight) {
+  const double total = log_sum_exp(log_weight);
+  for (double& x : log_weight) x = std::exp(x - total);
+}
+
+/// Draws an index with probability proportional to exp(log_weight).
+std::size_t draw(std::vector<double>& log_weight, double u) {
+  normalise(log_weight);
+  std::size_t k = 0;
+  for (double sum = log_weight[0]; k + 1 < log_weight.size() && u >= sum;) sum += log_weight[++k];
+  return k;
+}
+
+}  // namespace
+
+Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights) : hidden_bias_(weights.hidden_bias) {
+  const std::size_t hidden = weights.hidden_count;
+  if (weights.visible_count != layout.unit_count())
+    throw InputError("model: " + std::to_string(weights.visible_count) + " visible units where its layout has " +
+                     std::to_string(layout.unit_count()));
+  if (hidden > kMostHidden) throw InputError("model: more than 1024 hidden units");
+  for (std::size_t v = 0; v < layout.variable_count(); ++v) {
+    const Encoder& encoder = layout.encoders()[v];
+    Nodes nodes;
+    nodes.smooth = encoder.categories().empty();
+    nodes.unit_count = encoder.unit_count();
+    std::vector<Bit> word(encoder.unit_count());
+    for (int bin = 0; bin < encoder.bin_count(); ++bin) {
+      encoder.encode(bin, word);
+      nodes.middle.push_back(encoder.value(bin));
+      nodes.bias.push_back(0);
+      nodes.field.resize(nodes.field.size() + hidden, 0.0);
+      double* field = nodes.field.data() + std::size_t(bin) * hidden;
+      for (std::size_t k = 0; k < word.size(); ++k) {
+        if (!word[k]) continue;
+        const std::size_t i = layout.offset(v) + k;
+        nodes.bias.back() += weights.visible_bias[i];
+        for (std::size_t j = 0; j < hidden; ++j) field[j] += weights.weight[i * hidden + j];
+      }
+    }
+    nodes_.push_back(std::move(nodes));
+  }
+  const std::size_t first = layout.input_unit_count();
+  outcome_bias_.assign(weights.visible_bias.begin() + std::ptrdiff_t(first), weights.visible_bias.end());
+  outcome_weight_.assign(weights.weight.begin() + std::ptrdiff_t(first * hidden), weights.weight.end());
+  for (double u : outcome_weight_) {
+    outcome_factor_.push_back(std::exp(u));
+    largest_outcome_weight_ = std::max(largest_outcome_weight_, u);
+  }
+}
+
+void Posterior::add_field(const Nodes& nodes, double x, std::span<double> field) const {
+  const std::size_t hidden = field.size(), last = nodes.middle.size() - 1;
+  if (nodes.unit_count == 0) return;
+  if (!nodes.smooth) {
+    const auto bin = std::size_t(std::clamp(std::floor(x + 0.5), 0.0, double(last)));
+    for (std::size_t j = 0; j < hidden; ++j) field[j] += nodes.field[bin * hidden + j];
+    return;
+  }
+  std::size_t left = 0;
+  while (left + 1 < last && x >= nodes.middle[left + 1]) ++left;
+  const double share = std::clamp((x - nodes.middle[left]) / (nodes.middle[left + 1] - nodes.middle[left]), 0.0, 1.0);
+  const double* a = nodes.field.data() + left * hidden;
+  for (std::size_t j = 0; j < hidden; ++j) field[j] += a[j] + share * (a[j + hidden] - a[j]);
+}
+
+void Posterior::scores(std::span<const double> field, std::span<double> result) const {
+  const std::size_t hidden = field.size();
+  const double highest = *std::max_element(field.begin(), field.end());
+  if (highest + largest_outcome_weight_ > 40) {  // the products below could overflow
+    for (std::size_t y = 0; y < result.size(); ++y) {
+      result[y] = outcome_bias_[y];
+      for (std::size_t j = 0; j < hidden; ++j) result[y] += softplus(field[j] + outcome_weight_[y * hidden + j]);
+    }
+    return;
+  }
+  // One exponential per hidden unit: sum_j log(1 + e^(f_j + U_yj)) = log prod_j (1 + e^f_j e^U_yj), in products of 16
+  // factors, each at most e^41.
+  std::array<double, kMostHidden> power;
+  for (std::size_t j = 0; j < hidden; ++j) power[j] = std::exp(field[j]);
+  for (std::size_t y = 0; y < result.size(); ++y) {
+    const double* factor = outcome_factor_.data() + y * hidden;
+    double sum = outcome_bias_[y];
+    for (std::size_t begin = 0; begin < hidden; begin += 16) {
+      double product = 1;
+      for (std::size_t j = begin; j < std::min(hidden, begin + 16); ++j) product *= 1 + power[j] * factor[j];
+      sum += std::log(product);
+    }
+    result[y] = sum;
+  }
+}
+
+void Posterior::operator()(std::span<const double> variables, std::span<double> result) const {
+  GONOGO_ASSERT(variables.size() == nodes_.size() && result.size() == outcome_count());
+  std::array<double, kMostHidden> storage;
+  const std::span<double> field(storage.data(), hidden_bias_.size());
+  std::copy(hidden_bias_.begin(), hidden_bias_.end(), field.begin());
+  for (std::size_t v = 0; v < nodes_.size(); ++v) add_field(nodes_[v], variables[v], field);
+  scores(field, result);
+  normalise(result);
+}
+
+PosteriorAnswer Posterior::marginal(std::span<const double> variables, const MarginalOptions& options) const {
+  GONOGO_ASSERT(variables.size() == nodes_.size());
+  std::vector<double> field = hidden_bias_;
+  std::vector<std::size_t> unknown;
+  double terms = 1;
+  for (std::size_t v = 0; v < nodes_.size(); ++v) {
+    if (!std::isnan(variables[v])) {
+      add_field(nodes_[v], variables[v], field);
+    } else if (nodes_[v].unit_count > 0) {
+      unknown.push_back(v);
+      terms *= double(nodes_[v].middle.size());
+    }
+  }
+  return terms <= double(options.most_terms) ? sum_out(std::move(field), unknown) : sample_out(field, unknown, options);
+}
+
+PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
+  const std::size_t hidden = field.size(), depth = unknown.size();
+  // Odometer over the code words; level k of `partial` is the field with the first k unknown variables set.
+  std::vector<std::size_t> bin(depth, 0);
+  std::vector<std::vector<double>> partial(depth + 1, field);
+  std::vector<double> bias(depth + 1, 0.0), score(outcome_count());
+  std::vector<double> highest(outcome_count(), -INFINITY), sum(outcome_count(), 0.0);
+  std::size_t level = 0;
+  for (;;) {
+    for (; level < depth; ++level) {
+      const Nodes& nodes = nodes_[unknown[level]];
+      const double* add = nodes.field.data() + bin[level] * hidden;
+      for (std::size_t j = 0; j < hidden; ++j) partial[level + 1][j] = partial[level][j] + add[j];
+      bias[level + 1] = bias[level] + nodes.bias[bin[level]];
+    }
+    scores(partial[depth], score);
+    for (std::size_t y = 0; y < score.size(); ++y) {
+      const double term = score[y] + bias[depth];
+      if (term > highest[y]) {
+        sum[y] *= std::exp(highest[y] - term);
+        highest[y] = term;
+      }
+      sum[y] += std::exp(term - highest[y]);
+    }
+    while (level > 0 && ++bin[level - 1] == nodes_[unknown[level - 1]].middle.size()) bin[--level] = 0;
+    if (level == 0) break;
+    --level;
+  }
+  PosteriorAnswer answer;
+  for (std::size_t y = 0; y < sum.size(); ++y) answer.probability.push_back(highest[y] + std::log(sum[y]));
+  normalise(answer.probability);
+  answer.standard_error.assign(sum.size(), 0.0);
+  return answer;
+}
+
+std::vector<double> Posterior::chain_mean(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
+                                          const MarginalOptions& options, std::size_t chain) const {
+  const std::size_t hidden = field.size();
+  std::uint64_t counter = 0;
+  const auto uniform = [&] { return random_unit(options.seed, chain, counter++); };
+  std::vector<double> h(hidden), mean(outcome_count(), 0.0), now, log_weight, score(outcome_count());
+  for (double& unit : h) unit = uniform() < 0.5;
+  for (std::size_t sweep = 0; sweep < options.burn_in + options.sweeps; ++sweep) {
+    now = field;  // fields of the hidden units from the variables, outcome left out
+    for (std::size_t v : unknown) {
+      const Nodes& nodes = nodes_[v];
+      log_weight = nodes.bias;
+      for (std::size_t bin = 0; bin < log_weight.size(); ++bin)
+        for (std::size_t j = 0; j < hidden; ++j) log_weight[bin] += h[j] * nodes.field[bin * hidden + j];
+      const std::size_t bin = draw(log_weight, uniform());
+      for (std::size_t j = 0; j < hidden; ++j) now[j] += nodes.field[bin * hidden + j];
+    }
+    scores(now, score);
+    normalise(score);
+    if (sweep >= options.burn_in)
+      for (std::size_t y = 0; y < mean.size(); ++y) mean[y] += score[y] / double(options.sweeps);
+    // The outcome given the variables with the hidden units summed out, then the hidden units: an exact block draw.
+    for (double& p : score) p = std::log(p);
+    const std::size_t y = draw(score, uniform());
+    for (std::size_t j = 0; j < hidden; ++j) {
+      const double f = now[j] + outcome_weight_[y * hidden + j];
+      h[j] = uniform() * (1 + std::exp(-f)) < 1;
+    }
+  }
+  return mean;
+}
+
+PosteriorAnswer Posterior::sample_out(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
+                                      const MarginalOptions& options) const {
+  std::vector<std::vector<double>> means(options.chains);
+#pragma omp parallel for schedule(static)
+  for (std::size_t chain = 0; chain < options.chains; ++chain)
+    means[chain] = chain_mean(field, unknown, options, chain);
+  PosteriorAnswer answer;
+  answer.exact = false;
+  const double n = double(options.chains);
+  for (std::size_t y = 0; y < outcome_count(); ++y) {
+    double mean = 0, square = 0;
+    for (const auto& chain : means) mean += chain[y] / n;
+    for (const auto& chain : means) square += (chain[y] - mean) * (chain[y] - mean) / (n - 1);
+    answer.probability.push_back(mean);
+    answer.standard_error.push_back(std::sqrt(square / n));
+  }
+  return answer;
+}
+
+}  // namespace gonogo::learning

@@ -1,0 +1,131 @@
+#include "learning/rbm/tensors.h"
+
+#include <cmath>
+
+#include "base/error.h"
+
+namespace gonogo::learning {
+namespace {
+
+constexpr std::size_t kMostCompletions = 4096;  // of one row: more unknown variables say too little to be worth it
+
+/// All code words of the unknown variables of a row, written over `smooth` and `hard` copies of it.
+void append_completions(const VisibleLayout& layout, std::span<const double> variables, std::vector<double>& smooth,
+                        std::vector<double>& hard) {
+  std::vector<std::size_t> unknown;
+  std::size_t count = 1;
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    if (!std::isnan(variables[v])) continue;
+    unknown.push_back(v);
+    count *= std::size_t(layout.encoders()[v].bin_count());
+    if (count > kMostCompletions)
+      throw InputError("training table: a row leaves so many variables unknown that over " +
+                       std::to_string(kMostCompletions) + " combinations of their bins are possible; leave it out");
+  }
+  std::vector<double> filled(variables.begin(), variables.end()), units(layout.input_unit_count());
+  std::vector<Bit> word(layout.input_unit_count());
+  for (std::size_t c = 0; c < count; ++c) {
+    std::size_t rest = c;
+    for (std::size_t v : unknown) {
+      const Encoder& encoder = layout.encoders()[v];
+      filled[v] = encoder.value(int(rest % std::size_t(encoder.bin_count())));
+      rest /= std::size_t(encoder.bin_count());
+    }
+    layout.encode_smooth(filled, units);
+    smooth.insert(smooth.end(), units.begin(), units.end());
+    layout.encode(filled, word);
+    hard.insert(hard.end(), word.begin(), word.end());
+  }
+}
+
+torch::Tensor matrix(const std::vector<double>& values, std::int64_t rows, std::int64_t columns) {
+  return torch::from_blob(const_cast<double*>(values.data()), {rows, columns}, torch::kFloat64).clone();
+}
+
+std::vector<double> values_of(const torch::Tensor& tensor) {
+  const torch::Tensor flat = tensor.detach().contiguous();
+  return std::vector<double>(flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel());
+}
+
+/// -F(v, y) for every row of code units and every outcome: [row x outcome].
+torch::Tensor negative_free_energy(const Machine& m, const torch::Tensor& inputs) {
+  const std::int64_t n = m.input_units, visible = m.weight.size(0);
+  const torch::Tensor field = torch::matmul(inputs, m.weight.slice(0, 0, n)) + m.hidden_bias;
+  const torch::Tensor all = field.unsqueeze(1) + m.weight.slice(0, n, visible).unsqueeze(0);
+  return torch::softplus(all).sum(2) + m.visible_bias.slice(0, n, visible) +
+         torch::matmul(inputs, m.visible_bias.slice(0, 0, n)).unsqueeze(1);
+}
+
+/// log of the sum over each row's completions: [row x outcome]. Rows without unknown variables pass through.
+torch::Tensor sum_completions(const torch::Tensor& scores, const std::vector<std::int64_t>& first) {
+  if (scores.size(0) + 1 == std::int64_t(first.size())) return scores;
+  std::vector<torch::Tensor> rows;
+  for (std::size_t n = 0; n + 1 < first.size(); ++n)
+    rows.push_back(torch::logsumexp(scores.slice(0, first[n], first[n + 1]), 0));
+  return torch::stack(rows);
+}
+
+}  // namespace
+
+RowTensors make_rows(const VisibleLayout& layout, const TrainingTable& table, const std::vector<std::size_t>& rows) {
+  RowTensors result;
+  std::vector<double> smooth, hard, weight;
+  std::vector<std::int64_t> outcome;
+  const std::int64_t units = std::int64_t(layout.input_unit_count());
+  std::int64_t completions = 0;
+  for (std::size_t n : rows) {
+    result.first.push_back(completions);
+    const std::size_t before = hard.size();
+    append_completions(layout, table.row(n), smooth, hard);
+    completions += units > 0 ? std::int64_t(hard.size() - before) / units : 1;
+    outcome.push_back(std::int64_t(table.outcome[n]));
+    weight.push_back(table.weight[n]);
+  }
+  result.first.push_back(completions);
+  result.smooth = matrix(smooth, completions, units);
+  result.hard = matrix(hard, completions, units);
+  result.outcome = torch::tensor(outcome, torch::kInt64);
+  result.weight = torch::tensor(weight, torch::kFloat64);
+  return result;
+}
+
+Machine::Machine(const RbmWeights& weights, std::size_t input_unit_count)
+    : weight(matrix(weights.weight, std::int64_t(weights.visible_count), std::int64_t(weights.hidden_count))),
+      visible_bias(torch::tensor(weights.visible_bias, torch::kFloat64)),
+      hidden_bias(torch::tensor(weights.hidden_bias, torch::kFloat64)),
+      input_units(std::int64_t(input_unit_count)) {
+  for (torch::Tensor* parameter : {&weight, &visible_bias, &hidden_bias}) parameter->set_requires_grad(true);
+}
+
+RbmWeights Machine::weights() const {
+  return {std::size_t(weight.size(0)), std::size_t(weight.size(1)), values_of(weight), values_of(visible_bias),
+          values_of(hidden_bias)};
+}
+
+RbmWeights Machine::gradient() const {
+  return {std::size_t(weight.size(0)), std::size_t(weight.size(1)), values_of(weight.grad()),
+          values_of(visible_bias.grad()), values_of(hidden_bias.grad())};
+}
+
+torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
+                        const TrainingSettings& settings, std::size_t table_rows) {
+  const torch::Tensor label = rows.outcome.unsqueeze(1);
+  const double count = double(rows.outcome.size(0));
+  torch::Tensor loss = (machine.weight.square().sum() + machine.hidden_bias.square().sum()) *
+                       (settings.weight_decay / (2 * double(table_rows)));
+  if (settings.discriminative > 0) {
+    const torch::Tensor scores = sum_completions(negative_free_energy(machine, rows.smooth), rows.first);
+    const torch::Tensor log_p = scores.gather(1, label).squeeze(1) - torch::logsumexp(scores, 1);
+    loss = loss - settings.discriminative * (rows.weight * log_p).sum() / count;
+  }
+  if (settings.generative > 0) {
+    const torch::Tensor scores = sum_completions(negative_free_energy(machine, rows.hard), rows.first);
+    const torch::Tensor data = (rows.weight * scores.gather(1, label).squeeze(1)).sum() / count;
+    const torch::Tensor field = torch::matmul(negative, machine.weight) + machine.hidden_bias;
+    const torch::Tensor model = (torch::softplus(field).sum(1) + torch::matmul(negative, machine.visible_bias)).mean();
+    loss = loss - settings.generative * (data - model);
+  }
+  return loss;
+}
+
+}  // namespace gonogo::learning

@@ -1,0 +1,72 @@
+// Training of restricted Boltzmann machines on LibTorch: hybrid of discriminative and generative likelihood
+// (Larochelle & Bengio 2008, section 4), per row n of the table with weight w_n (mean 1):
+//
+//   L = - mean w_n log P(y_n | x_n) - g mean w_n log P(v_n, y_n) + s / (2 N) (|W|^2 + |b|^2)
+//
+// The first term is exact by free energy over the outcomes. The second's gradient needs rows drawn from the machine,
+// which come from a Sampler whose chains persist from update to update (Tieleman 2008). x_n is the smooth code, v_n the
+// code word. Unknown variables of a row are summed out over their code words. Same seed, same bits for any number of
+// threads. No type of LibTorch appears in this header.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "learning/encoding/layout.h"
+#include "learning/model/model.h"
+#include "learning/model/posterior.h"
+#include "learning/model/weights.h"
+#include "learning/sampler/sampler.h"
+#include "learning/table.h"
+
+namespace gonogo::learning {
+
+struct TrainingSettings {
+  std::size_t hidden = 16;
+  std::size_t epochs = 400;       // most passes over the table
+  std::size_t report_every = 10;  // epochs between entries of the log and looks at held-out rows
+  std::size_t batch = 32;         // rows of a minibatch
+  double learning_rate = 0.02;    // of Adam (Kingma & Ba 2015)
+  double discriminative = 1;      // share of the first term; 0 trains a purely generative machine
+  double generative = 0.05;       // g
+  double weight_decay = 1;        // s [nat]: a prior of variance 1 / s on every weight, whatever the number of rows
+  double initial_weight = 0.1;    // standard deviation of the first weights
+  std::size_t chains = 64;        // persistent chains of the negative phase
+  std::size_t sweeps = 2;         // of every chain between updates
+  std::uint64_t seed = 1;
+};
+
+struct TrainingResult {
+  RbmWeights weights;
+  std::vector<EpochLog> log;
+};
+
+/// Called at every report epoch with the machine so far; return false to stop.
+using EpochHook = std::function<bool(std::size_t epoch, const RbmWeights& weights)>;
+
+/// Trains on all rows. Throws InputError for an empty table or one that does not fit the layout.
+TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
+                         const Sampler& sampler, const EpochHook& hook = {});
+
+/// L at fixed negative-phase rows and its gradient by automatic differentiation; for tests against finite differences.
+struct Objective {
+  double value = 0;
+  RbmWeights gradient;
+};
+Objective training_objective(const RbmWeights& weights, const VisibleLayout& layout, const TrainingTable& table,
+                             const TrainingSettings& settings, const SampleSet& negative);
+
+/// Mean over rows of -log P(y_n | x_n), weighted.
+double conditional_loss(const Posterior& posterior, const TrainingTable& table);
+
+/// k-fold cross-validation with early stopping.
+struct CrossValidation {
+  std::size_t best_epoch = 0;       // with the least held-out loss, the folds taken together
+  std::vector<EpochLog> log;        // one entry per report epoch, mean over folds
+  std::vector<double> probability;  // [row x outcome]: of each row by the machine that did not see it, at best_epoch
+};
+CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
+                               const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count);
+
+}  // namespace gonogo::learning

@@ -1,0 +1,111 @@
+#include "learning/sampler/block_gibbs.h"
+
+#include <cmath>
+
+#include "base/cancel.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "learning/encoding/encoder.h"
+#include "learning/sampler/bipartite.h"
+
+namespace gonogo::learning {
+namespace {
+
+/// Draws for one chain: unit u of sweep t takes word u % 4 of block (t + 1) * blocks + u / 4; block row 0 starts
+/// chains.
+class ChainRandom {
+ public:
+  ChainRandom(std::uint64_t seed, std::uint64_t chain, std::size_t unit_count)
+      : seed_(seed), chain_(chain), blocks_per_sweep_((unit_count + 3) / 4) {}
+  void begin(std::uint64_t sweep_row) {
+    row_ = sweep_row * blocks_per_sweep_;
+    held_ = UINT64_MAX;
+  }
+  /// Uniform in (0, 1) with 32 bits, never an end point.
+  double operator()(std::size_t unit) {
+    const std::uint64_t index = row_ + unit / 4;
+    if (index != held_) {
+      block_ = random_block(seed_, chain_, index);
+      held_ = index;
+    }
+    return (double(block_.word[unit % 4]) + 0.5) * 0x1.0p-32;
+  }
+
+ private:
+  std::uint64_t seed_, chain_, blocks_per_sweep_, row_ = 0, held_ = UINT64_MAX;
+  RandomBlock block_{};
+};
+
+/// Draws `to` given `from`; weight: [from x to]. Bits of `to` use units first_unit, first_unit + 1, ...
+void draw_side(const std::vector<Bit>& from, const std::vector<double>& weight, const std::vector<double>& bias,
+               ChainRandom& random, std::size_t first_unit, std::vector<double>& field, std::vector<Bit>& to) {
+  field = bias;
+  const std::size_t width = to.size();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!from[i]) continue;
+    const double* row = weight.data() + i * width;
+    for (std::size_t j = 0; j < width; ++j) field[j] += row[j];
+  }
+  for (std::size_t j = 0; j < width; ++j) {
+    const double u = random(first_unit + j);
+    to[j] = u * (1 + std::exp(-field[j])) < 1;
+  }
+}
+
+void run_chain(const Bipartite& sides, const SampleRequest& request, std::size_t chain, std::span<std::int8_t> row) {
+  std::vector<Bit> left(sides.left.size()), right(sides.right.size());
+  std::vector<double> field;
+  ChainRandom random(request.seed, chain, left.size() + right.size());
+  if (request.start) {
+    for (std::size_t i = 0; i < left.size(); ++i) left[i] = row[sides.left[i]] > 0;
+    for (std::size_t j = 0; j < right.size(); ++j) right[j] = row[sides.right[j]] > 0;
+  } else {
+    random.begin(0);
+    for (std::size_t i = 0; i < left.size(); ++i) left[i] = random(right.size() + i) < 0.5;
+    for (std::size_t j = 0; j < right.size(); ++j) right[j] = random(j) < 0.5;
+  }
+  for (std::uint64_t sweep = 0; sweep < request.sweeps; ++sweep) {
+    random.begin(request.first_sweep + sweep + 1);
+    draw_side(left, sides.weight, sides.bias_right, random, 0, field, right);
+    draw_side(right, sides.weight_transpose, sides.bias_left, random, right.size(), field, left);
+  }
+  for (std::size_t i = 0; i < left.size(); ++i) row[sides.left[i]] = std::int8_t(left[i]);
+  for (std::size_t j = 0; j < right.size(); ++j) row[sides.right[j]] = std::int8_t(right[j]);
+}
+
+}  // namespace
+
+SampleSet BlockGibbs::sample(const Problem& problem, const SampleRequest& request) const {
+  const Problem qubo = to_qubo(problem);
+  const auto sides = split_in_two(qubo);
+  if (!sides)
+    throw InputError(
+        "sampler block_gibbs: the problem is not bipartite (three or another odd number of variables are "
+        "coupled in a ring); use the sampler exact when it is small");
+  const std::size_t n = problem.variable_count();
+  const bool spin = problem.vartype == Vartype::spin;
+  SampleSet result;
+  result.vartype = problem.vartype;
+  result.labels = problem.labels;
+  result.values.resize(request.reads * n);
+  result.energies.resize(request.reads);
+  result.occurrences.assign(request.reads, 1);
+  if (request.start) {
+    if (request.start->row_count() != request.reads || request.start->labels != problem.labels)
+      throw InputError("sampler block_gibbs: the rows to start from do not fit the problem and the number of reads");
+    result.values = request.start->values;
+  }
+#pragma omp parallel for schedule(static)
+  for (std::size_t chain = 0; chain < request.reads; ++chain) {
+    if (cancel_requested()) continue;
+    const auto row = std::span(result.values).subspan(chain * n, n);
+    run_chain(*sides, request, chain, row);
+    if (spin)
+      for (std::int8_t& value : row) value = value > 0 ? 1 : -1;
+    result.energies[chain] = energy(problem, row);
+  }
+  stop_if_cancelled();
+  return result;
+}
+
+}  // namespace gonogo::learning

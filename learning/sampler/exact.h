@@ -1,0 +1,27 @@
+// Exact answers by enumeration: log Z, marginals, independent samples. The smaller side of a bipartite problem is
+// enumerated and the other summed out in closed form; other problems are enumerated whole.
+#pragma once
+#include <vector>
+
+#include "learning/sampler/sampler.h"
+
+namespace gonogo::learning {
+
+inline constexpr std::size_t kMaxEnumerated = 22;  // variables: 4 million states, 32 MB
+
+struct ExactMoments {
+  double log_z = 0;               // log of sum over x of exp(-E(x))
+  std::vector<double> mean;       // [variable_count]: E[x_i] in the problem's vartype
+  std::vector<double> pair_mean;  // [coupling count]: E[x_a x_b], in the order of the couplings
+};
+
+/// Throws InputError when more than kMaxEnumerated variables would have to be enumerated.
+ExactMoments exact_moments(const Problem& problem);
+
+class ExactSampler final : public Sampler {
+ public:
+  std::string name() const override { return "exact"; }
+  SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
+};
+
+}  // namespace gonogo::learning

@@ -1,0 +1,48 @@
+# shellcheck shell=bash
+# Shared by the scripts: what they say, and how the program is configured and built on this machine.
+# Source it after `set -euo pipefail`; it changes to the root of the source tree.
+
+cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
+export PATH="$PATH:/usr/local/cuda/bin"
+
+say() { printf '==> %s\n' "$*"; }
+fail() { printf '%s: %s\n' "$(basename "$0")" "$*" >&2; exit 1; }
+
+# Jobs for the build: one per core, but leave 1.5 GB of memory to each compiler (LibTorch's headers need it).
+build_jobs() {
+  local cores memory_kb by_memory
+  cores=$(nproc)
+  memory_kb=$(awk '/^MemAvailable:/ {print $2}' /proc/meminfo)
+  by_memory=$((memory_kb / 1500000))
+  ((by_memory < 1)) && by_memory=1
+  echo $((cores < by_memory ? cores : by_memory))
+}
+
+# configure <preset> [cmake arguments...]: adds what depends on this machine.
+configure() {
+  local preset=$1
+  shift
+  local arguments=("$@")
+  if command -v ccache >/dev/null; then
+    arguments+=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+  fi
+  if [[ -s .cache/torch_prefix ]]; then
+    arguments+=("-DCMAKE_PREFIX_PATH=$(cat .cache/torch_prefix)")
+  fi
+  if ! grep -qw avx2 /proc/cpuinfo; then
+    say "this processor has no AVX2: building for the compiler's default processor instead of x86-64-v3"
+    arguments+=(-DCMAKE_CXX_FLAGS=)
+  fi
+  say "configuring preset $preset"
+  cmake --preset "$preset" "${arguments[@]}"
+}
+
+# build <preset> [targets...]: everything when no target is named.
+build() {
+  local preset=$1
+  shift
+  local targets=()
+  (($# > 0)) && targets=(--target "$@")
+  say "building ${*:-everything} with $(build_jobs) jobs"
+  cmake --build --preset "$preset" -j "$(build_jobs)" "${targets[@]}"
+}

@@ -1,0 +1,98 @@
+#!/usr/bin/env bash
+# Installs what the build needs and is missing, on Debian 12 or Ubuntu 24.04, as root or with sudo.
+#   scripts/setup.sh
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+packages=(
+  g++ cmake ninja-build ccache git ca-certificates pkg-config  # build
+  libeigen3-dev libhdf5-dev nlohmann-json3-dev libxxhash-dev   # base, sim
+  libboost-graph-dev libcli11-dev libcairo2-dev                # pipeline
+  libgdal-dev                                                  # terrain/raster
+  catch2                                                       # tests
+)
+
+is_installed() { [[ $(dpkg-query -W -f='${Status}' "$1" 2>/dev/null) == "install ok installed" ]]; }
+has_candidate() { [[ $(LC_ALL=C apt-cache policy "$1" 2>/dev/null) == *"Candidate: "[0-9]* ]]; }
+
+as_root() {
+  if (($(id -u) == 0)); then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    fail "installing packages needs root: run this as root, install sudo, or install by hand: $*"
+  fi
+}
+
+apt_updated=false
+apt_update() {
+  $apt_updated && return
+  say "fetching the package lists (apt-get update)"
+  as_root apt-get update -qq
+  apt_updated=true
+}
+
+apt_install() {
+  say "installing with apt-get: $*"
+  local install=(env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@")
+  as_root "${install[@]}" >/dev/null && return
+  apt_update  # lists that are too old name files that are gone
+  as_root "${install[@]}" >/dev/null
+}
+
+# A python torch can be used when it is 1.13 or later and was built with the same C++ library interface as everything else.
+python_torch_prefix() {
+  "$1" -c '
+import torch
+version = tuple(int(part) for part in torch.__version__.split("+")[0].split(".")[:2])
+if version >= (1, 13) and torch.compiled_with_cxx11_abi():
+    print(torch.utils.cmake_prefix_path)' 2>/dev/null || true
+}
+
+use_torch_at() {
+  mkdir -p .cache
+  printf '%s\n' "$1" > .cache/torch_prefix
+  say "LibTorch: $1"
+}
+
+install_torch_in_venv() {
+  local venv=.cache/torch-venv
+  say "LibTorch: no package libtorch-dev and no usable python torch; installing the CPU build of torch into $venv (about 1 GB)"
+  is_installed python3-venv || apt_install python3-venv
+  python3 -m venv "$venv"
+  "$venv/bin/pip" install --quiet --index-url https://download.pytorch.org/whl/cpu 'torch>=2.6' ||
+    "$venv/bin/pip" install --quiet 'torch>=2.6' || fail "could not install torch with pip; see the message above"
+}
+
+provide_torch() {
+  rm -f .cache/torch_prefix
+  if is_installed libtorch-dev; then
+    return
+  elif has_candidate libtorch-dev; then
+    apt_install libtorch-dev
+    return
+  fi
+  local python prefix
+  for python in python3 .cache/torch-venv/bin/python; do
+    prefix=$(python_torch_prefix "$python")
+    if [[ -n $prefix ]]; then
+      use_torch_at "$prefix"
+      return
+    fi
+  done
+  install_torch_in_venv
+  prefix=$(python_torch_prefix .cache/torch-venv/bin/python)
+  [[ -n $prefix ]] || fail "torch was installed into .cache/torch-venv but cannot be imported"
+  use_torch_at "$prefix"
+}
+
+command -v apt-get >/dev/null || fail "needs apt-get (Debian 12, Ubuntu 24.04); elsewhere install by hand: ${packages[*]} libtorch-dev"
+missing=()
+for package in "${packages[@]}"; do is_installed "$package" || missing+=("$package"); done
+if ((${#missing[@]} > 0)); then
+  for package in "${missing[@]}"; do has_candidate "$package" || apt_update; done
+  apt_install "${missing[@]}"
+fi
+provide_torch
+say "everything the build needs is installed"

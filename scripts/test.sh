@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds everything and runs every test; fails when one fails, is missing or was skipped.
+#   scripts/test.sh
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+folder=build/cpu-release
+report=$PWD/$folder/tests.xml
+
+# Value of an attribute of the report's first element, <testsuite ... name="3" ...>.
+from_report() { sed -n "0,/<testcase/s/^.*[[:space:]]$1=\"\([0-9]*\)\".*$/\1/p" "$report" | head -n 1; }
+
+scripts/setup.sh
+configure cpu-release -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON
+build cpu-release
+registered=$(ctest --test-dir "$folder" -N | sed -n 's/^Total Tests: //p')
+((registered > 0)) || fail "no test is registered"
+say "running $registered tests"
+rm -f "$report"
+status=0
+ctest --test-dir "$folder" -j "$(nproc)" --output-on-failure --output-junit "$report" || status=$?
+
+run=$(from_report tests) failed=$(from_report failures) skipped=$(from_report skipped) disabled=$(from_report disabled)
+passed=$((run - failed - skipped - disabled))
+say "$passed of $registered registered tests passed ($disabled disabled)"
+((status == 0)) || fail "tests failed (ctest exit status $status)"
+((passed == registered)) || fail "$((registered - passed)) registered tests did not run"
+printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"

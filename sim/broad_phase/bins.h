@@ -1,0 +1,155 @@
+// Broad phase: spheres sorted into bins at least as wide as the largest of them plus the envelope, so that touching
+// spheres lie in the same or in adjacent bins. Each pair is met once: the owner looks at half of its neighbour bins.
+// Large shapes (wheels, boxes, planes, big spheres) are not binned; every sphere tests the few of its world.
+#pragma once
+#include "sim/world/state.h"
+
+namespace gonogo::sim {
+
+/// Position folded into [origin, origin + period) along periodic axes.
+GONOGO_HD inline double folded(double x, double origin, double period) {
+  if (period <= 0) return x;
+  return x - period * std::floor((x - origin) / period);
+}
+
+/// Shortest of all periodic images of a difference between two points that lie less than 1.5 periods apart.
+GONOGO_HD inline double nearest_image(double d, double period) {
+  const double half = period / 2;
+  return period <= 0 || (d <= half && d >= -half) ? d : d > 0 ? d - period : d + period;
+}
+GONOGO_HD inline Vec3d nearest_image(const Vec3d& d, const Vec3d& period) {
+  return {nearest_image(d.x, period.x), nearest_image(d.y, period.y), d.z};
+}
+
+struct BinCoordinates {
+  Index x, y, z;
+};
+
+GONOGO_HD inline Index clamped_bin(double offset, Real size, Index count) {
+  const double bin = std::floor(offset / double(size));
+  return bin < 0 ? 0 : bin >= count ? count - 1 : Index(bin);
+}
+
+GONOGO_HD inline BinCoordinates bin_of(const WorldParameters& world, const Vec3d& centre) {
+  return {
+      clamped_bin(folded(centre.x, world.origin.x, world.period.x) - world.origin.x, world.bin_size.x, world.bins[0]),
+      clamped_bin(folded(centre.y, world.origin.y, world.period.y) - world.origin.y, world.bin_size.y, world.bins[1]),
+      clamped_bin(centre.z - world.origin.z, world.bin_size.z, world.bins[2])};
+}
+
+GONOGO_HD inline Index bin_index(const WorldParameters& world, const BinCoordinates& b) {
+  return world.first_bin + (b.z * world.bins[1] + b.y) * world.bins[0] + b.x;
+}
+
+/// Bins x + from .. x + to of one row, folded where periodic, left out where there are none.
+template <class Visit>
+GONOGO_HD inline void visit_row(const WorldParameters& world, BinCoordinates b, Index from, Index to, bool shared,
+                                Visit&& visit) {
+  if (b.z >= world.bins[2]) return;
+  if (b.y < 0 || b.y >= world.bins[1]) {
+    if (world.period.y <= 0) return;
+    b.y = (b.y + world.bins[1]) % world.bins[1];
+  }
+  const Index row = bin_index(world, {0, b.y, b.z}), count = world.bins[0];
+  const Index low = b.x + from, high = b.x + to;
+  const Index inside_low = low < 0 ? 0 : low, inside_high = high >= count ? count - 1 : high;
+  visit(row + inside_low, row + inside_high + 1, shared);
+  if (world.period.x <= 0) return;
+  if (low < 0) visit(row + low + count, row + low + count + 1, false);
+  if (high >= count) visit(row + high - count, row + high - count + 1, false);
+}
+
+/// Calls visit(first, last, shared) for the half of the 27 bins around `b` that a sphere of this bin looks at: ranges
+/// of consecutive bins, `last` excluded; `shared` tells the range that starts with the sphere's own bin.
+template <class Visit>
+GONOGO_HD inline void visit_neighbour_bins(const WorldParameters& world, const BinCoordinates& b, Visit&& visit) {
+  visit_row(world, {b.x, b.y, b.z}, 0, 1, true, visit);
+  visit_row(world, {b.x, b.y + 1, b.z}, -1, 1, false, visit);
+  for (Index dy = -1; dy <= 1; ++dy) visit_row(world, {b.x, b.y + dy, b.z + 1}, -1, 1, false, visit);
+}
+
+/// Shape i -> its centre in the world and its bin (-1 for large shapes).
+struct PlaceShape {
+  View<const Shape> shape;
+  View<const Vec3d> position;
+  View<const Quat> orientation;
+  View<const WorldIndex> world_of_body;
+  View<const WorldParameters> world;
+  View<Vec3d> centre;
+  View<Index> bin_of_shape;  // holds -1 for large shapes already
+  View<Index> bin_size;
+
+  GONOGO_HD void operator()(Index i) const {
+    const Shape& s = shape[i];
+    Vec3d c = position[s.body];
+    if (s.offset_B.x != 0 || s.offset_B.y != 0 || s.offset_B.z != 0)
+      c += static_cast<Vec3d>(rotate(orientation[s.body], s.offset_B));
+    centre[i] = c;
+    if (bin_of_shape[i] < 0) return;
+    const WorldParameters& w = world[world_of_body[s.body]];
+    const Index bin = bin_index(w, bin_of(w, c));
+    bin_of_shape[i] = bin;
+    atomic_increment(bin_size[bin]);
+  }
+};
+
+struct FillBin {
+  View<const Index> bin_of_shape, first_in_bin;
+  View<Index> cursor;
+  View<ShapeIndex> shape_in_bin;
+
+  GONOGO_HD void operator()(Index i) const {
+    const Index bin = bin_of_shape[i];
+    if (bin >= 0) shape_in_bin[first_in_bin[bin] + atomic_increment(cursor[bin])] = i;
+  }
+};
+
+struct CopyBinnedSphere {
+  View<const Shape> shape;
+  View<const Vec3d> centre;
+  View<const WorldIndex> world_of_body;
+  View<const WorldParameters> world;
+  View<const ShapeIndex> shape_in_bin;
+  View<BinnedSphere> sphere_in_bin;
+
+  GONOGO_HD void operator()(Index k) const {
+    const ShapeIndex i = shape_in_bin[k];
+    const WorldParameters& w = world[world_of_body[shape[i].body]];
+    const Vec3d c = centre[i];
+    sphere_in_bin[k] = {
+        {folded(c.x, w.origin.x, w.period.x), folded(c.y, w.origin.y, w.period.y), c.z}, shape[i].size.x, i};
+  }
+};
+
+/// Restores ascending order inside each segment: the threads filled it in any order.
+struct SortSegment {
+  View<const Index> first;
+  View<Index> item;
+
+  GONOGO_HD void operator()(Index segment) const {
+    for (Index i = first[segment] + 1; i < first[segment + 1]; ++i) {
+      const Index value = item[i];
+      Index j = i;
+      for (; j > first[segment] && item[j - 1] > value; --j) item[j] = item[j - 1];
+      item[j] = value;
+    }
+  }
+};
+
+template <class Exec>
+void sort_into_bins(Exec exec, State<Exec>& s) {
+  s.bin_cursor.fill_zero(s.bin_count + 1);
+  for_each_index(exec, s.shape_count,
+                 PlaceShape{s.shape.view(), s.position.view(), s.orientation.view(), s.world_of_body.view(),
+                            s.world.view(), s.centre.view(), s.bin_of_shape.view(), s.bin_cursor.view()});
+  exclusive_scan(exec, View<const Index>{s.bin_cursor.data(), s.bin_count}, s.first_in_bin.view());
+  s.bin_cursor.fill_zero(s.bin_count + 1);
+  for_each_index(exec, s.shape_count,
+                 FillBin{s.bin_of_shape.view(), s.first_in_bin.view(), s.bin_cursor.view(), s.shape_in_bin.view()});
+  for_each_index(exec, s.bin_count, SortSegment{s.first_in_bin.view(), s.shape_in_bin.view()});
+  for_each_index(exec, s.binned_count,
+                 CopyBinnedSphere{s.shape.view(), s.centre.view(), s.world_of_body.view(), s.world.view(),
+                                  s.shape_in_bin.view(), s.sphere_in_bin.view()});
+}
+
+}  // namespace gonogo::sim

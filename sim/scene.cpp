@@ -1,0 +1,49 @@
+#include "sim/scene.h"
+
+#include "base/error.h"
+
+namespace gonogo::sim {
+
+BodyMass fixed_body() { return {}; }
+
+BodyMass solid(Real mass, const Vec3& inertia_B) {
+  if (!(mass > 0) || !(inertia_B.x > 0) || !(inertia_B.y > 0) || !(inertia_B.z > 0))
+    throw InputError(
+        "a moving body needs a mass and moments of inertia above zero; use fixed_body() for one that stays");
+  BodyMass m;
+  m.inverse_mass = {1 / mass, 1 / mass, 1 / mass};
+  m.inverse_inertia_B = {1 / inertia_B.x, 1 / inertia_B.y, 1 / inertia_B.z};
+  m.isotropic = inertia_B.x == inertia_B.y && inertia_B.y == inertia_B.z;
+  return m;
+}
+
+BodyIndex SceneWorld::add_body(const BodyState& state, const BodyMass& body_mass) {
+  body.push_back(state);
+  mass.push_back(body_mass);
+  return BodyIndex(body.size()) - 1;
+}
+
+BodyIndex SceneWorld::add_sphere(const Vec3d& position, Real radius, Real density, int material) {
+  const Real m = density * Real(4.0 / 3.0 * 3.14159265358979) * radius * radius * radius;
+  const Real inertia = Real(0.4) * m * radius * radius;
+  const BodyIndex b = add_body({position, {}, {}, {}}, solid(m, {inertia, inertia, inertia}));
+  Shape s;
+  s.body = b;
+  s.material = material;
+  s.size = {radius, 0, 0};
+  add_shape(s);
+  return b;
+}
+
+void SceneWorld::add_shape(const Shape& s) {
+  if (s.body < 0 || s.body >= BodyIndex(body.size()) || (!shape.empty() && shape.back().body > s.body))
+    throw InputError("shapes must be added in ascending order of their body, after it exists");
+  shape.push_back(s);
+}
+
+void SceneWorld::set_law(int material_a, int material_b, const PairLaw& l) {
+  law[material_a][material_b] = l;
+  law[material_b][material_a] = l;
+}
+
+}  // namespace gonogo::sim

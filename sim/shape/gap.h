@@ -1,0 +1,75 @@
+// Gap and normal of a sphere against each other shape. gap [m]: signed distance between the surfaces, negative when
+// they overlap. normal: unit, from the other shape towards the sphere.
+#pragma once
+#include "sim/shape/shape.h"
+
+namespace gonogo::sim {
+
+struct Gap {
+  Real gap;
+  Vec3 normal;
+};
+
+/// `separation`: from the other sphere's centre to this one's.
+GONOGO_HD inline Gap sphere_sphere_gap(const Vec3& separation, Real radius_sum) {
+  const Real distance = length(separation);
+  if (distance < Real(1e-12)) return {-radius_sum, {0, 0, 1}};
+  return {distance - radius_sum, separation * (Real(1) / distance)};
+}
+
+/// `p`: the sphere's centre in the frame of the box. Inside, the normal leads out through the nearest face.
+GONOGO_HD inline Gap sphere_box_gap(const Vec3& p, const Vec3& half, Real radius) {
+  const Vec3 q{std::fabs(p.x) - half.x, std::fabs(p.y) - half.y, std::fabs(p.z) - half.z};
+  const Vec3 sign{p.x < 0 ? Real(-1) : Real(1), p.y < 0 ? Real(-1) : Real(1), p.z < 0 ? Real(-1) : Real(1)};
+  const Vec3 out{std::fmax(q.x, Real(0)), std::fmax(q.y, Real(0)), std::fmax(q.z, Real(0))};
+  const Real distance = length(out);
+  if (distance > Real(1e-9)) return {distance - radius, scale(sign, out * (Real(1) / distance))};
+  if (q.x >= q.y && q.x >= q.z) return {q.x - radius, {sign.x, 0, 0}};
+  if (q.y >= q.z) return {q.y - radius, {0, sign.y, 0}};
+  return {q.z - radius, {0, 0, sign.z}};
+}
+
+/// Cylinder of the wheel without lugs: axle y, `p` in the wheel's frame.
+GONOGO_HD inline Gap sphere_cylinder_gap(const Vec3& p, Real cylinder_radius, Real half_width, Real radius) {
+  const Real axial = std::fabs(p.y) - half_width;
+  const Real from_axle = std::sqrt(p.x * p.x + p.z * p.z);
+  const Real radial = from_axle - cylinder_radius;
+  const Vec3 outward = from_axle > Real(1e-9) ? Vec3{p.x / from_axle, 0, p.z / from_axle} : Vec3{1, 0, 0};
+  const Vec3 sideways{0, p.y < 0 ? Real(-1) : Real(1), 0};
+  if (radial > 0 && axial > 0) {
+    const Real distance = std::sqrt(radial * radial + axial * axial);
+    return {distance - radius, outward * (radial / distance) + sideways * (axial / distance)};
+  }
+  return radial >= axial ? Gap{radial - radius, outward} : Gap{axial - radius, sideways};
+}
+
+/// Lug `k` of a wheel: a box on the rim at angle 2 pi k / lug_count, its foot sunk into the rim by its own height.
+GONOGO_HD inline Gap sphere_lug_gap(const Vec3& p, const Shape& wheel, int k, Real radius) {
+  const Real angle = Real(6.283185307179586) * Real(k) / Real(wheel.lug_count);
+  const Real c = std::cos(angle), s = std::sin(angle);
+  // Frame of the lug: x outward along its radius, z along the circumference.
+  const Vec3 local{c * p.x + s * p.z - wheel.size.x, p.y, -s * p.x + c * p.z};
+  const Gap g = sphere_box_gap(local, {wheel.size.z, wheel.size.y, Real(0.5) * wheel.lug_thickness}, radius);
+  return {g.gap, {c * g.normal.x - s * g.normal.z, g.normal.y, s * g.normal.x + c * g.normal.z}};
+}
+
+/// Calls visit(feature, gap) for the cylinder (feature 0) and the two lugs nearest to `p` (features 1 + k).
+template <class Visit>
+GONOGO_HD inline void visit_wheel_gaps(const Vec3& p, const Shape& wheel, Real radius, Real envelope, Visit&& visit) {
+  const Gap cylinder = sphere_cylinder_gap(p, wheel.size.x, wheel.size.y, radius);
+  if (cylinder.gap > envelope + lug_edge_radius(wheel) - wheel.size.x) return;
+  if (cylinder.gap < envelope) visit(0, cylinder);
+  if (wheel.lug_count == 0) return;
+  const Real pitch = Real(6.283185307179586) / Real(wheel.lug_count);
+  const Real turns = std::atan2(p.z, p.x) / pitch;
+  const int near = int(std::floor(turns + Real(0.5)));
+  const int next = turns > Real(near) ? near + 1 : near - 1;
+  for (const int lug : {near, next}) {
+    if (wheel.lug_count == 1 && lug == next) return;
+    const int k = ((lug % wheel.lug_count) + wheel.lug_count) % wheel.lug_count;
+    const Gap g = sphere_lug_gap(p, wheel, k, radius);
+    if (g.gap < envelope) visit(1 + k, g);
+  }
+}
+
+}  // namespace gonogo::sim

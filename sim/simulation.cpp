@@ -1,0 +1,134 @@
+#include "sim/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+
+namespace gonogo::sim {
+namespace {
+
+/// Spheres up to this multiple of a world's smallest sphere are binned; larger ones are few and tested one by one.
+constexpr Real kBinnedSizeRatio = 4;
+
+std::string in_world(std::size_t w) { return "world " + std::to_string(w) + ": "; }
+
+Real smallest_sphere(const SceneWorld& world) {
+  Real radius = 0;
+  for (const Shape& s : world.shape)
+    if (s.type == ShapeType::sphere && (radius == 0 || s.size.x < radius)) radius = s.size.x;
+  return radius;
+}
+
+bool is_binned(const Shape& s, Real smallest) {
+  return s.type == ShapeType::sphere && s.size.x <= kBinnedSizeRatio * smallest;
+}
+
+void check_world(const SceneWorld& world, std::size_t w) {
+  if (world.body.empty()) throw InputError(in_world(w) + "has no bodies");
+  if (!(world.size.x > 0 && world.size.y > 0 && world.size.z > 0))
+    throw InputError(in_world(w) + "its size must be above zero");
+  for (const Shape& s : world.shape) {
+    if (s.material < 0 || s.material >= kMaxMaterials)
+      throw InputError(in_world(w) + "a shape's material is out of range");
+    if (s.type != ShapeType::plane && !(s.size.x > 0))
+      throw InputError(in_world(w) + "a shape's size must be above zero");
+  }
+}
+
+/// Bins at least as wide as the largest binned sphere plus the envelope; at least 3 along a periodic axis.
+void lay_out_bins(const SceneWorld& world, const StepSettings& settings, std::size_t w, WorldParameters& p) {
+  const Real smallest = smallest_sphere(world);
+  Real width = 0;
+  for (const Shape& s : world.shape)
+    if (is_binned(s, smallest)) width = std::max(width, 2 * s.size.x);
+  width = width > 0 ? width + settings.envelope : Real(world.size.x);
+  const double size[3] = {world.size.x, world.size.y, world.size.z};
+  Real bin_size[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    p.bins[axis] = std::max(1, std::min(1024, int(std::floor(size[axis] / width))));
+    bin_size[axis] = Real(size[axis] / p.bins[axis]);
+  }
+  p.bin_size = {bin_size[0], bin_size[1], bin_size[2]};
+  if ((world.periodic_x && smallest > 0 && p.bins[0] < 3) || (world.periodic_y && smallest > 0 && p.bins[1] < 3))
+    throw InputError(in_world(w) +
+                     "a periodic side is shorter than three grains; make the bed larger or the grains smaller");
+}
+
+WorldParameters world_parameters(const SceneWorld& world, const StepSettings& settings, std::size_t w) {
+  WorldParameters p;
+  p.gravity = world.gravity;
+  p.origin = world.origin;
+  p.period = {world.periodic_x ? world.size.x : 0, world.periodic_y ? world.size.y : 0, 0};
+  std::copy(&world.law[0][0], &world.law[0][0] + kMaxMaterials * kMaxMaterials, &p.law[0][0]);
+  lay_out_bins(world, settings, w, p);
+  return p;
+}
+
+void append_shapes(const SceneWorld& world, BodyIndex first_body, FlatScene& flat, WorldParameters& p) {
+  const Real smallest = smallest_sphere(world);
+  p.first_large = Index(flat.large.size());
+  std::size_t next = 0;
+  for (BodyIndex b = 0; b < BodyIndex(world.body.size()); ++b) {
+    flat.first_shape.push_back(Index(flat.shape.size()));
+    for (; next < world.shape.size() && world.shape[next].body == b; ++next) {
+      Shape s = world.shape[next];
+      s.body += first_body;
+      const bool binned = is_binned(s, smallest);
+      if (!binned) flat.large.push_back(ShapeIndex(flat.shape.size()));
+      flat.bin_of_shape.push_back(binned ? 0 : -1);
+      flat.shape.push_back(s);
+    }
+  }
+  p.large_count = Index(flat.large.size()) - p.first_large;
+}
+
+}  // namespace
+
+FlatScene flatten(const Scene& scene, const StepSettings& settings) {
+  FlatScene flat;
+  for (std::size_t w = 0; w < scene.size(); ++w) {
+    const SceneWorld& world = scene[w];
+    check_world(world, w);
+    WorldParameters p = world_parameters(world, settings, w);
+    p.first_body = BodyIndex(flat.body.size());
+    p.body_count = Index(world.body.size());
+    p.first_bin = flat.bin_count;
+    flat.bin_count += p.bins[0] * p.bins[1] * p.bins[2];
+    append_shapes(world, p.first_body, flat, p);
+    flat.body.insert(flat.body.end(), world.body.begin(), world.body.end());
+    flat.mass.insert(flat.mass.end(), world.mass.begin(), world.mass.end());
+    flat.world_of_body.insert(flat.world_of_body.end(), world.body.size(), WorldIndex(w));
+    flat.first_motor.push_back(Index(flat.motor.size()));
+    for (Motor m : world.motor) {
+      m.body += p.first_body;
+      flat.mass[m.body].motor = std::int32_t(flat.motor.size());
+      flat.motor.push_back(m);
+    }
+    flat.first_spring.push_back(Index(flat.spring.size()));
+    for (SpringDamper s : world.spring) {
+      s.upper += p.first_body;
+      s.lower += p.first_body;
+      flat.spring.push_back(s);
+    }
+    flat.world.push_back(p);
+  }
+  flat.first_shape.push_back(Index(flat.shape.size()));
+  return flat;
+}
+
+std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
+                                            int threads) {
+  if (scene.empty()) throw InputError("the scene has no worlds");
+  if (!(settings.step > 0) || settings.iterations < 1)
+    throw InputError("the step must be above zero and there must be at least one iteration");
+  const FlatScene flat = flatten(scene, settings);
+  if (backend == Backend::cpu) return make_cpu_simulation(flat, settings, threads);
+#ifdef GONOGO_WITH_CUDA
+  return make_cuda_simulation(flat, settings);
+#else
+  throw InputError("this program was built without CUDA; build the cuda-release preset or ask for the cpu backend");
+#endif
+}
+
+}  // namespace gonogo::sim

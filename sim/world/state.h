@@ -1,0 +1,132 @@
+// Arrays of a batch of worlds. Bodies and shapes of one world are contiguous and in the same order, so that a world's
+// result does not depend on its company. A world is a box, periodic along x and y when asked.
+#pragma once
+#include "base/for_each.h"
+#include "sim/contact/contact.h"
+#include "sim/shape/shape.h"
+
+namespace gonogo::sim {
+
+/// How two materials touch.
+struct PairLaw {
+  Real friction = 0;           // sliding, [-]
+  Real rolling_friction = 0;   // [-], times the sphere's effective radius
+  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere [Pa]
+};
+
+/// Numerical parameters of a step, the same for all worlds of a batch.
+struct StepSettings {
+  Real step = 1e-3f;              // [s]
+  Index iterations = 20;          // of the solver per step
+  Real envelope = 2e-3f;          // contacts are found up to this gap [m]
+  Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
+  Real recovery_share = 0.2f;     // share of an overlap pushed out in one step
+  Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
+};
+
+struct WorldParameters {
+  Vec3 gravity;   // [m/s^2]
+  Vec3d origin;   // lower corner of the domain [m]
+  Vec3d period;   // length of the domain along x and y where periodic, 0 where open [m]
+  Vec3 bin_size;  // [m]
+  Index bins[3] = {1, 1, 1};
+  Index first_bin = 0;
+  BodyIndex first_body = 0;
+  Index body_count = 0;
+  Index first_large = 0, large_count = 0;  // into the list of shapes that are not binned
+  PairLaw law[kMaxMaterials][kMaxMaterials];
+};
+
+/// Mass properties; zero means that the motion is prescribed. Separate inverse masses per world axis describe a body on
+/// rails: a test-rig wheel carries its whole vehicle along x and only its hub along z.
+struct BodyMass {
+  Vec3 inverse_mass;           // along world x, y, z [1/kg]
+  Vec3 inverse_inertia_B;      // about body axes [1/(kg m^2)]
+  std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries
+  std::int32_t motor = -1;     // index of the motor that turns this body, or -1
+};
+
+/// Turns a body about its y axis towards a speed, with limited torque (positive y turns x towards -z: forward rolling).
+struct Motor {
+  BodyIndex body = 0;
+  Real speed = 0;       // [rad/s]
+  Real max_torque = 0;  // [N m]
+};
+
+/// Spring and damper between two bodies along world z, treated implicitly.
+struct SpringDamper {
+  BodyIndex upper = 0, lower = 0;
+  Real stiffness = 0;      // [N/m]
+  Real damping = 0;        // [N s/m]
+  double free_length = 0;  // of z_upper - z_lower [m]
+};
+
+/// Bits of the flag word of a world.
+enum StepFlag : Index {
+  flag_not_finite = 1,   // a velocity is not a number: smaller step or more iterations
+  flag_too_fast = 2,     // a body moves more than a bin in a step: smaller step
+  flag_left_domain = 4,  // a body fell out of the domain: deeper domain or rougher base
+};
+
+/// Sums over a world in one step.
+struct WorldSums {
+  double kinetic = 0;          // [J]
+  double gravity_power = 0;    // sum of m g.v [W]
+  double residual_square = 0;  // over contacts [m^2/s^2]
+  double residual_max = 0;     // [m/s]
+  double contact_count = 0;
+};
+
+/// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
+struct BinnedSphere {
+  Vec3d centre;  // folded into the period [m]
+  Real radius;   // [m]
+  ShapeIndex shape;
+};
+
+/// Momentum of the accelerated iteration, per world.
+struct Momentum {
+  Real t = 1, beta = 0;
+};
+
+template <class Exec>
+struct State {
+  Index world_count = 0, body_count = 0, shape_count = 0, binned_count = 0, bin_count = 0, contact_count = 0;
+
+  Buffer<WorldParameters, Exec> world;
+  Buffer<Vec3d, Exec> position;             // [body] centres of mass, inside the period [m]
+  Buffer<Quat, Exec> orientation;           // [body]
+  Buffer<Velocity, Exec> velocity;          // [body]
+  Buffer<BodyMass, Exec> mass;              // [body]
+  Buffer<SymMat3, Exec> inverse_inertia_W;  // [body]
+  Buffer<WorldIndex, Exec> world_of_body;   // [body]
+  Buffer<Shape, Exec> shape;                // [shape], ordered by body
+  Buffer<Index, Exec> first_shape;          // [body + 1]
+  Buffer<ShapeIndex, Exec> large;           // shapes that are not binned, by world
+  Buffer<Motor, Exec> motor;
+  Buffer<Real, Exec> motor_impulse, motor_extrapolated;  // [motor], [N m s]
+  Buffer<SpringDamper, Exec> spring;
+
+  // Rebuilt every step.
+  Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
+  Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
+  Buffer<BinnedSphere, Exec> sphere_in_bin;
+  Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
+  Buffer<Contact, Exec> contact;
+  Buffer<Impulse, Exec> impulse, extrapolated;  // [contact]
+  Buffer<std::uint64_t, Exec> key;              // [contact] other shape and feature; with the owner it names the pair
+  Buffer<Index, Exec> second_count, first_second, second_cursor, second_contact;  // body b -> its contacts
+  Buffer<Velocity, Exec> free_velocity;                                           // [body]
+  Buffer<Real, Exec> progress;      // [contact] gradient times change, for the restart
+  Buffer<Momentum, Exec> momentum;  // [world]
+  Buffer<WorldSums, Exec> body_sums, world_sums;
+  Buffer<Real, Exec> body_progress;  // [body]
+  Buffer<Index, Exec> flags;         // [world] StepFlag bits, sticky
+
+  // Of the previous step, for the warm start.
+  Buffer<Index, Exec> old_first_contact;
+  Buffer<std::uint64_t, Exec> old_key;
+  Buffer<Impulse, Exec> old_impulse;
+};
+
+}  // namespace gonogo::sim

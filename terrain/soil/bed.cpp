@@ -1,0 +1,192 @@
+#include "terrain/soil/bed.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/json/json.h"
+#include "base/random.h"
+
+namespace gonogo::terrain {
+namespace {
+
+using sim::SceneWorld;
+
+/// Streams of random numbers, one per use.
+enum Stream : std::uint64_t { radius_stream = 1, place_stream, speed_stream, base_stream, shift_stream };
+
+double uniform(std::uint64_t seed, Stream stream, std::uint64_t index) { return random_unit(seed, stream, index); }
+
+/// Fixed grains on a square lattice about one diameter apart, heights varied by a quarter of a diameter.
+std::vector<Grain> glued_base(const BedSpec& s) {
+  const int nx = std::max(1, int(s.length / s.grain_diameter)), ny = std::max(1, int(s.width / s.grain_diameter));
+  std::vector<Grain> base;
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i) {
+      const double bump = 0.25 * s.grain_diameter * uniform(s.seed, base_stream, base.size());
+      base.push_back(
+          {{(i + 0.5) * s.length / nx, (j + 0.5) * s.width / ny, bump - s.grain_diameter / 2}, s.grain_diameter / 2});
+    }
+  return base;
+}
+
+/// Staggered loose layers above the base, enough to fill the depth at a solid fraction of 0.6.
+std::vector<Grain> poured_grains(const BedSpec& s) {
+  const double volume = std::numbers::pi / 6 * std::pow(s.grain_diameter, 3) * (1 + s.size_spread * s.size_spread);
+  const auto count = std::size_t(0.6 * s.length * s.width * s.depth / volume);
+  const double pitch = 1.05 * s.grain_diameter * (1 + s.size_spread);
+  const int nx = int(s.length / pitch), ny = int(s.width / pitch);
+  std::vector<Grain> grains;
+  for (std::size_t k = 0; k < count; ++k) {
+    const int layer = int(k / (std::size_t(nx) * ny)), row = int(k / nx) % ny, column = int(k) % nx;
+    const double stagger = layer % 2 ? 0.5 : 0.0;
+    const double radius = s.grain_diameter / 2 * (1 + s.size_spread * (2 * uniform(s.seed, radius_stream, k) - 1));
+    grains.push_back({{(column + stagger) * s.length / nx, (row + stagger) * s.width / ny,
+                       s.grain_diameter + layer * pitch + 0.02 * pitch * uniform(s.seed, place_stream, k)},
+                      radius});
+  }
+  return grains;
+}
+
+/// Solid volume of a sphere below height z.
+double volume_below(const Grain& g, double z) {
+  const double h = std::clamp(z - (g.position.z - g.radius), 0.0, 2 * g.radius);
+  return std::numbers::pi * h * h * (g.radius - h / 3);
+}
+
+double solid_fraction_between(const std::vector<Grain>& grains, const BedSpec& s, double low, double high) {
+  double solid = 0;
+  for (const Grain& g : grains) solid += volume_below(g, high) - volume_below(g, low);
+  return solid / (s.length * s.width * (high - low));
+}
+
+double rms_speed(const std::vector<sim::BodyState>& bodies, std::size_t count) {
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += dot(bodies[i].velocity, bodies[i].velocity);
+  return std::sqrt(sum / double(count));
+}
+
+void check(const BedSpec& s) {
+  if (!(s.grain_diameter > 0) || !(s.size_spread >= 0 && s.size_spread < 0.5))
+    throw InputError("bed: the grain diameter must be above zero and the size spread between 0 and 0.5");
+  const double shortest = 4 * s.grain_diameter * (1 + s.size_spread);
+  if (s.length < shortest || s.width < shortest || s.depth < 2 * s.grain_diameter)
+    throw InputError(
+        "bed: at least four grains long and wide and two deep are needed; use a larger bed or smaller grains");
+}
+
+SceneWorld pouring_world(const BedSpec& s, const std::vector<Grain>& grains, const std::vector<Grain>& base) {
+  Packing loose{s, grains, base, 0, 0, 0};
+  loose.surface = grains.back().position.z;
+  const sim::PairLaw slippery{Real(s.settle_friction), 0, 0};
+  SceneWorld world = bed_world(loose, {slippery, slippery}, s.grain_diameter);
+  for (std::size_t i = 0; i < grains.size(); ++i)
+    world.body[i].velocity = {Real(uniform(s.seed, speed_stream, 3 * i) - 0.5),
+                              Real(uniform(s.seed, speed_stream, 3 * i + 1) - 0.5),
+                              Real(uniform(s.seed, speed_stream, 3 * i + 2) - 1)};
+  return world;
+}
+
+}  // namespace
+
+std::string BedSpec::hash() const {
+  Json j;
+  j["maker"] = "settle_packing/1";
+  j["length"] = length, j["width"] = width, j["depth"] = depth, j["grain_diameter"] = grain_diameter;
+  j["size_spread"] = size_spread, j["grain_density"] = grain_density, j["settle_friction"] = settle_friction;
+  j["seed"] = std::uint64_t(seed);
+  return content_hash(j.dump());
+}
+
+sim::StepSettings bed_step_settings(double grain_diameter, double step, int iterations) {
+  sim::StepSettings s;
+  s.step = Real(step);
+  s.iterations = iterations;
+  s.envelope = Real(0.025 * grain_diameter);
+  s.cohesion_range = Real(0.01 * grain_diameter);
+  s.recovery_speed = Real(std::sqrt(9.81 * grain_diameter) / 10);
+  return s;
+}
+
+sim::SceneWorld bed_world(const Packing& packing, const BedLaws& laws, double headroom) {
+  const BedSpec& s = packing.spec;
+  SceneWorld world;
+  world.origin = {0, 0, -2 * s.grain_diameter};
+  world.size = {s.length, s.width, packing.surface + headroom + 2 * s.grain_diameter};
+  world.periodic_x = world.periodic_y = true;
+  world.set_law(grain_material, grain_material, laws.grain);
+  world.set_law(grain_material, base_material, laws.grain);
+  world.set_law(grain_material, tool_material, laws.tool);
+  world.set_law(base_material, tool_material, laws.tool);
+  for (const Grain& g : packing.grain)
+    world.add_sphere(g.position, Real(g.radius), Real(s.grain_density), grain_material);
+  const sim::BodyIndex base = world.add_body({}, sim::fixed_body());
+  for (const Grain& g : packing.base) {
+    sim::Shape shape;
+    shape.body = base;
+    shape.material = base_material;
+    shape.offset_B = static_cast<Vec3>(g.position);
+    shape.size = {Real(g.radius), 0, 0};
+    world.add_shape(shape);
+  }
+  return world;
+}
+
+Packing settle_packing(const BedSpec& spec, int threads) {
+  check(spec);
+  const std::vector<Grain> poured = poured_grains(spec);
+  Packing packing{spec, poured, glued_base(spec), 0, 0, 0};
+  const auto settings = bed_step_settings(spec.grain_diameter, 1e-3, 20);
+  const auto simulation =
+      sim::make_simulation(sim::Backend::cpu, {pouring_world(spec, poured, packing.base)}, settings, threads);
+  // At rest when grains move less than a thousandth of their diameter in the time they need to fall through it.
+  const double quiet = 1e-2 * std::sqrt(9.81 * spec.grain_diameter);
+  constexpr int batch = 100, most_batches = 100;
+  for (int k = 0; k < most_batches; ++k) {
+    simulation->advance(batch);
+    if (simulation->report(0).flags != 0) throw DeviceError("bed: a grain left the domain while settling");
+    packing.residual_speed = rms_speed(simulation->bodies(0), poured.size());
+    if (k >= 4 && packing.residual_speed < quiet) break;
+  }
+  if (!(packing.residual_speed < quiet))
+    throw DeviceError("bed: the grains did not come to rest (still " + std::to_string(packing.residual_speed) +
+                      " m/s)");
+  const auto bodies = simulation->bodies(0);
+  for (std::size_t i = 0; i < poured.size(); ++i) packing.grain[i].position = bodies[i].position;
+  packing.surface = surface_height(packing.grain, spec.length, spec.width, spec.grain_diameter);
+  packing.solid_fraction =
+      solid_fraction_between(packing.grain, spec, spec.grain_diameter, packing.surface - spec.grain_diameter);
+  return packing;
+}
+
+double surface_height(const std::vector<Grain>& grains, double length, double width, double column) {
+  const int nx = std::max(1, int(length / column)), ny = std::max(1, int(width / column));
+  std::vector<double> top(std::size_t(nx) * ny, 0.0);
+  for (const Grain& g : grains) {
+    const int i = std::clamp(int(g.position.x / length * nx), 0, nx - 1);
+    const int j = std::clamp(int(g.position.y / width * ny), 0, ny - 1);
+    double& highest = top[std::size_t(j) * nx + i];
+    highest = std::max(highest, g.position.z + g.radius);
+  }
+  double sum = 0;
+  for (const double z : top) sum += z;
+  return sum / double(top.size());
+}
+
+Packing shifted(const Packing& packing, std::uint64_t seed) {
+  Packing result = packing;
+  const BedSpec& s = packing.spec;
+  const double dx = uniform(seed, shift_stream, 0) * s.length, dy = uniform(seed, shift_stream, 1) * s.width;
+  const bool mirror = uniform(seed, shift_stream, 2) < 0.5;
+  const auto move = [&](Grain& g) {
+    g.position.x = std::fmod(g.position.x + dx, s.length);
+    g.position.y = std::fmod((mirror ? s.width - g.position.y : g.position.y) + dy, s.width);
+  };
+  for (Grain& g : result.grain) move(g);
+  for (Grain& g : result.base) move(g);
+  return result;
+}
+
+}  // namespace gonogo::terrain

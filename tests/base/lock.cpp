@@ -1,0 +1,59 @@
+#include "base/lock.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+
+#include "base/error.h"
+#include "tests/support/catch.h"
+#include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
+
+namespace gonogo {
+namespace {
+
+/// How a second process fares with the folder: 0 it got the lock, 1 it was told that another holds it.
+int second_process(const std::filesystem::path& folder) {
+  const pid_t child = ::fork();
+  if (child == 0) ::_exit(contains(input_error([&] { FolderLock lock(folder); }), "another run is using") ? 1 : 0);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WEXITSTATUS(status);
+}
+
+TEST_CASE("a folder belongs to one process until that process lets go") {
+  const TemporaryFolder folder;
+  {
+    const FolderLock lock(folder / "out");
+    CHECK(second_process(folder / "out") == 1);
+  }
+  CHECK(second_process(folder / "out") == 0);
+}
+
+TEST_CASE("a killed process leaves no lock behind") {
+  const TemporaryFolder folder;
+  int ready[2];
+  REQUIRE(::pipe(ready) == 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const FolderLock lock(folder.path());
+    if (::write(ready[1], "x", 1) != 1) ::_exit(1);
+    for (;;) ::pause();
+  }
+  char byte;
+  REQUIRE(::read(ready[0], &byte, 1) == 1);
+  CHECK(second_process(folder.path()) == 1);
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  CHECK(second_process(folder.path()) == 0);
+}
+
+TEST_CASE("a file in the way of the folder is reported") {
+  const TemporaryFolder folder;
+  { const FolderLock lock(folder.path()); }
+  CHECK(contains(input_error([&] { FolderLock lock(folder / ".lock"); }), "cannot create this folder"));
+}
+
+}  // namespace
+}  // namespace gonogo

@@ -1,0 +1,80 @@
+// The command line itself: words that are no command, options that are none, values out of range.
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/file.h"
+#include "tests/fault/program.h"
+#include "tests/support/catch.h"
+#include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
+
+namespace gonogo {
+namespace {
+
+TEST_CASE("a word that is no command is answered with the nearest one") {
+  check_refusal(run_gonogo({"docter"}), 2, {"\"docter\" is no command", "did you mean \"doctor\"?"});
+  check_refusal(run_gonogo({}), 2, {"no command given", "doctor"});
+}
+
+TEST_CASE("options that are unknown or out of range are refused") {
+  check_refusal(run_gonogo({"doctor", "--thread", "2"}), 2, {"--thread", "see gonogo doctor --help"});
+  check_refusal(run_gonogo({"doctor", "--threads", "-3"}), 2, {"--threads", "-3", "0 to 4096"});
+  check_refusal(run_gonogo({"doctor", "--threads", "two"}), 2, {"--threads", "two"});
+  check_refusal(run_gonogo({"doctor", "run"}), 2, {"gonogo doctor --help"});
+}
+
+TEST_CASE("options of the program stand before or after the command") {
+  const TemporaryFolder folder;
+  for (const auto& words : {std::vector<std::string>{"--json", "--threads", "2", "doctor", "--out", folder.path()},
+                            std::vector<std::string>{"doctor", "--out", folder.path(), "--threads", "2", "--json"}}) {
+    const Ending ending = run_gonogo(words);
+    CHECK(ending.exit_code == 0);
+    CHECK(Json::parse(ending.out, "stdout").at("out_writable").boolean());
+  }
+  CHECK(files_below(folder.path()).empty());
+}
+
+TEST_CASE("every command explains itself with an example") {
+  const std::string help = run_gonogo({"--help"}).out;
+  const auto start = help.find("Subcommands:");
+  REQUIRE(start != std::string::npos);
+  std::vector<std::string> commands;
+  for (auto at = help.find("\n  ", start); at != std::string::npos; at = help.find("\n  ", at + 1)) {
+    if (help[at + 3] == ' ' || help.compare(at + 3, 6, "gonogo") == 0) continue;
+    commands.push_back(help.substr(at + 3, help.find(' ', at + 3) - at - 3));
+  }
+  REQUIRE(commands.size() >= 1);
+  for (const auto& command : commands) {
+    const Ending ending = run_gonogo({command, "--help"});
+    INFO(command);
+    CHECK(ending.exit_code == 0);
+    CHECK(ending.err == "");
+    CHECK((contains(ending.out, "Example") || contains(ending.out, "not in this build")));
+  }
+}
+
+TEST_CASE("the version names the revision") {
+  const Ending ending = run_gonogo({"--version"});
+  CHECK(ending.exit_code == 0);
+  CHECK(ending.out.rfind("gonogo 0.", 0) == 0);
+}
+
+TEST_CASE("a result that cannot be written is a failure") {
+  RunOptions full;
+  full.before = [] { ::dup2(::open("/dev/full", O_WRONLY), STDOUT_FILENO); };
+  check_refusal(run_gonogo({"doctor", "--json"}, full), 1, {"standard output", "cannot write"});
+}
+
+TEST_CASE("a folder that cannot be written fails the doctor") {
+  const TemporaryFolder folder;
+  std::filesystem::permissions(folder.path(), std::filesystem::perms{0555});
+  RunOptions ordinary;
+  ordinary.before = become_ordinary_user;
+  const Ending ending = run_gonogo({"doctor", "--json", "--out", folder / "sub"}, ordinary);
+  CHECK(ending.exit_code == 2);
+  CHECK_FALSE(Json::parse(ending.out, "stdout").at("out_writable").boolean());
+  CHECK(contains(ending.err, "cannot write there"));
+}
+
+}  // namespace
+}  // namespace gonogo

@@ -1,0 +1,160 @@
+#include "learning/model/posterior.h"
+
+#include <omp.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "base/random.h"
+#include "learning/score/score.h"
+#include "tests/support/catch.h"
+
+using namespace gonogo;
+using namespace gonogo::learning;
+
+namespace {
+
+constexpr double kUnknown = NAN;
+
+VisibleLayout small_layout() {
+  return VisibleLayout(
+      {Encoder::by_range("a", "-", Code::thermometer, 4, 0, 4), Encoder::by_range("b", "-", Code::gray, 4, 0, 4),
+       Encoder::categorical("c", {"x", "y", "z"}), Encoder::by_range("fixed", "m", Code::thermometer, 3, 1, 1)},
+      {"go", "slow_go", "no_go"});
+}
+
+RbmWeights random_machine(std::size_t visible, std::size_t hidden, double size, std::uint64_t seed) {
+  RbmWeights machine = RbmWeights::zeros(visible, hidden);
+  std::uint64_t k = 0;
+  for (auto* part : {&machine.weight, &machine.visible_bias, &machine.hidden_bias})
+    for (double& w : *part) w = size * (2 * random_unit(seed, 1, k++) - 1);
+  return machine;
+}
+
+/// P(outcome | known bins) by enumerating all visible and hidden states, valid codes only.
+std::vector<double> brute_force(const VisibleLayout& layout, const RbmWeights& machine,
+                                const std::vector<double>& variables) {
+  std::vector<double> p(layout.outcome_count(), 0.0);
+  const std::size_t visible = machine.visible_count, hidden = machine.hidden_count;
+  for (std::size_t state = 0; state < std::size_t(1) << visible; ++state) {
+    std::vector<Bit> row(visible);
+    for (std::size_t i = 0; i < visible; ++i) row[i] = state >> i & 1;
+    const DecodedRow decoded = layout.decode(row);
+    if (!decoded.valid) continue;
+    bool match = true;
+    for (std::size_t v = 0; v < variables.size(); ++v)
+      match &= std::isnan(variables[v]) || decoded.values[v] == variables[v];
+    if (!match) continue;
+    for (std::size_t h = 0; h < std::size_t(1) << hidden; ++h) {
+      double e = 0;
+      for (std::size_t i = 0; i < visible; ++i) {
+        e -= machine.visible_bias[i] * row[i];
+        for (std::size_t j = 0; j < hidden; ++j) e -= machine.weight[i * hidden + j] * row[i] * double(h >> j & 1);
+      }
+      for (std::size_t j = 0; j < hidden; ++j) e -= machine.hidden_bias[j] * double(h >> j & 1);
+      p[*decoded.outcome] += std::exp(-e);
+    }
+  }
+  const double z = p[0] + p[1] + p[2];
+  for (double& x : p) x /= z;
+  return p;
+}
+
+}  // namespace
+
+TEST_CASE("P(outcome | any subset of variables) equals enumeration of the machine") {
+  const VisibleLayout layout = small_layout();
+  const double size = GENERATE(0.5, 3.0, 30.0);  // the largest needs the overflow-safe path
+  const RbmWeights machine = random_machine(layout.unit_count(), 5, size, 11);
+  const Posterior posterior(layout, machine);
+  for (int subset = 0; subset < 8; ++subset) {
+    std::vector<double> x = {2.5, 0.5, 1, 1};
+    for (std::size_t v = 0; v < 3; ++v)
+      if (subset >> v & 1) x[v] = kUnknown;
+    const auto expected = brute_force(layout, machine, x);
+    const PosteriorAnswer answer = posterior.marginal(x);
+    CHECK(answer.exact);
+    for (std::size_t y = 0; y < 3; ++y)
+      CHECK(answer.probability[y] == Approx(expected[y]).epsilon(1e-10).margin(1e-14));
+    if (subset == 0) {
+      std::vector<double> direct(3);
+      posterior(x, direct);
+      for (std::size_t y = 0; y < 3; ++y) CHECK(direct[y] == Approx(expected[y]).epsilon(1e-10).margin(1e-14));
+    }
+  }
+}
+
+TEST_CASE("clamped Gibbs agrees with summation within its stated error, for any number of threads") {
+  const VisibleLayout layout = small_layout();
+  const RbmWeights machine = random_machine(layout.unit_count(), 6, 1.5, 3);
+  const Posterior posterior(layout, machine);
+  const std::vector<double> x = {kUnknown, kUnknown, 1, 1};
+  MarginalOptions sampled;
+  sampled.most_terms = 1;
+  const PosteriorAnswer exact = posterior.marginal(x), estimate = posterior.marginal(x, sampled);
+  CHECK_FALSE(estimate.exact);
+  for (std::size_t y = 0; y < 3; ++y) {
+    std::printf("outcome %zu: exact %.5f, clamped Gibbs %.5f +- %.5f\n", y, exact.probability[y],
+                estimate.probability[y], estimate.standard_error[y]);
+    CHECK(estimate.standard_error[y] < 0.02);
+    CHECK(std::abs(estimate.probability[y] - exact.probability[y]) < 4 * estimate.standard_error[y] + 1e-9);
+  }
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(2);
+  const auto two = posterior.marginal(x, sampled).probability;
+  omp_set_num_threads(1);
+  const auto one = posterior.marginal(x, sampled).probability;
+  omp_set_num_threads(threads);
+  CHECK(one == two);
+}
+
+TEST_CASE("probabilities are continuous in a number and clamp beyond the end bins") {
+  const VisibleLayout layout = small_layout();
+  const Posterior posterior(layout, random_machine(layout.unit_count(), 6, 2, 5));
+  std::vector<double> before, now(3);
+  for (double a = -1; a <= 5; a += 0.001) {
+    posterior(std::vector<double>{a, 1.3, 2, 1}, now);
+    for (std::size_t y = 0; y < before.size(); ++y) CHECK(std::abs(now[y] - before[y]) < 0.02);
+    before = now;
+  }
+  std::vector<double> low(3), lower(3);
+  posterior(std::vector<double>{0.5, 1.3, 2, 1}, low);
+  posterior(std::vector<double>{-7, 1.3, 2, 1}, lower);
+  CHECK(low == lower);
+}
+
+TEST_CASE("scores of hand-made forecasts") {
+  const std::vector<double> p = {0.9, 0.8, 0.3, 0.1};
+  const std::vector<int> y = {1, 0, 0, 0};
+  CHECK(brier_score(p, y) == Approx((0.01 + 0.64 + 0.09 + 0.01) / 4));
+  CHECK(log_loss(p, y) == Approx(-(std::log(0.9) + std::log(0.2) + std::log(0.7) + std::log(0.9)) / 4));
+  CHECK(accuracy(p, y) == Approx(0.75));
+  const auto bins = reliability(p, y, 2);
+  REQUIRE(bins.size() == 2);
+  CHECK(bins[0].mean_forecast == Approx(0.2));
+  CHECK(bins[0].frequency == Approx(0));
+  CHECK(bins[1].frequency == Approx(0.5));
+  CHECK(bins[1].low == Approx(0.0945312).epsilon(1e-4));  // Wilson interval of 1 in 2
+  CHECK(bins[1].high == Approx(0.9054688).epsilon(1e-4));
+  CHECK(calibration_error(bins) == Approx((0.2 + 0.35) / 2));
+}
+
+TEST_CASE("the score floor is what perfectly calibrated forecasts reach") {
+  std::vector<double> p;
+  double variance = 0;
+  for (int i = 0; i < 200; ++i) {
+    p.push_back((i + 0.5) / 200);
+    variance += p.back() * (1 - p.back()) / 200;
+  }
+  const ScoreFloor floor = score_floor(p, 10, 1);
+  CHECK(floor.brier_mean == Approx(variance).epsilon(0.02));
+  CHECK(floor.calibration_mean > 0.02);
+  int inside = 0;
+  for (std::uint64_t trial = 0; trial < 200; ++trial) {
+    std::vector<int> y;
+    for (std::size_t i = 0; i < p.size(); ++i) y.push_back(random_unit(77, trial, i) < p[i]);
+    inside += calibration_error(reliability(p, y, 10)) <= floor.calibration_high;
+  }
+  CHECK(inside >= 178);  // 95 % of 200, minus four standard deviations
+  CHECK(inside <= 200);
+}

@@ -1,0 +1,233 @@
+#include "learning/rbm/train.h"
+
+#include <omp.h>
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "learning/rbm/logistic.h"
+#include "learning/sampler/exact.h"
+#include "learning/score/score.h"
+#include "tests/learning/smooth_boundary.h"
+#include "tests/support/catch.h"
+
+using namespace gonogo;
+using namespace gonogo::learning;
+
+namespace {
+
+/// Variables of one unit each: rows are free bit patterns.
+VisibleLayout bit_layout(int bits) {
+  std::vector<Encoder> encoders;
+  for (int i = 0; i < bits; ++i)
+    encoders.push_back(Encoder::by_range("bit" + std::to_string(i), "-", Code::thermometer, 2, 0, 1));
+  return VisibleLayout(std::move(encoders), {"no", "yes"});
+}
+
+TrainingTable bit_table(const std::vector<std::vector<int>>& rows) {
+  TrainingTable table;
+  table.variable_count = rows.front().size() - 1;
+  for (const auto& row : rows) {
+    for (std::size_t v = 0; v + 1 < row.size(); ++v) table.variables.push_back(row[v] ? 0.75 : 0.25);
+    table.outcome.push_back(std::size_t(row.back()));
+    table.weight.push_back(1);
+    table.group.push_back(table.group.size());
+  }
+  return table;
+}
+
+double p_go(const Posterior& posterior, std::span<const double> x) {
+  std::vector<double> p(posterior.outcome_count());
+  posterior(x, p);
+  return p[0] + p[1];
+}
+
+}  // namespace
+
+TEST_CASE("the gradient equals finite differences of the objective, also with unknown variables") {
+  const VisibleLayout layout(
+      {Encoder::by_range("a", "-", Code::thermometer, 4, 0, 4), Encoder::by_range("b", "-", Code::one_hot, 3, 0, 3)},
+      {"go", "slow", "no"});
+  TrainingTable table;
+  table.variable_count = 2;
+  table.variables = {0.3, 1.2, 2.7, NAN, NAN, NAN, 3.9, 0.1, 1.4, 2.2};
+  table.outcome = {0, 1, 2, 2, 0};
+  table.weight = {1, 0.5, 2, 1, 0.5};
+  table.group = {0, 1, 2, 3, 4};
+  TrainingSettings settings;
+  settings.generative = 0.3;
+  RbmWeights machine = RbmWeights::zeros(layout.unit_count(), 4);
+  std::uint64_t k = 0;
+  for (auto* part : {&machine.weight, &machine.visible_bias, &machine.hidden_bias})
+    for (double& w : *part) w = random_unit(4, 4, k++) - 0.5;
+  const SampleSet negative = ExactSampler().sample(to_qubo(machine, layout.unit_labels()), {.reads = 30, .seed = 2});
+  const Objective at = training_objective(machine, layout, table, settings, negative);
+  const auto check = [&](std::vector<double> RbmWeights::*part) {
+    for (std::size_t i = 0; i < (machine.*part).size(); ++i) {
+      RbmWeights up = machine, down = machine;
+      (up.*part)[i] += 1e-5;
+      (down.*part)[i] -= 1e-5;
+      const double difference = (training_objective(up, layout, table, settings, negative).value -
+                                 training_objective(down, layout, table, settings, negative).value) /
+                                2e-5;
+      CHECK((at.gradient.*part)[i] == Approx(difference).epsilon(1e-6).margin(1e-8));
+    }
+  };
+  check(&RbmWeights::weight);
+  check(&RbmWeights::visible_bias);
+  check(&RbmWeights::hidden_bias);
+
+  // The conditional term alone, against the posterior that answers questions.
+  settings.generative = 0;
+  settings.weight_decay = 0;
+  CHECK(training_objective(machine, layout, table, settings, negative).value * 5 ==
+        Approx(conditional_loss(Posterior(layout, machine),
+                                [&] {
+                                  TrainingTable known = table.subset({0, 4});
+                                  return known;
+                                }()) *
+                   1.5 +
+               0.5 * conditional_loss(Posterior(layout, machine),
+                                      [&] {
+                                        TrainingTable part = table.subset({1});
+                                        part.variables = {2.7, NAN};
+                                        return part;
+                                      }()) +
+               2 * conditional_loss(Posterior(layout, machine), table.subset({2})) +
+               conditional_loss(Posterior(layout, machine), table.subset({3})))
+            .epsilon(1e-10));
+}
+
+TEST_CASE("persistent chains reach the maximum likelihood of a tiny problem") {
+  // Even parity of three bits beside a copy of the first: 8 patterns of equal probability, entropy log 8; an
+  // independent model cannot beat 4 log 2.
+  std::vector<std::vector<int>> rows;
+  for (int s = 0; s < 8; ++s) rows.push_back({s & 1, s >> 1 & 1, s >> 2 & 1, s & 1, (s & 1) + (s >> 1 & 1) + (s >> 2 & 1) >= 2});
+  const VisibleLayout layout = bit_layout(4);
+  const TrainingTable table = bit_table(rows);
+  std::vector<double> visible;
+  for (const auto& row : rows) {
+    visible.insert(visible.end(), row.begin(), row.end() - 1);
+    visible.push_back(1 - row.back());
+    visible.push_back(row.back());
+  }
+  TrainingSettings settings;
+  settings.hidden = 10;
+  settings.discriminative = 0;
+  settings.generative = 1;
+  settings.weight_decay = 0.002;
+  settings.batch = 8;
+  settings.epochs = 3000;
+  settings.report_every = 1000;
+  settings.learning_rate = 0.02;
+  settings.chains = 200;
+  settings.sweeps = 5;
+  const TrainingResult gibbs = train_rbm(layout, table, settings, *make_sampler("block_gibbs"));
+  const double reached = mean_log_likelihood(gibbs.weights, visible), best = -std::log(8.0);
+  std::printf("log-likelihood per row: persistent block Gibbs %.4f, best possible %.4f, independent units %.4f\n",
+              reached, best, -5 * std::log(2.0));
+  CHECK(reached < best + 1e-9);
+  CHECK(reached > best - 0.15);
+}
+
+TEST_CASE("training gives the same bits with one and two threads, and others for another seed") {
+  const VisibleLayout layout = boundary_layout();
+  const TrainingTable table = boundary_table(60, 3);
+  TrainingSettings settings;
+  settings.epochs = 20;
+  const auto sampler = make_sampler("block_gibbs");
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const TrainingResult one = train_rbm(layout, table, settings, *sampler);
+  omp_set_num_threads(2);
+  const TrainingResult two = train_rbm(layout, table, settings, *sampler);
+  CHECK(omp_get_max_threads() == 2);
+  omp_set_num_threads(threads);
+  CHECK(one.weights == two.weights);
+  settings.seed = 2;
+  CHECK_FALSE(train_rbm(layout, table, settings, *sampler).weights == one.weights);
+}
+
+TEST_CASE("folds keep replicates together and are balanced") {
+  TrainingTable table = boundary_table(100, 1);
+  for (std::size_t n = 0; n < 100; n += 10) table.group[n + 1] = table.group[n];
+  const auto fold = assign_folds(table, 5, 3);
+  std::vector<int> size(5, 0);
+  for (std::size_t n = 0; n < 100; ++n) ++size[fold[n]];
+  for (int count : size) CHECK(std::abs(count - 20) <= 2);
+  for (std::size_t n = 0; n < 100; n += 10) CHECK(fold[n] == fold[n + 1]);
+}
+
+TEST_CASE("logistic regression recovers known coefficients") {
+  const TrainingTable table = boundary_table(20000, 5);
+  std::vector<int> go;
+  for (std::size_t y : table.outcome) go.push_back(y < 2);
+  const LogisticModel model = fit_logistic(table, go);
+  CHECK(model.weight[0] / model.scale[0] == Approx(-0.28).epsilon(0.05));
+  CHECK(model.weight[2] / model.scale[2] == Approx(0.14).epsilon(0.05));
+  CHECK(model.weight[3] / model.scale[3] == Approx(-2.0).epsilon(0.05));
+  CHECK(std::abs(model.weight[1]) < 0.08);
+}
+
+TEST_CASE("one hundred trials with a smooth boundary give smooth, monotone, calibrated probabilities") {
+  const VisibleLayout layout = boundary_layout();
+  const TrainingTable table = boundary_table(100, 100), fresh = boundary_table(4000, 999);
+  const auto sampler = make_sampler("block_gibbs");
+  TrainingSettings settings;
+  const CrossValidation folds = cross_validate(layout, table, settings, *sampler, 5);
+  settings.epochs = folds.best_epoch;
+  const Posterior posterior(layout, train_rbm(layout, table, settings, *sampler).weights);
+  std::vector<int> go, fresh_go;
+  for (std::size_t y : table.outcome) go.push_back(y < 2);
+  for (std::size_t y : fresh.outcome) fresh_go.push_back(y < 2);
+  const LogisticModel logistic = fit_logistic(table, go);
+  double base = 0;
+  for (int y : go) base += y / 100.0;
+  std::vector<double> p, p_logistic, truth;
+  for (std::size_t n = 0; n < fresh.row_count(); ++n) {
+    p.push_back(p_go(posterior, fresh.row(n)));
+    p_logistic.push_back(logistic(fresh.row(n)));
+    truth.push_back(true_p_go(fresh.row(n)));
+  }
+  const double brier = brier_score(p, fresh_go), brier_logistic = brier_score(p_logistic, fresh_go);
+  const double brier_truth = brier_score(truth, fresh_go);
+  const double brier_base = brier_score(std::vector<double>(p.size(), base), fresh_go);
+  std::printf(
+      "Brier on 4000 fresh points: machine %.4f, logistic regression %.4f, true probabilities %.4f, base rate %.4f "
+      "(%zu epochs)\n",
+      brier, brier_logistic, brier_truth, brier_base, folds.best_epoch);
+  CHECK(brier < 0.6 * brier_base);
+  CHECK(brier < brier_logistic + 0.01);
+
+  double worst_rise = 0, worst_step = 0;
+  for (std::size_t n = 0; n < 200; ++n) {
+    std::vector<double> x(fresh.row(n).begin(), fresh.row(n).end());
+    double last = 0, rise = 0;
+    for (int k = 0; k <= 140; ++k) {
+      x[0] = 0.25 * k;
+      const double now = p_go(posterior, x);
+      if (k > 0) {
+        rise += std::max(0.0, now - last);
+        worst_step = std::max(worst_step, std::abs(now - last));
+      }
+      last = now;
+    }
+    worst_rise = std::max(worst_rise, rise);
+  }
+  std::printf("P(go) along the slope: largest rise %.4f, largest step per quarter degree %.4f\n", worst_rise,
+              worst_step);
+  CHECK(worst_rise < 0.02);
+  CHECK(worst_step < 0.04);
+}
+
+TEST_CASE("tables that do not fit are refused") {
+  const VisibleLayout layout = boundary_layout();
+  const auto sampler = make_sampler("exact");
+  CHECK_THROWS_AS(train_rbm(layout, TrainingTable{7, {}, {}, {}, {}}, {}, *sampler), InputError);
+  TrainingTable table = boundary_table(10, 1);
+  table.outcome[3] = 10;
+  CHECK_THROWS_AS(train_rbm(layout, table, {}, *sampler), InputError);
+}

@@ -1,0 +1,209 @@
+#include <omp.h>
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "learning/sampler/block_gibbs.h"
+#include "learning/sampler/exact.h"
+#include "tests/learning/toy.h"
+#include "tests/support/catch.h"
+
+using namespace gonogo;
+using namespace gonogo::learning;
+
+namespace {
+
+/// P of every state by brute force over all variables; index = bits, first variable lowest.
+std::vector<double> brute_force(const Problem& problem, double& log_z) {
+  const std::size_t n = problem.variable_count();
+  std::vector<double> p(std::size_t(1) << n);
+  double z = 0;
+  for (std::size_t state = 0; state < p.size(); ++state) {
+    std::vector<std::int8_t> row;
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool on = state >> i & 1;
+      row.push_back(problem.vartype == Vartype::binary ? on : (on ? 1 : -1));
+    }
+    z += p[state] = std::exp(-energy(problem, row));
+  }
+  for (double& x : p) x /= z;
+  log_z = std::log(z);
+  return p;
+}
+
+std::size_t state_of(std::span<const std::int8_t> row) {
+  std::size_t state = 0;
+  for (std::size_t i = 0; i < row.size(); ++i) state |= std::size_t(row[i] > 0) << i;
+  return state;
+}
+
+Problem frustrated() {  // odd cycles: not bipartite
+  Problem problem;
+  for (int i = 0; i < 6; ++i) problem.labels.emplace_back(std::int64_t(i));
+  for (std::uint32_t a = 0; a < 6; ++a) {
+    problem.linear.push_back(0.3 * (a % 3) - 0.2);
+    for (std::uint32_t b = a + 1; b < 6; ++b) problem.couplings.push_back({a, b, random_unit(5, a, b) - 0.5});
+  }
+  problem.vartype = Vartype::spin;
+  return problem;
+}
+
+struct Fit {
+  double chi_squared, degrees, total_variation, floor;
+};
+
+/// Pearson's test of row frequencies against exact probabilities, with the total-variation distance and what perfect
+/// samples of this number would have: E|n_i/N - p_i| = sqrt(2 p (1 - p) / (pi N)).
+Fit compare(const SampleSet& rows, const std::vector<double>& p) {
+  std::vector<double> count(p.size(), 0.0);
+  for (std::size_t r = 0; r < rows.row_count(); ++r) count[state_of(rows.row(r))] += 1;
+  const double n = double(rows.row_count());
+  Fit fit{0, double(p.size()) - 1, 0, 0};
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    fit.chi_squared += (count[i] - n * p[i]) * (count[i] - n * p[i]) / (n * p[i]);
+    fit.total_variation += std::abs(count[i] / n - p[i]) / 2;
+    fit.floor += std::sqrt(2 * p[i] * (1 - p[i]) / (M_PI * n)) / 2;
+  }
+  return fit;
+}
+
+}  // namespace
+
+TEST_CASE("exact answers for the toy machine") {
+  const Problem qubo = to_qubo(toy_machine(), toy_labels());
+  for (const Problem& problem : {qubo, to_ising(qubo)}) {
+    const ExactMoments moments = exact_moments(problem);
+    CHECK(moments.log_z == Approx(4.877232620012669).epsilon(0).margin(1e-12));
+    const double mean[7] = {.363154922783, .433523027749, .520442406865, .630110784540,
+                            .421246972273, .545812079763, .501783999095};
+    const bool spin = problem.vartype == Vartype::spin;
+    for (std::size_t i = 0; i < 7; ++i)
+      CHECK((spin ? (moments.mean[i] + 1) / 2 : moments.mean[i]) == Approx(mean[i]).epsilon(0).margin(1e-10));
+  }
+  const ExactMoments moments = exact_moments(qubo);
+  std::map<std::pair<int, int>, double> pair;
+  for (std::size_t k = 0; k < qubo.couplings.size(); ++k)
+    pair[{qubo.couplings[k].a, qubo.couplings[k].b}] = moments.pair_mean[k];
+  const double v0h[3] = {.125386756, .212781468, .168108483}, v3h[3] = {.250980233, .372898949, .315976131};
+  for (int j = 0; j < 3; ++j) {
+    CHECK(pair[{0, 4 + j}] == Approx(v0h[j]).epsilon(0).margin(1e-9));
+    CHECK(pair[{3, 4 + j}] == Approx(v3h[j]).epsilon(0).margin(1e-9));
+  }
+}
+
+TEST_CASE("the toy machine's free energy, conditional and ground state") {
+  const RbmWeights toy = toy_machine();
+  double on = 0, off = 0, z = 0;
+  for (int state = 0; state < 16; ++state) {
+    const std::vector<double> v = {double(state & 1), double(state >> 1 & 1), double(state >> 2 & 1),
+                                   double(state >> 3)};
+    const double weight = std::exp(-free_energy(toy, v));
+    z += weight;
+    if (v[0] == 1 && v[1] == 0) (v[3] == 1 ? on : off) += weight;
+  }
+  CHECK(std::log(z) == Approx(4.877232620012669).epsilon(0).margin(1e-12));
+  CHECK(on / (on + off) == Approx(0.645112712510801).epsilon(0).margin(1e-12));
+  const Problem qubo = to_qubo(toy, toy_labels());
+  double lowest = 0;
+  std::size_t ground = 0;
+  for (std::size_t state = 0; state < 128; ++state) {
+    std::vector<std::int8_t> row;
+    for (std::size_t i = 0; i < 7; ++i) row.push_back(std::int8_t(state >> i & 1));
+    if (energy(qubo, row) < lowest) lowest = energy(qubo, row), ground = state;
+  }
+  CHECK(lowest == Approx(-1.125).margin(1e-14));
+  CHECK(ground == 0b1101000);  // v = 0001, h = 011, first variable lowest
+}
+
+TEST_CASE("exact moments equal brute force on a problem that is not bipartite") {
+  const Problem problem = frustrated();
+  double log_z = 0;
+  const std::vector<double> p = brute_force(problem, log_z);
+  const ExactMoments moments = exact_moments(problem);
+  CHECK(moments.log_z == Approx(log_z).margin(1e-12));
+  for (std::size_t k = 0; k < problem.couplings.size(); ++k) {
+    double expected = 0;
+    for (std::size_t s = 0; s < p.size(); ++s)
+      expected += p[s] * ((s >> problem.couplings[k].a & 1) == (s >> problem.couplings[k].b & 1) ? 1 : -1);
+    CHECK(moments.pair_mean[k] == Approx(expected).margin(1e-12));
+  }
+}
+
+TEST_CASE("samples follow the exact distribution") {
+  const std::string name = GENERATE("exact", "block_gibbs");
+  const auto sampler = make_sampler(name);
+  RbmWeights machine = toy_machine();
+  for (double& w : machine.weight) w *= 3;  // couplings strong enough to matter
+  const Problem qubo = to_qubo(machine, toy_labels());
+  const bool spin = GENERATE(false, true);
+  const Problem problem = spin ? to_ising(qubo) : qubo;
+  double log_z = 0;
+  const std::vector<double> p = brute_force(problem, log_z);
+  const SampleSet rows = sampler->sample(problem, {.reads = 40000, .seed = 7, .sweeps = 100});
+  const Fit fit = compare(rows, p);
+  const double z = (fit.chi_squared - fit.degrees) / std::sqrt(2 * fit.degrees);
+  std::printf("%s %s: chi2 %.1f for %.0f degrees of freedom (z %.2f); total variation %.5f, finite-sample floor %.5f\n",
+              name.c_str(), vartype_name(problem.vartype).c_str(), fit.chi_squared, fit.degrees, z, fit.total_variation,
+              fit.floor);
+  CHECK(std::abs(z) < 4);
+  CHECK(fit.total_variation < 1.25 * fit.floor);
+
+  const ExactMoments exact = exact_moments(problem);
+  double worst = 0;
+  for (std::size_t k = 0; k < problem.couplings.size(); ++k) {
+    const Coupling& c = problem.couplings[k];
+    double sum = 0, square = 0;
+    for (std::size_t r = 0; r < rows.row_count(); ++r) {
+      const double x = rows.row(r)[c.a] * rows.row(r)[c.b];
+      sum += x / 40000;
+      square += x * x / 40000;
+    }
+    worst = std::max(worst, std::abs(sum - exact.pair_mean[k]) / std::sqrt((square - sum * sum) / 40000));
+  }
+  std::printf("%s: largest z of %zu pair moments %.2f\n", name.c_str(), problem.couplings.size(), worst);
+  CHECK(worst < 4);
+}
+
+TEST_CASE("a biased sampler would fail the test above") {
+  RbmWeights machine = toy_machine();
+  const Problem problem = to_qubo(machine, toy_labels());
+  machine.weight[5] += 0.15;
+  double log_z = 0;
+  const Fit fit = compare(BlockGibbs().sample(problem, {.reads = 40000, .seed = 7, .sweeps = 100}),
+                          brute_force(to_qubo(machine, toy_labels()), log_z));
+  CHECK((fit.chi_squared - fit.degrees) / std::sqrt(2 * fit.degrees) > 4);
+}
+
+TEST_CASE("block Gibbs rows are the same bits for any threads, batch and interruption") {
+  RbmWeights machine = RbmWeights::zeros(20, 11);
+  for (std::size_t k = 0; k < machine.weight.size(); ++k) machine.weight[k] = random_unit(1, 2, k) - 0.5;
+  std::vector<std::string> labels;
+  for (int i = 0; i < 20; ++i) labels.push_back("v" + std::to_string(i));
+  const Problem problem = to_qubo(machine, labels);
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const SampleSet one = BlockGibbs().sample(problem, {.reads = 33, .seed = 9, .sweeps = 7});
+  omp_set_num_threads(2);
+  const SampleSet two = BlockGibbs().sample(problem, {.reads = 33, .seed = 9, .sweeps = 7});
+  omp_set_num_threads(threads);
+  CHECK(one == two);
+
+  const SampleSet few = BlockGibbs().sample(problem, {.reads = 5, .seed = 9, .sweeps = 7});
+  CHECK(std::equal(few.values.begin(), few.values.end(), one.values.begin()));
+
+  const SampleSet begun = BlockGibbs().sample(problem, {.reads = 33, .seed = 9, .sweeps = 3});
+  const SampleSet ended =
+      BlockGibbs().sample(problem, {.reads = 33, .seed = 9, .sweeps = 4, .start = &begun, .first_sweep = 3});
+  CHECK(ended == one);
+  CHECK_FALSE(BlockGibbs().sample(problem, {.reads = 33, .seed = 10, .sweeps = 7}) == one);
+}
+
+TEST_CASE("samplers refuse what they cannot do") {
+  CHECK_THROWS_AS(BlockGibbs().sample(frustrated(), {}), InputError);
+  CHECK_THROWS_AS(make_sampler("annealer"), InputError);
+  const RbmWeights large = RbmWeights::zeros(40, 30);
+  CHECK_THROWS_AS(exact_moments(to_qubo(large, std::vector<std::string>(40, "v"))), InputError);
+}
