@@ -100,9 +100,8 @@ void draw_side_panels(const Canvas& canvas, const MapFigure& figure, Box room) {
   terrain::Tile p_go = figure.p_go;
   for (std::size_t i = 0; i < p_go.value.size(); ++i)
     if (std::isnan(p_go.value[i]) && !std::isnan(figure.verdict.value[i])) p_go.value[i] = -1;
-  draw_cells(
-      canvas, p_box, p_go, figure.shade, [&](float p) { return p < 0 ? kNothing : ramp_colour(figure.p_go_ramp, p); },
-      kSideRelief);
+  const Palette ramp = ramp_palette(figure.p_go_ramp);
+  draw_cells(canvas, p_box, p_go, figure.shade, ramp, kSideRelief);
   draw_coordinates(canvas, p_box, figure.grid, false);
   draw_ramp(canvas, {p_box.right() + 36, p_box.top + 6, 42, std::min(300.0, p_box.height - 80)}, ramp);
   const double second = room.bottom() - p_box.height;
