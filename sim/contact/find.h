@@ -21,15 +21,9 @@ struct ContactFinder {
   View<const BodyMass> mass;
   Real envelope;
 
-  GONOGO_HD bool fixed(BodyIndex b) const {
-    const Vec3& m = mass[b].inverse_mass;
-    const Vec3& i = mass[b].inverse_inertia_B;
-    return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
-  }
-
   GONOGO_HD bool may_touch(ShapeIndex i, ShapeIndex j) const {
     const BodyIndex a = shape[i].body, b = shape[j].body;
-    return a != b && !(fixed(a) && fixed(b));
+    return a != b && !(is_fixed(mass[a]) && is_fixed(mass[b]));
   }
 
   /// Calls visit(other shape, feature, gap) for every contact that sphere `i` owns.

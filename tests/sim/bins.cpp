@@ -30,11 +30,11 @@ struct Layout {
 SceneWorld random_world(const Layout& layout, Draw& draw) {
   SceneWorld w;
   w.origin = draw.in_box({-5, -5, -5}, {5, 5, 5});
-  w.size = {draw.between(0.5, 1), draw.between(0.5, 1), draw.between(0.3, 0.8)};
+  w.size = {draw.between(0.7, 1), draw.between(0.7, 1), draw.between(0.3, 0.8)};
   w.periodic_x = layout.periodic_x;
   w.periodic_y = layout.periodic_y;
-  const double smallest = draw.between(0.02, 0.03);
-  for (int b = 0; b < 300; ++b) {
+  const double smallest = draw.between(0.02, 0.025);
+  for (int b = 0; b < 500; ++b) {
     // Some lie outside of the box: open sides and the vertical are not walls.
     const Vec3d at = w.origin + scale(draw.in_box({-0.2, -0.2, -0.2}, {1.2, 1.2, 1.2}), w.size);
     w.add_body({at, draw.orientation(), {}, {}}, draw.below(5) ? solid(1, {1, 1, 1}) : fixed_body());
@@ -113,7 +113,7 @@ TEST_CASE("bins find the same contacts as testing all pairs, each once") {
   const Layout layouts[] = {{"open", false, false, 1, 1},
                             {"periodic along x", true, false, 1, 1},
                             {"periodic along both", true, true, 1, 1},
-                            {"mixed sizes", false, true, 3.9, 1},
+                            {"mixed sizes", false, true, 3, 1},
                             {"with large spheres", true, true, 8, 1},
                             {"compounds", true, true, 2, 3}};
   for (const Backend backend : backends())
