@@ -56,14 +56,13 @@ TEST_CASE("a sliding sphere ends rolling at 5/7 of its speed after 2 v0 / (7 mu 
       }
       const BodyState s = simulation->body(0, 1);
       const std::string label = std::string(name_of(backend)) + ", mu " + short_text(mu);
-      // Opening the gap h mu v takes a normal impulse of m mu v before friction settles: a share mu^2 of v0 falls
-      // early. It shifts the time by about v mu^2 / (mu g) h-independent at worst once, and never the end: rolling is
-      // 5/7 v0.
+      // The hop of the first step (next case) shifts the time a little and the end not at all: rolling is 5/7 v0. What
+      // is left is the gap's closing, of the order of h mu g, and a step in the time.
       CHECK(agrees("slide to roll, final speed [m/s], " + label, speed * 5 / 7, s.velocity.x, 1e-3 * speed));
       CHECK(agrees("slide to roll, spin times radius [m/s], " + label, speed * 5 / 7, s.angular_velocity.y * kRadius,
                    1e-3 * speed));
       CHECK(agrees("slide to roll, time of rolling [s], " + label, expected_time, rolling_since,
-                   (mu * mu + 0.02) * expected_time));
+                   0.02 * expected_time + step));
     }
 }
 
@@ -111,11 +110,9 @@ TEST_CASE("a sphere on an incline rolls with 5/7 g sin where friction suffices a
           (rolls ? 5.0 / 7 * std::sin(angle) : std::sin(angle) - mu * std::cos(angle)) * kGravity * seconds;
       const double spin = rolls ? speed : 2.5 * mu * kGravity * std::cos(angle) * seconds;
       const std::string label = short_text(degrees(angle)) + " degrees, " + name_of(backend);
-      // Slipping, the gap h mu s grows with the slip: a share mu times the slip's growth is added to the weight.
-      const double growth = rolls ? 0 : mu * (speed - spin) / (seconds * kGravity * std::cos(angle));
-      CHECK(agrees("incline, speed [m/s], " + label, -speed, s.velocity.x, (2e-3 + growth * 0.5) * speed));
-      CHECK(agrees("incline, spin times radius [m/s], " + label, -spin, s.angular_velocity.y * kRadius,
-                   (2e-3 + growth * 1.2) * spin));
+      // The first step finds the gap at zero and hops; the speed it takes is a step's worth, 1/500.
+      CHECK(agrees("incline, speed [m/s], " + label, -speed, s.velocity.x, 2e-3 * speed));
+      CHECK(agrees("incline, spin times radius [m/s], " + label, -spin, s.angular_velocity.y * kRadius, 2e-3 * spin));
     }
 }
 
@@ -129,10 +126,9 @@ TEST_CASE("rolling resistance holds a sphere below atan(mu_r) and lets it roll a
       const double expected =
           share < 1 ? 0 : -5.0 / 7 * kGravity * (std::sin(angle) - rolling * std::cos(angle)) * seconds;
       const std::string label = "tan / mu_r = " + short_text(share) + ", " + name_of(backend);
-      // The relaxation couples rolling to the normal too, rho w = mu_r v: again a lift of that share of the speed.
+      // The first step again: 1/500 of what gravity alone would give.
       CHECK(agrees("rolling resistance on an incline, speed [m/s], " + label, expected,
-                   simulation->body(0, 1).velocity.x,
-                   2e-3 * kGravity * seconds * std::sin(angle) + rolling * rolling * std::abs(expected)));
+                   simulation->body(0, 1).velocity.x, 2e-3 * kGravity * seconds * std::sin(angle)));
     }
 }
 
@@ -144,10 +140,9 @@ TEST_CASE("rolling resistance slows a rolling sphere by 5/7 mu_r g") {
     w.body[1].angular_velocity.y = Real(speed / kRadius);
     const auto simulation = simulate(backend, w, settings_with(1e-3));
     advance_for(*simulation, seconds);
-    // The lift of the first step, mu_r v, costs 5/7 mu_r^2 v once, and shrinking gives as much back.
+    // A step's worth, as above.
     CHECK(agrees(std::string("rolling decay, speed [m/s], ") + name_of(backend),
-                 speed - 5.0 / 7 * rolling * kGravity * seconds, simulation->body(0, 1).velocity.x,
-                 rolling * rolling * speed + 1e-3));
+                 speed - 5.0 / 7 * rolling * kGravity * seconds, simulation->body(0, 1).velocity.x, 1e-3 * speed));
   }
 }
 
