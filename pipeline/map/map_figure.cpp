@@ -71,7 +71,7 @@ void add_notes(const MapRequest& request, const terrain::MapGrid& grid, const Ma
 void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path) {
   MapFigure figure;
-  figure.title = request.region.name + ": where can it go?";
+  figure.title = "Go/NoGo map: " + request.region.name;
   figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " of " + request.model.vehicle) +
                     ", uphill heading" + (request.model.fidelity.empty() ? "" : ", " + request.model.fidelity);
   figure.grid = grid;
@@ -79,6 +79,7 @@ void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, c
   figure.verdict = picture.verdict;
   figure.reason = picture.reason;
   figure.p_go = picture.p_go;
+  figure.area_km2 = summary.area_km2;
   figure.go_threshold = request.rules.go;
   figure.no_go_threshold = request.rules.no_go;
   add_legends(request, summary, figure);
