@@ -14,6 +14,7 @@ namespace {
 constexpr std::uint64_t kBedStream = 0x6265640000000000;        // bed seeds, by index of the trial
 constexpr std::uint64_t kReplicateStream = 0x7265706c00000000;  // which point of a block is repeated
 constexpr double kMostPoints = 4e9;                             // below 2^32, the length of the sequence
+constexpr std::size_t kMostCompared = 8192;                     // points of a coverage, which compares all pairs
 
 std::string interval_text(const Variable& variable) {
   char text[80];
@@ -65,11 +66,13 @@ DesignPoint base_point(const DesignSpec& spec, std::uint64_t number) {
   return point;
 }
 
-/// Coordinates of the points in the unit cube of the sampled box, replicates left out: [points][sampled variables].
+/// Coordinates of the first points in the unit cube of the sampled box, replicates left out: [points][sampled
+/// variables].
 std::vector<std::vector<double>> unit_points(const DesignSpec& spec, const std::vector<DesignPoint>& design) {
   std::vector<std::vector<double>> points;
   for (const DesignPoint& point : design) {
     if (point.replicate_of >= 0) continue;
+    if (points.size() == kMostCompared) break;
     std::vector<double>& unit = points.emplace_back();
     for (const SampledVariable& range : spec.ranges)
       unit.push_back((point.variables[range.variable] - range.minimum) / (range.maximum - range.minimum));

@@ -42,7 +42,7 @@ std::uint64_t trial_count(const DesignSpec& spec);
 /// All points in order; make_design(longer)[i] = make_design(shorter)[i].
 std::vector<DesignPoint> make_design(const DesignSpec& spec);
 
-/// How well the points fill the sampled box.
+/// How well the points, the first 8192 of a longer design, fill the sampled box.
 struct Coverage {
   double discrepancy = 0;      // star discrepancy in the L2 norm (Warnock), of the points scaled to the unit cube
   double expected_random = 0;  // root mean square of the same for independent uniform points
