@@ -1,6 +1,7 @@
 #include "pipeline/report/figure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 
@@ -25,14 +26,13 @@ std::string percent(double share) {
 }
 
 Palette class_palette(const std::vector<FigureClass>& classes) {
-  return [&classes](float value) {
-    for (const FigureClass& entry : classes)
-      if (float(entry.code) == value) return colour_from(entry.colour);
-    return kNothing;
-  };
+  std::array<Colour, 256> colours;
+  colours.fill(kNothing);
+  for (const FigureClass& entry : classes) colours[std::size_t(entry.code)] = colour_from(entry.colour);
+  return [colours](float value) { return colours[std::size_t(value)]; };
 }
 
-Colour ramp_colour(const std::vector<FigureStop>& ramp, double value) {
+Colour between_stops(const std::vector<FigureStop>& ramp, double value) {
   for (std::size_t i = 1; i < ramp.size(); ++i) {
     if (value > ramp[i].value && i + 1 < ramp.size()) continue;
     const double t = std::clamp((value - ramp[i - 1].value) / (ramp[i].value - ramp[i - 1].value), 0.0, 1.0);
@@ -42,11 +42,19 @@ Colour ramp_colour(const std::vector<FigureStop>& ramp, double value) {
   return kNothing;
 }
 
-void draw_ramp(const Canvas& canvas, Box bar, const std::vector<FigureStop>& ramp) {
+/// Values in [0, 1] by the ramp; below 0 the colour of cells that have none.
+Palette ramp_palette(const std::vector<FigureStop>& ramp) {
+  constexpr int steps = 1024;
+  std::vector<Colour> colours;
+  for (int i = 0; i <= steps; ++i) colours.push_back(between_stops(ramp, double(i) / steps));
+  return [colours](float value) { return value < 0 ? kNothing : colours[std::size_t(std::min(1.0f, value) * steps)]; };
+}
+
+void draw_ramp(const Canvas& canvas, Box bar, const Palette& ramp) {
   const int steps = int(bar.height);
   for (int i = 0; i < steps; ++i)
     canvas.fill({bar.left, bar.bottom() - (i + 1) * bar.height / steps, bar.width, bar.height / steps + 0.5},
-                ramp_colour(ramp, (i + 0.5) / steps));
+                ramp(float((i + 0.5) / steps)));
   canvas.outline(bar, kFrame, 2);
   for (const double p : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     char text[16];
@@ -92,11 +100,10 @@ void draw_side_panels(const Canvas& canvas, const MapFigure& figure, Box room) {
   terrain::Tile p_go = figure.p_go;
   for (std::size_t i = 0; i < p_go.value.size(); ++i)
     if (std::isnan(p_go.value[i]) && !std::isnan(figure.verdict.value[i])) p_go.value[i] = -1;
-  draw_cells(
-      canvas, p_box, p_go, figure.shade, [&](float p) { return p < 0 ? kNothing : ramp_colour(figure.p_go_ramp, p); },
-      kSideRelief);
+  const Palette ramp = ramp_palette(figure.p_go_ramp);
+  draw_cells(canvas, p_box, p_go, figure.shade, ramp, kSideRelief);
   draw_coordinates(canvas, p_box, figure.grid, false);
-  draw_ramp(canvas, {p_box.right() + 36, p_box.top + 6, 42, std::min(300.0, p_box.height - 80)}, figure.p_go_ramp);
+  draw_ramp(canvas, {p_box.right() + 36, p_box.top + 6, 42, std::min(300.0, p_box.height - 80)}, ramp);
   const double second = room.bottom() - p_box.height;
   const Box reason_box = {room.left, second, p_box.width, p_box.height};
   canvas.text(room.left, second - 18, "Likeliest reason", 30, Align::left, true);
