@@ -43,7 +43,7 @@ struct BedLaws {
 };
 
 /// Numerical parameters for grains of this diameter: envelope, cohesion range and recovery speed scale with it.
-sim::StepSettings bed_step_settings(double grain_diameter, double step, int iterations);
+sim::StepSettings bed_step_settings(double grain_diameter, double step, int iterations, double tolerance = 0);
 
 /// Pours and settles a packing. Deterministic in spec. Throws InputError for sizes that cannot hold grains and
 /// DeviceError when the grains do not come to rest.
