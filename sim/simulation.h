@@ -20,7 +20,8 @@ struct [[nodiscard]] StepReport {
   double rms_residual = 0;    // scaled natural map of the CCP over contacts [m/s]
   double max_residual = 0;    // [m/s]
   Index contact_count = 0;
-  Index flags = 0;  // StepFlag bits raised so far
+  Index iterations = 0;  // that the solver took
+  Index flags = 0;       // StepFlag bits raised so far
 };
 
 /// Everything a world batch needs to go on with the same bits.

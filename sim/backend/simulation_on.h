@@ -29,6 +29,7 @@ class SimulationOn final : public Simulation {
     r.rms_residual = sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
     r.max_residual = sums.residual_max;
     r.contact_count = Index(sums.contact_count);
+    r.iterations = Index(sums.iterations);
     r.flags = s_.flags.read(w);
     return r;
   }
@@ -158,6 +159,7 @@ class SimulationOn final : public Simulation {
     s_.world_sums.fill_zero(s_.world_count);
     s_.momentum.fill_zero(s_.world_count);
     s_.flags.fill_zero(s_.world_count);
+    s_.worlds_iterating.fill_zero(1);
     s_.motor_impulse.fill_zero(s_.motor.size());
     s_.motor_extrapolated.fill_zero(s_.motor.size());
     s_.centre.fill_zero(s_.shape_count);

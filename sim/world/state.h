@@ -17,7 +17,8 @@ struct PairLaw {
 /// Numerical parameters of a step, the same for all worlds of a batch.
 struct StepSettings {
   Real step = 1e-3f;              // [s]
-  Index iterations = 20;          // of the solver per step
+  Index iterations = 100;         // most iterations of the solver per step
+  Real tolerance = 0;             // root-mean-square residual at which a world stops iterating [m/s]; 0: never
   Real envelope = 2e-3f;          // contacts are found up to this gap [m]
   Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
   Real recovery_share = 0.2f;     // share of an overlap pushed out in one step
@@ -75,6 +76,7 @@ struct WorldSums {
   double residual_square = 0;  // over contacts [m^2/s^2]
   double residual_max = 0;     // [m/s]
   double contact_count = 0;
+  double iterations = 0;
 };
 
 /// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
@@ -84,9 +86,15 @@ struct BinnedSphere {
   ShapeIndex shape;
 };
 
-/// Momentum of the accelerated iteration, per world.
+/// How far a world's iteration has come: it iterates, then takes one last update without momentum, then rests until the
+/// others are done.
+enum class Phase : std::int32_t { iterating, last, done };
+
+/// State of the accelerated iteration, per world.
 struct Momentum {
   Real t = 1, beta = 0;
+  Phase phase = Phase::iterating;
+  Index iterations = 0;  // taken in this step
 };
 
 template <class Exec>
@@ -120,8 +128,9 @@ struct State {
   Buffer<Real, Exec> progress;      // [contact] gradient times change, for the restart
   Buffer<Momentum, Exec> momentum;  // [world]
   Buffer<WorldSums, Exec> body_sums, world_sums;
-  Buffer<Real, Exec> body_progress;  // [body]
-  Buffer<Index, Exec> flags;         // [world] StepFlag bits, sticky
+  Buffer<Real, Exec> body_progress;      // [body]
+  Buffer<Index, Exec> worlds_iterating;  // one counter
+  Buffer<Index, Exec> flags;             // [world] StepFlag bits, sticky
 
   // Of the previous step, for the warm start.
   Buffer<Index, Exec> old_first_contact;
