@@ -1,10 +1,9 @@
 #include <memory>
 
 #include "pipeline/campaign/campaign.h"
-#include "pipeline/campaign/plan.h"
-#include "pipeline/campaign/worker.h"
+#include "pipeline/campaign/study_campaign.h"
 #include "pipeline/cli/command.h"
-#include "pipeline/trial/trial.h"
+#include "pipeline/study/study.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -68,8 +67,7 @@ void add_run(CLI::App& parent, const Globals& globals) {
   command->footer("Example:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2");
   command->callback([options, &globals] {
     const Study study = read_study(options->study);
-    read_trial_setup(study);  // bad input is said once, before workers start
-    const CampaignSummary summary = run_campaign(plan_campaign(study, options->folder, options->workers));
+    const CampaignSummary summary = run_study_campaign(study, options->folder, options->workers, globals.threads);
     print_result(globals, as_json(summary), as_text(summary));
   });
 }
@@ -90,10 +88,7 @@ void add_worker(CLI::App& parent) {
   CLI::App* command = parent.add_subcommand("worker", "")->group("");
   auto options = std::make_shared<Options>();
   command->add_option("study", options->study)->required();
-  command->callback([options] {
-    const TrialSetup setup = read_trial_setup(read_study(options->study));
-    run_worker([&setup](const DesignPoint& point) { return run_trial(setup, point); });
-  });
+  command->callback([options] { run_study_worker(read_study(options->study)); });
 }
 
 }  // namespace
