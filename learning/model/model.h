@@ -1,6 +1,7 @@
 // A trained model and its file. model.h5 holds weights, biases, the layout as JSON, the training points and log, and
 // everything needed to say where it came from.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -21,7 +22,8 @@ struct Model {
   VisibleLayout layout;
   RbmWeights weights;
   std::vector<double> sampled_lower, sampled_upper;  // [variable count]: box in which trials were made
-  std::vector<double> training_points;               // [point count x variable count]
+  std::vector<double> training_points;               // [point count x variable count], not-a-number where unknown
+  std::vector<std::int32_t> training_outcomes;       // [point count]
   std::vector<EpochLog> log;
   Json provenance = Json::object();  // data_hash, contract_hash, sampler, seed, settings, counts, scores
 };

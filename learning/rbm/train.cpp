@@ -142,7 +142,8 @@ Objective training_objective(const RbmWeights& weights, const VisibleLayout& lay
 }
 
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
-                               const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count) {
+                               const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
+                               const std::function<void(std::size_t)>& progress) {
   check_table(layout, table);
   const std::size_t outcomes = layout.outcome_count();
   const std::vector<std::size_t> fold = assign_folds(table, fold_count, settings.seed);
@@ -169,6 +170,7 @@ CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable&
     const TrainingResult trained = train_rbm(layout, table.subset(training), settings, sampler, look);
     for (std::size_t r = 0; r < trained.log.size(); ++r)
       result.log[r].training_loss += trained.log[r].training_loss / double(fold_count);
+    if (progress) progress(f + 1);
   }
   std::size_t best = 0;
   const double total = std::accumulate(table.weight.begin(), table.weight.end(), 0.0);

@@ -67,6 +67,7 @@ struct CrossValidation {
   std::vector<double> probability;  // [row x outcome]: of each row by the machine that did not see it, at best_epoch
 };
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
-                               const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count);
+                               const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
+                               const std::function<void(std::size_t folds_done)>& progress = {});
 
 }  // namespace gonogo::learning

@@ -9,12 +9,14 @@
 
 namespace gonogo::pipeline {
 
-CampaignSummary run_study_campaign(const Study& study, const std::filesystem::path& folder, int workers, int threads) {
+CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder, int workers, int threads) {
   const TrialSetup setup = read_trial_setup(study);
   CampaignRequest request = plan_campaign(study, folder, workers, {{"soil calibration", setup.calibration_file}});
   const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
-  request.prepare = [&] { prepare_trials(setup, request.design, threads > 0 ? threads : cores); };
-  return run_campaign(request);
+  request.prepare = [setup, design = request.design, threads = threads > 0 ? threads : cores] {
+    prepare_trials(setup, design, threads);
+  };
+  return request;
 }
 
 void run_study_worker(const Study& study) {

@@ -7,11 +7,11 @@
 
 namespace gonogo::pipeline {
 
-/// Simulates the study's missing trials in `workers` processes of one thread each (0: one per core) and writes
-/// <folder>/dataset.h5. Beds that trials need are settled before, on `threads` threads (0: all cores). Throws as
-/// read_trial_setup, plan_campaign and run_campaign do; the same call continues. Only for the program gonogo, whose
-/// command "campaign worker" the workers run.
-CampaignSummary run_study_campaign(const Study& study, const std::filesystem::path& folder, int workers, int threads);
+/// The campaign of the study's trials, ready for run_campaign: `workers` processes of one thread each (0: one per
+/// core); the beds that trials need are settled before, on `threads` threads (0: all cores). Trials depend on the soil
+/// calibration's content too. Throws as read_trial_setup and plan_campaign do, and writes nothing. Only for the program
+/// gonogo, whose command "campaign worker" the workers run.
+CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder, int workers, int threads);
 
 /// What that command does: simulates the points that come by standard input.
 void run_study_worker(const Study& study);

@@ -67,7 +67,8 @@ void add_run(CLI::App& parent, const Globals& globals) {
   command->footer("Example:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2");
   command->callback([options, &globals] {
     const Study study = read_study(options->study);
-    const CampaignSummary summary = run_study_campaign(study, options->folder, options->workers, globals.threads);
+    const CampaignSummary summary =
+        run_campaign(plan_study_campaign(study, options->folder, options->workers, globals.threads));
     print_result(globals, as_json(summary), as_text(summary));
   });
 }

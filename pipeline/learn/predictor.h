@@ -9,6 +9,7 @@
 
 #include "base/json/json.h"
 #include "learning/model/model.h"
+#include "learning/model/posterior.h"
 
 namespace gonogo::pipeline {
 
@@ -24,6 +25,8 @@ class Predictor {
 
   /// [contract().outcomes.size()], in that order; sums to 1.
   std::vector<double> outcome_probabilities(std::span<const double> variables) const;
+  /// The same with its standard error, which is above 0 when so many variables are unknown that they had to be sampled.
+  learning::PosteriorAnswer marginal(std::span<const double> variables) const;
   /// P(go or slow_go | a valid trial).
   double p_go(std::span<const double> variables) const;
 
@@ -43,7 +46,12 @@ class Predictor {
   const learning::Model& model() const { return *model_; }
 
  private:
+  template <class Store>
+  void for_each_point(std::span<const double> points, Store store) const;
+  bool needs_summation(std::span<const double> point) const;
+
   std::shared_ptr<const learning::Model> model_;
+  learning::Posterior posterior_;
   std::vector<double> go_weight_;  // [outcome count]: 1 for go and slow_go
   double typical_distance_ = 1;
 };

@@ -1,0 +1,101 @@
+#include "learning/model/model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/hdf5/hdf5.h"
+
+namespace gonogo::learning {
+namespace {
+
+constexpr const char* kFormat = "gonogo/model/1";
+
+std::vector<double> log_column(const std::vector<EpochLog>& log, double EpochLog::*member) {
+  std::vector<double> column;
+  for (const EpochLog& entry : log) column.push_back(entry.*member);
+  return column;
+}
+
+void describe(Hdf5Writer& out, const std::string& path, const std::string& unit, const std::string& description) {
+  out.attribute(path, "unit", unit);
+  out.attribute(path, "description", description);
+}
+
+std::vector<double> finite_array(const Hdf5Reader& in, const std::string& path, const Shape& shape) {
+  std::vector<double> values = in.array<double>(path, shape);
+  for (double x : values)
+    if (!std::isfinite(x)) in.fail(path, "holds a value that is not a finite number; train the model again");
+  return values;
+}
+
+/// What must hold between the parts of a model, whoever made it.
+void check_parts(const Hdf5Reader& in, const Model& model) {
+  for (std::size_t v = 0; v < model.layout.variable_count(); ++v)
+    if (model.sampled_lower[v] > model.sampled_upper[v]) in.fail("sampled/lower", "lies above sampled/upper");
+  for (std::int32_t y : model.training_outcomes)
+    if (y < 0 || std::size_t(y) >= model.layout.outcome_count())
+      in.fail("training/outcomes", "outcome " + std::to_string(y) + " does not exist");
+}
+
+}  // namespace
+
+void write_model(const std::filesystem::path& path, const Model& model) {
+  const std::size_t visible = model.weights.visible_count, hidden = model.weights.hidden_count;
+  const std::size_t variables = model.layout.variable_count(), points = model.training_outcomes.size();
+  Hdf5Writer out;
+  out.attribute("/", "format", kFormat);
+  out.text("layout", model.layout.to_json().dump());
+  out.attribute("layout", "description", "how variables and outcomes are written on the visible units");
+  out.array("machine/weight", model.weights.weight, {visible, hidden});
+  describe(out, "machine/weight", "nat", "couplings of visible (rows) and hidden units, E = -a.v - b.h - v'Wh");
+  out.array("machine/visible_bias", model.weights.visible_bias);
+  describe(out, "machine/visible_bias", "nat", "a");
+  out.array("machine/hidden_bias", model.weights.hidden_bias);
+  describe(out, "machine/hidden_bias", "nat", "b");
+  out.array("sampled/lower", model.sampled_lower);
+  describe(out, "sampled/lower", "of the variable", "lower end of the range in which trials were made");
+  out.array("sampled/upper", model.sampled_upper);
+  describe(out, "sampled/upper", "of the variable", "upper end of the range in which trials were made");
+  out.array("training/points", model.training_points, {points, variables});
+  describe(out, "training/points", "of the variable", "variables of the trials trained on, not-a-number where unknown");
+  out.array("training/outcomes", model.training_outcomes);
+  describe(out, "training/outcomes", "-", "their outcomes, counted from 0 in the order of the layout");
+  out.array("log/epoch", log_column(model.log, &EpochLog::epoch));
+  describe(out, "log/epoch", "-", "passes over the training rows");
+  out.array("log/training_loss", log_column(model.log, &EpochLog::training_loss));
+  describe(out, "log/training_loss", "nat", "mean -log P(outcome | variables) of training rows");
+  out.array("log/held_out_loss", log_column(model.log, &EpochLog::held_out_loss));
+  describe(out, "log/held_out_loss", "nat", "the same of held-out rows");
+  out.text("provenance", model.provenance.dump());
+  out.save(path);
+}
+
+Model read_model(const std::filesystem::path& path) {
+  const Hdf5Reader in(path);
+  if (!in.has_attribute("/", "format") || in.text_attribute("/", "format") != kFormat)
+    in.fail("/", std::string("is not a model of format ") + kFormat + "; make one with gonogo train");
+  Model model;
+  const std::string source = path.string() + ": layout";
+  model.layout = VisibleLayout::from_json(Json::parse(in.text("layout"), source), source);
+  const std::size_t visible = model.layout.unit_count(), variables = model.layout.variable_count();
+  const Shape hidden_shape = in.shape("machine/hidden_bias");
+  if (hidden_shape.size() != 1 || hidden_shape[0] == 0) in.fail("machine/hidden_bias", "must be a list, not empty");
+  const std::size_t hidden = hidden_shape[0];
+  model.weights = {visible, hidden, finite_array(in, "machine/weight", {visible, hidden}),
+                   finite_array(in, "machine/visible_bias", {visible}),
+                   finite_array(in, "machine/hidden_bias", {hidden})};
+  model.sampled_lower = finite_array(in, "sampled/lower", {variables});
+  model.sampled_upper = finite_array(in, "sampled/upper", {variables});
+  model.training_outcomes = in.array<std::int32_t>("training/outcomes");
+  model.training_points = in.array<double>("training/points", Shape{model.training_outcomes.size(), variables});
+  const auto epoch = in.array<double>("log/epoch");
+  const auto training = in.array<double>("log/training_loss", Shape{epoch.size()});
+  const auto held_out = in.array<double>("log/held_out_loss", Shape{epoch.size()});
+  for (std::size_t k = 0; k < epoch.size(); ++k) model.log.push_back({epoch[k], training[k], held_out[k]});
+  model.provenance = Json::parse(in.text("provenance"), path.string() + ": provenance");
+  check_parts(in, model);
+  return model;
+}
+
+}  // namespace gonogo::learning

@@ -1,0 +1,31 @@
+// Rows of an answer -> variables and outcomes.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "base/json/json.h"
+#include "learning/qubo/sample_set.h"
+#include "pipeline/learn/qubo_exchange.h"
+
+namespace gonogo::pipeline {
+
+struct DecodedAnswer {
+  struct Row {
+    std::vector<double> values;  // [variable count], in their units; clamped variables at their given values
+    std::size_t outcome = 0;
+    double energy = 0;
+    std::int64_t occurrences = 1;
+  };
+  std::vector<Row> rows;        // the valid ones: every code is a code word, exactly one outcome is on
+  double reads = 0, valid = 0;  // counted with their occurrences
+};
+
+/// answer must have passed check_answer(): its columns are the sidecar's labels.
+DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer);
+
+/// variable names, outcome, energy, occurrences; one line for each valid row.
+std::string rows_csv(const Sidecar& sidecar, const DecodedAnswer& decoded);
+
+Json summary_json(const Sidecar& sidecar, const DecodedAnswer& decoded);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,35 @@
+// The "learning" section of a study:
+//
+//   sampler        "block_gibbs" (default) or "exact": where the negative phase comes from
+//   hidden         hidden units                                     epochs         most passes over the trials
+//   batch          trials of a minibatch                            learning_rate  of Adam
+//   weight_decay   strength of the Gaussian prior on weights [nat]  generative     share of the joint likelihood
+//   chains, sweeps persistent chains and their sweeps per update    folds          of the cross-validation
+//   bins           "range" (default) or "quantile"
+//   encoders       { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }, default: the contract's
+//
+// Defaults are those of learning::TrainingSettings; docs/learning.md shows the experiments behind them.
+#pragma once
+#include <map>
+#include <optional>
+#include <string>
+
+#include "base/json/config.h"
+#include "pipeline/study/contract.h"
+
+namespace gonogo::pipeline {
+
+struct LearningSettings {
+  std::string sampler = "block_gibbs";
+  std::size_t hidden = 8, epochs = 400, batch = 32, chains = 64, sweeps = 2, folds = 5;
+  double learning_rate = 0.02, weight_decay = 1, generative = 0.05;
+  bool quantile_bins = false;
+  std::map<std::string, EncoderSpec> encoders;  // by variable, where the study overrides the contract
+};
+
+/// Without a section: the defaults. Throws InputError for unknown keys, values out of range and unknown variables.
+LearningSettings read_learning_settings(const std::optional<Config>& section);
+
+Json to_json(const LearningSettings& settings);
+
+}  // namespace gonogo::pipeline
