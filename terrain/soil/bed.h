@@ -49,6 +49,9 @@ sim::StepSettings bed_step_settings(double grain_diameter, double step, int iter
 /// DeviceError when the grains do not come to rest.
 Packing settle_packing(const BedSpec& spec, int threads);
 
+/// Where `folder` keeps the packing of this specification.
+std::filesystem::path packing_path(const BedSpec& spec, const std::filesystem::path& folder);
+
 /// The packing from `folder` when it is there, otherwise settled and stored there.
 Packing cached_packing(const BedSpec& spec, const std::filesystem::path& folder, int threads);
 

@@ -53,8 +53,12 @@ Packing read_packing(const std::filesystem::path& path) {
   return p;
 }
 
+std::filesystem::path packing_path(const BedSpec& spec, const std::filesystem::path& folder) {
+  return folder / ("packing-" + spec.hash() + ".h5");
+}
+
 Packing cached_packing(const BedSpec& spec, const std::filesystem::path& folder, int threads) {
-  const auto path = folder / ("packing-" + spec.hash() + ".h5");
+  const auto path = packing_path(spec, folder);
   if (std::filesystem::exists(path)) {
     try {
       return read_packing(path);
