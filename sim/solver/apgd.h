@@ -22,7 +22,8 @@ GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal
   const Real angular = std::fmax(i.x, std::fmax(i.y, i.z));
   const Real arm_square = dot(arm, arm);
   const Vec3 off_centre = cross(arm, normal);
-  const bool central = dot(off_centre, off_centre) < Real(1e-6) * arm_square;
+  // A body that can only turn keeps its spin even there: the bound of a contact must stay above zero.
+  const bool central = linear > 0 && dot(off_centre, off_centre) < Real(1e-6) * arm_square;
   // Normal and friction share one angular velocity when the arm is not along the normal; rolling shares it always:
   // (x + y)^2 <= 2 x^2 + 2 y^2.
   const bool isotropic = mass.inverse_mass.x == mass.inverse_mass.y && mass.inverse_mass.y == mass.inverse_mass.z;

@@ -43,9 +43,14 @@ struct WorldParameters {
 struct BodyMass {
   Vec3 inverse_mass;           // along world x, y, z [1/kg]
   Vec3 inverse_inertia_B;      // about body axes [1/(kg m^2)]
-  std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries
-  std::int32_t motor = -1;     // index of the motor that turns this body, or -1
+  std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries; set by flatten
+  std::int32_t motor = -1;     // index of the motor that turns this body, or -1; set by flatten
 };
+
+GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
+  const Vec3 &m = mass.inverse_mass, &i = mass.inverse_inertia_B;
+  return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
+}
 
 /// Turns a body about its y axis towards a speed, with limited torque (positive y turns x towards -z: forward rolling).
 struct Motor {
