@@ -56,8 +56,8 @@ void add_notes(const MapRequest& request, const terrain::MapGrid& grid, const Ma
   figure.notes.push_back("go: P(go) \u2265 " + number(rules.go) + ";  slow-go: " + number(rules.no_go) +
                          " \u2264 P(go) < " + number(rules.go) + ", or slower than the go speed;  no-go: P(go) < " +
                          number(rules.no_go) +
-                         ".  P(go) is the probability that a valid trial ends in go or slow-go.  Grey is not a guess: "
-                         "nothing near was simulated.");
+                         ".  P(go) is the probability that a valid trial ends in go or slow-go.  Grey is never a "
+                         "guess: the soil is not known, or nothing like it was simulated.");
   for (const std::string& remark : summary.remarks) figure.notes.push_back(remark);
   figure.notes.push_back("Elevation: " + request.region.elevation.source +
                          (request.region.soil_class ? ".  Soil: " + request.region.soil_class->source : ""));
@@ -71,14 +71,15 @@ void add_notes(const MapRequest& request, const terrain::MapGrid& grid, const Ma
 void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path) {
   MapFigure figure;
-  figure.title = request.region.name + ": where can it go?";
-  figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " of " + request.model.vehicle) +
-                    ", uphill heading" + (request.model.fidelity.empty() ? "" : ", " + request.model.fidelity);
+  figure.title = "Go/NoGo map: " + request.region.name;
+  figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) +
+                    ", uphill heading, " + request.rules.fidelity;
   figure.grid = grid;
   figure.shade = picture.shade;
   figure.verdict = picture.verdict;
   figure.reason = picture.reason;
   figure.p_go = picture.p_go;
+  figure.area_km2 = summary.area_km2;
   figure.go_threshold = request.rules.go;
   figure.no_go_threshold = request.rules.no_go;
   add_legends(request, summary, figure);

@@ -32,6 +32,7 @@ Json rules_json(const MapRules& rules) {
   json["no_go"] = rules.no_go;
   json["tolerated_outside_share"] = rules.tolerated_outside_share;
   json["draws"] = rules.draws;
+  json["fidelity"] = rules.fidelity;
   json["values"] = spreads_json(rules.values);
   return json;
 }
@@ -45,7 +46,6 @@ Json map_inputs(const MapRequest& request) {
   inputs["contract_hash"] = content_hash(contract_text());
   inputs["model_hash"] = request.model.hash;
   inputs["vehicle"] = request.model.vehicle;
-  inputs["fidelity"] = request.model.fidelity;
   inputs["region"] = request.region.name;
   inputs["region_hash"] = file_hash(request.region.file);
   inputs["elevation_hash"] = file_hash(request.region.elevation.file);

@@ -16,9 +16,8 @@ struct OutcomeModel {
   std::function<void(std::span<const double> points, std::span<double> result)> probabilities;
   /// Box in which trials were simulated, [variable count]; a variable held fixed has equal ends.
   std::vector<Range> sampled;
-  std::string hash;      // of the model's file
-  std::string vehicle;   // name for titles, may be empty
-  std::string fidelity;  // what the trials simulated, for titles, may be empty
+  std::string hash;     // of the model's file
+  std::string vehicle;  // name for titles, may be empty
 };
 
 }  // namespace gonogo::pipeline

@@ -40,6 +40,7 @@ MapRules read_map_rules(const std::optional<Config>& section) {
   rules.no_go = section->number_or("no_go", rules.no_go, {0, rules.go});
   rules.tolerated_outside_share = section->number_or("tolerated_outside_share", 0, {0, 1});
   rules.draws = int(section->integer_or("draws", rules.draws, {1, 4096}));
+  rules.fidelity = section->text_or("fidelity", rules.fidelity);
   if (const auto values = section->object_if("values")) rules.values = read_spreads(*values);
   section->finish();
   return rules;

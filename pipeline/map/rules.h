@@ -20,7 +20,8 @@ struct MapRules {
   double no_go = 0.5;                  // P(go) below: no_go; between the two: slow_go
   double tolerated_outside_share = 0;  // shares u up to this are taken as if they behaved like the sampled part
   int draws = 16;                      // points drawn from the ranges of a soil
-  Spreads values;                      // of the mission, such as payload; win over the region's
+  std::string fidelity = "fidelity of the trials not stated";  // printed under the title of the figure
+  Spreads values;                                              // of the mission, such as payload; win over the region's
 };
 
 /// Throws InputError. Without a section the defaults hold.

@@ -35,6 +35,7 @@ struct MapFigure {
   std::vector<FigureClass> classes, reasons;   // in the order of the legend
   std::vector<FigureStop> p_go_ramp;           // increasing from 0 to 1
   std::vector<FigureCurve> curves;
+  double area_km2 = 0;  // that the shares are of
   double go_threshold = 0.8, no_go_threshold = 0.5;
   double steepest_sampled_deg = 0;
 };

@@ -64,7 +64,7 @@ void draw_axes(const Canvas& canvas, const Axes& axes) {
 
 void draw_threshold(const Canvas& canvas, const Axes& axes, double p, const std::string& name) {
   canvas.line(axes.box.left, axes.y(p), axes.box.right(), axes.y(p), {0.3, 0.3, 0.34, 1}, 2, {4, 7});
-  canvas.text(axes.box.right() - 8, axes.y(p) - 8, name, 20, Align::right);
+  canvas.text(axes.box.left + 12, axes.y(p) - 9, name, 20);
 }
 
 void draw_unsampled(const Canvas& canvas, const Axes& axes, double steepest) {
@@ -108,7 +108,7 @@ void draw_curves(const Canvas& canvas, Box room, const MapFigure& figure) {
   const Axes axes = {{room.left + 100, room.top + 50, room.width - 100 - legend_width, room.height - 50 - 90}, end};
   draw_axes(canvas, axes);
   draw_unsampled(canvas, axes, figure.steepest_sampled_deg);
-  draw_threshold(canvas, axes, figure.go_threshold, "go");
+  draw_threshold(canvas, axes, figure.go_threshold, "go from here up");
   draw_threshold(canvas, axes, figure.no_go_threshold, "no-go below");
   for (std::size_t c = figure.curves.size(); c-- > 0;) draw_line(canvas, axes, figure.curves[c], style_of(c));
   canvas.outline(axes.box, kFrame, 2.5);

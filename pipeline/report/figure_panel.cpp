@@ -19,8 +19,11 @@ std::uint32_t packed(Colour c) {
   return (byte(c.red) << 16) | (byte(c.green) << 8) | byte(c.blue);
 }
 
-/// Relief as a factor on the colour: 1 on flat ground under a light at 45 degrees (brightness 0.707).
-double relief_factor(float shade) { return std::isnan(shade) ? 1 : 0.45 + 0.78 * shade; }
+/// Relief as a factor on the colour: 1 on flat ground under a light at 45 degrees (brightness 0.707), stretched because
+/// most ground is far gentler than the light is low.
+double relief_factor(float shade, double strength) {
+  return std::isnan(shade) ? 1 : std::clamp(1 + strength * (shade - 0.7071), 0.6, 1.12);
+}
 
 std::string whole_number(double x) {
   char text[32];
@@ -55,7 +58,8 @@ Box fit_panel(const MapGrid& grid, Box room) {
   return {room.left, room.top, std::floor(width), std::floor(width * shape)};
 }
 
-void draw_cells(const Canvas& canvas, Box box, const Tile& value, const Tile& shade, const Palette& palette) {
+void draw_cells(const Canvas& canvas, Box box, const Tile& value, const Tile& shade, const Palette& palette,
+                double relief) {
   cairo_surface_t* image = cairo_image_surface_create(CAIRO_FORMAT_RGB24, value.columns, value.rows);
   auto* pixels = cairo_image_surface_get_data(image);
   const int stride = cairo_image_surface_get_stride(image);
@@ -65,7 +69,7 @@ void draw_cells(const Canvas& canvas, Box box, const Tile& value, const Tile& sh
       line[column] = 0xffffff;
       if (std::isnan(value.at(column, row))) continue;
       const Colour colour = palette(value.at(column, row));
-      const double factor = relief_factor(shade.at(column, row));
+      const double factor = relief_factor(shade.at(column, row), relief);
       line[column] = packed({colour.red * factor, colour.green * factor, colour.blue * factor, 1});
     }
   }

@@ -13,9 +13,9 @@ Box fit_panel(const terrain::MapGrid& grid, Box room);
 /// Colour of a cell's value; called for values that are not nodata.
 using Palette = std::function<Colour(float)>;
 
-/// Cells coloured by palette, darkened and lightened by the relief; nodata stays white.
+/// Cells coloured by palette, darkened and lightened by the relief (0: not at all); nodata stays white.
 void draw_cells(const Canvas& canvas, Box box, const terrain::Tile& value, const terrain::Tile& shade,
-                const Palette& palette);
+                const Palette& palette, double relief);
 
 /// Frame and grid lines at round coordinates, every panel the same; with numbers and axis titles where `labelled`.
 void draw_coordinates(const Canvas& canvas, Box box, const terrain::MapGrid& grid, bool labelled);

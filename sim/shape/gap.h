@@ -57,7 +57,7 @@ GONOGO_HD inline Gap sphere_lug_gap(const Vec3& p, const Shape& wheel, int k, Re
 template <class Visit>
 GONOGO_HD inline void visit_wheel_gaps(const Vec3& p, const Shape& wheel, Real radius, Real envelope, Visit&& visit) {
   const Gap cylinder = sphere_cylinder_gap(p, wheel.size.x, wheel.size.y, radius);
-  if (cylinder.gap > envelope + wheel.size.z) return;
+  if (cylinder.gap > envelope + lug_edge_radius(wheel) - wheel.size.x) return;
   if (cylinder.gap < envelope) visit(0, cylinder);
   if (wheel.lug_count == 0) return;
   const Real pitch = Real(6.283185307179586) / Real(wheel.lug_count);
@@ -65,6 +65,7 @@ GONOGO_HD inline void visit_wheel_gaps(const Vec3& p, const Shape& wheel, Real r
   const int near = int(std::floor(turns + Real(0.5)));
   const int next = turns > Real(near) ? near + 1 : near - 1;
   for (const int lug : {near, next}) {
+    if (wheel.lug_count == 1 && lug == next) return;
     const int k = ((lug % wheel.lug_count) + wheel.lug_count) % wheel.lug_count;
     const Gap g = sphere_lug_gap(p, wheel, k, radius);
     if (g.gap < envelope) visit(1 + k, g);

@@ -25,4 +25,10 @@ struct Shape {
   Real lug_thickness = 0;  // along the circumference [m]
 };
 
+/// Distance of the outer edges of a wheel's lugs from the axle: a little more than radius plus lug height [m].
+GONOGO_HD inline Real lug_edge_radius(const Shape& wheel) {
+  const Real tip = wheel.size.x + wheel.size.z, half = Real(0.5) * wheel.lug_thickness;
+  return std::sqrt(tip * tip + half * half);
+}
+
 }  // namespace gonogo::sim

@@ -1,0 +1,22 @@
+// From files to a map request: what the commands `map` and `run` share.
+#pragma once
+#include <filesystem>
+
+#include "pipeline/map/make_map.h"
+
+namespace gonogo::pipeline {
+
+struct MapFiles {
+  std::filesystem::path model;   // model.h5
+  std::filesystem::path region;  // region JSON; empty: the one that the study names
+  std::filesystem::path study;   // study JSON for its sections map, region and vehicle; empty: defaults
+  std::filesystem::path out;     // folder
+  bool colour_blind_safe = false;
+  int threads = 0;  // 0: all cores
+};
+
+/// Reads the model, the region and the rules. Throws InputError, also when neither a region nor a study that names one
+/// is given.
+MapRequest read_map_request(const MapFiles& files);
+
+}  // namespace gonogo::pipeline

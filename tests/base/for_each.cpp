@@ -1,0 +1,58 @@
+#include "base/for_each.h"
+
+#include <numeric>
+
+#include "tests/support/catch.h"
+#include "tests/support/draw.h"
+
+using namespace gonogo;
+
+namespace {
+
+struct CountVisit {
+  View<Index> visits, total;
+  void operator()(Index i) const {
+    ++visits[i];
+    atomic_increment(total[0]);
+    atomic_raise(total[1], Index(1) << (i % 20));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a loop visits every index once with any number of threads") {
+  for (const int threads : {0, 1, 2, 7})
+    for (const Index count : {0, 1, kSerialBelow - 1, kSerialBelow, kSerialBelow + 1, 100003}) {
+      Buffer<Index, Cpu> visits(count), total(2);
+      for_each_index(Cpu{threads}, count, CountVisit{visits.view(), total.view()});
+      INFO(threads << " threads, " << count << " indices");
+      const std::vector<Index> seen = visits.download();
+      CHECK(std::count(seen.begin(), seen.end(), 1) == count);
+      CHECK(total.read(0) == count);
+      CHECK(total.read(1) == (count >= 20 ? (1 << 20) - 1 : (1 << count) - 1));
+    }
+}
+
+TEST_CASE("an exclusive scan is the running sum before each element, and returns the total") {
+  test::Draw draw(5);
+  for (const int count : {0, 1, 2, 1000}) {
+    Buffer<Index, Cpu> in(count), out(count + 1);
+    std::vector<Index> expected(count + 1, 0);
+    for (int i = 0; i < count; ++i) {
+      in.write(i, draw.below(9));
+      expected[i + 1] = expected[i] + in.read(i);
+    }
+    const Index total = exclusive_scan(Cpu{}, in.view(), out.view());
+    CHECK(total == expected.back());
+    CHECK(out.download() == expected);
+  }
+}
+
+TEST_CASE("a buffer keeps what it held when it grows, and new elements are zero") {
+  Buffer<Index, Cpu> b;
+  b.upload({1, 2, 3});
+  b.resize(5);
+  CHECK(b.download() == std::vector<Index>{1, 2, 3, 0, 0});
+  b.fill_zero(2);
+  CHECK(b.download() == std::vector<Index>{0, 0});
+}

@@ -1,0 +1,131 @@
+#include <cstring>
+
+#include "tests/support/backends.h"
+#include "tests/support/catch.h"
+#include "tests/support/draw.h"
+#include "tests/support/scenes.h"
+
+using namespace gonogo;
+using namespace gonogo::sim;
+using namespace gonogo::test;
+
+namespace {
+
+/// A lugged wheel driven by a motor and sprung against a mass, on loose grains with friction, rolling and cohesion.
+/// Enough grains that every loop of the engine runs on several threads.
+SceneWorld driven_wheel(std::uint64_t seed) {
+  Draw draw(seed);
+  SceneWorld w;
+  w.origin = {0, 0, -0.1};
+  w.size = {0.672, 0.336, 1};
+  w.periodic_x = w.periodic_y = true;
+  w.set_law(0, 0, {Real(0.5), Real(0.1), 500});
+  w.set_law(0, 1, {Real(0.7), 0, 0});
+  add_plane(w);
+  for (int x = 0; x < 16; ++x)
+    for (int y = 0; y < 8; ++y)
+      for (int z = 0; z < 6; ++z)
+        w.add_sphere(Vec3d{x + 0.5, y + 0.5, z + 0.5} * 0.042 + draw.direction() * 0.001,
+                     Real(draw.between(0.019, 0.0215)), 2600, 0);
+  Shape s;
+  s.type = ShapeType::wheel;
+  s.material = 1;
+  s.size = {0.2f, 0.08f, 0.03f};
+  s.lug_count = 12;
+  s.lug_thickness = 0.02f;
+  BodyMass hub = solid(10, {1, 0.2f, 1});
+  hub.inverse_mass.x = 0.01f;
+  hub.inverse_mass.y = hub.inverse_inertia_B.x = hub.inverse_inertia_B.z = 0;
+  s.body = w.add_body({{0.33, 0.17, 0.475}, {}, {}, {}}, hub);
+  w.add_shape(s);
+  BodyMass sprung = solid(50, {1, 1, 1});
+  sprung.inverse_mass.x = sprung.inverse_mass.y = 0;
+  const BodyIndex mass = w.add_body({{0.33, 0.17, 0.925}, {}, {}, {}}, sprung);
+  w.motor.push_back({s.body, 3, 100});
+  w.spring.push_back({mass, s.body, 20000, 800, 0.45});
+  return w;
+}
+
+StepSettings few_iterations() {
+  StepSettings s;
+  s.iterations = 10;
+  return s;
+}
+
+bool same_bits(const std::vector<BodyState>& a, const std::vector<BodyState>& b) {
+  static_assert(sizeof(BodyState) == sizeof(Vec3d) + sizeof(Quat) + 2 * sizeof(Vec3), "no padding to compare");
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(BodyState)) == 0;
+}
+
+constexpr Index kSteps = 30;
+
+}  // namespace
+
+TEST_CASE("one, two and seven threads give the same bits") {
+  const SceneWorld w = driven_wheel(601);
+  std::vector<BodyState> first;
+  for (const int threads : {1, 2, 7}) {
+    const auto simulation = make_simulation(Backend::cpu, {w}, few_iterations(), threads);
+    simulation->advance(kSteps);
+    CHECK(simulation->report(0).contact_count > 1000);
+    CHECK(simulation->report(0).flags == 0);
+    if (threads == 1) first = simulation->bodies(0);
+    INFO(threads << " threads");
+    CHECK(same_bits(first, simulation->bodies(0)));
+  }
+}
+
+TEST_CASE("a world has the same bits alone and in any place of a batch") {
+  for (const Backend backend : backends()) {
+    const auto alone = simulate(backend, driven_wheel(602), few_iterations());
+    alone->advance(kSteps);
+    Scene batch;
+    for (int i = 0; i < 6; ++i) batch.push_back(driven_wheel(i == 3 ? 602 : 700 + i));
+    batch[1].motor[0].speed = -20;
+    batch[2].gravity.x = 5;
+    const auto together = make_simulation(backend, batch, few_iterations(), 2);
+    together->advance(kSteps);
+    INFO(name_of(backend));
+    CHECK(same_bits(alone->bodies(0), together->bodies(3)));
+    CHECK_FALSE(same_bits(alone->bodies(0), together->bodies(4)));
+    CHECK(alone->motor_torque(0, 0) == together->motor_torque(3, 0));
+    CHECK(alone->report(0).rms_residual == together->report(3).rms_residual);
+  }
+}
+
+TEST_CASE("a restored simulation goes on with the bits of an uninterrupted one") {
+  for (const Backend backend : backends()) {
+    const SceneWorld w = driven_wheel(603);
+    const auto through = simulate(backend, w, few_iterations());
+    through->advance(kSteps / 2);
+    // What the driver of a trial changes between steps belongs to the state too.
+    through->set_gravity(0, {1, 0, -9});
+    through->set_motor(0, 0, 6, 50);
+    through->set_law(0, 0, 1, {Real(0.3), Real(0.05), 0});
+    const Snapshot saved = through->snapshot();
+    through->advance(kSteps / 2);
+
+    const auto resumed = simulate(backend, w, few_iterations());
+    resumed->restore(saved);
+    CHECK(resumed->report(0).time == Approx(kSteps / 2 * double(few_iterations().step)));
+    resumed->advance(kSteps / 2);
+    INFO(name_of(backend));
+    CHECK(same_bits(through->bodies(0), resumed->bodies(0)));
+    CHECK(through->motor_torque(0, 0) == resumed->motor_torque(0, 0));
+    CHECK(through->report(0).time == resumed->report(0).time);
+
+    // Back in time in the same simulation, which holds more contacts than the snapshot by now.
+    through->restore(saved);
+    CHECK(length(through->contact_force(0, 0)) == 0);  // no step taken since
+    through->advance(kSteps / 2);
+    CHECK(same_bits(through->bodies(0), resumed->bodies(0)));
+  }
+}
+
+TEST_CASE("a snapshot of another scene is refused") {
+  const auto one = simulate(Backend::cpu, driven_wheel(604), few_iterations());
+  SceneWorld other;
+  other.add_sphere({}, 0.1f, 1000, 0);
+  const auto two = simulate(Backend::cpu, other, few_iterations());
+  CHECK_THROWS_AS(two->restore(one->snapshot()), InputError);
+}

@@ -1,0 +1,29 @@
+// The backends of this build and machine: the CPU always, CUDA when it was built in and a device answers.
+#pragma once
+#include <vector>
+
+#include "base/error.h"
+#include "sim/simulation.h"
+
+namespace gonogo::test {
+
+inline const char* name_of(sim::Backend backend) { return backend == sim::Backend::cpu ? "cpu" : "cuda"; }
+
+/// A build without CUDA and a machine without a device refuse with InputError; any other trouble of the device is a
+/// DeviceError and fails the test.
+inline const std::vector<sim::Backend>& backends() {
+  static const std::vector<sim::Backend> found = [] {
+    std::vector<sim::Backend> list{sim::Backend::cpu};
+    sim::SceneWorld world;
+    world.add_body({}, sim::fixed_body());
+    try {
+      sim::make_simulation(sim::Backend::cuda, {world}, {}, 1);
+      list.push_back(sim::Backend::cuda);
+    } catch (const InputError&) {
+    }
+    return list;
+  }();
+  return found;
+}
+
+}  // namespace gonogo::test

@@ -1,0 +1,63 @@
+// Building blocks of test scenes.
+#pragma once
+#include <cmath>
+#include <memory>
+
+#include "sim/simulation.h"
+#include "tests/support/draw.h"
+
+namespace gonogo::test {
+
+inline constexpr double kGravity = 9.81;  // [m/s^2], the default of SceneWorld
+
+inline Quat about_x(double angle) { return {Real(std::cos(angle / 2)), Real(std::sin(angle / 2)), 0, 0}; }
+inline Quat about_y(double angle) { return {Real(std::cos(angle / 2)), 0, Real(std::sin(angle / 2)), 0}; }
+
+/// Fixed plane through `centre`; its normal is the z axis of `orientation`.
+inline sim::BodyIndex add_plane(sim::SceneWorld& world, const Vec3d& centre = {}, const Quat& orientation = {},
+                                int material = 0) {
+  const sim::BodyIndex b = world.add_body({centre, orientation, {}, {}}, sim::fixed_body());
+  sim::Shape s;
+  s.type = sim::ShapeType::plane;
+  s.body = b;
+  s.material = material;
+  world.add_shape(s);
+  return b;
+}
+
+/// Solid box with the given half edges [m].
+inline sim::BodyIndex add_box(sim::SceneWorld& world, const sim::BodyState& state, const Vec3& half, double mass,
+                              int material = 0) {
+  const double x = half.x * half.x, y = half.y * half.y, z = half.z * half.z;
+  const Vec3 inertia{Real(mass / 3 * (y + z)), Real(mass / 3 * (x + z)), Real(mass / 3 * (x + y))};
+  const sim::BodyIndex b = world.add_body(state, sim::solid(Real(mass), inertia));
+  sim::Shape s;
+  s.type = sim::ShapeType::box;
+  s.body = b;
+  s.material = material;
+  s.size = half;
+  world.add_shape(s);
+  return b;
+}
+
+/// Density that gives a sphere this mass [kg/m^3].
+inline Real density_for(double mass, double radius) {
+  return Real(mass / (4.0 / 3.0 * kPi * radius * radius * radius));
+}
+
+/// Gravity as felt on ground that rises along +x at `angle`.
+inline Vec3 tilted_gravity(double angle) {
+  return {Real(-kGravity * std::sin(angle)), 0, Real(-kGravity * std::cos(angle))};
+}
+
+inline std::unique_ptr<sim::Simulation> simulate(sim::Backend backend, const sim::SceneWorld& world,
+                                                 const sim::StepSettings& settings) {
+  return sim::make_simulation(backend, {world}, settings, 1);
+}
+
+/// Takes as many steps as fit into `seconds`, rounded to nearest.
+inline void advance_for(sim::Simulation& simulation, double seconds) {
+  simulation.advance(Index(std::lround(seconds / simulation.settings().step)));
+}
+
+}  // namespace gonogo::test
