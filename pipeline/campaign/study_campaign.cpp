@@ -1,6 +1,7 @@
 #include "pipeline/campaign/study_campaign.h"
 
 #include <algorithm>
+#include <memory>
 #include <thread>
 
 #include "pipeline/campaign/plan.h"
@@ -9,18 +10,16 @@
 
 namespace gonogo::pipeline {
 
-CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder, int workers, int threads) {
-  const TrialSetup setup = read_trial_setup(study);
-  CampaignRequest request = plan_campaign(study, folder, workers, {{"soil calibration", setup.calibration_file}});
-  const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
-  request.prepare = [setup, design = request.design, threads = threads > 0 ? threads : cores] {
-    prepare_trials(setup, design, threads);
-  };
+CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder, int workers) {
+  const auto setup = std::make_shared<const TrialSetup>(read_trial_setup(study, default_packing_folder()));
+  CampaignRequest request = plan_campaign(study, folder, workers, {{"calibration", setup->calibration_file}});
+  const int threads = workers > 0 ? workers : int(std::max(1u, std::thread::hardware_concurrency()));
+  request.prepare = [setup, design = request.design, threads] { prepare_trials(*setup, design, threads); };
   return request;
 }
 
-void run_study_worker(const Study& study) {
-  const TrialSetup setup = read_trial_setup(study);
+void run_study_worker(const std::filesystem::path& study_file) {
+  const TrialSetup setup = read_trial_setup(read_study(study_file), default_packing_folder());
   run_worker([&setup](const DesignPoint& point) { return run_trial(setup, point); });
 }
 

@@ -1,4 +1,4 @@
-// A study's campaign of real trials: campaign.h bound to pipeline/trial.
+// The campaign of a study's trials: what the commands `campaign` and `run` share.
 #pragma once
 #include <filesystem>
 
@@ -7,13 +7,11 @@
 
 namespace gonogo::pipeline {
 
-/// The campaign of the study's trials, ready for run_campaign: `workers` processes of one thread each (0: one per
-/// core); the beds that trials need are settled before, on `threads` threads (0: all cores). Trials depend on the soil
-/// calibration's content too. Throws as read_trial_setup and plan_campaign do, and writes nothing. Only for the program
-/// gonogo, whose command "campaign worker" the workers run.
-CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder, int workers, int threads);
+/// plan_campaign() for real trials: checks vehicle, soil and trial sections, lets results depend on the calibration
+/// file, and settles the beds that missing trials need before workers start. Throws InputError.
+CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder, int workers);
 
-/// What that command does: simulates the points that come by standard input.
-void run_study_worker(const Study& study);
+/// The worker's half: computes trials of the study until standard input ends.
+void run_study_worker(const std::filesystem::path& study_file);
 
 }  // namespace gonogo::pipeline

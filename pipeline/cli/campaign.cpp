@@ -3,7 +3,6 @@
 #include "pipeline/campaign/campaign.h"
 #include "pipeline/campaign/study_campaign.h"
 #include "pipeline/cli/command.h"
-#include "pipeline/study/study.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -66,9 +65,8 @@ void add_run(CLI::App& parent, const Globals& globals) {
       ->capture_default_str();
   command->footer("Example:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2");
   command->callback([options, &globals] {
-    const Study study = read_study(options->study);
     const CampaignSummary summary =
-        run_campaign(plan_study_campaign(study, options->folder, options->workers, globals.threads));
+        run_campaign(plan_study_campaign(read_study(options->study), options->folder, options->workers));
     print_result(globals, as_json(summary), as_text(summary));
   });
 }
@@ -89,7 +87,7 @@ void add_worker(CLI::App& parent) {
   CLI::App* command = parent.add_subcommand("worker", "")->group("");
   auto options = std::make_shared<Options>();
   command->add_option("study", options->study)->required();
-  command->callback([options] { run_study_worker(read_study(options->study)); });
+  command->callback([options] { run_study_worker(options->study); });
 }
 
 }  // namespace
