@@ -23,7 +23,7 @@
 namespace gonogo::learning {
 
 struct TrainingSettings {
-  std::size_t hidden = 16;
+  std::size_t hidden = 8;
   std::size_t epochs = 400;       // most passes over the table
   std::size_t report_every = 10;  // epochs between entries of the log and looks at held-out rows
   std::size_t batch = 32;         // rows of a minibatch

@@ -1,10 +1,8 @@
 #include <memory>
 
 #include "pipeline/campaign/campaign.h"
-#include "pipeline/campaign/plan.h"
-#include "pipeline/campaign/worker.h"
+#include "pipeline/campaign/study_campaign.h"
 #include "pipeline/cli/command.h"
-#include "pipeline/trial/trial.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -67,9 +65,8 @@ void add_run(CLI::App& parent, const Globals& globals) {
       ->capture_default_str();
   command->footer("Example:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2");
   command->callback([options, &globals] {
-    const Study study = read_study(options->study);
-    read_trial_setup(study);  // bad input is said once, before workers start
-    const CampaignSummary summary = run_campaign(plan_campaign(study, options->folder, options->workers));
+    const CampaignSummary summary =
+        run_campaign(plan_study_campaign(read_study(options->study), options->folder, options->workers));
     print_result(globals, as_json(summary), as_text(summary));
   });
 }
@@ -90,10 +87,7 @@ void add_worker(CLI::App& parent) {
   CLI::App* command = parent.add_subcommand("worker", "")->group("");
   auto options = std::make_shared<Options>();
   command->add_option("study", options->study)->required();
-  command->callback([options] {
-    const TrialSetup setup = read_trial_setup(read_study(options->study));
-    run_worker([&setup](const DesignPoint& point) { return run_trial(setup, point); });
-  });
+  command->callback([options] { run_study_worker(options->study); });
 }
 
 }  // namespace

@@ -103,7 +103,7 @@ void draw_side_panels(const Canvas& canvas, const MapFigure& figure, Box room) {
   const Palette ramp = ramp_palette(figure.p_go_ramp);
   draw_cells(canvas, p_box, p_go, figure.shade, ramp, kSideRelief);
   draw_coordinates(canvas, p_box, figure.grid, false);
-  draw_ramp(canvas, {p_box.right() + 36, p_box.top + 6, 42, std::min(300.0, p_box.height - 80)}, ramp);
+  draw_ramp(canvas, {p_box.right() + 36, p_box.top + 6, 42, std::clamp(p_box.height - 80, 200.0, 300.0)}, ramp);
   const double second = room.bottom() - p_box.height;
   const Box reason_box = {room.left, second, p_box.width, p_box.height};
   canvas.text(room.left, second - 18, "Likeliest reason", 30, Align::left, true);

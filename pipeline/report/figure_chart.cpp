@@ -62,9 +62,12 @@ void draw_axes(const Canvas& canvas, const Axes& axes) {
               "uphill slope: degrees below, per cent grade above", kSize, Align::centre);
 }
 
-void draw_threshold(const Canvas& canvas, const Axes& axes, double p, const std::string& name) {
+/// The name stands where no curve can be: beyond the steepest sampled slope.
+void draw_threshold(const Canvas& canvas, const Axes& axes, double p, const std::string& name, double below) {
   canvas.line(axes.box.left, axes.y(p), axes.box.right(), axes.y(p), {0.3, 0.3, 0.34, 1}, 2, {4, 7});
-  canvas.text(axes.box.left + 12, axes.y(p) - 9, name, 20);
+  const double width = canvas.text_width(name, 20) + 12, top = axes.y(p) + below;
+  canvas.fill({axes.box.right() - width - 4, top, width, 26}, {1, 1, 1, 1});
+  canvas.text(axes.box.right() - 10, top + 20, name, 20, Align::right);
 }
 
 void draw_unsampled(const Canvas& canvas, const Axes& axes, double steepest) {
@@ -104,12 +107,12 @@ void draw_curves(const Canvas& canvas, Box room, const MapFigure& figure) {
   for (const FigureCurve& curve : figure.curves)
     legend_width = std::max(legend_width, canvas.text_width(curve.label, kSize));
   legend_width = std::max(legend_width, canvas.text_width("steeper than sampled", kSize)) + 120;
-  const double end = std::max(10.0, 5 * std::floor(figure.steepest_sampled_deg / 5 + 1));
+  const double end = std::max(10.0, 5 * std::ceil((figure.steepest_sampled_deg + 4) / 5));
   const Axes axes = {{room.left + 100, room.top + 50, room.width - 100 - legend_width, room.height - 50 - 90}, end};
   draw_axes(canvas, axes);
   draw_unsampled(canvas, axes, figure.steepest_sampled_deg);
-  draw_threshold(canvas, axes, figure.go_threshold, "go from here up");
-  draw_threshold(canvas, axes, figure.no_go_threshold, "no-go below");
+  draw_threshold(canvas, axes, figure.go_threshold, "go", -30);
+  draw_threshold(canvas, axes, figure.no_go_threshold, "no-go", 4);
   for (std::size_t c = figure.curves.size(); c-- > 0;) draw_line(canvas, axes, figure.curves[c], style_of(c));
   canvas.outline(axes.box, kFrame, 2.5);
   double y = axes.box.top + 20;

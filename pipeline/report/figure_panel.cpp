@@ -106,7 +106,8 @@ void draw_coordinates(const Canvas& canvas, Box box, const MapGrid& grid, bool l
   canvas.outline(box, kFrame, 2.5);
   if (!labelled) return;
   const std::string system = grid.crs_code.empty() ? grid.crs_name : grid.crs_name + ", " + grid.crs_code;
-  canvas.text(box.left + box.width / 2, box.bottom() + 76, "easting [" + grid.unit_name + "],  " + system, size,
+  const std::string easting = "easting [" + grid.unit_name + "],  " + system;
+  canvas.text(box.left + std::max(box.width, canvas.text_width(easting, size)) / 2, box.bottom() + 76, easting, size,
               Align::centre);
   canvas.text(box.left - 56, box.top + box.height / 2, "northing [" + grid.unit_name + "]", size, Align::centre, false,
               true);
@@ -114,8 +115,11 @@ void draw_coordinates(const Canvas& canvas, Box box, const MapGrid& grid, bool l
 
 void draw_scale_and_north(const Canvas& canvas, Box box, const MapGrid& grid) {
   const double metres_per_pixel = grid.columns * grid.cell_width_m() / box.width;
-  const double length_m = round_length(box.width * 0.28 * metres_per_pixel), length = length_m / metres_per_pixel;
-  const Box plate = {box.left + 20, box.bottom() - 110, length + 150, 90};
+  const double length_m = round_length(std::max(box.width * 0.28, 260.0) * metres_per_pixel);
+  const double length = length_m / metres_per_pixel;
+  // Beside the map where it would hide half of it.
+  const bool inside = length + 170 < 0.6 * box.width;
+  const Box plate = {inside ? box.left + 20 : box.right() + 20, box.bottom() - 110, length + 150, 90};
   canvas.fill(plate, {1, 1, 1, 0.86});
   canvas.outline(plate, {0.5, 0.5, 0.55, 1}, 1.5);
   const double left = plate.left + 28, top = plate.bottom() - 34;
@@ -129,7 +133,7 @@ void draw_scale_and_north(const Canvas& canvas, Box box, const MapGrid& grid) {
     return std::string(text);
   };
   canvas.text(left, top - 12, "0", 24, Align::centre);
-  canvas.text(left + length / 2, top - 12, label(length_m / 2), 24, Align::centre);
+  if (length > 220) canvas.text(left + length / 2, top - 12, label(length_m / 2), 24, Align::centre);
   canvas.text(left + length, top - 12, label(length_m) + (kilometres ? " km" : " m"), 24, Align::centre);
   cairo_t* cairo = canvas.cairo();
   const double x = plate.right() - 38, y = plate.top + 12;

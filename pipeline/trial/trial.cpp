@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 #include <set>
 
@@ -79,18 +80,17 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
   Progress progress("beds", "packings", missing.size());
   std::size_t done = 0;
   std::string failure;
+  std::mutex one_at_a_time;  // writing may throw, and an exception must not leave an OpenMP critical region
 #pragma omp parallel for schedule(dynamic) num_threads(std::max(1, threads))
   for (std::size_t k = 0; k < missing.size(); ++k) {
     if (cancel_requested()) continue;
     try {
       const terrain::Packing packing = terrain::settle_packing(missing[k], 1);
-#pragma omp critical
-      {
-        terrain::write_packing(terrain::packing_path(missing[k], setup.packing_folder), packing);
-        progress.update(++done);
-      }
+      const std::lock_guard lock(one_at_a_time);
+      terrain::write_packing(terrain::packing_path(missing[k], setup.packing_folder), packing);
+      progress.update(++done);
     } catch (const std::exception& e) {
-#pragma omp critical
+      const std::lock_guard lock(one_at_a_time);
       failure = e.what();
     }
   }

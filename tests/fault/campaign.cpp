@@ -160,10 +160,12 @@ TEST_CASE("50 random kill -9 of workers and coordinator: same dataset bits, no t
       continue;
     }
     const std::vector<pid_t> workers = children_of(run->pid);
-    const std::size_t pick = std::size_t(double(workers.size() + 1) * random_unit(1, 1, draw));
-    ::kill(pick < workers.size() ? workers[pick] : run->pid, SIGKILL);
+    const bool kill_coordinator = random_unit(1, 1, draw) < 0.25;
+    if (!kill_coordinator && workers.empty()) continue;
+    const std::size_t pick = std::size_t(double(workers.size()) * random_unit(1, 2, draw));
+    ::kill(kill_coordinator ? run->pid : workers[pick], SIGKILL);
     ++kills;
-    if (pick < workers.size()) continue;
+    if (!kill_coordinator) continue;
     ++coordinator_kills;
     REQUIRE(run->wait() == -SIGKILL);
     CHECK(wait_until([&] { return std::none_of(workers.begin(), workers.end(), is_alive); }));

@@ -18,12 +18,17 @@ inline std::vector<std::pair<double, double>> boundary_ranges() {
   return {{0, 35}, {-15, 15}, {20, 45}, {0, 1}, {0, 1}, {0, 1}, {0, 1}};
 }
 
-/// True P(go): falls with slope, rises with friction angle, falls with variable 3.
-inline double true_p_go(std::span<const double> x) {
-  return 1 / (1 + std::exp(0.28 * (x[0] - 17.5) - 0.14 * (x[2] - 32.5) + 2.0 * (x[3] - 0.5)));
+/// Two truths. `straight`: P(go) falls with slope, rises with friction angle, falls with variable 3. `curved`: a
+/// steeper edge that a cross slope to either side brings down, which no logistic regression on the inputs can follow.
+enum class Boundary { straight, curved };
+
+inline double true_p_go(std::span<const double> x, Boundary boundary = Boundary::straight) {
+  const double logit = boundary == Boundary::straight ? 0.28 * (x[0] - 17.5) - 0.14 * (x[2] - 32.5) + 2.0 * (x[3] - 0.5)
+                                                      : 0.6 * (x[0] - 20 - 0.5 * (x[2] - 32.5) + 0.06 * x[1] * x[1]);
+  return 1 / (1 + std::exp(logit));
 }
 
-inline TrainingTable boundary_table(std::size_t rows, std::uint64_t seed) {
+inline TrainingTable boundary_table(std::size_t rows, std::uint64_t seed, Boundary boundary = Boundary::straight) {
   TrainingTable table;
   table.variable_count = kBoundaryVariables;
   const auto ranges = boundary_ranges();
@@ -32,7 +37,7 @@ inline TrainingTable boundary_table(std::size_t rows, std::uint64_t seed) {
     for (std::size_t v = 0; v < kBoundaryVariables; ++v)
       x.push_back(ranges[v].first + (ranges[v].second - ranges[v].first) * random_unit(seed, n, v));
     table.variables.insert(table.variables.end(), x.begin(), x.end());
-    const bool go = random_unit(seed, n, 100) < true_p_go(x);
+    const bool go = random_unit(seed, n, 100) < true_p_go(x, boundary);
     const bool slid = random_unit(seed, n, 101) < x[0] / 35;
     table.outcome.push_back(go ? 0 : slid ? 4 : 7);
     table.weight.push_back(1);
