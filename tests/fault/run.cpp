@@ -1,9 +1,6 @@
 // The main job met with bad input and bad luck: one sentence, a non-zero exit status, nothing lost, nothing
 // half-written.
-#include <csignal>
-
 #include "base/file.h"
-#include "base/hash.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"
