@@ -9,7 +9,7 @@ packages=(
   libeigen3-dev libhdf5-dev nlohmann-json3-dev libxxhash-dev   # base, sim
   libboost-graph-dev libcli11-dev libcairo2-dev                # pipeline
   libgdal-dev                                                  # terrain/raster
-  catch2                                                       # tests
+  catch2 hdf5-tools                                            # tests
 )
 
 is_installed() { [[ $(dpkg-query -W -f='${Status}' "$1" 2>/dev/null) == "install ok installed" ]]; }

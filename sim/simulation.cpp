@@ -36,6 +36,21 @@ void check_world(const SceneWorld& world, std::size_t w) {
   }
 }
 
+void check_drives(const SceneWorld& world, std::size_t w) {
+  const auto exists = [&](BodyIndex b) { return b >= 0 && b < BodyIndex(world.body.size()); };
+  std::vector<bool> driven(world.body.size());
+  for (const Motor& m : world.motor) {
+    if (!exists(m.body) || !(world.mass[m.body].inverse_inertia_B.y > 0))
+      throw InputError(in_world(w) + "a motor needs a body that can turn about its y axis");
+    if (driven[m.body]) throw InputError(in_world(w) + "a body has two motors; join them into one");
+    driven[m.body] = true;
+  }
+  for (const SpringDamper& s : world.spring)
+    if (!exists(s.upper) || !exists(s.lower) ||
+        !(world.mass[s.upper].inverse_mass.z + world.mass[s.lower].inverse_mass.z > 0))
+      throw InputError(in_world(w) + "a spring needs two bodies, at least one of them free to move along z");
+}
+
 /// Bins at least as wide as the largest binned sphere plus the envelope; at least 3 along a periodic axis.
 void lay_out_bins(const SceneWorld& world, const StepSettings& settings, std::size_t w, WorldParameters& p) {
   const Real smallest = smallest_sphere(world);
@@ -90,6 +105,7 @@ FlatScene flatten(const Scene& scene, const StepSettings& settings) {
   for (std::size_t w = 0; w < scene.size(); ++w) {
     const SceneWorld& world = scene[w];
     check_world(world, w);
+    check_drives(world, w);
     WorldParameters p = world_parameters(world, settings, w);
     p.first_body = BodyIndex(flat.body.size());
     p.body_count = Index(world.body.size());
@@ -97,7 +113,11 @@ FlatScene flatten(const Scene& scene, const StepSettings& settings) {
     flat.bin_count += p.bins[0] * p.bins[1] * p.bins[2];
     append_shapes(world, p.first_body, flat, p);
     flat.body.insert(flat.body.end(), world.body.begin(), world.body.end());
-    flat.mass.insert(flat.mass.end(), world.mass.begin(), world.mass.end());
+    for (BodyMass m : world.mass) {
+      m.isotropic = m.inverse_inertia_B.x == m.inverse_inertia_B.y && m.inverse_inertia_B.y == m.inverse_inertia_B.z;
+      m.motor = -1;
+      flat.mass.push_back(m);
+    }
     flat.world_of_body.insert(flat.world_of_body.end(), world.body.size(), WorldIndex(w));
     flat.first_motor.push_back(Index(flat.motor.size()));
     for (Motor m : world.motor) {

@@ -20,7 +20,8 @@ struct [[nodiscard]] StepReport {
   double rms_residual = 0;    // scaled natural map of the CCP over contacts [m/s]
   double max_residual = 0;    // [m/s]
   Index contact_count = 0;
-  Index flags = 0;  // StepFlag bits raised so far
+  Index iterations = 0;  // that the solver took
+  Index flags = 0;       // StepFlag bits raised so far
 };
 
 /// Everything a world batch needs to go on with the same bits.
@@ -32,6 +33,8 @@ struct Snapshot {
   std::vector<std::uint64_t> key;
   std::vector<Impulse> impulse;
   std::vector<Real> motor_impulse;
+  std::vector<WorldParameters> world;
+  std::vector<Motor> motor;
   std::int64_t step_count = 0;
 };
 
@@ -57,18 +60,19 @@ class Simulation {
   /// Sum of the contact impulses on a body in the latest step divided by the step [N].
   virtual Vec3d contact_force(WorldIndex world, BodyIndex b) = 0;
   /// Contacts of all worlds in the latest step and their impulses, in the same order; bodies are counted through the
-  /// batch: index in its world plus the bodies of the worlds before.
+  /// batch: index in its world plus the bodies of the worlds before. Empty before the first step and after restore.
   virtual std::vector<Contact> contacts() = 0;
   virtual std::vector<Impulse> impulses() = 0;
 
   virtual Snapshot snapshot() = 0;
+  /// Reports and contact forces are zero until the next step.
   virtual void restore(const Snapshot& snapshot) = 0;
 
   virtual const StepSettings& settings() const = 0;
 };
 
-/// Throws InputError for a scene that cannot run (no bodies, bad sizes, overlapping more than a radius at the start)
-/// and for a backend this program was built without or this machine lacks.
+/// Throws InputError for a scene that cannot run (no bodies, bad sizes, motors or springs without a body to move) and
+/// for a backend this program was built without or this machine lacks.
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
                                             int threads);
 

@@ -8,7 +8,6 @@
 #include "base/hash.h"
 #include "base/nearest.h"
 #include "base/progress.h"
-#include "base/version.h"
 
 namespace gonogo::pipeline {
 namespace fs = std::filesystem;
@@ -66,12 +65,6 @@ std::string reason_to_work(const fs::path& folder, const Stage& stage, const Jso
   return "";
 }
 
-std::string revision_note(const Json& stamp) {
-  const Json* made_by = stamp.find("revision");
-  if (!made_by || !made_by->is_string() || made_by->string() == program_revision()) return "";
-  return " (made by revision " + made_by->string() + ", this program is " + program_revision() + ")";
-}
-
 void write_stamp(const fs::path& folder, const Stage& stage) {
   Json outputs = Json::object();
   for (const auto& name : stage.outputs) {
@@ -81,7 +74,6 @@ void write_stamp(const fs::path& folder, const Stage& stage) {
   }
   Json stamp = Json::object();
   stamp["schema"] = kSchema;
-  stamp["revision"] = program_revision();
   stamp["inputs"] = stage.inputs;
   stamp["outputs"] = outputs;
   write_file_atomically(stamp_file(folder, stage), stamp.dump(2) + "\n");
@@ -106,11 +98,12 @@ bool run_stage(const fs::path& folder, const Stage& stage) {
   const Json stamp = read_stamp(file);
   const std::string reason = reason_to_work(folder, stage, stamp);
   if (reason.empty()) {
-    log_line(stage.name, "up to date" + revision_note(stamp));
+    log_line(stage.name, "up to date");
     return false;
   }
   log_line(stage.name, reason);
-  fs::remove(file);
+  std::error_code ec;
+  if (fs::remove(file, ec); ec) throw DeviceError(file.string() + ": cannot be removed: " + ec.message());
   stage.work();
   write_stamp(folder, stage);
   return true;

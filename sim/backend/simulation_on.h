@@ -29,6 +29,7 @@ class SimulationOn final : public Simulation {
     r.rms_residual = sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
     r.max_residual = sums.residual_max;
     r.contact_count = Index(sums.contact_count);
+    r.iterations = Index(sums.iterations);
     r.flags = s_.flags.read(w);
     return r;
   }
@@ -89,17 +90,29 @@ class SimulationOn final : public Simulation {
   }
 
   std::vector<Contact> contacts() override { return s_.contact.download(); }
-  std::vector<Impulse> impulses() override { return s_.impulse.download(); }
+  std::vector<Impulse> impulses() override {
+    auto impulse = s_.impulse.download();
+    impulse.resize(s_.contact_count);  // after restore it holds the warm start of contacts not yet found
+    return impulse;
+  }
 
   Snapshot snapshot() override {
-    Snapshot p{s_.position.download(),      s_.orientation.download(),   s_.velocity.download(),
-               s_.first_contact.download(), s_.flags.download(),         s_.key.download(),
-               s_.impulse.download(),       s_.motor_impulse.download(), step_count_};
-    return p;
+    return {s_.position.download(),
+            s_.orientation.download(),
+            s_.velocity.download(),
+            s_.first_contact.download(),
+            s_.flags.download(),
+            s_.key.download(),
+            s_.impulse.download(),
+            s_.motor_impulse.download(),
+            world_,
+            s_.motor.download(),
+            step_count_};
   }
 
   void restore(const Snapshot& p) override {
-    if (Index(p.position.size()) != s_.body_count || p.motor_impulse.size() != std::size_t(s_.motor.size()))
+    if (Index(p.position.size()) != s_.body_count || Index(p.world.size()) != s_.world_count ||
+        Index(p.motor.size()) != s_.motor.size())
       throw InputError("the snapshot is of another scene: " + std::to_string(p.position.size()) + " bodies, expected " +
                        std::to_string(s_.body_count));
     s_.position.upload(p.position);
@@ -111,6 +124,12 @@ class SimulationOn final : public Simulation {
     s_.impulse.upload(p.impulse);
     s_.motor_impulse.upload(p.motor_impulse);
     s_.motor_extrapolated.upload(p.motor_impulse);
+    s_.world.upload(p.world);
+    s_.motor.upload(p.motor);
+    s_.world_sums.fill_zero(s_.world_count);
+    s_.contact_count = 0;
+    s_.contact.resize(0);
+    world_ = p.world;
     step_count_ = p.step_count;
   }
 
@@ -158,6 +177,7 @@ class SimulationOn final : public Simulation {
     s_.world_sums.fill_zero(s_.world_count);
     s_.momentum.fill_zero(s_.world_count);
     s_.flags.fill_zero(s_.world_count);
+    s_.worlds_iterating.fill_zero(1);
     s_.motor_impulse.fill_zero(s_.motor.size());
     s_.motor_extrapolated.fill_zero(s_.motor.size());
     s_.centre.fill_zero(s_.shape_count);

@@ -27,7 +27,9 @@ struct BinCoordinates {
 
 GONOGO_HD inline Index clamped_bin(double offset, Real size, Index count) {
   const double bin = std::floor(offset / double(size));
-  return bin < 0 ? 0 : bin >= count ? count - 1 : Index(bin);
+  return !(bin >= 0)    ? 0
+         : bin >= count ? count - 1
+                        : Index(bin);  // not a number: bin 0, so that a flagged world goes on
 }
 
 GONOGO_HD inline BinCoordinates bin_of(const WorldParameters& world, const Vec3d& centre) {

@@ -22,15 +22,9 @@ struct ContactFinder {
   View<const BodyMass> mass;
   Real envelope;
 
-  GONOGO_HD bool fixed(BodyIndex b) const {
-    const Vec3& m = mass[b].inverse_mass;
-    const Vec3& i = mass[b].inverse_inertia_B;
-    return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
-  }
-
   GONOGO_HD bool may_touch(ShapeIndex i, ShapeIndex j) const {
     const BodyIndex a = shape[i].body, b = shape[j].body;
-    return a != b && !(fixed(a) && fixed(b));
+    return a != b && !(is_fixed(mass[a]) && is_fixed(mass[b]));
   }
 
   /// Calls visit(other shape, feature, gap) for every contact that sphere `i` owns.
@@ -151,7 +145,7 @@ struct WriteContacts {
     find.visit_contacts(i, [&](ShapeIndex j, int feature, const Gap& g) {
       contact[at] = make_contact(i, j, feature, g);
       key[at] = pair_key(j, feature);
-      impulse[at] = warm_start(i, key[at], contact[at]);
+      impulse[at] = warm_start(i, j, feature, contact[at]);
       ++at;
     });
   }
@@ -193,16 +187,25 @@ struct WriteContacts {
     return c;
   }
 
-  /// Last step's impulse of the same pair, its friction part turned into the new tangent plane.
-  GONOGO_HD Impulse warm_start(ShapeIndex i, std::uint64_t name, const Contact& c) const {
+  /// Last step's impulse of the same pair, its friction part turned into the new tangent plane. Two spheres in
+  /// different bins may have changed owners since: then the other one holds it, with the opposite sign.
+  GONOGO_HD Impulse warm_start(ShapeIndex i, ShapeIndex j, int feature, const Contact& c) const {
     if (old_first_contact.size == 0) return {};
-    for (Index k = old_first_contact[i]; k < old_first_contact[i + 1]; ++k) {
-      if (old_key[k] != name) continue;
-      Impulse start = old_impulse[k];
-      start.angular -= c.normal * dot(start.angular, c.normal);
-      return start;
+    Impulse start;
+    if (const ContactIndex own = old_contact(i, pair_key(j, feature)); own >= 0) {
+      start = old_impulse[own];
+    } else if (const ContactIndex other = old_contact(j, pair_key(i, feature)); other >= 0) {
+      start.linear = -old_impulse[other].linear;
+      start.angular = -old_impulse[other].angular;
     }
-    return {};
+    start.angular -= c.normal * dot(start.angular, c.normal);
+    return start;
+  }
+
+  GONOGO_HD ContactIndex old_contact(ShapeIndex owner, std::uint64_t name) const {
+    for (ContactIndex k = old_first_contact[owner]; k < old_first_contact[owner + 1]; ++k)
+      if (old_key[k] == name) return k;
+    return -1;
   }
 };
 

@@ -22,7 +22,8 @@ GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal
   const Real angular = std::fmax(i.x, std::fmax(i.y, i.z));
   const Real arm_square = dot(arm, arm);
   const Vec3 off_centre = cross(arm, normal);
-  const bool central = dot(off_centre, off_centre) < Real(1e-6) * arm_square;
+  // A body that can only turn keeps its spin even there: the bound of a contact must stay above zero.
+  const bool central = linear > 0 && dot(off_centre, off_centre) < Real(1e-6) * arm_square;
   // Normal and friction share one angular velocity when the arm is not along the normal; rolling shares it always:
   // (x + y)^2 <= 2 x^2 + 2 y^2.
   const bool isotropic = mass.inverse_mass.x == mass.inverse_mass.y && mass.inverse_mass.y == mass.inverse_mass.z;
@@ -67,10 +68,13 @@ struct GatherVelocity {
   View<const Real> motor_impulse;
   View<const Velocity> free_velocity;
   View<const Real> progress;
+  View<const WorldIndex> world_of_body;
+  View<const Momentum> momentum;
   View<Velocity> velocity;
   View<Real> body_progress;
 
   GONOGO_HD void operator()(BodyIndex b) const {
+    if (momentum[world_of_body[b]].phase == Phase::done) return;
     Vec3 linear, angular;
     Real owned_progress = 0;
     for (Index i = incidence.owned_begin(b); i < incidence.owned_end(b); ++i) {
@@ -108,6 +112,7 @@ struct UpdateContact {
 
   GONOGO_HD void operator()(Index i) const {
     const Contact& c = contact[i];
+    if (momentum[c.world].phase == Phase::done) return;
     const Velocity &a = velocity[c.body_a], &b = velocity[c.body_b];
     const Impulse from = extrapolated[i], old = impulse[i];
     const ContactGradient gradient = contact_gradient(c, a, b);
@@ -132,6 +137,7 @@ struct UpdateMotor {
 
   GONOGO_HD void operator()(Index i) const {
     const Motor& m = motor[i];
+    if (momentum[world_of_body[m.body]].phase == Phase::done) return;
     const Real limit = m.max_torque * step;
     const Real excess = velocity[m.body].angular.y - m.speed;
     const Real wish = extrapolated[i] - excess / (2 * mass[m.body].inverse_inertia_B.y);
@@ -142,21 +148,62 @@ struct UpdateMotor {
   }
 };
 
-/// Momentum of the next iteration; restarts where the last one went uphill. One world each.
+/// Sum of a quantity over the contacts that a body owns.
+struct SumOwned {
+  Incidence incidence;
+  View<const Real> of_contact;
+  View<Real> of_body;
+  GONOGO_HD void operator()(BodyIndex b) const {
+    Real sum = 0;
+    for (Index i = incidence.owned_begin(b); i < incidence.owned_end(b); ++i) sum += of_contact[i] * of_contact[i];
+    of_body[b] = sum;
+  }
+};
+
+/// Momentum of the next iteration: restarts where the last one went uphill.
 struct UpdateMomentum {
   View<const WorldParameters> world;
   View<const Real> body_progress;
   View<Momentum> momentum;
-  bool last;  // the next update is the last one of this step: no extrapolation, so that it ends on admissible impulses
+  Index most_iterations;
 
   GONOGO_HD void operator()(WorldIndex w) const {
+    Momentum& m = momentum[w];
+    if (m.phase == Phase::done) return;
+    ++m.iterations;
+    if (m.phase == Phase::last) {
+      m.phase = Phase::done;
+      return;
+    }
     Real uphill = 0;
     for (Index b = world[w].first_body; b < world[w].first_body + world[w].body_count; ++b) uphill += body_progress[b];
-    Momentum& m = momentum[w];
     if (uphill > 0) m.t = 1;
     const Real next = (1 + std::sqrt(1 + 4 * m.t * m.t)) / 2;
-    m.beta = last ? Real(0) : (m.t - 1) / next;
+    m.beta = (m.t - 1) / next;
     m.t = next;
+    // No extrapolation in the last update, so that it ends on admissible impulses.
+    if (m.iterations + 1 >= most_iterations) m.phase = Phase::last, m.beta = 0;
+  }
+};
+
+/// Sends a world into its last update when its residual is small enough; counts the worlds still at work.
+struct TestConvergence {
+  View<const WorldParameters> world;
+  View<const Real> residual_square;  // [body]
+  Incidence incidence;
+  View<Momentum> momentum;
+  View<Index> worlds_iterating;
+  Real tolerance;
+
+  GONOGO_HD void operator()(WorldIndex w) const {
+    Momentum& m = momentum[w];
+    if (m.phase == Phase::done) return;
+    const BodyIndex first = world[w].first_body, end = first + world[w].body_count;
+    Real sum = 0;
+    for (BodyIndex b = first; b < end; ++b) sum += residual_square[b];
+    const Index count = incidence.owned_end(end - 1) - incidence.owned_begin(first);
+    if (sum <= tolerance * tolerance * Real(count)) m.phase = Phase::last, m.beta = 0;
+    atomic_increment(worlds_iterating[0]);
   }
 };
 
@@ -167,10 +214,10 @@ inline constexpr Real kFirstMomentum = 4;
 
 struct ResetMomentum {
   View<Momentum> momentum;
-  bool last;
+  bool single;  // only one iteration is wanted: it is the last
   GONOGO_HD void operator()(WorldIndex w) const {
     const Real next = (1 + std::sqrt(1 + 4 * kFirstMomentum * kFirstMomentum)) / 2;
-    momentum[w] = {next, last ? Real(0) : (kFirstMomentum - 1) / next};
+    momentum[w] = {next, single ? Real(0) : (kFirstMomentum - 1) / next, single ? Phase::last : Phase::iterating, 0};
   }
 };
 
@@ -201,8 +248,24 @@ template <class Exec>
 GatherVelocity gather(State<Exec>& s) {
   return {incidence(s),           s.contact.view(),           s.extrapolated.view(),
           s.mass.view(),          s.inverse_inertia_W.view(), s.motor_extrapolated.view(),
-          s.free_velocity.view(), s.progress.view(),          s.velocity.view(),
-          s.body_progress.view()};
+          s.free_velocity.view(), s.progress.view(),          s.world_of_body.view(),
+          s.momentum.view(),      s.velocity.view(),          s.body_progress.view()};
+}
+
+/// Residuals are tested after every so many iterations: a test costs about one.
+inline constexpr Index kTestEvery = 6;
+
+/// Whether any world still iterates, after sending those within tolerance into their last update.
+template <class Exec>
+bool any_iterating(Exec exec, State<Exec>& s, Real tolerance) {
+  for_each_index(exec, s.contact_count,
+                 MeasureResidual{s.contact.view(), s.velocity.view(), s.extrapolated.view(), s.progress.view()});
+  for_each_index(exec, s.body_count, SumOwned{incidence(s), s.progress.view(), s.body_progress.view()});
+  s.worlds_iterating.fill_zero(1);
+  for_each_index(exec, s.world_count,
+                 TestConvergence{s.world.view(), s.body_progress.view(), incidence(s), s.momentum.view(),
+                                 s.worlds_iterating.view(), tolerance});
+  return s.worlds_iterating.read(0) > 0;
 }
 
 /// From the warm start in `impulse` to the end-of-step velocities.
@@ -214,10 +277,6 @@ void solve_apgd(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(exec, s.world_count, ResetMomentum{s.momentum.view(), settings.iterations == 1});
   for_each_index(exec, s.body_count, gather(s));
   for (Index k = 0; k < settings.iterations; ++k) {
-    const bool last = k + 1 == settings.iterations;
-    if (k > 0)
-      for_each_index(exec, s.world_count,
-                     UpdateMomentum{s.world.view(), s.body_progress.view(), s.momentum.view(), last});
     for_each_index(exec, s.contact_count,
                    UpdateContact{s.contact.view(), s.velocity.view(), s.momentum.view(), s.impulse.view(),
                                  s.extrapolated.view(), s.progress.view()});
@@ -225,6 +284,10 @@ void solve_apgd(Exec exec, State<Exec>& s, const StepSettings& settings) {
                    UpdateMotor{s.motor.view(), s.velocity.view(), s.mass.view(), s.world_of_body.view(),
                                s.momentum.view(), s.motor_impulse.view(), s.motor_extrapolated.view(), settings.step});
     for_each_index(exec, s.body_count, gather(s));
+    for_each_index(exec, s.world_count,
+                   UpdateMomentum{s.world.view(), s.body_progress.view(), s.momentum.view(), settings.iterations});
+    if (settings.tolerance > 0 && k % kTestEvery == kTestEvery - 1 && !any_iterating(exec, s, settings.tolerance))
+      break;
   }
 }
 

@@ -17,7 +17,8 @@ struct PairLaw {
 /// Numerical parameters of a step, the same for all worlds of a batch.
 struct StepSettings {
   Real step = 1e-3f;              // [s]
-  Index iterations = 20;          // of the solver per step
+  Index iterations = 100;         // most iterations of the solver per step
+  Real tolerance = 0;             // root-mean-square residual at which a world stops iterating [m/s]; 0: never
   Real envelope = 2e-3f;          // contacts are found up to this gap [m]
   Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
   Real recovery_share = 0.2f;     // share of an overlap pushed out in one step
@@ -42,9 +43,14 @@ struct WorldParameters {
 struct BodyMass {
   Vec3 inverse_mass;           // along world x, y, z [1/kg]
   Vec3 inverse_inertia_B;      // about body axes [1/(kg m^2)]
-  std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries
-  std::int32_t motor = -1;     // index of the motor that turns this body, or -1
+  std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries; set by flatten
+  std::int32_t motor = -1;     // index of the motor that turns this body, or -1; set by flatten
 };
+
+GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
+  const Vec3 &m = mass.inverse_mass, &i = mass.inverse_inertia_B;
+  return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
+}
 
 /// Turns a body about its y axis towards a speed, with limited torque (positive y turns x towards -z: forward rolling).
 struct Motor {
@@ -75,6 +81,7 @@ struct WorldSums {
   double residual_square = 0;  // over contacts [m^2/s^2]
   double residual_max = 0;     // [m/s]
   double contact_count = 0;
+  double iterations = 0;
 };
 
 /// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
@@ -84,9 +91,15 @@ struct BinnedSphere {
   ShapeIndex shape;
 };
 
-/// Momentum of the accelerated iteration, per world.
+/// How far a world's iteration has come: it iterates, then takes one last update without momentum, then rests until the
+/// others are done.
+enum class Phase : std::int32_t { iterating, last, done };
+
+/// State of the accelerated iteration, per world.
 struct Momentum {
   Real t = 1, beta = 0;
+  Phase phase = Phase::iterating;
+  Index iterations = 0;  // taken in this step
 };
 
 template <class Exec>
@@ -120,8 +133,9 @@ struct State {
   Buffer<Real, Exec> progress;      // [contact] gradient times change, for the restart
   Buffer<Momentum, Exec> momentum;  // [world]
   Buffer<WorldSums, Exec> body_sums, world_sums;
-  Buffer<Real, Exec> body_progress;  // [body]
-  Buffer<Index, Exec> flags;         // [world] StepFlag bits, sticky
+  Buffer<Real, Exec> body_progress;      // [body]
+  Buffer<Index, Exec> worlds_iterating;  // one counter
+  Buffer<Index, Exec> flags;             // [world] StepFlag bits, sticky
 
   // Of the previous step, for the warm start.
   Buffer<Index, Exec> old_first_contact;

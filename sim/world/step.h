@@ -133,6 +133,7 @@ struct MeasureBody {
 struct SumWorld {
   View<const WorldParameters> world;
   View<const WorldSums> of_body;
+  View<const Momentum> momentum;
   View<WorldSums> sums;
 
   GONOGO_HD void operator()(WorldIndex w) const {
@@ -144,6 +145,7 @@ struct SumWorld {
       total.residual_max = std::fmax(total.residual_max, of_body[b].residual_max);
       total.contact_count += of_body[b].contact_count;
     }
+    total.iterations = momentum[w].iterations;
     sums[w] = total;
   }
 };
@@ -156,7 +158,8 @@ void measure(Exec exec, State<Exec>& s) {
   for_each_index(exec, s.body_count,
                  MeasureBody{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),
                              s.velocity.view(), incidence(s), s.progress.view(), s.body_sums.view()});
-  for_each_index(exec, s.world_count, SumWorld{s.world.view(), s.body_sums.view(), s.world_sums.view()});
+  for_each_index(exec, s.world_count,
+                 SumWorld{s.world.view(), s.body_sums.view(), s.momentum.view(), s.world_sums.view()});
 }
 
 template <class Exec>

@@ -100,10 +100,11 @@ std::string BedSpec::hash() const {
   return content_hash(j.dump());
 }
 
-sim::StepSettings bed_step_settings(double grain_diameter, double step, int iterations) {
+sim::StepSettings bed_step_settings(double grain_diameter, double step, int iterations, double tolerance) {
   sim::StepSettings s;
   s.step = Real(step);
   s.iterations = iterations;
+  s.tolerance = Real(tolerance);
   s.envelope = Real(0.025 * grain_diameter);
   s.cohesion_range = Real(0.01 * grain_diameter);
   s.recovery_speed = Real(std::sqrt(9.81 * grain_diameter) / 10);
@@ -138,7 +139,7 @@ Packing settle_packing(const BedSpec& spec, int threads) {
   check(spec);
   const std::vector<Grain> poured = poured_grains(spec);
   Packing packing{spec, poured, glued_base(spec), 0, 0, 0};
-  const auto settings = bed_step_settings(spec.grain_diameter, 1e-3, 20);
+  const auto settings = bed_step_settings(spec.grain_diameter, 1e-3, 40);
   const auto simulation =
       sim::make_simulation(sim::Backend::cpu, {pouring_world(spec, poured, packing.base)}, settings, threads);
   // At rest when grains move less than a thousandth of their diameter in the time they need to fall through it.

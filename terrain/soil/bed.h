@@ -43,11 +43,14 @@ struct BedLaws {
 };
 
 /// Numerical parameters for grains of this diameter: envelope, cohesion range and recovery speed scale with it.
-sim::StepSettings bed_step_settings(double grain_diameter, double step, int iterations);
+sim::StepSettings bed_step_settings(double grain_diameter, double step, int iterations, double tolerance = 0);
 
 /// Pours and settles a packing. Deterministic in spec. Throws InputError for sizes that cannot hold grains and
 /// DeviceError when the grains do not come to rest.
 Packing settle_packing(const BedSpec& spec, int threads);
+
+/// Where `folder` keeps the packing of this specification.
+std::filesystem::path packing_path(const BedSpec& spec, const std::filesystem::path& folder);
 
 /// The packing from `folder` when it is there, otherwise settled and stored there.
 Packing cached_packing(const BedSpec& spec, const std::filesystem::path& folder, int threads);

@@ -17,7 +17,7 @@ SceneWorld driven_wheel(std::uint64_t seed) {
   Draw draw(seed);
   SceneWorld w;
   w.origin = {0, 0, -0.1};
-  w.size = {0.8, 0.4, 1};
+  w.size = {0.672, 0.336, 1};
   w.periodic_x = w.periodic_y = true;
   w.set_law(0, 0, {Real(0.5), Real(0.1), 500});
   w.set_law(0, 1, {Real(0.7), 0, 0});
@@ -25,8 +25,8 @@ SceneWorld driven_wheel(std::uint64_t seed) {
   for (int x = 0; x < 16; ++x)
     for (int y = 0; y < 8; ++y)
       for (int z = 0; z < 6; ++z)
-        w.add_sphere(Vec3d{x + 0.5, y + 0.5, z + 0.5} * 0.05 + draw.direction() * 0.002,
-                     Real(draw.between(0.018, 0.024)), 2600, 0);
+        w.add_sphere(Vec3d{x + 0.5, y + 0.5, z + 0.5} * 0.042 + draw.direction() * 0.001,
+                     Real(draw.between(0.019, 0.0215)), 2600, 0);
   Shape s;
   s.type = ShapeType::wheel;
   s.material = 1;
@@ -36,11 +36,11 @@ SceneWorld driven_wheel(std::uint64_t seed) {
   BodyMass hub = solid(10, {1, 0.2f, 1});
   hub.inverse_mass.x = 0.01f;
   hub.inverse_mass.y = hub.inverse_inertia_B.x = hub.inverse_inertia_B.z = 0;
-  s.body = w.add_body({{0.4, 0.2, 0.55}, {}, {}, {}}, hub);
+  s.body = w.add_body({{0.33, 0.17, 0.475}, {}, {}, {}}, hub);
   w.add_shape(s);
   BodyMass sprung = solid(50, {1, 1, 1});
   sprung.inverse_mass.x = sprung.inverse_mass.y = 0;
-  const BodyIndex mass = w.add_body({{0.4, 0.2, 1.0}, {}, {}, {}}, sprung);
+  const BodyIndex mass = w.add_body({{0.33, 0.17, 0.925}, {}, {}, {}}, sprung);
   w.motor.push_back({s.body, 3, 100});
   w.spring.push_back({mass, s.body, 20000, 800, 0.45});
   return w;
@@ -48,7 +48,7 @@ SceneWorld driven_wheel(std::uint64_t seed) {
 
 StepSettings few_iterations() {
   StepSettings s;
-  s.iterations = 15;
+  s.iterations = 10;
   return s;
 }
 
@@ -57,7 +57,7 @@ bool same_bits(const std::vector<BodyState>& a, const std::vector<BodyState>& b)
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(BodyState)) == 0;
 }
 
-constexpr Index kSteps = 60;
+constexpr Index kSteps = 30;
 
 }  // namespace
 

@@ -23,14 +23,14 @@ PairLaw random_law(Draw& draw) {
 
 constexpr double kRadius = 0.02;
 
-void add_grains(SceneWorld& w, Draw& draw, int nx, int ny, int nz, double mass_spread) {
+void add_grains(SceneWorld& w, Draw& draw, int nx, int ny, int nz, double mass_spread, bool fixed_grains) {
   for (int x = 0; x < nx; ++x)
     for (int y = 0; y < ny; ++y)
       for (int z = 0; z < nz; ++z) {
         const Vec3d at = Vec3d{2.0 * x, 2.0 * y, 2.0 * z + 1} * kRadius + draw.direction() * 5e-4;
         const BodyIndex b =
             w.add_sphere(at, Real(kRadius), density_for(0.05 * draw.magnitude(1, mass_spread), kRadius), draw.below(2));
-        if (draw.below(8) == 0) w.mass[b] = fixed_body();
+        if (draw.below(8) == 0 && fixed_grains) w.mass[b] = fixed_body();
         if (w.mass[b].inverse_mass.x == 0) continue;
         w.body[b].velocity = static_cast<Vec3>(draw.direction() * 0.3);
         w.body[b].angular_velocity = static_cast<Vec3>(draw.direction() * 3.0);
@@ -69,7 +69,8 @@ void add_wheel(SceneWorld& w, Draw& draw) {
   w.motor.push_back({s.body, Real(draw.between(-5, 5)), Real(draw.magnitude(0.1, 30))});
 }
 
-SceneWorld random_scene(Kind kind, std::uint64_t seed) {
+/// With fixed grains a wheel on rails may be caught beyond help: then there are no admissible velocities.
+SceneWorld random_scene(Kind kind, std::uint64_t seed, bool fixed_grains) {
   Draw draw(500 + seed);
   SceneWorld w;
   w.origin = {-1, -1, -1};
@@ -77,15 +78,15 @@ SceneWorld random_scene(Kind kind, std::uint64_t seed) {
   for (int a = 0; a < 2; ++a)
     for (int b = 0; b <= a; ++b) w.set_law(a, b, random_law(draw));
   add_plane(w);
-  if (kind == Kind::grains) add_grains(w, draw, 3, 2, 2, 100);
+  if (kind == Kind::grains) add_grains(w, draw, 3, 2, 2, 100, fixed_grains);
   if (kind == Kind::box_and_compound) {
     add_box(w, {{-3.0 * kRadius, 0.02, 0.0395}, about_x(draw.between(-0.02, 0.02)), {Real(0.2), 0, 0}, {}},
             {0.04f, 0.03f, 0.04f}, draw.magnitude(0.1, 10), 1);
-    add_grains(w, draw, 3, 2, 1, 10);
+    add_grains(w, draw, 3, 2, 1, 10, fixed_grains);
     add_compound(w, draw);
   }
   if (kind == Kind::wheel_on_rails) {
-    add_grains(w, draw, 4, 3, 1, 10);
+    add_grains(w, draw, 4, 3, 1, 10, fixed_grains);
     add_wheel(w, draw);
   }
   return w;
@@ -101,6 +102,7 @@ StepSettings settings_with(Index iterations) {
 struct Comparison {
   double error = 0;  // largest difference of a velocity at a body's surface [m/s]
   double oracle_residual = 0, engine_residual = 0;
+  double kick = 0;  // largest velocity change that one contact alone gives a body [m/s]
   std::size_t contacts = 0;
 };
 
@@ -113,6 +115,10 @@ Comparison compare(Backend backend, const SceneWorld& w, Index iterations) {
   c.contacts = simulation->contacts().size();
   c.oracle_residual = oracle.residual;
   c.engine_residual = simulation->report(0).max_residual;
+  for (Eigen::Index row = 0; row < oracle.impulse.size(); ++row) {
+    const Eigen::VectorXd change = problem.inverse_mass * problem.direction.col(row) * oracle.impulse(row);
+    c.kick = std::max(c.kick, change.lpNorm<Eigen::Infinity>());
+  }
   const auto after = simulation->bodies(0);
   for (std::size_t b = 0; b < after.size(); ++b) {
     const Vec3 &v = after[b].velocity, &s = after[b].angular_velocity;
@@ -131,13 +137,15 @@ TEST_CASE("the solver's velocities agree with a dense solution in double") {
       double worst = 0;
       std::size_t fewest = 1000, most = 0;
       for (std::uint64_t seed = 0; seed < 8; ++seed) {
-        const Comparison c = compare(backend, random_scene(kind, seed), 2000);
+        const Comparison c = compare(backend, random_scene(kind, seed, kind != Kind::wheel_on_rails), 2000);
         INFO(name_of(backend) << ", " << kNames[int(kind)] << ", seed " << seed << ": " << c.contacts
-                              << " contacts, velocity error " << c.error << " m/s, residual of the oracle "
-                              << c.oracle_residual << ", of the engine " << c.engine_residual << " m/s");
+                              << " contacts, velocity error " << c.error << " m/s, largest kick " << c.kick
+                              << " m/s, residual of the oracle " << c.oracle_residual << ", of the engine "
+                              << c.engine_residual << " m/s");
         REQUIRE(c.oracle_residual < 1e-9);
-        // Velocities of 0.3 m/s rounded to 6e-8, amplified by the conditioning of stacked contacts (some hundred).
-        CHECK(c.error < 2e-5);
+        // A body's velocity is a sum of kicks that cancel: each is rounded to 6e-8, and stacked contacts amplify that
+        // some tens of times.
+        CHECK(c.error < 4e-6 * c.kick);
         worst = std::max(worst, c.error);
         fewest = std::min(fewest, c.contacts), most = std::max(most, c.contacts);
       }
@@ -151,7 +159,7 @@ TEST_CASE("mass splitting bounds the Hessian: the largest eigenvalue of S^1/2 N 
   for (const Kind kind : {Kind::grains, Kind::box_and_compound, Kind::wheel_on_rails}) {
     double largest = 0;
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
-      const SceneWorld w = random_scene(kind, 100 + seed);
+      const SceneWorld w = random_scene(kind, 100 + seed, true);
       const auto simulation = simulate(Backend::cpu, w, settings_with(1));
       simulation->advance(1);
       const auto contacts = simulation->contacts();

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <limits>
 
 #include "tests/support/backends.h"
@@ -91,7 +92,47 @@ TEST_CASE("a scene that cannot run is refused with a reason") {
   StepSettings none;
   none.iterations = 0;
   CHECK_THROWS_AS(make_simulation(Backend::cpu, two_worlds(), none, 1), InputError);
+  Scene motor = two_worlds();
+  motor[1].motor.push_back({0, 1, 1});  // the plane is fixed
+  CHECK_THROWS_AS(make_simulation(Backend::cpu, motor, settings, 1), InputError);
+  motor[1].motor = {{1, 1, 1}, {1, 2, 1}};
+  CHECK_THROWS_AS(make_simulation(Backend::cpu, motor, settings, 1), InputError);
+  Scene spring = two_worlds();
+  spring[0].spring.push_back({0, 0, 100, 1, 0});
+  CHECK_THROWS_AS(make_simulation(Backend::cpu, spring, settings, 1), InputError);
   Scene material = two_worlds();
   material[0].shape[1].material = kMaxMaterials;
   CHECK_THROWS_AS(make_simulation(Backend::cpu, material, settings, 1), InputError);
+}
+
+TEST_CASE("a wheel that can only turn grinds against a fixed grain with finite impulses") {
+  SceneWorld w;
+  w.size = {2, 2, 2};
+  w.set_law(0, 0, {Real(0.5), 0, 0});
+  Shape s;
+  s.type = ShapeType::wheel;
+  s.size = {0.3f, 0.1f, 0};
+  BodyMass m;  // isotropic is left at its default: the engine finds out by itself
+  m.inverse_inertia_B = {0, 10, 0};
+  s.body = w.add_body({{1, 1, 1}, {}, {}, {}}, m);
+  w.add_shape(s);
+  // In the wheel's mid-plane the arm lies along the normal: neither body gives way along it.
+  w.add_sphere({1, 1, 0.649}, 0.05f, 2000, 0);
+  w.mass[1] = fixed_body();
+  w.motor.push_back({0, 4, 20});
+  for (const Backend backend : backends()) {
+    const auto simulation = simulate(backend, w, {});
+    simulation->advance(200);
+    CHECK(simulation->report(0).contact_count == 1);
+    CHECK(simulation->report(0).flags == 0);
+    // A gap is left, so the motor reaches its speed. Single precision at 4 rad/s.
+    CHECK(simulation->body(0, 0).angular_velocity.y == Approx(4).epsilon(1e-5));
+    BodyState grain = simulation->body(0, 1);
+    grain.position.z += 0.003;
+    simulation->set_body(0, 1, grain);
+    simulation->advance(200);
+    // Overlapping, it is jammed.
+    CHECK(simulation->report(0).flags == 0);
+    CHECK(std::abs(simulation->body(0, 0).angular_velocity.y) < 0.1f);
+  }
 }

@@ -1,0 +1,132 @@
+#include "pipeline/campaign/coordinator.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <deque>
+#include <map>
+#include <memory>
+
+#include "base/cancel.h"
+#include "base/error.h"
+#include "base/progress.h"
+#include "pipeline/campaign/journal.h"
+#include "pipeline/campaign/worker.h"
+#include "pipeline/campaign/worker_process.h"
+#include "pipeline/dataset/row.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr int kMostCrashes = 2;  // of the workers of one trial, by their own code
+constexpr int kMostKills = 5;    // of the workers of one trial, from outside
+constexpr int kPollMilliseconds = 200;
+
+struct Deaths {
+  int crashes = 0, kills = 0;
+};
+
+/// The text of `line` behind `word` when the line starts with it and its hash holds.
+std::optional<std::string> sealed_text(const std::string& line, const std::string& word) {
+  if (line.compare(0, word.size(), word) != 0) return std::nullopt;
+  const std::optional<std::string_view> text = unseal_line(std::string_view(line).substr(word.size()));
+  if (!text) return std::nullopt;
+  return std::string(*text);
+}
+
+class Pool {
+ public:
+  explicit Pool(const PoolRequest& request) : request_(request), todo_(request.todo.begin(), request.todo.end()) {}
+
+  std::size_t run() {
+    const std::size_t count = std::min(std::size_t(std::max(1, request_.workers)), todo_.size());
+    workers_.resize(count);
+    while (!todo_.empty() || busy()) {
+      stop_if_cancelled();
+      for (auto& worker : workers_) hand_out(worker);
+      wait_for_news();
+      request_.idle();
+    }
+    return death_count_;
+  }
+
+ private:
+  bool busy() const {
+    return std::any_of(workers_.begin(), workers_.end(), [](const auto& worker) { return worker && worker->trial(); });
+  }
+
+  void hand_out(std::unique_ptr<WorkerProcess>& worker) {
+    if (todo_.empty() || (worker && worker->trial())) return;
+    if (!worker) worker = std::make_unique<WorkerProcess>(request_.worker_command);
+    worker->start(*todo_.front());
+    todo_.pop_front();
+  }
+
+  void wait_for_news() {
+    std::vector<pollfd> lines;
+    std::vector<std::size_t> owner;
+    for (std::size_t i = 0; i < workers_.size(); ++i) {
+      if (!workers_[i]) continue;
+      lines.push_back({workers_[i]->fd(), POLLIN, 0});
+      owner.push_back(i);
+    }
+    if (::poll(lines.data(), lines.size(), kPollMilliseconds) < 0) {
+      if (errno == EINTR) return;
+      throw DeviceError(std::string("campaign: cannot wait for the workers: ") + std::strerror(errno));
+    }
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      if (lines[i].revents != 0) hear(workers_[owner[i]]);
+  }
+
+  void hear(std::unique_ptr<WorkerProcess>& worker) {
+    const bool alive = worker->receive();
+    while (const std::optional<std::string> line = worker->take_line()) take_answer(*worker, *line);
+    if (!alive) bury(worker);
+  }
+
+  void take_answer(WorkerProcess& worker, const std::string& line) {
+    if (const auto sentence = sealed_text(line, kRefusedWord)) throw InputError(*sentence);
+    if (const auto sentence = sealed_text(line, kFailedWord)) throw DeviceError(*sentence);
+    const std::optional<std::string> row = sealed_text(line, kTrialWord);
+    std::optional<TrialRecord> record = row ? parse_record(*row) : std::nullopt;
+    if (!record || !worker.trial() || to_row(record->point) != to_row(*worker.trial()))
+      throw DeviceError("campaign: a worker answered with something else than the trial it was given: " + line);
+    worker.finish_trial();
+    request_.finished(std::move(*record));
+  }
+
+  void bury(std::unique_ptr<WorkerProcess>& worker) {
+    const DesignPoint* trial = worker->trial();
+    const int status = worker->wait_for_end();
+    worker.reset();
+    ++death_count_;
+    if (!trial) return;
+    todo_.push_front(trial);
+    Deaths& deaths = deaths_[trial->index];
+    ++(killed_from_outside(status) ? deaths.kills : deaths.crashes);
+    const std::string what = "the worker of trial " + std::to_string(trial->index) + " " + describe_end(status);
+    if (deaths.crashes >= kMostCrashes)
+      throw DeviceError("campaign: " + what +
+                        ", for the second time; finished trials are kept, and this one has to be " +
+                        "looked into before the campaign can end");
+    if (deaths.kills >= kMostKills)
+      throw DeviceError("campaign: " + what + ", like " + std::to_string(kMostKills - 1) +
+                        " before it; the machine may " +
+                        "be short of memory: use fewer --workers and run the same command again");
+    log_line("campaign", what + "; its trial is done again");
+  }
+
+  const PoolRequest& request_;
+  std::deque<const DesignPoint*> todo_;
+  std::vector<std::unique_ptr<WorkerProcess>> workers_;
+  std::map<std::uint64_t, Deaths> deaths_;  // by index of the trial
+  std::size_t death_count_ = 0;
+};
+
+}  // namespace
+
+std::size_t compute_trials(const PoolRequest& request) { return Pool(request).run(); }
+
+}  // namespace gonogo::pipeline

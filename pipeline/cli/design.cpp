@@ -1,0 +1,74 @@
+#include <cstdio>
+#include <memory>
+
+#include "pipeline/campaign/design.h"
+#include "pipeline/cli/command.h"
+#include "pipeline/dataset/row.h"
+#include "pipeline/study/study.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string study;
+  bool csv = false;
+};
+
+template <class... Values>
+std::string line(const char* pattern, Values... values) {
+  char text[200];
+  std::snprintf(text, sizeof text, pattern, values...);
+  return text;
+}
+
+std::string as_csv(const std::vector<DesignPoint>& design) {
+  std::string text = point_header_row() + "\n";
+  for (const DesignPoint& point : design) text += to_row(point) + "\n";
+  return text;
+}
+
+std::string as_text(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled) {
+  std::string text = line("%zu trials: %llu points of a scrambled Sobol' sequence, the rest replicates\n",
+                          design.size(), static_cast<unsigned long long>(spec.points));
+  for (const SampledVariable& range : spec.ranges) {
+    const Variable& variable = contract().variables[range.variable];
+    text += line("  %-18s %g to %g %s\n", variable.name.c_str(), range.minimum, range.maximum, variable.unit.c_str());
+  }
+  for (std::size_t i = 0; i < spec.fixed.size(); ++i) {
+    const Variable& variable = contract().variables[i];
+    if (spec.fixed[i] == spec.fixed[i])
+      text += line("  %-18s %g %s\n", variable.name.c_str(), spec.fixed[i], variable.unit.c_str());
+  }
+  text +=
+      line("L2 star discrepancy %.3g (independent random points: %.3g)\n", filled.discrepancy, filled.expected_random);
+  return text + line("widest gap in any one variable: %.2g of its range\n", filled.largest_gap) + "\n" + as_csv(design);
+}
+
+Json as_json(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled) {
+  Json result = Json::object();
+  result["trials"] = std::uint64_t(design.size());
+  result["points"] = spec.points;
+  result["discrepancy"] = filled.discrepancy;
+  result["discrepancy_of_random"] = filled.expected_random;
+  result["widest_gap_share"] = filled.largest_gap;
+  return result;
+}
+
+}  // namespace
+
+void add_design_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand("design", "Show which points a study's campaign will simulate");
+  auto options = std::make_shared<Options>();
+  command->add_option("study", options->study, "Study file (JSON)")->required();
+  command->add_flag("--csv", options->csv, "Only the table of points, comma-separated");
+  command->footer("Example:\n  gonogo design configs/studies/demo.json --csv > design.csv");
+  command->callback([options, &globals] {
+    const Study study = read_study(options->study);
+    const DesignSpec spec = read_design(study.section("design"), study.seed);
+    const std::vector<DesignPoint> design = make_design(spec);
+    const Coverage filled = coverage(spec, design);
+    print_result(globals, as_json(spec, design, filled), options->csv ? as_csv(design) : as_text(spec, design, filled));
+  });
+}
+
+}  // namespace gonogo::pipeline::cli

@@ -1,0 +1,119 @@
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pipeline/cli/command.h"
+#include "pipeline/learn/named_values.h"
+#include "pipeline/learn/qubo_exchange.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string model, problem, answer, out, rows, sampler = "block_gibbs";
+  std::vector<std::string> clamp;
+  bool spin = false;
+  std::size_t reads = 1000, sweeps = 1000;
+  std::uint64_t seed = 1;
+};
+
+using Shared = std::shared_ptr<Options>;
+
+void add_export(CLI::App& qubo, const Shared& options, const Globals& globals) {
+  CLI::App* command =
+      qubo.add_subcommand("export", "Write a model's machine as a problem in dimod's JSON, with a sidecar");
+  command->add_option("--model", options->model, "Model file")->required();
+  command->add_option("--out", options->out, "Problem file to write; the sidecar goes beside it")->required();
+  command->add_option("--clamp", options->clamp,
+                      "variable=number: take this variable out at its value; may be repeated");
+  command->add_flag("--spin", options->spin, "Ising form (SPIN) instead of QUBO (BINARY)");
+  command->footer("Example:\n  gonogo qubo export --model out/demo/model.h5 --out problem.json --clamp slope_along=12");
+  command->callback([options, &globals] {
+    const auto vartype = options->spin ? learning::Vartype::spin : learning::Vartype::binary;
+    const Sidecar sidecar = export_problem(options->model, options->out, parse_named_values(options->clamp), vartype);
+    Json json;
+    json["problem"] = options->out;
+    json["sidecar"] = sidecar_path(options->out).string();
+    json["problem_hash"] = sidecar.problem_hash;
+    json["variables"] = Json(std::uint64_t(sidecar.labels.size()));
+    json["vartype"] = learning::vartype_name(sidecar.vartype);
+    print_result(globals, json,
+                 options->out + ": " + std::to_string(sidecar.labels.size()) + " variables, " +
+                     learning::vartype_name(sidecar.vartype) + "; sidecar " + sidecar_path(options->out).string() +
+                     "\n");
+  });
+}
+
+void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
+  CLI::App* command = qubo.add_subcommand("sample", "Draw rows of a problem from P(x) proportional to exp(-E(x))");
+  command->add_option("problem", options->problem, "Problem in dimod's JSON")->required();
+  command->add_option("--sampler", options->sampler, "block_gibbs or exact")->capture_default_str();
+  command->add_option("--reads", options->reads, "Rows")->check(CLI::Range(1, 100000000))->capture_default_str();
+  command->add_option("--sweeps", options->sweeps, "Sweeps of every chain of block_gibbs")
+      ->check(CLI::Range(1, 1000000000))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed")->capture_default_str();
+  command->add_option("--out", options->out, "Answer file to write")->required();
+  command->footer(
+      "Example:\n  gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json");
+  command->callback([options, &globals] {
+    const Json json = sample_problem(options->problem, options->out, options->sampler, options->reads, options->sweeps,
+                                     options->seed);
+    char text[200];
+    std::snprintf(text, sizeof text, ": %zu rows, mean energy %.6g, lowest %.6g\n", options->reads,
+                  json.at("energy_mean").number(), json.at("energy_lowest").number());
+    print_result(globals, json, options->out + text);
+  });
+}
+
+std::string import_text(const Json& json) {
+  char line[200];
+  std::snprintf(line, sizeof line, "%.0f reads, energies verified; %.1f %% hold code words only\n",
+                json.at("reads").number(), 100 * (1 - json.at("invalid_share").number()));
+  std::string text = line;
+  for (const auto& [name, entry] : json.at("outcomes").members()) {
+    std::snprintf(line, sizeof line, "%-24s %.4f +- %.4f\n", name.c_str(), entry.at("frequency").number(),
+                  entry.at("standard_error").number());
+    text += line;
+  }
+  for (const auto& [name, entry] : json.at("variables").members()) {
+    std::snprintf(line, sizeof line, "%-24s %.4g, standard deviation %.4g %s\n", name.c_str(),
+                  entry.at("mean").number(), entry.at("standard_deviation").number(),
+                  entry.at("unit").string().c_str());
+    text += line;
+  }
+  return text;
+}
+
+void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
+  CLI::App* command =
+      qubo.add_subcommand("import", "Read an answer back: verify it, decode rows to variables and outcomes");
+  command->add_option("--problem", options->problem, "Problem that was exported, with its sidecar beside it")
+      ->required();
+  command->add_option("--answer", options->answer, "Answer in dimod's JSON (SampleSet)")->required();
+  command->add_option("--model", options->model, "Also check that the problem was exported from this model");
+  command->add_option("--rows", options->rows, "Write the decoded rows as CSV");
+  command->footer("Example:\n  gonogo qubo import --problem problem.json --answer answer.json --rows rows.csv");
+  command->callback([options, &globals] {
+    const Json json = import_answer(options->problem, options->answer, options->model, options->rows);
+    print_result(globals, json, import_text(json));
+  });
+}
+
+}  // namespace
+
+void add_qubo_command(CLI::App& app, const Globals& globals) {
+  CLI::App* qubo = app.add_subcommand("qubo", "Annealing problems: export from a model, sample, import answers");
+  qubo->require_subcommand(1);
+  qubo->footer(
+      "Example:\n  gonogo qubo export --model out/demo/model.h5 --out problem.json\n"
+      "  gonogo qubo sample problem.json --reads 1000 --out answer.json\n"
+      "  gonogo qubo import --problem problem.json --answer answer.json");
+  const Shared options = std::make_shared<Options>();
+  add_export(*qubo, options, globals);
+  add_sample(*qubo, options, globals);
+  add_import(*qubo, options, globals);
+}
+
+}  // namespace gonogo::pipeline::cli

@@ -1,0 +1,49 @@
+#include <memory>
+#include <string>
+
+#include "pipeline/cli/command.h"
+#include "pipeline/learn/train_model.h"
+#include "pipeline/study/study.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string dataset, study, out;
+  std::uint64_t seed = 1;
+};
+
+TrainRequest to_request(const Options& options, bool seed_given) {
+  TrainRequest request{
+      .dataset = options.dataset, .model = options.out, .seed = options.seed, .learning = {}, .design = {}};
+  if (options.study.empty()) return request;
+  const Study study = read_study(options.study);
+  if (!seed_given) request.seed = study.seed;
+  request.learning = study.config.object_if("learning");
+  request.design = study.config.object_if("design");
+  return request;
+}
+
+}  // namespace
+
+void add_train_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand("train", "Train a model of the outcomes on simulated trials");
+  auto options = std::make_shared<Options>();
+  command->add_option("--dataset", options->dataset, "Trials to train on (dataset.h5)")->required();
+  command->add_option("--study", options->study,
+                      "Study whose sections \"learning\" and \"design\" apply; defaults without");
+  command->add_option("--out", options->out, "Model file to write")->required();
+  CLI::Option* seed =
+      command->add_option("--seed", options->seed, "Seed; the study's when left out")->capture_default_str();
+  command->footer(
+      "Example:\n  gonogo train --dataset out/demo/dataset.h5 --study configs/studies/demo.json --out "
+      "out/demo/model.h5");
+  command->callback([options, seed, &globals] {
+    Json report = train_model(to_request(*options, seed->count() > 0));
+    const std::string text = report_text(report);
+    report["model"] = options->out;
+    print_result(globals, report, text);
+  });
+}
+
+}  // namespace gonogo::pipeline::cli

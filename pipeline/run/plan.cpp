@@ -1,0 +1,58 @@
+#include "pipeline/run/plan.h"
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "pipeline/campaign/plan.h"
+#include "terrain/raster/raster_source.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr int kKeyLength = 12;
+
+/// Folder name for the trials of one set of inputs.
+std::string key_of(const CampaignRequest& campaign) {
+  std::string text;
+  for (const auto& [name, value] : campaign.depends_on) text += name + '\n' + value + '\n';
+  return content_hash(text).substr(0, kKeyLength);
+}
+
+void require_file(const Study& study, const std::string& key, const std::filesystem::path& file) {
+  if (file.empty()) study.config.fail(key, "missing; name the JSON file of the " + key);
+}
+
+/// Reads the first, the middle and the last row: a file cut short shows.
+void check_readable(const terrain::RasterSource& source) {
+  const auto& grid = source.grid();
+  for (const int row : {0, grid.rows / 2, grid.rows - 1}) source.read({0, row, grid.columns, 1});
+}
+
+/// Opens the rasters and reads in them, so that what cannot be read is known before hours of simulation.
+void check_rasters(const Region& region) {
+  const auto elevation = terrain::RasterSource::open_elevation(region.elevation.file);
+  check_readable(elevation);
+  if (!region.soil_class) return;
+  check_readable(
+      terrain::RasterSource::open_on_grid(region.soil_class->file, elevation.grid(), terrain::RasterKind::classes));
+}
+
+}  // namespace
+
+RunPlan plan_run(const RunRequest& request) {
+  Study study = read_study(request.study);
+  require_file(study, "vehicle", study.vehicle);
+  require_file(study, "region", study.region);
+  CampaignRequest campaign = plan_campaign(study, request.out, request.threads);
+  campaign.folder = request.out / "trials" / key_of(campaign);
+  RunPlan plan{.study = study,
+               .out = request.out,
+               .threads = request.threads,
+               .campaign = std::move(campaign),
+               .learning = read_learning_settings(study.config.object_if("learning")),
+               .region = read_region(study.region),
+               .map = read_map_rules(study.config.object_if("map"))};
+  check_rasters(plan.region);
+  return plan;
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,106 @@
+#include "pipeline/trial/setup.h"
+
+#include <cstdlib>
+
+#include "base/error.h"
+#include "pipeline/study/contract.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+void read_bed(const Config& bed, TrialSetup& s) {
+  s.bed_length = bed.number_or("length_m", s.bed_length, {0.1, 100});
+  s.bed_width = bed.number_or("width_m", s.bed_width, {0.05, 100});
+  s.packing_seeds = int(bed.integer_or("packing_seeds", s.packing_seeds, {1, 1000}));
+  s.bed_settle_time = bed.number_or("settle_s", s.bed_settle_time, {0, 10});
+  bed.finish();
+}
+
+void read_drive(const Config& drive, TrialSetup& s) {
+  s.park_time = drive.number_or("park_s", s.park_time, {0, 10});
+  s.ramp_time = drive.number_or("ramp_s", s.ramp_time, {0.01, 10});
+  s.run_in_distance = drive.number_or("run_in_m", s.run_in_distance, {0, 100});
+  s.test_distance = drive.number_or("test_distance_m", s.test_distance, {0.01, 1000});
+  s.minimum_drive_time = drive.number_or("minimum_drive_s", s.minimum_drive_time, {0.1, 100});
+  s.time_limit = drive.number_or("time_limit_s", s.time_limit, {0.1, 1000});
+  drive.finish();
+}
+
+void read_numerics(const Config& c, TrialNumerics& n) {
+  n.step = c.number_or("step_s", n.step, {1e-5, 5e-3});
+  n.iterations = int(c.integer_or("iterations", n.iterations, {1, 100000}));
+  n.tolerance = c.number_or("tolerance_m_per_s", n.tolerance, {1e-6, 1});
+  c.finish();
+}
+
+void read_thresholds(const Config& c, Thresholds& t) {
+  t.go_speed_share = c.number_or("go_speed_share", t.go_speed_share, {0, 1});
+  t.go_slip = c.number_or("go_slip", t.go_slip, {0, 1});
+  t.immobile_speed = c.number_or("immobile_speed_m_per_s", t.immobile_speed, {0, 10});
+  t.immobile_time = c.number_or("immobile_s", t.immobile_time, {0.01, 100});
+  t.slid_back_share = c.number_or("slid_back_vehicle_lengths", t.slid_back_share, {0.01, 10});
+  t.creep_speed = c.number_or("creep_m_per_s", t.creep_speed, {1e-3, 10});
+  t.residual = c.number_or("residual_m_per_s", t.residual, {1e-6, 10});
+  t.energy_error = c.number_or("energy_error", t.energy_error, {1e-6, 10});
+  c.finish();
+}
+
+/// Every friction angle of the design must be within reach of the grains, or trials would fail one by one later.
+void check_reach(const Study& study, const TrialSetup& s) {
+  const auto design = study.config.object_if("design");
+  if (!design || !design->has("ranges")) return;
+  const Config ranges = design->object("ranges");
+  if (!ranges.has("friction_angle")) return;
+  const auto range = ranges.numbers("friction_angle", {0, 90});
+  const terrain::AngleRange reach = terrain::reachable_angles(s.calibration);
+  if (range.size() == 2 && (range[0] < reach.lowest || range[1] > reach.highest))
+    ranges.fail("friction_angle", "grains of " + std::to_string(s.calibration.grain_diameter) + " m reach " +
+                                      std::to_string(reach.lowest) + " to " + std::to_string(reach.highest) +
+                                      " deg; narrow the range to that");
+}
+
+}  // namespace
+
+terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density, std::uint64_t bed_seed) const {
+  terrain::BedSpec spec;
+  spec.length = bed_length;
+  spec.width = bed_width;
+  spec.depth = bed_depth;
+  spec.grain_diameter = calibration.grain_diameter;
+  spec.settle_friction = calibration.packing[terrain::packing_level(calibration, relative_density)].settle_friction;
+  spec.seed = bed_seed % std::uint64_t(packing_seeds);
+  return spec;
+}
+
+std::filesystem::path default_packing_folder() {
+  if (const char* cache = std::getenv("GONOGO_CACHE")) return std::filesystem::path(cache) / "beds";
+  if (const char* cache = std::getenv("XDG_CACHE_HOME")) return std::filesystem::path(cache) / "gonogo" / "beds";
+  if (const char* home = std::getenv("HOME")) return std::filesystem::path(home) / ".cache" / "gonogo" / "beds";
+  return std::filesystem::temp_directory_path() / "gonogo" / "beds";
+}
+
+TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder) {
+  TrialSetup s;
+  s.name = study.name;
+  s.seed = study.seed;
+  s.packing_folder = packing_folder;
+  if (study.vehicle.empty())
+    study.config.fail("vehicle", "missing; name a vehicle file, for example ../vehicles/hmmwv_quarter.json");
+  s.vehicle_file = study.vehicle;
+  s.rig = vehicle::read_wheel_rig(study.vehicle);
+  const Config soil = study.section("soil");
+  s.calibration_file = soil.path("calibration");
+  s.calibration = terrain::read_calibration(s.calibration_file);
+  soil.finish();
+  if (const auto trial = study.config.object_if("trial")) {
+    if (const auto c = trial->object_if("bed")) read_bed(*c, s);
+    if (const auto c = trial->object_if("drive")) read_drive(*c, s);
+    if (const auto c = trial->object_if("numerics")) read_numerics(*c, s.numerics);
+    if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
+    trial->finish();
+  }
+  check_reach(study, s);
+  return s;
+}
+
+}  // namespace gonogo::pipeline

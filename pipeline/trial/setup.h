@@ -1,0 +1,61 @@
+// What every trial of a study shares: vehicle, soil calibration, beds, numerics and thresholds.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/study/study.h"
+#include "terrain/soil/calibration.h"
+#include "vehicle/wheel_rig.h"
+
+namespace gonogo::pipeline {
+
+/// When a run counts as what; see the verdict table of the contract. Speeds are relative to the commanded one.
+struct Thresholds {
+  double go_speed_share = 0.6;   // mean speed over commanded speed, at least, for go [-]
+  double go_slip = 0.4;          // slip, at most, for go [-]
+  double immobile_speed = 0.05;  // below it for `immobile_time` the vehicle is stuck [m/s]
+  double immobile_time = 1.0;    // [s]
+  double slid_back_share = 0.5;  // of the vehicle's length [-]
+  double creep_speed = 0.1;      // of the bed before the vehicle acts: the slope fails [m/s]
+  double residual = 0.1;         // largest root-mean-square residual of a valid trial [m/s]
+  double energy_error = 0.05;    // largest energy gain without a motor, over the motor's work, of a valid trial [-]
+};
+
+struct TrialNumerics {
+  double step = 2e-3;       // [s]
+  int iterations = 200;     // most per step
+  double tolerance = 0.01;  // residual at which the solver stops [m/s]
+};
+
+struct TrialSetup {
+  std::string name;
+  std::uint64_t seed = 0;
+  vehicle::WheelRig rig;
+  terrain::Calibration calibration;
+  std::filesystem::path vehicle_file, calibration_file;
+  double bed_length = 4, bed_width = 0.8;  // [m]
+  int packing_seeds = 2;                   // beds per packing level
+  double bed_settle_time = 0.25;           // of the tilted bed before the vehicle acts [s]
+  double park_time = 0.2;                  // the wheel is let down with its brake on [s]
+  double ramp_time = 0.4;                  // of the rim speed from zero to the commanded one [s]
+  double run_in_distance = 0.4;            // not counted [m]
+  double test_distance = 2.4;              // to be covered after the run-in [m]
+  double minimum_drive_time = 2;           // driven at least this long, once the ramp is over [s]
+  double time_limit = 5;                   // of the driving, ramp included [s]
+  TrialNumerics numerics;
+  Thresholds thresholds;
+  std::filesystem::path packing_folder;  // cache of settled beds
+
+  /// Bed that a trial of these variables drives on: level of the packing and its seed.
+  terrain::BedSpec bed_spec(double bed_depth, double relative_density, std::uint64_t seed) const;
+};
+
+/// $GONOGO_CACHE/beds, or gonogo/beds in the user's cache folder: settled beds are shared between runs.
+std::filesystem::path default_packing_folder();
+
+/// Reads the study's vehicle and its sections "soil" and "trial"; throws InputError for anything out of range, also
+/// when the ranges of "design" leave what the calibration reaches. Packings are cached in `packing_folder`.
+TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder = default_packing_folder());
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,239 @@
+#include "terrain/soil/calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+
+#include "base/cancel.h"
+#include "base/error.h"
+#include "base/file.h"
+#include "base/json/config.h"
+#include "base/progress.h"
+
+namespace gonogo::terrain {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// The line of contact parameters: sliding friction first, rolling friction joins where spheres alone saturate.
+struct ContactPoint {
+  double friction, rolling_friction;
+};
+constexpr ContactPoint kContactLine[] = {{0.1, 0}, {0.25, 0}, {0.45, 0.02}, {0.6, 0.1}, {0.8, 0.3}, {0.9, 0.8}};
+/// Settling friction of the packing library, from loose to dense.
+constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};
+constexpr double kNormalStress[] = {5e3, 15e3, 40e3};  // [Pa]
+constexpr double kCohesionPressure = 10e3;             // between grains, of the cohesive tests [Pa]
+constexpr std::uint64_t kSeeds[] = {1, 2};
+
+double angle_deg(double ratio) { return std::atan(ratio) / kDegree; }
+
+struct Job {
+  std::size_t contact, packing, seed, stress;
+  bool cohesive;
+  ShearResult result;
+};
+
+std::vector<Job> all_jobs() {
+  std::vector<Job> jobs;
+  for (std::size_t c = 0; c < std::size(kContactLine); ++c)
+    for (std::size_t p = 0; p < std::size(kSettleFriction); ++p)
+      for (std::size_t s = 0; s < std::size(kSeeds); ++s)
+        for (std::size_t n = 0; n < std::size(kNormalStress); ++n) {
+          jobs.push_back({c, p, s, n, false, {}});
+          if (p == 1) jobs.push_back({c, p, s, n, true, {}});
+        }
+  return jobs;
+}
+
+/// Mean and standard error of the ratio shear / normal stress over seeds and loads.
+void friction_of(const std::vector<Job>& jobs, std::size_t c, std::size_t p, ContactLevel& level) {
+  std::vector<double> ratio;
+  for (const Job& j : jobs)
+    if (j.contact == c && j.packing == p && !j.cohesive)
+      ratio.push_back(j.result.shear_stress / j.result.normal_stress);
+  double mean = 0, square = 0;
+  for (const double r : ratio) mean += r / double(ratio.size());
+  for (const double r : ratio) square += (r - mean) * (r - mean);
+  const double error = std::sqrt(square / double(ratio.size() - 1) / double(ratio.size()));
+  level.friction_angle.push_back(angle_deg(mean));
+  level.friction_angle_error.push_back(angle_deg(mean + error) - angle_deg(mean));
+}
+
+/// Cohesion: the shear stress that contact cohesion adds at equal normal stress, averaged over loads and seeds.
+void cohesion_of(const std::vector<Job>& jobs, std::size_t c, ContactLevel& level) {
+  std::vector<double> gain;
+  for (const Job& sticky : jobs) {
+    if (sticky.contact != c || !sticky.cohesive) continue;
+    for (const Job& dry : jobs)
+      if (dry.contact == c && dry.packing == sticky.packing && dry.seed == sticky.seed && dry.stress == sticky.stress &&
+          !dry.cohesive)
+        gain.push_back((sticky.result.shear_stress -
+                        dry.result.shear_stress / dry.result.normal_stress * sticky.result.normal_stress) /
+                       kCohesionPressure);
+  }
+  double mean = 0, square = 0;
+  for (const double g : gain) mean += g / double(gain.size());
+  for (const double g : gain) square += (g - mean) * (g - mean);
+  level.cohesion_gain = mean;
+  level.cohesion_gain_error = std::sqrt(square / double(gain.size() - 1) / double(gain.size()));
+}
+
+std::vector<PackingLevel> packing_levels(const std::vector<Packing>& cells) {
+  std::vector<PackingLevel> levels;
+  for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
+    double fraction = 0;
+    for (std::size_t s = 0; s < std::size(kSeeds); ++s)
+      fraction += cells[p * std::size(kSeeds) + s].solid_fraction / double(std::size(kSeeds));
+    levels.push_back({kSettleFriction[p], fraction, 0});
+  }
+  const double loosest = 1 / levels.front().solid_fraction, densest = 1 / levels.back().solid_fraction;
+  for (PackingLevel& l : levels) l.relative_density = (loosest - 1 / l.solid_fraction) / (loosest - densest);
+  return levels;
+}
+
+/// Friction angle of a contact level at a relative density between the packings.
+double angle_at(const Calibration& c, const ContactLevel& level, double density) {
+  std::size_t p = 1;
+  while (p + 1 < c.packing.size() && c.packing[p].relative_density < density) ++p;
+  const double low = c.packing[p - 1].relative_density, high = c.packing[p].relative_density;
+  const double share = std::clamp((density - low) / (high - low), 0.0, 1.0);
+  return (1 - share) * level.friction_angle[p - 1] + share * level.friction_angle[p];
+}
+
+}  // namespace
+
+Calibration calibrate(double grain_diameter, int threads) {
+  std::vector<Packing> cells;
+  Progress settling("soil", "packings", std::size(kSettleFriction) * std::size(kSeeds));
+  for (const double friction : kSettleFriction)
+    for (const std::uint64_t seed : kSeeds) {
+      cells.push_back(settle_packing(shear_cell(grain_diameter, friction, seed), 1));
+      settling.update(cells.size());
+    }
+  settling.finish();
+
+  std::vector<Job> jobs = all_jobs();
+  Progress progress("soil", "shear tests", jobs.size());
+  std::size_t done = 0;
+  std::string failure;
+#pragma omp parallel for schedule(dynamic) num_threads(std::max(1, threads))
+  for (std::size_t k = 0; k < jobs.size(); ++k) {
+    if (cancel_requested() || !failure.empty()) continue;
+    Job& j = jobs[k];
+    const ContactPoint& point = kContactLine[j.contact];
+    const sim::PairLaw law{Real(point.friction), Real(point.rolling_friction),
+                           Real(j.cohesive ? kCohesionPressure : 0)};
+    ShearSettings settings;
+    settings.normal_stress = kNormalStress[j.stress];
+    try {
+      j.result = shear_test(cells[j.packing * std::size(kSeeds) + j.seed], {law, law}, settings);
+    } catch (const std::exception& e) {
+#pragma omp critical
+      failure = e.what();
+    }
+#pragma omp critical
+    progress.update(++done);
+  }
+  stop_if_cancelled();
+  if (!failure.empty()) throw DeviceError(failure);
+
+  Calibration c{grain_diameter, packing_levels(cells), {}, Json::object()};
+  for (std::size_t k = 0; k < std::size(kContactLine); ++k) {
+    ContactLevel level{kContactLine[k].friction, kContactLine[k].rolling_friction, {}, {}, 0, 0};
+    for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) friction_of(jobs, k, p, level);
+    cohesion_of(jobs, k, level);
+    c.contact.push_back(level);
+  }
+  double worst = 0;
+  for (const Job& j : jobs) worst = std::max(worst, j.result.worst_residual);
+  c.provenance["test"] = "simple shear of a doubly periodic cell, 10 x 6 grains, 8 deep, 4 diameters of travel";
+  c.provenance["normal_stress_Pa"] = std::vector<double>(std::begin(kNormalStress), std::end(kNormalStress));
+  c.provenance["cohesion_pressure_Pa"] = kCohesionPressure;
+  c.provenance["seeds"] = int(std::size(kSeeds));
+  c.provenance["worst_rms_residual_m_per_s"] = worst;
+  return c;
+}
+
+AngleRange reachable_angles(const Calibration& c) {
+  const auto extremes = [](const ContactLevel& l) {
+    return std::minmax_element(l.friction_angle.begin(), l.friction_angle.end());
+  };
+  return {*extremes(c.contact.front()).second, *extremes(c.contact.back()).first};
+}
+
+std::size_t packing_level(const Calibration& c, double density) {
+  std::size_t best = 0;
+  for (std::size_t p = 1; p < c.packing.size(); ++p)
+    if (std::fabs(c.packing[p].relative_density - density) < std::fabs(c.packing[best].relative_density - density))
+      best = p;
+  return best;
+}
+
+sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil) {
+  std::size_t k = 1;
+  while (k + 1 < c.contact.size() && angle_at(c, c.contact[k], soil.relative_density) < soil.friction_angle) ++k;
+  const double low = angle_at(c, c.contact[k - 1], soil.relative_density),
+               high = angle_at(c, c.contact[k], soil.relative_density);
+  if (!(soil.friction_angle >= low && soil.friction_angle <= high)) {
+    std::ostringstream text;
+    const AngleRange range = reachable_angles(c);
+    text << "soil: friction angle " << soil.friction_angle << " deg at relative density " << soil.relative_density
+         << " is outside what grains of " << c.grain_diameter << " m reach; choose one between " << range.lowest
+         << " and " << range.highest << " deg";
+    throw InputError(text.str());
+  }
+  const double share = (soil.friction_angle - low) / (high - low);
+  const auto between = [&](double a, double b) { return (1 - share) * a + share * b; };
+  const ContactLevel &a = c.contact[k - 1], &b = c.contact[k];
+  return {Real(between(a.friction, b.friction)), Real(between(a.rolling_friction, b.rolling_friction)),
+          Real(soil.cohesion / between(a.cohesion_gain, b.cohesion_gain))};
+}
+
+void write_calibration(const std::filesystem::path& path, const Calibration& c) {
+  Json j;
+  j["schema"] = "gonogo/calibration/1";
+  j["grain_diameter_m"] = c.grain_diameter;
+  for (const PackingLevel& p : c.packing) {
+    Json row;
+    row["settle_friction"] = p.settle_friction;
+    row["solid_fraction"] = p.solid_fraction;
+    row["relative_density"] = p.relative_density;
+    j["packing"].push_back(row);
+  }
+  for (const ContactLevel& l : c.contact) {
+    Json row;
+    row["friction"] = l.friction;
+    row["rolling_friction"] = l.rolling_friction;
+    row["friction_angle_deg"] = l.friction_angle;
+    row["friction_angle_error_deg"] = l.friction_angle_error;
+    row["cohesion_gain"] = l.cohesion_gain;
+    row["cohesion_gain_error"] = l.cohesion_gain_error;
+    j["contact"].push_back(row);
+  }
+  j["provenance"] = c.provenance;
+  write_file_atomically(path, j.dump(2) + "\n");
+}
+
+Calibration read_calibration(const std::filesystem::path& path) {
+  const Config file = Config::read(path);
+  file.choice("schema", {"gonogo/calibration/1"});
+  Calibration c{file.number("grain_diameter_m", {1e-5, 1}), {}, {}, file.json().at("provenance")};
+  file.has("provenance");
+  for (const Config& row : file.objects("packing"))
+    c.packing.push_back({row.number("settle_friction", {0, 10}), row.number("solid_fraction", {0.3, 0.75}),
+                         row.number("relative_density", {0, 1})});
+  for (const Config& row : file.objects("contact"))
+    c.contact.push_back({row.number("friction", {0, 10}), row.number("rolling_friction", {0, 10}),
+                         row.numbers("friction_angle_deg", {0, 89}), row.numbers("friction_angle_error_deg", {0, 89}),
+                         row.number("cohesion_gain", {1e-6, 100}), row.number("cohesion_gain_error", {0, 100})});
+  file.finish();
+  if (c.packing.size() < 2 || c.contact.size() < 2) file.fail("", "needs at least two packings and two contact levels");
+  for (const ContactLevel& l : c.contact)
+    if (l.friction_angle.size() != c.packing.size())
+      file.fail("contact", "each row needs one friction angle per packing");
+  return c;
+}
+
+}  // namespace gonogo::terrain

@@ -1,0 +1,58 @@
+// From macroscopic soil to contact parameters, by measurement: shear tests over a line of contact parameters and the
+// packings of the library give a table of friction angle, cohesion and density; trials invert it.
+#pragma once
+#include <filesystem>
+
+#include "base/json/json.h"
+#include "terrain/soil/shear_test.h"
+
+namespace gonogo::terrain {
+
+/// One packing of the library and what it measured.
+struct PackingLevel {
+  double settle_friction;   // that made it
+  double solid_fraction;    // [-]
+  double relative_density;  // (e_max - e) / (e_max - e_min), e = 1 / solid_fraction - 1, over the library [-]
+};
+
+/// One point of the line of contact parameters and what it measured.
+struct ContactLevel {
+  double friction, rolling_friction;          // [-]
+  std::vector<double> friction_angle;         // per packing level [deg]
+  std::vector<double> friction_angle_error;   // standard error [deg]
+  double cohesion_gain, cohesion_gain_error;  // cohesion per contact cohesion pressure [-]
+};
+
+struct Calibration {
+  double grain_diameter;              // [m]
+  std::vector<PackingLevel> packing;  // ascending relative density
+  std::vector<ContactLevel> contact;  // ascending strength
+  Json provenance;
+};
+
+struct MacroscopicSoil {
+  double friction_angle;    // [deg]
+  double cohesion;          // [Pa]
+  double relative_density;  // [-]
+};
+
+/// Contact law whose bed has this soil's friction angle and cohesion. Throws InputError that states the reachable range
+/// when the table does not contain the soil.
+sim::PairLaw contact_law(const Calibration& calibration, const MacroscopicSoil& soil);
+
+/// Friction angles that every packing of the table can reach [deg].
+struct AngleRange {
+  double lowest, highest;
+};
+AngleRange reachable_angles(const Calibration& calibration);
+
+/// The packing level nearest to a relative density.
+std::size_t packing_level(const Calibration& calibration, double relative_density);
+
+/// Runs all tests for a grain size; `threads` tests at a time. Deterministic.
+Calibration calibrate(double grain_diameter, int threads);
+
+void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
+Calibration read_calibration(const std::filesystem::path& path);
+
+}  // namespace gonogo::terrain

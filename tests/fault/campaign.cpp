@@ -1,0 +1,361 @@
+#include "pipeline/campaign/campaign.h"
+
+#include <fcntl.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <functional>
+#include <memory>
+
+#include "base/file.h"
+#include "base/random.h"
+#include "pipeline/campaign/folder.h"
+#include "pipeline/campaign/journal.h"
+#include "pipeline/dataset/row.h"
+#include "tests/fault/cheap_campaign.h"
+#include "tests/support/catch.h"
+#include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/trials.h"
+
+namespace gonogo::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kPoints = 200;  // 220 trials
+constexpr int kTrials = 220;
+constexpr uid_t kNobody = 65534;
+
+/// A run of campaign_program. `before` is called in the new process.
+struct Run {
+  pid_t pid;
+  fs::path log;
+
+  Run(
+      const fs::path& folder, int points, int workers, int milliseconds, const std::string& behaviour = "normal",
+      const std::function<void()>& before = [] {})
+      : log(folder.string() + ".log") {
+    const std::vector<std::string> words{
+        GONOGO_CAMPAIGN_PROGRAM,      "run",    folder.string(), std::to_string(points), std::to_string(workers),
+        std::to_string(milliseconds), behaviour};
+    pid = ::fork();
+    if (pid != 0) return;
+    const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    ::dup2(out, STDOUT_FILENO);
+    ::dup2(out, STDERR_FILENO);
+    std::vector<char*> argv;
+    for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
+    argv.push_back(nullptr);
+    before();
+    ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+
+  bool ended(int& status) const { return ::waitpid(pid, &status, WNOHANG) == pid; }
+
+  /// Exit status, or minus the signal that ended it.
+  int wait() const {
+    int status = 0;
+    ::waitpid(pid, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+  std::string output() const { return read_file(log); }
+};
+
+/// Running, not just waiting for somebody to take note of its end.
+bool is_alive(pid_t process) {
+  std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
+  std::string pid, name, state;
+  return (stat >> pid >> name >> state) && state != "Z";
+}
+
+std::vector<pid_t> children_of(pid_t parent) {
+  std::vector<pid_t> children;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    std::ifstream stat(entry.path() / "stat");
+    std::string pid, name, state;
+    pid_t ppid = 0;
+    if (stat >> pid >> name >> state >> ppid && ppid == parent && state != "Z") children.push_back(std::stoi(pid));
+  }
+  return children;
+}
+
+std::string dataset_bytes(const fs::path& folder) { return read_file(folder / "dataset.h5"); }
+
+/// The dataset of an undisturbed campaign, from trials called in a loop: no worker, journal or process involved.
+std::string expected_bytes(int points) {
+  const CampaignRequest request = cheap_campaign("unused", points);
+  Dataset dataset{.records = {}, .provenance = request.provenance};
+  for (const DesignPoint& point : request.design) dataset.records.push_back(closed_form_trial(point));
+  return dataset_image(dataset);
+}
+
+void sleep_ms(int milliseconds) { ::usleep(useconds_t(milliseconds) * 1000); }
+
+bool wait_until(const std::function<bool()>& condition) {
+  for (int i = 0; i < 5000; ++i) {
+    if (condition()) return true;
+    sleep_ms(2);
+  }
+  return false;
+}
+
+std::size_t finished_trials(const fs::path& folder) { return read_journal(journal_path(folder)).records.size(); }
+
+TEST_CASE("1, 2 and 4 workers give the same dataset bits as calling the trials in a loop") {
+  const TemporaryFolder folder;
+  const std::string expected = expected_bytes(kPoints);
+  for (const int workers : {1, 2, 4}) {
+    const fs::path place = folder / std::to_string(workers);
+    const Run run(place, kPoints, workers, 0);
+    REQUIRE(run.wait() == 0);
+    CHECK(dataset_bytes(place) == expected);
+    CHECK(contains(run.output(), "trials 220 computed 220 reused 0"));
+  }
+}
+
+TEST_CASE("a second run computes nothing and leaves the dataset untouched") {
+  const TemporaryFolder folder;
+  REQUIRE(Run(folder / "a", kPoints, 2, 0).wait() == 0);
+  const auto time = fs::last_write_time(folder / "a/dataset.h5");
+  const Run again(folder / "a", kPoints, 2, 0);
+  REQUIRE(again.wait() == 0);
+  CHECK(contains(again.output(), "computed 0 reused 220"));
+  CHECK(fs::last_write_time(folder / "a/dataset.h5") == time);
+}
+
+TEST_CASE("a campaign grows and shrinks without computing anything twice") {
+  const TemporaryFolder folder;
+  REQUIRE(Run(folder / "a", 100, 2, 0).wait() == 0);
+  const Run longer(folder / "a", 200, 2, 0);
+  REQUIRE(longer.wait() == 0);
+  CHECK(contains(longer.output(), "trials 220 computed 110 reused 110"));
+  CHECK(dataset_bytes(folder / "a") == expected_bytes(200));
+  const Run shorter(folder / "a", 100, 2, 0);
+  REQUIRE(shorter.wait() == 0);
+  CHECK(contains(shorter.output(), "trials 110 computed 0"));
+  CHECK(dataset_bytes(folder / "a") == expected_bytes(100));
+}
+
+TEST_CASE("50 random kill -9 of workers and coordinator: same dataset bits, no trial twice") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "killed";
+  constexpr int kKills = 50, kMilliseconds = 15, kWorkers = 3;
+  int points = 400, kills = 0, coordinator_kills = 0, status = -1;
+  const auto restart = [&] { return std::make_unique<Run>(place, points, kWorkers, kMilliseconds); };
+  auto run = restart();
+  for (std::uint64_t draw = 0; kills < kKills; ++draw) {
+    sleep_ms(5 + int(40 * random_unit(1, 0, draw)));
+    if (run->ended(status)) {  // on a machine where our sleeps take long: more trials, to have something to kill
+      REQUIRE(status == 0);
+      points += 200;
+      run = restart();
+      continue;
+    }
+    const std::vector<pid_t> workers = children_of(run->pid);
+    const std::size_t pick = std::size_t(double(workers.size() + 1) * random_unit(1, 1, draw));
+    ::kill(pick < workers.size() ? workers[pick] : run->pid, SIGKILL);
+    ++kills;
+    if (pick < workers.size()) continue;
+    ++coordinator_kills;
+    REQUIRE(run->wait() == -SIGKILL);
+    CHECK(wait_until([&] { return std::none_of(workers.begin(), workers.end(), is_alive); }));
+    run = restart();
+  }
+  REQUIRE(run->wait() == 0);
+  CHECK(coordinator_kills >= 5);
+  CHECK(kills - coordinator_kills >= 20);
+  CHECK(dataset_bytes(place) == expected_bytes(points));
+  const std::string journal = read_file(journal_path(place));
+  CHECK(std::count(journal.begin(), journal.end(), '\n') == points + points / 10);
+  for (const auto& entry : fs::directory_iterator(place))
+    CHECK_FALSE(contains(entry.path().filename().string(), "partial"));
+}
+
+TEST_CASE("a journal cut anywhere or with a changed byte: the damage is set aside, said and computed again") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "a";
+  REQUIRE(Run(place, 20, 2, 0).wait() == 0);
+  const std::string whole = read_file(journal_path(place)), expected = expected_bytes(20);
+  for (std::uint64_t draw = 0; draw < 6; ++draw) {
+    const std::size_t at = std::size_t(double(whole.size()) * random_unit(9, 0, draw));
+    std::string bytes = whole;
+    if (draw % 2 == 0)
+      bytes.resize(at);
+    else
+      bytes[at] = char(bytes[at] ^ 4);
+    std::ofstream(journal_path(place), std::ios::binary) << bytes;
+    fs::remove(place / "dataset.h5");
+    const Run run(place, 20, 2, 0);
+    CAPTURE(draw, at);
+    REQUIRE(run.wait() == 0);
+    CHECK(contains(run.output(), "set aside"));
+    CHECK(dataset_bytes(place) == expected);
+    CHECK(fs::exists(journal_path(place).string() + ".damaged"));
+  }
+}
+
+TEST_CASE("a truncated dataset is refused by readers and written again by its campaign") {
+  const TemporaryFolder folder;
+  REQUIRE(Run(folder / "a", 20, 2, 0).wait() == 0);
+  const std::string whole = dataset_bytes(folder / "a");
+  std::ofstream(folder / "a/dataset.h5", std::ios::binary) << whole.substr(0, whole.size() / 3);
+  CHECK(contains(input_error([&] { read_dataset(folder / "a/dataset.h5"); }), "cut short"));
+  const Run run(folder / "a", 20, 2, 0);
+  REQUIRE(run.wait() == 0);
+  CHECK(contains(run.output(), "computed 0"));
+  CHECK(dataset_bytes(folder / "a") == whole);
+}
+
+/// A campaign that runs into the end of its space, is given more and goes on.
+void check_full_disk(const fs::path& place, const std::function<void()>& limit,
+                     const std::function<void()>& give_space) {
+  const Run full(place, 600, 2, 0, "normal", limit);
+  CHECK(full.wait() == 1);
+  CHECK(contains(full.output(), "cannot"));
+  const std::string output = full.output();
+  CHECK(std::count(output.begin(), output.end(), '\n') <= 3);
+  const std::size_t kept = finished_trials(place);
+  CHECK(kept > 50);
+  CHECK_FALSE(fs::exists(place / "dataset.h5"));
+  give_space();
+  const Run rest(place, 600, 2, 0);
+  REQUIRE(rest.wait() == 0);
+  CHECK(contains(rest.output(), "reused " + std::to_string(kept) + " "));
+  CHECK(dataset_bytes(place) == expected_bytes(600));
+}
+
+TEST_CASE("a file size limit: one sentence, nothing lost, goes on afterwards") {
+  const TemporaryFolder folder;
+  const auto limit = [] {
+    const rlimit bytes{100000, 100000};
+    ::setrlimit(RLIMIT_FSIZE, &bytes);
+    std::signal(SIGXFSZ, SIG_IGN);
+  };
+  check_full_disk(folder / "a", limit, [] {});
+}
+
+TEST_CASE("a full disk: one sentence, nothing lost, goes on when there is space") {
+  const TemporaryFolder folder;
+  const fs::path disk = folder / "disk";
+  fs::create_directory(disk);
+  if (::mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=256k") != 0) {
+    WARN("no right to mount a small disk here; the file size limit above stands for it");
+    return;
+  }
+  const std::shared_ptr<void> unmount(nullptr, [&](void*) { ::umount2(disk.c_str(), MNT_DETACH); });
+  check_full_disk(
+      disk, [] {}, [&] { ::mount("tmpfs", disk.c_str(), "tmpfs", MS_REMOUNT, "size=8m"); });
+}
+
+TEST_CASE("Ctrl-C: exit status 130, workers gone, the rest later") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "a";
+  const Run run(place, kPoints, 2, 10);
+  REQUIRE(wait_until([&] { return finished_trials(place) > 10; }));
+  const std::vector<pid_t> workers = children_of(run.pid);
+  CHECK(workers.size() == 2);
+  ::kill(run.pid, SIGINT);
+  CHECK(run.wait() == 130);
+  CHECK(std::none_of(workers.begin(), workers.end(), is_alive));
+  const std::size_t kept = finished_trials(place);
+  CHECK(kept < std::size_t(kTrials));
+  const Run rest(place, kPoints, 2, 0);
+  REQUIRE(rest.wait() == 0);
+  CHECK(contains(rest.output(), "reused " + std::to_string(kept) + " "));
+  CHECK(dataset_bytes(place) == expected_bytes(kPoints));
+}
+
+TEST_CASE("a second coordinator in the same folder is refused, and status sees the first") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "a";
+  const Run first(place, kPoints, 2, 10);
+  REQUIRE(wait_until([&] { return finished_trials(place) > 0; }));
+  const std::string sentence = input_error([&] { run_campaign(cheap_campaign(place, kPoints)); });
+  CHECK(contains(sentence, place.string()));
+  CHECK(contains(sentence, "another campaign is at work"));
+  const CampaignStatus during = campaign_status(place);
+  CHECK(during.running);
+  CHECK(during.trials == std::size_t(kTrials));
+  CHECK(during.done > 0);
+  REQUIRE(first.wait() == 0);
+  const CampaignStatus after = campaign_status(place);
+  CHECK_FALSE(after.running);
+  CHECK(after.done == std::size_t(kTrials));
+  CHECK(contains(input_error([&] { campaign_status(folder / "nothing"); }), "holds no campaign"));
+}
+
+TEST_CASE("other inputs in the same folder are refused, naming what changed") {
+  const TemporaryFolder folder;
+  REQUIRE(Run(folder / "a", 20, 2, 0).wait() == 0);
+  CampaignRequest changed = cheap_campaign(folder / "a", 20);
+  changed.depends_on = {{"seed", "3"}, {"trial.step_s", "0.002"}, {"soil.grain_m", "0.03"}};
+  const std::string sentence = input_error([&] { run_campaign(changed); });
+  CHECK(contains(sentence, (folder / "a").string()));
+  CHECK(contains(sentence, "trial.step_s was 0.001, is 0.002"));
+  CHECK(contains(sentence, "soil.grain_m is new"));
+  CHECK(contains(sentence, "another folder"));
+}
+
+TEST_CASE("a trial that crashes stops the campaign with its number; the others are kept") {
+  const TemporaryFolder folder;
+  const Run run(folder / "a", 20, 1, 0, "crash:7");
+  CHECK(run.wait() == 1);
+  CHECK(contains(run.output(), "trial 7 was killed by signal 6"));
+  CHECK(contains(run.output(), "second time"));
+  CHECK(finished_trials(folder / "a") == 7);
+  REQUIRE(Run(folder / "a", 20, 1, 0).wait() == 0);
+  CHECK(dataset_bytes(folder / "a") == expected_bytes(20));
+}
+
+TEST_CASE("bad input found by a worker stops the campaign with the worker's sentence") {
+  const TemporaryFolder folder;
+  const Run run(folder / "a", 20, 2, 0, "refuse:3");
+  CHECK(run.wait() == 2);
+  CHECK(contains(run.output(), "campaign_program: soil.json: cohesion: value -1 is outside the allowed range"));
+}
+
+TEST_CASE("what a trial prints does not disturb the campaign") {
+  const TemporaryFolder folder;
+  REQUIRE(Run(folder / "a", 20, 2, 0, "print").wait() == 0);
+  CHECK(dataset_bytes(folder / "a") == expected_bytes(20));
+}
+
+TEST_CASE("a worker program that does not exist is one sentence") {
+  const TemporaryFolder folder;
+  CampaignRequest request = cheap_campaign(folder / "a", 5);
+  request.worker_command = {"/nowhere/gonogo"};
+  try {
+    run_campaign(request);
+    FAIL("nothing was thrown");
+  } catch (const DeviceError& error) {
+    CHECK(contains(error.what(), "/nowhere/gonogo"));
+  }
+}
+
+TEST_CASE("no right to write: one sentence that names the folder") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "closed";
+  fs::create_directory(place);
+  ::chmod(folder.path().c_str(), 0755);
+  ::chmod(place.c_str(), 0555);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::getuid() == 0 && ::setuid(kNobody) != 0) ::_exit(9);
+    const std::string sentence = input_error([&] { run_campaign(cheap_campaign(place, 5)); });
+    ::_exit(contains(sentence, place.string()) && contains(sentence, "cannot write here") ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  CHECK((WIFEXITED(status) && WEXITSTATUS(status) == 0));
+}
+
+}  // namespace
+}  // namespace gonogo::pipeline

@@ -1,0 +1,262 @@
+// From trials to a model file and back: training, prediction, and what is refused.
+#include <omp.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "learning/score/score.h"
+#include "pipeline/dataset/dataset.h"
+#include "pipeline/learn/evaluate_model.h"
+#include "pipeline/learn/predictor.h"
+#include "pipeline/learn/train_model.h"
+#include "tests/pipeline/synthetic_trials.h"
+#include "tests/support/catch.h"
+
+using namespace gonogo;
+using namespace gonogo::pipeline;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kFolder = fs::temp_directory_path() / "gonogo_test_learn";
+
+fs::path dataset_file(const std::string& name, std::size_t trials, std::uint64_t seed) {
+  fs::create_directories(kFolder);
+  const fs::path path = kFolder / name;
+  write_dataset(path, {synthetic_trials(trials, seed), {}});
+  return path;
+}
+
+/// The model that most tests ask, trained once.
+const fs::path& model_file() {
+  static const fs::path path = [] {
+    const fs::path file = kFolder / "model.h5";
+    train_model(
+        {.dataset = dataset_file("dataset.h5", 120, 1), .model = file, .seed = 3, .learning = {}, .design = {}});
+    return file;
+  }();
+  return path;
+}
+
+void refused(const std::function<void()>& act, const std::string& word) {
+  try {
+    act();
+    FAIL("accepted; expected a message with: " << word);
+  } catch (const InputError& error) {
+    CHECK_THAT(error.what(), Catch::Matchers::Contains(word));
+  }
+}
+
+std::vector<double> middle_point() { return {12, 0, 33, 10, 0.5, 1500, 0.65, 0.3, 2}; }
+
+}  // namespace
+
+TEST_CASE("failed trials are left out and counted, and their rate is modelled apart") {
+  const auto records = synthetic_trials(300, 4);
+  std::size_t failed = 0;
+  for (const TrialRecord& record : records) failed += record.verdict == Verdict::unknown;
+  REQUIRE(failed > 2);
+  const TrainingData data = make_training_data(records, {});
+  CHECK(data.failed == failed);
+  CHECK(data.table.row_count() == 300 - failed);
+  const learning::Model model = learning::read_model(model_file());
+  const Json& counts = model.provenance.at("counts");
+  CHECK(counts.at("trials").integer() == 120);
+  CHECK(counts.at("trained_on").integer() + counts.at("left_out_unknown").integer() == 120);
+  CHECK(model.training_outcomes.size() == std::size_t(counts.at("trained_on").integer()));
+  const Json& failures = model.provenance.at("failures");
+  CHECK(failures.at("rate").number() == Approx(counts.at("left_out_unknown").number() / 120));
+  CHECK(failures.at("rate_low").number() < failures.at("rate").number());
+  CHECK(failures.at("modelled_rate_highest").number() >= failures.at("rate").number());
+}
+
+TEST_CASE("rows are weighted by prior over proposal, replicates share a group, fixed variables get no units") {
+  auto records = synthetic_trials(20, 4);
+  for (std::size_t n = 0; n < 20; ++n) records[n].verdict = Verdict::go, records[n].reason = Reason::none;
+  records[0].point.proposal_density = 4;
+  const TrainingData data = make_training_data(records, {});
+  CHECK(data.table.weight[0] == Approx(data.table.weight[1] / 4));
+  double sum = 0;
+  for (double w : data.table.weight) sum += w;
+  CHECK(sum == Approx(20));
+  CHECK(data.table.group[9] == data.table.group[8]);
+  CHECK(data.table.group[7] != data.table.group[8]);
+  const learning::VisibleLayout layout = make_layout(data, {});
+  CHECK(layout.encoders()[layout.variable_index("bed_depth")].unit_count() == 0);
+  CHECK(layout.encoders()[layout.variable_index("slope_along")].unit_count() == 10);
+  CHECK(layout.outcome_count() == contract().outcomes.size());
+
+  const Config design = Config::parse(R"({"ranges": {"slope_along": [-5, 40]}, "points": 9})", "study");
+  CHECK(make_training_data(records, design).lower[0] == -5);
+  CHECK(make_training_data(records, design).upper[0] == 40);
+}
+
+TEST_CASE("a model trained on a hundred trials predicts fresh ones") {
+  const Predictor predictor = Predictor::read(model_file());
+  const auto fresh = synthetic_trials(2000, 77);
+  std::vector<double> points, p;
+  std::vector<int> go;
+  double base = 0;
+  for (const TrialRecord& record : fresh) {
+    if (record.verdict == Verdict::unknown) continue;
+    points.insert(points.end(), record.point.variables.begin(), record.point.variables.end());
+    go.push_back(record.verdict != Verdict::no_go);
+    base += go.back();
+  }
+  base /= double(go.size());
+  p.resize(go.size());
+  predictor.p_go(points, p);
+  const double brier = learning::brier_score(p, go);
+  std::printf("Brier on fresh trials %.4f, base rate %.4f\n", brier, base * (1 - base));
+  CHECK(brier < 0.65 * base * (1 - base));
+
+  std::vector<double> x = middle_point();
+  double last = 1;
+  for (x[0] = 0; x[0] <= 35; x[0] += 0.5) {
+    CHECK(predictor.p_go(x) < last + 0.005);
+    last = predictor.p_go(x);
+  }
+  const auto all = predictor.outcome_probabilities(x);
+  double sum = 0;
+  for (double q : all) sum += q;
+  CHECK(sum == Approx(1));
+}
+
+TEST_CASE("batches give the bits of single points for any number of threads, also with unknown variables") {
+  const Predictor predictor = Predictor::read(model_file());
+  std::vector<double> points;
+  for (int n = 0; n < 700; ++n) {
+    auto x = middle_point();
+    x[0] = n * 0.05;
+    if (n % 7 == 0) x[4] = NAN;
+    if (n % 70 == 0) x[3] = x[7] = NAN;
+    points.insert(points.end(), x.begin(), x.end());
+  }
+  const std::size_t outcomes = contract().outcomes.size();
+  std::vector<double> one(700), two(700), table(700 * outcomes);
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  predictor.p_go(points, one);
+  omp_set_num_threads(2);
+  predictor.p_go(points, two);
+  predictor.outcome_probabilities(points, table);
+  omp_set_num_threads(threads);
+  CHECK(one == two);
+  const auto point = std::span(points).subspan(9 * 70, 9);
+  CHECK(predictor.p_go(point) == one[70]);
+  CHECK(predictor.outcome_probabilities(point) == std::vector<double>(table.begin() + std::ptrdiff_t(70 * outcomes),
+                                                                      table.begin() + std::ptrdiff_t(71 * outcomes)));
+}
+
+TEST_CASE("a million points are answered at a rate that suits a map") {
+  const Predictor predictor = Predictor::read(model_file());
+  std::vector<double> points, p(200000);
+  for (std::size_t n = 0; n < p.size(); ++n) {
+    auto x = middle_point();
+    x[0] = double(n % 1000) * 0.035;
+    x[2] = 20 + double(n % 997) * 0.025;
+    points.insert(points.end(), x.begin(), x.end());
+  }
+  const auto start = std::chrono::steady_clock::now();
+  predictor.p_go(points, p);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::printf("%.0f points per second on %d threads\n", double(p.size()) / seconds, omp_get_max_threads());
+  CHECK(double(p.size()) / seconds > 100000);
+}
+
+TEST_CASE("what lies outside the sampled box is said by variable, and novelty grows away from trials") {
+  const Predictor predictor = Predictor::read(model_file());
+  auto x = middle_point();
+  CHECK(predictor.inside_sampled_box(x));
+  x[7] = 0.5;
+  CHECK(predictor.outside_variable(x) == "bed_depth");
+  x[7] = NAN;
+  CHECK(predictor.inside_sampled_box(x));
+  const double inside = predictor.novelty(x);
+  x[0] = -40;
+  CHECK(predictor.outside_variable(x) == "slope_along");
+  CHECK(predictor.novelty(x) > 2 * inside);
+  const auto& model = predictor.model();
+  CHECK(predictor.novelty(std::span(model.training_points).first(9)) == 0);
+}
+
+TEST_CASE("same dataset, seed and settings give the same model bytes with one and two threads") {
+  const fs::path dataset = dataset_file("small.h5", 50, 2);
+  const Config learning = Config::parse(R"({"epochs": 30, "folds": 3})", "study");
+  const int threads = omp_get_max_threads();
+  std::vector<std::string> hashes;
+  for (int count : {1, 2}) {
+    omp_set_num_threads(count);
+    const fs::path file = kFolder / ("model" + std::to_string(count) + ".h5");
+    train_model({.dataset = dataset, .model = file, .seed = 5, .learning = learning, .design = {}});
+    hashes.push_back(file_hash(file));
+  }
+  omp_set_num_threads(threads);
+  CHECK(hashes[0] == hashes[1]);
+}
+
+TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
+  const Json report = evaluate_model(model_file(), dataset_file("fresh.h5", 400, 55));
+  CHECK(report.at("left_out_trained_on").integer() == 0);
+  const Json& scores = report.at("scores");
+  CHECK(scores.at("model").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
+  CHECK(scores.at("model").at("brier").number() < scores.at("logistic_regression").at("brier").number() + 0.02);
+  CHECK(scores.at("model").at("floor_brier_mean").number() > 0);
+  refused([] { evaluate_model(model_file(), kFolder / "dataset.h5"); }, "trained on");
+}
+
+TEST_CASE("settings are read strictly") {
+  const auto read = [](const std::string& text) { return read_learning_settings(Config::parse(text, "study.json")); };
+  CHECK(read(R"({"hidden": 20, "sampler": "exact", "bins": "quantile"})").quantile_bins);
+  CHECK(read(R"({"encoders": {"cohesion": {"code": "gray", "bits": 3}}})").encoders.at("cohesion").bits == 3);
+  refused([&] { read(R"({"hiden": 20})"); }, "hidden");
+  refused([&] { read(R"({"hidden": 0})"); }, "hidden");
+  refused([&] { read(R"({"sampler": "annealer"})"); }, "block_gibbs");
+  refused([&] { read(R"({"encoders": {"slope_alon": {"code": "gray", "bits": 3}}})"); }, "slope_along");
+  refused([&] { read(R"({"weight_decay": -1})"); }, "weight_decay");
+}
+
+TEST_CASE("datasets without anything to learn are refused") {
+  auto records = synthetic_trials(20, 4);
+  for (auto& record : records) record.verdict = Verdict::unknown, record.reason = Reason::simulation_failed;
+  refused([&] { make_training_data(records, {}); }, "20");
+  records[3].verdict = Verdict::go, records[3].reason = Reason::none;
+  records[3].point.proposal_density = 0;
+  refused([&] { make_training_data(records, {}); }, "proposal density");
+}
+
+TEST_CASE("damaged model files are refused") {
+  const std::string whole = read_file(model_file());
+  const fs::path damaged = kFolder / "damaged.h5";
+  for (std::size_t length : {std::size_t(0), std::size_t(100), whole.size() / 2, whole.size() - 8}) {
+    write_file_atomically(damaged, whole.substr(0, length));
+    CHECK_THROWS_AS(Predictor::read(damaged), InputError);
+  }
+  refused([] { Predictor::read(kFolder / "absent.h5"); }, "absent.h5");
+  refused([] { Predictor::read(kFolder / "dataset.h5"); }, "not a model");
+
+  const learning::Model good = learning::read_model(model_file());
+  const auto written = [&](const std::function<void(learning::Model&)>& damage) {
+    learning::Model model = good;
+    damage(model);
+    write_model(damaged, model);
+    CHECK_THROWS_AS(Predictor::read(damaged), InputError);
+  };
+  written([](learning::Model& m) { m.weights.weight[5] = NAN; });
+  written([](learning::Model& m) { m.weights.hidden_bias[0] = INFINITY; });
+  written([](learning::Model& m) { m.weights.visible_bias.pop_back(); });
+  written([](learning::Model& m) { m.sampled_lower.pop_back(); });
+  written([](learning::Model& m) { std::swap(m.sampled_lower, m.sampled_upper); });
+  written([](learning::Model& m) { m.training_outcomes[0] = 99; });
+  written([](learning::Model& m) {
+    auto outcomes = m.layout.outcomes();
+    outcomes[2] = "no_go/other";
+    m.layout = learning::VisibleLayout(m.layout.encoders(), outcomes);
+  });
+  write_model(damaged, good);
+  CHECK(read_file(damaged) == whole);
+}

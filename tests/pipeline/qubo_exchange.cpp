@@ -1,0 +1,149 @@
+// A machine goes out as a problem and comes back as an answer.
+#include "pipeline/learn/qubo_exchange.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "learning/model/posterior.h"
+#include "learning/qubo/dimod.h"
+#include "pipeline/learn/named_values.h"
+#include "pipeline/learn/training_data.h"
+#include "tests/pipeline/synthetic_trials.h"
+#include "tests/support/catch.h"
+
+using namespace gonogo;
+using namespace gonogo::pipeline;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kFolder = fs::temp_directory_path() / "gonogo_test_qubo_exchange";
+const fs::path kModel = kFolder / "model.h5", kProblem = kFolder / "problem.json", kAnswer = kFolder / "answer.json";
+
+/// A machine of moderate weights over a layout small enough that code words are common among its rows.
+learning::Model write_small_model() {
+  fs::create_directories(kFolder);
+  const TrainingData data = make_training_data(synthetic_trials(60, 8), {});
+  LearningSettings settings;
+  for (const Variable& variable : contract().variables) settings.encoders[variable.name] = {"thermometer", 1};
+  learning::Model model;
+  model.layout = make_layout(data, settings);
+  model.weights = learning::RbmWeights::zeros(model.layout.unit_count(), 5);
+  for (std::size_t k = 0; k < model.weights.weight.size(); ++k) model.weights.weight[k] = 2 * random_unit(1, 1, k) - 1;
+  for (std::size_t i = model.layout.input_unit_count(); i < model.layout.unit_count(); ++i)
+    model.weights.visible_bias[i] = -2.5;  // one outcome unit on at a time, mostly
+  model.sampled_lower = data.lower;
+  model.sampled_upper = data.upper;
+  model.training_points = data.table.variables;
+  model.training_outcomes.assign(data.table.outcome.begin(), data.table.outcome.end());
+  learning::write_model(kModel, model);
+  return model;
+}
+
+void refused(const std::function<void()>& act, const std::string& word) {
+  try {
+    act();
+    FAIL("accepted; expected a message with: " << word);
+  } catch (const InputError& error) {
+    CHECK_THAT(error.what(), Catch::Matchers::Contains(word));
+  }
+}
+
+void replace_in_file(const fs::path& path, const std::string& from, const std::string& to) {
+  std::string text = read_file(path);
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  write_file_atomically(path, text.replace(at, from.size(), to));
+}
+
+}  // namespace
+
+TEST_CASE("outcome frequencies of an imported answer are the machine's conditional probabilities") {
+  const learning::Model model = write_small_model();
+  const auto vartype = GENERATE(learning::Vartype::binary, learning::Vartype::spin);
+  const std::string sampler = GENERATE("block_gibbs", "exact");
+  const std::map<std::string, double> clamped = {{"slope_along", 12}, {"friction_angle", 31}};
+  export_problem(kModel, kProblem, clamped, vartype);
+  sample_problem(kProblem, kAnswer, sampler, 60000, 60, 11);
+  const Json answer = import_answer(kProblem, kAnswer, kModel, kFolder / "rows.csv");
+  const auto expected = learning::Posterior(model.layout, model.weights).marginal(to_variables(clamped)).probability;
+  double worst = 0;
+  for (std::size_t y = 0; y < expected.size(); ++y) {
+    const Json& entry = answer.at("outcomes").at(contract().outcomes[y].name);
+    const double error = std::sqrt(expected[y] * (1 - expected[y]) / answer.at("valid").number());
+    worst = std::max(worst, std::abs(entry.at("frequency").number() - expected[y]) / error);
+  }
+  std::printf("%s %s: %.0f of %.0f rows valid; largest z of %zu outcome frequencies %.2f\n", sampler.c_str(),
+              learning::vartype_name(vartype).c_str(), answer.at("valid").number(), answer.at("reads").number(),
+              expected.size(), worst);
+  CHECK(answer.at("valid").number() > 5000);
+  CHECK(worst < 4);
+  CHECK(answer.at("variables").at("slope_along").at("mean").number() == Approx(12));
+  CHECK(read_file(kFolder / "rows.csv").rfind("slope_along,", 0) == 0);
+}
+
+TEST_CASE("the whole machine goes out with every unit and its energies intact") {
+  const learning::Model model = write_small_model();
+  const Sidecar sidecar = export_problem(kModel, kProblem, {}, learning::Vartype::binary);
+  CHECK(sidecar.labels.size() == model.weights.visible_count + 5);
+  const auto problem = learning::problem_from_dimod_json(read_file(kProblem), "problem");
+  CHECK(problem == learning::to_qubo(model.weights, model.layout.unit_labels()));
+  CHECK(read_sidecar(sidecar_path(kProblem), problem).problem_hash == sidecar.problem_hash);
+}
+
+TEST_CASE("answers and sidecars of other problems are refused") {
+  const learning::Model model = write_small_model();
+  export_problem(kModel, kProblem, {}, learning::Vartype::binary);
+  sample_problem(kProblem, kAnswer, "block_gibbs", 10, 5, 1);
+  const auto import = [] { import_answer(kProblem, kAnswer, {}, {}); };
+  CHECK_NOTHROW(import());
+  SECTION("clamped afterwards: other labels") {
+    export_problem(kModel, kProblem, {{"slope_along", 12}}, learning::Vartype::binary);
+    refused(import, "another problem");
+  }
+  SECTION("same labels, other numbers") {
+    learning::Model other = model;
+    other.weights.weight[3] += 0.5;
+    learning::write_model(kModel, other);
+    export_problem(kModel, kProblem, {}, learning::Vartype::binary);
+    refused(import, "another problem");
+    replace_in_file(kAnswer, "problem_hash", "problem_hush");  // even when the answer does not say whose it is
+    refused(import, "energy");
+  }
+  SECTION("problem changed after the export") {
+    replace_in_file(kProblem, "\"offset\":0.0", "\"offset\":1.0");
+    refused(import, "sidecar");
+  }
+  SECTION("sidecar missing or damaged") {
+    replace_in_file(sidecar_path(kProblem), "\"beta\": 1.0", "\"beta\": -1.0");
+    refused(import, "beta");
+    fs::remove(sidecar_path(kProblem));
+    refused(import, "sidecar");
+  }
+  SECTION("another model") {
+    learning::Model other = model;
+    other.weights.weight[3] += 0.5;
+    learning::write_model(kFolder / "other.h5", other);
+    refused([] { import_answer(kProblem, kAnswer, kFolder / "other.h5", {}); }, "other.h5");
+  }
+  SECTION("cut off") {
+    const std::string text = read_file(kAnswer);
+    write_file_atomically(kAnswer, text.substr(0, text.size() / 2));
+    refused(import, "answer.json");
+  }
+}
+
+TEST_CASE("values on the command line are checked against the contract") {
+  CHECK(parse_named_values({"slope_along=-12.5", "cohesion=3"}).at("slope_along") == -12.5);
+  refused([] { parse_named_values({"slope_along"}); }, "variable=number");
+  refused([] { parse_named_values({"slope_along=steep"}); }, "variable=number");
+  refused([] { parse_named_values({"slope_along=12deg"}); }, "variable=number");
+  refused([] { parse_named_values({"=12"}); }, "variable=number");
+  refused([] { parse_named_values({""}); }, "variable=number");
+  refused([] { parse_named_values({"slope_alonh=12"}); }, "slope_along");
+  refused([] { parse_named_values({"slope_along=nan"}); }, "allowed range");
+  refused([] { parse_named_values({"slope_along=80"}); }, "allowed range");
+  refused([] { parse_named_values({"slope_along=1", "slope_along=2"}); }, "twice");
+}
