@@ -9,8 +9,8 @@
 
 namespace gonogo::pipeline {
 
-/// Slopes are rounded to this before the model is asked: 1/64 degree, a hundredth of what a metre of elevation error
-/// does to the slope of 10 m cells. The map's P(go) is the model's own value at the rounded slope.
+/// Slopes are rounded to this before the model is asked: 1/64 degree, far less than what the elevation's own error
+/// does. The map's P(go) is the model's own value at the rounded slope.
 inline constexpr double kSlopeSteps = 64;  // per degree
 double rounded_slope(double slope_deg);
 
