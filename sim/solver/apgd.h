@@ -10,6 +10,7 @@
 // 13), per world.
 #pragma once
 #include "sim/solver/incidence.h"
+#include "sim/solver/update_packed.h"
 
 namespace gonogo::sim {
 
@@ -102,7 +103,7 @@ struct GatherVelocity {
   GONOGO_HD Vec3 rotation_axis(BodyIndex) const { return {0, 1, 0}; }
 };
 
-/// One projected gradient step of every contact, and the extrapolation of Nesterov's momentum.
+/// One accelerated update of every contact.
 struct UpdateContact {
   View<const Contact> contact;
   View<const Velocity> velocity;  // at the extrapolated impulses
@@ -113,16 +114,11 @@ struct UpdateContact {
   GONOGO_HD void operator()(Index i) const {
     const Contact& c = contact[i];
     if (momentum[c.world].phase == Phase::done) return;
-    const Velocity &a = velocity[c.body_a], &b = velocity[c.body_b];
-    const Impulse from = extrapolated[i], old = impulse[i];
-    const ContactGradient gradient = contact_gradient(c, a, b);
-    const Impulse next = projected_step(c, from, gradient, c.step);
-    const Vec3 change = next.linear - old.linear, turn = next.angular - old.angular;
-    const Real beta = momentum[c.world].beta;
-    progress[i] = dot(gradient.linear, change) + dot(gradient.angular, turn);
-    impulse[i] = next;
-    extrapolated[i].linear = next.linear + change * beta;
-    extrapolated[i].angular = next.angular + turn * beta;
+    const ContactUpdate<Real> u = accelerated_update<Real>(c, velocity[c.body_a], velocity[c.body_b], impulse[i],
+                                                           extrapolated[i], momentum[c.world].beta);
+    impulse[i] = u.impulse;
+    extrapolated[i] = u.extrapolated;
+    progress[i] = u.progress;
   }
 };
 
@@ -233,7 +229,8 @@ struct MeasureResidual {
     const Contact& c = contact[i];
     const ConeStep step{c.step.n * c.unsplit, c.step.t * c.unsplit, c.step.r * c.unsplit};
     const Impulse from = impulse[i];
-    const Impulse next = projected_step(c, from, contact_gradient(c, velocity[c.body_a], velocity[c.body_b]), step);
+    const Impulse next =
+        projected_step<Real>(c, from, contact_gradient<Real>(c, velocity[c.body_a], velocity[c.body_b]), step);
     const Vec3 change = next.linear - from.linear, turn = next.angular - from.angular;
     const Real normal = dot(change, c.normal);
     const Vec3 tangential = change - c.normal * normal;
@@ -268,6 +265,36 @@ bool any_iterating(Exec exec, State<Exec>& s, Real tolerance) {
   return s.worlds_iterating.read(0) > 0;
 }
 
+template <class Exec>
+void begin_updates(Exec, State<Exec>&) {}
+
+template <class Exec>
+void update_contacts(Exec exec, State<Exec>& s) {
+  for_each_index(exec, s.contact_count,
+                 UpdateContact{s.contact.view(), s.velocity.view(), s.momentum.view(), s.impulse.view(),
+                               s.extrapolated.view(), s.progress.view()});
+}
+
+template <class Exec>
+void end_updates(Exec, State<Exec>&) {}
+
+#ifndef __CUDACC__
+// On the host eight contacts are updated at once; their impulses live in the blocks meanwhile.
+inline void begin_updates(Cpu exec, State<Cpu>& s) {
+  s.block.resize((s.contact_count + kPackWidth - 1) / kPackWidth);
+  for_each_index(exec, s.block.size(), FillBlock{s.contact.view(), s.impulse.view(), s.block.view()});
+}
+
+inline void update_contacts(Cpu exec, State<Cpu>& s) {
+  for_each_index(exec, s.block.size(),
+                 UpdateBlock{s.block.view(), s.contact.view(), s.velocity.view(), s.momentum.view(),
+                             s.extrapolated.view(), s.progress.view()});
+}
+
+/// After the last update, which does not extrapolate, both kinds of impulse are the same.
+inline void end_updates(Cpu, State<Cpu>& s) { s.impulse.swap(s.extrapolated); }
+#endif
+
 /// From the warm start in `impulse` to the end-of-step velocities.
 template <class Exec>
 void solve_apgd(Exec exec, State<Exec>& s, const StepSettings& settings) {
@@ -276,10 +303,9 @@ void solve_apgd(Exec exec, State<Exec>& s, const StepSettings& settings) {
       PrepareContact{incidence(s), s.mass.view(), s.contact.view(), s.impulse.view(), s.extrapolated.view()});
   for_each_index(exec, s.world_count, ResetMomentum{s.momentum.view(), settings.iterations == 1});
   for_each_index(exec, s.body_count, gather(s));
+  begin_updates(exec, s);
   for (Index k = 0; k < settings.iterations; ++k) {
-    for_each_index(exec, s.contact_count,
-                   UpdateContact{s.contact.view(), s.velocity.view(), s.momentum.view(), s.impulse.view(),
-                                 s.extrapolated.view(), s.progress.view()});
+    update_contacts(exec, s);
     for_each_index(exec, s.motor.size(),
                    UpdateMotor{s.motor.view(), s.velocity.view(), s.mass.view(), s.world_of_body.view(),
                                s.momentum.view(), s.motor_impulse.view(), s.motor_extrapolated.view(), settings.step});

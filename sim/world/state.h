@@ -2,7 +2,7 @@
 // result does not depend on its company. A world is a box, periodic along x and y when asked.
 #pragma once
 #include "base/for_each.h"
-#include "sim/contact/contact.h"
+#include "sim/contact/block.h"
 #include "sim/shape/shape.h"
 
 namespace gonogo::sim {
@@ -127,6 +127,7 @@ struct State {
   Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
   Buffer<Contact, Exec> contact;
   Buffer<Impulse, Exec> impulse, extrapolated;  // [contact]
+  Buffer<ContactBlock, Exec> block;             // [contact / 8], host only
   Buffer<std::uint64_t, Exec> key;              // [contact] other shape and feature; with the owner it names the pair
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_contact;  // body b -> its contacts
   Buffer<Velocity, Exec> free_velocity;                                           // [body]

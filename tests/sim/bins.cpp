@@ -170,35 +170,37 @@ TEST_CASE("a sphere touches a lug's edge that reaches past radius plus lug heigh
 }
 
 TEST_CASE("a pair keeps its impulse when a bin boundary passes between its spheres") {
-  // Two spheres on each other glide along -x over a smooth plane. The upper one, later in the list, leaves the bin
-  // first and becomes the owner of the pair. One iteration a step cannot find the contact force anew.
-  const double radius = 0.05;
+  // A sphere under another rides on two that glide along -x. It is later in the list and leaves the bin first, so
+  // that it becomes the owner of both pairs. Three iterations a step cannot find their forces anew.
+  const double radius = 0.05, aside = 0.03;
   SceneWorld w;
   w.origin = {-1, -1, 0};
-  w.size = {2, 2, 1};
-  add_plane(w);
-  w.add_sphere({0.07, 0, radius}, Real(radius), 2000, 0);
-  w.add_sphere({0.07 - 1e-4, 0, 3 * radius}, Real(radius), 2000, 0);
-  w.body[1].velocity.x = w.body[2].velocity.x = -0.05f;
+  w.size = {2, 2, 0.2};
+  w.set_law(0, 0, {Real(0.5), Real(0.2), 0});
+  for (const double y : {-aside, aside}) w.mass[w.add_sphere({0.07, y, radius}, Real(radius), 2000, 0)] = fixed_body();
+  const double seat = radius + std::sqrt(4 * radius * radius - aside * aside);
+  w.add_sphere({0.07 - 1e-4, 0, seat}, Real(radius), 2000, 0);
+  w.add_sphere({0.07 - 1e-4, 0, seat + 2 * radius}, Real(radius), 2000, 0);
+  for (BodyState& b : w.body) b.velocity.x = -0.05f;
   StepSettings settings;
-  settings.iterations = 1;
+  settings.iterations = 3;
   for (const Backend backend : backends()) {
     const auto simulation = simulate(backend, w, settings);
-    simulation->advance(300);  // rests by now
+    simulation->advance(300);  // at rest on them by now
     double worst = 0;
     bool upper_owns = false, lower_owns = false;
-    for (int i = 0; i < 2500; ++i) {
+    for (int i = 0; i < 1000; ++i) {
       simulation->advance(1);
       worst = std::max(worst, simulation->report(0).max_residual);
       for (const Contact& c : simulation->contacts()) {
-        lower_owns |= c.body_a == 1 && c.body_b == 2;
-        upper_owns |= c.body_a == 2 && c.body_b == 1;
+        lower_owns |= c.body_a < 2;
+        upper_owns |= c.body_a == 2 && c.body_b < 2;
       }
     }
     INFO(name_of(backend) << ": largest residual " << worst << " m/s");
     CHECK(lower_owns);
     CHECK(upper_owns);
-    // Lost, the force of one step, g h = 0.01 m/s, would be missing at once.
-    CHECK(worst < 1e-3);
+    // Kept, the forces are off by rounding, some 3e-7 m/s; found anew, by 5e-3 m/s, half of g h.
+    CHECK(worst < 1e-5);
   }
 }
