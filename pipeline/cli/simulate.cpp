@@ -1,0 +1,95 @@
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "pipeline/cli/command.h"
+#include "pipeline/trial/trial.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string study, csv;
+  std::vector<std::string> settings;
+  std::uint64_t seed = 0;
+};
+
+/// Variables from --set; those not set take the study's fixed value or the middle of its range.
+std::vector<double> variables_of(const Study& study, const std::vector<std::string>& settings) {
+  std::vector<double> values(contract().variables.size(), std::nan(""));
+  const Config design = study.section("design");
+  const auto fixed = design.object_if("fixed"), ranges = design.object_if("ranges");
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const std::string& name = contract().variables[v].name;
+    if (fixed && fixed->has(name)) values[v] = fixed->number(name);
+    if (ranges && ranges->has(name)) values[v] = 0.5 * (ranges->numbers(name).at(0) + ranges->numbers(name).at(1));
+  }
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos) throw InputError("--set " + setting + ": write it as name=value");
+    const std::size_t v = contract().variable_index(setting.substr(0, equals));
+    const Variable& variable = contract().variables[v];
+    char* end = nullptr;
+    const std::string text = setting.substr(equals + 1);
+    values[v] = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != 0 || !(values[v] >= variable.minimum && values[v] <= variable.maximum))
+      throw InputError("--set " + setting + ": the value must be a number between " + std::to_string(variable.minimum) +
+                       " and " + std::to_string(variable.maximum) + " " + variable.unit);
+  }
+  return values;
+}
+
+std::string csv_line(const TrialSample& s) {
+  char text[256];
+  std::snprintf(text, sizeof text, "%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3e,%d,%d\n", s.time, s.x, s.y, s.sinkage,
+                s.speed, s.slip, s.torque, s.residual, s.contacts, s.iterations);
+  return text;
+}
+
+void simulate(const Globals& globals, const Options& options) {
+  const Study study = read_study(options.study);
+  const TrialSetup setup = read_trial_setup(study);
+  DesignPoint point;
+  point.seed = options.seed;
+  point.variables = variables_of(study, options.settings);
+  prepare_trials(setup, {&point, 1}, 1);
+  std::string csv = "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
+  const TrialRecord record = run_trial(setup, point, [&csv](const TrialSample& s) { csv += csv_line(s); });
+  if (!options.csv.empty()) write_file_atomically(options.csv, csv);
+  Json json;
+  json["verdict"] = contract().info(record.verdict).name;
+  json["reason"] = contract().info(record.reason).name;
+  std::string text =
+      "verdict  " + contract().info(record.verdict).name + " / " + contract().info(record.reason).name + "\n";
+  for (std::size_t v = 0; v < point.variables.size(); ++v)
+    json["variables"][contract().variables[v].name] = point.variables[v];
+  for (std::size_t m = 0; m < record.measures.size(); ++m) {
+    const Measure& measure = contract().measures[m];
+    json["measures"][measure.name] = record.measures[m];
+    char line[128];
+    std::snprintf(line, sizeof line, "%-18s %10.4g %s\n", measure.name.c_str(), record.measures[m],
+                  measure.unit.c_str());
+    text += line;
+  }
+  print_result(globals, json, text);
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand("simulate", "Run one trial and say how it ended");
+  auto options = std::make_shared<Options>();
+  command->add_option("study", options->study, "Study JSON")->required();
+  command->add_option("--set", options->settings,
+                      "Value of a variable, name=value; others: the study's fixed value or mid-range");
+  command->add_option("--seed", options->seed, "Seed of the bed");
+  command->add_option("--csv", options->csv, "Write the run step by step to this file");
+  command->footer("Example:\n  gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30");
+  command->callback([&globals, options] { simulate(globals, *options); });
+}
+
+}  // namespace gonogo::pipeline::cli
