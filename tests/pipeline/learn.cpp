@@ -15,7 +15,7 @@
 #include "pipeline/learn/train_model.h"
 #include "tests/pipeline/synthetic_trials.h"
 #include "tests/support/catch.h"
-#include "tests/support/scratch_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const ScratchFolder kScratch("gonogo_test_learn");
+const TemporaryFolder kScratch;
 const fs::path kFolder = kScratch.path();
 
 fs::path dataset_file(const std::string& name, std::size_t trials, std::uint64_t seed) {

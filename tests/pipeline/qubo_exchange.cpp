@@ -12,7 +12,7 @@
 #include "pipeline/learn/training_data.h"
 #include "tests/pipeline/synthetic_trials.h"
 #include "tests/support/catch.h"
-#include "tests/support/scratch_folder.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const ScratchFolder kScratch("gonogo_test_qubo_exchange");
+const TemporaryFolder kScratch;
 const fs::path kFolder = kScratch.path();
 const fs::path kModel = kFolder / "model.h5", kProblem = kFolder / "problem.json", kAnswer = kFolder / "answer.json";
 
