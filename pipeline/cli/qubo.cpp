@@ -11,7 +11,7 @@ namespace gonogo::pipeline::cli {
 namespace {
 
 struct Options {
-  std::string model, problem, answer, out, rows, sampler = "block_gibbs";
+  std::string model, problem, answer, out, rows, sampler = "block_gibbs", decode = "discard";
   std::vector<std::string> clamp;
   bool spin = false;
   std::size_t reads = 1000, sweeps = 1000;
@@ -69,8 +69,8 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
 
 std::string import_text(const Json& json) {
   char line[200];
-  std::snprintf(line, sizeof line, "%.0f reads, energies verified; %.1f %% hold code words only\n",
-                json.at("reads").number(), 100 * (1 - json.at("invalid_share").number()));
+  std::snprintf(line, sizeof line, "%.0f reads, energies verified; %.1f %% hold code words only, %.0f repaired\n",
+                json.at("reads").number(), 100 * (1 - json.at("invalid_share").number()), json.at("repaired").number());
   std::string text = line;
   for (const auto& [name, entry] : json.at("outcomes").members()) {
     std::snprintf(line, sizeof line, "%-24s %.4f +- %.4f\n", name.c_str(), entry.at("frequency").number(),
@@ -94,9 +94,14 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
   command->add_option("--answer", options->answer, "Answer in dimod's JSON (SampleSet)")->required();
   command->add_option("--model", options->model, "Also check that the problem was exported from this model");
   command->add_option("--rows", options->rows, "Write the decoded rows as CSV");
+  command->add_option("--decode", options->decode, "Rows that are no code word: discard, or repair where a rule exists")
+      ->check(CLI::IsMember({"discard", "repair"}))
+      ->capture_default_str();
   command->footer("Example:\n  gonogo qubo import --problem problem.json --answer answer.json --rows rows.csv");
   command->callback([options, &globals] {
-    const Json json = import_answer(options->problem, options->answer, options->model, options->rows);
+    const Json json =
+        import_answer(options->problem, options->answer, options->model, options->rows,
+                      options->decode == "repair" ? learning::DecodeRule::repair : learning::DecodeRule::discard);
     print_result(globals, json, import_text(json));
   });
 }

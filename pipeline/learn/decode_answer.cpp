@@ -1,5 +1,6 @@
 #include "pipeline/learn/decode_answer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -33,17 +34,19 @@ std::vector<learning::Bit> clamped_row(const Sidecar& sidecar) {
 
 }  // namespace
 
-DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer) {
+DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, learning::DecodeRule rule) {
   const std::vector<std::ptrdiff_t> column = unit_columns(sidecar);
   std::vector<learning::Bit> row = clamped_row(sidecar);
   DecodedAnswer result;
   for (std::size_t r = 0; r < answer.row_count(); ++r) {
     for (std::size_t i = 0; i < column.size(); ++i)
       if (column[i] >= 0) row[i] = answer.row(r)[std::size_t(column[i])] > 0;
-    const learning::DecodedRow decoded = sidecar.layout.decode(row);
+    const learning::DecodedRow decoded = sidecar.layout.decode(row, rule);
     result.reads += double(answer.occurrences[r]);
-    if (!decoded.valid) continue;
-    result.valid += double(answer.occurrences[r]);
+    const bool complete =
+        std::none_of(decoded.values.begin(), decoded.values.end(), [](double x) { return std::isnan(x); });
+    if (!complete || !decoded.outcome) continue;
+    (decoded.valid ? result.valid : result.repaired) += double(answer.occurrences[r]);
     DecodedAnswer::Row item{decoded.values, *decoded.outcome, answer.energies[r], answer.occurrences[r]};
     for (const auto& [name, value] : sidecar.clamped) item.values[sidecar.layout.variable_index(name)] = value;
     result.rows.push_back(std::move(item));
@@ -67,21 +70,23 @@ Json summary_json(const Sidecar& sidecar, const DecodedAnswer& decoded) {
   Json json, outcomes = Json::object(), variables = Json::object();
   json["reads"] = decoded.reads;
   json["valid"] = decoded.valid;
+  json["repaired"] = decoded.repaired;
   json["invalid_share"] = decoded.reads > 0 ? 1 - decoded.valid / decoded.reads : 0;
+  const double used = decoded.valid + decoded.repaired;
   std::vector<double> count(sidecar.layout.outcome_count(), 0.0);
   for (const auto& row : decoded.rows) count[row.outcome] += double(row.occurrences);
-  for (std::size_t y = 0; y < count.size() && decoded.valid > 0; ++y) {
-    const double share = count[y] / decoded.valid;
+  for (std::size_t y = 0; y < count.size() && used > 0; ++y) {
+    const double share = count[y] / used;
     Json entry;
     entry["frequency"] = share;
-    entry["standard_error"] = std::sqrt(share * (1 - share) / decoded.valid);
+    entry["standard_error"] = std::sqrt(share * (1 - share) / used);
     outcomes[sidecar.layout.outcomes()[y]] = std::move(entry);
   }
-  for (std::size_t v = 0; v < sidecar.layout.variable_count() && decoded.valid > 0; ++v) {
+  for (std::size_t v = 0; v < sidecar.layout.variable_count() && used > 0; ++v) {
     double mean = 0, square = 0;
-    for (const auto& row : decoded.rows) mean += double(row.occurrences) * row.values[v] / decoded.valid;
+    for (const auto& row : decoded.rows) mean += double(row.occurrences) * row.values[v] / used;
     for (const auto& row : decoded.rows)
-      square += double(row.occurrences) * (row.values[v] - mean) * (row.values[v] - mean) / decoded.valid;
+      square += double(row.occurrences) * (row.values[v] - mean) * (row.values[v] - mean) / used;
     Json entry;
     entry["unit"] = sidecar.layout.encoders()[v].unit();
     entry["mean"] = mean;

@@ -16,12 +16,14 @@ struct DecodedAnswer {
     double energy = 0;
     std::int64_t occurrences = 1;
   };
-  std::vector<Row> rows;        // the valid ones: every code is a code word, exactly one outcome is on
-  double reads = 0, valid = 0;  // counted with their occurrences
+  std::vector<Row> rows;                      // those with a value for every variable and exactly one outcome
+  double reads = 0, valid = 0, repaired = 0;  // counted with their occurrences
 };
 
-/// answer must have passed check_answer(): its columns are the sidecar's labels.
-DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer);
+/// answer must have passed check_answer(): its columns are the sidecar's labels. Rows that are no code word throughout
+/// are left out under `discard`; `repair` keeps those that the rule gives a value (`repaired` counts them), which are
+/// then no longer samples of the machine's conditional distribution.
+DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, learning::DecodeRule rule);
 
 /// variable names, outcome, energy, occurrences; one line for each valid row.
 std::string rows_csv(const Sidecar& sidecar, const DecodedAnswer& decoded);

@@ -133,7 +133,8 @@ Json sample_problem(const std::filesystem::path& problem_file, const std::filesy
 }
 
 Json import_answer(const std::filesystem::path& problem_file, const std::filesystem::path& answer_file,
-                   const std::filesystem::path& model_file, const std::filesystem::path& rows_file) {
+                   const std::filesystem::path& model_file, const std::filesystem::path& rows_file,
+                   learning::DecodeRule rule) {
   const learning::Problem problem = read_problem(problem_file);
   const Sidecar sidecar = read_sidecar(sidecar_path(problem_file), problem);
   if (!model_file.empty() && file_hash(model_file) != sidecar.model_hash)
@@ -141,7 +142,7 @@ Json import_answer(const std::filesystem::path& problem_file, const std::filesys
                      "); give that one");
   const learning::SampleSet answer = learning::check_answer(
       problem, learning::samples_from_dimod_json(read_file(answer_file), answer_file.string()), answer_file.string());
-  const DecodedAnswer decoded = decode_answer(sidecar, answer);
+  const DecodedAnswer decoded = decode_answer(sidecar, answer, rule);
   if (!rows_file.empty()) write_file_atomically(rows_file, rows_csv(sidecar, decoded));
   Json json = summary_json(sidecar, decoded);
   json["problem_hash"] = sidecar.problem_hash;

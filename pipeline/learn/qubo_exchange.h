@@ -43,6 +43,7 @@ Json sample_problem(const std::filesystem::path& problem, const std::filesystem:
 /// frequencies with standard errors, and mean and spread of the variables over valid rows. With `model` the problem
 /// must be of that model (hash of its file). With `rows` not empty, writes one line of CSV for each valid row.
 Json import_answer(const std::filesystem::path& problem, const std::filesystem::path& answer,
-                   const std::filesystem::path& model, const std::filesystem::path& rows);
+                   const std::filesystem::path& model, const std::filesystem::path& rows,
+                   learning::DecodeRule rule = learning::DecodeRule::discard);
 
 }  // namespace gonogo::pipeline

@@ -15,14 +15,15 @@
 #include <string>
 
 #include "base/json/config.h"
+#include "learning/training_settings.h"
 #include "pipeline/study/contract.h"
 
 namespace gonogo::pipeline {
 
 struct LearningSettings {
   std::string sampler = "block_gibbs";
-  std::size_t hidden = 8, epochs = 400, batch = 32, chains = 64, sweeps = 2, folds = 5;
-  double learning_rate = 0.02, weight_decay = 1, generative = 0.05;
+  std::size_t folds = 5;
+  learning::TrainingSettings training;  // its seed is the study's and is set when training
   bool quantile_bins = false;
   std::map<std::string, EncoderSpec> encoders;  // by variable, where the study overrides the contract
 };

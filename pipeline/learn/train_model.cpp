@@ -18,20 +18,6 @@
 namespace gonogo::pipeline {
 namespace {
 
-learning::TrainingSettings to_training(const LearningSettings& s, std::uint64_t seed) {
-  learning::TrainingSettings t;
-  t.hidden = s.hidden;
-  t.epochs = s.epochs;
-  t.batch = s.batch;
-  t.learning_rate = s.learning_rate;
-  t.weight_decay = s.weight_decay;
-  t.generative = s.generative;
-  t.chains = s.chains;
-  t.sweeps = s.sweeps;
-  t.seed = seed;
-  return t;
-}
-
 /// Too few groups of trials for the folds asked for: as many folds as groups.
 std::size_t usable_folds(const learning::TrainingTable& table, std::size_t asked) {
   std::vector<std::uint64_t> groups(table.group);
@@ -113,7 +99,8 @@ Json train_model(const TrainRequest& request) {
   const auto sampler = learning::make_sampler(settings.sampler);
   learning::Model model;
   model.layout = make_layout(data, settings);
-  learning::TrainingSettings training = to_training(settings, request.seed);
+  learning::TrainingSettings training = settings.training;
+  training.seed = request.seed;
   const std::size_t folds = usable_folds(data.table, settings.folds);
   if (folds < 2) throw InputError(request.dataset.string() + ": trials at two points or more are needed to train");
 

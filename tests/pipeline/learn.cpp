@@ -15,6 +15,7 @@
 #include "pipeline/learn/train_model.h"
 #include "tests/pipeline/synthetic_trials.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
@@ -22,10 +23,10 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kFolder = fs::temp_directory_path() / "gonogo_test_learn";
+const TemporaryFolder kScratch;
+const fs::path kFolder = kScratch.path();
 
 fs::path dataset_file(const std::string& name, std::size_t trials, std::uint64_t seed) {
-  fs::create_directories(kFolder);
   const fs::path path = kFolder / name;
   write_dataset(path, {synthetic_trials(trials, seed), {}});
   return path;

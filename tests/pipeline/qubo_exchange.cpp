@@ -12,6 +12,7 @@
 #include "pipeline/learn/training_data.h"
 #include "tests/pipeline/synthetic_trials.h"
 #include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
@@ -19,12 +20,12 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kFolder = fs::temp_directory_path() / "gonogo_test_qubo_exchange";
+const TemporaryFolder kScratch;
+const fs::path kFolder = kScratch.path();
 const fs::path kModel = kFolder / "model.h5", kProblem = kFolder / "problem.json", kAnswer = kFolder / "answer.json";
 
 /// A machine of moderate weights over a layout small enough that code words are common among its rows.
 learning::Model write_small_model() {
-  fs::create_directories(kFolder);
   const TrainingData data = make_training_data(synthetic_trials(60, 8), {});
   LearningSettings settings;
   for (const Variable& variable : contract().variables) settings.encoders[variable.name] = {"thermometer", 1};
@@ -79,6 +80,7 @@ TEST_CASE("outcome frequencies of an imported answer are the machine's condition
               learning::vartype_name(vartype).c_str(), answer.at("valid").number(), answer.at("reads").number(),
               expected.size(), worst);
   CHECK(answer.at("valid").number() > 5000);
+  CHECK(answer.at("repaired").number() == 0);
   CHECK(worst < 4);
   CHECK(answer.at("variables").at("slope_along").at("mean").number() == Approx(12));
   CHECK(read_file(kFolder / "rows.csv").rfind("slope_along,", 0) == 0);
@@ -91,6 +93,36 @@ TEST_CASE("the whole machine goes out with every unit and its energies intact") 
   const auto problem = learning::problem_from_dimod_json(read_file(kProblem), "problem");
   CHECK(problem == learning::to_qubo(model.weights, model.layout.unit_labels()));
   CHECK(read_sidecar(sidecar_path(kProblem), problem).problem_hash == sidecar.problem_hash);
+}
+
+TEST_CASE("repair keeps rows whose thermometer codes have gaps and reports how many") {
+  const TrainingData data = make_training_data(synthetic_trials(60, 8), {});
+  learning::Model model;
+  model.layout = make_layout(data, {});
+  model.weights = learning::RbmWeights::zeros(model.layout.unit_count(), 1);
+  model.sampled_lower = data.lower;
+  model.sampled_upper = data.upper;
+  learning::write_model(kModel, model);
+  const Sidecar sidecar = export_problem(kModel, kProblem, {}, learning::Vartype::binary);
+  learning::SampleSet answer;
+  for (const std::string& label : sidecar.labels) answer.labels.emplace_back(label);
+  answer.values.assign(3 * sidecar.labels.size(), 0);
+  const std::size_t go = model.layout.input_unit_count(), width = sidecar.labels.size();
+  answer.values[go] = answer.values[width + go] = 1;  // the last row has no outcome
+  answer.values[width + 4] = 1;                       // slope_along: a lone one
+  answer.energies = {0, 0, 0};
+  answer.occurrences = {2, 3, 4};
+  write_file_atomically(kAnswer, learning::to_dimod_json(answer));
+  const Json strict = import_answer(kProblem, kAnswer, {}, {});
+  CHECK(strict.at("valid").number() == 2);
+  CHECK(strict.at("repaired").number() == 0);
+  const Json repaired = import_answer(kProblem, kAnswer, {}, {}, learning::DecodeRule::repair);
+  CHECK(repaired.at("valid").number() == 2);
+  CHECK(repaired.at("repaired").number() == 3);
+  CHECK(repaired.at("reads").number() == 9);
+  const learning::Encoder& slope = model.layout.encoders()[0];
+  CHECK(repaired.at("variables").at("slope_along").at("mean").number() ==
+        Approx((2 * slope.value(0) + 3 * slope.value(1)) / 5));
 }
 
 TEST_CASE("answers and sidecars of other problems are refused") {
