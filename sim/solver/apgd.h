@@ -315,6 +315,7 @@ void solve_apgd(Exec exec, State<Exec>& s, const StepSettings& settings) {
     if (settings.tolerance > 0 && k % kTestEvery == kTestEvery - 1 && !any_iterating(exec, s, settings.tolerance))
       break;
   }
+  end_updates(exec, s);
 }
 
 }  // namespace gonogo::sim

@@ -12,7 +12,7 @@ inline void load_fields(const Record* const (&record)[kPackWidth], Fields& field
   Pack m[kPackWidth];
   for (int lane = 0; lane < kPackWidth; ++lane) std::memcpy(&m[lane], record[lane], sizeof(Pack));
   transpose(m);
-  std::memcpy(&fields, m, sizeof m);
+  std::memcpy(static_cast<void*>(&fields), m, sizeof m);
 }
 
 struct FillBlock {
@@ -34,7 +34,7 @@ struct FillBlock {
       out.body_b[lane] = c.body_b;
       old[lane] = &impulse[i];
     }
-    std::memcpy(&out.numbers, field, sizeof field);
+    std::memcpy(static_cast<void*>(&out.numbers), field, sizeof field);
     load_fields(old, out.impulse);
     out.first_world = contact[k * kPackWidth].world;
     out.last_world = contact[std::min((k + 1) * kPackWidth, contact.size) - 1].world;
@@ -52,8 +52,8 @@ struct UpdateBlock {
   void operator()(Index k) const {
     ContactBlock& b = block[k];
     const Index first = k * kPackWidth, count = std::min<Index>(kPackWidth, contact.size - first);
-    Pack beta;
-    PackMask active;
+    Pack beta{};
+    PackMask active{};
     if (!read_momentum(b, first, beta, active)) return;
     const Velocity *of_a[kPackWidth], *of_b[kPackWidth];
     const Impulse* from[kPackWidth];
@@ -96,7 +96,7 @@ struct UpdateBlock {
     transpose(row);
     for (Index lane = 0; lane < count; ++lane) {
       if (!active[lane]) continue;
-      std::memcpy(&extrapolated[first + lane], &row[lane], sizeof(Impulse));
+      std::memcpy(static_cast<void*>(&extrapolated[first + lane]), &row[lane], sizeof(Impulse));
       progress[first + lane] = u.progress[lane];
     }
   }
