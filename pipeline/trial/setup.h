@@ -41,7 +41,7 @@ struct TrialSetup {
   double ramp_time = 0.4;                  // of the rim speed from zero to the commanded one [s]
   double run_in_distance = 0.4;            // not counted [m]
   double test_distance = 2.4;              // to be covered after the run-in [m]
-  double minimum_drive_time = 2;           // driven at least this long, once the ramp is over [s]
+  double minimum_drive_time = 1.6;         // driven at least this long, once the ramp is over [s]
   double time_limit = 5;                   // of the driving, ramp included [s]
   TrialNumerics numerics;
   Thresholds thresholds;
