@@ -10,22 +10,18 @@ namespace gonogo::pipeline::cli {
 namespace {
 
 std::string table(const terrain::Calibration& c) {
-  std::string text = "grain " + std::to_string(c.grain_diameter) + " m\nfriction  rolling";
-  char cell[64];
+  std::string text;
+  char line[160];
   for (const terrain::PackingLevel& p : c.packing) {
-    std::snprintf(cell, sizeof cell, "   angle at density %.2f", p.relative_density);
-    text += cell;
+    std::snprintf(line, sizeof line, "packing settled at friction %.2f: solid fraction %.4f, relative density %.2f\n",
+                  p.settle_friction, p.solid_fraction, p.relative_density);
+    text += line;
   }
-  text += "   cohesion gain\n";
+  text += "friction  rolling   friction angle [deg]   cohesion / contact pressure\n";
   for (const terrain::ContactLevel& l : c.contact) {
-    std::snprintf(cell, sizeof cell, "%8.2f %8.2f", l.friction, l.rolling_friction);
-    text += cell;
-    for (std::size_t p = 0; p < c.packing.size(); ++p) {
-      std::snprintf(cell, sizeof cell, "   %7.2f +- %.2f deg   ", l.friction_angle[p], l.friction_angle_error[p]);
-      text += cell;
-    }
-    std::snprintf(cell, sizeof cell, "   %.3f +- %.3f\n", l.cohesion_gain, l.cohesion_gain_error);
-    text += cell;
+    std::snprintf(line, sizeof line, "%8.2f %8.2f   %9.2f +- %.2f      %9.3f +- %.3f\n", l.friction, l.rolling_friction,
+                  l.friction_angle, l.friction_angle_error, l.cohesion_gain, l.cohesion_gain_error);
+    text += line;
   }
   return text;
 }

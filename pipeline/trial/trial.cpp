@@ -28,7 +28,7 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
   c.gravity = static_cast<Vec3>(g);
   const sim::PairLaw grain = terrain::contact_law(
       setup.calibration,
-      {value(point, "friction_angle"), value(point, "cohesion") * 1e3, value(point, "relative_density")});
+      {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
   c.payload = value(point, "payload");

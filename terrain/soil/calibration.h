@@ -15,12 +15,12 @@ struct PackingLevel {
   double relative_density;  // (e_max - e) / (e_max - e_min), e = 1 / solid_fraction - 1, over the library [-]
 };
 
-/// One point of the line of contact parameters and what it measured.
+/// One point of the line of contact parameters and what it measured, mean and standard error over packings, loads and
+/// seeds. The friction angle is that of steady shear, which does not depend on the initial density.
 struct ContactLevel {
-  double friction, rolling_friction;          // [-]
-  std::vector<double> friction_angle;         // per packing level [deg]
-  std::vector<double> friction_angle_error;   // standard error [deg]
-  double cohesion_gain, cohesion_gain_error;  // cohesion per contact cohesion pressure [-]
+  double friction, rolling_friction;            // [-]
+  double friction_angle, friction_angle_error;  // [deg]
+  double cohesion_gain, cohesion_gain_error;    // cohesion per contact cohesion pressure [-]
 };
 
 struct Calibration {
@@ -31,16 +31,15 @@ struct Calibration {
 };
 
 struct MacroscopicSoil {
-  double friction_angle;    // [deg]
-  double cohesion;          // [Pa]
-  double relative_density;  // [-]
+  double friction_angle;  // [deg]
+  double cohesion;        // [Pa]
 };
 
 /// Contact law whose bed has this soil's friction angle and cohesion. Throws InputError that states the reachable range
 /// when the table does not contain the soil.
 sim::PairLaw contact_law(const Calibration& calibration, const MacroscopicSoil& soil);
 
-/// Friction angles that every packing of the table can reach [deg].
+/// Friction angles that the table can reach [deg].
 struct AngleRange {
   double lowest, highest;
 };

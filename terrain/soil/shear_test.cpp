@@ -49,7 +49,8 @@ ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSett
   sim::SceneWorld world = bed_world(cell, laws, 4 * s.grain_diameter);
   const sim::BodyIndex plate = add_plate(world, cell, settings);
   const auto simulation = sim::make_simulation(
-      sim::Backend::cpu, {world}, bed_step_settings(s.grain_diameter, settings.step, settings.iterations), 1);
+      sim::Backend::cpu, {world},
+      bed_step_settings(s.grain_diameter, settings.step, settings.iterations, settings.tolerance), 1);
   simulation->advance(Index(settings.settle_time / settings.step));
   sim::BodyState state = simulation->body(0, plate);
   state.velocity.x = Real(settings.speed);

@@ -11,7 +11,8 @@ struct ShearSettings {
   double settle_time = 0.3;     // under load before the plate moves [s]
   double travel = 4;            // of the plate, in grain diameters
   double step = 1e-3;           // [s]
-  int iterations = 40;
+  int iterations = 200;         // most per step
+  double tolerance = 2e-3;      // residual at which the solver stops [m/s]
 };
 
 struct ShearResult {
