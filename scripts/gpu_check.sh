@@ -11,7 +11,8 @@ mkdir -p "$results"
 [ -d .carry/usr ] && export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
 nvidia-smi --query-gpu=name,driver_version --format=csv,noheader
 cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF > "$results/configure.log"
-cmake --build build/cuda-release -j "$(nproc)" > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
+tests=$(cmake --build build/cuda-release --target help | grep -oE '^test_(sim|validation|base_kernels)[a-z_]*' | sort -u)
+cmake --build build/cuda-release -j "$(nproc)" --target gonogo $tests > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
 ctest --test-dir build/cuda-release -R '^(sim|validation|base_kernels)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || true
 for grain in 0.05 0.032; do
   for backend in cpu cuda; do

@@ -20,7 +20,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 struct ContactPoint {
   double friction, rolling_friction;
 };
-constexpr ContactPoint kContactLine[] = {{0.1, 0}, {0.3, 0}, {0.5, 0.05}, {0.7, 0.2}, {0.9, 0.6}, {0.9, 1.5}};
+constexpr ContactPoint kContactLine[] = {{0.1, 0}, {0.3, 0}, {0.5, 0.05}, {0.7, 0.3}, {0.9, 1.5}, {1.5, 3}, {3, 6}};
 /// Settling friction of the packing library, from loose to dense.
 constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};
 constexpr double kNormalStress[] = {5e3, 15e3, 40e3};  // [Pa]
@@ -101,6 +101,18 @@ void make_monotone(std::vector<ContactLevel>& levels) {
     for (int i = 0; i < count; ++i) levels[k++].friction_angle = mean;
 }
 
+/// One cohesion gain for the whole line, weighted by the inverse squares of the errors: the levels agree within them.
+void pool_cohesion(Calibration& c) {
+  double weight = 0, sum = 0;
+  for (const ContactLevel& l : c.contact) {
+    const double w = 1 / (l.cohesion_gain_error * l.cohesion_gain_error);
+    weight += w;
+    sum += w * l.cohesion_gain;
+  }
+  c.cohesion_gain = sum / weight;
+  c.cohesion_gain_error = std::sqrt(1 / weight);
+}
+
 std::vector<PackingLevel> packing_levels(const std::vector<Packing>& cells) {
   std::vector<PackingLevel> levels;
   for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
@@ -151,7 +163,9 @@ Calibration calibrate(double grain_diameter, int threads) {
   stop_if_cancelled();
   if (!failure.empty()) throw DeviceError(failure);
 
-  Calibration c{grain_diameter, packing_levels(cells), {}, Json::object()};
+  Calibration c;
+  c.grain_diameter = grain_diameter;
+  c.packing = packing_levels(cells);
   for (std::size_t k = 0; k < std::size(kContactLine); ++k) {
     ContactLevel level{kContactLine[k].friction, kContactLine[k].rolling_friction, 0, 0, 0, 0};
     friction_of(jobs, k, level);
@@ -159,6 +173,7 @@ Calibration calibrate(double grain_diameter, int threads) {
     c.contact.push_back(level);
   }
   make_monotone(c.contact);
+  pool_cohesion(c);
   double worst = 0;
   for (const Job& j : jobs) worst = std::max(worst, j.result.worst_residual);
   c.provenance["test"] = "simple shear of a doubly periodic cell, 10 x 6 grains, 8 deep, 4 diameters of travel";
@@ -195,7 +210,7 @@ sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil) {
   const double share = (soil.friction_angle - a.friction_angle) / std::max(1e-9, b.friction_angle - a.friction_angle);
   const auto between = [&](double low, double high) { return (1 - share) * low + share * high; };
   return {Real(between(a.friction, b.friction)), Real(between(a.rolling_friction, b.rolling_friction)),
-          Real(soil.cohesion / between(a.cohesion_gain, b.cohesion_gain))};
+          Real(soil.cohesion / c.cohesion_gain)};
 }
 
 void write_calibration(const std::filesystem::path& path, const Calibration& c) {
@@ -219,6 +234,8 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
     row["cohesion_gain_error"] = l.cohesion_gain_error;
     j["contact"].push_back(row);
   }
+  j["cohesion_gain"] = c.cohesion_gain;
+  j["cohesion_gain_error"] = c.cohesion_gain_error;
   j["provenance"] = c.provenance;
   write_file_atomically(path, j.dump(2) + "\n");
 }
@@ -226,15 +243,18 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
 Calibration read_calibration(const std::filesystem::path& path) {
   const Config file = Config::read(path);
   file.choice("schema", {"gonogo/calibration/1"});
-  Calibration c{file.number("grain_diameter_m", {1e-5, 1}), {}, {}, file.json().at("provenance")};
-  file.has("provenance");
+  Calibration c;
+  c.grain_diameter = file.number("grain_diameter_m", {1e-5, 1});
+  if (file.has("provenance")) c.provenance = file.json().at("provenance");
   for (const Config& row : file.objects("packing"))
     c.packing.push_back({row.number("settle_friction", {0, 10}), row.number("solid_fraction", {0.3, 0.75}),
                          row.number("relative_density", {0, 1})});
   for (const Config& row : file.objects("contact"))
     c.contact.push_back({row.number("friction", {0, 10}), row.number("rolling_friction", {0, 10}),
                          row.number("friction_angle_deg", {0, 89}), row.number("friction_angle_error_deg", {0, 89}),
-                         row.number("cohesion_gain", {1e-6, 100}), row.number("cohesion_gain_error", {0, 100})});
+                         row.number("cohesion_gain", {-100, 100}), row.number("cohesion_gain_error", {0, 100})});
+  c.cohesion_gain = file.number("cohesion_gain", {1e-6, 100});
+  c.cohesion_gain_error = file.number("cohesion_gain_error", {0, 100});
   file.finish();
   if (c.packing.size() < 2 || c.contact.size() < 2) file.fail("", "needs at least two packings and two contact levels");
   return c;

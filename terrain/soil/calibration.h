@@ -24,9 +24,10 @@ struct ContactLevel {
 };
 
 struct Calibration {
-  double grain_diameter;              // [m]
-  std::vector<PackingLevel> packing;  // ascending relative density
-  std::vector<ContactLevel> contact;  // ascending strength
+  double grain_diameter;                              // [m]
+  std::vector<PackingLevel> packing;                  // ascending relative density
+  std::vector<ContactLevel> contact;                  // ascending strength
+  double cohesion_gain = 0, cohesion_gain_error = 0;  // pooled over the contact levels [-]
   Json provenance;
 };
 
