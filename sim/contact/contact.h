@@ -83,12 +83,25 @@ GONOGO_HD inline ImpulseT<T> projected_step(const ContactNumbers<T>& c, const Im
   return result;
 }
 
+/// Square of a projected step divided by its step sizes: the speed that is still wrong at this contact [m^2/s^2]. A
+/// turning speed becomes a speed at the grain's surface.
+template <class T>
+GONOGO_HD inline T residual_square(const ContactNumbers<T>& c, const Vec3T<T>& change, const Vec3T<T>& turn,
+                                   const ConeStepT<T>& step) {
+  const T normal = dot(change, c.normal), inverse_t = constant<T>(1) / step.t, inverse_r = constant<T>(1) / step.r;
+  const Vec3T<T> tangential = change - c.normal * normal;
+  const T normal_speed = normal / step.n;
+  const T turning = dot(turn, turn) * inverse_r * inverse_r * dot(c.arm_a, c.arm_a);
+  return normal_speed * normal_speed + dot(tangential, tangential) * inverse_t * inverse_t + turning;
+}
+
 /// One accelerated update of a contact: the projected step from the extrapolated impulse, the next extrapolation, and
 /// the gradient along the change, whose sum over a world tells when to restart.
 template <class T>
 struct ContactUpdate {
   ImpulseT<T> impulse, extrapolated;
   T progress;
+  T residual_square;  // of the step from the extrapolated impulse, as a speed [m^2/s^2]
 };
 
 template <class T>
@@ -100,6 +113,7 @@ GONOGO_HD inline ContactUpdate<T> accelerated_update(const ContactNumbers<T>& c,
   u.impulse = projected_step(c, from, gradient, c.step);
   const Vec3T<T> change = u.impulse.linear - old.linear, turn = u.impulse.angular - old.angular;
   u.progress = dot(gradient.linear, change) + dot(gradient.angular, turn);
+  u.residual_square = residual_square(c, u.impulse.linear - from.linear, u.impulse.angular - from.angular, c.step);
   u.extrapolated.linear = u.impulse.linear + change * beta;
   u.extrapolated.angular = u.impulse.angular + turn * beta;
   return u;

@@ -225,6 +225,7 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   s.impulse.resize(s.contact_count);
   s.extrapolated.resize(s.contact_count);
   s.progress.resize(s.contact_count);
+  s.residual_square.resize(s.contact_count);
   for_each_index(
       exec, s.shape_count,
       WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), s.old_first_contact.view(),

@@ -47,7 +47,7 @@ struct UpdateBlock {
   View<const Velocity> velocity;
   View<const Momentum> momentum;
   View<Impulse> extrapolated;
-  View<Real> progress;
+  View<Real> progress, residual_square;
 
   void operator()(Index k) const {
     ContactBlock& b = block[k];
@@ -98,6 +98,7 @@ struct UpdateBlock {
       if (!active[lane]) continue;
       std::memcpy(static_cast<void*>(&extrapolated[first + lane]), &row[lane], sizeof(Impulse));
       progress[first + lane] = u.progress[lane];
+      residual_square[first + lane] = u.residual_square[lane];
     }
   }
 };

@@ -131,8 +131,9 @@ struct State {
   Buffer<std::uint64_t, Exec> key;              // [contact] other shape and feature; with the owner it names the pair
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_contact;  // body b -> its contacts
   Buffer<Velocity, Exec> free_velocity;                                           // [body]
-  Buffer<Real, Exec> progress;      // [contact] gradient times change, for the restart
-  Buffer<Momentum, Exec> momentum;  // [world]
+  Buffer<Real, Exec> progress;         // [contact] gradient times change, for the restart
+  Buffer<Real, Exec> residual_square;  // [contact] of the latest update [m^2/s^2]
+  Buffer<Momentum, Exec> momentum;     // [world]
   Buffer<WorldSums, Exec> body_sums, world_sums;
   Buffer<Real, Exec> body_progress;      // [body]
   Buffer<Index, Exec> worlds_iterating;  // one counter
