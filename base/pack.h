@@ -27,6 +27,9 @@ inline constexpr int kPackWidth = 8;
 using Pack = Real __attribute__((vector_size(4 * kPackWidth)));
 using PackMask = std::int32_t __attribute__((vector_size(4 * kPackWidth)));
 
+/// Eight consecutive numbers of any record, for loads and stores that the aliasing rules allow.
+using PackInMemory = Real __attribute__((vector_size(4 * kPackWidth), may_alias));
+
 inline Pack select(PackMask condition, Pack yes, Pack no) { return condition ? yes : no; }
 inline PackMask both(PackMask a, PackMask b) { return a & b; }
 inline PackMask either(PackMask a, PackMask b) { return a | b; }

@@ -28,8 +28,8 @@ using ConeStep = ConeStepT<Real>;
 /// quadratic function of n alone. Its pieces are told apart by which of the two is clipped; the right one is the one
 /// whose minimum lies inside it. Free of branches, so that eight contacts can take different pieces.
 template <class T>
-GONOGO_HD inline ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, const T& mu, const T& rho,
-                                                   const ConeStepT<T>& step) {
+GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, const T& mu, const T& rho,
+                                                    const ConeStepT<T>& step) {
   const T one = constant<T>(1), zero = constant<T>(0);
   const T slide = square_root(dot(p.tangential, p.tangential)), roll = square_root(dot(p.rolling, p.rolling));
   const T n0 = p.normal;

@@ -50,7 +50,7 @@ using Velocity = VelocityT<Real>;
 
 /// Velocity of body a relative to body b at the contact point.
 template <class T>
-GONOGO_HD inline Vec3T<T> contact_velocity(const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b) {
+GONOGO_HD_INLINED Vec3T<T> contact_velocity(const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b) {
   return a.linear + cross(a.angular, c.arm_a) - b.linear - cross(b.angular, c.arm_b);
 }
 
@@ -61,15 +61,15 @@ struct ContactGradient {
 };
 
 template <class T>
-GONOGO_HD inline ContactGradient<T> contact_gradient(const ContactNumbers<T>& c, const VelocityT<T>& a,
-                                                     const VelocityT<T>& b) {
+GONOGO_HD_INLINED ContactGradient<T> contact_gradient(const ContactNumbers<T>& c, const VelocityT<T>& a,
+                                                      const VelocityT<T>& b) {
   return {contact_velocity(c, a, b) + c.normal * c.bias, a.angular - b.angular};
 }
 
 /// gamma - S g, projected onto the contact's cone: one projected-gradient update with step sizes S.
 template <class T>
-GONOGO_HD inline ImpulseT<T> projected_step(const ContactNumbers<T>& c, const ImpulseT<T>& from,
-                                            const ContactGradient<T>& g, const ConeStepT<T>& step) {
+GONOGO_HD_INLINED ImpulseT<T> projected_step(const ContactNumbers<T>& c, const ImpulseT<T>& from,
+                                             const ContactGradient<T>& g, const ConeStepT<T>& step) {
   const T g_n = dot(g.linear, c.normal), from_n = dot(from.linear, c.normal);
   ConeImpulseT<T> target;
   target.normal = from_n - step.n * g_n + c.cohesion;
@@ -86,8 +86,8 @@ GONOGO_HD inline ImpulseT<T> projected_step(const ContactNumbers<T>& c, const Im
 /// Square of a projected step divided by its step sizes: the speed that is still wrong at this contact [m^2/s^2]. A
 /// turning speed becomes a speed at the grain's surface.
 template <class T>
-GONOGO_HD inline T residual_square(const ContactNumbers<T>& c, const Vec3T<T>& change, const Vec3T<T>& turn,
-                                   const ConeStepT<T>& step) {
+GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const Vec3T<T>& change, const Vec3T<T>& turn,
+                                    const ConeStepT<T>& step) {
   const T normal = dot(change, c.normal), inverse_t = constant<T>(1) / step.t, inverse_r = constant<T>(1) / step.r;
   const Vec3T<T> tangential = change - c.normal * normal;
   const T normal_speed = normal / step.n;
@@ -105,9 +105,9 @@ struct ContactUpdate {
 };
 
 template <class T>
-GONOGO_HD inline ContactUpdate<T> accelerated_update(const ContactNumbers<T>& c, const VelocityT<T>& a,
-                                                     const VelocityT<T>& b, const ImpulseT<T>& old,
-                                                     const ImpulseT<T>& from, const T& beta) {
+GONOGO_HD_INLINED ContactUpdate<T> accelerated_update(const ContactNumbers<T>& c, const VelocityT<T>& a,
+                                                      const VelocityT<T>& b, const ImpulseT<T>& old,
+                                                      const ImpulseT<T>& from, const T& beta) {
   const ContactGradient<T> gradient = contact_gradient(c, a, b);
   ContactUpdate<T> u;
   u.impulse = projected_step(c, from, gradient, c.step);

@@ -8,11 +8,12 @@ namespace gonogo::sim {
 /// Loads eight records of eight numbers as one pack per number.
 template <class Record, class Fields>
 inline void load_fields(const Record* const (&record)[kPackWidth], Fields& fields) {
-  static_assert(sizeof(Record) == 4 * kPackWidth && sizeof(Fields) == kPackWidth * sizeof(Pack));
+  static_assert(sizeof(Record) == sizeof(Pack) && sizeof(Fields) == kPackWidth * sizeof(Pack));
   Pack m[kPackWidth];
-  for (int lane = 0; lane < kPackWidth; ++lane) std::memcpy(&m[lane], record[lane], sizeof(Pack));
+  for (int lane = 0; lane < kPackWidth; ++lane) m[lane] = *reinterpret_cast<const PackInMemory*>(record[lane]);
   transpose(m);
-  std::memcpy(static_cast<void*>(&fields), m, sizeof m);
+  auto* field = reinterpret_cast<PackInMemory*>(&fields);
+  for (int f = 0; f < kPackWidth; ++f) field[f] = m[f];
 }
 
 struct FillBlock {
@@ -91,12 +92,12 @@ struct UpdateBlock {
   }
 
   void store(const ContactUpdate<Pack>& u, Index first, Index count, const PackMask& active) const {
-    Pack row[kPackWidth];
-    std::memcpy(row, &u.extrapolated, sizeof row);
+    const Vec3T<Pack>&linear = u.extrapolated.linear, &angular = u.extrapolated.angular;
+    Pack row[kPackWidth] = {linear.x, linear.y, linear.z, Pack{}, angular.x, angular.y, angular.z, Pack{}};
     transpose(row);
     for (Index lane = 0; lane < count; ++lane) {
       if (!active[lane]) continue;
-      std::memcpy(static_cast<void*>(&extrapolated[first + lane]), &row[lane], sizeof(Impulse));
+      *reinterpret_cast<PackInMemory*>(&extrapolated[first + lane]) = row[lane];
       progress[first + lane] = u.progress[lane];
       residual_square[first + lane] = u.residual_square[lane];
     }
