@@ -1,0 +1,98 @@
+// Gravity in the frame of the bed, and trials that end as they must.
+#include "pipeline/trial/trial.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.h"
+#include "tests/support/catch.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+TrialSetup demo_setup(const std::filesystem::path& cache) {
+  TrialSetup s =
+      read_trial_setup(read_study(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/studies/demo.json"), cache);
+  s.bed_length = 1.8;  // short runs: what is tested needs no test distance
+  s.run_in_distance = 0.2;
+  s.test_distance = 0.6;
+  s.minimum_drive_time = 0.6;
+  s.thresholds.immobile_time = 0.3;
+  return s;
+}
+
+DesignPoint point(double slope, double friction_angle) {
+  DesignPoint p;
+  p.seed = 5;
+  p.variables.assign(contract().variables.size(), 0);
+  const auto set = [&](const char* name, double x) { p.variables[contract().variable_index(name)] = x; };
+  set("slope_along", slope);
+  set("friction_angle", friction_angle);
+  set("relative_density", 0.5);
+  set("tyre_friction", 0.8);
+  set("bed_depth", 0.25);
+  set("commanded_speed", 1.5);
+  return p;
+}
+
+std::filesystem::path cache() { return std::filesystem::temp_directory_path() / "gonogo-test-beds"; }
+
+double measure(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
+
+}  // namespace
+
+TEST_CASE("gravity in the bed's frame is -g (sin s cos psi, sin s sin psi, cos s) for every slope and heading") {
+  for (double s = 0; s <= 40; s += 5)
+    for (double psi = -180; psi <= 180; psi += 15) {
+      const double slope = s * kPi / 180, heading = psi * kPi / 180;
+      const double along = std::atan(std::tan(slope) * std::cos(heading)) * 180 / kPi;
+      const double across = std::atan(std::tan(slope) * std::sin(heading)) * 180 / kPi;
+      const Vec3d g = bed_gravity(along, across);
+      CHECK(g.x == Approx(-9.81 * std::sin(slope) * std::cos(heading)).margin(1e-12));
+      CHECK(g.y == Approx(-9.81 * std::sin(slope) * std::sin(heading)).margin(1e-12));
+      CHECK(g.z == Approx(-9.81 * std::cos(slope)));
+    }
+}
+
+TEST_CASE("a wheel passes level strong soil and fails on a slope that its weak soil cannot carry") {
+  const TrialSetup setup = demo_setup(cache());
+  const DesignPoint easy = point(0, 34), hard = point(32, 18);
+  prepare_trials(setup, std::vector<DesignPoint>{easy, hard}, 2);
+  const TrialRecord go = run_trial(setup, easy), stuck = run_trial(setup, hard);
+  CHECK(go.verdict == Verdict::go);
+  CHECK(measure(go, "slip") < 0.3);
+  CHECK(measure(go, "distance") >= setup.test_distance);
+  CHECK(stuck.verdict == Verdict::no_go);
+  CHECK(measure(stuck, "mean_speed") < measure(go, "mean_speed"));
+  for (const TrialRecord& r : {go, stuck}) {
+    CHECK(measure(r, "worst_residual") <= setup.thresholds.residual);
+    CHECK(measure(r, "energy_error") <= setup.thresholds.energy_error);
+  }
+  const TrialRecord again = run_trial(setup, easy);
+  CHECK(again.measures == go.measures);  // same point, same bits
+}
+
+TEST_CASE("a trial whose residual check cannot be met is unknown after a second attempt, never no_go") {
+  TrialSetup setup = demo_setup(cache());
+  setup.thresholds.residual = 1e-9;
+  const DesignPoint p = point(32, 18);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialRecord r = run_trial(setup, p);
+  CHECK(r.verdict == Verdict::unknown);
+  CHECK(r.reason == Reason::simulation_failed);
+  CHECK(r.attempts == 2);
+}
+
+TEST_CASE("a slope steeper than its loose soil can stand fails before the vehicle acts") {
+  const TrialSetup setup = demo_setup(cache());
+  const DesignPoint p = point(44, 18);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialRecord r = run_trial(setup, p);
+  CHECK(r.verdict == Verdict::no_go);
+  CHECK(r.reason == Reason::slope_unstable);
+  CHECK(measure(r, "bed_creep") > setup.thresholds.creep_speed);
+}
+
+}  // namespace gonogo::pipeline
