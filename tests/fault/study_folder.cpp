@@ -64,10 +64,11 @@ constexpr const char* kCalibration = R"({
   "schema": "gonogo/calibration/1", "grain_diameter_m": 0.12,
   "packing": [ { "settle_friction": 0.5, "solid_fraction": 0.55, "relative_density": 0 },
                { "settle_friction": 0.1, "solid_fraction": 0.62, "relative_density": 1 } ],
-  "contact": [ { "friction": 0.2, "rolling_friction": 0, "friction_angle_deg": [15, 20],
-                 "friction_angle_error_deg": [1, 1], "cohesion_gain": 1, "cohesion_gain_error": 0.1 },
-               { "friction": 0.9, "rolling_friction": 0.2, "friction_angle_deg": [38, 45],
-                 "friction_angle_error_deg": [1, 1], "cohesion_gain": 1, "cohesion_gain_error": 0.1 } ],
+  "contact": [ { "friction": 0.2, "rolling_friction": 0, "friction_angle_deg": 20,
+                 "friction_angle_error_deg": 1, "cohesion_gain": 1, "cohesion_gain_error": 0.1 },
+               { "friction": 0.9, "rolling_friction": 0.2, "friction_angle_deg": 38,
+                 "friction_angle_error_deg": 1, "cohesion_gain": 1, "cohesion_gain_error": 0.1 } ],
+  "cohesion_gain": 1, "cohesion_gain_error": 0.1,
   "provenance": { "note": "made for tests" }
 })";
 

@@ -129,10 +129,14 @@ TEST_CASE("grains with friction resist shear more than slippery ones, and cohesi
     const sim::PairLaw law{friction, 0, cohesion};
     return shear_test(cell, {law, law}, settings);
   };
-  const ShearResult slippery = shear(0.05f, 0), rough = shear(0.4f, 0), sticky = shear(0.4f, 30e3f);
+  const ShearResult slippery = shear(0.1f, 0), rough = shear(0.5f, 0), sticky = shear(0.1f, 30e3f);
   CHECK(slippery.normal_stress == Approx(settings.normal_stress).epsilon(0.02));  // the plate's weight is carried
-  CHECK(rough.shear_stress > 1.15 * slippery.shear_stress);
-  CHECK(sticky.shear_stress > rough.shear_stress + 0.02 * 30e3);
+  CHECK(rough.shear_stress > 1.1 * slippery.shear_stress);
+  // The shipped table measured a gain of 0.096 +- 0.006 for these grains, from 18 pairs of tests; one pair scatters
+  // more.
+  const double gain = (sticky.shear_stress - slippery.shear_stress) / 30e3;
+  CHECK(gain > 0.04);
+  CHECK(gain < 0.16);
 }
 
 }  // namespace gonogo::terrain
