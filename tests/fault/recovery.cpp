@@ -138,7 +138,9 @@ TEST_CASE("a second run in the same folder at the same time") {
     asked = true;
     return true;
   };
-  CHECK(run_gonogo(s.run_words(), meanwhile).exit_code == 130);
+  // The first run may have ended by itself while the second one was being refused.
+  const int first = run_gonogo(s.run_words(), meanwhile).exit_code;
+  CHECK((first == 130 || first == 0));
   check_refusal(second, 2, {"another run is using this folder"});
 }
 
