@@ -15,6 +15,7 @@
 #include "pipeline/learn/train_model.h"
 #include "tests/pipeline/synthetic_trials.h"
 #include "tests/support/catch.h"
+#include "tests/support/refused.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
@@ -41,15 +42,6 @@ const fs::path& model_file() {
     return file;
   }();
   return path;
-}
-
-void refused(const std::function<void()>& act, const std::string& word) {
-  try {
-    act();
-    FAIL("accepted; expected a message with: " << word);
-  } catch (const InputError& error) {
-    CHECK(std::string(error.what()).find(word) != std::string::npos);
-  }
 }
 
 std::vector<double> middle_point() { return {12, 0, 33, 10, 0.5, 1500, 0.65, 0.3, 2}; }

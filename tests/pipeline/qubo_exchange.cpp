@@ -12,6 +12,7 @@
 #include "pipeline/learn/training_data.h"
 #include "tests/pipeline/synthetic_trials.h"
 #include "tests/support/catch.h"
+#include "tests/support/refused.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
@@ -41,15 +42,6 @@ learning::Model write_small_model() {
   model.training_outcomes.assign(data.table.outcome.begin(), data.table.outcome.end());
   learning::write_model(kModel, model);
   return model;
-}
-
-void refused(const std::function<void()>& act, const std::string& word) {
-  try {
-    act();
-    FAIL("accepted; expected a message with: " << word);
-  } catch (const InputError& error) {
-    CHECK(std::string(error.what()).find(word) != std::string::npos);
-  }
 }
 
 void replace_in_file(const fs::path& path, const std::string& from, const std::string& to) {
