@@ -6,7 +6,7 @@
 //   text (Siconos):  dim, nc, matrix W, q, mu (, mu_r when dim is 5)
 //                    dim, nc, matrices M and H, f, w, mu (, mu_r)
 //
-// Matrices: in HDF5 triplets (nz >= 0: p rows, i columns), compressed columns (nz = -1) or compressed rows (nz = -2);
+// Matrices: in HDF5 triplets (nz >= 0: i rows, p columns), compressed columns (nz = -1) or compressed rows (nz = -2);
 // in text dense (0), sparse blocks (1) or sparse (2). Global problems are reduced to local form:
 //   W = H^T M^-1 H,  q = w + H^T M^-1 f.
 #pragma once

@@ -50,7 +50,7 @@ struct Stored {
   void add_triplets(TripletMatrix& matrix) const {
     for (const auto& [name, length] : {std::pair("p", p.size()), {"i", i.size()}, {"x", x.size()}})
       require(name, length, std::size_t(kind));
-    for (int at = 0; at < kind; ++at) add(matrix, p[at], i[at], at);
+    for (int at = 0; at < kind; ++at) add(matrix, i[at], p[at], at);
   }
 
   /// Lines are columns for kind -1, rows for kind -2.
