@@ -47,6 +47,9 @@ class Buffer<T, Cpu> {
   void upload(const std::vector<T>& from) { items_ = from; }
   std::vector<T> download() const { return items_; }
   T read(Index i) const { return items_[i]; }
+  std::vector<T> read(Index first, Index count) const {
+    return {items_.begin() + first, items_.begin() + first + count};
+  }
   void write(Index i, const T& value) { items_[i] = value; }
   void swap(Buffer& other) { items_.swap(other.items_); }
 
@@ -106,6 +109,11 @@ class Buffer<T, Cuda> {
     T value;
     check_cuda(cudaMemcpy(&value, data_ + i, sizeof(T), cudaMemcpyDeviceToHost), "read");
     return value;
+  }
+  std::vector<T> read(Index first, Index count) const {
+    std::vector<T> to(count);
+    if (count > 0) check_cuda(cudaMemcpy(to.data(), data_ + first, count * sizeof(T), cudaMemcpyDeviceToHost), "read");
+    return to;
   }
   void write(Index i, const T& value) {
     check_cuda(cudaMemcpy(data_ + i, &value, sizeof(T), cudaMemcpyHostToDevice), "write");

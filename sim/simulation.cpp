@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "sim/element/prepare.h"
 
 namespace gonogo::sim {
 namespace {
@@ -119,6 +120,8 @@ FlatScene flatten(const Scene& scene, const StepSettings& settings) {
       flat.mass.push_back(m);
     }
     flat.world_of_body.insert(flat.world_of_body.end(), world.body.size(), WorldIndex(w));
+    append_elements(world, w, {p.first_body, Index(flat.motor.size()), Index(flat.spring.size())}, settings,
+                    flat.element);
     flat.first_motor.push_back(Index(flat.motor.size()));
     for (Motor m : world.motor) {
       m.body += p.first_body;

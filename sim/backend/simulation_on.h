@@ -9,7 +9,11 @@ template <class Exec>
 class SimulationOn final : public Simulation {
  public:
   SimulationOn(Exec exec, const FlatScene& scene, const StepSettings& settings)
-      : exec_(exec), settings_(settings), first_motor_(scene.first_motor), world_(scene.world) {
+      : exec_(exec),
+        settings_(settings),
+        first_motor_(scene.first_motor),
+        element_(scene.element),
+        world_(scene.world) {
     upload(scene);
   }
 
@@ -24,14 +28,29 @@ class SimulationOn final : public Simulation {
     r.time = double(step_count_) * settings_.step;
     r.kinetic_energy = sums.kinetic;
     r.gravity_power = sums.gravity_power;
-    for (Index m = first_motor_[w]; m < motor_end(w); ++m)
-      r.motor_power += s_.motor_impulse.read(m) / settings_.step * s_.velocity.read(s_.motor.read(m).body).angular.y;
-    r.rms_residual = sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+    const WorldEnergy energy = s_.element.energy.read(w);
+    r.motor_power = energy.motor_power;
+    r.force_power = energy.force_power;
+    r.spring_energy = energy.spring;
+    r.rms_residual = rms_residual(sums);
     r.max_residual = sums.residual_max;
     r.contact_count = Index(sums.contact_count);
     r.iterations = Index(sums.iterations);
     r.flags = s_.flags.read(w);
     return r;
+  }
+
+  WorldStop stop(WorldIndex w) override { return s_.element.stop.read(w); }
+  std::vector<WorldStop> stops() override { return s_.element.stop.download(); }
+
+  MonitorState monitor(WorldIndex w, Index m) override { return s_.element.monitor_state.read(monitor_index(w, m)); }
+
+  std::vector<MonitorSample> samples(WorldIndex w, Index m, Index first, Index count) override {
+    const Index i = monitor_index(w, m), recorded = s_.element.monitor_state.read(i).sample_count;
+    if (first < 0 || count < 0 || count > recorded - first)
+      throw InputError("samples " + std::to_string(first) + " to " + std::to_string(first + count) +
+                       " of a monitor are asked for; it has recorded " + std::to_string(recorded));
+    return s_.element.sample.read(element_.monitor[i].first_sample + first, count);
   }
 
   BodyState body(WorldIndex w, BodyIndex b) override {
@@ -70,6 +89,10 @@ class SimulationOn final : public Simulation {
 
   void set_motor(WorldIndex w, Index m, Real speed, Real max_torque) override {
     const Index i = first_motor_[w] + m;
+    for (const ControllerPlan& c : element_.controller)
+      if (c.motor == i)
+        throw InputError("world " + std::to_string(w) + ": motor " + std::to_string(m) +
+                         " is set by a controller in every step");
     s_.motor.write(i, {s_.motor.read(i).body, speed, max_torque});
   }
 
@@ -97,22 +120,15 @@ class SimulationOn final : public Simulation {
   }
 
   Snapshot snapshot() override {
-    return {s_.position.download(),
-            s_.orientation.download(),
-            s_.velocity.download(),
-            s_.first_contact.download(),
-            s_.flags.download(),
-            s_.key.download(),
-            s_.impulse.download(),
-            s_.motor_impulse.download(),
-            world_,
-            s_.motor.download(),
-            step_count_};
+    return {s_.position.download(),      s_.orientation.download(),   s_.velocity.download(),
+            s_.first_contact.download(), s_.flags.download(),         s_.key.download(),
+            s_.impulse.download(),       s_.motor_impulse.download(), world_,
+            s_.motor.download(),         s_.element.snapshot(),       step_count_};
   }
 
   void restore(const Snapshot& p) override {
     if (Index(p.position.size()) != s_.body_count || Index(p.world.size()) != s_.world_count ||
-        Index(p.motor.size()) != s_.motor.size())
+        Index(p.motor.size()) != s_.motor.size() || !s_.element.matches(p.element))
       throw InputError("the snapshot is of another scene: " + std::to_string(p.position.size()) + " bodies, expected " +
                        std::to_string(s_.body_count));
     s_.position.upload(p.position);
@@ -126,6 +142,7 @@ class SimulationOn final : public Simulation {
     s_.motor_extrapolated.upload(p.motor_impulse);
     s_.world.upload(p.world);
     s_.motor.upload(p.motor);
+    s_.element.restore(p.element);
     s_.world_sums.fill_zero(s_.world_count);
     s_.contact_count = 0;
     s_.contact.resize(0);
@@ -136,8 +153,12 @@ class SimulationOn final : public Simulation {
   const StepSettings& settings() const override { return settings_; }
 
  private:
-  Index motor_end(WorldIndex w) const {
-    return std::size_t(w) + 1 < first_motor_.size() ? first_motor_[w + 1] : s_.motor.size();
+  Index monitor_index(WorldIndex w, Index m) const {
+    const WorldElements& of = element_.world[w];
+    if (m < 0 || m >= of.monitor_end - of.first_monitor)
+      throw InputError("world " + std::to_string(w) + " has no monitor " + std::to_string(m) + "; it has " +
+                       std::to_string(of.monitor_end - of.first_monitor));
+    return of.first_monitor + m;
   }
 
   void upload(const FlatScene& f) {
@@ -165,6 +186,7 @@ class SimulationOn final : public Simulation {
     s_.large.upload(f.large);
     s_.motor.upload(f.motor);
     s_.spring.upload(f.spring);
+    s_.element.upload(f.element);
     allocate();
   }
 
@@ -191,6 +213,7 @@ class SimulationOn final : public Simulation {
   Exec exec_;
   StepSettings settings_;
   std::vector<Index> first_motor_;
+  FlatElements element_;                // host copy
   std::vector<WorldParameters> world_;  // host copy
   State<Exec> s_;
   std::int64_t step_count_ = 0;

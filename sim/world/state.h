@@ -3,6 +3,7 @@
 #pragma once
 #include "base/for_each.h"
 #include "sim/contact/block.h"
+#include "sim/element/state.h"
 #include "sim/shape/shape.h"
 
 namespace gonogo::sim {
@@ -84,6 +85,11 @@ struct WorldSums {
   double iterations = 0;
 };
 
+/// Root-mean-square residual of a step [m/s].
+GONOGO_HD inline double rms_residual(const WorldSums& sums) {
+  return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+}
+
 /// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
 struct BinnedSphere {
   Vec3d centre;  // folded into the period [m]
@@ -119,6 +125,7 @@ struct State {
   Buffer<Motor, Exec> motor;
   Buffer<Real, Exec> motor_impulse, motor_extrapolated;  // [motor], [N m s]
   Buffer<SpringDamper, Exec> spring;
+  ElementState<Exec> element;
 
   // Rebuilt every step.
   Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]

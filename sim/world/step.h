@@ -2,6 +2,8 @@
 // the kernels it calls.
 #pragma once
 #include "sim/contact/find.h"
+#include "sim/element/drive.h"
+#include "sim/element/watch.h"
 #include "sim/solver/apgd.h"
 
 namespace gonogo::sim {
@@ -164,12 +166,14 @@ void measure(Exec exec, State<Exec>& s) {
 
 template <class Exec>
 void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  apply_controllers(exec, s, settings);
   sort_into_bins(exec, s);
   find_contacts(exec, s, settings);
   build_incidence(exec, s);
   for_each_index(exec, s.body_count,
                  FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),
                             s.velocity.view(), s.inverse_inertia_W.view(), s.free_velocity.view(), settings.step});
+  apply_force_elements(exec, s, settings);
   for_each_index(exec, s.spring.size(),
                  ApplySpring{s.spring.view(), s.position.view(), s.mass.view(), s.free_velocity.view(), settings.step});
   solve_apgd(exec, s, settings);
@@ -177,6 +181,7 @@ void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(exec, s.body_count,
                  Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.position.view(),
                            s.orientation.view(), s.flags.view(), settings.step});
+  update_monitors(exec, s, settings);
 }
 
 }  // namespace gonogo::sim
