@@ -37,10 +37,16 @@ struct Controller {
   double top_speed = 0;       // [rad/s]
 };
 
+/// Whether it needs a body.
+inline bool follows_velocity(const Controller& c) {
+  return c.type == ControllerType::velocity_by_torque || c.type == ControllerType::velocity_by_speed;
+}
+
 /// A controller with the batch's indices.
 struct ControllerPlan {
   ControllerType type = ControllerType::schedule;
-  Index world = 0, motor = 0;
+  Index world = 0;
+  Index motor = -1;  // -1: an empty place in a batch
   BodyIndex body = 0;
   Frame frame = Frame::body;
   Vec3 axis;  // unit

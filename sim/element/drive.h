@@ -7,7 +7,7 @@ namespace gonogo::sim {
 struct ApplyController {
   View<const ControllerPlan> controller;
   View<const TablePoint> table;
-  View<const Index> clock;
+  View<const Index> steps;  // [world] taken
   View<const Velocity> velocity;
   View<const Quat> orientation;
   View<ControllerState> state;
@@ -16,6 +16,7 @@ struct ApplyController {
 
   GONOGO_HD void operator()(Index i) const {
     const ControllerPlan& c = controller[i];
+    if (c.motor < 0) return;
     Motor& m = motor[c.motor];
     const MotorCommand command = command_of(c, m, state[i]);
     m.speed = Real(command.speed);
@@ -23,7 +24,7 @@ struct ApplyController {
   }
 
   GONOGO_HD MotorCommand command_of(const ControllerPlan& c, const Motor& m, ControllerState& own) const {
-    const double time = double(clock[c.world]) * double(step);
+    const double time = double(steps[c.world]) * double(step);
     if (c.type == ControllerType::schedule) return schedule_command(table, c, time);
     if (c.type == ControllerType::throttle) return throttle_command(table, c, time, motor_speed(m, velocity));
     const Vec3 axis = c.frame == Frame::body ? rotate(orientation[c.body], c.axis) : c.axis;
@@ -35,23 +36,24 @@ struct ApplyController {
 struct ApplyForces {
   View<const LoadedBody> loaded;
   View<const ForceElement> force;
-  View<const Index> clock;
+  View<const Index> steps;  // [world] taken
   View<const WorldIndex> world_of_body;
   View<const Velocity> velocity;
   View<const Quat> orientation;
   View<const BodyMass> mass;
   View<const SymMat3> inverse_inertia_W;
-  View<Wrench> applied;
+  View<ForceAndTorque> applied;
   View<Velocity> free_velocity;
   Real step;
 
   GONOGO_HD void operator()(Index i) const {
     const LoadedBody& l = loaded[i];
+    if (l.first == l.end) return;
     const LoadedMotion motion = motion_of(l.body);
-    const double time = double(clock[world_of_body[l.body]]) * double(step);
-    Wrench sum;
+    const double time = double(steps[world_of_body[l.body]]) * double(step);
+    ForceAndTorque sum;
     for (Index k = l.first; k < l.end; ++k) {
-      const Wrench w = wrench_of(force[k], motion, time, step);
+      const ForceAndTorque w = load_of(force[k], motion, time, step);
       sum.force += w.force;
       sum.torque += w.torque;
     }
@@ -69,12 +71,12 @@ struct ApplyForces {
   }
 };
 
-/// Sets the motors for the step that begins.
+/// Sets the motors for the step that begins. Call when the step is sure to be completed: integrals go on.
 template <class Exec>
 void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
   for_each_index(exec, e.controller.size(),
-                 ApplyController{e.controller.view(), e.table.view(), e.clock.view(), s.velocity.view(),
+                 ApplyController{e.controller.view(), e.table.view(), s.steps.view(), s.velocity.view(),
                                  s.orientation.view(), e.controller_state.view(), s.motor.view(), settings.step});
 }
 
@@ -83,7 +85,7 @@ template <class Exec>
 void apply_force_elements(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
   for_each_index(exec, e.loaded.size(),
-                 ApplyForces{e.loaded.view(), e.force.view(), e.clock.view(), s.world_of_body.view(), s.velocity.view(),
+                 ApplyForces{e.loaded.view(), e.force.view(), s.steps.view(), s.world_of_body.view(), s.velocity.view(),
                              s.orientation.view(), s.mass.view(), s.inverse_inertia_W.view(), e.applied.view(),
                              s.free_velocity.view(), settings.step});
 }

@@ -35,7 +35,7 @@ ForceElement aerodynamic_drag(BodyIndex body, double density, double coefficient
                               const Vec3& point_B = {});
 
 /// Force and torque about a body's centre of mass, world frame.
-struct Wrench {
+struct ForceAndTorque {
   Vec3 force;   // [N]
   Vec3 torque;  // [N m]
 };
@@ -71,7 +71,7 @@ GONOGO_HD inline Vec3 drag_force(const ForceElement& f, const LoadedMotion& m, c
   return -through_air * (rate / (1 + step * rate * inverse_mass_along(m, arm, through_air * (1 / speed))));
 }
 
-GONOGO_HD inline Wrench wrench_of(const ForceElement& f, const LoadedMotion& m, double time, Real step) {
+GONOGO_HD inline ForceAndTorque load_of(const ForceElement& f, const LoadedMotion& m, double time, Real step) {
   const Vec3 arm = rotate(m.orientation, f.point_B);
   if (f.type == ForceType::drag) {
     const Vec3 force = drag_force(f, m, arm, step);
@@ -83,7 +83,8 @@ GONOGO_HD inline Wrench wrench_of(const ForceElement& f, const LoadedMotion& m, 
   return {force, torque + cross(arm, force)};
 }
 
-/// A body with forces, and which: they are stored by body, in the order in which the world lists them.
+/// A body with forces, and which: they are stored by body, in the order in which the world lists them. None: an empty
+/// place in a batch.
 struct LoadedBody {
   BodyIndex body = 0;
   Index first = 0, end = 0;  // forces

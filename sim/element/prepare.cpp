@@ -51,10 +51,6 @@ void check_table(const std::vector<TablePoint>& table, const char* name, double 
   }
 }
 
-bool follows_velocity(const Controller& c) {
-  return c.type == ControllerType::velocity_by_torque || c.type == ControllerType::velocity_by_speed;
-}
-
 void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) {
   constexpr double most = 1e9;  // of any command or torque
   refuse.unless(c.motor >= 0 && c.motor < Index(world.motor.size()),
@@ -75,7 +71,7 @@ void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) 
     refuse.unless(is_positive(c.top_speed), "needs a top speed above zero");
 }
 
-void check(const SceneWorld& world, const Monitor& m, const Refusal& refuse) {
+void check(const SceneWorld& world, const Monitor& m, double step, const Refusal& refuse) {
   refuse.unless(exists(world, m.body),
                 "watches body " + std::to_string(m.body) + ", not one of the " + bodies_of(world));
   refuse.unless(m.motor >= -1 && m.motor < Index(world.motor.size()),
@@ -87,6 +83,8 @@ void check(const SceneWorld& world, const Monitor& m, const Refusal& refuse) {
                     is_not_negative(m.immobile_from) && std::isfinite(m.immobile_speed) && std::isfinite(m.height) &&
                     !std::isnan(m.distance) && m.slid_back >= 0,
                 "has a time below zero or a threshold that is not a number");
+  const double steps = (m.start + m.time_limit) / step;
+  refuse.unless(steps < 1e9, "has a time limit of " + std::to_string(steps) + " steps; the most is 1e9");
 }
 
 Table append_table(const std::vector<TablePoint>& table, FlatElements& flat) {
@@ -95,27 +93,23 @@ Table append_table(const std::vector<TablePoint>& table, FlatElements& flat) {
   return range;
 }
 
-void append_forces(const SceneWorld& world, BodyIndex first_body, FlatElements& flat) {
-  std::vector<ForceElement> force = world.force;
-  std::stable_sort(force.begin(), force.end(),
+void flatten_forces(const SceneWorld& world, FlatElements& flat) {
+  flat.force = world.force;
+  std::stable_sort(flat.force.begin(), flat.force.end(),
                    [](const ForceElement& a, const ForceElement& b) { return a.body < b.body; });
-  for (ForceElement& f : force) {
-    f.body += first_body;
-    const auto index = Index(flat.force.size());
-    if (flat.loaded.empty() || flat.loaded.back().body != f.body) flat.loaded.push_back({f.body, index, index});
-    flat.loaded.back().end = index + 1;
-    flat.force.push_back(f);
+  for (Index i = 0; i < Index(flat.force.size()); ++i) {
+    const BodyIndex b = flat.force[i].body;
+    if (flat.loaded.empty() || flat.loaded.back().body != b) flat.loaded.push_back({b, i, i});
+    flat.loaded.back().end = i + 1;
   }
 }
 
-ControllerPlan plan(const Controller& c, std::size_t w, const WorldOffsets& at, FlatElements& flat) {
+ControllerPlan plan(const Controller& c, FlatElements& flat) {
   ControllerPlan p;
   p.type = c.type;
-  p.world = Index(w);
-  p.motor = at.first_motor + c.motor;
-  p.body = at.first_body + (follows_velocity(c) ? c.body : 0);
+  p.motor = c.motor;
+  if (follows_velocity(c)) p.body = c.body, p.axis = c.axis * (1 / length(c.axis));
   p.frame = c.frame;
-  if (follows_velocity(c)) p.axis = c.axis * (1 / length(c.axis));
   p.command = append_table(c.command, flat);
   p.limit = append_table(c.limit, flat);
   p.proportional = c.proportional;
@@ -125,13 +119,11 @@ ControllerPlan plan(const Controller& c, std::size_t w, const WorldOffsets& at, 
   return p;
 }
 
-MonitorPlan plan(const Monitor& m, const WorldOffsets& at, double step, const Refusal& refuse) {
-  const double last = (m.start + m.time_limit) / step;
-  refuse.unless(last < 1e9, "has a time limit of " + std::to_string(last) + " steps; the most is 1e9");
-  const auto steps = [&](double time) { return Index(std::lround(std::min(time, 2e9 * step) / step)); };
+MonitorPlan plan(const Monitor& m, double step) {
+  const auto steps = [&](double time) { return Index(std::lround(std::min(time / step, 2e9))); };
   MonitorPlan p;
-  p.body = at.first_body + m.body;
-  p.motor = m.motor < 0 ? -1 : at.first_motor + m.motor;
+  p.body = m.body;
+  p.motor = m.motor;
   p.stride = m.stride;
   p.start = steps(m.start);
   p.time_limit = std::max<Index>(1, steps(m.start + m.time_limit));
@@ -141,27 +133,11 @@ MonitorPlan plan(const Monitor& m, const WorldOffsets& at, double step, const Re
   p.distance = m.distance;
   p.slid_back = m.slid_back;
   if (m.immobile_window > 0) {
-    p.immobile_samples = std::max<Index>(1, Index(std::lround(std::min(1e9, m.immobile_window / (step * m.stride)))));
+    p.immobile_samples = std::max<Index>(1, steps(m.immobile_window / m.stride));
     p.immobile_from = steps(m.start + m.immobile_from + m.immobile_window);
     p.immobile_travel = m.immobile_speed * m.immobile_window;
   }
   return p;
-}
-
-void append_monitors(const SceneWorld& world, std::size_t w, const WorldOffsets& at, double step, FlatElements& flat) {
-  for (std::size_t i = 0; i < world.monitor.size(); ++i) {
-    const Refusal refuse(w, "monitor", i);
-    check(world, world.monitor[i], refuse);
-    MonitorPlan p = plan(world.monitor[i], at, step, refuse);
-    p.first_sample = flat.sample_capacity;
-    refuse.unless(std::int64_t(flat.sample_capacity) + p.capacity < (std::int64_t(1) << 31),
-                  "brings the batch's record above 2^31 samples; use a larger stride or fewer worlds");
-    flat.sample_capacity += p.capacity;
-    flat.monitor.push_back(p);
-    MonitorState start;
-    start.position = world.body[world.monitor[i].body].position;
-    flat.monitor_state.push_back(start);
-  }
 }
 
 }  // namespace
@@ -185,18 +161,8 @@ ForceElement aerodynamic_drag(BodyIndex body, double density, double coefficient
   return f;
 }
 
-void append_elements(const SceneWorld& world, std::size_t w, const WorldOffsets& at, const StepSettings& settings,
-                     FlatElements& flat) {
-  WorldElements own{at.first_motor,
-                    at.first_motor + Index(world.motor.size()),
-                    at.first_spring,
-                    at.first_spring + Index(world.spring.size()),
-                    Index(flat.loaded.size()),
-                    0,
-                    Index(flat.monitor.size()),
-                    0};
+void check_elements(const SceneWorld& world, std::size_t w, const StepSettings& settings) {
   for (std::size_t i = 0; i < world.force.size(); ++i) check(world, world.force[i], {w, "force", i});
-  append_forces(world, at.first_body, flat);
   std::vector<bool> driven(world.motor.size());
   for (std::size_t i = 0; i < world.controller.size(); ++i) {
     const Controller& c = world.controller[i];
@@ -204,12 +170,26 @@ void append_elements(const SceneWorld& world, std::size_t w, const WorldOffsets&
     check(world, c, refuse);
     refuse.unless(!driven[c.motor], "drives motor " + std::to_string(c.motor) + ", which has a controller already");
     driven[c.motor] = true;
-    flat.controller.push_back(plan(c, w, at, flat));
   }
-  append_monitors(world, w, at, settings.step, flat);
-  own.loaded_end = Index(flat.loaded.size());
-  own.monitor_end = Index(flat.monitor.size());
-  flat.world.push_back(own);
+  for (std::size_t i = 0; i < world.monitor.size(); ++i)
+    check(world, world.monitor[i], settings.step, {w, "monitor", i});
+}
+
+FlatElements flat_elements(const SceneWorld& world, const StepSettings& settings) {
+  FlatElements flat;
+  flatten_forces(world, flat);
+  for (const Controller& c : world.controller) flat.controller.push_back(plan(c, flat));
+  ElementSize next;
+  for (const Monitor& m : world.monitor) {
+    flat.monitor.push_back(plan(m, settings.step));
+    flat.monitor.back().first_sample = next.samples;
+    next = after(next, {0, 0, 0, 0, 1, flat.monitor.back().capacity});
+    MonitorState start;
+    start.position = world.body[m.body].position;
+    flat.monitor_state.push_back(start);
+  }
+  flat.sample_capacity = next.samples;
+  return flat;
 }
 
 }  // namespace gonogo::sim

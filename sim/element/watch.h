@@ -1,4 +1,4 @@
-// The last stage of a step: energy of every world, its clock, its monitors and stop rules.
+// The last stage of a step: energy of every world, its monitors and stop rules.
 #pragma once
 #include "sim/broad_phase/bins.h"
 #include "sim/element/motor_speed.h"
@@ -13,7 +13,7 @@ struct MeasureElements {
   View<const Real> motor_impulse;
   View<const SpringDamper> spring;
   View<const LoadedBody> loaded;
-  View<const Wrench> applied;
+  View<const ForceAndTorque> applied;
   View<const Vec3d> position;
   View<const Velocity> velocity;
   View<WorldEnergy> energy;
@@ -37,7 +37,7 @@ struct MeasureElements {
   }
 };
 
-/// Advances the world's clock and its monitors; a stopped world's monitors rest, whatever its bodies still do.
+/// A stopped world's monitors rest, whatever its bodies still do.
 struct UpdateMonitors {
   View<const WorldElements> element;
   View<const WorldParameters> world;
@@ -49,14 +49,13 @@ struct UpdateMonitors {
   View<const Vec3d> position;
   View<const Velocity> velocity;
   View<const MonitorPlan> monitor;
-  View<Index> clock;
+  View<const Index> steps;  // [world] taken before this one
   View<WorldStop> stop;
   View<MonitorState> state;
   View<MonitorSample> sample;
   Real step;
 
   GONOGO_HD void operator()(WorldIndex w) const {
-    ++clock[w];
     if (stop[w].cause != StopCause::none) return;
     const WatchedStep of_world = watched_world(w);
     StopCause cause = StopCause::none;
@@ -66,7 +65,7 @@ struct UpdateMonitors {
       record(monitor[i], state[i]);
       if (cause != StopCause::none) continue;
       cause = stop_cause(monitor[i], state[i], sample);
-      if (cause != StopCause::none) stop[w] = {cause, i - of.first_monitor, clock[w]};
+      if (cause != StopCause::none) stop[w] = {cause, i - of.first_monitor, of_world.step};
     }
   }
 
@@ -76,9 +75,9 @@ struct UpdateMonitors {
     s.supplied = (sums[w].gravity_power + energy[w].motor_power + energy[w].force_power) * step;
     s.driven = energy[w].motor_power * step;
     s.residual = rms_residual(sums[w]);
-    s.step = clock[w];
-    s.contact_count = Index(sums[w].contact_count);
-    s.iterations = Index(sums[w].iterations);
+    s.step = steps[w] + 1;
+    s.contact_count = sums[w].contact_count;
+    s.iterations = sums[w].iterations;
     s.flags = flags[w];
     return s;
   }
@@ -87,7 +86,7 @@ struct UpdateMonitors {
   GONOGO_HD WatchedStep watched(Index i, WorldIndex w, WatchedStep s) const {
     const MonitorPlan& p = monitor[i];
     const Vec3d x = position[p.body], moved = x - state[i].position;
-    s.moved = {nearest_image(moved.x, world[w].period.x), nearest_image(moved.y, world[w].period.y), moved.z};
+    s.moved = nearest_image(moved, world[w].period);
     s.drop = p.height - x.z;
     s.speed = velocity[p.body].linear.x;
     if (p.motor >= 0) {
@@ -117,7 +116,7 @@ struct FinishStep {
   }
 };
 
-/// Call after measure and integrate.
+/// Call after integrate, before the clock goes on.
 template <class Exec>
 void update_monitors(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
@@ -126,7 +125,7 @@ void update_monitors(Exec exec, State<Exec>& s, const StepSettings& settings) {
                                 e.energy.view(), settings.step};
   const UpdateMonitors monitors{e.world.view(),         s.world.view(),   s.world_sums.view(),    e.energy.view(),
                                 s.flags.view(),         s.motor.view(),   s.motor_impulse.view(), s.position.view(),
-                                s.velocity.view(),      e.monitor.view(), e.clock.view(),         e.stop.view(),
+                                s.velocity.view(),      e.monitor.view(), s.steps.view(),         e.stop.view(),
                                 e.monitor_state.view(), e.sample.view(),  settings.step};
   for_each_index(exec, s.world_count, FinishStep{measure, monitors});
 }

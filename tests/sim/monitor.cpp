@@ -322,21 +322,58 @@ TEST_CASE("a record has the same bits for one step at a time, many at once, and 
   }
 }
 
-TEST_CASE("controllers and monitors go on with the same bits from a snapshot") {
+TEST_CASE("controllers and monitors go on with the same bits from a snapshot, also in another place of a batch") {
   for (const Backend backend : backends()) {
     const SceneWorld w = rough_ride(82, 0.5);
     const auto through = simulate(backend, w, few_iterations());
     through->advance(200);
-    const Snapshot saved = through->snapshot();
+    const Snapshot saved = through->snapshot(0);
     through->advance(400);
-    const auto resumed = simulate(backend, w, few_iterations());
+    const auto resumed = make_simulation(backend, {rough_ride(83, 0.2), w}, few_iterations(), 1);
     resumed->advance(37);
-    resumed->restore(saved);
+    resumed->restore(1, saved);
     resumed->advance(400);
     INFO(name_of(backend));
-    CHECK(resumed->stop(0).step == 550);
-    CHECK(same_bits(resumed->monitor(0, 0), through->monitor(0, 0)));
-    CHECK(same_bits(all_samples(*resumed, 0), all_samples(*through, 0)));
+    CHECK(resumed->stop(0).step == 250);
+    CHECK(resumed->stop(1).step == 550);
+    CHECK(same_bits(resumed->monitor(1, 0), through->monitor(0, 0)));
+    CHECK(same_bits(all_samples(*resumed, 1), all_samples(*through, 0)));
+    refused([&] { resumed->restore(0, saved); }, "samples of monitors");
+  }
+}
+
+TEST_CASE("a world that takes the place of a stopped one is watched, driven and pushed as if it were alone") {
+  for (const Backend backend : backends()) {
+    const SceneWorld next = rough_ride(84, 0.15);
+    const auto alone = simulate(backend, next, few_iterations());
+    alone->advance(250);
+    SceneWorld first = rough_ride(85, 0.3);
+    first.force.push_back(tow_load(first.force[0].body, Frame::body, {0, 0, 1}, 3));
+    first.monitor.push_back(first.monitor[0]);
+    const auto batch = make_simulation(backend, {rough_ride(86, 0.9), first, rough_ride(87, 0.9)}, few_iterations(), 1);
+    batch->advance(350);
+    INFO(name_of(backend));
+    CHECK(batch->stop(1).cause == StopCause::time_limit);
+    batch->replace(1, next);
+    CHECK(batch->stop(1).cause == StopCause::none);
+    CHECK(batch->monitor(1, 0).sample_count == 0);
+    batch->advance(250);
+    CHECK(batch->stop(1).step == 200);
+    CHECK(same_bits(batch->monitor(1, 0), alone->monitor(0, 0)));
+    CHECK(same_bits(all_samples(*batch, 1), all_samples(*alone, 0)));
+    refused([&] { (void)batch->monitor(1, 1); }, "no monitor 1");
+    // One with neither elements nor motor: nothing of the old world acts on it.
+    SceneWorld bare = periodic_space();
+    bare.add_body({{0, 0.5, 0}, {}, {1, 0, 0}, {}}, solid(1, {1, 1, 1}));
+    batch->replace(1, bare);
+    batch->advance(50);
+    CHECK(batch->body(1, 0).velocity.x == 1);
+    CHECK(batch->report(1).force_power == 0);
+    CHECK(batch->report(1).motor_power == 0);
+    CHECK(batch->monitor(0, 0).now.step == 650);
+    SceneWorld longer = next;
+    longer.monitor[0].time_limit = 5;
+    refused([&] { batch->replace(1, longer); }, "samples of monitors");
   }
 }
 
