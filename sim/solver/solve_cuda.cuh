@@ -245,8 +245,10 @@ class SolveKernel {
   }
 
   __device__ void prepare_body(BodyIndex b) {
-    const BodyContacts c{s.incidence.owned_begin(b), s.incidence.owned_end(b), s.incidence.first_second[b],
-                         s.incidence.first_second[b + 1]};
+    BodyContacts c{};  // nothing moves a fixed body
+    if (!is_fixed(s.mass[b]))
+      c = {s.incidence.owned_begin(b), s.incidence.owned_end(b), s.incidence.first_second[b],
+           s.incidence.first_second[b + 1]};
     s.of_body[b] = c;
     if (c.owned_end - c.owned_begin + c.second_end - c.second_begin > kHubContacts)
       s.hub[atomicAdd(s.hub_count, 1)] = b;
