@@ -63,6 +63,8 @@ class Simulation {
   /// batch: index in its world plus the bodies of the worlds before. Empty before the first step and after restore.
   virtual std::vector<Contact> contacts() = 0;
   virtual std::vector<Impulse> impulses() = 0;
+  /// Gaps of the same contacts at the start of that step [m].
+  virtual std::vector<Real> gaps() = 0;
 
   virtual Snapshot snapshot() = 0;
   /// Reports and contact forces are zero until the next step.

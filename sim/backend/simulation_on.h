@@ -96,6 +96,8 @@ class SimulationOn final : public Simulation {
     return impulse;
   }
 
+  std::vector<Real> gaps() override { return s_.gap.download(); }
+
   Snapshot snapshot() override {
     return {s_.position.download(),
             s_.orientation.download(),
@@ -129,6 +131,7 @@ class SimulationOn final : public Simulation {
     s_.world_sums.fill_zero(s_.world_count);
     s_.contact_count = 0;
     s_.contact.resize(0);
+    s_.gap.resize(0);
     world_ = p.world;
     step_count_ = p.step_count;
   }

@@ -139,12 +139,14 @@ struct WriteContacts {
   View<Contact> contact;
   View<Impulse> impulse;
   View<std::uint64_t> key;
+  View<Real> gap;
 
   GONOGO_HD void operator()(Index i) const {
     Index at = first_contact[i];
     find.visit_contacts(i, [&](ShapeIndex j, int feature, const Gap& g) {
       contact[at] = make_contact(i, j, feature, g);
       key[at] = pair_key(j, feature);
+      gap[at] = g.gap;
       impulse[at] = warm_start(i, j, feature, contact[at]);
       ++at;
     });
@@ -222,6 +224,7 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   s.contact_count = exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view());
   s.contact.resize(s.contact_count);
   s.key.resize(s.contact_count);
+  s.gap.resize(s.contact_count);
   s.impulse.resize(s.contact_count);
   s.extrapolated.resize(s.contact_count);
   s.progress.resize(s.contact_count);
@@ -229,7 +232,7 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(
       exec, s.shape_count,
       WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), s.old_first_contact.view(),
-                    s.old_key.view(), s.old_impulse.view(), s.contact.view(), s.impulse.view(), s.key.view()});
+                    s.old_key.view(), s.old_impulse.view(), s.contact.view(), s.impulse.view(), s.key.view(), s.gap.view()});
 }
 
 }  // namespace gonogo::sim

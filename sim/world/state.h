@@ -131,6 +131,7 @@ struct State {
   Buffer<std::uint64_t, Exec> key;              // [contact] other shape and feature; with the owner it names the pair
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_contact;  // body b -> its contacts
   Buffer<Velocity, Exec> free_velocity;                                           // [body]
+  Buffer<Real, Exec> gap;              // [contact] at the start of the step, for output [m]
   Buffer<Real, Exec> progress;         // [contact] gradient times change, for the restart
   Buffer<Real, Exec> residual_square;  // [contact] of the latest update [m^2/s^2]
   Buffer<Momentum, Exec> momentum;     // [world]
