@@ -98,9 +98,9 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
   if (!failure.empty()) throw DeviceError(failure);
 }
 
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) { return run_trial(setup, point, {}); }
+TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) { return run_trial(setup, point, TrialWatch{}); }
 
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialObserver& observe) {
+TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch) {
   TrialRecord record;
   record.point = point;
   record.measures.assign(contract().measures.size(), std::numeric_limits<double>::quiet_NaN());
@@ -109,7 +109,8 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const T
       terrain::shifted(terrain::cached_packing(spec_of(setup, point), setup.packing_folder, 1), point.seed);
   TrialNumerics numerics = setup.numerics;
   for (record.attempts = 1;; ++record.attempts) {
-    const DriveOutcome outcome = drive(setup, packing, conditions, numerics, observe);
+    if (watch.start) watch.start();
+    const DriveOutcome outcome = drive(setup, packing, conditions, numerics, watch);
     store_measures(outcome, record);
     if (is_valid(setup, outcome)) {
       record.verdict = outcome.verdict;
