@@ -130,7 +130,8 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   command->add_option("--every", options->film.every, "Interval of frames, VTK files and video [s]")
       ->check(CLI::Range(1e-4, 100.0));
   command->add_option("--size", options->size, "Size of pictures in pixels, WIDTHxHEIGHT");
-  command->add_option("--colour", options->colour, "What colours the grains")->check(CLI::IsMember({"speed", "height"}));
+  command->add_option("--colour", options->colour, "What colours the grains")
+      ->check(CLI::IsMember({"speed", "height"}));
   command->footer(
       "Examples:\n  gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30\n"
       "  gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05");

@@ -30,7 +30,7 @@ void check_film(const FilmRequest& request);
 
 class Film {
  public:
-  /// `speed`: the commanded one, the end of the colour bar [m/s].
+  /// `speed`: the commanded one, which scales the colour bar [m/s].
   Film(FilmRequest request, std::string title, double slope_along_deg, double slope_across_deg, double speed);
   ~Film();
   Film(const Film&) = delete;

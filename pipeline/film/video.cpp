@@ -63,15 +63,32 @@ void require_ffmpeg() {
   for (std::string folder; std::getline(folders, folder, ':');)
     if (::access((std::filesystem::path(folder) / "ffmpeg").c_str(), X_OK) == 0) return;
   throw InputError(
-      "--video needs the program ffmpeg, which is not on the PATH; install it (apt-get install ffmpeg) or take --frames");
+      "--video needs the program ffmpeg, which is not on the PATH; install it (apt-get install ffmpeg) or take "
+      "--frames");
 }
 
 void make_video(const std::filesystem::path& folder, int count, double rate, const std::filesystem::path& video) {
   const auto log = folder / "ffmpeg.log";
   replace_file_atomically(video, [&](const std::filesystem::path& temporary) {
-    const int code = run_program({"ffmpeg", "-nostdin", "-y", "-loglevel", "error", "-framerate", number(rate), "-i",
-                                  (folder / "frame_%06d.png").string(), "-frames:v", std::to_string(count), "-c:v",
-                                  "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
+    const int code = run_program({"ffmpeg",
+                                  "-nostdin",
+                                  "-y",
+                                  "-loglevel",
+                                  "error",
+                                  "-framerate",
+                                  number(rate),
+                                  "-i",
+                                  (folder / "frame_%06d.png").string(),
+                                  "-frames:v",
+                                  std::to_string(count),
+                                  "-c:v",
+                                  "libx264",
+                                  "-crf",
+                                  "18",
+                                  "-pix_fmt",
+                                  "yuv420p",
+                                  "-movflags",
+                                  "+faststart",
                                   std::filesystem::absolute(temporary).string()},
                                  log);
     if (code != 0) throw DeviceError(video.string() + ": ffmpeg failed: " + last_line(log));

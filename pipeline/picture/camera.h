@@ -21,8 +21,8 @@ struct Margins {
   double left = 0.04, right = 0.04, top = 0.06, bottom = 0.06;
 };
 
-/// Looks at a model from the right of its x axis, turned by `azimuth` towards its front and raised by `elevation` [rad],
-/// from as near as the margins allow. `aspect`: width over height.
+/// Looks at a model from the right of its x axis, turned by `azimuth` towards its front and raised by `elevation`
+/// [rad], from as near as the margins allow. `aspect`: width over height.
 Camera frame_model(const Model& model, double azimuth, double elevation, double aspect, const Margins& margins);
 
 }  // namespace gonogo::pipeline

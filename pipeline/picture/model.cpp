@@ -57,9 +57,7 @@ class Placement {
 bool moves(const SceneWorld& world, sim::BodyIndex b) { return !sim::is_fixed(world.mass[b]); }
 
 /// Grains differ a little in brightness, so that each is seen.
-Light varied(const Light& colour, std::uint64_t index) {
-  return colour * Real(0.86 + 0.28 * random_unit(7, 0, index));
-}
+Light varied(const Light& colour, std::uint64_t index) { return colour * Real(0.86 + 0.28 * random_unit(7, 0, index)); }
 
 Light ball_colour(const SceneWorld& world, const BodyState& body, const Shape& shape, const ModelStyle& style) {
   if (!moves(world, shape.body)) return kBase;
@@ -154,7 +152,10 @@ Light mixed(const Light& a, const Light& b, Real share) { return a * (1 - share)
 
 Light bar_colour(double share) {
   // Sand at rest, then amber, vermilion and plum: darker with speed, and told apart by the colour-blind too.
-  constexpr Light stop[] = {{0.66f, 0.50f, 0.30f}, {0.80f, 0.40f, 0.07f}, {0.68f, 0.14f, 0.04f}, {0.34f, 0.02f, 0.07f},
+  constexpr Light stop[] = {{0.66f, 0.50f, 0.30f},
+                            {0.80f, 0.40f, 0.07f},
+                            {0.68f, 0.14f, 0.04f},
+                            {0.34f, 0.02f, 0.07f},
                             {0.10f, 0.005f, 0.10f}};
   const double at = std::clamp(std::isnan(share) ? 0.0 : share, 0.0, 1.0) * 4;
   const int first = std::min(3, int(at));

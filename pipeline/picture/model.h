@@ -31,8 +31,8 @@ enum class GrainColour { speed, height };
 
 struct ModelStyle {
   GrainColour colour = GrainColour::speed;
-  double low = 0, high = 1;      // ends of the colour bar [m/s] or [m, along the bed's normal]
-  sim::BodyIndex focus = -1;     // body that a periodic world is drawn around; -1: the world's middle
+  double low = 0, high = 1;   // ends of the colour bar [m/s] or [m, along the bed's normal]
+  sim::BodyIndex focus = -1;  // body that a periodic world is drawn around; -1: the world's middle
 };
 
 /// Colour of a share of the colour bar, 0 to 1.

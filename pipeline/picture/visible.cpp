@@ -130,8 +130,7 @@ class Scan {
         const Vec3 ray = ray_of(camera_, out_.width, out_.height, column, row);
         const Real a = dot(ray, f.side[0]), b = dot(ray, f.side[1]), c = dot(ray, f.side[2]);
         const bool inside = (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
-        if (inside && dot(ray, f.normal) != 0)
-          keep_nearer(out_.at(column, row), distance / dot(ray, f.normal), item);
+        if (inside && dot(ray, f.normal) != 0) keep_nearer(out_.at(column, row), distance / dot(ray, f.normal), item);
       }
   }
 

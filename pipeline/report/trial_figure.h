@@ -14,10 +14,10 @@ struct TrialCaption {
   struct Fact {
     std::string label, value;  // "slip", "0.18"
   };
-  std::vector<Fact> facts;             // along the foot, left to right
-  std::string bar_label;               // "grain speed [m/s]"
-  double bar_low = 0, bar_high = 1;    // ends of the bar
-  std::vector<std::uint8_t> bar_rgb;   // [steps][3] sRGB, from low to high
+  std::vector<Fact> facts;            // along the foot, left to right
+  std::string bar_label;              // "grain speed [m/s]"
+  double bar_low = 0, bar_high = 1;   // ends of the bar
+  std::vector<std::uint8_t> bar_rgb;  // [steps][3] sRGB, from low to high
 };
 
 /// Shares of the picture that the caption takes; the model should keep out of them.

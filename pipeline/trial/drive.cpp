@@ -91,9 +91,16 @@ class Run {
     if (drive_time() >= 0)
       samples_.push_back({drive_time(), x_, rolled_, surface_ - (wheel.position.z - setup_.rig.radius),
                           simulation_->motor_torque(0, bodies_.motor), report.motor_power});
-    sample_ = {time_, x_, y_, surface_ - (wheel.position.z - setup_.rig.radius), wheel.velocity.x,
-               rolled_ > 0 ? 1 - x_ / rolled_ : 0, simulation_->motor_torque(0, bodies_.motor), report.rms_residual,
-               report.contact_count, report.iterations};
+    sample_ = {time_,
+               x_,
+               y_,
+               surface_ - (wheel.position.z - setup_.rig.radius),
+               wheel.velocity.x,
+               rolled_ > 0 ? 1 - x_ / rolled_ : 0,
+               simulation_->motor_torque(0, bodies_.motor),
+               report.rms_residual,
+               report.contact_count,
+               report.iterations};
     if (watch_.sample) watch_.sample(sample_);
   }
 

@@ -26,9 +26,8 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
   TrialConditions c;
   const Vec3d g = bed_gravity(value(point, "slope_along"), value(point, "slope_across"));
   c.gravity = static_cast<Vec3>(g);
-  const sim::PairLaw grain = terrain::contact_law(
-      setup.calibration,
-      {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
+  const sim::PairLaw grain =
+      terrain::contact_law(setup.calibration, {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
   c.payload = value(point, "payload");
@@ -98,7 +97,9 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
   if (!failure.empty()) throw DeviceError(failure);
 }
 
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) { return run_trial(setup, point, TrialWatch{}); }
+TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) {
+  return run_trial(setup, point, TrialWatch{});
+}
 
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch) {
   TrialRecord record;
