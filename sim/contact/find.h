@@ -2,12 +2,18 @@
 #pragma once
 #include "sim/broad_phase/bins.h"
 #include "sim/shape/gap.h"
+#include "sim/solver/tiles.h"
 
 namespace gonogo::sim {
 
 /// Order of the pair inside the owner's list and its name across steps.
 GONOGO_HD inline std::uint64_t pair_key(ShapeIndex other, int feature) {
   return (std::uint64_t(std::uint32_t(other)) << 16) | std::uint64_t(std::uint16_t(feature));
+}
+
+/// The same name when the other shape's index changes by `shapes`.
+inline std::uint64_t shifted_key(std::uint64_t key, ShapeIndex shapes) {
+  return pair_key(ShapeIndex(key >> 16) + shapes, int(key & 0xFFFF));
 }
 
 struct ContactFinder {
@@ -133,21 +139,22 @@ struct WriteContacts {
   ContactFinder find;
   StepSettings settings;
   View<const Vec3d> position;
-  View<const Index> first_contact, old_first_contact;
+  View<const Index> first_contact, old_begin, old_end;  // [shape + 1], [shape], [shape]
   View<const std::uint64_t> old_key;
   View<const Impulse> old_impulse;
   View<Contact> contact;
   View<Impulse> impulse;
   View<std::uint64_t> key;
-  View<Real> gap;
+  View<Index> begin, end;  // [shape]
 
   GONOGO_HD void operator()(Index i) const {
     Index at = first_contact[i];
+    begin[i] = at;
+    end[i] = first_contact[i + 1];
     find.visit_contacts(i, [&](ShapeIndex j, int feature, const Gap& g) {
       contact[at] = make_contact(i, j, feature, g);
       key[at] = pair_key(j, feature);
-      gap[at] = g.gap;
-      impulse[at] = warm_start(i, j, feature, contact[at]);
+      impulse[at] = warm_start(i, j, feature);
       ++at;
     });
   }
@@ -157,6 +164,19 @@ struct WriteContacts {
     if (gap >= 0) return gap / settings.step;
     const Real push_out = settings.recovery_share * gap / settings.step;
     return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
+  }
+
+  /// A compliant contact is a spring and damper along the normal, implicit in the gap's rate u:
+  ///   impulse = -h (k (gap + h u) + c u)   <=>   u + impulse / (h (h k + c)) + k gap / (h k + c) = 0.
+  GONOGO_HD void set_stiffness(Contact& c, const PairLaw& law, Real gap) const {
+    if (law.stiffness <= 0) {
+      c.gap_bias = bias(gap);
+      c.softness = 0;
+      return;
+    }
+    const Real resistance = settings.step * law.stiffness + law.damping;  // [N s/m]
+    c.gap_bias = law.stiffness * gap / resistance;
+    c.softness = 1 / (settings.step * resistance);
   }
 
   GONOGO_HD Contact make_contact(ShapeIndex i, ShapeIndex j, int feature, const Gap& g) const {
@@ -171,7 +191,8 @@ struct WriteContacts {
     const Real smaller = other_is_sphere ? std::fmin(si.size.x, sj.size.x) : si.size.x;
     Contact c;
     c.normal = g.normal;
-    c.bias = bias(g.gap);
+    c.gap = g.gap;
+    set_stiffness(c, law, g.gap);
     // The contact point lies half-way between the two surfaces.
     const auto from_a_centre =
         si.type == ShapeType::box ? find.box_corner(i, feature) : g.normal * -(si.size.x + g.gap / 2);
@@ -180,6 +201,7 @@ struct WriteContacts {
     c.arm_b = static_cast<Vec3>(nearest_image(find.centre[i] - position[sj.body], world.period)) + from_a_centre;
     c.mu = law.friction;
     c.rho = law.rolling_friction * radius;
+    c.sigma = law.spinning_friction * radius;
     c.cohesion = g.gap < settings.cohesion_range
                      ? law.cohesion_pressure * Real(3.14159265) * smaller * smaller * settings.step
                      : Real(0);
@@ -189,10 +211,9 @@ struct WriteContacts {
     return c;
   }
 
-  /// Last step's impulse of the same pair, its friction part turned into the new tangent plane. Two spheres in
+  /// Last step's impulse of the same pair. Two spheres in
   /// different bins may have changed owners since: then the other one holds it, with the opposite sign.
-  GONOGO_HD Impulse warm_start(ShapeIndex i, ShapeIndex j, int feature, const Contact& c) const {
-    if (old_first_contact.size == 0) return {};
+  GONOGO_HD Impulse warm_start(ShapeIndex i, ShapeIndex j, int feature) const {
     Impulse start;
     if (const ContactIndex own = old_contact(i, pair_key(j, feature)); own >= 0) {
       start = old_impulse[own];
@@ -200,39 +221,56 @@ struct WriteContacts {
       start.linear = -old_impulse[other].linear;
       start.angular = -old_impulse[other].angular;
     }
-    start.angular -= c.normal * dot(start.angular, c.normal);
     return start;
   }
 
   GONOGO_HD ContactIndex old_contact(ShapeIndex owner, std::uint64_t name) const {
-    for (ContactIndex k = old_first_contact[owner]; k < old_first_contact[owner + 1]; ++k)
+    for (ContactIndex k = old_begin[owner]; k < old_end[owner]; ++k)
       if (old_key[k] == name) return k;
     return -1;
   }
 };
+
+/// Makes room for the contacts just counted. On the host at once; on the device the step is given up and the buffers
+/// are enlarged before it is taken again (see Progress).
+struct CheckCapacity {
+  View<const Index> first_contact;
+  View<Progress> progress;
+  Index capacity;
+  GONOGO_HD void operator()(Index) const {
+    progress[0].contact_total = first_contact[first_contact.size - 1];
+    if (progress[0].contact_total > capacity) progress[0].halted = 1;
+  }
+};
+
+template <class Exec>
+void reserve_contacts(State<Exec>& s, Index count) {
+  s.contact_capacity = count;
+  s.contact.resize(count);
+  s.second_found.resize(count);
+  s.second_contact.resize(count);
+  s.second_slot.resize(count);
+  s.world_of_tile.resize(tile_capacity(s));
+  for (ContactStore<Exec>& store : s.store) {
+    store.key.resize(count);
+    store.impulse.resize(count);
+  }
+}
 
 template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder{s.shape.view(), s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
                              s.world.view(), s.bin_of_shape.view(), s.first_in_bin.view(), s.sphere_in_bin.view(),
                              s.large.view(), s.mass.view(),         settings.envelope};
-  s.first_contact.swap(s.old_first_contact);
-  s.key.swap(s.old_key);
-  s.impulse.swap(s.old_impulse);
-  s.first_contact.resize(s.shape_count + 1);
   for_each_index(exec, s.shape_count, CountContacts{finder, s.contacts_of_shape.view()});
-  s.contact_count = exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view());
-  s.contact.resize(s.contact_count);
-  s.key.resize(s.contact_count);
-  s.gap.resize(s.contact_count);
-  s.impulse.resize(s.contact_count);
-  s.extrapolated.resize(s.contact_count);
-  s.progress.resize(s.contact_count);
-  s.residual_square.resize(s.contact_count);
-  for_each_index(
-      exec, s.shape_count,
-      WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), s.old_first_contact.view(),
-                    s.old_key.view(), s.old_impulse.view(), s.contact.view(), s.impulse.view(), s.key.view(), s.gap.view()});
+  exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view(), s.scratch);
+  for_each_index(exec, 1, CheckCapacity{s.first_contact.view(), s.progress.view(), s.contact_capacity});
+  make_room_for_contacts(exec, s);
+  ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
+  for_each_index(exec, s.shape_count,
+                 WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), old.begin.view(),
+                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(),
+                               now.impulse.view(), now.key.view(), now.begin.view(), now.end.view()});
 }
 
 }  // namespace gonogo::sim

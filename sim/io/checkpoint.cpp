@@ -33,11 +33,13 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 12 && sizeof(StepSettings) == 28 && sizeof(Shape) == 44 && sizeof(Motor) == 12 &&
+static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 44 && sizeof(Motor) == 12 &&
                   sizeof(SpringDamper) == 24 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64,
               "list the new fields in scene_hash");
 
-void add(Bytes& b, const PairLaw& l) { b << l.friction << l.rolling_friction << l.cohesion_pressure; }
+void add(Bytes& b, const PairLaw& l) {
+  b << l.friction << l.rolling_friction << l.cohesion_pressure << l.spinning_friction << l.stiffness << l.damping;
+}
 void add(Bytes& b, const BodyState& s) { b << s.position << s.orientation << s.velocity << s.angular_velocity; }
 void add(Bytes& b, const BodyMass& m) { b << m.inverse_mass << m.inverse_inertia_B; }  // the rest follows in flatten
 void add(Bytes& b, const Motor& m) { b << m.body << m.speed << m.max_torque; }
@@ -46,7 +48,8 @@ void add(Bytes& b, const Shape& s) {
   b << s.type << s.body << s.material << s.lug_count << s.offset_B << s.size << s.lug_thickness;
 }
 void add(Bytes& b, const StepSettings& s) {
-  b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range;
+  b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
+    << s.solver << s.target;
 }
 
 template <class T>
@@ -67,20 +70,24 @@ void add(Bytes& b, const SceneWorld& w) {
 }
 
 /// Everything about a world that is not a list of bodies or contacts; gravity and laws may change during a run.
-constexpr std::size_t kWorldNumbers = 12 + 3 * kMaxMaterials * kMaxMaterials, kWorldIntegers = 8;
+constexpr std::size_t kWorldNumbers = 12 + 6 * kMaxMaterials * kMaxMaterials, kWorldIntegers = 14;
 
 template <class Visit>
 void visit_numbers(WorldParameters& p, Visit&& visit) {
   for (Vec3* v : {&p.gravity, &p.bin_size}) visit(v->x), visit(v->y), visit(v->z);
   for (Vec3d* v : {&p.origin, &p.period}) visit(v->x), visit(v->y), visit(v->z);
   for (auto& row : p.law)
-    for (PairLaw& l : row) visit(l.friction), visit(l.rolling_friction), visit(l.cohesion_pressure);
+    for (PairLaw& l : row)
+      for (Real* x :
+           {&l.friction, &l.rolling_friction, &l.cohesion_pressure, &l.spinning_friction, &l.stiffness, &l.damping})
+        visit(*x);
 }
 
 template <class Visit>
-void visit_integers(WorldParameters& p, Visit&& visit) {
-  for (Index* i :
-       {&p.bins[0], &p.bins[1], &p.bins[2], &p.first_bin, &p.first_body, &p.body_count, &p.first_large, &p.large_count})
+void visit_integers(Snapshot& s, Visit&& visit) {
+  WorldParameters& p = s.world;
+  for (Index* i : {&s.steps, &s.flags, &p.bins[0], &p.bins[1], &p.bins[2], &p.first_bin, &p.first_body, &p.body_count,
+                   &p.first_shape, &p.shape_count, &p.first_large, &p.large_count, &p.first_motor, &p.motor_count})
     visit(*i);
 }
 
@@ -144,34 +151,30 @@ void exchange_arrays(Io& io, Snap& s) {
   io.template rows<double>("position", s.position);
   io.template rows<float>("orientation", s.orientation);
   io.template rows<float>("velocity", s.velocity);
-  io.template rows<std::int32_t>("first_contact", s.first_contact);
-  io.template rows<std::int32_t>("flags", s.flags);
+  io.template rows<std::int32_t>("contact_begin", s.contact_begin);
+  io.template rows<std::int32_t>("contact_end", s.contact_end);
   io.template rows<std::uint64_t>("key", s.key);
   io.template rows<float>("impulse", s.impulse);
   io.template rows<float>("motor_impulse", s.motor_impulse);
 }
 
-void store_worlds(Store& store, const Snapshot& s) {
+void store_world(Store& store, Snapshot s) {
   std::vector<double> number;
   std::vector<std::int32_t> integer;
-  for (WorldParameters p : s.world) {
-    visit_numbers(p, [&](auto& x) { number.push_back(double(x)); });
-    visit_integers(p, [&](Index& i) { integer.push_back(i); });
-  }
+  visit_numbers(s.world, [&](auto& x) { number.push_back(double(x)); });
+  visit_integers(s, [&](Index& i) { integer.push_back(i); });
   store.numbers("world_numbers", number, kWorldNumbers);
   store.numbers("world_integers", integer, kWorldIntegers);
 }
 
-void load_worlds(Load& load, Snapshot& s) {
+void load_world(Load& load, Snapshot& s) {
   const auto number = load.numbers<double>("world_numbers", kWorldNumbers);
   const auto integer = load.numbers<std::int32_t>("world_integers", kWorldIntegers);
-  s.world.resize(std::min(number.size() / kWorldNumbers, integer.size() / kWorldIntegers));
+  if (number.size() != kWorldNumbers || integer.size() != kWorldIntegers) return;  // the content's hash will refuse it
   auto next_number = number.begin();
   auto next_integer = integer.begin();
-  for (WorldParameters& p : s.world) {
-    visit_numbers(p, [&](auto& x) { x = std::decay_t<decltype(x)>(*next_number++); });
-    visit_integers(p, [&](Index& i) { i = *next_integer++; });
-  }
+  visit_numbers(s.world, [&](auto& x) { x = std::decay_t<decltype(x)>(*next_number++); });
+  visit_integers(s, [&](Index& i) { i = *next_integer++; });
 }
 
 void store_motors(Store& store, const Snapshot& s) {
@@ -207,10 +210,10 @@ void check_head(const Hdf5Reader& in, const std::string& scene) {
 
 }  // namespace
 
-std::string scene_hash(const Scene& scene, const StepSettings& settings) {
+std::string scene_hash(const SceneWorld& world, const StepSettings& settings) {
   Bytes b;
   add(b, settings);
-  for (const SceneWorld& world : scene) add(b, world);
+  add(b, world);
   return content_hash(b.text());
 }
 
@@ -220,9 +223,8 @@ void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string
   out.attribute(kGroup, "version", kVersion);
   out.attribute(kGroup, "scene", scene);
   Store store(out);
-  store.numbers("step_count", std::vector<std::int64_t>{snapshot.step_count}, 1);
   exchange_arrays(store, snapshot);
-  store_worlds(store, snapshot);
+  store_world(store, snapshot);
   store_motors(store, snapshot);
   out.attribute(kGroup, "content", store.hash());
 }
@@ -231,13 +233,11 @@ Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene) {
   check_head(in, scene);
   Snapshot s;
   Load load(in);
-  const auto step_count = load.numbers<std::int64_t>("step_count", 1);
   exchange_arrays(load, s);
-  load_worlds(load, s);
+  load_world(load, s);
   load_motors(load, s);
   if (in.text_attribute(kGroup, "content") != load.hash())
     in.fail(kGroup, "its numbers were altered; remove the file and start from the beginning");
-  s.step_count = step_count.at(0);
   return s;
 }
 

@@ -1,4 +1,4 @@
-// Checkpoint files: a Snapshot on disk, exact to the bit. HDF5, so that h5py and h5dump can look into one.
+// Checkpoint files: the Snapshot of a world on disk, exact to the bit. HDF5, so that h5py and h5dump can look into one.
 // A file holds the hash of the scene and the numerics it belongs to and a hash of its own arrays; one that is
 // truncated, altered, of another version or of another scene is refused with InputError and never half taken over.
 #pragma once
@@ -10,9 +10,9 @@
 
 namespace gonogo::sim {
 
-/// Names a scene at its start together with the settings of its steps: two that could go on differently from the same
+/// Names a world at its start together with the settings of its steps: two that could go on differently from the same
 /// snapshot have different hashes. 32 hexadecimal digits.
-std::string scene_hash(const Scene& scene, const StepSettings& settings);
+std::string scene_hash(const SceneWorld& world, const StepSettings& settings);
 
 /// Writes a checkpoint, whole or not at all. Throws DeviceError when the disk refuses.
 void save_checkpoint(const std::filesystem::path& path, const Snapshot& snapshot, const std::string& scene);

@@ -118,6 +118,8 @@ Surface surface_of(const Shape& shape, const SurfaceDetail& detail) {
     case ShapeType::wheel:
       add_wheel(s, shape, detail.segments);
       break;
+    case ShapeType::none:
+      break;
   }
   return s;
 }

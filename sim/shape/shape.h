@@ -8,7 +8,8 @@ using BodyIndex = Index;
 using ShapeIndex = Index;
 using WorldIndex = Index;
 
-enum class ShapeType : std::int32_t { sphere, box, plane, wheel };
+/// none: an empty place in a batch; it touches nothing.
+enum class ShapeType : std::int32_t { sphere, box, plane, wheel, none };
 
 /// Number of materials a world can tell apart.
 inline constexpr int kMaxMaterials = 4;

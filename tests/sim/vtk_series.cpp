@@ -119,7 +119,7 @@ TEST_CASE("contacts are written with the force that carries a resting sphere and
     series.write(frame_of(*simulation, 0));
     CHECK(read_vtp(folder / "contacts_000000.vtp").points == 0);  // no step taken yet
     simulation->advance(1);
-    CHECK(simulation->gaps().at(0) == Approx(-1e-4).epsilon(1e-3));
+    CHECK(simulation->contacts(0).at(0).gap == Approx(-1e-4).epsilon(1e-3));
     simulation->advance(299);
     series.write(frame_of(*simulation, 0));
     const VtpFile f = read_vtp(folder / "contacts_000001.vtp");
