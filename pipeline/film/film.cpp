@@ -92,7 +92,7 @@ void Film::add(const TrialFrame& frame) {
   }
   if (request_.wants_pictures()) {
     if (!camera_) {
-      bar_high_ = speed_ / 3;  // few grains are faster, those that a lug throws out
+      bar_high_ = speed_ / 2;  // few grains are faster: those that a lug throws out
       if (request_.colour == GrainColour::height) {
         bar_high_ = 0;
         for (const sim::Shape& s : frame.world.shape)
