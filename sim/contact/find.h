@@ -191,6 +191,7 @@ struct WriteContacts {
     const Real smaller = other_is_sphere ? std::fmin(si.size.x, sj.size.x) : si.size.x;
     Contact c;
     c.normal = g.normal;
+    c.gap = g.gap;
     set_stiffness(c, law, g.gap);
     // The contact point lies half-way between the two surfaces.
     const auto from_a_centre =
