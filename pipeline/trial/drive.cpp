@@ -24,7 +24,7 @@ sim::Controller driver(const TrialSetup& setup, const TrialConditions& condition
 }
 
 /// Watches the wheel. Its drop below the height at which the rim would touch the `surface` is the sinkage [m].
-sim::Monitor watch(const TrialSetup& setup, const vehicle::RigBodies& bodies, double surface) {
+sim::Monitor wheel_monitor(const TrialSetup& setup, const vehicle::RigBodies& bodies, double surface) {
   const Thresholds& t = setup.thresholds;
   sim::Monitor m;
   m.body = bodies.wheel;
@@ -44,37 +44,60 @@ sim::Monitor watch(const TrialSetup& setup, const vehicle::RigBodies& bodies, do
 class Run {
  public:
   Run(const TrialSetup& setup, const TrialConditions& conditions, const TrialNumerics& numerics,
-      const TrialObserver& observe, std::unique_ptr<sim::Simulation> simulation)
+      const TrialWatch& watch, const sim::SceneWorld& world, std::unique_ptr<sim::Simulation> simulation,
+      sim::BodyIndex wheel)
       : setup_(setup),
         conditions_(conditions),
         numerics_(numerics),
-        observe_(observe),
-        simulation_(std::move(simulation)) {}
+        watch_(watch),
+        world_(world),
+        simulation_(std::move(simulation)),
+        wheel_(wheel) {}
 
   DriveOutcome until_decided() {
-    const auto steps = std::max<Index>(1, Index(std::lround(kLookEvery / numerics_.step)));
+    show_frame_when_due();
     while (simulation_->stop(0).cause == sim::StopCause::none) {
-      simulation_->advance(steps);
-      show();
+      simulation_->advance(steps_to_next_look());
+      show_samples();
+      show_frame_when_due();
     }
     cause_ = simulation_->stop(0).cause;
     end_ = simulation_->monitor(0, 0);
+    if (watch_.frame && shown_time_ < sample_.time) show_frame();
     DriveOutcome o = measures();
     std::tie(o.verdict, o.reason) = verdict(o);
     return o;
   }
 
  private:
+  /// Who sees the bodies sees them in the very step in which the trial ends.
+  Index steps_to_next_look() const {
+    return watch_.frame ? 1 : std::max<Index>(1, Index(std::lround(kLookEvery / numerics_.step)));
+  }
+
   /// Gives the observer the samples that it has not seen.
-  void show() {
-    if (!observe_) return;
+  void show_samples() {
+    if (!watch_.sample && !watch_.frame) return;
     const Index count = simulation_->monitor(0, 0).sample_count - shown_;
     for (const sim::MonitorSample& s : simulation_->samples(0, 0, shown_, count)) {
       const double rolled = s.turned * setup_.rig.radius;
-      observe_({s.step * numerics_.step, s.x, s.y, s.drop, s.speed, rolled > 0 ? 1 - s.x / rolled : 0, s.torque,
-                s.residual, s.contact_count, s.iterations});
+      sample_ = {s.step * numerics_.step,           s.x,      s.y,        s.drop,          s.speed,
+                 rolled > 0 ? 1 - s.x / rolled : 0, s.torque, s.residual, s.contact_count, s.iterations};
+      if (watch_.sample) watch_.sample(sample_);
     }
     shown_ += count;
+  }
+
+  /// Frames are due at multiples of the interval, to the nearest step.
+  void show_frame_when_due() {
+    const double due = double(frame_count_) * watch_.frame_interval;
+    if (watch_.frame && sample_.time + 0.5 * numerics_.step >= due) show_frame();
+  }
+
+  void show_frame() {
+    shown_time_ = sample_.time;
+    while (double(frame_count_) * watch_.frame_interval <= sample_.time + 0.5 * numerics_.step) ++frame_count_;
+    watch_.frame({sample_, world_, *simulation_, wheel_});
   }
 
   /// First true line of the contract's verdict table wins.
@@ -126,17 +149,22 @@ class Run {
   const TrialSetup& setup_;
   const TrialConditions& conditions_;
   const TrialNumerics& numerics_;
-  const TrialObserver& observe_;
+  const TrialWatch& watch_;
+  const sim::SceneWorld& world_;
   std::unique_ptr<sim::Simulation> simulation_;
+  sim::BodyIndex wheel_;
   sim::StopCause cause_ = sim::StopCause::none;
   sim::MonitorState end_;
-  Index shown_ = 0;
+  Index shown_ = 0;  // samples
+  TrialSample sample_{};
+  double shown_time_ = -1;  // of the latest frame [s]
+  std::int64_t frame_count_ = 0;
 };
 
 /// Lets the bed settle under the trial's gravity with its own laws; returns the moved packing and the bed's mean speed
 /// along the slope at the end: a slope that fails by itself keeps accelerating.
 terrain::Packing tilted(const TrialSetup& setup, const terrain::Packing& packing, const TrialConditions& conditions,
-                        const sim::StepSettings& settings, DriveOutcome& outcome) {
+                        const sim::StepSettings& settings, const TrialWatch& watch, DriveOutcome& outcome) {
   sim::SceneWorld world = terrain::bed_world(packing, conditions.laws, 2 * packing.spec.grain_diameter);
   world.gravity = conditions.gravity;
   const auto simulation = sim::make_simulation(sim::Backend::cpu, {world}, settings, 1);
@@ -151,6 +179,8 @@ terrain::Packing tilted(const TrialSetup& setup, const terrain::Packing& packing
     mean += static_cast<Vec3d>(bodies[i].velocity) * (1.0 / double(packing.grain.size()));
   }
   outcome.bed_creep = std::hypot(mean.x, mean.y);
+  if (watch.frame && (outcome.flags != 0 || outcome.bed_creep > setup.thresholds.creep_speed))
+    watch.frame({{0, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, outcome.worst_residual, 0, 0}, world, *simulation, -1});
   return result;
 }
 
@@ -171,11 +201,11 @@ double resting_axle_height(const TrialSetup& setup, const terrain::Packing& pack
 }  // namespace
 
 DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& settled, const TrialConditions& conditions,
-                   const TrialNumerics& numerics, const TrialObserver& observe) {
+                   const TrialNumerics& numerics, const TrialWatch& watch) {
   const auto settings =
       terrain::bed_step_settings(settled.spec.grain_diameter, numerics.step, numerics.iterations, numerics.tolerance);
   DriveOutcome bed{};
-  const terrain::Packing packing = tilted(setup, settled, conditions, settings, bed);
+  const terrain::Packing packing = tilted(setup, settled, conditions, settings, watch, bed);
   if (bed.flags != 0 || bed.bed_creep > setup.thresholds.creep_speed) {
     if (bed.flags == 0) bed.verdict = Verdict::no_go, bed.reason = Reason::slope_unstable;
     bed.distance = bed.drive_time = bed.mean_speed = 0;
@@ -190,8 +220,9 @@ DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& settled, con
   const double surface =
       terrain::surface_height(packing.grain, setup.bed_length, setup.bed_width, packing.spec.grain_diameter);
   world.controller.push_back(driver(setup, conditions, bodies.motor));
-  world.monitor.push_back(watch(setup, bodies, surface));
-  Run run(setup, conditions, numerics, observe, sim::make_simulation(sim::Backend::cpu, {world}, settings, 1));
+  world.monitor.push_back(wheel_monitor(setup, bodies, surface));
+  Run run(setup, conditions, numerics, watch, world, sim::make_simulation(sim::Backend::cpu, {world}, settings, 1),
+          bodies.wheel);
   DriveOutcome outcome = run.until_decided();
   outcome.bed_creep = bed.bed_creep;
   outcome.worst_residual = std::max(outcome.worst_residual, bed.worst_residual);

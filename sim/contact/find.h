@@ -191,6 +191,7 @@ struct WriteContacts {
     const Real smaller = other_is_sphere ? std::fmin(si.size.x, sj.size.x) : si.size.x;
     Contact c;
     c.normal = g.normal;
+    c.gap = g.gap;
     set_stiffness(c, law, g.gap);
     // The contact point lies half-way between the two surfaces.
     const auto from_a_centre =
@@ -249,7 +250,7 @@ void reserve_contacts(State<Exec>& s, Index count) {
   s.second_found.resize(count);
   s.second_contact.resize(count);
   s.second_slot.resize(count);
-  s.world_of_tile.resize(tile_capacity(s));
+  s.tile.resize(tile_capacity(s));
   for (ContactStore<Exec>& store : s.store) {
     store.key.resize(count);
     store.impulse.resize(count);
