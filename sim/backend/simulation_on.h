@@ -213,8 +213,9 @@ class SimulationOn final : public Simulation {
   }
 
   static WorldSize larger(const WorldSize& a, const WorldSize& b) {
-    return {std::max(a.bodies, b.bodies),           std::max(a.shapes, b.shapes), std::max(a.bins, b.bins),
-            std::max(a.large_shapes, b.large_shapes), std::max(a.motors, b.motors), std::max(a.springs, b.springs)};
+    return {std::max(a.bodies, b.bodies), std::max(a.shapes, b.shapes),
+            std::max(a.bins, b.bins),     std::max(a.large_shapes, b.large_shapes),
+            std::max(a.motors, b.motors), std::max(a.springs, b.springs)};
   }
 
   void lay_out(const WorldSize& room) {
@@ -242,9 +243,9 @@ class SimulationOn final : public Simulation {
   void check_fits(WorldIndex w, const WorldSize& size) const {
     const WorldSize& room = place_[w].size;
     const std::pair<const char*, std::pair<Index, Index>> parts[] = {
-        {"bodies", {size.bodies, room.bodies}},   {"shapes", {size.shapes, room.shapes}},
-        {"bins", {size.bins, room.bins}},         {"large shapes", {size.large_shapes, room.large_shapes}},
-        {"motors", {size.motors, room.motors}},   {"springs", {size.springs, room.springs}}};
+        {"bodies", {size.bodies, room.bodies}}, {"shapes", {size.shapes, room.shapes}},
+        {"bins", {size.bins, room.bins}},       {"large shapes", {size.large_shapes, room.large_shapes}},
+        {"motors", {size.motors, room.motors}}, {"springs", {size.springs, room.springs}}};
     for (const auto& [name, count] : parts)
       if (count.first > count.second)
         throw InputError("the new world has " + std::to_string(count.first) + " " + name + ", place " +
@@ -393,7 +394,7 @@ class SimulationOn final : public Simulation {
   StepSettings settings_;
   std::vector<FlatWorld> flat_;  // as they entered, but with the laws, gravity and motors of now
   std::vector<Place> place_;
-  std::vector<bool> stepped_;    // [world] since it entered or was restored
+  std::vector<bool> stepped_;  // [world] since it entered or was restored
   Index large_total_ = 0, motor_total_ = 0, spring_total_ = 0;
   Index restored_contacts_ = 0;  // since the latest step
   State<Exec> s_;
