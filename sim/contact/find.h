@@ -250,7 +250,7 @@ void reserve_contacts(State<Exec>& s, Index count) {
   s.second_found.resize(count);
   s.second_contact.resize(count);
   s.second_slot.resize(count);
-  s.world_of_tile.resize(tile_capacity(s));
+  s.tile.resize(tile_capacity(s));
   for (ContactStore<Exec>& store : s.store) {
     store.key.resize(count);
     store.impulse.resize(count);

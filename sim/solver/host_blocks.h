@@ -142,7 +142,7 @@ struct UpdateTile {
   Index parity;           // which of a block's impulses is the latest
 
   void operator()(Index tile) const {
-    const Momentum& m = momentum[tiles.world_of_tile[tile]];
+    const Momentum& m = momentum[tiles.tile[tile].world];
     if (m.done) return;
     const ContactRange range = tiles.contacts(tile);
     const Pack beta = constant<Pack>(m.beta);
@@ -181,7 +181,7 @@ struct StoreImpulses {
 
   void operator()(Index tile) const {
     const ContactRange range = tiles.contacts(tile);
-    const Index latest = momentum[tiles.world_of_tile[tile]].iterations & 1;
+    const Index latest = momentum[tiles.tile[tile].world].iterations & 1;
     for (Index first = range.begin; first < range.end; first += kPackWidth) {
       const ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
       Pack row[kPackWidth];

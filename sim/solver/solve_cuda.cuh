@@ -30,9 +30,13 @@ struct ArmsRecord {
 struct alignas(8) PairRecord {
   BodyIndex a, b;
 };
-/// Contacts that a body owns and its part of the second lists.
-struct alignas(16) BodyContacts {
-  Index owned_begin, owned_end, second_begin, second_end;
+/// A contact as one of its bodies sees it; those of a body follow each other, owned ones first.
+struct alignas(16) HalfContact {
+  Vec3 arm;
+  Index contact;  // its complement where the impulse acts backwards
+};
+struct alignas(8) HalfRange {
+  Index begin, end;
 };
 
 template <>
@@ -44,7 +48,8 @@ struct SolverStorage<Cuda> {
   Buffer<ArmsRecord, Cuda> arms;
   Buffer<PairRecord, Cuda> pair;
   Buffer<Vec3, Cuda> linear[2], angular[2];  // impulses of the latest two updates, taking turns
-  Buffer<BodyContacts, Cuda> of_body;
+  Buffer<HalfContact, Cuda> half;    // [contact * 2]
+  Buffer<HalfRange, Cuda> of_body;   // into half
   Buffer<BodyIndex, Cuda> hub;       // bodies with so many contacts that a warp sums them
   Buffer<Index, Cuda> hub_count;     // one
   Buffer<UpdateSums, Cuda> tile_sums;
@@ -58,6 +63,9 @@ struct SolverStorage<Cuda> {
 inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
 
 inline constexpr Index kHubContacts = 48;
+
+/// Blocks that share a multiprocessor: caps the registers of a thread at 64.
+inline constexpr int kBlocksPerProcessor = 4;
 
 /// What the kernel works on.
 struct SolveViews {
@@ -88,7 +96,9 @@ struct SolveViews {
   View<ArmsRecord> arms;
   View<PairRecord> pair;
   View<Vec3> linear[2], angular[2];
-  View<BodyContacts> of_body;
+  View<const Index> second_slot;
+  View<HalfContact> half;
+  View<HalfRange> of_body;
   View<BodyIndex> hub;
   Index* hub_count;
   View<UpdateSums> tile_sums;
@@ -173,8 +183,8 @@ class SolveKernel {
   template <bool turning>
   __device__ void gather_bodies(Index update) {
     for (Index b = first_index(); b < s.mass.size; b += stride()) {
-      const BodyContacts c = s.of_body[b];
-      if (c.owned_end - c.owned_begin + c.second_end - c.second_begin > kHubContacts) continue;
+      const HalfRange c = s.of_body[b];
+      if (c.end - c.begin > kHubContacts) continue;
       if (s.momentum[s.world_of_body[b]].iterations != update) continue;
       Vec3 linear, angular;
       add_contacts<turning>(c, update & 1, 0, 1, linear, angular);
@@ -239,16 +249,20 @@ class SolveKernel {
       s.arms[i] = {c.arm_a, c.arm_b};
     }
     s.central[i] = along;
+    s.half[i + s.incidence.first_second[c.body_a]] = {c.arm_a, i};
+    if (s.second_slot[i] >= 0) s.half[s.incidence.owned_end(c.body_b) + s.second_slot[i]] = {c.arm_b, ~i};
     const Impulse start = s.impulse[i];
     s.linear[0][i] = s.linear[1][i] = start.linear;
     if (turning) s.angular[0][i] = s.angular[1][i] = start.angular;
   }
 
   __device__ void prepare_body(BodyIndex b) {
-    const BodyContacts c{s.incidence.owned_begin(b), s.incidence.owned_end(b), s.incidence.first_second[b],
-                         s.incidence.first_second[b + 1]};
+    HalfRange c{};  // nothing moves a fixed body
+    if (!is_fixed(s.mass[b]))
+      c = {s.incidence.owned_begin(b) + s.incidence.first_second[b],
+           s.incidence.owned_end(b) + s.incidence.first_second[b + 1]};
     s.of_body[b] = c;
-    if (c.owned_end - c.owned_begin + c.second_end - c.second_begin > kHubContacts)
+    if (c.end - c.begin > kHubContacts)
       s.hub[atomicAdd(s.hub_count, 1)] = b;
   }
 
@@ -288,10 +302,11 @@ class SolveKernel {
 
   template <bool turning>
   __device__ void update_tile(Index tile, Index k) {
-    const WorldIndex w = s.tiles.world_of_tile[tile];
+    const Tile t = s.tiles.tile[tile];
+    const WorldIndex w = t.world;
     const Momentum m = s.momentum[w];
     if (m.done) return;
-    const ContactRange range = s.tiles.contacts(tile);
+    const ContactRange range = t.contacts;
     const ContactIndex i = range.begin + threadIdx.x;
     double uphill = 0, residual_square = 0;
     if (i < range.end) {
@@ -299,7 +314,7 @@ class SolveKernel {
       uphill = u.uphill;
       residual_square = u.residual_square;
     }
-    if (tile == s.tiles.first_tile[w]) update_motors(w);
+    if (t.first) update_motors(w);
     const UpdateSums sums{block_sum(uphill, scratch_), block_sum(residual_square, scratch_)};
     if (threadIdx.x == 0) s.tile_sums[tile] = sums;
     const Index tiles = s.tiles.first_tile[w + 1] - s.tiles.first_tile[w];
@@ -344,24 +359,18 @@ class SolveKernel {
     if (m.done) atomicSub(s.worlds_at_work, 1);
   }
 
-  /// Adds every `step`-th contact of a body, owned ones first.
+  /// Adds every `step`-th contact of a body.
   template <bool turning>
-  __device__ void add_contacts(const BodyContacts& c, Index store, Index from, Index step, Vec3& linear,
+  __device__ void add_contacts(const HalfRange& c, Index store, Index from, Index step, Vec3& linear,
                                Vec3& angular) const {
-    for (ContactIndex i = c.owned_begin + from; i < c.owned_end; i += step) {
-      const Impulse p = load_impulse<turning>(store, i);
-      const Real along = s.central[i].a;
-      const Vec3 arm = isnan(along) ? s.arms[i].a : s.frame[i].normal * along;
-      linear += p.linear;
-      angular += moment(arm, p);
-    }
-    for (Index k = c.second_begin + from; k < c.second_end; k += step) {
-      const ContactIndex i = s.incidence.second[k];
-      const Impulse p = load_impulse<turning>(store, i);
-      const CentralArms along = s.central[i];
-      const Vec3 arm = isnan(along.a) ? s.arms[i].b : s.frame[i].normal * along.b;
-      linear -= p.linear;
-      angular -= moment(arm, p);
+#pragma unroll 4
+    for (Index k = c.begin + from; k < c.end; k += step) {
+      const HalfContact half = s.half[k];
+      const bool backwards = half.contact < 0;
+      const Impulse p = load_impulse<turning>(store, backwards ? ~half.contact : half.contact);
+      const Vec3 turn = moment(half.arm, p);
+      linear += backwards ? -p.linear : p.linear;
+      angular += backwards ? -turn : turn;
     }
   }
 
@@ -377,7 +386,7 @@ class SolveKernel {
 
   template <bool turning>
   __device__ void measure_tile(Index tile) {
-    const WorldIndex w = s.tiles.world_of_tile[tile];
+    const WorldIndex w = s.tiles.tile[tile].world;
     const ContactRange range = s.tiles.contacts(tile);
     const ContactIndex i = range.begin + threadIdx.x;
     WorldSums sums;
@@ -441,7 +450,7 @@ class SolveKernel {
 
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step.
 template <bool turning>
-__global__ void __launch_bounds__(kTileSize) solve_kernel(const __grid_constant__ SolveViews views) {
+__global__ void __launch_bounds__(kTileSize, kBlocksPerProcessor) solve_kernel(const __grid_constant__ SolveViews views) {
   __shared__ double scratch[kTileSize / 32];
   if (*views.halted != 0) return;
   const auto grid = cooperative_groups::this_grid();
@@ -473,6 +482,7 @@ inline void reserve_solver(State<Cuda>& s) {
     own.turn.resize(s.contact_capacity);
     for (auto& of_contact : own.angular) of_contact.resize(s.contact_capacity);
   }
+  own.half.resize(2 * std::size_t(s.contact_capacity));
   own.of_body.resize(s.body_count);
   own.hub.resize(s.body_count);
   own.hub_count.resize(1);
@@ -516,6 +526,8 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           own.pair.view(),
           {own.linear[0].view(), own.linear[1].view()},
           {own.angular[0].view(), own.angular[1].view()},
+          s.second_slot.view(),
+          own.half.view(),
           own.of_body.view(),
           own.hub.view(),
           own.hub_count.data(),

@@ -26,7 +26,8 @@ struct GatherVelocity {
     const Momentum& m = momentum[world_of_body[b]];
     if (m.iterations != update) return;
     Pack sum{};
-    for (Index i = incidence.owned_begin(b); i < incidence.owned_end(b); ++i)
+    const Index owned_end = is_fixed(mass[b]) ? 0 : incidence.owned_end(b);  // nothing moves a fixed body
+    for (Index i = incidence.owned_begin(b); i < owned_end; ++i)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_a[i]);
     for (Index k = incidence.first_second[b]; k < incidence.first_second[b + 1]; ++k)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_b[k]);

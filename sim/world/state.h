@@ -118,6 +118,17 @@ struct ContactStore {
   Buffer<Impulse, Exec> impulse;     // [contact] at the end of the step
 };
 
+struct ContactRange {
+  ContactIndex begin, end;
+};
+
+/// A run of contacts of one world; see tiles.h.
+struct alignas(16) Tile {
+  ContactRange contacts;
+  WorldIndex world;
+  Index first;  // 1: the first of its world
+};
+
 /// Arrays that a backend's solver keeps for itself; each backend specialises it.
 template <class Exec>
 struct SolverStorage;
@@ -161,7 +172,8 @@ struct State {
   Buffer<Contact, Exec> contact;
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
       second_slot;  // see incidence.h
-  Buffer<Index, Exec> tiles_of_world, first_tile, world_of_tile;                                // see tiles.h
+  Buffer<Index, Exec> tiles_of_world, first_tile;                                               // see tiles.h
+  Buffer<Tile, Exec> tile;
   Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;                                  // [body]
   Buffer<Momentum, Exec> momentum;   // [world]
   Buffer<WorldSums, Exec> world_sums;
