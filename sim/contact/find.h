@@ -269,8 +269,8 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
   for_each_index(exec, s.shape_count,
                  WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), old.begin.view(),
-                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(),
-                               now.impulse.view(), now.key.view(), now.begin.view(), now.end.view()});
+                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(), now.impulse.view(),
+                               now.key.view(), now.begin.view(), now.end.view()});
 }
 
 }  // namespace gonogo::sim
