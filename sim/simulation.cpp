@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "sim/broad_phase/bins.h"
+#include "sim/element/prepare.h"
 
 namespace gonogo::sim {
 namespace {
@@ -117,6 +118,10 @@ SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& plac
   std::stable_sort(r.shape.begin(), r.shape.end(), [](const Shape& a, const Shape& b) { return a.body < b.body; });
   for (Motor& m : r.motor) m.body = place[m.body];
   for (SpringDamper& s : r.spring) s.upper = place[s.upper], s.lower = place[s.lower];
+  for (ForceElement& f : r.force) f.body = place[f.body];
+  for (Controller& c : r.controller)
+    if (follows_velocity(c)) c.body = place[c.body];
+  for (Monitor& m : r.monitor) m.body = place[m.body];
   return r;
 }
 
@@ -150,12 +155,14 @@ void append_masses(const SceneWorld& world, FlatWorld& flat) {
 
 WorldSize FlatWorld::size() const {
   return {Index(body.size()),  Index(shape.size()), world.bins[0] * world.bins[1] * world.bins[2],
-          Index(large.size()), Index(motor.size()), Index(spring.size())};
+          Index(large.size()), Index(motor.size()), Index(spring.size()),
+          element.size()};
 }
 
 FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSettings& settings) {
   check_world(scene_world, std::size_t(w));
   check_drives(scene_world, std::size_t(w));
+  check_elements(scene_world, std::size_t(w), settings);
   FlatWorld flat;
   flat.world = world_parameters(scene_world, settings, std::size_t(w));
   flat.place_of_body = spatial_order(scene_world, flat.world);
@@ -164,6 +171,7 @@ FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSetting
   flat.body = world.body;
   flat.motor = world.motor;
   flat.spring = world.spring;
+  flat.element = flat_elements(world, settings);
   append_shapes(world, flat);
   append_masses(world, flat);
   return flat;

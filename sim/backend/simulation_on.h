@@ -14,6 +14,7 @@ struct Place {
   BodyIndex body = 0;
   ShapeIndex shape = 0;
   Index bin = 0, large = 0, motor = 0, spring = 0;
+  ElementSize elements;
   WorldSize size;
 };
 
@@ -38,14 +39,33 @@ class SimulationOn final : public Simulation {
     r.time = double(s_.steps.read(w)) * settings_.step;
     r.kinetic_energy = sums.kinetic;
     r.gravity_power = sums.gravity_power;
-    for (Index m = place_[w].motor; m < place_[w].motor + Index(flat_[w].motor.size()); ++m)
-      r.motor_power += s_.motor_impulse.read(m) / settings_.step * s_.velocity.read(s_.motor.read(m).body).angular.y;
-    r.rms_residual = sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+    const WorldEnergy energy = s_.element.energy.read(w);
+    r.motor_power = energy.motor_power;
+    r.force_power = energy.force_power;
+    r.spring_energy = energy.spring;
+    r.rms_residual = rms_residual(sums);
     r.max_residual = sums.residual_max;
     r.contact_count = sums.contact_count;
     r.iterations = sums.iterations;
     r.flags = s_.flags.read(w);
     return r;
+  }
+
+  WorldStop stop(WorldIndex w) override { return s_.element.stop.read(w); }
+  std::vector<WorldStop> stops() override { return s_.element.stop.download(); }
+
+  MonitorState monitor(WorldIndex w, Index m) override {
+    check_monitor(w, m);
+    return s_.element.monitor_state.read(place_[w].elements.monitors + m);
+  }
+
+  std::vector<MonitorSample> samples(WorldIndex w, Index m, Index first, Index count) override {
+    const Index recorded = monitor(w, m).sample_count;
+    if (first < 0 || count < 0 || count > recorded - first)
+      throw InputError("samples " + std::to_string(first) + " to " + std::to_string(first + count) +
+                       " of a monitor are asked for; it has recorded " + std::to_string(recorded));
+    return s_.element.sample.download(place_[w].elements.samples + flat_[w].element.monitor[m].first_sample + first,
+                                      count);
   }
 
   BodyState body(WorldIndex w, BodyIndex b) override {
@@ -84,6 +104,10 @@ class SimulationOn final : public Simulation {
   }
 
   void set_motor(WorldIndex w, Index m, Real speed, Real max_torque) override {
+    for (const ControllerPlan& c : flat_[w].element.controller)
+      if (c.motor == m)
+        throw InputError("world " + std::to_string(w) + ": motor " + std::to_string(m) +
+                         " is set by a controller in every step");
     Motor& motor = flat_[w].motor[m];
     motor.speed = speed;
     motor.max_torque = max_torque;
@@ -142,6 +166,7 @@ class SimulationOn final : public Simulation {
     p.impulse = latest().impulse.download(r.begin, r.end - r.begin);
     p.motor = flat_[w].motor;
     p.motor_impulse = s_.motor_impulse.download(at.motor, size.motors);
+    p.element = s_.element.snapshot(size.elements, element_place(w));
     shift_contacts(p, -r.begin, -at.shape);
     return p;
   }
@@ -154,6 +179,11 @@ class SimulationOn final : public Simulation {
                        std::to_string(from.contact_begin.size()) + " shapes and " + std::to_string(from.motor.size()) +
                        " motors; this one has " + std::to_string(size.bodies) + ", " + std::to_string(size.shapes) +
                        " and " + std::to_string(size.motors));
+    if (!from.element.fits(size.elements))
+      throw InputError("the snapshot is of a world with " + std::to_string(from.element.controller.size()) +
+                       " controllers and " + std::to_string(from.element.sample.size()) +
+                       " samples of monitors; this one has " + std::to_string(size.elements.controllers) + " and " +
+                       std::to_string(size.elements.samples));
     const Place& at = place_[w];
     flat_[w].world = from.world;
     flat_[w].motor = from.motor;
@@ -166,6 +196,7 @@ class SimulationOn final : public Simulation {
     s_.steps.write(w, from.steps);
     s_.flags.write(w, from.flags);
     s_.world_sums.write(w, WorldSums{});
+    s_.element.restore(from.element, element_place(w));
     write_contacts(w, from);
     stepped_[w] = false;
   }
@@ -212,15 +243,17 @@ class SimulationOn final : public Simulation {
     restored_contacts_ += count;
   }
 
-  static WorldSize larger(const WorldSize& a, const WorldSize& b) {
-    return {std::max(a.bodies, b.bodies),           std::max(a.shapes, b.shapes), std::max(a.bins, b.bins),
-            std::max(a.large_shapes, b.large_shapes), std::max(a.motors, b.motors), std::max(a.springs, b.springs)};
+  static WorldSize larger_size(const WorldSize& a, const WorldSize& b) {
+    return {std::max(a.bodies, b.bodies),  std::max(a.shapes, b.shapes),
+            std::max(a.bins, b.bins),      std::max(a.large_shapes, b.large_shapes),
+            std::max(a.motors, b.motors),  std::max(a.springs, b.springs),
+            larger(a.elements, b.elements)};
   }
 
   void lay_out(const WorldSize& room) {
     Place next;
     for (const FlatWorld& world : flat_) {
-      next.size = larger(world.size(), room);
+      next.size = larger_size(world.size(), room);
       place_.push_back(next);
       next.body += next.size.bodies;
       next.shape += next.size.shapes;
@@ -228,6 +261,7 @@ class SimulationOn final : public Simulation {
       next.large += next.size.large_shapes;
       next.motor += next.size.motors;
       next.spring += next.size.springs;
+      next.elements = after(next.elements, next.size.elements);
     }
     s_.world_count = Index(flat_.size());
     s_.body_count = next.body;
@@ -237,14 +271,38 @@ class SimulationOn final : public Simulation {
     large_total_ = next.large;
     motor_total_ = next.motor;
     spring_total_ = next.spring;
+    element_total_ = next.elements;
+  }
+
+  void check_monitor(WorldIndex w, Index m) const {
+    const Index count = flat_[w].size().elements.monitors;
+    if (m < 0 || m >= count)
+      throw InputError("world " + std::to_string(w) + " has no monitor " + std::to_string(m) + "; it has " +
+                       std::to_string(count));
+  }
+
+  ElementPlace element_place(WorldIndex w) const {
+    const Place& at = place_[w];
+    return {
+        w,           at.body,         at.motor, Index(flat_[w].motor.size()), at.spring, Index(flat_[w].spring.size()),
+        at.elements, at.size.elements};
   }
 
   void check_fits(WorldIndex w, const WorldSize& size) const {
     const WorldSize& room = place_[w].size;
     const std::pair<const char*, std::pair<Index, Index>> parts[] = {
-        {"bodies", {size.bodies, room.bodies}},   {"shapes", {size.shapes, room.shapes}},
-        {"bins", {size.bins, room.bins}},         {"large shapes", {size.large_shapes, room.large_shapes}},
-        {"motors", {size.motors, room.motors}},   {"springs", {size.springs, room.springs}}};
+        {"bodies", {size.bodies, room.bodies}},
+        {"shapes", {size.shapes, room.shapes}},
+        {"bins", {size.bins, room.bins}},
+        {"large shapes", {size.large_shapes, room.large_shapes}},
+        {"motors", {size.motors, room.motors}},
+        {"springs", {size.springs, room.springs}},
+        {"bodies with forces", {size.elements.loaded, room.elements.loaded}},
+        {"forces", {size.elements.forces, room.elements.forces}},
+        {"controllers", {size.elements.controllers, room.elements.controllers}},
+        {"table points", {size.elements.table_points, room.elements.table_points}},
+        {"monitors", {size.elements.monitors, room.elements.monitors}},
+        {"samples of monitors", {size.elements.samples, room.elements.samples}}};
     for (const auto& [name, count] : parts)
       if (count.first > count.second)
         throw InputError("the new world has " + std::to_string(count.first) + " " + name + ", place " +
@@ -286,6 +344,7 @@ class SimulationOn final : public Simulation {
     std::vector<SpringDamper> spring = flat_[w].spring;
     for (SpringDamper& s : spring) s.upper += at.body, s.lower += at.body;
     s_.spring.write(at.spring, spring);
+    s_.element.write(flat_[w].element, element_place(w));
     s_.steps.write(w, 0);
     s_.flags.write(w, 0);
     s_.world_sums.write(w, WorldSums{});
@@ -356,6 +415,7 @@ class SimulationOn final : public Simulation {
     s_.motor.fill_zero(motor_total_);
     s_.motor_impulse.fill_zero(motor_total_);
     s_.spring.fill_zero(spring_total_);
+    s_.element.allocate(s_.world_count, element_total_);
     s_.progress.fill_zero(1);
     allocate_shapes();
     lay_out_body_tiles();
@@ -393,8 +453,9 @@ class SimulationOn final : public Simulation {
   StepSettings settings_;
   std::vector<FlatWorld> flat_;  // as they entered, but with the laws, gravity and motors of now
   std::vector<Place> place_;
-  std::vector<bool> stepped_;    // [world] since it entered or was restored
+  std::vector<bool> stepped_;  // [world] since it entered or was restored
   Index large_total_ = 0, motor_total_ = 0, spring_total_ = 0;
+  ElementSize element_total_;
   Index restored_contacts_ = 0;  // since the latest step
   State<Exec> s_;
   StepQueue<Exec> queue_;

@@ -3,6 +3,7 @@
 #pragma once
 #include "base/for_each.h"
 #include "sim/contact/contact.h"
+#include "sim/element/state.h"
 #include "sim/solver/momentum.h"
 
 namespace gonogo::sim {
@@ -102,6 +103,11 @@ struct WorldSums {
   }
 };
 
+/// Root-mean-square residual of a step [m/s].
+GONOGO_HD inline double rms_residual(const WorldSums& sums) {
+  return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+}
+
 /// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
 struct BinnedSphere {
   Vec3d centre;  // folded into the period [m]
@@ -161,6 +167,7 @@ struct State {
   Buffer<Motor, Exec> motor;
   Buffer<Real, Exec> motor_impulse;    // [motor], [N m s]
   Buffer<SpringDamper, Exec> spring;
+  ElementState<Exec> element;
   Buffer<Index, Exec> steps;                                // [world] taken so far
   Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // bodies in runs of kTileSize, by world
 
