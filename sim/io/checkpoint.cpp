@@ -34,7 +34,8 @@ class Bytes {
 
 // A record that grows must grow here too.
 static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 44 && sizeof(Motor) == 12 &&
-                  sizeof(SpringDamper) == 24 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64,
+                  sizeof(SpringDamper) == 24 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
+                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88,
               "list the new fields in scene_hash");
 
 void add(Bytes& b, const PairLaw& l) {
@@ -52,10 +53,26 @@ void add(Bytes& b, const StepSettings& s) {
     << s.solver << s.target;
 }
 
+void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
+void add(Bytes& b, const ForceElement& f) {
+  b << f.type << f.body << f.frame << f.point_B << f.force << f.torque << f.start << f.ramp << f.drag << f.wind;
+}
+void add(Bytes& b, const Monitor& m) {
+  b << m.body << m.motor << m.height << m.start << m.stride << m.time_limit << m.earliest << m.distance << m.slid_back
+    << m.immobile_window << m.immobile_from << m.immobile_speed;
+}
+
 template <class T>
 void add_all(Bytes& b, const std::vector<T>& list) {
   b << std::uint64_t(list.size());
   for (const T& item : list) add(b, item);
+}
+
+void add(Bytes& b, const Controller& c) {
+  b << c.type << c.motor;
+  add_all(b, c.command);
+  add_all(b, c.limit);
+  b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed;
 }
 
 void add(Bytes& b, const SceneWorld& w) {
@@ -67,6 +84,9 @@ void add(Bytes& b, const SceneWorld& w) {
   add_all(b, w.shape);
   add_all(b, w.motor);
   add_all(b, w.spring);
+  add_all(b, w.force);
+  add_all(b, w.controller);
+  add_all(b, w.monitor);
 }
 
 /// Everything about a world that is not a list of bodies or contacts; gravity and laws may change during a run.
@@ -156,6 +176,25 @@ void exchange_arrays(Io& io, Snap& s) {
   io.template rows<std::uint64_t>("key", s.key);
   io.template rows<float>("impulse", s.impulse);
   io.template rows<float>("motor_impulse", s.motor_impulse);
+  io.template rows<double>("controller", s.element.controller);
+}
+
+/// Records of mixed numbers, byte by byte.
+static_assert(sizeof(MonitorSample) == 80 && sizeof(MonitorState) == 144 && sizeof(WorldStop) == 12,
+              "files of older programs do not fit any more: raise kVersion");
+
+void store_monitors(Store& store, const Snapshot& s) {
+  store.rows<std::int32_t>("stop", std::vector<WorldStop>{s.element.stop});
+  store.rows<std::uint8_t>("monitor", s.element.monitor);
+  store.rows<std::uint8_t>("monitor_sample", s.element.sample);
+}
+
+void load_monitors(Load& load, Snapshot& s) {
+  std::vector<WorldStop> stop;
+  load.rows<std::int32_t>("stop", stop);
+  if (!stop.empty()) s.element.stop = stop.front();
+  load.rows<std::uint8_t>("monitor", s.element.monitor);
+  load.rows<std::uint8_t>("monitor_sample", s.element.sample);
 }
 
 void store_world(Store& store, Snapshot s) {
@@ -226,6 +265,7 @@ void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string
   exchange_arrays(store, snapshot);
   store_world(store, snapshot);
   store_motors(store, snapshot);
+  store_monitors(store, snapshot);
   out.attribute(kGroup, "content", store.hash());
 }
 
@@ -236,6 +276,7 @@ Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene) {
   exchange_arrays(load, s);
   load_world(load, s);
   load_motors(load, s);
+  load_monitors(load, s);
   if (in.text_attribute(kGroup, "content") != load.hash())
     in.fail(kGroup, "its numbers were altered; remove the file and start from the beginning");
   return s;

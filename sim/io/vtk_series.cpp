@@ -19,7 +19,7 @@ std::string file_name(const std::string& kind, int frame) {
   return kind + number;
 }
 
-VtpContent sphere_content(const Frame& frame, const std::vector<Shape>& shapes) {
+VtpContent sphere_content(const Capture& frame, const std::vector<Shape>& shapes) {
   VtpContent content;
   std::vector<float> radius, speed;
   std::vector<std::int32_t> body, material;
@@ -44,7 +44,7 @@ VtpContent sphere_content(const Frame& frame, const std::vector<Shape>& shapes) 
   return content;
 }
 
-VtpContent surface_content(const Frame& frame, const std::vector<Shape>& shapes, Real plane_half) {
+VtpContent surface_content(const Capture& frame, const std::vector<Shape>& shapes, Real plane_half) {
   VtpContent content;
   std::vector<std::int32_t> body, material;
   std::vector<Vec3> normal, velocity;
@@ -71,12 +71,12 @@ VtpContent surface_content(const Frame& frame, const std::vector<Shape>& shapes,
   return content;
 }
 
-VtpContent contact_content(const Frame& frame) {
+VtpContent contact_content(const Capture& frame) {
   VtpContent content;
   std::vector<float> gap;
   std::vector<std::int32_t> body_a, body_b;
   std::vector<Vec3> normal, impulse;
-  for (const FrameContact& c : frame.contact) {
+  for (const CapturedContact& c : frame.contact) {
     content.point.push_back(c.point);
     normal.push_back(c.normal);
     impulse.push_back(c.impulse);
@@ -102,7 +102,7 @@ VtkSeries::VtkSeries(std::filesystem::path folder, const SceneWorld& world)
   for (const char* kind : kKinds) write_collection(kind);
 }
 
-void VtkSeries::write(const Frame& frame) {
+void VtkSeries::write(const Capture& frame) {
   const int k = frame_count();
   const std::array content{sphere_content(frame, shape_), surface_content(frame, shape_, plane_half_),
                            contact_content(frame)};
