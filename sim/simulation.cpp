@@ -2,38 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/error.h"
+#include "sim/broad_phase/layout.h"
+#include "sim/shape/check.h"
 
 namespace gonogo::sim {
 namespace {
 
-/// Spheres up to this multiple of a world's smallest sphere are binned; larger ones are few and tested one by one.
-constexpr Real kBinnedSizeRatio = 4;
-
 std::string in_world(std::size_t w) { return "world " + std::to_string(w) + ": "; }
-
-Real smallest_sphere(const SceneWorld& world) {
-  Real radius = 0;
-  for (const Shape& s : world.shape)
-    if (s.type == ShapeType::sphere && (radius == 0 || s.size.x < radius)) radius = s.size.x;
-  return radius;
-}
-
-bool is_binned(const Shape& s, Real smallest) {
-  return s.type == ShapeType::sphere && s.size.x <= kBinnedSizeRatio * smallest;
-}
 
 void check_world(const SceneWorld& world, std::size_t w) {
   if (world.body.empty()) throw InputError(in_world(w) + "has no bodies");
   if (!(world.size.x > 0 && world.size.y > 0 && world.size.z > 0))
     throw InputError(in_world(w) + "its size must be above zero");
-  for (const Shape& s : world.shape) {
-    if (s.material < 0 || s.material >= kMaxMaterials)
-      throw InputError(in_world(w) + "a shape's material is out of range");
-    if (s.type != ShapeType::plane && !(s.size.x > 0))
-      throw InputError(in_world(w) + "a shape's size must be above zero");
-  }
+  check_shapes(world, w);
 }
 
 void check_drives(const SceneWorld& world, std::size_t w) {
@@ -51,25 +35,6 @@ void check_drives(const SceneWorld& world, std::size_t w) {
       throw InputError(in_world(w) + "a spring needs two bodies, at least one of them free to move along z");
 }
 
-/// Bins at least as wide as the largest binned sphere plus the envelope; at least 3 along a periodic axis.
-void lay_out_bins(const SceneWorld& world, const StepSettings& settings, std::size_t w, WorldParameters& p) {
-  const Real smallest = smallest_sphere(world);
-  Real width = 0;
-  for (const Shape& s : world.shape)
-    if (is_binned(s, smallest)) width = std::max(width, 2 * s.size.x);
-  width = width > 0 ? width + settings.envelope : Real(world.size.x);
-  const double size[3] = {world.size.x, world.size.y, world.size.z};
-  Real bin_size[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    p.bins[axis] = std::max(1, std::min(1024, int(std::floor(size[axis] / width))));
-    bin_size[axis] = Real(size[axis] / p.bins[axis]);
-  }
-  p.bin_size = {bin_size[0], bin_size[1], bin_size[2]};
-  if ((world.periodic_x && smallest > 0 && p.bins[0] < 3) || (world.periodic_y && smallest > 0 && p.bins[1] < 3))
-    throw InputError(in_world(w) +
-                     "a periodic side is shorter than three grains; make the bed larger or the grains smaller");
-}
-
 WorldParameters world_parameters(const SceneWorld& world, const StepSettings& settings, std::size_t w) {
   WorldParameters p;
   p.gravity = world.gravity;
@@ -80,8 +45,16 @@ WorldParameters world_parameters(const SceneWorld& world, const StepSettings& se
   return p;
 }
 
-void append_shapes(const SceneWorld& world, BodyIndex first_body, FlatScene& flat, WorldParameters& p) {
-  const Real smallest = smallest_sphere(world);
+/// Bins of all worlds up to this one.
+Index with_bins_of(const WorldParameters& p, Index before, std::size_t w) {
+  const std::int64_t count = before + std::int64_t(p.bins[0]) * p.bins[1] * p.bins[2];
+  if (count > std::numeric_limits<Index>::max())
+    throw InputError(in_world(w) + "the batch needs " + std::to_string(count) + " bins up to here, more than " +
+                     std::to_string(std::numeric_limits<Index>::max()) + "; use fewer worlds in a batch");
+  return Index(count);
+}
+
+void append_shapes(const SceneWorld& world, Real limit, BodyIndex first_body, FlatScene& flat, WorldParameters& p) {
   p.first_large = Index(flat.large.size());
   std::size_t next = 0;
   for (BodyIndex b = 0; b < BodyIndex(world.body.size()); ++b) {
@@ -89,8 +62,8 @@ void append_shapes(const SceneWorld& world, BodyIndex first_body, FlatScene& fla
     for (; next < world.shape.size() && world.shape[next].body == b; ++next) {
       Shape s = world.shape[next];
       s.body += first_body;
-      const bool binned = is_binned(s, smallest);
-      if (!binned) flat.large.push_back(ShapeIndex(flat.shape.size()));
+      const bool binned = is_binned(s, limit);
+      if (!binned) flat.large.push_back({ShapeIndex(flat.shape.size()), {}, {}, {}});
       flat.bin_of_shape.push_back(binned ? 0 : -1);
       flat.shape.push_back(s);
     }
@@ -110,8 +83,8 @@ FlatScene flatten(const Scene& scene, const StepSettings& settings) {
     p.first_body = BodyIndex(flat.body.size());
     p.body_count = Index(world.body.size());
     p.first_bin = flat.bin_count;
-    flat.bin_count += p.bins[0] * p.bins[1] * p.bins[2];
-    append_shapes(world, p.first_body, flat, p);
+    flat.bin_count = with_bins_of(p, flat.bin_count, w);
+    append_shapes(world, binned_radius(world, settings), p.first_body, flat, p);
     flat.body.insert(flat.body.end(), world.body.begin(), world.body.end());
     for (BodyMass m : world.mass) {
       m.isotropic = m.inverse_inertia_B.x == m.inverse_inertia_B.y && m.inverse_inertia_B.y == m.inverse_inertia_B.z;

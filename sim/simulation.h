@@ -84,7 +84,7 @@ struct FlatScene {
   std::vector<WorldIndex> world_of_body;
   std::vector<Shape> shape;
   std::vector<Index> first_shape, bin_of_shape, first_motor, first_spring;
-  std::vector<ShapeIndex> large;
+  std::vector<LargeShape> large;
   std::vector<Motor> motor;
   std::vector<SpringDamper> spring;
   Index bin_count = 0;

@@ -184,7 +184,7 @@ class SimulationOn final : public Simulation {
     s_.contacts_of_shape.fill_zero(s_.shape_count);
     s_.binned_count = s_.shape_count - s_.large.size();
     s_.shape_in_bin.fill_zero(s_.binned_count);
-    s_.sphere_in_bin.fill_zero(s_.binned_count);
+    s_.shape_by_bin.fill_zero(s_.binned_count);
     s_.first_in_bin.fill_zero(s_.bin_count + 1);
   }
 
