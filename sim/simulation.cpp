@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "base/error.h"
+#include "sim/broad_phase/bins.h"
 #include "sim/broad_phase/layout.h"
 #include "sim/shape/check.h"
 
@@ -45,80 +47,112 @@ WorldParameters world_parameters(const SceneWorld& world, const StepSettings& se
   return p;
 }
 
-/// Bins of all worlds up to this one.
-Index with_bins_of(const WorldParameters& p, Index before, std::size_t w) {
-  const std::int64_t count = before + std::int64_t(p.bins[0]) * p.bins[1] * p.bins[2];
-  if (count > std::numeric_limits<Index>::max())
-    throw InputError(in_world(w) + "the batch needs " + std::to_string(count) + " bins up to here, more than " +
-                     std::to_string(std::numeric_limits<Index>::max()) + "; use fewer worlds in a batch");
-  return Index(count);
+/// Interleaves the lowest ten bits of three numbers: neighbours in space get close numbers (Morton 1966).
+std::uint32_t interleaved(Index x, Index y, Index z) {
+  std::uint32_t code = 0;
+  for (int bit = 0; bit < 10; ++bit)
+    code |= (std::uint32_t(x >> bit & 1) << (3 * bit)) | (std::uint32_t(y >> bit & 1) << (3 * bit + 1)) |
+            (std::uint32_t(z >> bit & 1) << (3 * bit + 2));
+  return code;
 }
 
-void append_shapes(const SceneWorld& world, Real limit, BodyIndex first_body, FlatScene& flat, WorldParameters& p) {
-  p.first_large = Index(flat.large.size());
+/// Index in the scene -> index in spatial order.
+std::vector<BodyIndex> spatial_order(const SceneWorld& world, const WorldParameters& p) {
+  const std::size_t count = world.body.size();
+  std::vector<std::uint32_t> code(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    const BinCoordinates bin = bin_of(p, world.body[b].position);
+    code[b] = interleaved(bin.x, bin.y, bin.z);
+  }
+  std::vector<BodyIndex> sorted(count), place(count);
+  std::iota(sorted.begin(), sorted.end(), 0);
+  std::stable_sort(sorted.begin(), sorted.end(), [&](BodyIndex a, BodyIndex b) { return code[a] < code[b]; });
+  for (std::size_t k = 0; k < count; ++k) place[sorted[k]] = BodyIndex(k);
+  return place;
+}
+
+/// The same world with its bodies in another order.
+SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& place) {
+  SceneWorld r = world;
+  for (std::size_t b = 0; b < place.size(); ++b) {
+    r.body[place[b]] = world.body[b];
+    r.mass[place[b]] = world.mass[b];
+  }
+  for (Shape& s : r.shape) s.body = place[s.body];
+  std::stable_sort(r.shape.begin(), r.shape.end(), [](const Shape& a, const Shape& b) { return a.body < b.body; });
+  for (Motor& m : r.motor) m.body = place[m.body];
+  for (SpringDamper& s : r.spring) s.upper = place[s.upper], s.lower = place[s.lower];
+  return r;
+}
+
+void append_shapes(const SceneWorld& world, Real binned_up_to, FlatWorld& flat) {
   std::size_t next = 0;
   for (BodyIndex b = 0; b < BodyIndex(world.body.size()); ++b) {
     flat.first_shape.push_back(Index(flat.shape.size()));
     for (; next < world.shape.size() && world.shape[next].body == b; ++next) {
-      Shape s = world.shape[next];
-      s.body += first_body;
-      const bool binned = is_binned(s, limit);
+      const Shape& s = world.shape[next];
+      const bool binned = is_binned(s, binned_up_to);
       if (!binned) flat.large.push_back({ShapeIndex(flat.shape.size()), {}, {}, {}});
       flat.bin_of_shape.push_back(binned ? 0 : -1);
       flat.shape.push_back(s);
     }
   }
-  p.large_count = Index(flat.large.size()) - p.first_large;
+  flat.world.large_count = Index(flat.large.size());
+  flat.world.shape_count = Index(flat.shape.size());
+}
+
+void append_masses(const SceneWorld& world, FlatWorld& flat) {
+  for (BodyMass m : world.mass) {
+    m.isotropic = m.inverse_inertia_B.x == m.inverse_inertia_B.y && m.inverse_inertia_B.y == m.inverse_inertia_B.z;
+    m.motor = -1;
+    flat.mass.push_back(m);
+  }
+  for (std::size_t m = 0; m < world.motor.size(); ++m) flat.mass[world.motor[m].body].motor = std::int32_t(m);
+}
+
+/// Bins of all worlds are counted by one Index.
+void check_bins(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
+  double bins = 0;
+  for (const FlatWorld& world : worlds) bins += std::max(world.size().bins, room.bins);
+  if (bins > std::numeric_limits<Index>::max())
+    throw InputError("the batch needs " + std::to_string(std::int64_t(bins)) + " bins, more than " +
+                     std::to_string(std::numeric_limits<Index>::max()) + "; use fewer worlds");
 }
 
 }  // namespace
 
-FlatScene flatten(const Scene& scene, const StepSettings& settings) {
-  FlatScene flat;
-  for (std::size_t w = 0; w < scene.size(); ++w) {
-    const SceneWorld& world = scene[w];
-    check_world(world, w);
-    check_drives(world, w);
-    WorldParameters p = world_parameters(world, settings, w);
-    p.first_body = BodyIndex(flat.body.size());
-    p.body_count = Index(world.body.size());
-    p.first_bin = flat.bin_count;
-    flat.bin_count = with_bins_of(p, flat.bin_count, w);
-    append_shapes(world, binned_radius(world, settings), p.first_body, flat, p);
-    flat.body.insert(flat.body.end(), world.body.begin(), world.body.end());
-    for (BodyMass m : world.mass) {
-      m.isotropic = m.inverse_inertia_B.x == m.inverse_inertia_B.y && m.inverse_inertia_B.y == m.inverse_inertia_B.z;
-      m.motor = -1;
-      flat.mass.push_back(m);
-    }
-    flat.world_of_body.insert(flat.world_of_body.end(), world.body.size(), WorldIndex(w));
-    flat.first_motor.push_back(Index(flat.motor.size()));
-    for (Motor m : world.motor) {
-      m.body += p.first_body;
-      flat.mass[m.body].motor = std::int32_t(flat.motor.size());
-      flat.motor.push_back(m);
-    }
-    flat.first_spring.push_back(Index(flat.spring.size()));
-    for (SpringDamper s : world.spring) {
-      s.upper += p.first_body;
-      s.lower += p.first_body;
-      flat.spring.push_back(s);
-    }
-    flat.world.push_back(p);
-  }
-  flat.first_shape.push_back(Index(flat.shape.size()));
+WorldSize FlatWorld::size() const {
+  return {Index(body.size()),  Index(shape.size()), world.bins[0] * world.bins[1] * world.bins[2],
+          Index(large.size()), Index(motor.size()), Index(spring.size())};
+}
+
+FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSettings& settings) {
+  check_world(scene_world, std::size_t(w));
+  check_drives(scene_world, std::size_t(w));
+  FlatWorld flat;
+  flat.world = world_parameters(scene_world, settings, std::size_t(w));
+  flat.place_of_body = spatial_order(scene_world, flat.world);
+  const SceneWorld world = reordered(scene_world, flat.place_of_body);
+  flat.world.body_count = Index(world.body.size());
+  flat.body = world.body;
+  flat.motor = world.motor;
+  flat.spring = world.spring;
+  append_shapes(world, binned_radius(world, settings), flat);
+  append_masses(world, flat);
   return flat;
 }
 
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
-                                            int threads) {
+                                            int threads, const WorldSize& room) {
   if (scene.empty()) throw InputError("the scene has no worlds");
   if (!(settings.step > 0) || settings.iterations < 1)
     throw InputError("the step must be above zero and there must be at least one iteration");
-  const FlatScene flat = flatten(scene, settings);
-  if (backend == Backend::cpu) return make_cpu_simulation(flat, settings, threads);
+  std::vector<FlatWorld> worlds;
+  for (std::size_t w = 0; w < scene.size(); ++w) worlds.push_back(flatten(scene[w], WorldIndex(w), settings));
+  check_bins(worlds, room);
+  if (backend == Backend::cpu) return make_cpu_simulation(std::move(worlds), settings, room, threads);
 #ifdef GONOGO_WITH_CUDA
-  return make_cuda_simulation(flat, settings);
+  return make_cuda_simulation(std::move(worlds), settings, room);
 #else
   throw InputError("this program was built without CUDA; build the cuda-release preset or ask for the cpu backend");
 #endif

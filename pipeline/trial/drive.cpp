@@ -33,21 +33,24 @@ struct Sample {
 class Run {
  public:
   Run(const TrialSetup& setup, const TrialConditions& conditions, const TrialNumerics& numerics,
-      const TrialObserver& observe, double surface, std::unique_ptr<sim::Simulation> simulation,
-      const vehicle::RigBodies& bodies)
+      const TrialWatch& watch, double surface, const sim::SceneWorld& world,
+      std::unique_ptr<sim::Simulation> simulation, const vehicle::RigBodies& bodies)
       : setup_(setup),
         conditions_(conditions),
         numerics_(numerics),
-        observe_(observe),
+        watch_(watch),
         surface_(surface),
+        world_(world),
         simulation_(std::move(simulation)),
         bodies_(bodies),
         last_(simulation_->body(0, bodies.wheel).position) {}
 
   /// Lets the wheel down, ramps its speed up and drives until a stop rule holds.
   DriveOutcome until_decided() {
+    show_when_due();
     while (time_ < setup_.park_time) step(0);
     while (!decided()) step(std::min(1.0, drive_time() / setup_.ramp_time));
+    if (shown_time_ < time_) show();
     return outcome();
   }
 
@@ -60,6 +63,18 @@ class Run {
     simulation_->advance(1);
     time_ += numerics_.step;
     record(simulation_->report(0), simulation_->body(0, bodies_.wheel), simulation_->body(0, bodies_.sprung));
+    show_when_due();
+  }
+
+  /// Frames are due at multiples of the interval, to the nearest step.
+  void show_when_due() {
+    if (time_ + 0.5 * numerics_.step >= double(frame_count_) * watch_.frame_interval) show();
+  }
+
+  void show() {
+    shown_time_ = time_;
+    while (double(frame_count_) * watch_.frame_interval <= time_ + 0.5 * numerics_.step) ++frame_count_;
+    if (watch_.frame) watch_.frame({sample_, world_, *simulation_, bodies_.wheel});
   }
 
   void record(const sim::StepReport& report, const sim::BodyState& wheel, const sim::BodyState& sprung) {
@@ -76,10 +91,17 @@ class Run {
     if (drive_time() >= 0)
       samples_.push_back({drive_time(), x_, rolled_, surface_ - (wheel.position.z - setup_.rig.radius),
                           simulation_->motor_torque(0, bodies_.motor), report.motor_power});
-    if (observe_)
-      observe_({time_, x_, y_, surface_ - (wheel.position.z - setup_.rig.radius), wheel.velocity.x,
-                rolled_ > 0 ? 1 - x_ / rolled_ : 0, simulation_->motor_torque(0, bodies_.motor), report.rms_residual,
-                report.contact_count, report.iterations});
+    sample_ = {time_,
+               x_,
+               y_,
+               surface_ - (wheel.position.z - setup_.rig.radius),
+               wheel.velocity.x,
+               rolled_ > 0 ? 1 - x_ / rolled_ : 0,
+               simulation_->motor_torque(0, bodies_.motor),
+               report.rms_residual,
+               report.contact_count,
+               report.iterations};
+    if (watch_.sample) watch_.sample(sample_);
   }
 
   static double periodic_change(double d, double period) { return d - period * std::rint(d / period); }
@@ -156,8 +178,9 @@ class Run {
   const TrialSetup& setup_;
   const TrialConditions& conditions_;
   const TrialNumerics& numerics_;
-  const TrialObserver& observe_;
+  const TrialWatch& watch_;
   double surface_;
+  const sim::SceneWorld& world_;
   std::unique_ptr<sim::Simulation> simulation_;
   vehicle::RigBodies bodies_;
   Vec3d last_;
@@ -165,12 +188,15 @@ class Run {
   Index flags_ = 0;
   EnergyBalance energy_;
   std::vector<Sample> samples_;
+  TrialSample sample_{};
+  double shown_time_ = -1;
+  std::int64_t frame_count_ = 0;
 };
 
 /// Lets the bed settle under the trial's gravity with its own laws; returns the moved packing and the bed's mean speed
 /// along the slope at the end: a slope that fails by itself keeps accelerating.
 terrain::Packing tilted(const TrialSetup& setup, const terrain::Packing& packing, const TrialConditions& conditions,
-                        const sim::StepSettings& settings, DriveOutcome& outcome) {
+                        const sim::StepSettings& settings, const TrialWatch& watch, DriveOutcome& outcome) {
   sim::SceneWorld world = terrain::bed_world(packing, conditions.laws, 2 * packing.spec.grain_diameter);
   world.gravity = conditions.gravity;
   const auto simulation = sim::make_simulation(sim::Backend::cpu, {world}, settings, 1);
@@ -185,6 +211,8 @@ terrain::Packing tilted(const TrialSetup& setup, const terrain::Packing& packing
     mean += static_cast<Vec3d>(bodies[i].velocity) * (1.0 / double(packing.grain.size()));
   }
   outcome.bed_creep = std::hypot(mean.x, mean.y);
+  if (watch.frame && (outcome.flags != 0 || outcome.bed_creep > setup.thresholds.creep_speed))
+    watch.frame({{0, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, outcome.worst_residual, 0, 0}, world, *simulation, -1});
   return result;
 }
 
@@ -205,11 +233,11 @@ double resting_axle_height(const TrialSetup& setup, const terrain::Packing& pack
 }  // namespace
 
 DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& settled, const TrialConditions& conditions,
-                   const TrialNumerics& numerics, const TrialObserver& observe) {
+                   const TrialNumerics& numerics, const TrialWatch& watch) {
   const auto settings =
       terrain::bed_step_settings(settled.spec.grain_diameter, numerics.step, numerics.iterations, numerics.tolerance);
   DriveOutcome bed{};
-  const terrain::Packing packing = tilted(setup, settled, conditions, settings, bed);
+  const terrain::Packing packing = tilted(setup, settled, conditions, settings, watch, bed);
   if (bed.flags != 0 || bed.bed_creep > setup.thresholds.creep_speed) {
     if (bed.flags == 0) bed.verdict = Verdict::no_go, bed.reason = Reason::slope_unstable;
     bed.distance = bed.drive_time = bed.mean_speed = 0;
@@ -223,8 +251,8 @@ DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& settled, con
                                              conditions.payload, terrain::tool_material);
   const double surface =
       terrain::surface_height(packing.grain, setup.bed_length, setup.bed_width, packing.spec.grain_diameter);
-  Run run(setup, conditions, numerics, observe, surface, sim::make_simulation(sim::Backend::cpu, {world}, settings, 1),
-          bodies);
+  Run run(setup, conditions, numerics, watch, surface, world,
+          sim::make_simulation(sim::Backend::cpu, {world}, settings, 1), bodies);
   DriveOutcome outcome = run.until_decided();
   outcome.bed_creep = bed.bed_creep;
   outcome.worst_residual = std::max(outcome.worst_residual, bed.worst_residual);

@@ -139,18 +139,19 @@ struct SortSegment {
 
 template <class Exec>
 void sort_into_bins(Exec exec, State<Exec>& s) {
-  s.bin_cursor.fill_zero(s.bin_count + 1);
+  clear(exec, s.bin_cursor.view());
   for_each_index(exec, s.shape_count,
                  PlaceShape{s.shape.view(), s.position.view(), s.orientation.view(), s.world_of_body.view(),
                             s.world.view(), s.centre.view(), s.bin_of_shape.view(), s.bin_cursor.view()});
-  exclusive_scan(exec, View<const Index>{s.bin_cursor.data(), s.bin_count}, s.first_in_bin.view());
-  s.bin_cursor.fill_zero(s.bin_count + 1);
+  exclusive_scan(exec, s.bin_cursor.view(), s.first_in_bin.view(), s.scratch);
+  clear(exec, s.bin_cursor.view());
   for_each_index(exec, s.shape_count,
                  FillBin{s.bin_of_shape.view(), s.first_in_bin.view(), s.bin_cursor.view(), s.shape_in_bin.view()});
   for_each_index(exec, s.bin_count, SortSegment{s.first_in_bin.view(), s.shape_in_bin.view()});
-  for_each_index(exec, s.binned_count,
-                 CopyBinnedShape{s.shape.view(), s.centre.view(), s.world_of_body.view(), s.world.view(),
-                                 s.shape_in_bin.view(), s.shape_by_bin.view()});
+  const Counted binned{s.shape_count, s.first_in_bin.data() + s.bin_count};
+  for_each_counted(exec, binned,
+                   CopyBinnedShape{s.shape.view(), s.centre.view(), s.world_of_body.view(), s.world.view(),
+                                   s.shape_in_bin.view(), s.shape_by_bin.view()});
   for_each_index(exec, s.large.size(),
                  BoundLargeShape{s.shape.view(), s.centre.view(), s.orientation.view(), s.large.view()});
 }

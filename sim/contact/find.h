@@ -1,6 +1,7 @@
 // Contacts in the order of their owning shape, found twice (to count, then to write) by the same code.
 #pragma once
 #include "sim/contact/finder.h"
+#include "sim/solver/tiles.h"
 
 namespace gonogo::sim {
 
@@ -19,19 +20,22 @@ struct WriteContacts {
   ContactFinder find;
   StepSettings settings;
   View<const Vec3d> position;
-  View<const Index> first_contact, old_first_contact;
+  View<const Index> first_contact, old_begin, old_end;  // [shape + 1], [shape], [shape]
   View<const std::uint64_t> old_key;
   View<const Impulse> old_impulse;
   View<Contact> contact;
   View<Impulse> impulse;
   View<std::uint64_t> key;
+  View<Index> begin, end;  // [shape]
 
   GONOGO_HD void operator()(Index i) const {
     Index at = first_contact[i];
+    begin[i] = at;
+    end[i] = first_contact[i + 1];
     find.visit_contacts(i, [&](ShapeIndex j, int feature, const Touch& t, const Vec3d& d) {
       contact[at] = make_contact(i, j, t, d);
       key[at] = pair_key(j, feature);
-      impulse[at] = warm_start(i, j, feature, contact[at]);
+      impulse[at] = warm_start(i, j, feature);
       ++at;
     });
   }
@@ -43,20 +47,35 @@ struct WriteContacts {
     return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
   }
 
+  /// A compliant contact is a spring and damper along the normal, implicit in the gap's rate u:
+  ///   impulse = -h (k (gap + h u) + c u)   <=>   u + impulse / (h (h k + c)) + k gap / (h k + c) = 0.
+  GONOGO_HD void set_stiffness(Contact& c, const PairLaw& law, Real gap) const {
+    if (law.stiffness <= 0) {
+      c.gap_bias = bias(gap);
+      c.softness = 0;
+      return;
+    }
+    const Real resistance = settings.step * law.stiffness + law.damping;  // [N s/m]
+    c.gap_bias = law.stiffness * gap / resistance;
+    c.softness = 1 / (settings.step * resistance);
+  }
+
   /// `d`: from the other shape's centre to the owner's.
   GONOGO_HD Contact make_contact(ShapeIndex i, ShapeIndex j, const Touch& t, const Vec3d& d) const {
     const Shape &si = find.shape[i], &sj = find.shape[j];
     const WorldIndex w = find.world_of_body[si.body];
     const PairLaw& law = find.world[w].law[si.material][sj.material];
-    const Real smaller = cohesion_radius(si, sj);
+    const Real radius = rolling_radius(si, sj), smaller = cohesion_radius(si, sj);
     Contact c;
     c.normal = t.normal;
-    c.bias = bias(t.gap);
+    c.gap = t.gap;
+    set_stiffness(c, law, t.gap);
     // The contact point lies half-way between the two surfaces.
     c.arm_a = static_cast<Vec3>(find.centre[i] - position[si.body]) + t.point;
     c.arm_b = static_cast<Vec3>(find.centre[j] - position[sj.body] + d) + t.point;
     c.mu = law.friction;
-    c.rho = law.rolling_friction * rolling_radius(si, sj);
+    c.rho = law.rolling_friction * radius;
+    c.sigma = law.spinning_friction * radius;
     c.cohesion = t.gap < settings.cohesion_range
                      ? law.cohesion_pressure * Real(3.14159265) * smaller * smaller * settings.step
                      : Real(0);
@@ -66,10 +85,9 @@ struct WriteContacts {
     return c;
   }
 
-  /// Last step's impulse of the same pair, its friction part turned into the new tangent plane. Two spheres in
-  /// different bins may have changed owners since: then the other one holds it, with the opposite sign.
-  GONOGO_HD Impulse warm_start(ShapeIndex i, ShapeIndex j, int feature, const Contact& c) const {
-    if (old_first_contact.size == 0) return {};
+  /// Last step's impulse of the same contact. Two shapes in different bins may have changed owners since: then the other
+  /// one holds it, with the opposite sign.
+  GONOGO_HD Impulse warm_start(ShapeIndex i, ShapeIndex j, int feature) const {
     Impulse start;
     if (const ContactIndex own = old_contact(i, pair_key(j, feature)); own >= 0) {
       start = old_impulse[own];
@@ -77,38 +95,56 @@ struct WriteContacts {
       start.linear = -old_impulse[other].linear;
       start.angular = -old_impulse[other].angular;
     }
-    start.angular -= c.normal * dot(start.angular, c.normal);
     return start;
   }
 
   GONOGO_HD ContactIndex old_contact(ShapeIndex owner, std::uint64_t name) const {
-    for (ContactIndex k = old_first_contact[owner]; k < old_first_contact[owner + 1]; ++k)
+    for (ContactIndex k = old_begin[owner]; k < old_end[owner]; ++k)
       if (old_key[k] == name) return k;
     return -1;
   }
 };
+
+/// Makes room for the contacts just counted. On the host at once; on the device the step is given up and the buffers
+/// are enlarged before it is taken again (see Progress).
+struct CheckCapacity {
+  View<const Index> first_contact;
+  View<Progress> progress;
+  Index capacity;
+  GONOGO_HD void operator()(Index) const {
+    progress[0].contact_total = first_contact[first_contact.size - 1];
+    if (progress[0].contact_total > capacity) progress[0].halted = 1;
+  }
+};
+
+template <class Exec>
+void reserve_contacts(State<Exec>& s, Index count) {
+  s.contact_capacity = count;
+  s.contact.resize(count);
+  s.second_found.resize(count);
+  s.second_contact.resize(count);
+  s.second_slot.resize(count);
+  s.tile.resize(tile_capacity(s));
+  for (ContactStore<Exec>& store : s.store) {
+    store.key.resize(count);
+    store.impulse.resize(count);
+  }
+}
 
 template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder{s.shape.view(), s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
                              s.world.view(), s.bin_of_shape.view(), s.first_in_bin.view(), s.shape_by_bin.view(),
                              s.large.view(), s.mass.view(),         settings.envelope};
-  s.first_contact.swap(s.old_first_contact);
-  s.key.swap(s.old_key);
-  s.impulse.swap(s.old_impulse);
-  s.first_contact.resize(s.shape_count + 1);
   for_each_index(exec, s.shape_count, CountContacts{finder, s.contacts_of_shape.view()});
-  s.contact_count = exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view());
-  s.contact.resize(s.contact_count);
-  s.key.resize(s.contact_count);
-  s.impulse.resize(s.contact_count);
-  s.extrapolated.resize(s.contact_count);
-  s.progress.resize(s.contact_count);
-  s.residual_square.resize(s.contact_count);
-  for_each_index(
-      exec, s.shape_count,
-      WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), s.old_first_contact.view(),
-                    s.old_key.view(), s.old_impulse.view(), s.contact.view(), s.impulse.view(), s.key.view()});
+  exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view(), s.scratch);
+  for_each_index(exec, 1, CheckCapacity{s.first_contact.view(), s.progress.view(), s.contact_capacity});
+  make_room_for_contacts(exec, s);
+  ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
+  for_each_index(exec, s.shape_count,
+                 WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), old.begin.view(),
+                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(),
+                               now.impulse.view(), now.key.view(), now.begin.view(), now.end.view()});
 }
 
 }  // namespace gonogo::sim

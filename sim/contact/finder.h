@@ -10,6 +10,11 @@ GONOGO_HD inline std::uint64_t pair_key(ShapeIndex other, int feature) {
   return (std::uint64_t(std::uint32_t(other)) << 32) | std::uint64_t(std::uint32_t(feature));
 }
 
+/// The same name when the other shape's index changes by `shapes`.
+inline std::uint64_t shifted_key(std::uint64_t key, ShapeIndex shapes) {
+  return pair_key(ShapeIndex(key >> 32) + shapes, int(std::uint32_t(key)));
+}
+
 struct ContactFinder {
   View<const Shape> shape;
   View<const Vec3d> centre;
@@ -32,6 +37,7 @@ struct ContactFinder {
   /// centre to that of `i`.
   template <class Visit>
   GONOGO_HD void visit_contacts(ShapeIndex i, Visit&& visit) const {
+    if (shape[i].type == ShapeType::none) return;
     const WorldParameters& w = world[world_of_body[shape[i].body]];
     if (bin_of_shape[i] >= 0) visit_binned(i, w, visit);
     for (Index l = w.first_large; l < w.first_large + w.large_count; ++l) visit_large(i, large[l], w, visit);

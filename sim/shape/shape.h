@@ -9,7 +9,8 @@ using ShapeIndex = Index;
 using WorldIndex = Index;
 
 /// In the order in which a pair is looked at: the earlier of the two types comes first.
-enum class ShapeType : std::int32_t { sphere, capsule, cylinder, box, wheel, mesh, plane, heightfield };
+/// none: an empty place in a batch; it touches nothing.
+enum class ShapeType : std::int32_t { sphere, capsule, cylinder, box, wheel, mesh, plane, heightfield, none };
 inline constexpr int kShapeTypes = 8;
 
 /// Number of materials a world can tell apart.
@@ -56,6 +57,7 @@ GONOGO_HD inline Real bounding_radius(const Shape& s) {
       return std::sqrt(edge * edge + s.size.y * s.size.y);
     }
     case ShapeType::plane:
+    case ShapeType::none:
       return 0;
   }
   return 0;

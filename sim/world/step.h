@@ -2,7 +2,7 @@
 // the kernels it calls.
 #pragma once
 #include "sim/contact/find.h"
-#include "sim/solver/apgd.h"
+#include "sim/solver/split.h"
 
 namespace gonogo::sim {
 
@@ -50,6 +50,7 @@ struct ApplySpring {
 
   GONOGO_HD void operator()(Index i) const {
     const SpringDamper& s = spring[i];
+    if (s.upper == s.lower) return;  // an empty place in a batch
     const Real m_upper = mass[s.upper].inverse_mass.z, m_lower = mass[s.lower].inverse_mass.z;
     const Real m = m_upper + m_lower;
     const auto stretch = Real(position[s.upper].z - position[s.lower].z - s.free_length);
@@ -97,86 +98,34 @@ struct Integrate {
   }
 };
 
-/// Energy and its supply, per body; velocities are those of the end of the step.
-struct MeasureBody {
-  View<const WorldParameters> world;
-  View<const WorldIndex> world_of_body;
-  View<const BodyMass> mass;
-  View<const Quat> orientation;
-  View<const Velocity> velocity;
-  Incidence incidence;
-  View<const Real> residual;  // [contact]
-  View<WorldSums> sums;       // [body]
-
-  GONOGO_HD static double over(Real x, Real inverse) { return inverse > 0 ? double(x) / inverse : 0; }
-
-  GONOGO_HD void operator()(BodyIndex b) const {
-    const BodyMass& m = mass[b];
-    const Vec3& v = velocity[b].linear;
-    const Vec3 w = rotate_back(orientation[b], velocity[b].angular);
-    const Vec3 g = world[world_of_body[b]].gravity;
-    WorldSums s;
-    s.kinetic = 0.5 * (over(v.x * v.x, m.inverse_mass.x) + over(v.y * v.y, m.inverse_mass.y) +
-                       over(v.z * v.z, m.inverse_mass.z) + over(w.x * w.x, m.inverse_inertia_B.x) +
-                       over(w.y * w.y, m.inverse_inertia_B.y) + over(w.z * w.z, m.inverse_inertia_B.z));
-    s.gravity_power =
-        over(g.x * v.x, m.inverse_mass.x) + over(g.y * v.y, m.inverse_mass.y) + over(g.z * v.z, m.inverse_mass.z);
-    for (Index i = incidence.owned_begin(b); i < incidence.owned_end(b); ++i) {
-      s.residual_square += double(residual[i]) * residual[i];
-      s.residual_max = std::fmax(s.residual_max, double(residual[i]));
-    }
-    s.contact_count = incidence.owned_end(b) - incidence.owned_begin(b);
-    sums[b] = s;
-  }
-};
-
-struct SumWorld {
-  View<const WorldParameters> world;
-  View<const WorldSums> of_body;
-  View<const Momentum> momentum;
-  View<WorldSums> sums;
-
+/// The step is complete: the worlds' clocks go on.
+struct CountStep {
+  View<Index> steps;  // [world]
+  View<Progress> progress;
   GONOGO_HD void operator()(WorldIndex w) const {
-    WorldSums total;
-    for (Index b = world[w].first_body; b < world[w].first_body + world[w].body_count; ++b) {
-      total.kinetic += of_body[b].kinetic;
-      total.gravity_power += of_body[b].gravity_power;
-      total.residual_square += of_body[b].residual_square;
-      total.residual_max = std::fmax(total.residual_max, of_body[b].residual_max);
-      total.contact_count += of_body[b].contact_count;
-    }
-    total.iterations = momentum[w].iterations;
-    sums[w] = total;
+    ++steps[w];
+    if (w == 0) ++progress[0].steps;
   }
 };
-
-/// Sums of the step just taken, per world. Call after solve and before the contacts change.
-template <class Exec>
-void measure(Exec exec, State<Exec>& s) {
-  for_each_index(exec, s.contact_count,
-                 MeasureResidual{s.contact.view(), s.velocity.view(), s.impulse.view(), s.progress.view()});
-  for_each_index(exec, s.body_count,
-                 MeasureBody{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),
-                             s.velocity.view(), incidence(s), s.progress.view(), s.body_sums.view()});
-  for_each_index(exec, s.world_count,
-                 SumWorld{s.world.view(), s.body_sums.view(), s.momentum.view(), s.world_sums.view()});
-}
 
 template <class Exec>
 void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   sort_into_bins(exec, s);
   find_contacts(exec, s, settings);
   build_incidence(exec, s);
+  cut_into_tiles(exec, s);
+  for_each_counted(exec, contact_count(s),
+                   SplitMasses{incidence(s), s.mass.view(), s.velocity.view(), s.contact.view(), settings.target});
   for_each_index(exec, s.body_count,
                  FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),
                             s.velocity.view(), s.inverse_inertia_W.view(), s.free_velocity.view(), settings.step});
   for_each_index(exec, s.spring.size(),
                  ApplySpring{s.spring.view(), s.position.view(), s.mass.view(), s.free_velocity.view(), settings.step});
-  solve_apgd(exec, s, settings);
-  measure(exec, s);
+  solve(exec, s, settings);
   for_each_index(exec, s.body_count,
                  Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.position.view(),
                            s.orientation.view(), s.flags.view(), settings.step});
+  for_each_index(exec, s.world_count, CountStep{s.steps.view(), s.progress.view()});
 }
 
 }  // namespace gonogo::sim

@@ -135,11 +135,15 @@ void compare(const Gaps& expected, const Gaps& found, double envelope) {
 }
 
 /// Gaps of the engine's contacts, read from their bias: overlaps are pushed out in full by one step here.
-Gaps gaps_found(Simulation& simulation) {
+Gaps gaps_found(Simulation& simulation, WorldIndex world_count) {
   Gaps gaps;
-  for (const Contact& c : simulation.contacts())
-    gaps[{std::min(c.body_a, c.body_b), std::max(c.body_a, c.body_b)}].push_back(double(c.bias) *
-                                                                                 simulation.settings().step);
+  BodyIndex first_body = 0;
+  for (WorldIndex w = 0; w < world_count; ++w) {
+    for (const Contact& c : simulation.contacts(w))
+      gaps[{first_body + std::min(c.body_a, c.body_b), first_body + std::max(c.body_a, c.body_b)}].push_back(
+          double(c.bias) * simulation.settings().step);
+    first_body += BodyIndex(simulation.bodies(w).size());
+  }
   return gaps;
 }
 
@@ -175,10 +179,9 @@ TEST_CASE("bins find the same contacts as testing all pairs, each once") {
         }
         const auto simulation = make_simulation(backend, scene, settings, 2);
         simulation->advance(1);
-        compare(expected, gaps_found(*simulation), settings.envelope);
-        Index reported = 0;
-        for (WorldIndex w = 0; w < 3; ++w) reported += simulation->report(w).contact_count;
-        CHECK(reported == Index(simulation->contacts().size()));
+        compare(expected, gaps_found(*simulation, 3), settings.envelope);
+        for (WorldIndex w = 0; w < 3; ++w)
+          CHECK(simulation->report(w).contact_count == Index(simulation->contacts(w).size()));
       }
 }
 
@@ -198,11 +201,11 @@ TEST_CASE("bins grow with the shapes in them, not with the domain, and a few lar
   wheel.size = {0.467f, 0.127f, 0.02f};
   wheel.body = w.add_body({{0, 0, 2}, {}, {}, {}}, solid(100, {5, 9, 5}));
   w.add_shape(wheel);
-  const FlatScene flat = flatten({w}, {});
-  CHECK(flat.bin_count <= 4 * grains + 1000);
+  const FlatWorld flat = flatten(w, 0, {});
+  CHECK(flat.size().bins <= 4 * grains + 1000);
   CHECK(flat.large.size() == 6);  // plane, wheel and the four boxes of 52 mm bounding radius
-  CHECK(flat.world[0].bin_size.x < 2.5 * radius);
-  CHECK(flat.bin_count > grains / 8);  // and not so few that a bin holds many grains
+  CHECK(flat.world.bin_size.x < 2.5 * radius);
+  CHECK(flat.size().bins > grains / 8);  // and not so few that a bin holds many grains
 }
 
 TEST_CASE("a sphere touches a lug's edge that reaches past radius plus lug height") {
@@ -224,9 +227,9 @@ TEST_CASE("a sphere touches a lug's edge that reaches past radius plus lug heigh
   for (const Backend backend : backends()) {
     const auto simulation = simulate(backend, w, settings);
     simulation->advance(1);
-    REQUIRE(simulation->contacts().size() == 1);
+    REQUIRE(simulation->contacts(0).size() == 1);
     // Single precision at 0.3 m resolves 3e-8 m; the rotation into the lug's frame adds a few of them.
-    CHECK(simulation->contacts()[0].bias * settings.step == Approx(gap).margin(3e-7));
+    CHECK(simulation->contacts(0)[0].bias * settings.step == Approx(gap).margin(3e-7));
   }
 }
 
@@ -253,7 +256,7 @@ TEST_CASE("a pair keeps its impulse when a bin boundary passes between its spher
     for (int i = 0; i < 1000; ++i) {
       simulation->advance(1);
       worst = std::max(worst, simulation->report(0).max_residual);
-      for (const Contact& c : simulation->contacts()) {
+      for (const Contact& c : simulation->contacts(0)) {
         lower_owns |= c.body_a < 2;
         upper_owns |= c.body_a == 2 && c.body_b < 2;
       }

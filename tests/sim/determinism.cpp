@@ -102,11 +102,11 @@ TEST_CASE("a restored simulation goes on with the bits of an uninterrupted one")
     through->set_gravity(0, {1, 0, -9});
     through->set_motor(0, 0, 6, 50);
     through->set_law(0, 0, 1, {Real(0.3), Real(0.05), 0});
-    const Snapshot saved = through->snapshot();
+    const Snapshot saved = through->snapshot(0);
     through->advance(kSteps / 2);
 
     const auto resumed = simulate(backend, w, few_iterations());
-    resumed->restore(saved);
+    resumed->restore(0, saved);
     CHECK(resumed->report(0).time == Approx(kSteps / 2 * double(few_iterations().step)));
     resumed->advance(kSteps / 2);
     INFO(name_of(backend));
@@ -115,7 +115,7 @@ TEST_CASE("a restored simulation goes on with the bits of an uninterrupted one")
     CHECK(through->report(0).time == resumed->report(0).time);
 
     // Back in time in the same simulation, which holds more contacts than the snapshot by now.
-    through->restore(saved);
+    through->restore(0, saved);
     CHECK(length(through->contact_force(0, 0)) == 0);  // no step taken since
     through->advance(kSteps / 2);
     CHECK(same_bits(through->bodies(0), resumed->bodies(0)));
@@ -127,5 +127,5 @@ TEST_CASE("a snapshot of another scene is refused") {
   SceneWorld other;
   other.add_sphere({}, 0.1f, 1000, 0);
   const auto two = simulate(Backend::cpu, other, few_iterations());
-  CHECK_THROWS_AS(two->restore(one->snapshot()), InputError);
+  CHECK_THROWS_AS(two->restore(0, one->snapshot(0)), InputError);
 }

@@ -109,10 +109,10 @@ struct Comparison {
 Comparison compare(Backend backend, const SceneWorld& w, Index iterations) {
   const auto simulation = simulate(backend, w, settings_with(iterations));
   simulation->advance(1);
-  const DenseProblem problem = dense_problem(w, w.body, simulation->contacts(), simulation->settings().step);
+  const DenseProblem problem = dense_problem(w, w.body, simulation->contacts(0), simulation->settings().step);
   const DenseSolution oracle = solve(problem, 1e-10, 40000);
   Comparison c;
-  c.contacts = simulation->contacts().size();
+  c.contacts = simulation->contacts(0).size();
   c.oracle_residual = oracle.residual;
   c.engine_residual = simulation->report(0).max_residual;
   for (Eigen::Index row = 0; row < oracle.impulse.size(); ++row) {
@@ -162,7 +162,7 @@ TEST_CASE("mass splitting bounds the Hessian: the largest eigenvalue of S^1/2 N 
       const SceneWorld w = random_scene(kind, 100 + seed, true);
       const auto simulation = simulate(Backend::cpu, w, settings_with(1));
       simulation->advance(1);
-      const auto contacts = simulation->contacts();
+      const auto contacts = simulation->contacts(0);
       DenseProblem problem = dense_problem(w, w.body, contacts, simulation->settings().step);
       // Without rolling resistance the solver has no rolling rows.
       for (std::size_t c = 0; c < contacts.size(); ++c)
