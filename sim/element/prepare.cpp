@@ -109,7 +109,7 @@ ControllerPlan plan(const Controller& c, FlatElements& flat) {
   p.type = c.type;
   p.motor = c.motor;
   if (follows_velocity(c)) p.body = c.body, p.axis = c.axis * (1 / length(c.axis));
-  p.basis = c.basis;
+  p.frame = c.frame;
   p.command = append_table(c.command, flat);
   p.limit = append_table(c.limit, flat);
   p.proportional = c.proportional;
@@ -142,11 +142,11 @@ MonitorPlan plan(const Monitor& m, double step) {
 
 }  // namespace
 
-ForceElement tow_load(BodyIndex body, Basis basis, const Vec3& direction, double pull, const Vec3& point_B) {
+ForceElement tow_load(BodyIndex body, ReferenceFrame frame, const Vec3& direction, double pull, const Vec3& point_B) {
   if (!is_finite(direction) || !(length(direction) > 0)) throw InputError("a tow load needs a direction");
   ForceElement f;
   f.body = body;
-  f.basis = basis;
+  f.frame = frame;
   f.force = direction * Real(-pull / length(direction));
   f.point_B = point_B;
   return f;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kGroup = "snapshot";
 constexpr const char* kFormat = "gonogo snapshot";
-constexpr std::int64_t kVersion = 2;
+constexpr std::int64_t kVersion = 1;
 
 /// Concatenated bytes of numbers, and of records that consist of numbers of one size.
 class Bytes {
@@ -35,8 +35,7 @@ class Bytes {
 // A record that grows must grow here too.
 static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 44 && sizeof(Motor) == 12 &&
                   sizeof(SpringDamper) == 24 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
-                  sizeof(TablePoint) == 16 && sizeof(ForceElement) == 80 && sizeof(Controller) == 112 &&
-                  sizeof(Monitor) == 88,
+                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88,
               "list the new fields in scene_hash");
 
 void add(Bytes& b, const PairLaw& l) {
@@ -49,17 +48,18 @@ void add(Bytes& b, const SpringDamper& s) { b << s.upper << s.lower << s.stiffne
 void add(Bytes& b, const Shape& s) {
   b << s.type << s.body << s.material << s.lug_count << s.offset_B << s.size << s.lug_thickness;
 }
-void add(Bytes& b, const ForceElement& f) {
-  b << f.type << f.body << f.basis << f.point_B << f.force << f.torque << f.start << f.ramp << f.drag << f.wind;
-}
-void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
-void add(Bytes& b, const Monitor& m) {
-  b << m.body << m.motor << m.height << m.start << m.stride << m.time_limit << m.earliest << m.distance << m.slid_back
-    << m.immobile_window << m.immobile_from << m.immobile_speed;
-}
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
     << s.solver << s.target;
+}
+
+void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
+void add(Bytes& b, const ForceElement& f) {
+  b << f.type << f.body << f.frame << f.point_B << f.force << f.torque << f.start << f.ramp << f.drag << f.wind;
+}
+void add(Bytes& b, const Monitor& m) {
+  b << m.body << m.motor << m.height << m.start << m.stride << m.time_limit << m.earliest << m.distance << m.slid_back
+    << m.immobile_window << m.immobile_from << m.immobile_speed;
 }
 
 template <class T>
@@ -69,10 +69,10 @@ void add_all(Bytes& b, const std::vector<T>& list) {
 }
 
 void add(Bytes& b, const Controller& c) {
-  b << c.type << c.motor << c.body << c.basis << c.axis << c.proportional << c.integral << c.feed_forward
-    << c.top_speed;
+  b << c.type << c.motor;
   add_all(b, c.command);
   add_all(b, c.limit);
+  b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed;
 }
 
 void add(Bytes& b, const SceneWorld& w) {
@@ -90,7 +90,7 @@ void add(Bytes& b, const SceneWorld& w) {
 }
 
 /// Everything about a world that is not a list of bodies or contacts; gravity and laws may change during a run.
-constexpr std::size_t kWorldNumbers = 12 + 6 * kMaxMaterials * kMaxMaterials, kWorldIntegers = 16;
+constexpr std::size_t kWorldNumbers = 12 + 6 * kMaxMaterials * kMaxMaterials, kWorldIntegers = 14;
 
 template <class Visit>
 void visit_numbers(WorldParameters& p, Visit&& visit) {
@@ -107,29 +107,8 @@ template <class Visit>
 void visit_integers(Snapshot& s, Visit&& visit) {
   WorldParameters& p = s.world;
   for (Index* i : {&s.steps, &s.flags, &p.bins[0], &p.bins[1], &p.bins[2], &p.first_bin, &p.first_body, &p.body_count,
-                   &p.first_shape, &p.shape_count, &p.first_large, &p.large_count, &p.first_motor, &p.motor_count,
-                   &s.element.stop.monitor, &s.element.stop.step})
+                   &p.first_shape, &p.shape_count, &p.first_large, &p.large_count, &p.first_motor, &p.motor_count})
     visit(*i);
-}
-
-// Records of monitors mix widths; as doubles all of their numbers are exact.
-constexpr std::size_t kSampleNumbers = 14, kMonitorNumbers = kSampleNumbers + 9;
-static_assert(sizeof(MonitorSample) == 80 && sizeof(MonitorState) == 144, "visit the new fields");
-
-template <class Visit>
-void visit_numbers(MonitorSample& s, Visit&& visit) {
-  for (double* x : {&s.x, &s.y, &s.turned, &s.drop_sum, &s.torque_sum, &s.work}) visit(*x);
-  for (Real* x : {&s.drop, &s.speed, &s.torque, &s.residual}) visit(*x);
-  for (Index* i : {&s.step, &s.contact_count, &s.iterations, &s.flags}) visit(*i);
-}
-
-template <class Visit>
-void visit_numbers(MonitorState& m, Visit&& visit) {
-  visit_numbers(m.now, visit);
-  for (double* x :
-       {&m.position.x, &m.position.y, &m.position.z, &m.energy, &m.energy_gained, &m.motor_work, &m.worst_residual})
-    visit(*x);
-  for (Index* i : {&m.sample_count, &m.started}) visit(*i);
 }
 
 /// Writes arrays and collects what their hash is taken of.
@@ -197,6 +176,25 @@ void exchange_arrays(Io& io, Snap& s) {
   io.template rows<std::uint64_t>("key", s.key);
   io.template rows<float>("impulse", s.impulse);
   io.template rows<float>("motor_impulse", s.motor_impulse);
+  io.template rows<double>("controller", s.element.controller);
+}
+
+/// Records of mixed numbers, byte by byte.
+static_assert(sizeof(MonitorSample) == 80 && sizeof(MonitorState) == 144 && sizeof(WorldStop) == 12,
+              "files of older programs do not fit any more: raise kVersion");
+
+void store_monitors(Store& store, const Snapshot& s) {
+  store.rows<std::int32_t>("stop", std::vector<WorldStop>{s.element.stop});
+  store.rows<std::uint8_t>("monitor", s.element.monitor);
+  store.rows<std::uint8_t>("monitor_sample", s.element.sample);
+}
+
+void load_monitors(Load& load, Snapshot& s) {
+  std::vector<WorldStop> stop;
+  load.rows<std::int32_t>("stop", stop);
+  if (!stop.empty()) s.element.stop = stop.front();
+  load.rows<std::uint8_t>("monitor", s.element.monitor);
+  load.rows<std::uint8_t>("monitor_sample", s.element.sample);
 }
 
 void store_world(Store& store, Snapshot s) {
@@ -236,36 +234,6 @@ void load_motors(Load& load, Snapshot& s) {
     s.motor.push_back({body[i], drive[2 * i], drive[2 * i + 1]});
 }
 
-template <class Record>
-void store_records(Store& store, const std::string& name, std::vector<Record> records, std::size_t columns) {
-  std::vector<double> number;
-  for (Record& r : records) visit_numbers(r, [&](auto& x) { number.push_back(double(x)); });
-  store.numbers(name, number, columns);
-}
-
-template <class Record>
-void load_records(Load& load, const std::string& name, std::vector<Record>& records, std::size_t columns) {
-  const auto number = load.numbers<double>(name, columns);
-  records.resize(number.size() / columns);
-  auto next = number.begin();
-  for (Record& r : records) visit_numbers(r, [&](auto& x) { x = std::decay_t<decltype(x)>(*next++); });
-}
-
-void store_elements(Store& store, const ElementSnapshot& e) {
-  store.numbers("stop_cause", std::vector<std::int32_t>{std::int32_t(e.stop.cause)}, 1);
-  store.rows<double>("controller", e.controller);
-  store_records(store, "monitor", e.monitor, kMonitorNumbers);
-  store_records(store, "sample", e.sample, kSampleNumbers);
-}
-
-void load_elements(Load& load, ElementSnapshot& e) {
-  const auto cause = load.numbers<std::int32_t>("stop_cause", 1);
-  if (cause.size() == 1) e.stop.cause = StopCause(cause.front());  // else the content's hash will refuse it
-  load.rows<double>("controller", e.controller);
-  load_records(load, "monitor", e.monitor, kMonitorNumbers);
-  load_records(load, "sample", e.sample, kSampleNumbers);
-}
-
 void check_head(const Hdf5Reader& in, const std::string& scene) {
   const std::string place = kGroup;
   if (!in.has(place) || !in.has_attribute(place, "format") || in.text_attribute(place, "format") != kFormat)
@@ -297,7 +265,7 @@ void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string
   exchange_arrays(store, snapshot);
   store_world(store, snapshot);
   store_motors(store, snapshot);
-  store_elements(store, snapshot.element);
+  store_monitors(store, snapshot);
   out.attribute(kGroup, "content", store.hash());
 }
 
@@ -308,7 +276,7 @@ Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene) {
   exchange_arrays(load, s);
   load_world(load, s);
   load_motors(load, s);
-  load_elements(load, s.element);
+  load_monitors(load, s);
   if (in.text_attribute(kGroup, "content") != load.hash())
     in.fail(kGroup, "its numbers were altered; remove the file and start from the beginning");
   return s;

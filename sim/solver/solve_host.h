@@ -20,11 +20,11 @@ struct GatherVelocity {
   View<const WorldIndex> world_of_body;
   View<const Momentum> momentum;
   View<Velocity> velocity, extrapolated_velocity;
-  Index update;  // number of the update before: worlds that stopped earlier keep their velocities
+  bool first;
 
   void operator()(BodyIndex b) const {
     const Momentum& m = momentum[world_of_body[b]];
-    if (m.iterations != update) return;
+    if (m.done) return;
     Pack sum{};
     const Index owned_end = is_fixed(mass[b]) ? 0 : incidence.owned_end(b);  // nothing moves a fixed body
     for (Index i = incidence.owned_begin(b); i < owned_end; ++i)
@@ -35,7 +35,7 @@ struct GatherVelocity {
     if (mass[b].motor >= 0) angular += motor_axis() * motor_impulse[mass[b].motor];
     const Velocity next =
         driven_velocity(free_velocity[b], mass[b], inverse_inertia_W[b], {sum[0], sum[1], sum[2]}, angular);
-    extrapolated_velocity[b] = update == 0 ? next : extrapolated(next, velocity[b], m.beta);
+    extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
     velocity[b] = next;
   }
 };
@@ -124,12 +124,12 @@ inline void fill_blocks(Cpu exec, State<Cpu>& s, Index tile_count) {
                  kTilesInParallel);
 }
 
-inline void gather(Cpu exec, State<Cpu>& s, Index update) {
-  for_each_index(exec, s.body_count,
-                 GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
-                                s.inverse_inertia_W.view(), s.motor_impulse.view(), s.free_velocity.view(),
-                                s.world_of_body.view(), s.momentum.view(), s.velocity.view(),
-                                s.extrapolated_velocity.view(), update});
+inline void gather(Cpu exec, State<Cpu>& s, bool first) {
+  for_each_index(
+      exec, s.body_count,
+      GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
+                     s.inverse_inertia_W.view(), s.motor_impulse.view(), s.free_velocity.view(), s.world_of_body.view(),
+                     s.momentum.view(), s.velocity.view(), s.extrapolated_velocity.view(), first});
 }
 
 template <bool turning>
@@ -163,16 +163,16 @@ inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
   fill_blocks(exec, s, tile_count);
   for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
   s.solver.motor_before.upload(s.motor_impulse.download());
-  gather(exec, s, 0);
+  gather(exec, s, true);
   for (Index k = 0; k < rules.most_iterations && !all_done(s, s.momentum.view()); ++k) {
     turning ? update_tiles<true>(exec, s, tile_count, k & 1) : update_tiles<false>(exec, s, tile_count, k & 1);
     for_each_index(exec, s.motor.size(),
                    UpdateMotor{s.motor.view(), s.extrapolated_velocity.view(), s.mass.view(), s.world_of_body.view(),
                                s.momentum.view(), s.motor_impulse.view(), s.solver.motor_before.view(), settings.step});
+    gather(exec, s, false);
     for_each_index(exec, s.world_count,
                    DecideNextUpdate{s.first_tile.view(), s.solver.tile_sums.view(), tiles(s), s.momentum.view(), rules},
                    kTilesInParallel);
-    gather(exec, s, k + 1);
   }
   measure(exec, s, tile_count, settings);
 }

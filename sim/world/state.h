@@ -12,7 +12,7 @@ namespace gonogo::sim {
 struct PairLaw {
   Real friction = 0;           // sliding, [-]
   Real rolling_friction = 0;   // [-], times the sphere's effective radius
-  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere [Pa]
+  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere or capsule [Pa]
   Real spinning_friction = 0;  // [-], times the sphere's effective radius
   Real stiffness = 0;          // of a compliant contact along its normal [N/m]; 0: rigid
   Real damping = 0;            // of a compliant contact along its normal [N s/m]
@@ -38,13 +38,13 @@ struct WorldParameters {
   Vec3d origin;   // lower corner of the domain [m]
   Vec3d period;   // length of the domain along x and y where periodic, 0 where open [m]
   Vec3 bin_size;  // [m]
-  Index bins[3] = {1, 1, 1};
+  Index bins[3] = {3, 3, 3};
   Index first_bin = 0;
   BodyIndex first_body = 0;
   Index body_count = 0;
   ShapeIndex first_shape = 0;
   Index shape_count = 0;
-  Index first_large = 0, large_count = 0;  // into the list of shapes that are not binned
+  Index first_large = 0, large_count = 0;  // into the list of large shapes, which are not binned
   Index first_motor = 0, motor_count = 0;
   PairLaw law[kMaxMaterials][kMaxMaterials];
 };
@@ -108,20 +108,34 @@ GONOGO_HD inline double rms_residual(const WorldSums& sums) {
   return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
 }
 
-/// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
-struct BinnedSphere {
+/// A binned shape, copied into the order of the bins so that neighbours are read from consecutive memory.
+struct BinnedShape {
   Vec3d centre;  // folded into the period [m]
-  Real radius;   // [m]
+  Real radius;   // of the sphere around it [m]
   ShapeIndex shape;
+};
+
+/// A shape that is not binned and the region it is in, found anew in every step.
+struct LargeShape {
+  ShapeIndex shape = 0;
+  Vec3d middle;  // of the box around it [m]
+  Vec3 half;     // half edges of that box along the world's axes [m]
+  Vec3 up;       // of a plane: everything it can touch lies below; zero for others
+
+  /// Whether a sphere about `d` [m, from the middle] may touch it.
+  GONOGO_HD bool reaches(const Vec3& d, Real radius) const {
+    return std::fabs(d.z) < half.z + radius && std::fabs(d.x) < half.x + radius && std::fabs(d.y) < half.y + radius &&
+           dot(d, up) < radius;
+  }
 };
 
 /// Contacts of one step, in the order of the shapes that own them; a step writes one store and reads the other for its
 /// warm start.
 template <class Exec>
 struct ContactStore {
-  Buffer<Index, Exec> begin, end;    // [shape] its contacts in the arrays below
-  Buffer<std::uint64_t, Exec> key;   // [contact] other shape and feature; with the owner it names the pair
-  Buffer<Impulse, Exec> impulse;     // [contact] at the end of the step
+  Buffer<Index, Exec> begin, end;   // [shape] its contacts in the arrays below
+  Buffer<std::uint64_t, Exec> key;  // [contact] other shape and feature; with the owner it names the pair
+  Buffer<Impulse, Exec> impulse;    // [contact] at the end of the step
 };
 
 struct ContactRange {
@@ -142,9 +156,9 @@ struct SolverStorage;
 /// What became of the steps that were asked for. When a buffer is too small, the step that found out and all steps
 /// queued behind it do nothing; the host enlarges the buffer and goes on with that step.
 struct Progress {
-  Index halted = 0;           // 1: contact_total is more than the buffers hold
-  Index contact_total = 0;    // that the latest step found
-  Index steps = 0;            // completed since the host last looked
+  Index halted = 0;         // 1: contact_total is more than the buffers hold
+  Index contact_total = 0;  // that the latest step found
+  Index steps = 0;          // completed since the host last looked
 };
 
 template <class Exec>
@@ -163,9 +177,9 @@ struct State {
   Buffer<WorldIndex, Exec> world_of_body;   // [body]
   Buffer<Shape, Exec> shape;                // [shape], ordered by body
   Buffer<Index, Exec> first_shape;          // [body + 1]
-  Buffer<ShapeIndex, Exec> large;           // shapes that are not binned, by world
+  Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
   Buffer<Motor, Exec> motor;
-  Buffer<Real, Exec> motor_impulse;    // [motor], [N m s]
+  Buffer<Real, Exec> motor_impulse;  // [motor], [N m s]
   Buffer<SpringDamper, Exec> spring;
   ElementState<Exec> element;
   Buffer<Index, Exec> steps;                                // [world] taken so far
@@ -174,18 +188,18 @@ struct State {
   // Rebuilt every step.
   Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
   Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
-  Buffer<BinnedSphere, Exec> sphere_in_bin;
+  Buffer<BinnedShape, Exec> shape_by_bin;
   Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
   Buffer<Contact, Exec> contact;
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
-      second_slot;  // see incidence.h
-  Buffer<Index, Exec> tiles_of_world, first_tile;                                               // see tiles.h
+      second_slot;                                 // see incidence.h
+  Buffer<Index, Exec> tiles_of_world, first_tile;  // see tiles.h
   Buffer<Tile, Exec> tile;
-  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;                                  // [body]
-  Buffer<Momentum, Exec> momentum;   // [world]
+  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;  // [body]
+  Buffer<Momentum, Exec> momentum;                              // [world]
   Buffer<WorldSums, Exec> world_sums;
-  Buffer<Index, Exec> flags;         // [world] StepFlag bits, sticky
-  Buffer<Progress, Exec> progress;   // one
+  Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
+  Buffer<Progress, Exec> progress;  // one
   ScanScratch<Exec> scratch;
 
   ContactStore<Exec> store[2];
