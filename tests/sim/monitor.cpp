@@ -362,14 +362,15 @@ TEST_CASE("a world that takes the place of a stopped one is watched, driven and 
     CHECK(same_bits(batch->monitor(1, 0), alone->monitor(0, 0)));
     CHECK(same_bits(all_samples(*batch, 1), all_samples(*alone, 0)));
     refused([&] { (void)batch->monitor(1, 1); }, "no monitor 1");
-    // One with neither elements nor motor: nothing of the old world acts on it.
+    // One without elements: nothing of the old world pushes its body or sets its motor.
     SceneWorld bare = periodic_space();
     bare.add_body({{0, 0.5, 0}, {}, {1, 0, 0}, {}}, solid(1, {1, 1, 1}));
+    bare.motor.push_back({0, 2, 1000});
     batch->replace(1, bare);
     batch->advance(50);
     CHECK(batch->body(1, 0).velocity.x == 1);
     CHECK(batch->report(1).force_power == 0);
-    CHECK(batch->report(1).motor_power == 0);
+    CHECK(batch->body(1, 0).angular_velocity.y == Approx(2).epsilon(1e-5));
     CHECK(batch->monitor(0, 0).now.step == 650);
     SceneWorld longer = next;
     longer.monitor[0].time_limit = 5;
