@@ -25,8 +25,9 @@ struct SceneWorld {
   std::vector<BodyState> body;
   std::vector<BodyMass> mass;
   std::vector<Shape> shape;
-  std::vector<Motor> motor;
+  std::vector<Joint> joint;  // sim/joint/build.h makes these three
   std::vector<SpringDamper> spring;
+  std::vector<Motor> motor;
 
   /// Adds a body without shapes; returns its index in this world.
   BodyIndex add_body(const BodyState& state, const BodyMass& body_mass);

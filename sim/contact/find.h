@@ -26,11 +26,15 @@ struct ContactFinder {
   View<const BinnedSphere> sphere_in_bin;
   View<const ShapeIndex> large;
   View<const BodyMass> mass;
+  View<const MechanismBody> jointed;
   Real envelope;
 
+  /// Bodies of one mechanism pass through each other: hubs sit inside wheels.
   GONOGO_HD bool may_touch(ShapeIndex i, ShapeIndex j) const {
     const BodyIndex a = shape[i].body, b = shape[j].body;
-    return a != b && !(is_fixed(mass[a]) && is_fixed(mass[b]));
+    if (a == b || (is_fixed(mass[a]) && is_fixed(mass[b]))) return false;
+    const Index slot_a = mass[a].slot, slot_b = mass[b].slot;
+    return slot_a < 0 || slot_b < 0 || jointed[slot_a].mechanism != jointed[slot_b].mechanism;
   }
 
   /// Calls visit(other shape, feature, gap) for every contact that sphere `i` owns.
@@ -260,7 +264,7 @@ template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder{s.shape.view(), s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
                              s.world.view(), s.bin_of_shape.view(), s.first_in_bin.view(), s.sphere_in_bin.view(),
-                             s.large.view(), s.mass.view(),         settings.envelope};
+                             s.large.view(), s.mass.view(), s.mechanisms.body.view(), settings.envelope};
   for_each_index(exec, s.shape_count, CountContacts{finder, s.contacts_of_shape.view()});
   exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view(), s.scratch);
   for_each_index(exec, 1, CheckCapacity{s.first_contact.view(), s.progress.view(), s.contact_capacity});

@@ -4,6 +4,8 @@
 #pragma once
 #include <cooperative_groups.h>
 
+#include "sim/joint/motor.h"
+#include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
 #include "sim/solver/split.h"
 #include "sim/solver/tiles.h"
@@ -74,7 +76,11 @@ struct SolveViews {
   View<const Velocity> free_velocity;
   View<const WorldIndex> world_of_body, world_of_body_tile;
   View<const Index> first_body_tile;
+  Projection projection;
+  MotorMoment motor_moment;
+  View<Velocity> gathered;  // [mechanism body]
   View<const Motor> motor;
+  View<const MotorDrive> drive;
   View<Real> motor_impulse, motor_before;
   View<Velocity> velocity, extrapolated_velocity;
   View<Momentum> momentum;
@@ -192,6 +198,24 @@ class SolveKernel {
     }
   }
 
+  __device__ bool any_mechanisms() const { return s.projection.body.size > 0; }
+
+  /// Velocities of the jointed bodies from all that their mechanism gathered; one number per thread.
+  __device__ void project_mechanisms(Index update) {
+    for (Index i = first_index(); i < 6 * s.projection.body.size; i += stride()) {
+      const Index k = i / 6, c = i % 6;
+      const Mechanism& in = s.projection.mechanism[s.projection.body[k].mechanism];
+      if (k - in.first_body >= in.body_count) continue;  // an empty place in a batch
+      const BodyIndex b = s.projection.body[k].body;
+      const Momentum& m = s.momentum[s.world_of_body[b]];
+      if (m.iterations != update) continue;
+      const Real next = s.projection.component(k, c);
+      Real& now = component(s.velocity[b], c);
+      component(s.extrapolated_velocity[b], c) = update == 0 ? next : next + (next - now) * m.beta;
+      now = next;
+    }
+  }
+
   __device__ bool any_at_work() const { return *static_cast<volatile Index*>(s.worlds_at_work) > 0; }
 
   /// Impulses back into the order of the contacts, residuals and energies.
@@ -202,6 +226,11 @@ class SolveKernel {
   }
 
  private:
+  __device__ static Real& component(Velocity& v, Index c) {
+    Vec3& part = c < 3 ? v.linear : v.angular;
+    return c % 3 == 0 ? part.x : c % 3 == 1 ? part.y : part.z;
+  }
+
   __device__ static Index first_index() { return blockIdx.x * blockDim.x + threadIdx.x; }
   __device__ static Index stride() { return gridDim.x * blockDim.x; }
 
@@ -324,8 +353,8 @@ class SolveKernel {
 
   __device__ void update_motors(WorldIndex w) {
     const WorldParameters& p = s.tiles.world[w];
-    const UpdateMotor update{s.motor,    s.extrapolated_velocity, s.mass,         s.world_of_body,
-                             s.momentum, s.motor_impulse,         s.motor_before, s.step};
+    const UpdateMotor update{s.motor,    s.drive,         s.extrapolated_velocity, s.world_of_body,
+                             s.momentum, s.motor_impulse, s.motor_before,          s.step};
     for (Index m = p.first_motor + threadIdx.x; m < p.first_motor + p.motor_count; m += blockDim.x) update(m);
   }
 
@@ -367,9 +396,13 @@ class SolveKernel {
 
   __device__ void set_velocity(BodyIndex b, Index update, const Vec3& linear, Vec3 angular) {
     const BodyMass m = s.mass[b];
-    if (m.motor >= 0) angular += motor_axis() * s.motor_impulse[m.motor];
+    if (m.slot >= 0) angular += s.motor_moment(m.slot);
     const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
     const Velocity next = driven_velocity(s.free_velocity[b], m, inverse_inertia, linear, angular);
+    if (m.slot >= 0) {  // project_mechanisms goes on with it
+      s.gathered[m.slot] = next;
+      return;
+    }
     const Real beta = s.momentum[s.world_of_body[b]].beta;
     s.extrapolated_velocity[b] = update == 0 ? next : extrapolated<Real>(next, s.velocity[b], beta);
     s.velocity[b] = next;
@@ -450,10 +483,18 @@ __global__ void __launch_bounds__(kTileSize) solve_kernel(const __grid_constant_
   grid.sync();
   kernel.gather_bodies<turning>(0);
   grid.sync();
+  if (kernel.any_mechanisms()) {
+    kernel.project_mechanisms(0);
+    grid.sync();
+  }
   for (Index k = 0; k < views.rules.most_iterations; ++k) {
     kernel.update_contacts<turning>(k);
     grid.sync();
     kernel.gather_bodies<turning>(k + 1);
+    if (kernel.any_mechanisms()) {
+      grid.sync();
+      kernel.project_mechanisms(k + 1);
+    }
     const bool at_work = kernel.any_at_work();
     grid.sync();
     if (!at_work) break;
@@ -481,7 +522,7 @@ inline void reserve_solver(State<Cuda>& s) {
   own.body_tile_measures.resize(s.world_of_body_tile.size());
   own.arrived.resize(s.world_count);
   own.worlds_at_work.resize(1);
-  own.motor_before.resize(s.motor.size());
+  own.motor_before.resize(s.mechanisms.motor.size());
 }
 
 inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
@@ -500,8 +541,12 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           s.world_of_body.view(),
           s.world_of_body_tile.view(),
           s.first_body_tile.view(),
-          s.motor.view(),
-          s.motor_impulse.view(),
+          projection(s.mechanisms),
+          motor_moment(s.mechanisms),
+          s.mechanisms.gathered.view(),
+          s.mechanisms.motor.view(),
+          s.mechanisms.drive.view(),
+          s.mechanisms.motor_impulse.view(),
           own.motor_before.view(),
           s.velocity.view(),
           s.extrapolated_velocity.view(),
