@@ -1,7 +1,7 @@
 // A mechanism: bodies that joints, springs and motors connect (fixed bodies do not connect). In each step its joints
 // and implicit springs are rows
 //     J v + b = -E p,   v = v_gathered + M^-1 J^T p
-// with p their impulses, E the softness of springs [1/kg or 1/(kg m^2)] and b what pulls drift back. Eliminating p
+// with p their impulses, E the softness of springs and b what pulls drift back. Eliminating p
 // gives the end-of-step velocities of its bodies as one affine map of the gathered ones (free motion, contacts,
 // motors):
 //     v = P v_gathered + c,   P = I - M^-1 J^T A^-1 J,   c = -M^-1 J^T A^-1 b,   A = J M^-1 J^T + E.
@@ -62,9 +62,9 @@ struct Element {
 struct Row {
   Index mechanism = 0;
   Index slot[2] = {-1, -1};
-  double direction[2][6]{};  // J
+  double direction[2][6]{};  // J, scaled to A_ii = 1
   double response[2][6]{};   // M^-1 J^T
-  double bias = 0;           // b [m/s] or [rad/s]
+  double bias = 0;           // b
   double softness = 0;       // E
 };
 
@@ -92,7 +92,7 @@ struct MechanismStore {
   Buffer<Real, Exec> projection;
   Buffer<MotorDrive, Exec> drive;    // [motor]
   Buffer<Velocity, Exec> gathered;   // [mechanism body] before the projection
-  Buffer<double, Exec> row_impulse;  // [row] p [N s] or [N m s]
+  Buffer<double, Exec> row_impulse;  // [row] p, of the scaled row
 };
 
 }  // namespace gonogo::sim

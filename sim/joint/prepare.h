@@ -68,7 +68,8 @@ struct PrepareMechanism {
     for (Index k = 0; k < gonogo::sim::row_count(j.type); ++k) {
       const RowGeometry g = joint_row(j.type, l, j.length, k);
       const double inertia = write_row(row[first + k], index, j.a, j.b, g);
-      harden(row[first + k], g.error, inertia, step);
+      harden(row[first + k], g.error, step);
+      normalise(row[first + k], inertia);
     }
   }
 
@@ -76,6 +77,7 @@ struct PrepareMechanism {
     const RowGeometry g = spring_row(s, link(m, s.a, s.b));
     const double inertia = write_row(row[at], index, s.a, s.b, g);
     soften(row[at], spring_force(s, g.error), s.damping, inertia, step);
+    normalise(row[at], inertia);
   }
 
   /// Directions and responses, and as bias the prescribed motion of a partner outside the mechanism. Returns

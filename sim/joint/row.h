@@ -121,9 +121,6 @@ GONOGO_HD inline SpringForce spring_force(const SpringDamper& s, double stretch)
 inline constexpr double kDriftTolerance = 1e-6;  // [m] or [rad]
 /// Speed at which a joint that was pulled apart closes again.
 inline constexpr double kMostDriftSpeed = 2;  // [m/s] or [rad/s]
-/// A hard row yields by this share of its own A per impulse. It keeps redundant rows (a planar four-bar has three)
-/// solvable: with misalignments d of their axes the impulses stay below 1 / (d + kSoftness / d) times the drift.
-inline constexpr double kSoftness = 1e-6;
 /// A spring that resists its rate by less than this share of its mass per step counts as a force alone.
 inline constexpr double kWeakestSpring = 1e-9, kStiffestSpring = 1e9;
 
@@ -135,19 +132,30 @@ GONOGO_HD inline double drift_bias(double error, double step) {
   return std::copysign(std::fmin(beyond / step, kMostDriftSpeed), error);
 }
 
-/// Bias and softness of a hard row; `inertia` is its J M^-1 J^T. A row that moves nothing gets no impulse.
-GONOGO_HD inline void harden(Row& row, double error, double inertia, double step) {
+/// Bias of a hard row.
+GONOGO_HD inline void harden(Row& row, double error, double step) {
   row.bias += drift_bias(error, step);
-  row.softness = inertia > 0 ? kSoftness * inertia : 1;
+  row.softness = 0;
 }
 
 /// Bias and softness of a spring with force f, stiffness k, damping c at the end of the step:
-///   p = -h (f + (h k + c) u)   <=>   u + f / (h k + c) = -p / (h (h k + c)),   u = J v.
+///   p = -h (f + (h k + c) u)   <=>   u + f / (h k + c) = -p / (h (h k + c)),   u = J v;   `inertia` is J M^-1 J^T.
 GONOGO_HD inline void soften(Row& row, const SpringForce& spring, double damping, double inertia, double step) {
   const double scale = inertia > 0 ? inertia : 1;
   const double resistance = step * (step * spring.stiffness + damping) * scale;
   row.softness = scale / std::fmin(std::fmax(resistance, kWeakestSpring), kStiffestSpring);
   row.bias += spring.force * step * row.softness;
+}
+
+/// Scales a row so that its diagonal entry of A is one: then a pivot tells how far the row is from depending on the
+/// rows before it. A row that can move nothing stays zero.
+GONOGO_HD inline void normalise(Row& row, double inertia) {
+  const double diagonal = inertia + row.softness;
+  const double scale = diagonal > 0 ? 1 / std::sqrt(diagonal) : 0;
+  for (int side = 0; side < 2; ++side)
+    for (int k = 0; k < 6; ++k) row.direction[side][k] *= scale, row.response[side][k] *= scale;
+  row.bias *= scale;
+  row.softness *= scale * scale;
 }
 
 }  // namespace gonogo::sim

@@ -4,10 +4,11 @@
 #include "sim/contact/find.h"
 #include "sim/joint/prepare.h"
 #include "sim/solver/split.h"
+#include "sim/world/spin.h"
 
 namespace gonogo::sim {
 
-/// v + h (gravity + gyroscopic acceleration), and the inertia of this step in the world frame.
+/// v + h gravity, the angular velocity of free rotation (spin.h), and the inertia of this step in the world frame.
 struct FreeMotion {
   View<const WorldParameters> world;
   View<const WorldIndex> world_of_body;
@@ -26,17 +27,10 @@ struct FreeMotion {
         step * Vec3{m.inverse_mass.x > 0 ? g.x : 0, m.inverse_mass.y > 0 ? g.y : 0, m.inverse_mass.z > 0 ? g.z : 0};
     if (!m.isotropic) {
       inverse_inertia_W[b] = rotated_diagonal(orientation[b], m.inverse_inertia_B);
-      v.angular -= step * (inverse_inertia_W[b] * gyroscopic_torque(b, v.angular));
+      const Vec3 spin_B = rotate_back(orientation[b], v.angular);
+      v.angular += rotate(orientation[b], free_spin_change_B(m.inverse_inertia_B, spin_B, step));
     }
     free_velocity[b] = v;
-  }
-
-  /// w x I w; axes that cannot turn (inverse inertia 0) carry no spin.
-  GONOGO_HD Vec3 gyroscopic_torque(BodyIndex b, const Vec3& w_W) const {
-    const Vec3 w = rotate_back(orientation[b], w_W);
-    const Vec3& i = mass[b].inverse_inertia_B;
-    const Vec3 momentum{i.x > 0 ? w.x / i.x : 0, i.y > 0 ? w.y / i.y : 0, i.z > 0 ? w.z / i.z : 0};
-    return rotate(orientation[b], cross(w, momentum));
   }
 };
 
