@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The whole GPU check in one call: builds the CUDA preset without GDAL and LibTorch, runs the engine's tests on CPU and
+# The whole GPU check in one call: builds the CUDA preset without GDAL, LibTorch and cairo, runs the engine's tests on CPU and
 # GPU, and times the bed scene on both. Needs nvcc and a GPU. Headers that the machine lacks (nlohmann-json, CLI11, Catch2,
 # xxhash) may lie in .carry/usr, laid out like /usr.
 #
@@ -10,7 +10,7 @@ results=${1:-out/gpu}
 mkdir -p "$results"
 [ -d .carry/usr ] && export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
 nvidia-smi --query-gpu=name,driver_version --format=csv,noheader
-cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF > "$results/configure.log"
+cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/configure.log"
 tests=$(cmake --build build/cuda-release --target help | grep -oE '^test_(sim|validation|base_kernels)[a-z_]*' | sort -u)
 cmake --build build/cuda-release -j "$(nproc)" --target gonogo $tests > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
 ctest --test-dir build/cuda-release -R '^(sim|validation|base_kernels)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || true

@@ -28,6 +28,9 @@ struct SceneWorld {
   std::vector<Joint> joint;  // sim/joint/build.h makes these three
   std::vector<SpringDamper> spring;
   std::vector<Motor> motor;
+  std::vector<ForceElement> force;
+  std::vector<Controller> controller;
+  std::vector<Monitor> monitor;
 
   /// Adds a body without shapes; returns its index in this world.
   BodyIndex add_body(const BodyState& state, const BodyMass& body_mass);

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "sim/broad_phase/bins.h"
+#include "sim/element/prepare.h"
 #include "sim/joint/check.h"
 
 namespace gonogo::sim {
@@ -102,6 +103,10 @@ SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& plac
   for (Shape& s : r.shape) s.body = place[s.body];
   std::stable_sort(r.shape.begin(), r.shape.end(), [](const Shape& a, const Shape& b) { return a.body < b.body; });
   for_each_jointed(r, [&](BodyIndex& b) { b = place[b]; });
+  for (ForceElement& f : r.force) f.body = place[f.body];
+  for (Controller& c : r.controller)
+    if (follows_velocity(c)) c.body = place[c.body];
+  for (Monitor& m : r.monitor) m.body = place[m.body];
   return r;
 }
 
@@ -135,12 +140,13 @@ void append_masses(const SceneWorld& world, FlatWorld& flat) {
 
 WorldSize FlatWorld::size() const {
   return {Index(body.size()),  Index(shape.size()), world.bins[0] * world.bins[1] * world.bins[2],
-          Index(large.size()), mechanisms.size()};
+          Index(large.size()), mechanisms.size(), element.size()};
 }
 
 FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSettings& settings) {
   check_world(scene_world, std::size_t(w));
   check_mechanisms(scene_world, in_world(std::size_t(w)));
+  check_elements(scene_world, std::size_t(w), settings);
   FlatWorld flat;
   flat.world = world_parameters(scene_world, settings, std::size_t(w));
   flat.place_of_body = spatial_order(scene_world, flat.world);
@@ -148,6 +154,7 @@ FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSetting
   flat.world.body_count = Index(world.body.size());
   flat.body = world.body;
   flat.mechanisms = flatten_mechanisms(world, in_world(std::size_t(w)));
+  flat.element = flat_elements(world, settings);
   append_shapes(world, flat);
   append_masses(world, flat);
   return flat;

@@ -22,6 +22,6 @@ struct DriveOutcome {
 };
 
 DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& packing, const TrialConditions& conditions,
-                   const TrialNumerics& numerics, const TrialObserver& observe);
+                   const TrialNumerics& numerics, const TrialWatch& watch);
 
 }  // namespace gonogo::pipeline

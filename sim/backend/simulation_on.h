@@ -16,6 +16,7 @@ struct Place {
   ShapeIndex shape = 0;
   Index bin = 0, large = 0;
   MechanismSize mechanisms;
+  ElementSize elements;
   WorldSize size;
 };
 
@@ -40,13 +41,33 @@ class SimulationOn final : public Simulation {
     r.time = double(s_.steps.read(w)) * settings_.step;
     r.kinetic_energy = sums.kinetic;
     r.gravity_power = sums.gravity_power;
-    for (Index m = 0; m < Index(flat_[w].mechanisms.motor.size()); ++m) r.motor_power += motor_power(w, m);
-    r.rms_residual = sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+    const WorldEnergy energy = s_.element.energy.read(w);
+    r.motor_power = energy.motor_power;
+    r.force_power = energy.force_power;
+    r.spring_energy = energy.spring;
+    r.rms_residual = rms_residual(sums);
     r.max_residual = sums.residual_max;
     r.contact_count = sums.contact_count;
     r.iterations = sums.iterations;
     r.flags = s_.flags.read(w);
     return r;
+  }
+
+  WorldStop stop(WorldIndex w) override { return s_.element.stop.read(w); }
+  std::vector<WorldStop> stops() override { return s_.element.stop.download(); }
+
+  MonitorState monitor(WorldIndex w, Index m) override {
+    check_monitor(w, m);
+    return s_.element.monitor_state.read(place_[w].elements.monitors + m);
+  }
+
+  std::vector<MonitorSample> samples(WorldIndex w, Index m, Index first, Index count) override {
+    const Index recorded = monitor(w, m).sample_count;
+    if (first < 0 || count < 0 || count > recorded - first)
+      throw InputError("samples " + std::to_string(first) + " to " + std::to_string(first + count) +
+                       " of a monitor are asked for; it has recorded " + std::to_string(recorded));
+    return s_.element.sample.download(place_[w].elements.samples + flat_[w].element.monitor[m].first_sample + first,
+                                      count);
   }
 
   BodyState body(WorldIndex w, BodyIndex b) override {
@@ -85,6 +106,10 @@ class SimulationOn final : public Simulation {
   }
 
   void set_motor(WorldIndex w, Index m, Real target, Real max_torque) override {
+    for (const ControllerPlan& c : flat_[w].element.controller)
+      if (c.motor == m)
+        throw InputError("world " + std::to_string(w) + ": motor " + std::to_string(m) +
+                         " is set by a controller in every step");
     Motor& motor = flat_[w].mechanisms.motor[m];
     motor.target = target;
     motor.max_torque = max_torque;
@@ -150,6 +175,7 @@ class SimulationOn final : public Simulation {
     p.impulse = latest().impulse.download(r.begin, r.end - r.begin);
     p.motor = flat_[w].mechanisms.motor;
     p.motor_impulse = s_.mechanisms.motor_impulse.download(at.mechanisms.motors, size.mechanisms.motors);
+    p.element = s_.element.snapshot(size.elements, element_place(w));
     shift_contacts(p, -r.begin, -at.shape);
     return p;
   }
@@ -162,6 +188,11 @@ class SimulationOn final : public Simulation {
                        std::to_string(from.contact_begin.size()) + " shapes and " + std::to_string(from.motor.size()) +
                        " motors; this one has " + std::to_string(size.bodies) + ", " + std::to_string(size.shapes) +
                        " and " + std::to_string(size.mechanisms.motors));
+    if (!from.element.fits(size.elements))
+      throw InputError("the snapshot is of a world with " + std::to_string(from.element.controller.size()) +
+                       " controllers and " + std::to_string(from.element.sample.size()) +
+                       " samples of monitors; this one has " + std::to_string(size.elements.controllers) + " and " +
+                       std::to_string(size.elements.samples));
     const Place& at = place_[w];
     flat_[w].world = from.world;
     flat_[w].mechanisms.motor = from.motor;
@@ -174,6 +205,7 @@ class SimulationOn final : public Simulation {
     s_.steps.write(w, from.steps);
     s_.flags.write(w, from.flags);
     s_.world_sums.write(w, WorldSums{});
+    s_.element.restore(from.element, element_place(w));
     write_contacts(w, from);
     stepped_[w] = false;
   }
@@ -192,15 +224,6 @@ class SimulationOn final : public Simulation {
 
   FlatMechanisms in_batch(WorldIndex w) const {
     return moved(flat_[w].mechanisms, place_[w].mechanisms, w, place_[w].body);
-  }
-
-  /// At the end of the latest step [W].
-  double motor_power(WorldIndex w, Index m) {
-    const Index i = place_[w].mechanisms.motors + m;
-    const Motor motor = s_.mechanisms.motor.read(i);
-    Vec3 spin = s_.velocity.read(motor.a).angular;
-    if (motor.b != kWorld) spin -= s_.velocity.read(motor.b).angular;
-    return motor_torque(w, m) * dot(spin, s_.mechanisms.drive.read(i).axis_W);
   }
 
   /// Sum over rows, counted in their world.
@@ -243,21 +266,23 @@ class SimulationOn final : public Simulation {
     restored_contacts_ += count;
   }
 
-  static WorldSize larger(const WorldSize& a, const WorldSize& b) {
-    return {std::max(a.bodies, b.bodies), std::max(a.shapes, b.shapes), std::max(a.bins, b.bins),
-            std::max(a.large_shapes, b.large_shapes), gonogo::sim::larger(a.mechanisms, b.mechanisms)};
+  static WorldSize larger_size(const WorldSize& a, const WorldSize& b) {
+    return {std::max(a.bodies, b.bodies),       std::max(a.shapes, b.shapes),
+            std::max(a.bins, b.bins),           std::max(a.large_shapes, b.large_shapes),
+            larger(a.mechanisms, b.mechanisms), larger(a.elements, b.elements)};
   }
 
   void lay_out(const WorldSize& room) {
     Place next;
     for (const FlatWorld& world : flat_) {
-      next.size = larger(world.size(), room);
+      next.size = larger_size(world.size(), room);
       place_.push_back(next);
       next.body += next.size.bodies;
       next.shape += next.size.shapes;
       next.bin += next.size.bins;
       next.large += next.size.large_shapes;
       next.mechanisms = next.mechanisms + next.size.mechanisms;
+      next.elements = after(next.elements, next.size.elements);
     }
     s_.world_count = Index(flat_.size());
     s_.body_count = next.body;
@@ -266,14 +291,43 @@ class SimulationOn final : public Simulation {
     stepped_.assign(flat_.size(), false);
     large_total_ = next.large;
     mechanism_total_ = next.mechanisms;
+    element_total_ = next.elements;
+  }
+
+  void check_monitor(WorldIndex w, Index m) const {
+    const Index count = flat_[w].size().elements.monitors;
+    if (m < 0 || m >= count)
+      throw InputError("world " + std::to_string(w) + " has no monitor " + std::to_string(m) + "; it has " +
+                       std::to_string(count));
+  }
+
+  ElementPlace element_place(WorldIndex w) const {
+    const Place& at = place_[w];
+    const FlatMechanisms& m = flat_[w].mechanisms;
+    return {w,
+            at.body,
+            at.mechanisms.motors,
+            Index(m.motor.size()),
+            at.mechanisms.springs,
+            Index(m.spring.size()),
+            at.elements,
+            at.size.elements};
   }
 
   void check_fits(WorldIndex w, const WorldSize& size) const {
     const WorldSize& room = place_[w].size;
-    check_part(w, "bodies", size.bodies, room.bodies);
-    check_part(w, "shapes", size.shapes, room.shapes);
-    check_part(w, "bins", size.bins, room.bins);
-    check_part(w, "large shapes", size.large_shapes, room.large_shapes);
+    const std::pair<const char*, std::pair<Index, Index>> parts[] = {
+        {"bodies", {size.bodies, room.bodies}},
+        {"shapes", {size.shapes, room.shapes}},
+        {"bins", {size.bins, room.bins}},
+        {"large shapes", {size.large_shapes, room.large_shapes}},
+        {"bodies with forces", {size.elements.loaded, room.elements.loaded}},
+        {"forces", {size.elements.forces, room.elements.forces}},
+        {"controllers", {size.elements.controllers, room.elements.controllers}},
+        {"table points", {size.elements.table_points, room.elements.table_points}},
+        {"monitors", {size.elements.monitors, room.elements.monitors}},
+        {"samples of monitors", {size.elements.samples, room.elements.samples}}};
+    for (const auto& [name, count] : parts) check_part(w, name, count.first, count.second);
     for (const auto& part : MechanismSize::parts())
       check_part(w, part.name, size.mechanisms.*part.count, room.mechanisms.*part.count);
   }
@@ -310,6 +364,7 @@ class SimulationOn final : public Simulation {
     write_shapes(w);
     const Place& at = place_[w];
     write_mechanisms(s_.mechanisms, in_batch(w), at.mechanisms, at.size.mechanisms);
+    s_.element.write(flat_[w].element, element_place(w));
     s_.steps.write(w, 0);
     s_.flags.write(w, 0);
     s_.world_sums.write(w, WorldSums{});
@@ -378,6 +433,7 @@ class SimulationOn final : public Simulation {
     for (auto* of_world : {&s_.flags, &s_.steps, &s_.tiles_of_world}) of_world->fill_zero(s_.world_count);
     s_.first_tile.fill_zero(s_.world_count + 1);
     gonogo::sim::allocate(s_.mechanisms, mechanism_total_);
+    s_.element.allocate(s_.world_count, element_total_);
     s_.progress.fill_zero(1);
     allocate_shapes();
     lay_out_body_tiles();
@@ -418,6 +474,7 @@ class SimulationOn final : public Simulation {
   std::vector<bool> stepped_;  // [world] since it entered or was restored
   Index large_total_ = 0;
   MechanismSize mechanism_total_;
+  ElementSize element_total_;
   Index restored_contacts_ = 0;  // since the latest step
   State<Exec> s_;
   StepQueue<Exec> queue_;

@@ -195,6 +195,7 @@ struct WriteContacts {
     const Real smaller = other_is_sphere ? std::fmin(si.size.x, sj.size.x) : si.size.x;
     Contact c;
     c.normal = g.normal;
+    c.gap = g.gap;
     set_stiffness(c, law, g.gap);
     // The contact point lies half-way between the two surfaces.
     const auto from_a_centre =
@@ -253,7 +254,7 @@ void reserve_contacts(State<Exec>& s, Index count) {
   s.second_found.resize(count);
   s.second_contact.resize(count);
   s.second_slot.resize(count);
-  s.world_of_tile.resize(tile_capacity(s));
+  s.tile.resize(tile_capacity(s));
   for (ContactStore<Exec>& store : s.store) {
     store.key.resize(count);
     store.impulse.resize(count);
@@ -272,8 +273,8 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
   for_each_index(exec, s.shape_count,
                  WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), old.begin.view(),
-                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(),
-                               now.impulse.view(), now.key.view(), now.begin.view(), now.end.view()});
+                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(), now.impulse.view(),
+                               now.key.view(), now.begin.view(), now.end.view()});
 }
 
 }  // namespace gonogo::sim

@@ -62,7 +62,7 @@ Motor motor_on(const Joint& revolute, MotorKind kind, double target, double max_
   m.kind = kind;
   m.a = revolute.a.body;
   m.b = revolute.b.body;
-  m.axis_A = revolute.a.axis_B;
+  m.axis_B = revolute.b.axis_B;
   m.target = Real(target);
   m.max_torque = Real(max_torque);
   return m;
@@ -141,7 +141,8 @@ Motor speed_motor(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d
   Motor m;
   m.a = a;
   m.b = b;
-  m.axis_A = static_cast<Vec3>(rotate_back_precisely(body_of(world, a).orientation, unit(axis_W)));
+  const Quat frame = b == kWorld ? Quat{} : body_of(world, b).orientation;
+  m.axis_B = static_cast<Vec3>(rotate_back_precisely(frame, unit(axis_W)));
   m.target = Real(speed);
   m.max_torque = Real(max_torque);
   return m;

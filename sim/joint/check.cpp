@@ -108,9 +108,9 @@ class Checker {
     check_body(m.a);
     if (m.b != kWorld) check_body(m.b);
     require(m.a != m.b, "it turns body " + std::to_string(m.a) + " against itself; give two bodies, or kWorld as b");
-    require(std::fabs(length(m.axis_A) - 1) < 1e-3f,
-            "its axis has length " + number(length(m.axis_A)) + "; it must be a unit vector");
-    const Vec3 axis_W = rotate(world_.body[m.a].orientation, m.axis_A);
+    require(std::fabs(length(m.axis_B) - 1) < 1e-3f,
+            "its axis has length " + number(length(m.axis_B)) + "; it must be a unit vector");
+    const Vec3 axis_W = m.b == kWorld ? m.axis_B : rotate(world_.body[m.b].orientation, m.axis_B);
     require(can_turn(m.a, axis_W) || can_turn(m.b, axis_W), "neither of its bodies can turn about its axis");
     require(m.max_torque >= 0 && std::isfinite(m.max_torque),
             "its largest torque is " + number(m.max_torque) + " N m; it must be at least 0");

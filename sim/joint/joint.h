@@ -77,12 +77,12 @@ struct SpringDamper {
 
 enum class MotorKind : std::int32_t { speed, torque };
 
-/// Turns body a about an axis fixed in it, and b or the world the other way round.
+/// Turns body a about an axis fixed in b or in the world, and b the other way round.
 struct Motor {
   MotorKind kind = MotorKind::speed;
   BodyIndex a = 0, b = kWorld;
   Index slot_a = -1, slot_b = -1;  // as in Attachment
-  Vec3 axis_A{0, 0, 1};            // unit, in a's frame
+  Vec3 axis_B{0, 0, 1};            // unit, in b's frame or the world's
   Real target = 0;                 // speed of a relative to b [rad/s], or torque on a [N m]
   Real max_torque = 0;             // of a speed motor [N m]
 };

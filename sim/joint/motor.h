@@ -7,6 +7,11 @@
 
 namespace gonogo::sim {
 
+/// The motor's axis at the orientations of now.
+GONOGO_HD inline Vec3 motor_axis(const Motor& m, View<const Quat> orientation) {
+  return m.b == kWorld ? m.axis_B : rotate(orientation[m.b], m.axis_B);
+}
+
 /// Speed of a relative to b about the motor's axis [rad/s].
 GONOGO_HD inline Real motor_speed(const Motor& m, const Vec3& axis_W, View<const Velocity> velocity) {
   Vec3 w = velocity[m.a].angular;

@@ -1,8 +1,8 @@
 // Start of a step: the rows of every mechanism at the present positions, their elimination, the affine map of its
 // bodies' velocities and the steps of its motors. One team per mechanism.
 #pragma once
-#include "sim/broad_phase/bins.h"
 #include "sim/joint/factor.h"
+#include "sim/joint/motor.h"
 #include "sim/joint/row.h"
 
 namespace gonogo::sim {
@@ -52,15 +52,13 @@ struct PrepareMechanism {
       if (part.kind == ElementKind::spring) place_spring(m, spring[part.index], index, m.first_row + part.row);
       if (part.kind == ElementKind::motor) {
         const Motor& turns = motor[part.index];
-        drive[part.index].axis_W = static_cast<Vec3>(rotate_precisely(orientation[turns.a], turns.axis_A));
+        drive[part.index].axis_W = motor_axis(turns, orientation);
       }
     }
   }
 
   GONOGO_HD Link link(const Mechanism& m, const Attachment& a, const Attachment& b) const {
-    Link l{placed(a, orientation[a.body]), placed(b, orientation[b.body]), {}};
-    l.offset = nearest_image(position[a.body] - position[b.body], world[m.world].period) + l.a.arm - l.b.arm;
-    return l;
+    return link_between(a, b, position, orientation, world[m.world].period);
   }
 
   GONOGO_HD void place_joint(const Mechanism& m, const Joint& j, Index index, Index first) const {

@@ -11,6 +11,12 @@ struct Projection {
   View<const Real> projection;
   View<const Velocity> gathered;  // [mechanism body]
 
+  /// Whether k is part of an empty place in a batch.
+  GONOGO_HD bool is_empty(Index k) const {
+    const Mechanism& m = mechanism[body[k].mechanism];
+    return k - m.first_body >= m.body_count;
+  }
+
   /// All of body k of the mechanisms; for the host.
   GONOGO_HD Velocity velocity(Index k) const {
     Real sum[6];

@@ -1,7 +1,7 @@
 // Equations of joints and springs: directions, errors and forces. All formulas are in the world frame and in double, so
 // that drift is measured to the precision of the positions.
 #pragma once
-#include "sim/joint/mechanism.h"
+#include "sim/broad_phase/bins.h"
 
 namespace gonogo::sim {
 
@@ -28,6 +28,13 @@ struct Link {
   PlacedAttachment a, b;
   Vec3d offset;  // [m]
 };
+
+GONOGO_HD inline Link link_between(const Attachment& a, const Attachment& b, View<const Vec3d> position,
+                                   View<const Quat> orientation, const Vec3d& period) {
+  Link l{placed(a, orientation[a.body]), placed(b, orientation[b.body]), {}};
+  l.offset = nearest_image(position[a.body] - position[b.body], period) + l.a.arm - l.b.arm;
+  return l;
+}
 
 /// Row of J, and the amount by which what it holds is off. The linear part acts on a and oppositely on b, both along
 /// the line through a's point, so that no joint makes angular momentum out of its drift.
@@ -115,6 +122,21 @@ GONOGO_HD inline SpringForce spring_force(const SpringDamper& s, double stretch)
   while (k + 2 < t.count && stretch >= double(t.stretch[k + 1])) ++k;
   const double slope = (double(t.force[k + 1]) - t.force[k]) / (double(t.stretch[k + 1]) - t.stretch[k]);
   return {double(t.force[k]) + slope * (stretch - t.stretch[k]), slope};
+}
+
+/// Energy that a spring holds beyond that at no stretch [J].
+GONOGO_HD inline double spring_energy(const SpringDamper& s, double stretch) {
+  const ForceTable& t = s.table;
+  if (t.count == 0) return 0.5 * s.stiffness * stretch * stretch;
+  // Integral of the force from the table's first point.
+  const auto work = [&](double to) {
+    double sum = 0;
+    Index k = 0;
+    for (; k + 2 < t.count && to >= double(t.stretch[k + 1]); ++k)
+      sum += 0.5 * (double(t.force[k]) + t.force[k + 1]) * (double(t.stretch[k + 1]) - t.stretch[k]);
+    return sum + 0.5 * (t.force[k] + spring_force(s, to).force) * (to - t.stretch[k]);
+  };
+  return work(stretch) - work(0);
 }
 
 /// Drift below this is left alone: it is the rounding of single-precision orientations at arms of some metres.

@@ -25,13 +25,14 @@ struct GatherVelocity {
   View<const Momentum> momentum;
   View<Velocity> velocity, extrapolated_velocity;
   View<Velocity> gathered;  // [mechanism body]; their velocities follow from ProjectMechanism
-  Index update;  // number of the update before: worlds that stopped earlier keep their velocities
+  bool first;
 
   void operator()(BodyIndex b) const {
     const Momentum& m = momentum[world_of_body[b]];
-    if (m.iterations != update) return;
+    if (m.done) return;
     Pack sum{};
-    for (Index i = incidence.owned_begin(b); i < incidence.owned_end(b); ++i)
+    const Index owned_end = is_fixed(mass[b]) ? 0 : incidence.owned_end(b);  // nothing moves a fixed body
+    for (Index i = incidence.owned_begin(b); i < owned_end; ++i)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_a[i]);
     for (Index k = incidence.first_second[b]; k < incidence.first_second[b + 1]; ++k)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_b[k]);
@@ -44,7 +45,7 @@ struct GatherVelocity {
       gathered[slot] = next;
       return;
     }
-    extrapolated_velocity[b] = update == 0 ? next : extrapolated(next, velocity[b], m.beta);
+    extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
     velocity[b] = next;
   }
 };
@@ -55,16 +56,15 @@ struct ProjectMechanism {
   View<const WorldIndex> world_of_body;
   View<const Momentum> momentum;
   View<Velocity> velocity, extrapolated_velocity;
-  Index update;
+  bool first;
 
   void operator()(Index k) const {
-    const Mechanism& in = projection.mechanism[projection.body[k].mechanism];
-    if (k - in.first_body >= in.body_count) return;  // an empty place in a batch
+    if (projection.is_empty(k)) return;
     const BodyIndex b = projection.body[k].body;
     const Momentum& m = momentum[world_of_body[b]];
-    if (m.iterations != update) return;
+    if (m.done) return;
     const Velocity next = projection.velocity(k);
-    extrapolated_velocity[b] = update == 0 ? next : extrapolated(next, velocity[b], m.beta);
+    extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
     velocity[b] = next;
   }
 };
@@ -153,15 +153,15 @@ inline void fill_blocks(Cpu exec, State<Cpu>& s, Index tile_count) {
                  kTilesInParallel);
 }
 
-inline void gather(Cpu exec, State<Cpu>& s, Index update) {
+inline void gather(Cpu exec, State<Cpu>& s, bool first) {
   for_each_index(exec, s.body_count,
                  GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
                                 s.inverse_inertia_W.view(), motor_moment(s.mechanisms), s.free_velocity.view(),
                                 s.world_of_body.view(), s.momentum.view(), s.velocity.view(),
-                                s.extrapolated_velocity.view(), s.mechanisms.gathered.view(), update});
+                                s.extrapolated_velocity.view(), s.mechanisms.gathered.view(), first});
   for_each_index(exec, s.mechanisms.body.size(),
                  ProjectMechanism{projection(s.mechanisms), s.world_of_body.view(), s.momentum.view(),
-                                  s.velocity.view(), s.extrapolated_velocity.view(), update},
+                                  s.velocity.view(), s.extrapolated_velocity.view(), first},
                  kBodiesInParallel);
 }
 
@@ -196,17 +196,17 @@ inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
   fill_blocks(exec, s, tile_count);
   for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
   s.solver.motor_before.upload(s.mechanisms.motor_impulse.download());
-  gather(exec, s, 0);
+  gather(exec, s, true);
   for (Index k = 0; k < rules.most_iterations && !all_done(s, s.momentum.view()); ++k) {
     turning ? update_tiles<true>(exec, s, tile_count, k & 1) : update_tiles<false>(exec, s, tile_count, k & 1);
     for_each_index(exec, s.mechanisms.motor.size(),
                    UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
                                s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
                                s.solver.motor_before.view(), settings.step});
+    gather(exec, s, false);
     for_each_index(exec, s.world_count,
                    DecideNextUpdate{s.first_tile.view(), s.solver.tile_sums.view(), tiles(s), s.momentum.view(), rules},
                    kTilesInParallel);
-    gather(exec, s, k + 1);
   }
   measure(exec, s, tile_count, settings);
 }

@@ -7,10 +7,6 @@ namespace gonogo::sim {
 
 inline constexpr Index kTileSize = 256;
 
-struct ContactRange {
-  ContactIndex begin, end;
-};
-
 GONOGO_HD inline ContactRange contacts_of_world(const WorldParameters& world, View<const Index> first_contact) {
   return {first_contact[world.first_shape], first_contact[world.first_shape + world.shape_count]};
 }
@@ -27,38 +23,37 @@ struct CountTiles {
   }
 };
 
-struct FindWorldOfTile {
-  View<const Index> first_tile;  // [world + 1]
-  View<WorldIndex> world_of_tile;
-  GONOGO_HD void operator()(Index tile) const {
-    Index low = 0, high = first_tile.size - 1;  // first_tile[low] <= tile < first_tile[high]
-    if (tile >= first_tile[high]) return;
+struct WriteTile {
+  View<const WorldParameters> world;
+  View<const Index> first_contact, first_tile;  // [shape + 1], [world + 1]
+  View<Tile> tile;
+
+  GONOGO_HD void operator()(Index t) const {
+    Index low = 0, high = first_tile.size - 1;  // first_tile[low] <= t < first_tile[high]
+    if (t >= first_tile[high]) return;
     while (high - low > 1) {
       const Index middle = (low + high) / 2;
-      (first_tile[middle] <= tile ? low : high) = middle;
+      (first_tile[middle] <= t ? low : high) = middle;
     }
-    world_of_tile[tile] = low;
+    const ContactRange r = contacts_of_world(world[low], first_contact);
+    const ContactIndex begin = r.begin + (t - first_tile[low]) * kTileSize;
+    tile[t] = {{begin, begin + kTileSize < r.end ? begin + kTileSize : r.end}, low, first_tile[low] == t};
   }
 };
 
-/// Tiles of the present contacts and where they start.
+/// Tiles of the present contacts and where those of each world start.
 struct Tiles {
   View<const WorldParameters> world;
   View<const Index> first_contact, first_tile;
-  View<const WorldIndex> world_of_tile;
+  View<const Tile> tile;
 
   GONOGO_HD Index count() const { return first_tile[first_tile.size - 1]; }
-  GONOGO_HD ContactRange contacts(Index tile) const {
-    const WorldIndex w = world_of_tile[tile];
-    const ContactRange r = contacts_of_world(world[w], first_contact);
-    const ContactIndex begin = r.begin + (tile - first_tile[w]) * kTileSize;
-    return {begin, begin + kTileSize < r.end ? begin + kTileSize : r.end};
-  }
+  GONOGO_HD ContactRange contacts(Index t) const { return tile[t].contacts; }
 };
 
 template <class Exec>
 Tiles tiles(State<Exec>& s) {
-  return {s.world.view(), s.first_contact.view(), s.first_tile.view(), s.world_of_tile.view()};
+  return {s.world.view(), s.first_contact.view(), s.first_tile.view(), s.tile.view()};
 }
 
 template <class Exec>
@@ -70,7 +65,8 @@ template <class Exec>
 void cut_into_tiles(Exec exec, State<Exec>& s) {
   for_each_index(exec, s.world_count, CountTiles{s.world.view(), s.first_contact.view(), s.tiles_of_world.view()});
   exclusive_scan(exec, s.tiles_of_world.view(), s.first_tile.view(), s.scratch);
-  for_each_index(exec, tile_capacity(s), FindWorldOfTile{s.first_tile.view(), s.world_of_tile.view()});
+  for_each_index(exec, tile_capacity(s),
+                 WriteTile{s.world.view(), s.first_contact.view(), s.first_tile.view(), s.tile.view()});
 }
 
 }  // namespace gonogo::sim

@@ -3,6 +3,7 @@
 #pragma once
 #include "base/for_each.h"
 #include "sim/contact/contact.h"
+#include "sim/element/state.h"
 #include "sim/joint/mechanism.h"
 #include "sim/solver/momentum.h"
 
@@ -88,6 +89,11 @@ struct WorldSums {
   }
 };
 
+/// Root-mean-square residual of a step [m/s].
+GONOGO_HD inline double rms_residual(const WorldSums& sums) {
+  return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+}
+
 /// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
 struct BinnedSphere {
   Vec3d centre;  // folded into the period [m]
@@ -99,9 +105,20 @@ struct BinnedSphere {
 /// warm start.
 template <class Exec>
 struct ContactStore {
-  Buffer<Index, Exec> begin, end;    // [shape] its contacts in the arrays below
-  Buffer<std::uint64_t, Exec> key;   // [contact] other shape and feature; with the owner it names the pair
-  Buffer<Impulse, Exec> impulse;     // [contact] at the end of the step
+  Buffer<Index, Exec> begin, end;   // [shape] its contacts in the arrays below
+  Buffer<std::uint64_t, Exec> key;  // [contact] other shape and feature; with the owner it names the pair
+  Buffer<Impulse, Exec> impulse;    // [contact] at the end of the step
+};
+
+struct ContactRange {
+  ContactIndex begin, end;
+};
+
+/// A run of contacts of one world; see tiles.h.
+struct alignas(16) Tile {
+  ContactRange contacts;
+  WorldIndex world;
+  Index first;  // 1: the first of its world
 };
 
 /// Arrays that a backend's solver keeps for itself; each backend specialises it.
@@ -111,9 +128,9 @@ struct SolverStorage;
 /// What became of the steps that were asked for. When a buffer is too small, the step that found out and all steps
 /// queued behind it do nothing; the host enlarges the buffer and goes on with that step.
 struct Progress {
-  Index halted = 0;           // 1: contact_total is more than the buffers hold
-  Index contact_total = 0;    // that the latest step found
-  Index steps = 0;            // completed since the host last looked
+  Index halted = 0;         // 1: contact_total is more than the buffers hold
+  Index contact_total = 0;  // that the latest step found
+  Index steps = 0;          // completed since the host last looked
 };
 
 template <class Exec>
@@ -134,6 +151,7 @@ struct State {
   Buffer<Index, Exec> first_shape;          // [body + 1]
   Buffer<ShapeIndex, Exec> large;           // shapes that are not binned, by world
   MechanismStore<Exec> mechanisms;
+  ElementState<Exec> element;
   Buffer<Index, Exec> steps;                                // [world] taken so far
   Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // bodies in runs of kTileSize, by world
 
@@ -144,13 +162,14 @@ struct State {
   Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
   Buffer<Contact, Exec> contact;
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
-      second_slot;  // see incidence.h
-  Buffer<Index, Exec> tiles_of_world, first_tile, world_of_tile;                                // see tiles.h
-  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;                                  // [body]
-  Buffer<Momentum, Exec> momentum;   // [world]
+      second_slot;                                 // see incidence.h
+  Buffer<Index, Exec> tiles_of_world, first_tile;  // see tiles.h
+  Buffer<Tile, Exec> tile;
+  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;  // [body]
+  Buffer<Momentum, Exec> momentum;                              // [world]
   Buffer<WorldSums, Exec> world_sums;
-  Buffer<Index, Exec> flags;         // [world] StepFlag bits, sticky
-  Buffer<Progress, Exec> progress;   // one
+  Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
+  Buffer<Progress, Exec> progress;  // one
   ScanScratch<Exec> scratch;
 
   ContactStore<Exec> store[2];

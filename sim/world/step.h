@@ -2,6 +2,8 @@
 // the kernels it calls.
 #pragma once
 #include "sim/contact/find.h"
+#include "sim/element/drive.h"
+#include "sim/element/watch.h"
 #include "sim/joint/prepare.h"
 #include "sim/solver/split.h"
 #include "sim/world/spin.h"
@@ -89,14 +91,17 @@ void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_counted(exec, contact_count(s),
                    SplitMasses{incidence(s), s.mass.view(), s.mechanisms.body.view(), s.velocity.view(),
                                s.contact.view(), settings.target});
+  apply_controllers(exec, s, settings);
   for_each_index(exec, s.body_count,
                  FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),
                             s.velocity.view(), s.inverse_inertia_W.view(), s.free_velocity.view(), settings.step});
+  apply_force_elements(exec, s, settings);
   prepare_mechanisms(exec, s, settings.step);
   solve(exec, s, settings);
   for_each_index(exec, s.body_count,
                  Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.position.view(),
                            s.orientation.view(), s.flags.view(), settings.step});
+  update_monitors(exec, s, settings);
   for_each_index(exec, s.world_count, CountStep{s.steps.view(), s.progress.view()});
 }
 

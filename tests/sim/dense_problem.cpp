@@ -145,9 +145,7 @@ DenseProblem dense_problem(const sim::SceneWorld& world, const std::vector<sim::
     at += 5;
   }
   for (const sim::Motor& m : world.motor) {
-    const Quat& q = before[m.a].orientation;  // motors of these scenes turn a body against the world
-    p.direction.block<3, 1>(6 * m.a + 3, at) =
-        Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix() * eigen(m.axis_A);
+    p.direction.block<3, 1>(6 * m.a + 3, at) = eigen(m.axis_B);  // motors of these scenes turn against the world
     p.bias(at) = -m.target;
     p.step(at) = 1 / (2 * p.direction.col(at).dot(p.inverse_mass * p.direction.col(at)));
     p.motor_limit.push_back(m.max_torque * step);
