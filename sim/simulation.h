@@ -108,7 +108,7 @@ struct FlatWorld {
   std::vector<BodyMass> mass;
   std::vector<Shape> shape;
   std::vector<Index> first_shape, bin_of_shape;  // [body], [shape]
-  std::vector<ShapeIndex> large;
+  std::vector<LargeShape> large;
   std::vector<Motor> motor;
   std::vector<SpringDamper> spring;
   FlatElements element;

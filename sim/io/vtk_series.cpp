@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "sim/io/surface.h"
 #include "sim/io/vtp.h"
+#include "sim/shape/touch.h"
 
 namespace gonogo::sim {
 namespace {
@@ -53,12 +54,13 @@ VtpContent surface_content(const Capture& frame, const std::vector<Shape>& shape
     const Surface surface = surface_of(s, {48, plane_half});
     const BodyState& b = frame.body[s.body];
     const Vec3d centre = centre_of(s, b);
+    const Quat q = shape_orientation(s, b.orientation);
     const auto first = Index(content.point.size());
     for (const auto& t : surface.triangle) content.triangle.push_back({first + t[0], first + t[1], first + t[2]});
     for (std::size_t i = 0; i < surface.point.size(); ++i) {
-      const Vec3 from_centre = rotate(b.orientation, surface.point[i]);
+      const Vec3 from_centre = rotate(q, surface.point[i]);
       content.point.push_back(centre + static_cast<Vec3d>(from_centre));
-      normal.push_back(rotate(b.orientation, surface.normal[i]));
+      normal.push_back(rotate(q, surface.normal[i]));
       velocity.push_back(velocity_of(s, b) + cross(b.angular_velocity, from_centre));
     }
     body.resize(content.point.size(), s.body);
