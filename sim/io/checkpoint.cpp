@@ -33,7 +33,7 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 44 && sizeof(Motor) == 12 &&
+static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 68 && sizeof(Motor) == 12 &&
                   sizeof(SpringDamper) == 24 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
                   sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88,
               "list the new fields in scene_hash");
@@ -46,7 +46,8 @@ void add(Bytes& b, const BodyMass& m) { b << m.inverse_mass << m.inverse_inertia
 void add(Bytes& b, const Motor& m) { b << m.body << m.speed << m.max_torque; }
 void add(Bytes& b, const SpringDamper& s) { b << s.upper << s.lower << s.stiffness << s.damping << s.free_length; }
 void add(Bytes& b, const Shape& s) {
-  b << s.type << s.body << s.material << s.lug_count << s.offset_B << s.size << s.lug_thickness;
+  b << s.type << s.body << s.material << s.group << s.lug_count << s.surface << s.offset_B << s.size << s.lug_thickness
+    << s.turn_B;
 }
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
