@@ -36,8 +36,11 @@ class Bytes {
 static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
                   sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 184 &&
                   sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
-                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88,
+                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
+                  sizeof(SceneWorld) == 672,
               "list the new fields in scene_hash");
+static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 824,
+              "store the new fields, load them and raise kVersion");
 
 void add(Bytes& b, const PairLaw& l) {
   b << l.friction << l.rolling_friction << l.cohesion_pressure << l.spinning_friction << l.stiffness << l.damping;
