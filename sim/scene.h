@@ -25,8 +25,9 @@ struct SceneWorld {
   std::vector<BodyState> body;
   std::vector<BodyMass> mass;
   std::vector<Shape> shape;
-  std::vector<Motor> motor;
+  std::vector<Joint> joint;  // sim/joint/build.h makes these three
   std::vector<SpringDamper> spring;
+  std::vector<Motor> motor;
   std::vector<ForceElement> force;
   std::vector<Controller> controller;
   std::vector<Monitor> monitor;

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene.h"
+#include "sim/joint/flatten.h"
+#include "sim/joint/load.h"
 
 namespace gonogo::sim {
 
@@ -63,10 +64,13 @@ class Simulation {
 
   virtual void set_gravity(WorldIndex world, const Vec3& gravity) = 0;
   virtual void set_law(WorldIndex world, int material_a, int material_b, const PairLaw& law) = 0;
-  /// Refused for a motor that a controller sets.
-  virtual void set_motor(WorldIndex world, Index motor, Real speed, Real max_torque) = 0;
+  /// `target` is a speed [rad/s] or torque [N m], after the motor's kind. Refused for a motor that a controller sets.
+  virtual void set_motor(WorldIndex world, Index motor, Real target, Real max_torque) = 0;
   /// Impulse of a motor in the latest step divided by the step [N m].
   virtual double motor_torque(WorldIndex world, Index motor) = 0;
+  /// What a joint or spring did to its body a in the latest step; zero before the world's first step and after restore.
+  virtual JointLoad joint_load(WorldIndex world, Index joint) = 0;
+  virtual JointLoad spring_load(WorldIndex world, Index spring) = 0;
 
   /// Sum of the contact impulses on a body in the latest step divided by the step [N].
   virtual Vec3d contact_force(WorldIndex world, BodyIndex b) = 0;
@@ -89,12 +93,13 @@ class Simulation {
 
 /// How much of everything a world's place in a batch holds.
 struct WorldSize {
-  Index bodies = 0, shapes = 0, bins = 0, large_shapes = 0, motors = 0, springs = 0;
+  Index bodies = 0, shapes = 0, bins = 0, large_shapes = 0;
+  MechanismSize mechanisms;
   ElementSize elements;
 };
 
 /// `room`: every world's place holds at least this much, for larger worlds that will take it over.
-/// Throws InputError for a scene that cannot run (no bodies, bad sizes, motors or springs without a body to move) and
+/// Throws InputError for a scene that cannot run (no bodies, bad sizes, joints, springs or motors that cannot work) and
 /// for a backend this program was built without or this machine lacks.
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
                                             int threads, const WorldSize& room = {});
@@ -109,8 +114,7 @@ struct FlatWorld {
   std::vector<Shape> shape;
   std::vector<Index> first_shape, bin_of_shape;  // [body], [shape]
   std::vector<LargeShape> large;
-  std::vector<Motor> motor;
-  std::vector<SpringDamper> spring;
+  FlatMechanisms mechanisms;
   FlatElements element;
 
   WorldSize size() const;

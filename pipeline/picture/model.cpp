@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 #include "sim/io/surface.h"
+#include "sim/shape/touch.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -176,7 +177,7 @@ Model model_of(const SceneWorld& world, const sim::Capture& frame, const ModelSt
       if (!moves(world, s.body)) lowest_fixed = std::min(lowest_fixed, centre.z);
       continue;
     }
-    const Pose pose{place, place.placed(centre), body.orientation};
+    const Pose pose{place, place.placed(centre), sim::shape_orientation(s, body.orientation)};
     const bool wheel = s.type == ShapeType::wheel;
     add_surface(model, sim::surface_of(s, detail), pose, wheel ? kRubber : moves(world, s.body) ? kSteel : kGround);
     if (wheel) add_rim(model, s, pose);

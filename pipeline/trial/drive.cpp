@@ -60,6 +60,7 @@ class Run {
     step_ = Index(std::lround(simulation_->report(0).time / numerics_.step));
     show_samples();
     if (step_ == 0) show_frame();
+    pass_due_frames();
     while (!stopped()) {
       advance_to_next_look();
       show_samples();
@@ -115,6 +116,10 @@ class Run {
     if (!watch_.frame) return;
     const TrialSample sample = seen(simulation_->monitor(0, 0).now);
     watch_.frame({sample, world_, *simulation_, world_.monitor.front().body});
+    pass_due_frames();
+  }
+
+  void pass_due_frames() {
     while (next_frame() <= step_) ++frame_count_;
   }
 

@@ -1,5 +1,6 @@
 // Simulation on an execution space: uploads, steps, downloads. Instantiated once in cpu.cpp and once in cuda.cu.
 #pragma once
+#include "sim/joint/store.h"
 #include "sim/simulation.h"
 #include "sim/world/step.h"
 
@@ -13,7 +14,8 @@ class StepQueue;
 struct Place {
   BodyIndex body = 0;
   ShapeIndex shape = 0;
-  Index bin = 0, large = 0, motor = 0, spring = 0;
+  Index bin = 0, large = 0;
+  MechanismSize mechanisms;
   ElementSize elements;
   WorldSize size;
 };
@@ -103,20 +105,27 @@ class SimulationOn final : public Simulation {
     write_parameters(w);
   }
 
-  void set_motor(WorldIndex w, Index m, Real speed, Real max_torque) override {
+  void set_motor(WorldIndex w, Index m, Real target, Real max_torque) override {
     for (const ControllerPlan& c : flat_[w].element.controller)
       if (c.motor == m)
         throw InputError("world " + std::to_string(w) + ": motor " + std::to_string(m) +
                          " is set by a controller in every step");
-    Motor& motor = flat_[w].motor[m];
-    motor.speed = speed;
+    Motor& motor = flat_[w].mechanisms.motor[m];
+    motor.target = target;
     motor.max_torque = max_torque;
     write_motors(w);
   }
 
   double motor_torque(WorldIndex w, Index m) override {
-    return double(s_.motor_impulse.read(place_[w].motor + m)) / settings_.step;
+    return double(s_.mechanisms.motor_impulse.read(place_[w].mechanisms.motors + m)) / settings_.step;
   }
+
+  JointLoad joint_load(WorldIndex w, Index j) override {
+    const FlatMechanisms& m = flat_[w].mechanisms;
+    return load(w, m.row_of_joint[j], row_count(m.joint[j].type));
+  }
+
+  JointLoad spring_load(WorldIndex w, Index i) override { return load(w, flat_[w].mechanisms.row_of_spring[i], 1); }
 
   Vec3d contact_force(WorldIndex w, BodyIndex b) override {
     const auto contact = contacts(w);
@@ -164,8 +173,8 @@ class SimulationOn final : public Simulation {
     p.contact_end = latest().end.download(at.shape, size.shapes);
     p.key = latest().key.download(r.begin, r.end - r.begin);
     p.impulse = latest().impulse.download(r.begin, r.end - r.begin);
-    p.motor = flat_[w].motor;
-    p.motor_impulse = s_.motor_impulse.download(at.motor, size.motors);
+    p.motor = flat_[w].mechanisms.motor;
+    p.motor_impulse = s_.mechanisms.motor_impulse.download(at.mechanisms.motors, size.mechanisms.motors);
     p.element = s_.element.snapshot(size.elements, element_place(w));
     shift_contacts(p, -r.begin, -at.shape);
     return p;
@@ -174,11 +183,11 @@ class SimulationOn final : public Simulation {
   void restore(WorldIndex w, const Snapshot& from) override {
     const WorldSize size = flat_[w].size();
     if (Index(from.position.size()) != size.bodies || Index(from.contact_begin.size()) != size.shapes ||
-        Index(from.motor.size()) != size.motors)
+        Index(from.motor.size()) != size.mechanisms.motors)
       throw InputError("the snapshot is of a world with " + std::to_string(from.position.size()) + " bodies, " +
                        std::to_string(from.contact_begin.size()) + " shapes and " + std::to_string(from.motor.size()) +
                        " motors; this one has " + std::to_string(size.bodies) + ", " + std::to_string(size.shapes) +
-                       " and " + std::to_string(size.motors));
+                       " and " + std::to_string(size.mechanisms.motors));
     if (!from.element.fits(size.elements))
       throw InputError("the snapshot is of a world with " + std::to_string(from.element.controller.size()) +
                        " controllers and " + std::to_string(from.element.sample.size()) +
@@ -186,13 +195,13 @@ class SimulationOn final : public Simulation {
                        std::to_string(size.elements.samples));
     const Place& at = place_[w];
     flat_[w].world = from.world;
-    flat_[w].motor = from.motor;
+    flat_[w].mechanisms.motor = from.motor;
     write_parameters(w);
     write_motors(w);
     s_.position.write(at.body, from.position);
     s_.orientation.write(at.body, from.orientation);
     s_.velocity.write(at.body, from.velocity);
-    s_.motor_impulse.write(at.motor, from.motor_impulse);
+    s_.mechanisms.motor_impulse.write(at.mechanisms.motors, from.motor_impulse);
     s_.steps.write(w, from.steps);
     s_.flags.write(w, from.flags);
     s_.world_sums.write(w, WorldSums{});
@@ -212,6 +221,20 @@ class SimulationOn final : public Simulation {
 
  private:
   BodyIndex in_batch(WorldIndex w, BodyIndex b) const { return place_[w].body + flat_[w].place_of_body[b]; }
+
+  FlatMechanisms in_batch(WorldIndex w) const {
+    return moved(flat_[w].mechanisms, place_[w].mechanisms, w, place_[w].body);
+  }
+
+  /// Sum over rows, counted in their world.
+  JointLoad load(WorldIndex w, Index first, Index count) {
+    JointLoad sum;
+    if (!stepped_[w]) return sum;
+    queue_.run([&](auto exec) { recover_impulses(exec, s_.mechanisms); });
+    for (Index i = place_[w].mechanisms.rows + first, end = i + count; i < end; ++i)
+      add_row(sum, s_.mechanisms.row.read(i), s_.mechanisms.row_impulse.read(i), settings_.step);
+    return sum;
+  }
 
   /// The store that the latest step wrote.
   ContactStore<Exec>& latest() { return s_.store[1 - s_.parity]; }
@@ -244,10 +267,9 @@ class SimulationOn final : public Simulation {
   }
 
   static WorldSize larger_size(const WorldSize& a, const WorldSize& b) {
-    return {std::max(a.bodies, b.bodies),  std::max(a.shapes, b.shapes),
-            std::max(a.bins, b.bins),      std::max(a.large_shapes, b.large_shapes),
-            std::max(a.motors, b.motors),  std::max(a.springs, b.springs),
-            larger(a.elements, b.elements)};
+    return {std::max(a.bodies, b.bodies),       std::max(a.shapes, b.shapes),
+            std::max(a.bins, b.bins),           std::max(a.large_shapes, b.large_shapes),
+            larger(a.mechanisms, b.mechanisms), larger(a.elements, b.elements)};
   }
 
   void lay_out(const WorldSize& room) {
@@ -259,8 +281,7 @@ class SimulationOn final : public Simulation {
       next.shape += next.size.shapes;
       next.bin += next.size.bins;
       next.large += next.size.large_shapes;
-      next.motor += next.size.motors;
-      next.spring += next.size.springs;
+      next.mechanisms = next.mechanisms + next.size.mechanisms;
       next.elements = after(next.elements, next.size.elements);
     }
     s_.world_count = Index(flat_.size());
@@ -269,8 +290,7 @@ class SimulationOn final : public Simulation {
     s_.bin_count = next.bin;
     stepped_.assign(flat_.size(), false);
     large_total_ = next.large;
-    motor_total_ = next.motor;
-    spring_total_ = next.spring;
+    mechanism_total_ = next.mechanisms;
     element_total_ = next.elements;
   }
 
@@ -283,9 +303,15 @@ class SimulationOn final : public Simulation {
 
   ElementPlace element_place(WorldIndex w) const {
     const Place& at = place_[w];
-    return {
-        w,           at.body,         at.motor, Index(flat_[w].motor.size()), at.spring, Index(flat_[w].spring.size()),
-        at.elements, at.size.elements};
+    const FlatMechanisms& m = flat_[w].mechanisms;
+    return {w,
+            at.body,
+            at.mechanisms.motors,
+            Index(m.motor.size()),
+            at.mechanisms.springs,
+            Index(m.spring.size()),
+            at.elements,
+            at.size.elements};
   }
 
   void check_fits(WorldIndex w, const WorldSize& size) const {
@@ -295,19 +321,21 @@ class SimulationOn final : public Simulation {
         {"shapes", {size.shapes, room.shapes}},
         {"bins", {size.bins, room.bins}},
         {"large shapes", {size.large_shapes, room.large_shapes}},
-        {"motors", {size.motors, room.motors}},
-        {"springs", {size.springs, room.springs}},
         {"bodies with forces", {size.elements.loaded, room.elements.loaded}},
         {"forces", {size.elements.forces, room.elements.forces}},
         {"controllers", {size.elements.controllers, room.elements.controllers}},
         {"table points", {size.elements.table_points, room.elements.table_points}},
         {"monitors", {size.elements.monitors, room.elements.monitors}},
         {"samples of monitors", {size.elements.samples, room.elements.samples}}};
-    for (const auto& [name, count] : parts)
-      if (count.first > count.second)
-        throw InputError("the new world has " + std::to_string(count.first) + " " + name + ", place " +
-                         std::to_string(w) + " holds " + std::to_string(count.second) +
-                         "; make the simulation with more room");
+    for (const auto& [name, count] : parts) check_part(w, name, count.first, count.second);
+    for (const auto& part : MechanismSize::parts())
+      check_part(w, part.name, size.mechanisms.*part.count, room.mechanisms.*part.count);
+  }
+
+  static void check_part(WorldIndex w, const char* name, Index count, Index room) {
+    if (count > room)
+      throw InputError("the new world has " + std::to_string(count) + " " + name + ", place " + std::to_string(w) +
+                       " holds " + std::to_string(room) + "; make the simulation with more room");
   }
 
   void write_parameters(WorldIndex w) {
@@ -317,8 +345,8 @@ class SimulationOn final : public Simulation {
     p.first_shape = at.shape;
     p.first_bin = at.bin;
     p.first_large = at.large;
-    p.first_motor = at.motor;
-    p.motor_count = Index(flat_[w].motor.size());
+    p.first_motor = at.mechanisms.motors;
+    p.motor_count = Index(flat_[w].mechanisms.motor.size());
     s_.world.write(w, p);
     bool turning = s_.turning;
     for (const auto& row : p.law)
@@ -328,22 +356,14 @@ class SimulationOn final : public Simulation {
     s_.turning = turning;
   }
 
-  void write_motors(WorldIndex w) {
-    std::vector<Motor> motor = flat_[w].motor;
-    for (Motor& m : motor) m.body += place_[w].body;
-    s_.motor.write(place_[w].motor, motor);
-  }
+  void write_motors(WorldIndex w) { s_.mechanisms.motor.write(place_[w].mechanisms.motors, in_batch(w).motor); }
 
   void write_world(WorldIndex w) {
     write_parameters(w);
-    write_motors(w);
     write_bodies(w);
     write_shapes(w);
     const Place& at = place_[w];
-    s_.motor_impulse.write(at.motor, std::vector<Real>(at.size.motors));
-    std::vector<SpringDamper> spring = flat_[w].spring;
-    for (SpringDamper& s : spring) s.upper += at.body, s.lower += at.body;
-    s_.spring.write(at.spring, spring);
+    write_mechanisms(s_.mechanisms, in_batch(w), at.mechanisms, at.size.mechanisms);
     s_.element.write(flat_[w].element, element_place(w));
     s_.steps.write(w, 0);
     s_.flags.write(w, 0);
@@ -366,7 +386,7 @@ class SimulationOn final : public Simulation {
     std::vector<BodyMass> mass = flat_[w].mass;
     mass.resize(at.size.bodies, fixed_body());
     for (BodyMass& m : mass)
-      if (m.motor >= 0) m.motor += at.motor;
+      if (m.slot >= 0) m.slot += at.mechanisms.bodies;
     s_.position.write(at.body, position);
     s_.orientation.write(at.body, orientation);
     s_.velocity.write(at.body, velocity);
@@ -412,9 +432,7 @@ class SimulationOn final : public Simulation {
     s_.momentum.fill_zero(s_.world_count);
     for (auto* of_world : {&s_.flags, &s_.steps, &s_.tiles_of_world}) of_world->fill_zero(s_.world_count);
     s_.first_tile.fill_zero(s_.world_count + 1);
-    s_.motor.fill_zero(motor_total_);
-    s_.motor_impulse.fill_zero(motor_total_);
-    s_.spring.fill_zero(spring_total_);
+    gonogo::sim::allocate(s_.mechanisms, mechanism_total_);
     s_.element.allocate(s_.world_count, element_total_);
     s_.progress.fill_zero(1);
     allocate_shapes();
@@ -454,7 +472,8 @@ class SimulationOn final : public Simulation {
   std::vector<FlatWorld> flat_;  // as they entered, but with the laws, gravity and motors of now
   std::vector<Place> place_;
   std::vector<bool> stepped_;  // [world] since it entered or was restored
-  Index large_total_ = 0, motor_total_ = 0, spring_total_ = 0;
+  Index large_total_ = 0;
+  MechanismSize mechanism_total_;
   ElementSize element_total_;
   Index restored_contacts_ = 0;  // since the latest step
   State<Exec> s_;

@@ -135,7 +135,8 @@ template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder{s.shape.view(), s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
                              s.world.view(), s.bin_of_shape.view(), s.first_in_bin.view(), s.shape_by_bin.view(),
-                             s.large.view(), s.mass.view(),         settings.envelope};
+                             s.large.view(), s.mass.view(),         s.mechanisms.body.view(),
+                             settings.envelope};
   for_each_index(exec, s.shape_count, CountContacts{finder, s.contacts_of_shape.view()});
   exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view(), s.scratch);
   for_each_index(exec, 1, CheckCapacity{s.first_contact.view(), s.progress.view(), s.contact_capacity});

@@ -1,6 +1,7 @@
 // Stages of a step that act on bodies: controllers set motors, force elements push bodies.
 #pragma once
-#include "sim/element/motor_speed.h"
+#include "sim/joint/motor.h"
+#include "sim/world/state.h"
 
 namespace gonogo::sim {
 
@@ -19,14 +20,14 @@ struct ApplyController {
     if (c.motor < 0) return;
     Motor& m = motor[c.motor];
     const MotorCommand command = command_of(c, m, state[i]);
-    m.speed = Real(command.speed);
+    m.target = Real(command.speed);
     m.max_torque = Real(command.max_torque);
   }
 
   GONOGO_HD MotorCommand command_of(const ControllerPlan& c, const Motor& m, ControllerState& own) const {
     const double time = double(steps[c.world]) * double(step);
     if (c.type == ControllerType::schedule) return schedule_command(table, c, time);
-    if (c.type == ControllerType::throttle) return throttle_command(table, c, time, motor_speed(m, velocity));
+    if (c.type == ControllerType::throttle) return throttle_command(table, c, time, motor_speed(m, motor_axis(m, orientation), velocity));
     const Vec3 axis = c.frame == ReferenceFrame::body ? rotate(orientation[c.body], c.axis) : c.axis;
     return velocity_command(table, c, time, dot(velocity[c.body].linear, axis), step, own);
   }
@@ -77,7 +78,7 @@ void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) 
   ElementState<Exec>& e = s.element;
   for_each_index(exec, e.controller.size(),
                  ApplyController{e.controller.view(), e.table.view(), s.steps.view(), s.velocity.view(),
-                                 s.orientation.view(), e.controller_state.view(), s.motor.view(), settings.step});
+                                 s.orientation.view(), e.controller_state.view(), s.mechanisms.motor.view(), settings.step});
 }
 
 /// Call when the free velocity and the inertia of the step are known, before anything implicit is added.

@@ -56,6 +56,8 @@ void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) 
   refuse.unless(c.motor >= 0 && c.motor < Index(world.motor.size()),
                 "drives motor " + std::to_string(c.motor) + ", not one of the " + std::to_string(world.motor.size()) +
                     " motors of the world");
+  refuse.unless(world.motor[c.motor].kind == MotorKind::speed,
+                "drives motor " + std::to_string(c.motor) + ", a torque motor; controllers drive speed motors");
   const double command = c.type == ControllerType::throttle ? 1 : most;
   check_table(c.command, "command", -command, command, refuse);
   check_table(c.limit, "torque limit", 0, most, refuse);

@@ -1,7 +1,8 @@
 // The last stage of a step: energy of every world, its monitors and stop rules.
 #pragma once
 #include "sim/broad_phase/bins.h"
-#include "sim/element/motor_speed.h"
+#include "sim/joint/motor.h"
+#include "sim/joint/row.h"
 
 namespace gonogo::sim {
 
@@ -9,12 +10,15 @@ namespace gonogo::sim {
 /// any number of threads.
 struct MeasureElements {
   View<const WorldElements> world;
+  View<const WorldParameters> parameters;
   View<const Motor> motor;
+  View<const MotorDrive> drive;
   View<const Real> motor_impulse;
   View<const SpringDamper> spring;
   View<const LoadedBody> loaded;
   View<const ForceAndTorque> applied;
   View<const Vec3d> position;
+  View<const Quat> orientation;
   View<const Velocity> velocity;
   View<WorldEnergy> energy;
   Real step;
@@ -23,11 +27,11 @@ struct MeasureElements {
     const WorldElements& of = world[w];
     WorldEnergy e;
     for (Index i = of.first_motor; i < of.motor_end; ++i)
-      e.motor_power += double(motor_impulse[i]) / step * motor_speed(motor[i], velocity);
+      e.motor_power += double(motor_impulse[i]) / step * motor_speed(motor[i], drive[i].axis_W, velocity);
     for (Index i = of.first_spring; i < of.spring_end; ++i) {
       const SpringDamper& s = spring[i];
-      const double stretch = position[s.upper].z - position[s.lower].z - s.free_length;
-      e.spring += 0.5 * s.stiffness * stretch * stretch;
+      const Link link = link_between(s.a, s.b, position, orientation, parameters[w].period);
+      e.spring += spring_energy(s, spring_row(s, link).error);
     }
     for (Index i = of.first_loaded; i < of.loaded_end; ++i) {
       const Velocity& v = velocity[loaded[i].body];
@@ -45,6 +49,7 @@ struct UpdateMonitors {
   View<const WorldEnergy> energy;
   View<const Index> flags;
   View<const Motor> motor;
+  View<const MotorDrive> drive;
   View<const Real> motor_impulse;
   View<const Vec3d> position;
   View<const Velocity> velocity;
@@ -90,7 +95,7 @@ struct UpdateMonitors {
     s.drop = p.height - x.z;
     s.speed = velocity[p.body].linear.x;
     if (p.motor >= 0) {
-      s.motor_speed = motor_speed(motor[p.motor], velocity);
+      s.motor_speed = motor_speed(motor[p.motor], drive[p.motor].axis_W, velocity);
       s.torque = double(motor_impulse[p.motor]) / step;
     }
     state[i].position = x;
@@ -120,13 +125,15 @@ struct FinishStep {
 template <class Exec>
 void update_monitors(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
-  const MeasureElements measure{e.world.view(),  s.motor.view(),   s.motor_impulse.view(), s.spring.view(),
-                                e.loaded.view(), e.applied.view(), s.position.view(),      s.velocity.view(),
-                                e.energy.view(), settings.step};
-  const UpdateMonitors monitors{e.world.view(),         s.world.view(),   s.world_sums.view(),    e.energy.view(),
-                                s.flags.view(),         s.motor.view(),   s.motor_impulse.view(), s.position.view(),
-                                s.velocity.view(),      e.monitor.view(), s.steps.view(),         e.stop.view(),
-                                e.monitor_state.view(), e.sample.view(),  settings.step};
+  MechanismStore<Exec>& m = s.mechanisms;
+  const MeasureElements measure{e.world.view(),         s.world.view(),       m.motor.view(),    m.drive.view(),
+                                m.motor_impulse.view(), m.spring.view(),      e.loaded.view(),   e.applied.view(),
+                                s.position.view(),      s.orientation.view(), s.velocity.view(), e.energy.view(),
+                                settings.step};
+  const UpdateMonitors monitors{e.world.view(),    s.world.view(),         s.world_sums.view(), e.energy.view(),
+                                s.flags.view(),    m.motor.view(),         m.drive.view(),      m.motor_impulse.view(),
+                                s.position.view(), s.velocity.view(),      e.monitor.view(),    s.steps.view(),
+                                e.stop.view(),     e.monitor_state.view(), e.sample.view(),     settings.step};
   for_each_index(exec, s.world_count, FinishStep{measure, monitors});
 }
 

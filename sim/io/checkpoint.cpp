@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kGroup = "snapshot";
 constexpr const char* kFormat = "gonogo snapshot";
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2;
 
 /// Concatenated bytes of numbers, and of records that consist of numbers of one size.
 class Bytes {
@@ -33,18 +33,31 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 68 && sizeof(Motor) == 12 &&
-                  sizeof(SpringDamper) == 24 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
-                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88,
+static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
+                  sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 184 &&
+                  sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
+                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
+                  sizeof(SceneWorld) == 672,
               "list the new fields in scene_hash");
+static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 824,
+              "store the new fields, load them and raise kVersion");
 
 void add(Bytes& b, const PairLaw& l) {
   b << l.friction << l.rolling_friction << l.cohesion_pressure << l.spinning_friction << l.stiffness << l.damping;
 }
 void add(Bytes& b, const BodyState& s) { b << s.position << s.orientation << s.velocity << s.angular_velocity; }
 void add(Bytes& b, const BodyMass& m) { b << m.inverse_mass << m.inverse_inertia_B; }  // the rest follows in flatten
-void add(Bytes& b, const Motor& m) { b << m.body << m.speed << m.max_torque; }
-void add(Bytes& b, const SpringDamper& s) { b << s.upper << s.lower << s.stiffness << s.damping << s.free_length; }
+void add(Bytes& b, const Attachment& a) { b << a.body << a.point_B << a.axis_B << a.side_B; }
+void add(Bytes& b, const Joint& j) {
+  b << j.type << j.length;
+  add(b, j.a), add(b, j.b);
+}
+void add(Bytes& b, const SpringDamper& s) {
+  b << s.kind << s.free_length << s.stiffness << s.damping << s.table.count;
+  for (int i = 0; i < s.table.count; ++i) b << s.table.stretch[i] << s.table.force[i];
+  add(b, s.a), add(b, s.b);
+}
+void add(Bytes& b, const Motor& m) { b << m.kind << m.a << m.b << m.axis_B << m.target << m.max_torque; }
 void add(Bytes& b, const Shape& s) {
   b << s.type << s.body << s.material << s.group << s.lug_count << s.surface << s.offset_B << s.size << s.lug_thickness
     << s.turn_B;
@@ -83,8 +96,9 @@ void add(Bytes& b, const SceneWorld& w) {
   add_all(b, w.body);
   add_all(b, w.mass);
   add_all(b, w.shape);
-  add_all(b, w.motor);
+  add_all(b, w.joint);
   add_all(b, w.spring);
+  add_all(b, w.motor);
   add_all(b, w.force);
   add_all(b, w.controller);
   add_all(b, w.monitor);
@@ -217,22 +231,34 @@ void load_world(Load& load, Snapshot& s) {
   visit_integers(s, [&](Index& i) { i = *next_integer++; });
 }
 
+constexpr std::size_t kMotorIntegers = 5, kMotorNumbers = 5;
+
+template <class M, class VisitInteger, class VisitNumber>
+void visit_motor(M& m, VisitInteger&& integer, VisitNumber&& number) {
+  integer(m.kind), integer(m.a), integer(m.b), integer(m.slot_a), integer(m.slot_b);
+  number(m.axis_B.x), number(m.axis_B.y), number(m.axis_B.z), number(m.target), number(m.max_torque);
+}
+
 void store_motors(Store& store, const Snapshot& s) {
-  std::vector<std::int32_t> body;
-  std::vector<float> drive;
-  for (const Motor& m : s.motor) {
-    body.push_back(m.body);
-    drive.insert(drive.end(), {m.speed, m.max_torque});
-  }
-  store.numbers("motor_body", body, 1);
-  store.numbers("motor_speed_and_torque", drive, 2);
+  std::vector<std::int32_t> integer;
+  std::vector<float> number;
+  for (const Motor& m : s.motor)
+    visit_motor(
+        m, [&](auto i) { integer.push_back(std::int32_t(i)); }, [&](Real x) { number.push_back(x); });
+  store.numbers("motor_integers", integer, kMotorIntegers);
+  store.numbers("motor_numbers", number, kMotorNumbers);
 }
 
 void load_motors(Load& load, Snapshot& s) {
-  const auto body = load.numbers<std::int32_t>("motor_body", 1);
-  const auto drive = load.numbers<float>("motor_speed_and_torque", 2);
-  for (std::size_t i = 0; i < body.size() && 2 * i + 1 < drive.size(); ++i)
-    s.motor.push_back({body[i], drive[2 * i], drive[2 * i + 1]});
+  const auto integer = load.numbers<std::int32_t>("motor_integers", kMotorIntegers);
+  const auto number = load.numbers<float>("motor_numbers", kMotorNumbers);
+  if (integer.size() != number.size()) return;  // the content's hash will refuse it
+  s.motor.resize(integer.size() / kMotorIntegers);
+  auto next_integer = integer.begin();
+  auto next_number = number.begin();
+  for (Motor& m : s.motor)
+    visit_motor(
+        m, [&](auto& i) { i = std::decay_t<decltype(i)>(*next_integer++); }, [&](Real& x) { x = *next_number++; });
 }
 
 void check_head(const Hdf5Reader& in, const std::string& scene) {

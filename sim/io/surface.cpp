@@ -132,6 +132,9 @@ Surface surface_of(const Shape& shape, const SurfaceDetail& detail) {
       break;
     case ShapeType::none:
       break;
+    case ShapeType::mesh:
+    case ShapeType::heightfield:
+      throw InputError("meshes and heightfields cannot be drawn yet; leave out --picture, --frames, --video and --vtk");
   }
   return s;
 }

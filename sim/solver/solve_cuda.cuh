@@ -5,6 +5,8 @@
 #pragma once
 #include <cooperative_groups.h>
 
+#include "sim/joint/motor.h"
+#include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
 #include "sim/solver/split.h"
 #include "sim/solver/tiles.h"
@@ -84,7 +86,11 @@ struct SolveViews {
   View<const Velocity> free_velocity;
   View<const WorldIndex> world_of_body, world_of_body_tile;
   View<const Index> first_body_tile;
+  Projection projection;
+  MotorMoment motor_moment;
+  View<Velocity> gathered;  // [mechanism body]
   View<const Motor> motor;
+  View<const MotorDrive> drive;
   View<Real> motor_impulse, motor_before;
   View<Velocity> velocity, extrapolated_velocity;
   View<Momentum> momentum[2];  // [world] of the present update and of the next, taking turns
@@ -191,6 +197,24 @@ class SolveKernel {
     }
   }
 
+  __device__ bool any_mechanisms() const { return s.projection.body.size > 0; }
+
+  /// Velocities of the jointed bodies from all that their mechanism gathered; one number per thread.
+  __device__ void project_mechanisms(Index k) {
+    const View<Momentum> momentum = s.momentum[k < 0 ? 0 : k & 1];
+    for (Index i = first_index(); i < 6 * s.projection.body.size; i += stride()) {
+      const Index body = i / 6, c = i % 6;
+      if (s.projection.is_empty(body)) continue;
+      const BodyIndex b = s.projection.body[body].body;
+      const Momentum m = momentum[s.world_of_body[b]];
+      if (m.done) continue;
+      const Real next = s.projection.component(body, c);
+      Real& now = component(s.velocity[b], c);
+      component(s.extrapolated_velocity[b], c) = k < 0 ? next : next + (next - now) * m.next_beta;
+      now = next;
+    }
+  }
+
   /// What update `k + 1` will do: a team adds a world's tiles in order. The last teams begin, which have fewest bodies.
   __device__ void decide(Index k) {
     for (WorldIndex w = team_.count - 1 - team_.index; w < s.momentum[0].size; w += team_.count) decide(w, k);
@@ -213,6 +237,11 @@ class SolveKernel {
  private:
   __device__ Index first_index() const { return team_.index * kTileSize + team_.rank; }
   __device__ Index stride() const { return team_.count * kTileSize; }
+
+  __device__ static Real& component(Velocity& v, Index c) {
+    Vec3& part = c < 3 ? v.linear : v.angular;
+    return c % 3 == 0 ? part.x : c % 3 == 1 ? part.y : part.z;
+  }
 
   __device__ static Vec3 warp_sum(Vec3 v) {
     for (int offset = 16; offset > 0; offset /= 2) {
@@ -330,8 +359,8 @@ class SolveKernel {
 
   __device__ void update_motors(WorldIndex w, View<const Momentum> momentum) {
     const WorldParameters& p = s.tiles.world[w];
-    const UpdateMotor update{s.motor,  s.extrapolated_velocity, s.mass,         s.world_of_body,
-                             momentum, s.motor_impulse,         s.motor_before, s.step};
+    const UpdateMotor update{s.motor,  s.drive,         s.extrapolated_velocity, s.world_of_body,
+                             momentum, s.motor_impulse, s.motor_before,          s.step};
     for (Index m = p.first_motor + team_.rank; m < p.first_motor + p.motor_count; m += kTileSize) update(m);
   }
 
@@ -368,9 +397,13 @@ class SolveKernel {
 
   __device__ void set_velocity(BodyIndex b, bool first, Real beta, const Vec3& linear, Vec3 angular) {
     const BodyMass m = s.mass[b];
-    if (m.motor >= 0) angular += motor_axis() * s.motor_impulse[m.motor];
+    if (m.slot >= 0) angular += s.motor_moment(m.slot);
     const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
     const Velocity next = driven_velocity(s.free_velocity[b], m, inverse_inertia, linear, angular);
+    if (m.slot >= 0) {  // project_mechanisms goes on with it
+      s.gathered[m.slot] = next;
+      return;
+    }
     s.extrapolated_velocity[b] = first ? next : extrapolated<Real>(next, s.velocity[b], beta);
     s.velocity[b] = next;
   }
@@ -436,6 +469,10 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
   grid.sync();
   kernel.gather_bodies<turning>(-1);
   grid.sync();
+  if (kernel.any_mechanisms()) {
+    kernel.project_mechanisms(-1);
+    grid.sync();
+  }
   Index k = 0;
   do {
     kernel.update_contacts<turning>(k);
@@ -443,6 +480,10 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
     kernel.gather_bodies<turning>(k);
     kernel.decide(k);
     grid.sync();
+    if (kernel.any_mechanisms()) {
+      kernel.project_mechanisms(k);
+      grid.sync();
+    }
     ++k;
   } while (kernel.any_at_work());
   kernel.measure<turning>(k);
@@ -471,7 +512,7 @@ inline void reserve_solver(State<Cuda>& s) {
   own.body_tile_measures.resize(s.world_of_body_tile.size());
   own.other_momentum.resize(s.world_count);
   own.worlds_at_work.resize(1);
-  own.motor_before.resize(s.motor.size());
+  own.motor_before.resize(s.mechanisms.motor.size());
 }
 
 inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
@@ -490,8 +531,12 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           s.world_of_body.view(),
           s.world_of_body_tile.view(),
           s.first_body_tile.view(),
-          s.motor.view(),
-          s.motor_impulse.view(),
+          projection(s.mechanisms),
+          motor_moment(s.mechanisms),
+          s.mechanisms.gathered.view(),
+          s.mechanisms.motor.view(),
+          s.mechanisms.drive.view(),
+          s.mechanisms.motor_impulse.view(),
           own.motor_before.view(),
           s.velocity.view(),
           s.extrapolated_velocity.view(),

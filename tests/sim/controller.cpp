@@ -1,6 +1,7 @@
 // Controllers of motors against closed forms and ordinary differential equations.
 #include <cmath>
 
+#include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -26,7 +27,7 @@ SceneWorld empty_space() {
 SceneWorld flywheel(const Controller& c) {
   SceneWorld w = empty_space();
   w.add_body({}, solid(1, {Real(kInertia), Real(kInertia), Real(kInertia)}));
-  w.motor.push_back({0, 0, 0});
+  w.motor.push_back(speed_motor(w, 0, kWorld, {0, 1, 0}, 0, 0));
   w.controller.push_back(c);
   return w;
 }
@@ -46,7 +47,7 @@ SceneWorld rolling_sphere(const Controller& c) {
   w.set_law(0, 0, {10, 0, 0});
   add_plane(w);
   const BodyIndex sphere = w.add_sphere({0, 0, kRadius}, Real(kRadius), density_for(kMass, kRadius), 0);
-  w.motor.push_back({sphere, 0, 0});
+  w.motor.push_back(speed_motor(w, sphere, kWorld, {0, 1, 0}, 0, 0));
   w.controller.push_back(c);
   w.controller.back().body = sphere;
   return w;
@@ -172,7 +173,7 @@ TEST_CASE("an axis in the body's frame measures the velocity where the body poin
     BodyMass shaft;
     shaft.inverse_inertia_B = {0, 1, 0};
     w.add_body({{5, 0, 0}, {}, {}, {}}, shaft);
-    w.motor.push_back({1, 0, 0});
+    w.motor.push_back(speed_motor(w, 1, kWorld, {0, 1, 0}, 0, 0));
     Controller c = velocity_controller(ControllerType::velocity_by_speed, 5, 1e5);
     c.frame = ReferenceFrame::body;
     c.body = 0;

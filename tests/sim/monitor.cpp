@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -70,7 +71,7 @@ SceneWorld rough_ride(std::uint64_t seed, double time_limit) {
   add_plane(w);
   for (int i = 0; i < 12; ++i) w.add_sphere({draw.between(-1, 1), draw.between(0, 1), 0.05}, Real(0.06), 2000, 0);
   const BodyIndex ball = w.add_sphere({0, 0.5, 0.35}, Real(0.3), 300, 0);
-  w.motor.push_back({ball, 0, 0});
+  w.motor.push_back(speed_motor(w, ball, kWorld, {0, 1, 0}, 0, 0));
   Controller c;
   c.type = ControllerType::velocity_by_torque;
   c.frame = ReferenceFrame::world;
@@ -120,7 +121,7 @@ TEST_CASE("a motor's angle, torque and work are summed; its work appears as ener
   for (const Backend backend : backends()) {
     SceneWorld w = periodic_space();
     w.add_body({}, solid(1, {Real(inertia), Real(inertia), Real(inertia)}));
-    w.motor.push_back({0, 1000, Real(torque)});
+    w.motor.push_back(speed_motor(w, 0, kWorld, {0, 1, 0}, 1000, torque));
     Monitor m = watch(100);
     m.motor = 0;
     w.monitor.push_back(m);
@@ -152,7 +153,8 @@ TEST_CASE("energy that nobody supplied is counted; what forces, gravity and spri
     w.gravity = {1, 0, 0};
     w.add_body({{0, 0, 1}, {}, {}, {}}, solid(2, {1, 1, 1}));
     w.add_body({{0, 0.5, 0}, {}, {}, {}}, fixed_body());
-    w.spring.push_back({0, 1, 500, 0, 0.9});
+    w.spring.push_back(spring_along(w, 0, 1, {0, 0, 1}, {0, 0.5, 0}, {0, 0, 1}, 500, 0));
+    w.spring[0].free_length = 0.9;
     ForceElement push;
     push.force = {0, 3, 0};
     w.force.push_back(push);
@@ -365,7 +367,7 @@ TEST_CASE("a world that takes the place of a stopped one is watched, driven and 
     // One without elements: nothing of the old world pushes its body or sets its motor.
     SceneWorld bare = periodic_space();
     bare.add_body({{0, 0.5, 0}, {}, {1, 0, 0}, {}}, solid(1, {1, 1, 1}));
-    bare.motor.push_back({0, 2, 1000});
+    bare.motor.push_back(speed_motor(bare, 0, kWorld, {0, 1, 0}, 2, 1000));
     batch->replace(1, bare);
     batch->advance(50);
     CHECK(batch->body(1, 0).velocity.x == 1);

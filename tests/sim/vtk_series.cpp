@@ -43,6 +43,7 @@ SceneWorld mixed_world() {
   wheel.body = w.add_body({{2, 0, 1}, about_y(0.3), {0, 0, 0}, {0, 5, 0}}, solid(20, {1, 1, 1}));
   w.add_shape(wheel);
   add_box(w, {{-0.5, 0, 1}, {}, {}, {}}, {0.1f, 0.2f, 0.3f}, 5);
+  w.shape.back().turn_B = about_x(kPi / 2);  // its z axis along the body's y
   return w;
 }
 
@@ -101,7 +102,10 @@ TEST_CASE("other shapes are written as triangles that move with their bodies") {
       CHECK(std::hypot(arm.x, arm.z) < 0.4207);
       CHECK(length(speed - cross(Vec3d{0, 5, 0}, arm)) < 1e-5);
     }
-    if (body[i] == 4) CHECK(std::fabs(std::fabs(p.z - 1) - 0.3) < 1e-6);
+    if (body[i] == 4) {
+      CHECK(std::fabs(std::fabs(p.y) - 0.3) < 1e-6);
+      CHECK(std::fabs(std::fabs(p.z - 1) - 0.2) < 1e-6);
+    }
   }
 }
 
