@@ -20,16 +20,11 @@ using Eigen::MatrixXd;
 /// What a block of the GPU is to the functions of a Team, with host threads.
 class ThreadTeam {
  public:
-  static constexpr int kLanes = 1;
+  static constexpr bool kWholeRows = false;
   ThreadTeam(Index rank, Index size, std::barrier<>& barrier) : rank_(rank), size_(size), barrier_(&barrier) {}
   Index rank() const { return rank_; }
   Index size() const { return size_; }
   void sync() const { barrier_->arrive_and_wait(); }
-  template <class F>
-  void for_each_cell(Index first_row, Index end_row, Index first_column, Index end_column, const F& f) const {
-    const Index columns = end_column - first_column, cells = (end_row - first_row) * columns;
-    for (Index cell = rank_; cell < cells; cell += size_) f(first_row + cell / columns, first_column + cell % columns);
-  }
 
  private:
   Index rank_, size_;
