@@ -2,61 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "base/error.h"
 #include "sim/broad_phase/bins.h"
+#include "sim/broad_phase/layout.h"
 #include "sim/element/prepare.h"
 #include "sim/joint/check.h"
+#include "sim/shape/check.h"
 
 namespace gonogo::sim {
 namespace {
 
-/// Spheres up to this multiple of a world's smallest sphere are binned; larger ones are few and tested one by one.
-constexpr Real kBinnedSizeRatio = 4;
-
 std::string in_world(std::size_t w) { return "world " + std::to_string(w) + ": "; }
-
-Real smallest_sphere(const SceneWorld& world) {
-  Real radius = 0;
-  for (const Shape& s : world.shape)
-    if (s.type == ShapeType::sphere && (radius == 0 || s.size.x < radius)) radius = s.size.x;
-  return radius;
-}
-
-bool is_binned(const Shape& s, Real smallest) {
-  return s.type == ShapeType::sphere && s.size.x <= kBinnedSizeRatio * smallest;
-}
 
 void check_world(const SceneWorld& world, std::size_t w) {
   if (world.body.empty()) throw InputError(in_world(w) + "has no bodies");
   if (!(world.size.x > 0 && world.size.y > 0 && world.size.z > 0))
     throw InputError(in_world(w) + "its size must be above zero");
-  for (const Shape& s : world.shape) {
-    if (s.material < 0 || s.material >= kMaxMaterials)
-      throw InputError(in_world(w) + "a shape's material is out of range");
-    if (s.type != ShapeType::plane && !(s.size.x > 0))
-      throw InputError(in_world(w) + "a shape's size must be above zero");
-  }
-}
-
-/// Bins at least as wide as the largest binned sphere plus the envelope; at least 3 along a periodic axis.
-void lay_out_bins(const SceneWorld& world, const StepSettings& settings, std::size_t w, WorldParameters& p) {
-  const Real smallest = smallest_sphere(world);
-  Real width = 0;
-  for (const Shape& s : world.shape)
-    if (is_binned(s, smallest)) width = std::max(width, 2 * s.size.x);
-  width = width > 0 ? width + settings.envelope : Real(world.size.x);
-  const double size[3] = {world.size.x, world.size.y, world.size.z};
-  Real bin_size[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    p.bins[axis] = std::max(1, std::min(1024, int(std::floor(size[axis] / width))));
-    bin_size[axis] = Real(size[axis] / p.bins[axis]);
-  }
-  p.bin_size = {bin_size[0], bin_size[1], bin_size[2]};
-  if ((world.periodic_x && smallest > 0 && p.bins[0] < 3) || (world.periodic_y && smallest > 0 && p.bins[1] < 3))
-    throw InputError(in_world(w) +
-                     "a periodic side is shorter than three grains; make the bed larger or the grains smaller");
+  check_shapes(world, w);
 }
 
 WorldParameters world_parameters(const SceneWorld& world, const StepSettings& settings, std::size_t w) {
@@ -110,15 +75,14 @@ SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& plac
   return r;
 }
 
-void append_shapes(const SceneWorld& world, FlatWorld& flat) {
-  const Real smallest = smallest_sphere(world);
+void append_shapes(const SceneWorld& world, Real binned_up_to, FlatWorld& flat) {
   std::size_t next = 0;
   for (BodyIndex b = 0; b < BodyIndex(world.body.size()); ++b) {
     flat.first_shape.push_back(Index(flat.shape.size()));
     for (; next < world.shape.size() && world.shape[next].body == b; ++next) {
       const Shape& s = world.shape[next];
-      const bool binned = is_binned(s, smallest);
-      if (!binned) flat.large.push_back(ShapeIndex(flat.shape.size()));
+      const bool binned = is_binned(s, binned_up_to);
+      if (!binned) flat.large.push_back({ShapeIndex(flat.shape.size()), {}, {}, {}});
       flat.bin_of_shape.push_back(binned ? 0 : -1);
       flat.shape.push_back(s);
     }
@@ -134,6 +98,15 @@ void append_masses(const SceneWorld& world, FlatWorld& flat) {
     m.slot = flat.mechanisms.slot_of_body[b];
     flat.mass.push_back(m);
   }
+}
+
+/// Bins of all worlds are counted by one Index.
+void check_bins(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
+  double bins = 0;
+  for (const FlatWorld& world : worlds) bins += std::max(world.size().bins, room.bins);
+  if (bins > std::numeric_limits<Index>::max())
+    throw InputError("the batch needs " + std::to_string(std::int64_t(bins)) + " bins, more than " +
+                     std::to_string(std::numeric_limits<Index>::max()) + "; use fewer worlds");
 }
 
 }  // namespace
@@ -155,7 +128,7 @@ FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSetting
   flat.body = world.body;
   flat.mechanisms = flatten_mechanisms(world, in_world(std::size_t(w)));
   flat.element = flat_elements(world, settings);
-  append_shapes(world, flat);
+  append_shapes(world, binned_radius(world, settings), flat);
   append_masses(world, flat);
   return flat;
 }
@@ -167,6 +140,7 @@ std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene,
     throw InputError("the step must be above zero and there must be at least one iteration");
   std::vector<FlatWorld> worlds;
   for (std::size_t w = 0; w < scene.size(); ++w) worlds.push_back(flatten(scene[w], WorldIndex(w), settings));
+  check_bins(worlds, room);
   if (backend == Backend::cpu) return make_cpu_simulation(std::move(worlds), settings, room, threads);
 #ifdef GONOGO_WITH_CUDA
   return make_cuda_simulation(std::move(worlds), settings, room);

@@ -113,7 +113,7 @@ struct FlatWorld {
   std::vector<BodyMass> mass;
   std::vector<Shape> shape;
   std::vector<Index> first_shape, bin_of_shape;  // [body], [shape]
-  std::vector<ShapeIndex> large;
+  std::vector<LargeShape> large;
   FlatMechanisms mechanisms;
   FlatElements element;
 

@@ -6,6 +6,8 @@
 #include <memory>
 #include <tuple>
 
+#include "pipeline/trial/saved_run.h"
+
 namespace gonogo::pipeline {
 namespace {
 
@@ -44,24 +46,27 @@ sim::Monitor wheel_monitor(const TrialSetup& setup, const vehicle::RigBodies& bo
 class Run {
  public:
   Run(const TrialSetup& setup, const TrialConditions& conditions, const TrialNumerics& numerics,
-      const TrialWatch& watch, const sim::SceneWorld& world, std::unique_ptr<sim::Simulation> simulation,
-      const vehicle::RigBodies& bodies)
+      const TrialWatch& watch, const sim::SceneWorld& world, std::unique_ptr<sim::Simulation> simulation)
       : setup_(setup),
         conditions_(conditions),
         numerics_(numerics),
         watch_(watch),
         world_(world),
-        simulation_(std::move(simulation)),
-        wheel_(bodies.wheel) {}
+        simulation_(std::move(simulation)) {}
 
-  DriveOutcome until_decided() {
-    show_frame_when_due();
-    while (simulation_->stop(0).cause == sim::StopCause::none) {
-      simulation_->advance(steps_to_next_look());
+  /// Goes on from where `saved` left it, if it did.
+  DriveOutcome until_decided(SavedRun& saved) {
+    saved.resume(*simulation_);
+    step_ = Index(std::lround(simulation_->report(0).time / numerics_.step));
+    show_samples();
+    if (step_ == 0) show_frame();
+    pass_due_frames();
+    while (!stopped()) {
+      advance_to_next_look();
       show_samples();
-      show_frame_when_due();
+      if (stopped() || step_ >= next_frame()) show_frame();
+      if (!stopped()) saved.save_when_due(*simulation_);
     }
-    if (shown_step_ < step()) show_frame();
     cause_ = simulation_->stop(0).cause;
     end_ = simulation_->monitor(0, 0);
     DriveOutcome o = measures();
@@ -70,48 +75,52 @@ class Run {
   }
 
  private:
-  Index step() { return Index(std::lround(simulation_->report(0).time / numerics_.step)); }
+  bool stopped() { return simulation_->stop(0).cause != sim::StopCause::none; }
 
-  /// Steps until the next frame is due, to the nearest step, or until the host has a look.
-  Index steps_to_next_look() {
-    const auto steps = std::max<Index>(1, Index(std::lround(kLookEvery / numerics_.step)));
-    if (!watch_.frame) return steps;
-    const double due = double(frame_count_) * watch_.frame_interval;
-    return std::clamp<Index>(Index(std::lround(due / numerics_.step)) - step(), 1, steps);
+  /// Step at which the next frame is due.
+  Index next_frame() const {
+    if (!watch_.frame) return std::numeric_limits<Index>::max();
+    return Index(std::min(1e9, std::round(double(frame_count_) * watch_.frame_interval / numerics_.step)));
+  }
+
+  /// A world is stepped on after it has stopped until the host looks. Who wants to see it gets the step in which it
+  /// stopped: taken again from the look before, which gives the same bits.
+  void advance_to_next_look() {
+    const auto usual = std::max<Index>(1, Index(std::lround(kLookEvery / numerics_.step)));
+    const Index steps = std::max<Index>(1, std::min(usual, next_frame() - step_));
+    const sim::Snapshot before = watch_.frame ? simulation_->snapshot(0) : sim::Snapshot{};
+    simulation_->advance(steps);
+    step_ += steps;
+    const Index end = simulation_->stop(0).step;
+    if (!watch_.frame || !stopped() || end == step_) return;
+    simulation_->restore(0, before);
+    simulation_->advance(end - before.steps);
+    step_ = end;
+  }
+
+  TrialSample seen(const sim::MonitorSample& s) const {
+    const double rolled = s.turned * setup_.rig.radius;
+    return {s.step * numerics_.step,           s.x,      s.y,        s.drop,          s.speed,
+            rolled > 0 ? 1 - s.x / rolled : 0, s.torque, s.residual, s.contact_count, s.iterations};
   }
 
   /// Gives the observer the samples that it has not seen.
   void show_samples() {
+    if (!watch_.sample) return;
     const Index count = simulation_->monitor(0, 0).sample_count - shown_samples_;
-    if (count == 0) return;
-    for (const sim::MonitorSample& s : simulation_->samples(0, 0, shown_samples_, count)) {
-      const double rolled = s.turned * setup_.rig.radius;
-      sample_ = {s.step * numerics_.step,
-                 s.x,
-                 s.y,
-                 s.drop,
-                 s.speed,
-                 rolled > 0 ? 1 - s.x / rolled : 0,
-                 s.torque,
-                 s.residual,
-                 s.contact_count,
-                 s.iterations};
-      if (watch_.sample) watch_.sample(sample_);
-    }
+    for (const sim::MonitorSample& s : simulation_->samples(0, 0, shown_samples_, count)) watch_.sample(seen(s));
     shown_samples_ += count;
-  }
-
-  void show_frame_when_due() {
-    if (!watch_.frame) return;
-    if (step() * numerics_.step + 0.5 * numerics_.step >= double(frame_count_) * watch_.frame_interval) show_frame();
   }
 
   void show_frame() {
     if (!watch_.frame) return;
-    shown_step_ = step();
-    const double time = shown_step_ * numerics_.step;
-    while (double(frame_count_) * watch_.frame_interval <= time + 0.5 * numerics_.step) ++frame_count_;
-    watch_.frame({sample_, world_, *simulation_, wheel_});
+    const TrialSample sample = seen(simulation_->monitor(0, 0).now);
+    watch_.frame({sample, world_, *simulation_, world_.monitor.front().body});
+    pass_due_frames();
+  }
+
+  void pass_due_frames() {
+    while (next_frame() <= step_) ++frame_count_;
   }
 
   /// First true line of the contract's verdict table wins.
@@ -166,13 +175,22 @@ class Run {
   const TrialWatch& watch_;
   const sim::SceneWorld& world_;
   std::unique_ptr<sim::Simulation> simulation_;
-  sim::BodyIndex wheel_;
   sim::StopCause cause_ = sim::StopCause::none;
   sim::MonitorState end_;
-  TrialSample sample_{};
-  Index shown_samples_ = 0, shown_step_ = -1;
+  Index step_ = 0, shown_samples_ = 0;
   std::int64_t frame_count_ = 0;
 };
+
+/// The bed does not stand by itself, or its simulation went wrong.
+bool fails(const TrialSetup& setup, const DriveOutcome& bed) {
+  return bed.flags != 0 || bed.bed_creep > setup.thresholds.creep_speed;
+}
+
+TrialNumerics numerics_of(const TrialSetup& setup, std::uint64_t attempt) {
+  TrialNumerics n = setup.numerics;
+  if (attempt > 1) n.step /= 2, n.iterations *= 2;
+  return n;
+}
 
 /// Lets the bed settle under the trial's gravity with its own laws; returns the moved packing and the bed's mean speed
 /// along the slope at the end: a slope that fails by itself keeps accelerating.
@@ -192,7 +210,7 @@ terrain::Packing tilted(const TrialSetup& setup, const terrain::Packing& packing
     mean += static_cast<Vec3d>(bodies[i].velocity) * (1.0 / double(packing.grain.size()));
   }
   outcome.bed_creep = std::hypot(mean.x, mean.y);
-  if (watch.frame && (outcome.flags != 0 || outcome.bed_creep > setup.thresholds.creep_speed))
+  if (watch.frame && fails(setup, outcome))
     watch.frame({{0, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, outcome.worst_residual, 0, 0}, world, *simulation, -1});
   return result;
 }
@@ -214,12 +232,13 @@ double resting_axle_height(const TrialSetup& setup, const terrain::Packing& pack
 }  // namespace
 
 DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& settled, const TrialConditions& conditions,
-                   const TrialNumerics& numerics, const TrialWatch& watch) {
+                   std::uint64_t attempt, const TrialWatch& watch, const TrialCheckpoint& checkpoint) {
+  const TrialNumerics numerics = numerics_of(setup, attempt);
   const auto settings =
       terrain::bed_step_settings(settled.spec.grain_diameter, numerics.step, numerics.iterations, numerics.tolerance);
   DriveOutcome bed{};
   const terrain::Packing packing = tilted(setup, settled, conditions, settings, watch, bed);
-  if (bed.flags != 0 || bed.bed_creep > setup.thresholds.creep_speed) {
+  if (fails(setup, bed)) {
     if (bed.flags == 0) bed.verdict = Verdict::no_go, bed.reason = Reason::slope_unstable;
     bed.distance = bed.drive_time = bed.mean_speed = 0;
     bed.slip = bed.sinkage = bed.drift = bed.mean_torque = bed.energy_per_metre = kNaN;
@@ -234,9 +253,9 @@ DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& settled, con
       terrain::surface_height(packing.grain, setup.bed_length, setup.bed_width, packing.spec.grain_diameter);
   world.controller.push_back(driver(setup, conditions, bodies.motor));
   world.monitor.push_back(wheel_monitor(setup, bodies, surface));
-  Run run(setup, conditions, numerics, watch, world, sim::make_simulation(sim::Backend::cpu, {world}, settings, 1),
-          bodies);
-  DriveOutcome outcome = run.until_decided();
+  Run run(setup, conditions, numerics, watch, world, sim::make_simulation(sim::Backend::cpu, {world}, settings, 1));
+  SavedRun saved(checkpoint, world, settings, attempt);
+  DriveOutcome outcome = run.until_decided(saved);
   outcome.bed_creep = bed.bed_creep;
   outcome.worst_residual = std::max(outcome.worst_residual, bed.worst_residual);
   return outcome;

@@ -406,8 +406,8 @@ class SimulationOn final : public Simulation {
     for (Index& i : first) i += at.shape;
     first.resize(at.size.bodies, at.shape + at.size.shapes);
     bin.resize(at.size.shapes, -1);
-    std::vector<ShapeIndex> large = flat_[w].large;
-    for (ShapeIndex& i : large) i += at.shape;
+    std::vector<LargeShape> large = flat_[w].large;
+    for (LargeShape& l : large) l.shape += at.shape;
     s_.shape.write(at.shape, shape);
     s_.first_shape.write(at.body, first);
     s_.bin_of_shape.write(at.shape, bin);
@@ -459,7 +459,7 @@ class SimulationOn final : public Simulation {
     s_.contacts_of_shape.fill_zero(s_.shape_count);
     s_.first_contact.fill_zero(s_.shape_count + 1);
     s_.shape_in_bin.fill_zero(s_.shape_count);
-    s_.sphere_in_bin.fill_zero(s_.shape_count);
+    s_.shape_by_bin.fill_zero(s_.shape_count);
     s_.bin_cursor.fill_zero(s_.bin_count);
     s_.first_in_bin.fill_zero(s_.bin_count + 1);
     for (ContactStore<Exec>& store : s_.store) {

@@ -28,13 +28,13 @@ struct Controller {
 
   // velocity: u = p e + i (integral of e) + f c with command c and error e = c - velocity along the axis. u is a
   // torque [N m] within the limit, or a motor speed [rad/s] within +-top_speed.
-  BodyIndex body = 0;         // whose centre of mass is kept at the velocity
-  Frame frame = Frame::body;  // of the axis
-  Vec3 axis{1, 0, 0};         // any length
-  double proportional = 0;    // p: [N m s/m] or [rad/m]
-  double integral = 0;        // i: [N m/m] or [rad/(m s)]
-  double feed_forward = 0;    // f: [N m s/m] or [rad/m]
-  double top_speed = 0;       // [rad/s]
+  BodyIndex body = 0;                           // whose centre of mass is kept at the velocity
+  ReferenceFrame frame = ReferenceFrame::body;  // of the axis
+  Vec3 axis{1, 0, 0};                           // any length
+  double proportional = 0;                      // p: [N m s/m] or [rad/m]
+  double integral = 0;                          // i: [N m/m] or [rad/(m s)]
+  double feed_forward = 0;                      // f: [N m s/m] or [rad/m]
+  double top_speed = 0;                         // [rad/s]
 };
 
 /// Whether it needs a body.
@@ -48,7 +48,7 @@ struct ControllerPlan {
   Index world = 0;
   Index motor = -1;  // -1: an empty place in a batch
   BodyIndex body = 0;
-  Frame frame = Frame::body;
+  ReferenceFrame frame = ReferenceFrame::body;
   Vec3 axis;  // unit
   Table command, limit;
   double proportional = 0, integral = 0, feed_forward = 0, top_speed = 0;

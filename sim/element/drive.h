@@ -28,7 +28,7 @@ struct ApplyController {
     const double time = double(steps[c.world]) * double(step);
     if (c.type == ControllerType::schedule) return schedule_command(table, c, time);
     if (c.type == ControllerType::throttle) return throttle_command(table, c, time, motor_speed(m, motor_axis(m, orientation), velocity));
-    const Vec3 axis = c.frame == Frame::body ? rotate(orientation[c.body], c.axis) : c.axis;
+    const Vec3 axis = c.frame == ReferenceFrame::body ? rotate(orientation[c.body], c.axis) : c.axis;
     return velocity_command(table, c, time, dot(velocity[c.body].linear, axis), step, own);
   }
 };

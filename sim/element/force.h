@@ -6,7 +6,7 @@
 namespace gonogo::sim {
 
 /// Axes in which a vector is given.
-enum class Frame : std::int32_t { world, body };
+enum class ReferenceFrame : std::int32_t { world, body };
 
 enum class ForceType : std::int32_t { load, drag };
 
@@ -14,8 +14,8 @@ enum class ForceType : std::int32_t { load, drag };
 struct ForceElement {
   ForceType type = ForceType::load;
   BodyIndex body = 0;
-  Frame frame = Frame::world;  // of `force` and `torque`
-  Vec3 point_B;                // where the force acts, from the centre of mass [m]
+  ReferenceFrame frame = ReferenceFrame::world;  // of `force` and `torque`
+  Vec3 point_B;                                  // where the force acts, from the centre of mass [m]
 
   // load: grows linearly from zero at `start` to its full value at `start` + `ramp`; both zero: always full
   Vec3 force;                  // [N]
@@ -28,7 +28,8 @@ struct ForceElement {
 };
 
 /// Drawbar load: `pull` [N] against `direction`, whatever its length. In the body's frame the load turns with the body.
-ForceElement tow_load(BodyIndex body, Frame frame, const Vec3& direction, double pull, const Vec3& point_B = {});
+ForceElement tow_load(BodyIndex body, ReferenceFrame frame, const Vec3& direction, double pull,
+                      const Vec3& point_B = {});
 
 /// Density of the air [kg/m^3], drag coefficient [-], frontal area [m^2].
 ForceElement aerodynamic_drag(BodyIndex body, double density, double coefficient, double area,
@@ -79,7 +80,7 @@ GONOGO_HD inline ForceAndTorque load_of(const ForceElement& f, const LoadedMotio
   }
   const auto share = Real(ramp_share(time, f.start, f.ramp));
   Vec3 force = f.force * share, torque = f.torque * share;
-  if (f.frame == Frame::body) force = rotate(m.orientation, force), torque = rotate(m.orientation, torque);
+  if (f.frame == ReferenceFrame::body) force = rotate(m.orientation, force), torque = rotate(m.orientation, torque);
   return {force, torque + cross(arm, force)};
 }
 

@@ -144,7 +144,7 @@ MonitorPlan plan(const Monitor& m, double step) {
 
 }  // namespace
 
-ForceElement tow_load(BodyIndex body, Frame frame, const Vec3& direction, double pull, const Vec3& point_B) {
+ForceElement tow_load(BodyIndex body, ReferenceFrame frame, const Vec3& direction, double pull, const Vec3& point_B) {
   if (!is_finite(direction) || !(length(direction) > 0)) throw InputError("a tow load needs a direction");
   ForceElement f;
   f.body = body;

@@ -33,10 +33,14 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 44 && sizeof(Motor) == 40 &&
+static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
                   sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 184 &&
-                  sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64,
+                  sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
+                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
+                  sizeof(SceneWorld) == 672,
               "list the new fields in scene_hash");
+static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 824,
+              "store the new fields, load them and raise kVersion");
 
 void add(Bytes& b, const PairLaw& l) {
   b << l.friction << l.rolling_friction << l.cohesion_pressure << l.spinning_friction << l.stiffness << l.damping;
@@ -55,17 +59,34 @@ void add(Bytes& b, const SpringDamper& s) {
 }
 void add(Bytes& b, const Motor& m) { b << m.kind << m.a << m.b << m.axis_B << m.target << m.max_torque; }
 void add(Bytes& b, const Shape& s) {
-  b << s.type << s.body << s.material << s.lug_count << s.offset_B << s.size << s.lug_thickness;
+  b << s.type << s.body << s.material << s.group << s.lug_count << s.surface << s.offset_B << s.size << s.lug_thickness
+    << s.turn_B;
 }
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
     << s.solver << s.target;
 }
 
+void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
+void add(Bytes& b, const ForceElement& f) {
+  b << f.type << f.body << f.frame << f.point_B << f.force << f.torque << f.start << f.ramp << f.drag << f.wind;
+}
+void add(Bytes& b, const Monitor& m) {
+  b << m.body << m.motor << m.height << m.start << m.stride << m.time_limit << m.earliest << m.distance << m.slid_back
+    << m.immobile_window << m.immobile_from << m.immobile_speed;
+}
+
 template <class T>
 void add_all(Bytes& b, const std::vector<T>& list) {
   b << std::uint64_t(list.size());
   for (const T& item : list) add(b, item);
+}
+
+void add(Bytes& b, const Controller& c) {
+  b << c.type << c.motor;
+  add_all(b, c.command);
+  add_all(b, c.limit);
+  b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed;
 }
 
 void add(Bytes& b, const SceneWorld& w) {
@@ -78,6 +99,9 @@ void add(Bytes& b, const SceneWorld& w) {
   add_all(b, w.joint);
   add_all(b, w.spring);
   add_all(b, w.motor);
+  add_all(b, w.force);
+  add_all(b, w.controller);
+  add_all(b, w.monitor);
 }
 
 /// Everything about a world that is not a list of bodies or contacts; gravity and laws may change during a run.
@@ -167,6 +191,25 @@ void exchange_arrays(Io& io, Snap& s) {
   io.template rows<std::uint64_t>("key", s.key);
   io.template rows<float>("impulse", s.impulse);
   io.template rows<float>("motor_impulse", s.motor_impulse);
+  io.template rows<double>("controller", s.element.controller);
+}
+
+/// Records of mixed numbers, byte by byte.
+static_assert(sizeof(MonitorSample) == 80 && sizeof(MonitorState) == 144 && sizeof(WorldStop) == 12,
+              "files of older programs do not fit any more: raise kVersion");
+
+void store_monitors(Store& store, const Snapshot& s) {
+  store.rows<std::int32_t>("stop", std::vector<WorldStop>{s.element.stop});
+  store.rows<std::uint8_t>("monitor", s.element.monitor);
+  store.rows<std::uint8_t>("monitor_sample", s.element.sample);
+}
+
+void load_monitors(Load& load, Snapshot& s) {
+  std::vector<WorldStop> stop;
+  load.rows<std::int32_t>("stop", stop);
+  if (!stop.empty()) s.element.stop = stop.front();
+  load.rows<std::uint8_t>("monitor", s.element.monitor);
+  load.rows<std::uint8_t>("monitor_sample", s.element.sample);
 }
 
 void store_world(Store& store, Snapshot s) {
@@ -249,6 +292,7 @@ void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string
   exchange_arrays(store, snapshot);
   store_world(store, snapshot);
   store_motors(store, snapshot);
+  store_monitors(store, snapshot);
   out.attribute(kGroup, "content", store.hash());
 }
 
@@ -259,6 +303,7 @@ Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene) {
   exchange_arrays(load, s);
   load_world(load, s);
   load_motors(load, s);
+  load_monitors(load, s);
   if (in.text_attribute(kGroup, "content") != load.hash())
     in.fail(kGroup, "its numbers were altered; remove the file and start from the beginning");
   return s;

@@ -72,8 +72,7 @@ void add_cylinder(Surface& s, Real radius, Real half_width, int segments) {
 }
 
 /// Latitude and longitude; rows of equal angle from pole to pole.
-void add_sphere(Surface& s, Real radius, int segments) {
-  const int rows = std::max(2, segments / 2);
+void add_sphere(Surface& s, Real radius, int segments, int rows) {
   for (int row = 0; row <= rows; ++row) {
     const Real polar = kTurn / 2 * Real(row) / Real(rows);
     for (int k = 0; k < segments; ++k) {
@@ -88,6 +87,13 @@ void add_sphere(Surface& s, Real radius, int segments) {
       if (row > 0) s.triangle.push_back({here, next, next + segments});
       if (row + 1 < rows) s.triangle.push_back({here, next + segments, here + segments});
     }
+}
+
+/// Two half spheres and the band between them.
+void add_capsule(Surface& s, Real radius, Real half_length, int segments) {
+  const std::size_t first = s.point.size();
+  add_sphere(s, radius, segments, segments / 2 | 1);  // an odd number of rows: none of them lies on the equator
+  for (std::size_t i = first; i < s.point.size(); ++i) s.point[i].y += s.point[i].y > 0 ? half_length : -half_length;
 }
 
 /// Cylinder of the rim and one box per lug, placed as sphere_lug_gap places them.
@@ -107,7 +113,13 @@ Surface surface_of(const Shape& shape, const SurfaceDetail& detail) {
   const Vec3& size = shape.size;
   switch (shape.type) {
     case ShapeType::sphere:
-      add_sphere(s, size.x, detail.segments);
+      add_sphere(s, size.x, detail.segments, std::max(2, detail.segments / 2));
+      break;
+    case ShapeType::capsule:
+      add_capsule(s, size.x, size.y, detail.segments);
+      break;
+    case ShapeType::cylinder:
+      add_cylinder(s, size.x, size.y, detail.segments);
       break;
     case ShapeType::box:
       add_box(s, {}, {size.x, 0, 0}, {0, size.y, 0}, {0, 0, size.z});
@@ -120,6 +132,9 @@ Surface surface_of(const Shape& shape, const SurfaceDetail& detail) {
       break;
     case ShapeType::none:
       break;
+    case ShapeType::mesh:
+    case ShapeType::heightfield:
+      throw InputError("meshes and heightfields cannot be drawn yet; leave out --picture, --frames, --video and --vtk");
   }
   return s;
 }

@@ -7,7 +7,7 @@
 
 namespace gonogo::sim {
 
-/// Triangles in the frame of the shape: its centre at the origin, axes of the body. Corners run counterclockwise seen
+/// Triangles in the frame of the shape: its centre at the origin, its own axes. Corners run counterclockwise seen
 /// from outside. Points are repeated along sharp edges, so that each has the normal of its own side.
 struct Surface {
   std::vector<Vec3> point;   // [m]

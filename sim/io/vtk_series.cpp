@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "sim/io/surface.h"
 #include "sim/io/vtp.h"
+#include "sim/shape/touch.h"
 
 namespace gonogo::sim {
 namespace {
@@ -19,7 +20,7 @@ std::string file_name(const std::string& kind, int frame) {
   return kind + number;
 }
 
-VtpContent sphere_content(const Frame& frame, const std::vector<Shape>& shapes) {
+VtpContent sphere_content(const Capture& frame, const std::vector<Shape>& shapes) {
   VtpContent content;
   std::vector<float> radius, speed;
   std::vector<std::int32_t> body, material;
@@ -44,7 +45,7 @@ VtpContent sphere_content(const Frame& frame, const std::vector<Shape>& shapes) 
   return content;
 }
 
-VtpContent surface_content(const Frame& frame, const std::vector<Shape>& shapes, Real plane_half) {
+VtpContent surface_content(const Capture& frame, const std::vector<Shape>& shapes, Real plane_half) {
   VtpContent content;
   std::vector<std::int32_t> body, material;
   std::vector<Vec3> normal, velocity;
@@ -53,12 +54,13 @@ VtpContent surface_content(const Frame& frame, const std::vector<Shape>& shapes,
     const Surface surface = surface_of(s, {48, plane_half});
     const BodyState& b = frame.body[s.body];
     const Vec3d centre = centre_of(s, b);
+    const Quat q = shape_orientation(s, b.orientation);
     const auto first = Index(content.point.size());
     for (const auto& t : surface.triangle) content.triangle.push_back({first + t[0], first + t[1], first + t[2]});
     for (std::size_t i = 0; i < surface.point.size(); ++i) {
-      const Vec3 from_centre = rotate(b.orientation, surface.point[i]);
+      const Vec3 from_centre = rotate(q, surface.point[i]);
       content.point.push_back(centre + static_cast<Vec3d>(from_centre));
-      normal.push_back(rotate(b.orientation, surface.normal[i]));
+      normal.push_back(rotate(q, surface.normal[i]));
       velocity.push_back(velocity_of(s, b) + cross(b.angular_velocity, from_centre));
     }
     body.resize(content.point.size(), s.body);
@@ -71,12 +73,12 @@ VtpContent surface_content(const Frame& frame, const std::vector<Shape>& shapes,
   return content;
 }
 
-VtpContent contact_content(const Frame& frame) {
+VtpContent contact_content(const Capture& frame) {
   VtpContent content;
   std::vector<float> gap;
   std::vector<std::int32_t> body_a, body_b;
   std::vector<Vec3> normal, impulse;
-  for (const FrameContact& c : frame.contact) {
+  for (const CapturedContact& c : frame.contact) {
     content.point.push_back(c.point);
     normal.push_back(c.normal);
     impulse.push_back(c.impulse);
@@ -102,7 +104,7 @@ VtkSeries::VtkSeries(std::filesystem::path folder, const SceneWorld& world)
   for (const char* kind : kKinds) write_collection(kind);
 }
 
-void VtkSeries::write(const Frame& frame) {
+void VtkSeries::write(const Capture& frame) {
   const int k = frame_count();
   const std::array content{sphere_content(frame, shape_), surface_content(frame, shape_, plane_half_),
                            contact_content(frame)};

@@ -13,7 +13,7 @@ namespace gonogo::sim {
 struct PairLaw {
   Real friction = 0;           // sliding, [-]
   Real rolling_friction = 0;   // [-], times the sphere's effective radius
-  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere [Pa]
+  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere or capsule [Pa]
   Real spinning_friction = 0;  // [-], times the sphere's effective radius
   Real stiffness = 0;          // of a compliant contact along its normal [N/m]; 0: rigid
   Real damping = 0;            // of a compliant contact along its normal [N s/m]
@@ -39,13 +39,13 @@ struct WorldParameters {
   Vec3d origin;   // lower corner of the domain [m]
   Vec3d period;   // length of the domain along x and y where periodic, 0 where open [m]
   Vec3 bin_size;  // [m]
-  Index bins[3] = {1, 1, 1};
+  Index bins[3] = {3, 3, 3};
   Index first_bin = 0;
   BodyIndex first_body = 0;
   Index body_count = 0;
   ShapeIndex first_shape = 0;
   Index shape_count = 0;
-  Index first_large = 0, large_count = 0;  // into the list of shapes that are not binned
+  Index first_large = 0, large_count = 0;  // into the list of large shapes, which are not binned
   Index first_motor = 0, motor_count = 0;
   PairLaw law[kMaxMaterials][kMaxMaterials];
 };
@@ -94,11 +94,25 @@ GONOGO_HD inline double rms_residual(const WorldSums& sums) {
   return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
 }
 
-/// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
-struct BinnedSphere {
+/// A binned shape, copied into the order of the bins so that neighbours are read from consecutive memory.
+struct BinnedShape {
   Vec3d centre;  // folded into the period [m]
-  Real radius;   // [m]
+  Real radius;   // of the sphere around it [m]
   ShapeIndex shape;
+};
+
+/// A shape that is not binned and the region it is in, found anew in every step.
+struct LargeShape {
+  ShapeIndex shape = 0;
+  Vec3d middle;  // of the box around it [m]
+  Vec3 half;     // half edges of that box along the world's axes [m]
+  Vec3 up;       // of a plane: everything it can touch lies below; zero for others
+
+  /// Whether a sphere about `d` [m, from the middle] may touch it.
+  GONOGO_HD bool reaches(const Vec3& d, Real radius) const {
+    return std::fabs(d.z) < half.z + radius && std::fabs(d.x) < half.x + radius && std::fabs(d.y) < half.y + radius &&
+           dot(d, up) < radius;
+  }
 };
 
 /// Contacts of one step, in the order of the shapes that own them; a step writes one store and reads the other for its
@@ -149,7 +163,7 @@ struct State {
   Buffer<WorldIndex, Exec> world_of_body;   // [body]
   Buffer<Shape, Exec> shape;                // [shape], ordered by body
   Buffer<Index, Exec> first_shape;          // [body + 1]
-  Buffer<ShapeIndex, Exec> large;           // shapes that are not binned, by world
+  Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
   MechanismStore<Exec> mechanisms;
   ElementState<Exec> element;
   Buffer<Index, Exec> steps;                                // [world] taken so far
@@ -158,7 +172,7 @@ struct State {
   // Rebuilt every step.
   Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
   Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
-  Buffer<BinnedSphere, Exec> sphere_in_bin;
+  Buffer<BinnedShape, Exec> shape_by_bin;
   Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
   Buffer<Contact, Exec> contact;
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,

@@ -56,7 +56,7 @@ SceneWorld rolling_sphere(const Controller& c) {
 Controller velocity_controller(ControllerType type, double velocity, double limit) {
   Controller c;
   c.type = type;
-  c.frame = Frame::world;
+  c.frame = ReferenceFrame::world;
   c.command = {{0, velocity}};
   c.limit = {{0, limit}};
   return c;
@@ -175,7 +175,7 @@ TEST_CASE("an axis in the body's frame measures the velocity where the body poin
     w.add_body({{5, 0, 0}, {}, {}, {}}, shaft);
     w.motor.push_back(speed_motor(w, 1, kWorld, {0, 1, 0}, 0, 0));
     Controller c = velocity_controller(ControllerType::velocity_by_speed, 5, 1e5);
-    c.frame = Frame::body;
+    c.frame = ReferenceFrame::body;
     c.body = 0;
     c.proportional = 2;
     c.top_speed = 100;

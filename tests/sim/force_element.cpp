@@ -69,7 +69,7 @@ TEST_CASE("a force in the body's frame turns with the body; in the world's frame
   const double spin = 3, time = 0.7, share = 2.0 / 5;
   for (const Backend backend : backends()) {
     SceneWorld w = empty_space();
-    for (const Frame frame : {Frame::body, Frame::world}) {
+    for (const ReferenceFrame frame : {ReferenceFrame::body, ReferenceFrame::world}) {
       const BodyIndex b = w.add_body({{2.0 * int(frame), 0, 0}, {}, {}, {0, 0, Real(spin)}}, solid(5, {1, 1, 1}));
       w.force.push_back(load(b, {2, 0, 0}));
       w.force.back().frame = frame;
@@ -90,7 +90,7 @@ TEST_CASE("a ramped tow load pulls against its direction with the integral of th
   for (const Backend backend : backends()) {
     SceneWorld w = empty_space();
     const BodyIndex b = w.add_body({}, solid(Real(mass), {1, 1, 1}));
-    w.force.push_back(tow_load(b, Frame::world, {0, 0.5f, 0}, pull));
+    w.force.push_back(tow_load(b, ReferenceFrame::world, {0, 0.5f, 0}, pull));
     w.force.back().start = start;
     w.force.back().ramp = ramp;
     const auto simulation = simulate(backend, w, steps_of(1e-3));
@@ -186,5 +186,5 @@ TEST_CASE("a force on a fixed or missing body, of a bad size or without directio
   ForceElement ramped = load(b, {1, 0, 0});
   ramped.ramp = -1;
   refused(with(ramped), "ramp time");
-  refused([&] { (void)tow_load(b, Frame::world, {}, 1); }, "direction");
+  refused([&] { (void)tow_load(b, ReferenceFrame::world, {}, 1); }, "direction");
 }

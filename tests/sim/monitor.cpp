@@ -74,14 +74,14 @@ SceneWorld rough_ride(std::uint64_t seed, double time_limit) {
   w.motor.push_back(speed_motor(w, ball, kWorld, {0, 1, 0}, 0, 0));
   Controller c;
   c.type = ControllerType::velocity_by_torque;
-  c.frame = Frame::world;
+  c.frame = ReferenceFrame::world;
   c.body = ball;
   c.command = {{0, 0}, {0.2, 1.5}};
   c.limit = {{0, 40}};
   c.proportional = 60;
   c.integral = 200;
   w.controller.push_back(c);
-  w.force = {aerodynamic_drag(ball, 1.2, 1, 0.3), tow_load(ball, Frame::world, {1, 0.2f, 0}, 10)};
+  w.force = {aerodynamic_drag(ball, 1.2, 1, 0.3), tow_load(ball, ReferenceFrame::world, {1, 0.2f, 0}, 10)};
   Monitor m = watch(time_limit);
   m.body = ball;
   m.motor = 0;
@@ -350,7 +350,7 @@ TEST_CASE("a world that takes the place of a stopped one is watched, driven and 
     const auto alone = simulate(backend, next, few_iterations());
     alone->advance(250);
     SceneWorld first = rough_ride(85, 0.3);
-    first.force.push_back(tow_load(first.force[0].body, Frame::body, {0, 0, 1}, 3));
+    first.force.push_back(tow_load(first.force[0].body, ReferenceFrame::body, {0, 0, 1}, 3));
     first.monitor.push_back(first.monitor[0]);
     const auto batch = make_simulation(backend, {rough_ride(86, 0.9), first, rough_ride(87, 0.9)}, few_iterations(), 1);
     batch->advance(350);

@@ -1,0 +1,87 @@
+#include "sim/shape/check.h"
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "sim/shape/pairs.h"
+
+namespace gonogo::sim {
+namespace {
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", x);
+  return text;
+}
+
+std::string description(const Shape& s, std::size_t index) {
+  return std::string(name_of(s.type)) + " (shape " + std::to_string(index) + ", body " + std::to_string(s.body) + ")";
+}
+
+void check_size(const Shape& s, const std::string& what) {
+  const int sizes[] = {1, 2, 2, 3, 2, 0, 0, 0};  // numbers above zero that a type needs, in the order of ShapeType
+  const Real size[] = {s.size.x, s.size.y, s.size.z};
+  for (int k = 0; k < sizes[int(s.type)]; ++k)
+    if (!(size[k] > 0) || !std::isfinite(size[k]))
+      throw InputError(what + " has the size " + number(size[k]) + " m; sizes must be above zero");
+  if (s.type != ShapeType::wheel) return;
+  if (s.lug_count < 0 || s.lug_count > 1000)
+    throw InputError(what + " has " + std::to_string(s.lug_count) + " lugs; from 0 to 1000 are possible");
+  if (s.lug_count > 0 && !(s.size.z > 0 && s.size.z < s.size.x && s.lug_thickness > 0))
+    throw InputError(what + " has lugs " + number(s.size.z) + " m high and " + number(s.lug_thickness) +
+                     " m thick; both must be above zero, the height below the radius");
+}
+
+void check_shape(const Shape& s, const std::string& what) {
+  if (s.material < 0 || s.material >= kMaxMaterials)
+    throw InputError(what + ": a shape's material is out of range: " + std::to_string(s.material) + ", allowed 0 to " +
+                     std::to_string(kMaxMaterials - 1));
+  const Quat& q = s.turn_B;
+  const Real norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+  if (!(std::fabs(norm - 1) < Real(1e-3)))
+    throw InputError(what + ": the square of its orientation turn_B is " + number(norm) +
+                     ", it must be a unit quaternion");
+  check_size(s, what);
+}
+
+bool may_meet(const SceneWorld& world, const Shape& a, const Shape& b) {
+  return a.body != b.body && (a.group == 0 || a.group != b.group) &&
+         !(is_fixed(world.mass[a.body]) && is_fixed(world.mass[b.body]));
+}
+
+void check_pair(const SceneWorld& world, const std::string& place, const std::vector<std::size_t>& first,
+                const std::vector<std::size_t>& second) {
+  for (const std::size_t i : first)
+    for (const std::size_t j : second)
+      if (may_meet(world, world.shape[i], world.shape[j]))
+        throw InputError(place + "the " + description(world.shape[i], i) + " may meet the " +
+                         description(world.shape[j], j) +
+                         ", and contacts between these two are not implemented; give them one group when they should "
+                         "not touch, or use other shapes");
+}
+
+}  // namespace
+
+const char* name_of(ShapeType type) {
+  constexpr const char* names[] = {"sphere", "capsule", "cylinder", "box", "wheel", "mesh", "plane", "heightfield"};
+  static_assert(std::size(names) == kShapeTypes);
+  return names[int(type)];
+}
+
+void check_shapes(const SceneWorld& world, std::size_t w) {
+  const std::string place = "world " + std::to_string(w) + ": ";
+  std::vector<std::size_t> of_type[kShapeTypes];
+  for (std::size_t i = 0; i < world.shape.size(); ++i) {
+    const Shape& s = world.shape[i];
+    check_shape(s, place + "the " + description(s, i));
+    of_type[int(s.type)].push_back(i);
+  }
+  for (int a = 0; a < kShapeTypes; ++a)
+    for (int b = a; b < kShapeTypes; ++b)
+      if (!have_routine(ShapeType(a), ShapeType(b))) check_pair(world, place, of_type[a], of_type[b]);
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,16 @@
+// What a scene may not ask of its shapes. Host only.
+#pragma once
+#include <cstddef>
+
+#include "sim/scene.h"
+
+namespace gonogo::sim {
+
+const char* name_of(ShapeType type);
+
+/// Throws InputError, naming world `w`, the shape and the number, for materials, sizes, lugs and orientations out of
+/// range and for two shapes that may meet although their pair has no routine. Pairs on one body, of two fixed bodies
+/// and of one group never meet.
+void check_shapes(const SceneWorld& world, std::size_t w);
+
+}  // namespace gonogo::sim
