@@ -6,19 +6,12 @@
 
 namespace gonogo {
 
-/// The whole problem on one thread. Eight neighbouring columns at once let the compiler use vector instructions.
+/// The whole problem on one thread.
 struct LoneThread {
-  static constexpr int kLanes = 8;
+  static constexpr bool kWholeRows = true;  // it works row by row, with the compiler's vector instructions
   GONOGO_HD Index rank() const { return 0; }
   GONOGO_HD Index size() const { return 1; }
   GONOGO_HD void sync() const {}
-
-  /// f(row, first column of kLanes) for all cells of the rectangle; columns are multiples of kLanes.
-  template <class F>
-  GONOGO_HD void for_each_cell(Index first_row, Index end_row, Index first_column, Index end_column, const F& f) const {
-    for (Index row = first_row; row < end_row; ++row)
-      for (Index column = first_column; column < end_column; column += kLanes) f(row, column);
-  }
 };
 
 template <class Body>
@@ -34,18 +27,10 @@ void for_each_team(Cpu exec, Index count, const Body& body) {
 #ifdef __CUDACC__
 /// All threads of a block on one problem; neighbouring threads take neighbouring columns.
 struct BlockOfThreads {
-  static constexpr int kLanes = 1;
+  static constexpr bool kWholeRows = false;
   __device__ Index rank() const { return Index(threadIdx.x); }
   __device__ Index size() const { return Index(blockDim.x); }
   __device__ void sync() const { __syncthreads(); }
-
-  template <class F>
-  __device__ void for_each_cell(Index first_row, Index end_row, Index first_column, Index end_column,
-                                const F& f) const {
-    const Index columns = end_column - first_column, cells = (end_row - first_row) * columns;
-    for (Index cell = rank(); cell < cells; cell += size())
-      f(first_row + cell / columns, first_column + cell % columns);
-  }
 };
 
 inline constexpr Index kThreadsPerTeam = 256;

@@ -16,10 +16,25 @@ struct LinearSystem {
   GONOGO_HD double* row(Index i) const { return number + std::size_t(i) * stride; }
 };
 
-/// target -= share * source over Lanes columns.
-template <int kLanes>
-GONOGO_HD_INLINED void subtract_row(double* __restrict target, const double* __restrict source, double share) {
-  for (int lane = 0; lane < kLanes; ++lane) target[lane] -= share * source[lane];
+GONOGO_HD_INLINED void subtract(double* __restrict target, const double* __restrict source, double share, Index first,
+                                Index end) {
+  for (Index c = first; c < end; ++c) target[c] -= share * source[c];
+}
+
+/// Row i -= share(i) * row k for the rows of a range, in the columns from `first_column` on.
+template <class Team, class Share>
+GONOGO_HD void subtract_row(const Team& team, const LinearSystem& s, Index k, Index first_row, Index end_row,
+                            Index first_column, const Share& share) {
+  if constexpr (Team::kWholeRows) {
+    for (Index i = first_row + team.rank(); i < end_row; i += team.size())
+      if (const double x = share(i); x != 0) subtract(s.row(i), s.row(k), x, first_column, s.stride);
+  } else {
+    const Index columns = s.stride - first_column, cells = (end_row - first_row) * columns;
+    for (Index cell = team.rank(); cell < cells; cell += team.size()) {
+      const Index i = first_row + cell / columns, c = first_column + cell % columns;
+      if (const double x = share(i); x != 0) s.row(i)[c] -= x * s.row(k)[c];
+    }
+  }
 }
 
 /// Square of the smallest angle between a row and those before it [rad^2]. Axes that should be parallel are so to about
@@ -37,27 +52,18 @@ GONOGO_HD void leave_out(const Team& team, const LinearSystem& s, Index k) {
 /// After this, row k of the right-hand side holds d_k times the solution's, with the pivots d_k on the diagonal.
 template <class Team>
 GONOGO_HD void eliminate(const Team& team, const LinearSystem& s) {
-  constexpr int kLanes = Team::kLanes;
   for (Index k = 0; k < s.rows; ++k) {
     const double* pivot_row = s.row(k);
     const double pivot = pivot_row[k], inverse = 1 / pivot;
     if (pivot <= kRedundantPivot)
       leave_out(team, s, k);
     else
-      team.for_each_cell(k + 1, s.rows, (k + 1) / kLanes * kLanes, s.stride, [&](Index i, Index c) {
-        const double share = pivot_row[i] * inverse;
-        const bool needed = c >= i / kLanes * kLanes;  // the lower triangle is not
-        if (share != 0 && needed) subtract_row<kLanes>(s.row(i) + c, pivot_row + c, share);
-      });
+      subtract_row(team, s, k, k + 1, s.rows, k + 1, [&](Index i) { return pivot_row[i] * inverse; });
     team.sync();
   }
   for (Index k = s.rows - 1; k > 0; --k) {
-    const double* solved_row = s.row(k);
-    const double inverse = 1 / solved_row[k];
-    team.for_each_cell(0, k, s.first_right, s.stride, [&](Index i, Index c) {
-      const double share = s.row(i)[k] * inverse;
-      if (share != 0) subtract_row<kLanes>(s.row(i) + c, solved_row + c, share);
-    });
+    const double inverse = 1 / s.row(k)[k];
+    subtract_row(team, s, k, 0, k, s.first_right, [&](Index i) { return s.row(i)[k] * inverse; });
     team.sync();
   }
 }

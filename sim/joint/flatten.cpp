@@ -25,6 +25,37 @@ class Components {
   std::vector<BodyIndex> parent_;
 };
 
+using Pair = std::pair<Index, Index>;
+
+/// Order of elements, given by the slots that each connects (-1: none), in which few zeros of A fill up: always one of
+/// those with the fewest neighbours next (minimum degree, Tinney & Walker 1967). Its neighbours then see each other.
+std::vector<std::size_t> elimination_order(const std::vector<Pair>& slots) {
+  const std::size_t count = slots.size();
+  std::vector<std::vector<bool>> sees(count, std::vector<bool>(count));
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j)
+      for (const Index slot : {slots[i].first, slots[i].second})
+        if (i != j && slot >= 0 && (slot == slots[j].first || slot == slots[j].second)) sees[i][j] = true;
+  std::vector<bool> taken(count);
+  std::vector<std::size_t> order;
+  const auto degree = [&](std::size_t i) {
+    std::size_t sum = 0;
+    for (std::size_t j = 0; j < count; ++j) sum += !taken[j] && sees[i][j];
+    return sum;
+  };
+  while (order.size() < count) {
+    std::size_t next = count;
+    for (std::size_t i = 0; i < count; ++i)
+      if (!taken[i] && (next == count || degree(i) < degree(next))) next = i;
+    taken[next] = true;
+    order.push_back(next);
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t j = 0; j < count; ++j)
+        if (i != j && sees[next][i] && sees[next][j]) sees[i][j] = true;
+  }
+  return order;
+}
+
 class Flattener {
  public:
   Flattener(const SceneWorld& world, const std::string& where) : world_(world), where_(where) {
@@ -90,25 +121,42 @@ class Flattener {
   }
 
   void add_elements() {
-    for (std::size_t i = 0; i < flat_.joint.size(); ++i) {
-      Joint& j = flat_.joint[i];
-      if (!place(j.a, j.b)) continue;
-      flat_.row_of_joint[i] = mechanism_.first_row + mechanism_.row_count;
-      add_element(ElementKind::joint, i, row_count(j.type));
-    }
-    for (std::size_t i = 0; i < flat_.spring.size(); ++i) {
-      SpringDamper& s = flat_.spring[i];
-      if (!place(s.a, s.b)) continue;
-      flat_.row_of_spring[i] = mechanism_.first_row + mechanism_.row_count;
-      add_element(ElementKind::spring, i, 1);
-    }
+    for (std::size_t i = 0; i < flat_.joint.size(); ++i)
+      if (place(flat_.joint[i].a, flat_.joint[i].b)) flat_.element.push_back({ElementKind::joint, Index(i), 0});
+    for (std::size_t i = 0; i < flat_.spring.size(); ++i)
+      if (place(flat_.spring[i].a, flat_.spring[i].b)) flat_.element.push_back({ElementKind::spring, Index(i), 0});
+    number_rows();
     for (std::size_t i = 0; i < flat_.motor.size(); ++i) {
       Motor& m = flat_.motor[i];
       if (slot(m.a) < 0 && slot(m.b) < 0) continue;
       m.slot_a = slot(m.a), m.slot_b = slot(m.b);
-      add_element(ElementKind::motor, i, 0);
+      flat_.element.push_back({ElementKind::motor, Index(i), 0});
       ++mechanism_.motor_count;
     }
+    mechanism_.element_count = Index(flat_.element.size()) - mechanism_.first_element;
+  }
+
+  /// Rows in the order in which their elements are eliminated.
+  void number_rows() {
+    std::vector<Pair> slots;
+    for (std::size_t e = mechanism_.first_element; e < flat_.element.size(); ++e)
+      slots.push_back(slots_of(flat_.element[e]));
+    for (const std::size_t k : elimination_order(slots)) {
+      Element& e = flat_.element[std::size_t(mechanism_.first_element) + k];
+      e.row = mechanism_.row_count;
+      auto& first_row = e.kind == ElementKind::joint ? flat_.row_of_joint : flat_.row_of_spring;
+      first_row[e.index] = mechanism_.first_row + e.row;
+      mechanism_.row_count += rows_of(e);
+    }
+  }
+
+  Pair slots_of(const Element& e) const {
+    if (e.kind == ElementKind::joint) return {flat_.joint[e.index].a.slot, flat_.joint[e.index].b.slot};
+    return {flat_.spring[e.index].a.slot, flat_.spring[e.index].b.slot};
+  }
+
+  Index rows_of(const Element& e) const {
+    return e.kind == ElementKind::joint ? row_count(flat_.joint[e.index].type) : 1;
   }
 
   /// Whether a pair belongs to the mechanism at hand.
@@ -116,12 +164,6 @@ class Flattener {
     if (slot(a.body) < 0 && slot(b.body) < 0) return false;
     a.slot = slot(a.body), b.slot = slot(b.body);
     return true;
-  }
-
-  void add_element(ElementKind kind, std::size_t index, Index rows) {
-    flat_.element.push_back({kind, Index(index), mechanism_.row_count});
-    ++mechanism_.element_count;
-    mechanism_.row_count += rows;
   }
 
   void check_capacity() const {
@@ -153,13 +195,10 @@ class Flattener {
       if (m.slot_b == slot) flat_.motor_entry.push_back(2 * e.index + 1);
       return;
     }
-    const bool is_joint = e.kind == ElementKind::joint;
-    const Attachment& a = is_joint ? flat_.joint[e.index].a : flat_.spring[e.index].a;
-    const Attachment& b = is_joint ? flat_.joint[e.index].b : flat_.spring[e.index].b;
-    const Index rows = is_joint ? row_count(flat_.joint[e.index].type) : 1;
-    for (Index r = e.row; r < e.row + rows; ++r) {
-      if (a.slot == slot) flat_.row_entry.push_back(2 * r);
-      if (b.slot == slot) flat_.row_entry.push_back(2 * r + 1);
+    const Pair at = slots_of(e);
+    for (Index r = e.row; r < e.row + rows_of(e); ++r) {
+      if (at.first == slot) flat_.row_entry.push_back(2 * r);
+      if (at.second == slot) flat_.row_entry.push_back(2 * r + 1);
     }
   }
 

@@ -112,34 +112,24 @@ struct PrepareMechanism {
     for (int k = 0; k < 6; ++k) response[k] = result[k];
   }
 
-  /// Entry of A = J M^-1 J^T + E.
-  GONOGO_HD double coupling(const Mechanism& m, Index i, Index j) const {
-    const Row &p = row[m.first_row + i], &q = row[m.first_row + j];
-    double sum = i == j ? p.softness : 0;
-    for (int side = 0; side < 2; ++side)
-      for (int other = 0; other < 2; ++other)
-        if (p.slot[side] >= 0 && p.slot[side] == q.slot[other]) sum += dot6(p.response[side], q.direction[other]);
-    return sum;
-  }
-
-  /// Entry of [J | b | 0].
-  GONOGO_HD double right_side(const Mechanism& m, Index i, Index column) const {
-    const Row& r = row[m.first_row + i];
-    if (column >= m.unknowns()) return column == m.unknowns() ? r.bias : 0;
-    double sum = 0;
-    for (int side = 0; side < 2; ++side)
-      if (r.slot[side] == column / 6) sum += r.direction[side][column % 6];
-    return sum;
-  }
-
+  /// [A | J | b] with A = J M^-1 J^T + E, of which the upper triangle; a row of A has entries where it shares a body.
   template <class Team>
   GONOGO_HD void assemble(const Team& team, const Mechanism& m, const LinearSystem& s) const {
-    for (Index cell = team.rank(); cell < s.rows * s.stride; cell += team.size()) {
-      const Index i = cell / s.stride, column = cell % s.stride;
-      double value = 0;
-      if (column >= s.first_right) value = right_side(m, i, column - s.first_right);
-      if (column >= i && column < s.rows) value = coupling(m, i, column);
-      s.row(i)[column] = value;
+    for (Index cell = team.rank(); cell < s.rows * s.stride; cell += team.size()) s.number[cell] = 0;
+    team.sync();
+    for (Index i = team.rank(); i < s.rows; i += team.size()) {
+      const Row& r = row[m.first_row + i];
+      double *left = s.row(i), *right = left + s.first_right;
+      for (int side = 0; side < 2; ++side) {
+        if (r.slot[side] < 0) continue;
+        const MechanismBody& at = body[m.first_body + r.slot[side]];
+        for (Index e = at.first_row_entry; e < at.end_row_entry; ++e)
+          if (const Index j = row_entry[e] / 2; j >= i)
+            left[j] += dot6(r.response[side], row[m.first_row + j].direction[row_entry[e] % 2]);
+        for (int k = 0; k < 6; ++k) right[6 * r.slot[side] + k] = r.direction[side][k];
+      }
+      left[i] += r.softness;
+      right[m.unknowns()] = r.bias;
     }
   }
 

@@ -223,6 +223,9 @@ TEST_CASE("a controller without tables, out of order, with a second on its motor
   };
   refused(with([](Controller& c) { c.motor = 1; }), "controller 0 drives motor 1");
   refused(with([](Controller& c) { c.command.clear(); }), "no command table");
+  SceneWorld torque = flywheel(good);
+  torque.motor[0].kind = MotorKind::torque;
+  refused([&] { simulate(Backend::cpu, torque, {}); }, "a torque motor");
   refused(with([](Controller& c) { c.limit = {{1, 2}, {1, 3}}; }), "not in ascending order");
   refused(with([](Controller& c) { c.limit = {{0, -2}}; }), "torque limit of -2");
   refused(with([](Controller& c) { c.type = ControllerType::throttle, c.command = {{0, 1.5}}; }), "command of 1.5");

@@ -249,6 +249,9 @@ TEST_CASE("a bump stop's table carries the static load on its steep part") {
     advance_for(*simulation, 5);
     const double expected = 1 - 0.05 - (mass * kGravity - 1000) / 1e6;
     CHECK(agrees("bump stop, height [m]", expected, simulation->body(0, b).position.z, 1e-6));
+    const double into_stop = (mass * kGravity - 1000) / 1e6;
+    const double held = 0.5 * 1000 * 0.05 + 1000 * into_stop + 0.5 * 1e6 * into_stop * into_stop;
+    CHECK(agrees("bump stop, energy in the spring [J]", held, simulation->report(0).spring_energy, 1e-3 * held));
     CHECK(agrees("bump stop, force [N]", mass * kGravity, simulation->spring_load(0, 0).force.z, 1));
   }
 }
