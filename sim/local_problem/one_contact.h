@@ -1,0 +1,25 @@
+// Exact solution of the problem of a single contact, u = A r + b with the contact's own block A of W.
+//
+// Coulomb:
+//   b_n >= 0                      open:   r = 0
+//   -A^-1 b in K                  stick:  u = 0
+//   otherwise                     slide:  u_n = 0, u_t = -lambda r_t with |r_t| = mu r_n
+// With u_n = 0 eliminated, r_t = -(S + lambda)^-1 (b_t - A_tn b_n / A_nn), S = A_tt - A_tn A_nt / A_nn, and
+// r_n = -(b_n + A_nt r_t) / A_nn. The excess |r_t| - mu r_n is continuous in lambda >= 0, positive at 0 when the contact
+// slides, and tends to mu b_n / A_nn < 0: a bracketed root, the one with lambda >= 0 of the quartic of Bonnefon &
+// Daviet (2011). With rolling a second disc has a lambda of its own; then friction is first solved for a given bound
+// (c_d n, convex: its excess falls with each lambda) and u_n(n) = 0 by a bracketed root over n: n u_n >= r A r - n b_n
+// holds because friction does no work on the contact, so that u_n > 0 for large n.
+//
+// CCP: Newton on the natural map, started by projected gradients where it does not converge at once.
+#pragma once
+#include "sim/local_problem/residual.h"
+
+namespace gonogo::sim {
+
+/// Impulse r[dimension] of `contact` (in: a guess) when the rest of the problem gives it the velocity b[dimension] at
+/// r = 0; `a` is its block of W, row major, with a[0] > 0 and a positive semidefinite symmetric part.
+void solve_one_contact(const LocalProblem& problem, Index contact, ConeTarget target, const double* a, const double* b,
+                       double* r);
+
+}  // namespace gonogo::sim

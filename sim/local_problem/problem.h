@@ -1,0 +1,64 @@
+// A frictional contact problem in local form: unknown impulses r at nc contacts, in the contact frames (normal first).
+//
+//   u = W r + q,   u_n + mu |u_t| (+ mu_r |u_m|), u_t (, u_m)  in K*,  orthogonal to  r in K          (target coulomb)
+//   u in K*,  orthogonal to  r in K                                                                    (target ccp)
+//   K = { r_n >= 0, |r_t| <= mu r_n (, |r_m| <= mu_r r_n) },   K*: its dual cone
+//
+// W = H^T M^-1 H is the Delassus matrix; q the relative velocity without contact impulses. The units are the file's.
+// Source of form and names: FCLib (Acary, Bremond, Koziara, Perignon, INRIA RT-0444, 2014), De Saxce & Feng 1998.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace gonogo::sim {
+
+/// A part of the friction impulse with a bound of its own: |r[first .. first + size)| <= coefficient * r_n.
+struct FrictionDisc {
+  int first, size;
+};
+
+/// Square sparse matrix of dense blocks, row by row: blocks first[i] .. first[i + 1] - 1 belong to contact i, in
+/// ascending order of column. Every row has its diagonal block.
+struct BlockMatrix {
+  std::vector<Index> first;   // [contact_count + 1]
+  std::vector<Index> column;  // [block_count]
+  std::vector<double> value;  // [block_count * dimension * dimension], each block row major
+};
+
+struct Triplet {
+  Index row, column;
+  double value;
+};
+
+struct LocalProblem {
+  int dimension = 3;             // rows per contact: 2 (plane), 3, or 5 (rolling: normal, two tangents, two moments)
+  BlockMatrix w;                 // W [u / r]
+  std::vector<double> q;         // [contact_count * dimension]
+  std::vector<double> mu;        // sliding friction [contact_count]
+  std::vector<double> mu_roll;   // rolling friction [contact_count]; empty unless dimension is 5
+  std::string name;              // where it came from; starts every message about it
+
+  Index contact_count() const { return Index(mu.size()); }
+  int disc_count() const { return dimension == 5 ? 2 : 1; }
+  FrictionDisc disc(int d) const { return {1 + 2 * d, dimension == 2 ? 1 : 2}; }
+  double coefficient(Index contact, int d) const { return d == 0 ? mu[contact] : mu_roll[contact]; }
+  const double* diagonal_block(Index contact) const { return w.value.data() + diagonal[contact] * dimension * dimension; }
+
+  std::vector<std::size_t> diagonal;  // block number of each contact's diagonal block [contact_count]
+};
+
+/// Puts a problem together from the entries of W (equal positions are summed) and checks it. Throws InputError, which
+/// starts with `name`, for a dimension other than 2, 3 or 5, lengths that disagree, positions outside the matrix, values
+/// that are not finite, negative friction, and a contact whose W_nn is not positive (nothing there can move).
+LocalProblem make_problem(const std::string& name, int dimension, const std::vector<Triplet>& w, std::vector<double> q,
+                          std::vector<double> mu, std::vector<double> mu_roll = {});
+
+/// u = W r + q.
+std::vector<double> velocity(const LocalProblem& problem, const std::vector<double>& r);
+
+/// The rows of u = W r + q that belong to one contact, into u[dimension].
+void contact_velocity(const LocalProblem& problem, const std::vector<double>& r, Index contact, double* u);
+
+}  // namespace gonogo::sim
