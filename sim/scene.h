@@ -1,7 +1,9 @@
 // Host description of a batch of worlds, before it goes to a backend.
 #pragma once
+#include <memory>
 #include <vector>
 
+#include "sim/shape/triangle_mesh.h"
 #include "sim/world/state.h"
 
 namespace gonogo::sim {
@@ -27,12 +29,17 @@ struct SceneWorld {
   std::vector<Shape> shape;
   std::vector<Motor> motor;
   std::vector<SpringDamper> spring;
+  std::vector<std::shared_ptr<const TriangleMesh>> mesh;        // shapes refer to them by index; worlds may share them
+  std::vector<std::shared_ptr<const Heightfield>> heightfield;  // the same
 
   /// Adds a body without shapes; returns its index in this world.
   BodyIndex add_body(const BodyState& state, const BodyMass& body_mass);
   /// Adds a solid sphere of one material; returns the index of its body.
   BodyIndex add_sphere(const Vec3d& position, Real radius, Real density, int material);
   void add_shape(const Shape& s);
+  /// Returns the index for Shape::surface.
+  std::int32_t add_mesh(TriangleMesh m);
+  std::int32_t add_heightfield(Heightfield f);
   /// Same law for both orders of the pair.
   void set_law(int material_a, int material_b, const PairLaw& l);
 };

@@ -126,9 +126,11 @@ WorldSize FlatWorld::size() const {
           Index(large.size()), Index(motor.size()), Index(spring.size())};
 }
 
-FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSettings& settings) {
-  check_world(scene_world, std::size_t(w));
-  check_drives(scene_world, std::size_t(w));
+FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& settings) {
+  check_world(given, std::size_t(w));
+  check_drives(given, std::size_t(w));
+  SceneWorld scene_world = given;
+  set_surface_sizes(scene_world);
   FlatWorld flat;
   flat.world = world_parameters(scene_world, settings, std::size_t(w));
   flat.place_of_body = spatial_order(scene_world, flat.world);
@@ -137,6 +139,8 @@ FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSetting
   flat.body = world.body;
   flat.motor = world.motor;
   flat.spring = world.spring;
+  flat.mesh = world.mesh;
+  flat.heightfield = world.heightfield;
   append_shapes(world, binned_radius(world, settings), flat);
   append_masses(world, flat);
   return flat;

@@ -99,6 +99,8 @@ struct FlatWorld {
   std::vector<LargeShape> large;
   std::vector<Motor> motor;
   std::vector<SpringDamper> spring;
+  std::vector<std::shared_ptr<const TriangleMesh>> mesh;
+  std::vector<std::shared_ptr<const Heightfield>> heightfield;
 
   WorldSize size() const;
 };

@@ -176,9 +176,12 @@ Model model_of(const SceneWorld& world, const sim::Frame& frame, const ModelStyl
       if (!moves(world, s.body)) lowest_fixed = std::min(lowest_fixed, centre.z);
       continue;
     }
-    const Pose pose{place, place.placed(centre), body.orientation};
+    const Pose pose{place, place.placed(centre), sim::shape_orientation(s, body.orientation)};
     const bool wheel = s.type == ShapeType::wheel;
-    add_surface(model, sim::surface_of(s, detail), pose, wheel ? kRubber : moves(world, s.body) ? kSteel : kGround);
+    add_surface(model, sim::surface_of(s, world, detail), pose,
+                wheel                  ? kRubber
+                : moves(world, s.body) ? kSteel
+                                       : kGround);
     if (wheel) add_rim(model, s, pose);
   }
   const bool bed = world.periodic_x && world.periodic_y && lowest_fixed < std::numeric_limits<double>::max();

@@ -1,5 +1,6 @@
 // Simulation on an execution space: uploads, steps, downloads. Instantiated once in cpu.cpp and once in cuda.cu.
 #pragma once
+#include "sim/shape/surface_library.h"
 #include "sim/simulation.h"
 #include "sim/world/step.h"
 
@@ -213,8 +214,9 @@ class SimulationOn final : public Simulation {
   }
 
   static WorldSize larger(const WorldSize& a, const WorldSize& b) {
-    return {std::max(a.bodies, b.bodies),           std::max(a.shapes, b.shapes), std::max(a.bins, b.bins),
-            std::max(a.large_shapes, b.large_shapes), std::max(a.motors, b.motors), std::max(a.springs, b.springs)};
+    return {std::max(a.bodies, b.bodies), std::max(a.shapes, b.shapes),
+            std::max(a.bins, b.bins),     std::max(a.large_shapes, b.large_shapes),
+            std::max(a.motors, b.motors), std::max(a.springs, b.springs)};
   }
 
   void lay_out(const WorldSize& room) {
@@ -242,9 +244,9 @@ class SimulationOn final : public Simulation {
   void check_fits(WorldIndex w, const WorldSize& size) const {
     const WorldSize& room = place_[w].size;
     const std::pair<const char*, std::pair<Index, Index>> parts[] = {
-        {"bodies", {size.bodies, room.bodies}},   {"shapes", {size.shapes, room.shapes}},
-        {"bins", {size.bins, room.bins}},         {"large shapes", {size.large_shapes, room.large_shapes}},
-        {"motors", {size.motors, room.motors}},   {"springs", {size.springs, room.springs}}};
+        {"bodies", {size.bodies, room.bodies}}, {"shapes", {size.shapes, room.shapes}},
+        {"bins", {size.bins, room.bins}},       {"large shapes", {size.large_shapes, room.large_shapes}},
+        {"motors", {size.motors, room.motors}}, {"springs", {size.springs, room.springs}}};
     for (const auto& [name, count] : parts)
       if (count.first > count.second)
         throw InputError("the new world has " + std::to_string(count.first) + " " + name + ", place " +
@@ -319,6 +321,7 @@ class SimulationOn final : public Simulation {
     const Place& at = place_[w];
     std::vector<Shape> shape = flat_[w].shape;
     for (Shape& s : shape) s.body += at.body;
+    place_surfaces(w, shape);
     Shape none;
     none.type = ShapeType::none;
     none.body = at.body;
@@ -335,6 +338,24 @@ class SimulationOn final : public Simulation {
     s_.large.write(at.large, large);
     latest().begin.write(at.shape, std::vector<Index>(at.size.shapes));
     latest().end.write(at.shape, std::vector<Index>(at.size.shapes));
+  }
+
+  /// Adds the world's meshes and heightfields to those of the batch.
+  void place_surfaces(WorldIndex w, std::vector<Shape>& shape) {
+    const FlatWorld& flat = flat_[w];
+    if (flat.mesh.empty() && flat.heightfield.empty()) return;
+    for (Shape& s : shape) {
+      if (s.type == ShapeType::mesh) s.surface = library_.add(flat.mesh[s.surface]);
+      if (s.type == ShapeType::heightfield) s.surface = library_.add(flat.heightfield[s.surface]);
+    }
+    s_.surfaces.mesh.upload(library_.mesh);
+    s_.surfaces.node.upload(library_.node);
+    s_.surfaces.triangle.upload(library_.triangle);
+    s_.surfaces.vertex.upload(library_.vertex);
+    s_.surfaces.field.upload(library_.field);
+    s_.surfaces.height.upload(library_.height);
+    s_.surfaces.name.upload(library_.name);
+    queue_.forget();
   }
 
   void allocate() {
@@ -393,9 +414,10 @@ class SimulationOn final : public Simulation {
   StepSettings settings_;
   std::vector<FlatWorld> flat_;  // as they entered, but with the laws, gravity and motors of now
   std::vector<Place> place_;
-  std::vector<bool> stepped_;    // [world] since it entered or was restored
+  std::vector<bool> stepped_;  // [world] since it entered or was restored
   Index large_total_ = 0, motor_total_ = 0, spring_total_ = 0;
   Index restored_contacts_ = 0;  // since the latest step
+  SurfaceLibrary library_;
   State<Exec> s_;
   StepQueue<Exec> queue_;
 };

@@ -85,8 +85,8 @@ struct WriteContacts {
     return c;
   }
 
-  /// Last step's impulse of the same contact. Two shapes in different bins may have changed owners since: then the other
-  /// one holds it, with the opposite sign.
+  /// Last step's impulse of the same contact. Two shapes in different bins may have changed owners since: then the
+  /// other one holds it, with the opposite sign.
   GONOGO_HD Impulse warm_start(ShapeIndex i, ShapeIndex j, int feature) const {
     Impulse start;
     if (const ContactIndex own = old_contact(i, pair_key(j, feature)); own >= 0) {
@@ -135,7 +135,7 @@ template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder{s.shape.view(), s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
                              s.world.view(), s.bin_of_shape.view(), s.first_in_bin.view(), s.shape_by_bin.view(),
-                             s.large.view(), s.mass.view(),         settings.envelope};
+                             s.large.view(), s.mass.view(),         s.surfaces.view(),     settings.envelope};
   for_each_index(exec, s.shape_count, CountContacts{finder, s.contacts_of_shape.view()});
   exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view(), s.scratch);
   for_each_index(exec, 1, CheckCapacity{s.first_contact.view(), s.progress.view(), s.contact_capacity});
@@ -143,8 +143,8 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
   for_each_index(exec, s.shape_count,
                  WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), old.begin.view(),
-                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(),
-                               now.impulse.view(), now.key.view(), now.begin.view(), now.end.view()});
+                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(), now.impulse.view(),
+                               now.key.view(), now.begin.view(), now.end.view()});
 }
 
 }  // namespace gonogo::sim

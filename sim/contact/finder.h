@@ -25,6 +25,7 @@ struct ContactFinder {
   View<const BinnedShape> shape_by_bin;
   View<const LargeShape> large;
   View<const BodyMass> mass;
+  SurfaceView surfaces;
   Real envelope;
 
   GONOGO_HD bool may_touch(ShapeIndex i, ShapeIndex j) const {
@@ -91,10 +92,10 @@ struct ContactFinder {
     const Quat qj = shape_orientation(other, orientation[other.body]);
     const bool first = own.type < other.type || (own.type == other.type && i < j);
     if (first)
-      visit_touches(ShapePair{own, other, qi, qj, d, envelope},
+      visit_touches(ShapePair{own, other, qi, qj, d, envelope, surfaces},
                     [&](int feature, const Touch& t) { visit(j, feature, t, d); });
     else
-      visit_touches(ShapePair{other, own, qj, qi, -d, envelope},
+      visit_touches(ShapePair{other, own, qj, qi, -d, envelope, surfaces},
                     [&](int feature, const Touch& t) { visit(j, feature, seen_from_other(t, -d), d); });
   }
 };

@@ -3,6 +3,7 @@
 #pragma once
 #include "base/for_each.h"
 #include "sim/contact/contact.h"
+#include "sim/shape/surface.h"
 #include "sim/solver/momentum.h"
 
 namespace gonogo::sim {
@@ -127,9 +128,9 @@ struct LargeShape {
 /// warm start.
 template <class Exec>
 struct ContactStore {
-  Buffer<Index, Exec> begin, end;    // [shape] its contacts in the arrays below
-  Buffer<std::uint64_t, Exec> key;   // [contact] other shape and feature; with the owner it names the pair
-  Buffer<Impulse, Exec> impulse;     // [contact] at the end of the step
+  Buffer<Index, Exec> begin, end;   // [shape] its contacts in the arrays below
+  Buffer<std::uint64_t, Exec> key;  // [contact] other shape and feature; with the owner it names the pair
+  Buffer<Impulse, Exec> impulse;    // [contact] at the end of the step
 };
 
 struct ContactRange {
@@ -150,9 +151,25 @@ struct SolverStorage;
 /// What became of the steps that were asked for. When a buffer is too small, the step that found out and all steps
 /// queued behind it do nothing; the host enlarges the buffer and goes on with that step.
 struct Progress {
-  Index halted = 0;           // 1: contact_total is more than the buffers hold
-  Index contact_total = 0;    // that the latest step found
-  Index steps = 0;            // completed since the host last looked
+  Index halted = 0;         // 1: contact_total is more than the buffers hold
+  Index contact_total = 0;  // that the latest step found
+  Index steps = 0;          // completed since the host last looked
+};
+
+/// Meshes and heightfields of the batch; see sim/shape/surface.h.
+template <class Exec>
+struct SurfaceStore {
+  Buffer<MeshRange, Exec> mesh;
+  Buffer<MeshNode, Exec> node;
+  Buffer<MeshTriangle, Exec> triangle;
+  Buffer<Vec3, Exec> vertex;
+  Buffer<FieldRange, Exec> field;
+  Buffer<Real, Exec> height;
+  Buffer<Index, Exec> name;
+
+  SurfaceView view() {
+    return {mesh.view(), node.view(), triangle.view(), vertex.view(), field.view(), height.view(), name.view()};
+  }
 };
 
 template <class Exec>
@@ -172,8 +189,9 @@ struct State {
   Buffer<Shape, Exec> shape;                // [shape], ordered by body
   Buffer<Index, Exec> first_shape;          // [body + 1]
   Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
+  SurfaceStore<Exec> surfaces;
   Buffer<Motor, Exec> motor;
-  Buffer<Real, Exec> motor_impulse;    // [motor], [N m s]
+  Buffer<Real, Exec> motor_impulse;  // [motor], [N m s]
   Buffer<SpringDamper, Exec> spring;
   Buffer<Index, Exec> steps;                                // [world] taken so far
   Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // bodies in runs of kTileSize, by world
@@ -185,14 +203,14 @@ struct State {
   Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
   Buffer<Contact, Exec> contact;
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
-      second_slot;  // see incidence.h
-  Buffer<Index, Exec> tiles_of_world, first_tile;                                               // see tiles.h
+      second_slot;                                 // see incidence.h
+  Buffer<Index, Exec> tiles_of_world, first_tile;  // see tiles.h
   Buffer<Tile, Exec> tile;
-  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;                                  // [body]
-  Buffer<Momentum, Exec> momentum;   // [world]
+  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;  // [body]
+  Buffer<Momentum, Exec> momentum;                              // [world]
   Buffer<WorldSums, Exec> world_sums;
-  Buffer<Index, Exec> flags;         // [world] StepFlag bits, sticky
-  Buffer<Progress, Exec> progress;   // one
+  Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
+  Buffer<Progress, Exec> progress;  // one
   ScanScratch<Exec> scratch;
 
   ContactStore<Exec> store[2];

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "sim/shape/gap.h"
+#include "sim/shape/mesh_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 
@@ -24,7 +25,8 @@ Shape shape(ShapeType type, const Vec3& size, int lugs = 0, Real thickness = 0) 
 }
 
 const Shape kBall = shape(ShapeType::sphere, {0.3f, 0, 0}), kBox = shape(ShapeType::box, {0.2f, 0.3f, 0.5f}),
-            kDrum = shape(ShapeType::wheel, {0.4f, 0.1f, 0.02f}),
+            kDrum = shape(ShapeType::wheel, {0.4f, 0.1f, 0.02f}), kPill = shape(ShapeType::capsule, {0.2f, 0.3f, 0}),
+            kCan = shape(ShapeType::cylinder, {0.4f, 0.1f, 0}),
             kTyre = shape(ShapeType::wheel, {0.467f, 0.127f, 0.02f}, 24, 0.03f);
 
 /// Edges of a closed surface are walked once in each direction, points at the same place counted as one.
@@ -51,9 +53,17 @@ TEST_CASE("surfaces of solids are closed, face outward and enclose the closed-fo
   // Cylinders and spheres of n segments are polyhedra inside the round shape: within (2 pi / n)^2 / 6 of its volume.
   const SurfaceDetail fine{400, 1};
   const double tolerance = 2e-4;
-  for (const Shape& s : {kBall, kBox, kDrum, kTyre}) CHECK(is_closed(surface_of(s, fine)));
+  for (const Shape& s : {kBall, kBox, kDrum, kTyre, kPill, kCan}) CHECK(is_closed(surface_of(s, fine)));
   CHECK(enclosed_volume(surface_of(kBox, fine)) == Approx(8 * 0.2 * 0.3 * 0.5).epsilon(1e-6));
   CHECK(enclosed_volume(surface_of(kBall, fine)) == Approx(4.0 / 3 * kPi * 0.027).epsilon(tolerance));
+  const double pill = kPi * 0.04 * 0.6 + 4.0 / 3 * kPi * 0.008;
+  CHECK(enclosed_volume(surface_of(kPill, fine)) == Approx(pill).epsilon(tolerance));
+  CHECK(enclosed_volume(surface_of(kCan, fine)) == Approx(kPi * 0.4 * 0.4 * 0.2).epsilon(tolerance));
+  SceneWorld w;
+  Shape mesh = shape(ShapeType::mesh, {});
+  mesh.surface = w.add_mesh(box_mesh({0.2f, 0.3f, 0.5f}, 2));
+  CHECK(is_closed(surface_of(mesh, w)));
+  CHECK(enclosed_volume(surface_of(mesh, w)) == Approx(8 * 0.2 * 0.3 * 0.5).epsilon(1e-6));
   const double drum = kPi * 0.4 * 0.4 * 0.2, tyre = kPi * 0.467 * 0.467 * 0.254;
   CHECK(enclosed_volume(surface_of(kDrum, fine)) == Approx(drum).epsilon(tolerance));
   // Lugs are boxes sunk into the rim; the sum counts their feet twice.
