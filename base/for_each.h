@@ -123,14 +123,13 @@ inline void exclusive_scan(Cuda exec, View<const Index> in, View<Index> out, Sca
   std::size_t bytes = 0;
   check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, from, out.data, in.size + 1, stream_of(exec)), "scan size");
   if (bytes > std::size_t(scratch.bytes.size())) scratch.bytes.resize(bytes);
-  check_cuda(
-      cub::DeviceScan::ExclusiveSum(scratch.bytes.data(), bytes, from, out.data, in.size + 1, stream_of(exec)), "scan");
+  check_cuda(cub::DeviceScan::ExclusiveSum(scratch.bytes.data(), bytes, from, out.data, in.size + 1, stream_of(exec)),
+             "scan");
 }
 
 template <class T>
 void clear(Cuda exec, View<T> items) {
-  if (items.size > 0)
-    check_cuda(cudaMemsetAsync(items.data, 0, sizeof(T) * items.size, stream_of(exec)), "clear");
+  if (items.size > 0) check_cuda(cudaMemsetAsync(items.data, 0, sizeof(T) * items.size, stream_of(exec)), "clear");
 }
 #endif
 

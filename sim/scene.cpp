@@ -44,11 +44,13 @@ void SceneWorld::add_shape(const Shape& s) {
 }
 
 std::int32_t SceneWorld::add_mesh(TriangleMesh m) {
+  check_mesh(m);
   mesh.push_back(std::make_shared<const TriangleMesh>(std::move(m)));
   return std::int32_t(mesh.size()) - 1;
 }
 
 std::int32_t SceneWorld::add_heightfield(Heightfield f) {
+  check_heightfield(f);
   heightfield.push_back(std::make_shared<const Heightfield>(std::move(f)));
   return std::int32_t(heightfield.size()) - 1;
 }

@@ -8,6 +8,9 @@
 #include "base/error.h"
 #include "sim/broad_phase/bins.h"
 #include "sim/broad_phase/layout.h"
+#include "sim/contact/check.h"
+#include "sim/element/prepare.h"
+#include "sim/joint/check.h"
 #include "sim/shape/check.h"
 
 namespace gonogo::sim {
@@ -20,21 +23,6 @@ void check_world(const SceneWorld& world, std::size_t w) {
   if (!(world.size.x > 0 && world.size.y > 0 && world.size.z > 0))
     throw InputError(in_world(w) + "its size must be above zero");
   check_shapes(world, w);
-}
-
-void check_drives(const SceneWorld& world, std::size_t w) {
-  const auto exists = [&](BodyIndex b) { return b >= 0 && b < BodyIndex(world.body.size()); };
-  std::vector<bool> driven(world.body.size());
-  for (const Motor& m : world.motor) {
-    if (!exists(m.body) || !(world.mass[m.body].inverse_inertia_B.y > 0))
-      throw InputError(in_world(w) + "a motor needs a body that can turn about its y axis");
-    if (driven[m.body]) throw InputError(in_world(w) + "a body has two motors; join them into one");
-    driven[m.body] = true;
-  }
-  for (const SpringDamper& s : world.spring)
-    if (!exists(s.upper) || !exists(s.lower) ||
-        !(world.mass[s.upper].inverse_mass.z + world.mass[s.lower].inverse_mass.z > 0))
-      throw InputError(in_world(w) + "a spring needs two bodies, at least one of them free to move along z");
 }
 
 WorldParameters world_parameters(const SceneWorld& world, const StepSettings& settings, std::size_t w) {
@@ -80,8 +68,11 @@ SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& plac
   }
   for (Shape& s : r.shape) s.body = place[s.body];
   std::stable_sort(r.shape.begin(), r.shape.end(), [](const Shape& a, const Shape& b) { return a.body < b.body; });
-  for (Motor& m : r.motor) m.body = place[m.body];
-  for (SpringDamper& s : r.spring) s.upper = place[s.upper], s.lower = place[s.lower];
+  for_each_jointed(r, [&](BodyIndex& b) { b = place[b]; });
+  for (ForceElement& f : r.force) f.body = place[f.body];
+  for (Controller& c : r.controller)
+    if (follows_velocity(c)) c.body = place[c.body];
+  for (Monitor& m : r.monitor) m.body = place[m.body];
   return r;
 }
 
@@ -102,12 +93,12 @@ void append_shapes(const SceneWorld& world, Real binned_up_to, FlatWorld& flat) 
 }
 
 void append_masses(const SceneWorld& world, FlatWorld& flat) {
-  for (BodyMass m : world.mass) {
+  for (std::size_t b = 0; b < world.mass.size(); ++b) {
+    BodyMass m = world.mass[b];
     m.isotropic = m.inverse_inertia_B.x == m.inverse_inertia_B.y && m.inverse_inertia_B.y == m.inverse_inertia_B.z;
-    m.motor = -1;
+    m.slot = flat.mechanisms.slot_of_body[b];
     flat.mass.push_back(m);
   }
-  for (std::size_t m = 0; m < world.motor.size(); ++m) flat.mass[world.motor[m].body].motor = std::int32_t(m);
 }
 
 /// Bins of all worlds are counted by one Index.
@@ -123,12 +114,13 @@ void check_bins(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
 
 WorldSize FlatWorld::size() const {
   return {Index(body.size()),  Index(shape.size()), world.bins[0] * world.bins[1] * world.bins[2],
-          Index(large.size()), Index(motor.size()), Index(spring.size())};
+          Index(large.size()), mechanisms.size(),   element.size()};
 }
 
 FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& settings) {
   check_world(given, std::size_t(w));
-  check_drives(given, std::size_t(w));
+  check_mechanisms(given, in_world(std::size_t(w)));
+  check_elements(given, std::size_t(w), settings);
   SceneWorld scene_world = given;
   set_surface_sizes(scene_world);
   FlatWorld flat;
@@ -137,12 +129,14 @@ FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& set
   const SceneWorld world = reordered(scene_world, flat.place_of_body);
   flat.world.body_count = Index(world.body.size());
   flat.body = world.body;
-  flat.motor = world.motor;
-  flat.spring = world.spring;
   flat.mesh = world.mesh;
   flat.heightfield = world.heightfield;
+  flat.mechanisms = flatten_mechanisms(world, in_world(std::size_t(w)));
+  flat.element = flat_elements(world, settings);
   append_shapes(world, binned_radius(world, settings), flat);
   append_masses(world, flat);
+  check_pairs(flat, w);
+  if (given.overlap_limit > 0) check_overlaps(flat, w, settings, given.overlap_limit);
   return flat;
 }
 

@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene.h"
+#include "sim/joint/flatten.h"
+#include "sim/joint/load.h"
 
 namespace gonogo::sim {
 
@@ -17,6 +18,8 @@ struct [[nodiscard]] StepReport {
   double kinetic_energy = 0;  // [J]
   double gravity_power = 0;   // at the end of the step [W]
   double motor_power = 0;     // [W]
+  double force_power = 0;     // of force elements [W]
+  double spring_energy = 0;   // [J]
   double rms_residual = 0;    // scaled natural map of the CCP over contacts [m/s]
   double max_residual = 0;    // [m/s]
   Index contact_count = 0;
@@ -36,6 +39,7 @@ struct Snapshot {
   std::vector<Impulse> impulse;
   std::vector<Motor> motor;
   std::vector<Real> motor_impulse;
+  ElementSnapshot element;
 };
 
 class Simulation {
@@ -46,6 +50,13 @@ class Simulation {
   virtual void advance(Index count) = 0;
   virtual StepReport report(WorldIndex world) = 0;
 
+  /// Whether, when and why a world stopped. It is stepped on with the others, but its monitors rest.
+  virtual WorldStop stop(WorldIndex world) = 0;
+  virtual std::vector<WorldStop> stops() = 0;
+  virtual MonitorState monitor(WorldIndex world, Index monitor) = 0;
+  /// Recorded samples `first` .. `first` + `count` - 1 of a monitor; all of them must have been recorded.
+  virtual std::vector<MonitorSample> samples(WorldIndex world, Index monitor, Index first, Index count) = 0;
+
   virtual BodyState body(WorldIndex world, BodyIndex b) = 0;
   virtual void set_body(WorldIndex world, BodyIndex b, const BodyState& state) = 0;
   /// All bodies of a world in order.
@@ -53,9 +64,13 @@ class Simulation {
 
   virtual void set_gravity(WorldIndex world, const Vec3& gravity) = 0;
   virtual void set_law(WorldIndex world, int material_a, int material_b, const PairLaw& law) = 0;
-  virtual void set_motor(WorldIndex world, Index motor, Real speed, Real max_torque) = 0;
+  /// `target` is a speed [rad/s] or torque [N m], after the motor's kind. Refused for a motor that a controller sets.
+  virtual void set_motor(WorldIndex world, Index motor, Real target, Real max_torque) = 0;
   /// Impulse of a motor in the latest step divided by the step [N m].
   virtual double motor_torque(WorldIndex world, Index motor) = 0;
+  /// What a joint or spring did to its body a in the latest step; zero before the world's first step and after restore.
+  virtual JointLoad joint_load(WorldIndex world, Index joint) = 0;
+  virtual JointLoad spring_load(WorldIndex world, Index spring) = 0;
 
   /// Sum of the contact impulses on a body in the latest step divided by the step [N].
   virtual Vec3d contact_force(WorldIndex world, BodyIndex b) = 0;
@@ -78,11 +93,13 @@ class Simulation {
 
 /// How much of everything a world's place in a batch holds.
 struct WorldSize {
-  Index bodies = 0, shapes = 0, bins = 0, large_shapes = 0, motors = 0, springs = 0;
+  Index bodies = 0, shapes = 0, bins = 0, large_shapes = 0;
+  MechanismSize mechanisms;
+  ElementSize elements;
 };
 
 /// `room`: every world's place holds at least this much, for larger worlds that will take it over.
-/// Throws InputError for a scene that cannot run (no bodies, bad sizes, motors or springs without a body to move) and
+/// Throws InputError for a scene that cannot run (no bodies, bad sizes, joints, springs or motors that cannot work) and
 /// for a backend this program was built without or this machine lacks.
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
                                             int threads, const WorldSize& room = {});
@@ -97,10 +114,10 @@ struct FlatWorld {
   std::vector<Shape> shape;
   std::vector<Index> first_shape, bin_of_shape;  // [body], [shape]
   std::vector<LargeShape> large;
-  std::vector<Motor> motor;
-  std::vector<SpringDamper> spring;
   std::vector<std::shared_ptr<const TriangleMesh>> mesh;
   std::vector<std::shared_ptr<const Heightfield>> heightfield;
+  FlatMechanisms mechanisms;
+  FlatElements element;
 
   WorldSize size() const;
 };

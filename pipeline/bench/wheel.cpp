@@ -173,14 +173,14 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
   sim::SceneWorld world = terrain::bed_world(packing, {scene.law, scene.law}, 4 * scene.rig.radius);
   world.gravity = tilted_gravity(scene.slope);
   const double x = 0.15 * scene.bed.length, y = 0.5 * scene.bed.width;
-  const auto rig = vehicle::add_wheel_rig(world, scene.rig, {x, y, clear_height(scene, packing, x, y)}, 0,
-                                          terrain::tool_material);
-  auto settings = terrain::bed_step_settings(scene.bed.grain_diameter, request.step, request.iterations,
-                                             request.tolerance);
+  const auto rig =
+      vehicle::add_wheel_rig(world, scene.rig, {x, y, clear_height(scene, packing, x, y)}, 0, terrain::tool_material);
+  auto settings =
+      terrain::bed_step_settings(scene.bed.grain_diameter, request.step, request.iterations, request.tolerance);
   settings.solver = request.solver;
   settings.target = request.target;
-  const auto simulation = sim::make_simulation(request.backend, sim::Scene(std::size_t(request.worlds), world),
-                                               settings, request.threads);
+  const auto simulation =
+      sim::make_simulation(request.backend, sim::Scene(std::size_t(request.worlds), world), settings, request.threads);
   simulation->advance(1);
   const double start_up = seconds() - start;
   const double surface =

@@ -12,24 +12,24 @@ struct WheelBench {
   int threads = 1;
   sim::Solver solver = sim::Solver::apgd;
   sim::Target target = sim::Target::ccp;
-  double step = 1e-3;      // [s]
-  int iterations = 50;     // most per step
-  double tolerance = 0;    // [m/s]
-  int worlds = 1;          // copies in one batch
-  double drive_time = 0;   // instead of the scene's, where above zero [s]
+  double step = 1e-3;     // [s]
+  int iterations = 50;    // most per step
+  double tolerance = 0;   // [m/s]
+  int worlds = 1;         // copies in one batch
+  double drive_time = 0;  // instead of the scene's, where above zero [s]
   std::filesystem::path packing_folder;
 };
 
 struct WheelBenchResult {
   Index bodies = 0, contacts = 0, steps = 0;
   double mean_iterations = 0;
-  double ms_per_step = 0;              // mean over the drive; all worlds together
-  double simulated_per_wall = 0;       // simulated seconds of one world per wall second
-  double start_up = 0;                 // from the call to the first step taken, packing excluded [s]
-  double slip = 0;                     // over the last half of the drive [-]
-  double sinkage = 0;                  // mean over the last half of the drive [m]
-  double residual_rms = 0;             // mean over the drive [m/s]
-  double residual_max = 0;             // largest seen [m/s]
+  double ms_per_step = 0;         // mean over the drive; all worlds together
+  double simulated_per_wall = 0;  // simulated seconds of one world per wall second
+  double start_up = 0;            // from the call to the first step taken, packing excluded [s]
+  double slip = 0;                // over the last half of the drive [-]
+  double sinkage = 0;             // mean over the last half of the drive [m]
+  double residual_rms = 0;        // mean over the drive [m/s]
+  double residual_max = 0;        // largest seen [m/s]
   Index flags = 0;
 };
 

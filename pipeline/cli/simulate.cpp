@@ -18,6 +18,7 @@ struct Options {
   std::vector<std::string> settings;
   std::uint64_t seed = 0;
   FilmRequest film;
+  TrialCheckpoint checkpoint;
   std::string size = "1280x720", colour = "speed";
 };
 
@@ -68,6 +69,10 @@ FilmRequest film_request(const Globals& globals, const Options& options) {
 /// Runs the trial and writes what was asked for about its course.
 TrialRecord watched_trial(const Globals& globals, const Options& options, const TrialSetup& setup,
                           const DesignPoint& point) {
+  if (!options.checkpoint.path.empty() && options.film.wants_series())
+    throw InputError(
+        "--checkpoint does not go with --frames, --vtk or --video: a continued run has no pictures of its "
+        "beginning; leave one out");
   const auto value = [&](const char* name) { return point.variables[contract().variable_index(name)]; };
   Film film(film_request(globals, options), setup.name, value("slope_along"), value("slope_across"),
             value("commanded_speed"));
@@ -82,7 +87,7 @@ TrialRecord watched_trial(const Globals& globals, const Options& options, const 
   if (options.film.wants_pictures() || options.film.wants_series())
     watch.frame = [&film](const TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
-  const TrialRecord record = run_trial(setup, point, watch);
+  const TrialRecord record = run_trial(setup, point, watch, options.checkpoint);
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
   film.finish(record);
   return record;
@@ -123,6 +128,10 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
                       "Value of a variable, name=value; others: the study's fixed value or mid-range");
   command->add_option("--seed", options->seed, "Seed of the bed");
   command->add_option("--csv", options->csv, "Write the run step by step to this file");
+  command->add_option("--checkpoint", options->checkpoint.path,
+                      "Save the running trial to this file and, where it exists, go on from it");
+  command->add_option("--checkpoint-every", options->checkpoint.every, "Time between two savings [s of the wall clock]")
+      ->check(CLI::Range(0.0, 1e6));
   command->add_option("--picture", options->film.picture, "Write a picture of the trial's end to this PNG file");
   command->add_option("--frames", options->film.frames, "Write a PNG per interval to this folder");
   command->add_option("--vtk", options->film.vtk, "Write VTK files per interval to this folder, for ParaView");

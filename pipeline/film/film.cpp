@@ -83,10 +83,10 @@ void Film::start() {
 }
 
 void Film::add(const TrialFrame& frame) {
-  const sim::Frame state = sim::frame_of(frame.simulation, 0);
+  const sim::Capture state = sim::capture_world(frame.simulation, 0);
   if (!request_.vtk.empty()) {
     if (!vtk_) vtk_.emplace(request_.vtk, frame.world);
-    sim::Frame timed = state;
+    sim::Capture timed = state;
     timed.time = frame.sample.time;
     vtk_->write(timed);
   }

@@ -6,6 +6,7 @@
 
 #include "base/random.h"
 #include "sim/io/surface.h"
+#include "sim/shape/touch.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -22,7 +23,7 @@ constexpr Light kRubber{0.022f, 0.022f, 0.024f}, kRim{0.42f, 0.43f, 0.44f}, kHol
 /// Turns places of a world into the level frame around the focus.
 class Placement {
  public:
-  Placement(const SceneWorld& world, const sim::Frame& frame, sim::BodyIndex focus) : world_(world) {
+  Placement(const SceneWorld& world, const sim::Capture& frame, sim::BodyIndex focus) : world_(world) {
     origin_ = world.origin + world.size * 0.5;
     if (focus >= 0) {
       if (world.periodic_x) origin_.x = frame.body[focus].position.x;
@@ -162,7 +163,7 @@ Light bar_colour(double share) {
   return mixed(stop[first], stop[first + 1], Real(at - first));
 }
 
-Model model_of(const SceneWorld& world, const sim::Frame& frame, const ModelStyle& style) {
+Model model_of(const SceneWorld& world, const sim::Capture& frame, const ModelStyle& style) {
   const Placement place(world, frame, style.focus);
   Model model;
   double lowest_fixed = std::numeric_limits<double>::max();
@@ -178,7 +179,7 @@ Model model_of(const SceneWorld& world, const sim::Frame& frame, const ModelStyl
     }
     const Pose pose{place, place.placed(centre), sim::shape_orientation(s, body.orientation)};
     const bool wheel = s.type == ShapeType::wheel;
-    add_surface(model, sim::surface_of(s, world, detail), pose,
+    add_surface(model, sim::surface_of(world, s, detail), pose,
                 wheel                  ? kRubber
                 : moves(world, s.body) ? kSteel
                                        : kGround);

@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "sim/io/frame.h"
+#include "sim/io/capture.h"
 
 namespace gonogo::pipeline {
 
@@ -40,6 +40,6 @@ Light bar_colour(double share);
 
 /// Moving spheres in the colours of the bar, fixed ones as base, wheels in rubber with a rim, all else in steel. Under
 /// a periodic bed a block of ground fills the space down to the floor.
-Model model_of(const sim::SceneWorld& world, const sim::Frame& frame, const ModelStyle& style);
+Model model_of(const sim::SceneWorld& world, const sim::Capture& frame, const ModelStyle& style);
 
 }  // namespace gonogo::pipeline

@@ -44,7 +44,15 @@ struct TrialWatch {
   double frame_interval = 0.02;                  // [s]
 };
 
-/// Same trial, watched.
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch);
+/// Where a trial saves itself while it drives, and how often.
+struct TrialCheckpoint {
+  std::filesystem::path path;  // empty: nowhere
+  double every = 30;           // [s of the wall clock]
+};
+
+/// Same trial, watched and saved: where `checkpoint` finds a file it goes on from there, to the same record. The file
+/// is removed when the trial is over. Ctrl-C saves and throws Cancelled. Throws InputError for a file of another trial.
+TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
+                      const TrialCheckpoint& checkpoint = {});
 
 }  // namespace gonogo::pipeline

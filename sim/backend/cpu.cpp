@@ -15,6 +15,10 @@ class StepQueue<Cpu> {
     }
   }
   void forget() {}
+  template <class Stage>
+  void run(const Stage& stage) {
+    stage(exec_);
+  }
 
  private:
   Cpu exec_;

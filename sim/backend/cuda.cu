@@ -39,6 +39,13 @@ class StepQueue<Cuda> {
     }
   }
 
+  /// Outside of steps.
+  template <class Stage>
+  void run(const Stage& stage) {
+    stage(Cuda{exec_.stream, nullptr});
+    check_cuda(cudaStreamSynchronize(stream_of(exec_)), "stage");
+  }
+
   /// After buffers have moved or kernels have to be chosen anew.
   void forget() {
     for (cudaGraphExec_t& graph : graph_) {

@@ -1,6 +1,6 @@
 // Simulation on an execution space: uploads, steps, downloads. Instantiated once in cpu.cpp and once in cuda.cu.
 #pragma once
-#include "sim/shape/surface_library.h"
+#include "sim/joint/store.h"
 #include "sim/simulation.h"
 #include "sim/world/step.h"
 
@@ -14,7 +14,9 @@ class StepQueue;
 struct Place {
   BodyIndex body = 0;
   ShapeIndex shape = 0;
-  Index bin = 0, large = 0, motor = 0, spring = 0;
+  Index bin = 0, large = 0;
+  MechanismSize mechanisms;
+  ElementSize elements;
   WorldSize size;
 };
 
@@ -39,14 +41,33 @@ class SimulationOn final : public Simulation {
     r.time = double(s_.steps.read(w)) * settings_.step;
     r.kinetic_energy = sums.kinetic;
     r.gravity_power = sums.gravity_power;
-    for (Index m = place_[w].motor; m < place_[w].motor + Index(flat_[w].motor.size()); ++m)
-      r.motor_power += s_.motor_impulse.read(m) / settings_.step * s_.velocity.read(s_.motor.read(m).body).angular.y;
-    r.rms_residual = sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+    const WorldEnergy energy = s_.element.energy.read(w);
+    r.motor_power = energy.motor_power;
+    r.force_power = energy.force_power;
+    r.spring_energy = energy.spring;
+    r.rms_residual = rms_residual(sums);
     r.max_residual = sums.residual_max;
     r.contact_count = sums.contact_count;
     r.iterations = sums.iterations;
     r.flags = s_.flags.read(w);
     return r;
+  }
+
+  WorldStop stop(WorldIndex w) override { return s_.element.stop.read(w); }
+  std::vector<WorldStop> stops() override { return s_.element.stop.download(); }
+
+  MonitorState monitor(WorldIndex w, Index m) override {
+    check_monitor(w, m);
+    return s_.element.monitor_state.read(place_[w].elements.monitors + m);
+  }
+
+  std::vector<MonitorSample> samples(WorldIndex w, Index m, Index first, Index count) override {
+    const Index recorded = monitor(w, m).sample_count;
+    if (first < 0 || count < 0 || count > recorded - first)
+      throw InputError("samples " + std::to_string(first) + " to " + std::to_string(first + count) +
+                       " of a monitor are asked for; it has recorded " + std::to_string(recorded));
+    return s_.element.sample.download(place_[w].elements.samples + flat_[w].element.monitor[m].first_sample + first,
+                                      count);
   }
 
   BodyState body(WorldIndex w, BodyIndex b) override {
@@ -84,16 +105,27 @@ class SimulationOn final : public Simulation {
     write_parameters(w);
   }
 
-  void set_motor(WorldIndex w, Index m, Real speed, Real max_torque) override {
-    Motor& motor = flat_[w].motor[m];
-    motor.speed = speed;
+  void set_motor(WorldIndex w, Index m, Real target, Real max_torque) override {
+    for (const ControllerPlan& c : flat_[w].element.controller)
+      if (c.motor == m)
+        throw InputError("world " + std::to_string(w) + ": motor " + std::to_string(m) +
+                         " is set by a controller in every step");
+    Motor& motor = flat_[w].mechanisms.motor[m];
+    motor.target = target;
     motor.max_torque = max_torque;
     write_motors(w);
   }
 
   double motor_torque(WorldIndex w, Index m) override {
-    return double(s_.motor_impulse.read(place_[w].motor + m)) / settings_.step;
+    return double(s_.mechanisms.motor_impulse.read(place_[w].mechanisms.motors + m)) / settings_.step;
   }
+
+  JointLoad joint_load(WorldIndex w, Index j) override {
+    const FlatMechanisms& m = flat_[w].mechanisms;
+    return load(w, m.row_of_joint[j], row_count(m.joint[j].type));
+  }
+
+  JointLoad spring_load(WorldIndex w, Index i) override { return load(w, flat_[w].mechanisms.row_of_spring[i], 1); }
 
   Vec3d contact_force(WorldIndex w, BodyIndex b) override {
     const auto contact = contacts(w);
@@ -141,8 +173,9 @@ class SimulationOn final : public Simulation {
     p.contact_end = latest().end.download(at.shape, size.shapes);
     p.key = latest().key.download(r.begin, r.end - r.begin);
     p.impulse = latest().impulse.download(r.begin, r.end - r.begin);
-    p.motor = flat_[w].motor;
-    p.motor_impulse = s_.motor_impulse.download(at.motor, size.motors);
+    p.motor = flat_[w].mechanisms.motor;
+    p.motor_impulse = s_.mechanisms.motor_impulse.download(at.mechanisms.motors, size.mechanisms.motors);
+    p.element = s_.element.snapshot(size.elements, element_place(w));
     shift_contacts(p, -r.begin, -at.shape);
     return p;
   }
@@ -150,23 +183,29 @@ class SimulationOn final : public Simulation {
   void restore(WorldIndex w, const Snapshot& from) override {
     const WorldSize size = flat_[w].size();
     if (Index(from.position.size()) != size.bodies || Index(from.contact_begin.size()) != size.shapes ||
-        Index(from.motor.size()) != size.motors)
+        Index(from.motor.size()) != size.mechanisms.motors)
       throw InputError("the snapshot is of a world with " + std::to_string(from.position.size()) + " bodies, " +
                        std::to_string(from.contact_begin.size()) + " shapes and " + std::to_string(from.motor.size()) +
                        " motors; this one has " + std::to_string(size.bodies) + ", " + std::to_string(size.shapes) +
-                       " and " + std::to_string(size.motors));
+                       " and " + std::to_string(size.mechanisms.motors));
+    if (!from.element.fits(size.elements))
+      throw InputError("the snapshot is of a world with " + std::to_string(from.element.controller.size()) +
+                       " controllers and " + std::to_string(from.element.sample.size()) +
+                       " samples of monitors; this one has " + std::to_string(size.elements.controllers) + " and " +
+                       std::to_string(size.elements.samples));
     const Place& at = place_[w];
     flat_[w].world = from.world;
-    flat_[w].motor = from.motor;
+    flat_[w].mechanisms.motor = from.motor;
     write_parameters(w);
     write_motors(w);
     s_.position.write(at.body, from.position);
     s_.orientation.write(at.body, from.orientation);
     s_.velocity.write(at.body, from.velocity);
-    s_.motor_impulse.write(at.motor, from.motor_impulse);
+    s_.mechanisms.motor_impulse.write(at.mechanisms.motors, from.motor_impulse);
     s_.steps.write(w, from.steps);
     s_.flags.write(w, from.flags);
     s_.world_sums.write(w, WorldSums{});
+    s_.element.restore(from.element, element_place(w));
     write_contacts(w, from);
     stepped_[w] = false;
   }
@@ -182,6 +221,20 @@ class SimulationOn final : public Simulation {
 
  private:
   BodyIndex in_batch(WorldIndex w, BodyIndex b) const { return place_[w].body + flat_[w].place_of_body[b]; }
+
+  FlatMechanisms in_batch(WorldIndex w) const {
+    return moved(flat_[w].mechanisms, place_[w].mechanisms, w, place_[w].body);
+  }
+
+  /// Sum over rows, counted in their world.
+  JointLoad load(WorldIndex w, Index first, Index count) {
+    JointLoad sum;
+    if (!stepped_[w]) return sum;
+    queue_.run([&](auto exec) { recover_impulses(exec, s_.mechanisms); });
+    for (Index i = place_[w].mechanisms.rows + first, end = i + count; i < end; ++i)
+      add_row(sum, s_.mechanisms.row.read(i), s_.mechanisms.row_impulse.read(i), settings_.step);
+    return sum;
+  }
 
   /// The store that the latest step wrote.
   ContactStore<Exec>& latest() { return s_.store[1 - s_.parity]; }
@@ -213,23 +266,23 @@ class SimulationOn final : public Simulation {
     restored_contacts_ += count;
   }
 
-  static WorldSize larger(const WorldSize& a, const WorldSize& b) {
-    return {std::max(a.bodies, b.bodies), std::max(a.shapes, b.shapes),
-            std::max(a.bins, b.bins),     std::max(a.large_shapes, b.large_shapes),
-            std::max(a.motors, b.motors), std::max(a.springs, b.springs)};
+  static WorldSize larger_size(const WorldSize& a, const WorldSize& b) {
+    return {std::max(a.bodies, b.bodies),       std::max(a.shapes, b.shapes),
+            std::max(a.bins, b.bins),           std::max(a.large_shapes, b.large_shapes),
+            larger(a.mechanisms, b.mechanisms), larger(a.elements, b.elements)};
   }
 
   void lay_out(const WorldSize& room) {
     Place next;
     for (const FlatWorld& world : flat_) {
-      next.size = larger(world.size(), room);
+      next.size = larger_size(world.size(), room);
       place_.push_back(next);
       next.body += next.size.bodies;
       next.shape += next.size.shapes;
       next.bin += next.size.bins;
       next.large += next.size.large_shapes;
-      next.motor += next.size.motors;
-      next.spring += next.size.springs;
+      next.mechanisms = next.mechanisms + next.size.mechanisms;
+      next.elements = after(next.elements, next.size.elements);
     }
     s_.world_count = Index(flat_.size());
     s_.body_count = next.body;
@@ -237,21 +290,52 @@ class SimulationOn final : public Simulation {
     s_.bin_count = next.bin;
     stepped_.assign(flat_.size(), false);
     large_total_ = next.large;
-    motor_total_ = next.motor;
-    spring_total_ = next.spring;
+    mechanism_total_ = next.mechanisms;
+    element_total_ = next.elements;
+  }
+
+  void check_monitor(WorldIndex w, Index m) const {
+    const Index count = flat_[w].size().elements.monitors;
+    if (m < 0 || m >= count)
+      throw InputError("world " + std::to_string(w) + " has no monitor " + std::to_string(m) + "; it has " +
+                       std::to_string(count));
+  }
+
+  ElementPlace element_place(WorldIndex w) const {
+    const Place& at = place_[w];
+    const FlatMechanisms& m = flat_[w].mechanisms;
+    return {w,
+            at.body,
+            at.mechanisms.motors,
+            Index(m.motor.size()),
+            at.mechanisms.springs,
+            Index(m.spring.size()),
+            at.elements,
+            at.size.elements};
   }
 
   void check_fits(WorldIndex w, const WorldSize& size) const {
     const WorldSize& room = place_[w].size;
     const std::pair<const char*, std::pair<Index, Index>> parts[] = {
-        {"bodies", {size.bodies, room.bodies}}, {"shapes", {size.shapes, room.shapes}},
-        {"bins", {size.bins, room.bins}},       {"large shapes", {size.large_shapes, room.large_shapes}},
-        {"motors", {size.motors, room.motors}}, {"springs", {size.springs, room.springs}}};
-    for (const auto& [name, count] : parts)
-      if (count.first > count.second)
-        throw InputError("the new world has " + std::to_string(count.first) + " " + name + ", place " +
-                         std::to_string(w) + " holds " + std::to_string(count.second) +
-                         "; make the simulation with more room");
+        {"bodies", {size.bodies, room.bodies}},
+        {"shapes", {size.shapes, room.shapes}},
+        {"bins", {size.bins, room.bins}},
+        {"large shapes", {size.large_shapes, room.large_shapes}},
+        {"bodies with forces", {size.elements.loaded, room.elements.loaded}},
+        {"forces", {size.elements.forces, room.elements.forces}},
+        {"controllers", {size.elements.controllers, room.elements.controllers}},
+        {"table points", {size.elements.table_points, room.elements.table_points}},
+        {"monitors", {size.elements.monitors, room.elements.monitors}},
+        {"samples of monitors", {size.elements.samples, room.elements.samples}}};
+    for (const auto& [name, count] : parts) check_part(w, name, count.first, count.second);
+    for (const auto& part : MechanismSize::parts())
+      check_part(w, part.name, size.mechanisms.*part.count, room.mechanisms.*part.count);
+  }
+
+  static void check_part(WorldIndex w, const char* name, Index count, Index room) {
+    if (count > room)
+      throw InputError("the new world has " + std::to_string(count) + " " + name + ", place " + std::to_string(w) +
+                       " holds " + std::to_string(room) + "; make the simulation with more room");
   }
 
   void write_parameters(WorldIndex w) {
@@ -261,8 +345,8 @@ class SimulationOn final : public Simulation {
     p.first_shape = at.shape;
     p.first_bin = at.bin;
     p.first_large = at.large;
-    p.first_motor = at.motor;
-    p.motor_count = Index(flat_[w].motor.size());
+    p.first_motor = at.mechanisms.motors;
+    p.motor_count = Index(flat_[w].mechanisms.motor.size());
     s_.world.write(w, p);
     bool turning = s_.turning;
     for (const auto& row : p.law)
@@ -272,22 +356,15 @@ class SimulationOn final : public Simulation {
     s_.turning = turning;
   }
 
-  void write_motors(WorldIndex w) {
-    std::vector<Motor> motor = flat_[w].motor;
-    for (Motor& m : motor) m.body += place_[w].body;
-    s_.motor.write(place_[w].motor, motor);
-  }
+  void write_motors(WorldIndex w) { s_.mechanisms.motor.write(place_[w].mechanisms.motors, in_batch(w).motor); }
 
   void write_world(WorldIndex w) {
     write_parameters(w);
-    write_motors(w);
     write_bodies(w);
     write_shapes(w);
     const Place& at = place_[w];
-    s_.motor_impulse.write(at.motor, std::vector<Real>(at.size.motors));
-    std::vector<SpringDamper> spring = flat_[w].spring;
-    for (SpringDamper& s : spring) s.upper += at.body, s.lower += at.body;
-    s_.spring.write(at.spring, spring);
+    write_mechanisms(s_.mechanisms, in_batch(w), at.mechanisms, at.size.mechanisms);
+    s_.element.write(flat_[w].element, element_place(w));
     s_.steps.write(w, 0);
     s_.flags.write(w, 0);
     s_.world_sums.write(w, WorldSums{});
@@ -309,7 +386,7 @@ class SimulationOn final : public Simulation {
     std::vector<BodyMass> mass = flat_[w].mass;
     mass.resize(at.size.bodies, fixed_body());
     for (BodyMass& m : mass)
-      if (m.motor >= 0) m.motor += at.motor;
+      if (m.slot >= 0) m.slot += at.mechanisms.bodies;
     s_.position.write(at.body, position);
     s_.orientation.write(at.body, orientation);
     s_.velocity.write(at.body, velocity);
@@ -348,13 +425,8 @@ class SimulationOn final : public Simulation {
       if (s.type == ShapeType::mesh) s.surface = library_.add(flat.mesh[s.surface]);
       if (s.type == ShapeType::heightfield) s.surface = library_.add(flat.heightfield[s.surface]);
     }
-    s_.surfaces.mesh.upload(library_.mesh);
-    s_.surfaces.node.upload(library_.node);
-    s_.surfaces.triangle.upload(library_.triangle);
-    s_.surfaces.vertex.upload(library_.vertex);
-    s_.surfaces.field.upload(library_.field);
-    s_.surfaces.height.upload(library_.height);
-    s_.surfaces.name.upload(library_.name);
+    if (library_.size() == s_.surfaces.size()) return;
+    s_.surfaces.upload(library_);
     queue_.forget();
   }
 
@@ -374,9 +446,8 @@ class SimulationOn final : public Simulation {
     s_.momentum.fill_zero(s_.world_count);
     for (auto* of_world : {&s_.flags, &s_.steps, &s_.tiles_of_world}) of_world->fill_zero(s_.world_count);
     s_.first_tile.fill_zero(s_.world_count + 1);
-    s_.motor.fill_zero(motor_total_);
-    s_.motor_impulse.fill_zero(motor_total_);
-    s_.spring.fill_zero(spring_total_);
+    gonogo::sim::allocate(s_.mechanisms, mechanism_total_);
+    s_.element.allocate(s_.world_count, element_total_);
     s_.progress.fill_zero(1);
     allocate_shapes();
     lay_out_body_tiles();
@@ -415,7 +486,9 @@ class SimulationOn final : public Simulation {
   std::vector<FlatWorld> flat_;  // as they entered, but with the laws, gravity and motors of now
   std::vector<Place> place_;
   std::vector<bool> stepped_;  // [world] since it entered or was restored
-  Index large_total_ = 0, motor_total_ = 0, spring_total_ = 0;
+  Index large_total_ = 0;
+  MechanismSize mechanism_total_;
+  ElementSize element_total_;
   Index restored_contacts_ = 0;  // since the latest step
   SurfaceLibrary library_;
   State<Exec> s_;

@@ -40,33 +40,35 @@ GONOGO_HD_INLINED T magnitude(const T& x) {
 
 /// For a given n every friction part is clipped to its radius, so the minimum is that of a convex, piecewise quadratic
 /// function of n alone. Its derivative is concave and rises, so Newton's method climbs from n0 to the root without
-/// passing it and reaches it after as many passes as there are parts that clip. Free of branches, so that eight contacts
-/// can take different pieces. `turning`: whether rolling and spinning parts exist at all.
+/// passing it and reaches it after as many passes as there are parts that clip. Free of branches, so that eight
+/// contacts can take different pieces. `turning`: whether rolling and spinning parts exist at all.
 template <bool turning, class T>
 GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, const ConeShapeT<T>& cone,
                                                     const ConeStepT<T>& step) {
   const T one = constant<T>(1), zero = constant<T>(0);
   const T slide = square_root(dot(p.tangential, p.tangential));
-  const T slide_weight = cone.mu * (step.n / step.t);
-  T roll{}, spin{}, roll_weight{}, spin_weight{};
+  T roll{}, spin{};
+  // Weights of the parts, multiplied by the steps of all, so that each pass divides once.
+  T normal_weight = step.t, slide_weight = cone.mu * step.n, roll_weight{}, spin_weight{};
   if constexpr (turning) {
     roll = square_root(dot(p.rolling, p.rolling));
     spin = magnitude(p.spinning);
-    const T ratio = step.n / step.r;
-    roll_weight = cone.rho * ratio;
-    spin_weight = cone.sigma * ratio;
+    roll_weight = cone.rho * step.n * step.t;
+    spin_weight = cone.sigma * step.n * step.t;
+    normal_weight = step.t * step.r;
+    slide_weight = slide_weight * step.r;
   }
   T n = p.normal;
   for (int pass = 0; pass < (turning ? 3 : 1); ++pass) {
     const T slides = select(slide > cone.mu * n, slide_weight, zero);
-    T sum = p.normal + slides * slide, weight = one + slides * cone.mu;
+    T sum = normal_weight * p.normal + slides * slide, weight = normal_weight + slides * cone.mu;
     if constexpr (turning) {
       const T rolls = select(roll > cone.rho * n, roll_weight, zero);
       const T spins = select(spin > cone.sigma * n, spin_weight, zero);
       sum += rolls * roll + spins * spin;
       weight += rolls * cone.rho + spins * cone.sigma;
     }
-    n = sum / weight;
+    n = select(sum == normal_weight * p.normal, p.normal, sum / weight);
   }
   n = select(n > zero, n, zero);
   ConeImpulseT<T> q;

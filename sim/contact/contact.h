@@ -117,7 +117,7 @@ GONOGO_HD_INLINED ImpulseT<T> projected_step(const ContactNumbers<T>& c, const I
 }
 
 /// Square of a projected step divided by its step sizes: the speed that is still wrong at this contact [m^2/s^2]. A
-/// turning speed becomes a speed at the grain's surface.
+/// turning speed becomes a speed through the lever sqrt(step.r / step.t), about the radius of the lighter grain.
 template <bool turning, class T>
 GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ImpulseT<T>& next, const ImpulseT<T>& from,
                                     const ConeStepT<T>& step) {
@@ -128,8 +128,7 @@ GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ImpulseT<T
   T sum = normal_speed * normal_speed + dot(tangential, tangential) * inverse_t * inverse_t;
   if constexpr (turning) {
     const Vec3T<T> turn = next.angular - from.angular;
-    const T inverse_r = constant<T>(1) / step.r;
-    sum += dot(turn, turn) * inverse_r * inverse_r * dot(c.arm_a, c.arm_a);
+    sum += dot(turn, turn) * inverse_t / step.r;
   }
   return sum;
 }
@@ -138,9 +137,8 @@ GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ImpulseT<T
 /// change, whose sum over a world tells when to restart.
 template <class T>
 struct ContactUpdate {
-  ImpulseT<T> impulse;
-  T uphill;           // gradient times change [J]
-  T residual_square;  // of the step from the extrapolated impulse, as a speed [m^2/s^2]
+  ImpulseT<T> from, impulse;  // extrapolated, and projected
+  T uphill;                   // gradient times change [J]
 };
 
 /// `a`, `b`: extrapolated velocities; `now`, `before`: the latest two impulses.
@@ -148,14 +146,19 @@ template <bool turning, class T>
 GONOGO_HD_INLINED ContactUpdate<T> accelerated_update(const ContactNumbers<T>& c, const VelocityT<T>& a,
                                                       const VelocityT<T>& b, const ImpulseT<T>& now,
                                                       const ImpulseT<T>& before, const T& beta) {
-  const ImpulseT<T> from = extrapolated(now, before, beta);
-  const ContactGradient<T> gradient = contact_gradient(c, a, b, from);
   ContactUpdate<T> u;
-  u.impulse = projected_step<turning>(c, from, gradient, c.step);
+  u.from = extrapolated(now, before, beta);
+  const ContactGradient<T> gradient = contact_gradient(c, a, b, u.from);
+  u.impulse = projected_step<turning>(c, u.from, gradient, c.step);
   u.uphill = dot(gradient.linear, u.impulse.linear - now.linear);
   if constexpr (turning) u.uphill += dot(gradient.angular, u.impulse.angular - now.angular);
-  u.residual_square = residual_square<turning>(c, u.impulse, from, c.step);
   return u;
+}
+
+/// Square of the speed that the update has still corrected [m^2/s^2].
+template <bool turning, class T>
+GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ContactUpdate<T>& u) {
+  return residual_square<turning>(c, u.impulse, u.from, c.step);
 }
 
 /// What a contact does to a body: impulse and its moment about the centre of mass.

@@ -25,13 +25,17 @@ struct ContactFinder {
   View<const BinnedShape> shape_by_bin;
   View<const LargeShape> large;
   View<const BodyMass> mass;
+  View<const MechanismBody> jointed;
   SurfaceView surfaces;
   Real envelope;
 
+  /// Shapes of one group never touch, nor do bodies of one mechanism: hubs sit inside wheels.
   GONOGO_HD bool may_touch(ShapeIndex i, ShapeIndex j) const {
     const Shape &a = shape[i], &b = shape[j];
-    return a.body != b.body && (a.group == 0 || a.group != b.group) &&
-           !(is_fixed(mass[a.body]) && is_fixed(mass[b.body]));
+    if (a.body == b.body || (a.group != 0 && a.group == b.group)) return false;
+    if (is_fixed(mass[a.body]) && is_fixed(mass[b.body])) return false;
+    const Index slot_a = mass[a.body].slot, slot_b = mass[b.body].slot;
+    return slot_a < 0 || slot_b < 0 || jointed[slot_a].mechanism != jointed[slot_b].mechanism;
   }
 
   /// Calls visit(other shape, touch, feature, d) for every contact that shape `i` owns; d: from the other shape's

@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kGroup = "snapshot";
 constexpr const char* kFormat = "gonogo snapshot";
-constexpr std::int64_t kVersion = 1;
+constexpr std::int64_t kVersion = 2;
 
 /// Concatenated bytes of numbers, and of records that consist of numbers of one size.
 class Bytes {
@@ -33,23 +33,47 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 44 && sizeof(Motor) == 12 &&
-                  sizeof(SpringDamper) == 24 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64,
+static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
+                  sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 184 &&
+                  sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
+                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
+                  sizeof(SceneWorld) == 720,
               "list the new fields in scene_hash");
+static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 824,
+              "store the new fields, load them and raise kVersion");
 
 void add(Bytes& b, const PairLaw& l) {
   b << l.friction << l.rolling_friction << l.cohesion_pressure << l.spinning_friction << l.stiffness << l.damping;
 }
 void add(Bytes& b, const BodyState& s) { b << s.position << s.orientation << s.velocity << s.angular_velocity; }
 void add(Bytes& b, const BodyMass& m) { b << m.inverse_mass << m.inverse_inertia_B; }  // the rest follows in flatten
-void add(Bytes& b, const Motor& m) { b << m.body << m.speed << m.max_torque; }
-void add(Bytes& b, const SpringDamper& s) { b << s.upper << s.lower << s.stiffness << s.damping << s.free_length; }
+void add(Bytes& b, const Attachment& a) { b << a.body << a.point_B << a.axis_B << a.side_B; }
+void add(Bytes& b, const Joint& j) {
+  b << j.type << j.length;
+  add(b, j.a), add(b, j.b);
+}
+void add(Bytes& b, const SpringDamper& s) {
+  b << s.kind << s.free_length << s.stiffness << s.damping << s.table.count;
+  for (int i = 0; i < s.table.count; ++i) b << s.table.stretch[i] << s.table.force[i];
+  add(b, s.a), add(b, s.b);
+}
+void add(Bytes& b, const Motor& m) { b << m.kind << m.a << m.b << m.axis_B << m.target << m.max_torque; }
 void add(Bytes& b, const Shape& s) {
-  b << s.type << s.body << s.material << s.lug_count << s.offset_B << s.size << s.lug_thickness;
+  b << s.type << s.body << s.material << s.group << s.lug_count << s.surface << s.offset_B << s.size << s.lug_thickness
+    << s.turn_B;
 }
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
     << s.solver << s.target;
+}
+
+void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
+void add(Bytes& b, const ForceElement& f) {
+  b << f.type << f.body << f.frame << f.point_B << f.force << f.torque << f.start << f.ramp << f.drag << f.wind;
+}
+void add(Bytes& b, const Monitor& m) {
+  b << m.body << m.motor << m.height << m.start << m.stride << m.time_limit << m.earliest << m.distance << m.slid_back
+    << m.immobile_window << m.immobile_from << m.immobile_speed;
 }
 
 template <class T>
@@ -58,6 +82,24 @@ void add_all(Bytes& b, const std::vector<T>& list) {
   for (const T& item : list) add(b, item);
 }
 
+void add(Bytes& b, const Controller& c) {
+  b << c.type << c.motor;
+  add_all(b, c.command);
+  add_all(b, c.limit);
+  b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed;
+}
+
+void add(Bytes& b, const std::shared_ptr<const TriangleMesh>& m) {
+  b << m->open << std::uint64_t(m->vertex.size()) << std::uint64_t(m->triangle.size());
+  for (const Vec3& p : m->vertex) b << p;
+  for (const auto& [i, j, k] : m->triangle) b << i << j << k;
+}
+void add(Bytes& b, const std::shared_ptr<const Heightfield>& f) {
+  b << f->nx << f->ny << f->spacing_x << f->spacing_y;
+  for (const Real h : f->height) b << h;
+}
+
+// The name of a mesh and the limit that the start was checked against do not change a run.
 void add(Bytes& b, const SceneWorld& w) {
   b << w.gravity << w.origin << w.size << w.periodic_x << w.periodic_y;
   for (const auto& row : w.law)
@@ -65,8 +107,14 @@ void add(Bytes& b, const SceneWorld& w) {
   add_all(b, w.body);
   add_all(b, w.mass);
   add_all(b, w.shape);
-  add_all(b, w.motor);
+  add_all(b, w.joint);
   add_all(b, w.spring);
+  add_all(b, w.motor);
+  add_all(b, w.force);
+  add_all(b, w.controller);
+  add_all(b, w.monitor);
+  add_all(b, w.mesh);
+  add_all(b, w.heightfield);
 }
 
 /// Everything about a world that is not a list of bodies or contacts; gravity and laws may change during a run.
@@ -156,6 +204,25 @@ void exchange_arrays(Io& io, Snap& s) {
   io.template rows<std::uint64_t>("key", s.key);
   io.template rows<float>("impulse", s.impulse);
   io.template rows<float>("motor_impulse", s.motor_impulse);
+  io.template rows<double>("controller", s.element.controller);
+}
+
+/// Records of mixed numbers, byte by byte.
+static_assert(sizeof(MonitorSample) == 80 && sizeof(MonitorState) == 144 && sizeof(WorldStop) == 12,
+              "files of older programs do not fit any more: raise kVersion");
+
+void store_monitors(Store& store, const Snapshot& s) {
+  store.rows<std::int32_t>("stop", std::vector<WorldStop>{s.element.stop});
+  store.rows<std::uint8_t>("monitor", s.element.monitor);
+  store.rows<std::uint8_t>("monitor_sample", s.element.sample);
+}
+
+void load_monitors(Load& load, Snapshot& s) {
+  std::vector<WorldStop> stop;
+  load.rows<std::int32_t>("stop", stop);
+  if (!stop.empty()) s.element.stop = stop.front();
+  load.rows<std::uint8_t>("monitor", s.element.monitor);
+  load.rows<std::uint8_t>("monitor_sample", s.element.sample);
 }
 
 void store_world(Store& store, Snapshot s) {
@@ -177,22 +244,34 @@ void load_world(Load& load, Snapshot& s) {
   visit_integers(s, [&](Index& i) { i = *next_integer++; });
 }
 
+constexpr std::size_t kMotorIntegers = 5, kMotorNumbers = 5;
+
+template <class M, class VisitInteger, class VisitNumber>
+void visit_motor(M& m, VisitInteger&& integer, VisitNumber&& number) {
+  integer(m.kind), integer(m.a), integer(m.b), integer(m.slot_a), integer(m.slot_b);
+  number(m.axis_B.x), number(m.axis_B.y), number(m.axis_B.z), number(m.target), number(m.max_torque);
+}
+
 void store_motors(Store& store, const Snapshot& s) {
-  std::vector<std::int32_t> body;
-  std::vector<float> drive;
-  for (const Motor& m : s.motor) {
-    body.push_back(m.body);
-    drive.insert(drive.end(), {m.speed, m.max_torque});
-  }
-  store.numbers("motor_body", body, 1);
-  store.numbers("motor_speed_and_torque", drive, 2);
+  std::vector<std::int32_t> integer;
+  std::vector<float> number;
+  for (const Motor& m : s.motor)
+    visit_motor(
+        m, [&](auto i) { integer.push_back(std::int32_t(i)); }, [&](Real x) { number.push_back(x); });
+  store.numbers("motor_integers", integer, kMotorIntegers);
+  store.numbers("motor_numbers", number, kMotorNumbers);
 }
 
 void load_motors(Load& load, Snapshot& s) {
-  const auto body = load.numbers<std::int32_t>("motor_body", 1);
-  const auto drive = load.numbers<float>("motor_speed_and_torque", 2);
-  for (std::size_t i = 0; i < body.size() && 2 * i + 1 < drive.size(); ++i)
-    s.motor.push_back({body[i], drive[2 * i], drive[2 * i + 1]});
+  const auto integer = load.numbers<std::int32_t>("motor_integers", kMotorIntegers);
+  const auto number = load.numbers<float>("motor_numbers", kMotorNumbers);
+  if (integer.size() != number.size()) return;  // the content's hash will refuse it
+  s.motor.resize(integer.size() / kMotorIntegers);
+  auto next_integer = integer.begin();
+  auto next_number = number.begin();
+  for (Motor& m : s.motor)
+    visit_motor(
+        m, [&](auto& i) { i = std::decay_t<decltype(i)>(*next_integer++); }, [&](Real& x) { x = *next_number++; });
 }
 
 void check_head(const Hdf5Reader& in, const std::string& scene) {
@@ -226,6 +305,7 @@ void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string
   exchange_arrays(store, snapshot);
   store_world(store, snapshot);
   store_motors(store, snapshot);
+  store_monitors(store, snapshot);
   out.attribute(kGroup, "content", store.hash());
 }
 
@@ -236,6 +316,7 @@ Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene) {
   exchange_arrays(load, s);
   load_world(load, s);
   load_motors(load, s);
+  load_monitors(load, s);
   if (in.text_attribute(kGroup, "content") != load.hash())
     in.fail(kGroup, "its numbers were altered; remove the file and start from the beginning");
   return s;

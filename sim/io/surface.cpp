@@ -148,7 +148,7 @@ Surface surface_of(const Shape& shape, const SurfaceDetail& detail) {
   return s;
 }
 
-Surface surface_of(const Shape& shape, const SceneWorld& world, const SurfaceDetail& detail) {
+Surface surface_of(const SceneWorld& world, const Shape& shape, const SurfaceDetail& detail) {
   Surface s;
   if (shape.type == ShapeType::mesh) {
     const TriangleMesh& mesh = *world.mesh[shape.surface];

@@ -26,7 +26,7 @@ struct SurfaceDetail {
 Surface surface_of(const Shape& shape, const SurfaceDetail& detail = {});
 
 /// The surface of any shape of a world, its meshes and heightfields included.
-Surface surface_of(const Shape& shape, const SceneWorld& world, const SurfaceDetail& detail = {});
+Surface surface_of(const SceneWorld& world, const Shape& shape, const SurfaceDetail& detail = {});
 
 /// Volume enclosed by a closed surface [m^3], by the divergence theorem; negative when it is inside out.
 double enclosed_volume(const Surface& surface);

@@ -20,7 +20,7 @@ std::string file_name(const std::string& kind, int frame) {
   return kind + number;
 }
 
-VtpContent sphere_content(const Frame& frame, const std::vector<Shape>& shapes) {
+VtpContent sphere_content(const Capture& frame, const std::vector<Shape>& shapes) {
   VtpContent content;
   std::vector<float> radius, speed;
   std::vector<std::int32_t> body, material;
@@ -45,13 +45,13 @@ VtpContent sphere_content(const Frame& frame, const std::vector<Shape>& shapes) 
   return content;
 }
 
-VtpContent surface_content(const Frame& frame, const SceneWorld& drawn, Real plane_half) {
+VtpContent surface_content(const Capture& frame, const SceneWorld& drawn, Real plane_half) {
   VtpContent content;
   std::vector<std::int32_t> body, material;
   std::vector<Vec3> normal, velocity;
   for (const Shape& s : drawn.shape) {
     if (s.type == ShapeType::sphere) continue;
-    const Surface surface = surface_of(s, drawn, {48, plane_half});
+    const Surface surface = surface_of(drawn, s, {48, plane_half});
     const BodyState& b = frame.body[s.body];
     const Vec3d centre = centre_of(s, b);
     const Quat q = shape_orientation(s, b.orientation);
@@ -73,12 +73,12 @@ VtpContent surface_content(const Frame& frame, const SceneWorld& drawn, Real pla
   return content;
 }
 
-VtpContent contact_content(const Frame& frame) {
+VtpContent contact_content(const Capture& frame) {
   VtpContent content;
   std::vector<float> gap;
   std::vector<std::int32_t> body_a, body_b;
   std::vector<Vec3> normal, impulse;
-  for (const FrameContact& c : frame.contact) {
+  for (const CapturedContact& c : frame.contact) {
     content.point.push_back(c.point);
     normal.push_back(c.normal);
     impulse.push_back(c.impulse);
@@ -105,7 +105,7 @@ VtkSeries::VtkSeries(std::filesystem::path folder, const SceneWorld& world)
   for (const char* kind : kKinds) write_collection(kind);
 }
 
-void VtkSeries::write(const Frame& frame) {
+void VtkSeries::write(const Capture& frame) {
   const int k = frame_count();
   const std::array content{sphere_content(frame, drawn_.shape), surface_content(frame, drawn_, plane_half_),
                            contact_content(frame)};

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/io/frame.h"
+#include "sim/io/capture.h"
 
 namespace gonogo::sim {
 
@@ -22,7 +22,7 @@ class VtkSeries {
   VtkSeries(std::filesystem::path folder, const SceneWorld& world);
 
   /// Adds a frame. Throws DeviceError when a file cannot be written.
-  void write(const Frame& frame);
+  void write(const Capture& frame);
 
   int frame_count() const { return int(time_.size()); }
 

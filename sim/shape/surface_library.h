@@ -15,6 +15,9 @@ class SurfaceLibrary {
   Index add(const std::shared_ptr<const TriangleMesh>& mesh);
   Index add(const std::shared_ptr<const Heightfield>& field);
 
+  /// Number of meshes and heightfields.
+  Index size() const { return Index(mesh.size() + field.size()); }
+
   std::vector<MeshRange> mesh;
   std::vector<MeshNode> node;
   std::vector<MeshTriangle> triangle;

@@ -18,11 +18,11 @@ struct alignas(32) ContactBlock {
 
 template <>
 struct SolverStorage<Cpu> {
-  Buffer<ContactBlock, Cpu> block;           // [tile * kBlocksPerTile]
-  Buffer<Wrench, Cpu> wrench_a, wrench_b;    // [contact]; [slot], with the sign of body b; the last slot is nobody's
-  Buffer<UpdateSums, Cpu> tile_sums;         // [tile]
-  Buffer<WorldSums, Cpu> tile_measures;      // [tile]
-  Buffer<Real, Cpu> motor_before;            // [motor] impulses of the update before [N m s]
+  Buffer<ContactBlock, Cpu> block;         // [tile * kBlocksPerTile]
+  Buffer<Wrench, Cpu> wrench_a, wrench_b;  // [contact]; [slot], with the sign of body b; the last slot is nobody's
+  Buffer<UpdateSums, Cpu> tile_sums;       // [tile]
+  Buffer<WorldSums, Cpu> tile_measures;    // [tile]
+  Buffer<Real, Cpu> motor_before;          // [motor] impulses of the update before [N m s]
 };
 
 /// Enlarges the buffers in the middle of the step that needs it.
@@ -150,10 +150,10 @@ struct UpdateTile {
     for (Index first = range.begin; first < range.end; first += kPackWidth) {
       ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
       const ContactUpdate<Pack> u = update(b, beta, m.renew_slip != 0);
+      if (m.test) s.residual_square += sum_lanes(residual_square<turning>(b.numbers, u));
       b.impulse[1 - parity] = u.impulse;
       scatter_wrenches(b, u.impulse, first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
       s.uphill += sum_lanes(u.uphill);
-      s.residual_square += sum_lanes(u.residual_square);
     }
     sums[tile] = s;
   }

@@ -1,9 +1,12 @@
 // The iteration on the GPU: all updates of a step in one cooperative kernel, so that nothing waits for launches or for
-// the host. A block updates a tile of contacts at a time; grid-wide barriers stand where the stages of solve_host.h
-// end. Records are packed for bandwidth: an arm along the normal (two spheres, a sphere on a fixed floor) is one number.
+// the host. One block per multiprocessor keeps the grid-wide barriers cheap, which stand where the stages of
+// solve_host.h end; its threads work in teams of one tile each. Records are packed for bandwidth: an arm along the
+// normal (two spheres, a sphere on a fixed floor) is one number.
 #pragma once
 #include <cooperative_groups.h>
 
+#include "sim/joint/motor.h"
+#include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
 #include "sim/solver/split.h"
 #include "sim/solver/tiles.h"
@@ -48,24 +51,25 @@ struct SolverStorage<Cuda> {
   Buffer<ArmsRecord, Cuda> arms;
   Buffer<PairRecord, Cuda> pair;
   Buffer<Vec3, Cuda> linear[2], angular[2];  // impulses of the latest two updates, taking turns
-  Buffer<HalfContact, Cuda> half;    // [contact * 2]
-  Buffer<HalfRange, Cuda> of_body;   // into half
-  Buffer<BodyIndex, Cuda> hub;       // bodies with so many contacts that a warp sums them
-  Buffer<Index, Cuda> hub_count;     // one
+  Buffer<HalfContact, Cuda> half;            // [contact * 2]
+  Buffer<HalfRange, Cuda> of_body;           // into half
+  Buffer<BodyIndex, Cuda> hub;               // bodies with so many contacts that a warp sums them
+  Buffer<Index, Cuda> hub_count;             // one
   Buffer<UpdateSums, Cuda> tile_sums;
   Buffer<WorldSums, Cuda> tile_measures, body_tile_measures;
-  Buffer<Index, Cuda> arrived;       // [world] tiles that have added their sums
-  Buffer<Index, Cuda> worlds_at_work;  // one
+  Buffer<Momentum, Cuda> other_momentum;  // [world]
+  Buffer<Index, Cuda> worlds_at_work;     // one
   Buffer<Real, Cuda> motor_before;
 };
 
 /// On the device a step that lacks room is given up and taken again; see Progress.
 inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
 
+/// Bodies with more contacts than this are summed by a warp.
 inline constexpr Index kHubContacts = 48;
 
-/// Blocks that share a multiprocessor: caps the registers of a thread at 64.
-inline constexpr int kBlocksPerProcessor = 4;
+inline constexpr Index kTeamsPerBlock = 4;
+inline constexpr Index kBlockSize = kTeamsPerBlock * kTileSize;
 
 /// What the kernel works on.
 struct SolveViews {
@@ -82,11 +86,15 @@ struct SolveViews {
   View<const Velocity> free_velocity;
   View<const WorldIndex> world_of_body, world_of_body_tile;
   View<const Index> first_body_tile;
+  Projection projection;
+  MotorMoment motor_moment;
+  View<Velocity> gathered;  // [mechanism body]
   View<const Motor> motor;
+  View<const MotorDrive> drive;
   View<Real> motor_impulse, motor_before;
   View<Velocity> velocity, extrapolated_velocity;
-  View<Momentum> momentum;
-  View<Impulse> impulse;  // warm start, and the result
+  View<Momentum> momentum[2];  // [world] of the present update and of the next, taking turns
+  View<Impulse> impulse;       // warm start, and the result
   View<WorldSums> world_sums;
 
   View<FrameRecord> frame;
@@ -103,117 +111,137 @@ struct SolveViews {
   Index* hub_count;
   View<UpdateSums> tile_sums;
   View<WorldSums> tile_measures, body_tile_measures;
-  View<Index> arrived;
   Index* worlds_at_work;
 };
 
-/// Sum over the block, the same bits whatever else runs; valid in thread 0. `scratch`: one number per warp.
-__device__ inline double block_sum(double value, double* scratch) {
-  for (int offset = 16; offset > 0; offset /= 2) value += __shfl_down_sync(0xFFFFFFFF, value, offset);
-  __syncthreads();
-  if (threadIdx.x % 32 == 0) scratch[threadIdx.x / 32] = value;
-  __syncthreads();
-  double sum = 0;
-  if (threadIdx.x == 0)
-    for (int warp = 0; warp < kTileSize / 32; ++warp) sum += scratch[warp];
-  return sum;
-}
+/// 256 threads of a block that work on one tile.
+struct Team {
+  Index in_block, rank;  // rank: of the thread
+  Index index, count;    // among all teams; neighbours sit on different multiprocessors
+  double* scratch;       // one number per warp
 
-__device__ inline double block_max(double value, double* scratch) {
-  for (int offset = 16; offset > 0; offset /= 2)
-    value = std::fmax(value, __shfl_down_sync(0xFFFFFFFF, value, offset));
-  __syncthreads();
-  if (threadIdx.x % 32 == 0) scratch[threadIdx.x / 32] = value;
-  __syncthreads();
-  double most = 0;
-  if (threadIdx.x == 0)
-    for (int warp = 0; warp < kTileSize / 32; ++warp) most = std::fmax(most, scratch[warp]);
-  return most;
-}
+  __device__ void sync() const { asm volatile("bar.sync %0, %1;" ::"r"(in_block + 1), "n"(kTileSize) : "memory"); }
 
-__device__ inline WorldSums block_sum(const WorldSums& value, double* scratch) {
-  WorldSums sum;
-  sum.kinetic = block_sum(value.kinetic, scratch);
-  sum.gravity_power = block_sum(value.gravity_power, scratch);
-  sum.residual_square = block_sum(value.residual_square, scratch);
-  sum.residual_max = block_max(value.residual_max, scratch);
-  return sum;
-}
-
-/// Called by all threads of a block after its thread 0 has written the block's part of a world's sum: true in all of
-/// them when the other parts have been written too.
-__device__ inline bool last_to_arrive(Index* arrived, Index parts) {
-  __shared__ bool last;
-  if (threadIdx.x == 0) {
-    __threadfence();
-    last = atomicAdd(arrived, 1) == parts - 1;
-    if (last) {
-      *arrived = 0;
-      __threadfence();
-    }
+  /// The same bits whatever else runs; valid in the thread of rank 0.
+  template <class Combine>
+  __device__ double reduce(double value, Combine combine) const {
+    for (int offset = 16; offset > 0; offset /= 2) value = combine(value, __shfl_down_sync(0xFFFFFFFF, value, offset));
+    sync();
+    if (rank % 32 == 0) scratch[rank / 32] = value;
+    sync();
+    double all = scratch[0];
+    if (rank == 0)
+      for (int warp = 1; warp < kTileSize / 32; ++warp) all = combine(all, scratch[warp]);
+    return all;
   }
-  __syncthreads();
-  return last;
-}
+  __device__ double sum(double value) const {
+    return reduce(value, [](double a, double b) { return a + b; });
+  }
+  __device__ double most(double value) const {
+    return reduce(value, [](double a, double b) { return std::fmax(a, b); });
+  }
+  __device__ WorldSums sum(const WorldSums& value) const {
+    WorldSums total;
+    total.kinetic = sum(value.kinetic);
+    total.gravity_power = sum(value.gravity_power);
+    total.residual_square = sum(value.residual_square);
+    total.residual_max = most(value.residual_max);
+    return total;
+  }
+};
 
 class SolveKernel {
  public:
-  __device__ SolveKernel(const SolveViews& views, double* scratch) : s(views), scratch_(scratch) {}
+  __device__ SolveKernel(const SolveViews& views, const Team& team) : s(views), team_(team) {}
 
   /// Contacts from the narrow phase's records, impulses from the warm start.
   template <bool turning>
   __device__ void prepare() {
     for (Index i = first_index(); i < *s.contact_total; i += stride()) pack<turning>(i);
     for (Index b = first_index(); b < s.mass.size; b += stride()) prepare_body(b);
-    for (Index w = first_index(); w < s.momentum.size; w += stride()) {
-      s.momentum[w] = first_momentum(s.rules);
-      s.arrived[w] = 0;
-    }
+    for (Index w = first_index(); w < s.momentum[0].size; w += stride()) s.momentum[0][w] = first_momentum(s.rules);
     for (Index m = first_index(); m < s.motor.size; m += stride()) s.motor_before[m] = s.motor_impulse[m];
-    if (first_index() == 0) *s.worlds_at_work = s.momentum.size;
+    if (first_index() == 0) *s.worlds_at_work = s.momentum[0].size;
   }
 
   /// Update number `k` of all tiles.
   template <bool turning>
   __device__ void update_contacts(Index k) {
-    for (Index tile = blockIdx.x; tile < s.tiles.count(); tile += gridDim.x) update_tile<turning>(tile, k);
+    for (Index tile = team_.index; tile < s.tiles.count(); tile += team_.count) update_tile<turning>(tile, k);
   }
 
-  /// Velocities after `update` updates.
+  /// Velocities after update number `k`; -1: of the warm start.
   template <bool turning>
-  __device__ void gather_bodies(Index update) {
+  __device__ void gather_bodies(Index k) {
+    const View<Momentum> momentum = s.momentum[k < 0 ? 0 : k & 1];
+    const Index store = (k + 1) & 1;
     for (Index b = first_index(); b < s.mass.size; b += stride()) {
       const HalfRange c = s.of_body[b];
       if (c.end - c.begin > kHubContacts) continue;
-      if (s.momentum[s.world_of_body[b]].iterations != update) continue;
+      const Momentum m = momentum[s.world_of_body[b]];
+      if (m.done) continue;
       Vec3 linear, angular;
-      add_contacts<turning>(c, update & 1, 0, 1, linear, angular);
-      set_velocity(b, update, linear, angular);
+      add_contacts<turning>(c, store, 0, 1, linear, angular);
+      set_velocity(b, k < 0, m.next_beta, linear, angular);
     }
-    const Index lane = threadIdx.x % 32;
+    const Index lane = team_.rank % 32;
     for (Index h = first_index() / 32; h < *s.hub_count; h += stride() / 32) {
       const BodyIndex b = s.hub[h];
-      if (s.momentum[s.world_of_body[b]].iterations != update) continue;
+      const Momentum m = momentum[s.world_of_body[b]];
+      if (m.done) continue;
       Vec3 linear, angular;
-      add_contacts<turning>(s.of_body[b], update & 1, lane, 32, linear, angular);
+      add_contacts<turning>(s.of_body[b], store, lane, 32, linear, angular);
       linear = warp_sum(linear);
       angular = warp_sum(angular);
-      if (lane == 0) set_velocity(b, update, linear, angular);
+      if (lane == 0) set_velocity(b, k < 0, m.next_beta, linear, angular);
     }
+  }
+
+  __device__ bool any_mechanisms() const { return s.projection.body.size > 0; }
+
+  /// Velocities of the jointed bodies from all that their mechanism gathered; one number per thread.
+  __device__ void project_mechanisms(Index k) {
+    const View<Momentum> momentum = s.momentum[k < 0 ? 0 : k & 1];
+    for (Index i = first_index(); i < 6 * s.projection.body.size; i += stride()) {
+      const Index body = i / 6, c = i % 6;
+      if (s.projection.is_empty(body)) continue;
+      const BodyIndex b = s.projection.body[body].body;
+      const Momentum m = momentum[s.world_of_body[b]];
+      if (m.done) continue;
+      const Real next = s.projection.component(body, c);
+      Real& now = component(s.velocity[b], c);
+      component(s.extrapolated_velocity[b], c) = k < 0 ? next : next + (next - now) * m.next_beta;
+      now = next;
+    }
+  }
+
+  /// What update `k + 1` will do: a team adds a world's tiles in order. The last teams begin, which have fewest bodies.
+  __device__ void decide(Index k) {
+    for (WorldIndex w = team_.count - 1 - team_.index; w < s.momentum[0].size; w += team_.count) decide(w, k);
   }
 
   __device__ bool any_at_work() const { return *static_cast<volatile Index*>(s.worlds_at_work) > 0; }
 
-  /// Impulses back into the order of the contacts, residuals and energies.
+  /// After `k` updates: impulses back into the order of the contacts, residuals and energies, by tile.
   template <bool turning>
-  __device__ void measure() {
-    for (Index tile = blockIdx.x; tile < s.tiles.count(); tile += gridDim.x) measure_tile<turning>(tile);
-    for (Index tile = blockIdx.x; tile < s.world_of_body_tile.size; tile += gridDim.x) measure_bodies(tile);
+  __device__ void measure(Index k) {
+    for (Index tile = team_.index; tile < s.tiles.count(); tile += team_.count) measure_tile<turning>(tile, k);
+    for (Index tile = team_.index; tile < s.world_of_body_tile.size; tile += team_.count) measure_bodies(tile);
+  }
+
+  /// And by world.
+  __device__ void add_measures(Index k) {
+    for (WorldIndex w = team_.index; w < s.world_sums.size; w += team_.count) add_measures(w, k);
   }
 
  private:
-  __device__ static Index first_index() { return blockIdx.x * blockDim.x + threadIdx.x; }
-  __device__ static Index stride() { return gridDim.x * blockDim.x; }
+  __device__ Index first_index() const { return team_.index * kTileSize + team_.rank; }
+  __device__ Index stride() const { return team_.count * kTileSize; }
+
+  __device__ static Real& component(Velocity& v, Index c) {
+    Vec3& part = c < 3 ? v.linear : v.angular;
+    return c % 3 == 0 ? part.x : c % 3 == 1 ? part.y : part.z;
+  }
 
   __device__ static Vec3 warp_sum(Vec3 v) {
     for (int offset = 16; offset > 0; offset /= 2) {
@@ -262,8 +290,7 @@ class SolveKernel {
       c = {s.incidence.owned_begin(b) + s.incidence.first_second[b],
            s.incidence.owned_end(b) + s.incidence.first_second[b + 1]};
     s.of_body[b] = c;
-    if (c.end - c.begin > kHubContacts)
-      s.hub[atomicAdd(s.hub_count, 1)] = b;
+    if (c.end - c.begin > kHubContacts) s.hub[atomicAdd(s.hub_count, 1)] = b;
   }
 
   template <bool turning>
@@ -303,26 +330,19 @@ class SolveKernel {
   template <bool turning>
   __device__ void update_tile(Index tile, Index k) {
     const Tile t = s.tiles.tile[tile];
-    const WorldIndex w = t.world;
-    const Momentum m = s.momentum[w];
+    const Momentum m = s.momentum[k & 1][t.world];
     if (m.done) return;
-    const ContactRange range = t.contacts;
-    const ContactIndex i = range.begin + threadIdx.x;
-    double uphill = 0, residual_square = 0;
-    if (i < range.end) {
-      const ContactUpdate<Real> u = update_contact<turning>(i, m, k & 1);
-      uphill = u.uphill;
-      residual_square = u.residual_square;
-    }
-    if (t.first) update_motors(w);
-    const UpdateSums sums{block_sum(uphill, scratch_), block_sum(residual_square, scratch_)};
-    if (threadIdx.x == 0) s.tile_sums[tile] = sums;
-    const Index tiles = s.tiles.first_tile[w + 1] - s.tiles.first_tile[w];
-    if (last_to_arrive(&s.arrived[w], tiles)) decide(w, m);
+    const ContactIndex i = t.contacts.begin + team_.rank;
+    UpdateSums sums;
+    if (i < t.contacts.end) sums = update_contact<turning>(i, m, k & 1);
+    if (t.first) update_motors(t.world, s.momentum[k & 1]);
+    sums.uphill = team_.sum(sums.uphill);
+    if (m.test) sums.residual_square = team_.sum(sums.residual_square);
+    if (team_.rank == 0) s.tile_sums[tile] = sums;
   }
 
   template <bool turning>
-  __device__ ContactUpdate<Real> update_contact(ContactIndex i, const Momentum& m, Index now) {
+  __device__ UpdateSums update_contact(ContactIndex i, const Momentum& m, Index now) {
     ContactNumbers<Real> c = unpack<turning>(i);
     const PairRecord pair = s.pair[i];
     const Velocity a = s.extrapolated_velocity[pair.a], b = s.extrapolated_velocity[pair.b];
@@ -334,29 +354,30 @@ class SolveKernel {
                                                                     load_impulse<turning>(1 - now, i), m.beta);
     s.linear[1 - now][i] = u.impulse.linear;
     if (turning) s.angular[1 - now][i] = u.impulse.angular;
-    return u;
+    return {u.uphill, m.test ? residual_square<turning, Real>(c, u) : Real(0)};
   }
 
-  __device__ void update_motors(WorldIndex w) {
+  __device__ void update_motors(WorldIndex w, View<const Momentum> momentum) {
     const WorldParameters& p = s.tiles.world[w];
-    const UpdateMotor update{s.motor,    s.extrapolated_velocity, s.mass,         s.world_of_body,
-                             s.momentum, s.motor_impulse,         s.motor_before, s.step};
-    for (Index m = p.first_motor + threadIdx.x; m < p.first_motor + p.motor_count; m += blockDim.x) update(m);
+    const UpdateMotor update{s.motor,  s.drive,         s.extrapolated_velocity, s.world_of_body,
+                             momentum, s.motor_impulse, s.motor_before,          s.step};
+    for (Index m = p.first_motor + team_.rank; m < p.first_motor + p.motor_count; m += kTileSize) update(m);
   }
 
-  /// By the block that arrives last: adds the world's tiles in order.
-  __device__ void decide(WorldIndex w, Momentum m) {
-    double uphill = 0, residual_square = 0;
-    for (Index t = s.tiles.first_tile[w] + threadIdx.x; t < s.tiles.first_tile[w + 1]; t += blockDim.x) {
-      uphill += __ldcg(&s.tile_sums[t].uphill);
-      residual_square += __ldcg(&s.tile_sums[t].residual_square);
+  __device__ void decide(WorldIndex w, Index k) {
+    Momentum m = s.momentum[k & 1][w];
+    if (!m.done) {
+      UpdateSums sums;
+      for (Index t = s.tiles.first_tile[w] + team_.rank; t < s.tiles.first_tile[w + 1]; t += kTileSize) {
+        sums.uphill += s.tile_sums[t].uphill;
+        sums.residual_square += s.tile_sums[t].residual_square;
+      }
+      sums = {team_.sum(sums.uphill), team_.sum(sums.residual_square)};
+      const ContactRange r = contacts_of_world(s.tiles.world[w], s.tiles.first_contact);
+      decide_next_update(m, sums, r.end - r.begin, s.rules);
+      if (m.done && team_.rank == 0) atomicSub(s.worlds_at_work, 1);
     }
-    const UpdateSums sums{block_sum(uphill, scratch_), block_sum(residual_square, scratch_)};
-    if (threadIdx.x != 0) return;
-    const ContactRange r = contacts_of_world(s.tiles.world[w], s.tiles.first_contact);
-    decide_next_update(m, sums, r.end - r.begin, s.rules);
-    s.momentum[w] = m;
-    if (m.done) atomicSub(s.worlds_at_work, 1);
+    if (team_.rank == 0) s.momentum[(k + 1) & 1][w] = m;
   }
 
   /// Adds every `step`-th contact of a body.
@@ -374,100 +395,100 @@ class SolveKernel {
     }
   }
 
-  __device__ void set_velocity(BodyIndex b, Index update, const Vec3& linear, Vec3 angular) {
+  __device__ void set_velocity(BodyIndex b, bool first, Real beta, const Vec3& linear, Vec3 angular) {
     const BodyMass m = s.mass[b];
-    if (m.motor >= 0) angular += motor_axis() * s.motor_impulse[m.motor];
+    if (m.slot >= 0) angular += s.motor_moment(m.slot);
     const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
     const Velocity next = driven_velocity(s.free_velocity[b], m, inverse_inertia, linear, angular);
-    const Real beta = s.momentum[s.world_of_body[b]].beta;
-    s.extrapolated_velocity[b] = update == 0 ? next : extrapolated<Real>(next, s.velocity[b], beta);
+    if (m.slot >= 0) {  // project_mechanisms goes on with it
+      s.gathered[m.slot] = next;
+      return;
+    }
+    s.extrapolated_velocity[b] = first ? next : extrapolated<Real>(next, s.velocity[b], beta);
     s.velocity[b] = next;
   }
 
   template <bool turning>
-  __device__ void measure_tile(Index tile) {
-    const WorldIndex w = s.tiles.tile[tile].world;
-    const ContactRange range = s.tiles.contacts(tile);
-    const ContactIndex i = range.begin + threadIdx.x;
+  __device__ void measure_tile(Index tile, Index k) {
+    const Tile t = s.tiles.tile[tile];
+    const ContactIndex i = t.contacts.begin + team_.rank;
     WorldSums sums;
-    if (i < range.end) {
-      const Impulse p = load_impulse<turning>(s.momentum[w].iterations & 1, i);
+    if (i < t.contacts.end) {
+      const Impulse p = load_impulse<turning>(s.momentum[k & 1][t.world].iterations & 1, i);
       s.impulse[i] = p;
       const Contact c = s.contact[i];
       const double r = contact_residual(c, s.velocity[c.body_a], s.velocity[c.body_b], p, s.rules.target);
       sums.residual_square = r * r;
       sums.residual_max = r;
     }
-    add_measures(w, &s.tile_measures[tile], sums);
+    sums = team_.sum(sums);
+    if (team_.rank == 0) s.tile_measures[tile] = sums;
   }
 
   __device__ void measure_bodies(Index tile) {
     const WorldIndex w = s.world_of_body_tile[tile];
     const WorldParameters& p = s.tiles.world[w];
-    const Index in_world = (tile - s.first_body_tile[w]) * kTileSize + threadIdx.x;
+    const Index in_world = (tile - s.first_body_tile[w]) * kTileSize + team_.rank;
     WorldSums sums;
     if (in_world < p.body_count) {
       const BodyIndex b = p.first_body + in_world;
       sums = energy_of_body(s.mass[b], s.orientation[b], s.velocity[b], p.gravity);
     }
-    add_measures(w, &s.body_tile_measures[tile], sums);
+    sums = team_.sum(sums);
+    if (team_.rank == 0) s.body_tile_measures[tile] = sums;
   }
 
-  __device__ void add_measures(WorldIndex w, WorldSums* part, const WorldSums& sums) {
-    const WorldSums total = block_sum(sums, scratch_);
-    if (threadIdx.x == 0) *part = total;
-    const Index tiles = s.tiles.first_tile[w + 1] - s.tiles.first_tile[w];
-    const Index body_tiles = s.first_body_tile[w + 1] - s.first_body_tile[w];
-    if (last_to_arrive(&s.arrived[w], tiles + body_tiles)) finish_measures(w);
-  }
-
-  __device__ static void add(WorldSums& sum, const WorldSums& part) {
-    WorldSums fresh;  // past this multiprocessor's first-level cache
-    fresh.kinetic = __ldcg(&part.kinetic);
-    fresh.gravity_power = __ldcg(&part.gravity_power);
-    fresh.residual_square = __ldcg(&part.residual_square);
-    fresh.residual_max = __ldcg(&part.residual_max);
-    sum += fresh;
-  }
-
-  __device__ void finish_measures(WorldIndex w) {
+  __device__ void add_measures(WorldIndex w, Index k) {
     WorldSums sum;
-    for (Index t = s.tiles.first_tile[w] + threadIdx.x; t < s.tiles.first_tile[w + 1]; t += blockDim.x)
-      add(sum, s.tile_measures[t]);
-    for (Index t = s.first_body_tile[w] + threadIdx.x; t < s.first_body_tile[w + 1]; t += blockDim.x)
-      add(sum, s.body_tile_measures[t]);
-    WorldSums total = block_sum(sum, scratch_);
-    if (threadIdx.x != 0) return;
+    for (Index t = s.tiles.first_tile[w] + team_.rank; t < s.tiles.first_tile[w + 1]; t += kTileSize)
+      sum += s.tile_measures[t];
+    for (Index t = s.first_body_tile[w] + team_.rank; t < s.first_body_tile[w + 1]; t += kTileSize)
+      sum += s.body_tile_measures[t];
+    sum = team_.sum(sum);
     const ContactRange r = contacts_of_world(s.tiles.world[w], s.tiles.first_contact);
-    total.contact_count = r.end - r.begin;
-    total.iterations = s.momentum[w].iterations;
-    s.world_sums[w] = total;
+    sum.contact_count = r.end - r.begin;
+    sum.iterations = s.momentum[k & 1][w].iterations;
+    if (team_.rank == 0) s.world_sums[w] = sum;
   }
 
   const SolveViews& s;
-  double* scratch_;
+  const Team& team_;
 };
 
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step.
 template <bool turning>
-__global__ void __launch_bounds__(kTileSize, kBlocksPerProcessor) solve_kernel(const __grid_constant__ SolveViews views) {
-  __shared__ double scratch[kTileSize / 32];
+__global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant__ SolveViews views) {
+  __shared__ double scratch[kTeamsPerBlock][kTileSize / 32];
   if (*views.halted != 0) return;
   const auto grid = cooperative_groups::this_grid();
-  SolveKernel kernel(views, scratch);
+  const Index in_block = threadIdx.x / kTileSize;
+  const Team team{in_block, Index(threadIdx.x % kTileSize), Index(in_block * gridDim.x + blockIdx.x),
+                  Index(kTeamsPerBlock * gridDim.x), scratch[in_block]};
+  SolveKernel kernel(views, team);
   kernel.prepare<turning>();
   grid.sync();
-  kernel.gather_bodies<turning>(0);
+  kernel.gather_bodies<turning>(-1);
   grid.sync();
-  for (Index k = 0; k < views.rules.most_iterations; ++k) {
+  if (kernel.any_mechanisms()) {
+    kernel.project_mechanisms(-1);
+    grid.sync();
+  }
+  Index k = 0;
+  do {
     kernel.update_contacts<turning>(k);
     grid.sync();
-    kernel.gather_bodies<turning>(k + 1);
-    const bool at_work = kernel.any_at_work();
+    kernel.gather_bodies<turning>(k);
+    kernel.decide(k);
     grid.sync();
-    if (!at_work) break;
-  }
-  kernel.measure<turning>();
+    if (kernel.any_mechanisms()) {
+      kernel.project_mechanisms(k);
+      grid.sync();
+    }
+    ++k;
+  } while (kernel.any_at_work());
+  kernel.measure<turning>(k);
+  grid.sync();
+  kernel.add_measures(k);
 }
 
 inline void reserve_solver(State<Cuda>& s) {
@@ -489,9 +510,9 @@ inline void reserve_solver(State<Cuda>& s) {
   own.tile_sums.resize(tile_capacity(s));
   own.tile_measures.resize(tile_capacity(s));
   own.body_tile_measures.resize(s.world_of_body_tile.size());
-  own.arrived.resize(s.world_count);
+  own.other_momentum.resize(s.world_count);
   own.worlds_at_work.resize(1);
-  own.motor_before.resize(s.motor.size());
+  own.motor_before.resize(s.mechanisms.motor.size());
 }
 
 inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
@@ -510,12 +531,16 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           s.world_of_body.view(),
           s.world_of_body_tile.view(),
           s.first_body_tile.view(),
-          s.motor.view(),
-          s.motor_impulse.view(),
+          projection(s.mechanisms),
+          motor_moment(s.mechanisms),
+          s.mechanisms.gathered.view(),
+          s.mechanisms.motor.view(),
+          s.mechanisms.drive.view(),
+          s.mechanisms.motor_impulse.view(),
           own.motor_before.view(),
           s.velocity.view(),
           s.extrapolated_velocity.view(),
-          s.momentum.view(),
+          {s.momentum.view(), own.other_momentum.view()},
           s.store[s.parity].impulse.view(),
           s.world_sums.view(),
           own.frame.view(),
@@ -534,27 +559,24 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           own.tile_sums.view(),
           own.tile_measures.view(),
           own.body_tile_measures.view(),
-          own.arrived.view(),
           own.worlds_at_work.data()};
 }
 
-/// As many blocks as can be resident at once, and no more than there is work for: a barrier costs less with fewer.
-template <bool turning>
-Index grid_size(const State<Cuda>& s) {
-  int device = 0, processors = 0, blocks = 0;
+/// One block per multiprocessor, and no more than there is work for: a barrier costs less with fewer.
+inline Index grid_size(const State<Cuda>& s) {
+  int device = 0, processors = 0;
   check_cuda(cudaGetDevice(&device), "device");
   check_cuda(cudaDeviceGetAttribute(&processors, cudaDevAttrMultiProcessorCount, device), "processor count");
-  check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, solve_kernel<turning>, kTileSize, 0), "occupancy");
   const Index work = std::max(tile_capacity(s), (s.body_count + kTileSize - 1) / kTileSize);
-  return std::max<Index>(1, std::min<Index>(work, blocks * processors));
+  return std::min<Index>(work, processors);
 }
 
 template <bool turning>
 void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
   SolveViews views = solve_views(exec, s, settings);
   void* arguments[] = {&views};
-  check_cuda(cudaLaunchCooperativeKernel(solve_kernel<turning>, dim3(grid_size<turning>(s)), dim3(kTileSize), arguments,
-                                         0, stream_of(exec)),
+  check_cuda(cudaLaunchCooperativeKernel(solve_kernel<turning>, dim3(grid_size(s)), dim3(kBlockSize), arguments, 0,
+                                         stream_of(exec)),
              "solver launch");
 }
 

@@ -1,5 +1,7 @@
 // The iteration on the host: stages over tiles of contacts and over bodies.
 #pragma once
+#include "sim/joint/motor.h"
+#include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
 #include "sim/solver/host_blocks.h"
 #include "sim/solver/split.h"
@@ -8,6 +10,8 @@ namespace gonogo::sim {
 
 /// Loops over tiles and chunks of bodies share out hundreds of contacts at a time.
 inline constexpr Index kTilesInParallel = 4;
+/// A body of a mechanism costs as much as some tens of contacts.
+inline constexpr Index kBodiesInParallel = 64;
 
 /// Sums the wrenches on a body and, from the second time on, extrapolates.
 struct GatherVelocity {
@@ -15,16 +19,17 @@ struct GatherVelocity {
   View<const Wrench> wrench_a, wrench_b;
   View<const BodyMass> mass;
   View<const SymMat3> inverse_inertia_W;
-  View<const Real> motor_impulse;
+  MotorMoment motor_moment;
   View<const Velocity> free_velocity;
   View<const WorldIndex> world_of_body;
   View<const Momentum> momentum;
   View<Velocity> velocity, extrapolated_velocity;
-  Index update;  // number of the update before: worlds that stopped earlier keep their velocities
+  View<Velocity> gathered;  // [mechanism body]; their velocities follow from ProjectMechanism
+  bool first;
 
   void operator()(BodyIndex b) const {
     const Momentum& m = momentum[world_of_body[b]];
-    if (m.iterations != update) return;
+    if (m.done) return;
     Pack sum{};
     const Index owned_end = is_fixed(mass[b]) ? 0 : incidence.owned_end(b);  // nothing moves a fixed body
     for (Index i = incidence.owned_begin(b); i < owned_end; ++i)
@@ -32,10 +37,34 @@ struct GatherVelocity {
     for (Index k = incidence.first_second[b]; k < incidence.first_second[b + 1]; ++k)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_b[k]);
     Vec3 angular{sum[4], sum[5], sum[6]};
-    if (mass[b].motor >= 0) angular += motor_axis() * motor_impulse[mass[b].motor];
+    const Index slot = mass[b].slot;
+    if (slot >= 0) angular += motor_moment(slot);
     const Velocity next =
         driven_velocity(free_velocity[b], mass[b], inverse_inertia_W[b], {sum[0], sum[1], sum[2]}, angular);
-    extrapolated_velocity[b] = update == 0 ? next : extrapolated(next, velocity[b], m.beta);
+    if (slot >= 0) {
+      gathered[slot] = next;
+      return;
+    }
+    extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
+    velocity[b] = next;
+  }
+};
+
+/// Velocities of the jointed bodies from all that their mechanism gathered.
+struct ProjectMechanism {
+  Projection projection;
+  View<const WorldIndex> world_of_body;
+  View<const Momentum> momentum;
+  View<Velocity> velocity, extrapolated_velocity;
+  bool first;
+
+  void operator()(Index k) const {
+    if (projection.is_empty(k)) return;
+    const BodyIndex b = projection.body[k].body;
+    const Momentum& m = momentum[world_of_body[b]];
+    if (m.done) return;
+    const Velocity next = projection.velocity(k);
+    extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
     velocity[b] = next;
   }
 };
@@ -116,7 +145,7 @@ inline void fill_blocks(Cpu exec, State<Cpu>& s, Index tile_count) {
   own.wrench_b.resize(s.contact_capacity + 1);
   own.tile_sums.fill_zero(tile_count);
   own.tile_measures.resize(tile_count);
-  own.motor_before.resize(s.motor.size());
+  own.motor_before.resize(s.mechanisms.motor.size());
   const View<const Impulse> start = s.store[s.parity].impulse.view();
   for_each_index(exec, tile_count, FillTile{tiles(s), s.contact.view(), start, s.second_slot.view(), own.block.view()},
                  kTilesInParallel);
@@ -124,12 +153,16 @@ inline void fill_blocks(Cpu exec, State<Cpu>& s, Index tile_count) {
                  kTilesInParallel);
 }
 
-inline void gather(Cpu exec, State<Cpu>& s, Index update) {
+inline void gather(Cpu exec, State<Cpu>& s, bool first) {
   for_each_index(exec, s.body_count,
                  GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
-                                s.inverse_inertia_W.view(), s.motor_impulse.view(), s.free_velocity.view(),
+                                s.inverse_inertia_W.view(), motor_moment(s.mechanisms), s.free_velocity.view(),
                                 s.world_of_body.view(), s.momentum.view(), s.velocity.view(),
-                                s.extrapolated_velocity.view(), update});
+                                s.extrapolated_velocity.view(), s.mechanisms.gathered.view(), first});
+  for_each_index(exec, s.mechanisms.body.size(),
+                 ProjectMechanism{projection(s.mechanisms), s.world_of_body.view(), s.momentum.view(),
+                                  s.velocity.view(), s.extrapolated_velocity.view(), first},
+                 kBodiesInParallel);
 }
 
 template <bool turning>
@@ -162,17 +195,18 @@ inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
   const bool turning = s.turning;
   fill_blocks(exec, s, tile_count);
   for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
-  s.solver.motor_before.upload(s.motor_impulse.download());
-  gather(exec, s, 0);
+  s.solver.motor_before.upload(s.mechanisms.motor_impulse.download());
+  gather(exec, s, true);
   for (Index k = 0; k < rules.most_iterations && !all_done(s, s.momentum.view()); ++k) {
     turning ? update_tiles<true>(exec, s, tile_count, k & 1) : update_tiles<false>(exec, s, tile_count, k & 1);
-    for_each_index(exec, s.motor.size(),
-                   UpdateMotor{s.motor.view(), s.extrapolated_velocity.view(), s.mass.view(), s.world_of_body.view(),
-                               s.momentum.view(), s.motor_impulse.view(), s.solver.motor_before.view(), settings.step});
+    for_each_index(exec, s.mechanisms.motor.size(),
+                   UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
+                               s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
+                               s.solver.motor_before.view(), settings.step});
+    gather(exec, s, false);
     for_each_index(exec, s.world_count,
                    DecideNextUpdate{s.first_tile.view(), s.solver.tile_sums.view(), tiles(s), s.momentum.view(), rules},
                    kTilesInParallel);
-    gather(exec, s, k + 1);
   }
   measure(exec, s, tile_count, settings);
 }

@@ -32,13 +32,15 @@ GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal
 struct SplitMasses {
   Incidence incidence;
   View<const BodyMass> mass;
+  View<const MechanismBody> jointed;
   View<const Velocity> velocity;
   View<Contact> contact;
   Target target;
 
-  /// A motor takes half of its body's mass, the contacts share the rest.
+  /// The motors of a mechanism take half of its bodies' masses, the contacts share the rest.
   GONOGO_HD Real share(BodyIndex b) const {
-    return Real(incidence.degree(b)) * (mass[b].motor >= 0 ? Real(2) : Real(1));
+    const bool driven = mass[b].slot >= 0 && jointed[mass[b].slot].driven != 0;
+    return Real(incidence.degree(b)) * (driven ? Real(2) : Real(1));
   }
 
   GONOGO_HD void operator()(ContactIndex i) const {

@@ -65,7 +65,8 @@ template <class Exec>
 void cut_into_tiles(Exec exec, State<Exec>& s) {
   for_each_index(exec, s.world_count, CountTiles{s.world.view(), s.first_contact.view(), s.tiles_of_world.view()});
   exclusive_scan(exec, s.tiles_of_world.view(), s.first_tile.view(), s.scratch);
-  for_each_index(exec, tile_capacity(s), WriteTile{s.world.view(), s.first_contact.view(), s.first_tile.view(), s.tile.view()});
+  for_each_index(exec, tile_capacity(s),
+                 WriteTile{s.world.view(), s.first_contact.view(), s.first_tile.view(), s.tile.view()});
 }
 
 }  // namespace gonogo::sim

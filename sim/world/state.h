@@ -3,7 +3,9 @@
 #pragma once
 #include "base/for_each.h"
 #include "sim/contact/contact.h"
-#include "sim/shape/surface.h"
+#include "sim/element/state.h"
+#include "sim/joint/mechanism.h"
+#include "sim/shape/surface_store.h"
 #include "sim/solver/momentum.h"
 
 namespace gonogo::sim {
@@ -55,28 +57,13 @@ struct BodyMass {
   Vec3 inverse_mass;           // along world x, y, z [1/kg]
   Vec3 inverse_inertia_B;      // about body axes [1/(kg m^2)]
   std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries; set by flatten
-  std::int32_t motor = -1;     // index of the motor that turns this body, or -1; set by flatten
+  std::int32_t slot = -1;      // of its mechanism body, or -1 where nothing is jointed to it; set by flatten
 };
 
 GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
   const Vec3 &m = mass.inverse_mass, &i = mass.inverse_inertia_B;
   return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
 }
-
-/// Turns a body about its y axis towards a speed, with limited torque (positive y turns x towards -z: forward rolling).
-struct Motor {
-  BodyIndex body = 0;
-  Real speed = 0;       // [rad/s]
-  Real max_torque = 0;  // [N m]
-};
-
-/// Spring and damper between two bodies along world z, treated implicitly.
-struct SpringDamper {
-  BodyIndex upper = 0, lower = 0;
-  Real stiffness = 0;      // [N/m]
-  Real damping = 0;        // [N s/m]
-  double free_length = 0;  // of z_upper - z_lower [m]
-};
 
 /// Bits of the flag word of a world.
 enum StepFlag : Index {
@@ -102,6 +89,11 @@ struct WorldSums {
     return *this;
   }
 };
+
+/// Root-mean-square residual of a step [m/s].
+GONOGO_HD inline double rms_residual(const WorldSums& sums) {
+  return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+}
 
 /// A binned shape, copied into the order of the bins so that neighbours are read from consecutive memory.
 struct BinnedShape {
@@ -156,22 +148,6 @@ struct Progress {
   Index steps = 0;          // completed since the host last looked
 };
 
-/// Meshes and heightfields of the batch; see sim/shape/surface.h.
-template <class Exec>
-struct SurfaceStore {
-  Buffer<MeshRange, Exec> mesh;
-  Buffer<MeshNode, Exec> node;
-  Buffer<MeshTriangle, Exec> triangle;
-  Buffer<Vec3, Exec> vertex;
-  Buffer<FieldRange, Exec> field;
-  Buffer<Real, Exec> height;
-  Buffer<Index, Exec> name;
-
-  SurfaceView view() {
-    return {mesh.view(), node.view(), triangle.view(), vertex.view(), field.view(), height.view(), name.view()};
-  }
-};
-
 template <class Exec>
 struct State {
   Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0;
@@ -190,9 +166,8 @@ struct State {
   Buffer<Index, Exec> first_shape;          // [body + 1]
   Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
   SurfaceStore<Exec> surfaces;
-  Buffer<Motor, Exec> motor;
-  Buffer<Real, Exec> motor_impulse;  // [motor], [N m s]
-  Buffer<SpringDamper, Exec> spring;
+  MechanismStore<Exec> mechanisms;
+  ElementState<Exec> element;
   Buffer<Index, Exec> steps;                                // [world] taken so far
   Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // bodies in runs of kTileSize, by world
 

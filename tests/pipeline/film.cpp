@@ -167,7 +167,7 @@ TEST_CASE("a filmed trial ends with the bits of one that nobody watches, and has
     low = std::min(low, last.values("Points")[i]);
     high = std::max(high, last.values("Points")[i]);
   }
-  CHECK((low + high) / 2 - 0.15 * setup.bed_length == Approx(samples.back().x).margin(2e-3));
+  CHECK((low + high) / 2 - 0.15 * setup.bed_length == Approx(samples.back().x).margin(1e-5));
 }
 
 TEST_CASE("two films of one trial have the same bytes, whatever the threads") {

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
@@ -42,8 +43,9 @@ SceneWorld busy_world() {
   s.body = w.add_body({{0.25, 0.25, 0.46}, {}, {}, {}}, solid(10, {1, 0.2f, 1}));
   w.add_shape(s);
   const BodyIndex mass = w.add_body({{0.25, 0.25, 0.9}, {}, {}, {}}, solid(20, {1, 1, 1}));
-  w.motor.push_back({s.body, 3, 100});
-  w.spring.push_back({mass, s.body, 20000, 800, 0.45});
+  w.motor.push_back(speed_motor(w, s.body, kWorld, {0, 1, 0}, 3, 100));
+  w.spring.push_back(
+      spring_along(w, s.body, mass, w.body[s.body].position, w.body[mass].position, {0, 0, -1}, 20000, 800));
   return w;
 }
 
@@ -102,7 +104,7 @@ TEST_CASE("saving what was loaded gives the same bytes") {
 TEST_CASE("every part of scene and numerics counts in the scene's hash") {
   const SceneWorld w = busy_world();
   const StepSettings s = settings();
-  std::vector<std::pair<SceneWorld, StepSettings>> variants(13, {w, s});
+  std::vector<std::pair<SceneWorld, StepSettings>> variants(15, {w, s});
   variants[1].first.gravity.x = 0.1f;
   variants[2].first.set_law(0, 1, {Real(0.71), 0, 0});
   variants[3].first.body[7].position.z += 1e-12;
@@ -115,6 +117,8 @@ TEST_CASE("every part of scene and numerics counts in the scene's hash") {
   variants[10].second.step = 2e-3f;
   variants[11].first.periodic_y = true;
   variants[12].second.target = Target::coulomb;
+  variants[13].first.joint.push_back(spherical(w, 1, 2, {0, 0, 0}));
+  variants[14].first.spring[0].table = force_table({{0, 0}, {1, 1}});
   std::vector<std::string> hashes;
   for (const auto& [scene, numerics] : variants) hashes.push_back(scene_hash(scene, numerics));
   CHECK(hashes[0] == scene_hash(busy_world(), settings()));

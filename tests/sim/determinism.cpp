@@ -1,5 +1,6 @@
 #include <cstring>
 
+#include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -41,8 +42,9 @@ SceneWorld driven_wheel(std::uint64_t seed) {
   BodyMass sprung = solid(50, {1, 1, 1});
   sprung.inverse_mass.x = sprung.inverse_mass.y = 0;
   const BodyIndex mass = w.add_body({{0.33, 0.17, 0.925}, {}, {}, {}}, sprung);
-  w.motor.push_back({s.body, 3, 100});
-  w.spring.push_back({mass, s.body, 20000, 800, 0.45});
+  w.motor.push_back(speed_motor(w, s.body, kWorld, {0, 1, 0}, 3, 100));
+  w.spring.push_back(
+      spring_along(w, s.body, mass, w.body[s.body].position, w.body[mass].position, {0, 0, -1}, 20000, 800));
   return w;
 }
 
@@ -81,7 +83,7 @@ TEST_CASE("a world has the same bits alone and in any place of a batch") {
     alone->advance(kSteps);
     Scene batch;
     for (int i = 0; i < 6; ++i) batch.push_back(driven_wheel(i == 3 ? 602 : 700 + i));
-    batch[1].motor[0].speed = -20;
+    batch[1].motor[0].target = -20;
     batch[2].gravity.x = 5;
     const auto together = make_simulation(backend, batch, few_iterations(), 2);
     together->advance(kSteps);

@@ -1,6 +1,7 @@
 // The matrix-free solver against a dense one, and the bound on its step sizes that it relies on.
 #include <Eigen/Eigenvalues>
 
+#include "sim/joint/build.h"
 #include "tests/sim/dense_problem.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -66,7 +67,8 @@ void add_wheel(SceneWorld& w, Draw& draw) {
   s.body =
       w.add_body({{0.06, 0.04, 2 * kRadius + 0.162}, about_y(draw.between(0, 1)), {Real(0.2), 0, Real(-0.2)}, {}}, m);
   w.add_shape(s);
-  w.motor.push_back({s.body, Real(draw.between(-5, 5)), Real(draw.magnitude(0.1, 30))});
+  const double speed = draw.between(-5, 5), limit = draw.magnitude(0.1, 30);
+  w.motor.push_back(speed_motor(w, s.body, kWorld, {0, 1, 0}, speed, limit));
 }
 
 /// With fixed grains a wheel on rails may be caught beyond help: then there are no admissible velocities.

@@ -25,8 +25,8 @@ Shape shape(ShapeType type, const Vec3& size, int lugs = 0, Real thickness = 0) 
 }
 
 const Shape kBall = shape(ShapeType::sphere, {0.3f, 0, 0}), kBox = shape(ShapeType::box, {0.2f, 0.3f, 0.5f}),
-            kDrum = shape(ShapeType::wheel, {0.4f, 0.1f, 0.02f}), kPill = shape(ShapeType::capsule, {0.2f, 0.3f, 0}),
-            kCan = shape(ShapeType::cylinder, {0.4f, 0.1f, 0}),
+            kCapsule = shape(ShapeType::capsule, {0.1f, 0.25f, 0}), kRod = shape(ShapeType::cylinder, {0.15f, 0.4f, 0}),
+            kDrum = shape(ShapeType::wheel, {0.4f, 0.1f, 0.02f}),
             kTyre = shape(ShapeType::wheel, {0.467f, 0.127f, 0.02f}, 24, 0.03f);
 
 /// Edges of a closed surface are walked once in each direction, points at the same place counted as one.
@@ -53,17 +53,16 @@ TEST_CASE("surfaces of solids are closed, face outward and enclose the closed-fo
   // Cylinders and spheres of n segments are polyhedra inside the round shape: within (2 pi / n)^2 / 6 of its volume.
   const SurfaceDetail fine{400, 1};
   const double tolerance = 2e-4;
-  for (const Shape& s : {kBall, kBox, kDrum, kTyre, kPill, kCan}) CHECK(is_closed(surface_of(s, fine)));
+  for (const Shape& s : {kBall, kCapsule, kRod, kBox, kDrum, kTyre}) CHECK(is_closed(surface_of(s, fine)));
   CHECK(enclosed_volume(surface_of(kBox, fine)) == Approx(8 * 0.2 * 0.3 * 0.5).epsilon(1e-6));
   CHECK(enclosed_volume(surface_of(kBall, fine)) == Approx(4.0 / 3 * kPi * 0.027).epsilon(tolerance));
-  const double pill = kPi * 0.04 * 0.6 + 4.0 / 3 * kPi * 0.008;
-  CHECK(enclosed_volume(surface_of(kPill, fine)) == Approx(pill).epsilon(tolerance));
-  CHECK(enclosed_volume(surface_of(kCan, fine)) == Approx(kPi * 0.4 * 0.4 * 0.2).epsilon(tolerance));
+  CHECK(enclosed_volume(surface_of(kCapsule, fine)) == Approx(kPi * 0.01 * (0.5 + 4.0 / 3 * 0.1)).epsilon(tolerance));
+  CHECK(enclosed_volume(surface_of(kRod, fine)) == Approx(kPi * 0.0225 * 0.8).epsilon(tolerance));
   SceneWorld w;
   Shape mesh = shape(ShapeType::mesh, {});
   mesh.surface = w.add_mesh(box_mesh({0.2f, 0.3f, 0.5f}, 2));
-  CHECK(is_closed(surface_of(mesh, w)));
-  CHECK(enclosed_volume(surface_of(mesh, w)) == Approx(8 * 0.2 * 0.3 * 0.5).epsilon(1e-6));
+  CHECK(is_closed(surface_of(w, mesh)));
+  CHECK(enclosed_volume(surface_of(w, mesh)) == Approx(8 * 0.2 * 0.3 * 0.5).epsilon(1e-6));
   const double drum = kPi * 0.4 * 0.4 * 0.2, tyre = kPi * 0.467 * 0.467 * 0.254;
   CHECK(enclosed_volume(surface_of(kDrum, fine)) == Approx(drum).epsilon(tolerance));
   // Lugs are boxes sunk into the rim; the sum counts their feet twice.
@@ -71,7 +70,7 @@ TEST_CASE("surfaces of solids are closed, face outward and enclose the closed-fo
 }
 
 TEST_CASE("normals are of length one and point out of the triangles they belong to") {
-  for (const Shape& s : {kBall, kBox, kTyre, shape(ShapeType::plane, {})}) {
+  for (const Shape& s : {kBall, kCapsule, kRod, kBox, kTyre, shape(ShapeType::plane, {})}) {
     const Surface surface = surface_of(s);
     for (const Vec3& n : surface.normal) CHECK(length(n) == Approx(1).epsilon(1e-6));
     for (const auto& [a, b, c] : surface.triangle) {
@@ -92,6 +91,20 @@ TEST_CASE("no point of a drawn wheel or box is outside the shape that contacts s
   }
   CHECK(on_lugs == 24 * 12);  // four outer corners of every lug, three sides meet at each
   for (const Vec3& p : box.point) CHECK(std::fabs(sphere_box_gap(p, kBox.size, 0).gap) < 1e-6f);
+}
+
+TEST_CASE("capsules and cylinders lie along their y axis") {
+  for (const Shape& s : {kCapsule, kRod}) {
+    const bool round = s.type == ShapeType::capsule;
+    Real reach = 0;
+    for (const Vec3& p : surface_of(s).point) {
+      const Real beyond = std::max(std::fabs(p.y) - s.size.y, Real(0));
+      const Real from_axis = std::sqrt(p.x * p.x + p.z * p.z + (round ? beyond * beyond : Real(0)));
+      CHECK(from_axis <= s.size.x * 1.00001f);
+      reach = std::max(reach, std::fabs(p.y));
+    }
+    CHECK(reach == Approx(s.size.y + (round ? s.size.x : Real(0))));
+  }
 }
 
 TEST_CASE("a plane is drawn as a square of the size asked for, seen from above") {

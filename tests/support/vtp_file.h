@@ -47,7 +47,7 @@ std::vector<double> numbers_at(const std::string& raw, std::size_t offset) {
   std::memcpy(&bytes, raw.data() + offset, 8);
   if (offset + 8 + bytes > raw.size() || bytes % sizeof(T) != 0) throw std::runtime_error("array runs out of the file");
   std::vector<T> numbers(bytes / sizeof(T));
-  std::memcpy(numbers.data(), raw.data() + offset + 8, bytes);
+  if (bytes > 0) std::memcpy(numbers.data(), raw.data() + offset + 8, bytes);
   return {numbers.begin(), numbers.end()};
 }
 

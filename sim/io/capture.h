@@ -7,7 +7,7 @@
 namespace gonogo::sim {
 
 /// A contact of the latest step with what it did in it.
-struct FrameContact {
+struct CapturedContact {
   Vec3d point;     // between the two surfaces, carried along with body a to the end of the step [m]
   Vec3 normal;     // unit, from b to a
   Vec3 impulse;    // on body a [N s]
@@ -15,14 +15,14 @@ struct FrameContact {
   BodyIndex a, b;  // in their world
 };
 
-struct Frame {
+struct Capture {
   double time = 0;  // [s]
   std::vector<BodyState> body;
-  std::vector<FrameContact> contact;  // empty before the first step
+  std::vector<CapturedContact> contact;  // empty before the first step
 };
 
 /// The state of a world now.
-Frame frame_of(Simulation& simulation, WorldIndex world);
+Capture capture_world(Simulation& simulation, WorldIndex world);
 
 /// Centre of a shape in the world [m].
 Vec3d centre_of(const Shape& shape, const BodyState& body);
