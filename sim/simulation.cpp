@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "sim/broad_phase/bins.h"
 #include "sim/broad_phase/layout.h"
+#include "sim/contact/check.h"
 #include "sim/element/prepare.h"
 #include "sim/joint/check.h"
 #include "sim/shape/check.h"
@@ -113,23 +114,29 @@ void check_bins(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
 
 WorldSize FlatWorld::size() const {
   return {Index(body.size()),  Index(shape.size()), world.bins[0] * world.bins[1] * world.bins[2],
-          Index(large.size()), mechanisms.size(), element.size()};
+          Index(large.size()), mechanisms.size(),   element.size()};
 }
 
-FlatWorld flatten(const SceneWorld& scene_world, WorldIndex w, const StepSettings& settings) {
-  check_world(scene_world, std::size_t(w));
-  check_mechanisms(scene_world, in_world(std::size_t(w)));
-  check_elements(scene_world, std::size_t(w), settings);
+FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& settings) {
+  check_world(given, std::size_t(w));
+  check_mechanisms(given, in_world(std::size_t(w)));
+  check_elements(given, std::size_t(w), settings);
+  SceneWorld scene_world = given;
+  set_surface_sizes(scene_world);
   FlatWorld flat;
   flat.world = world_parameters(scene_world, settings, std::size_t(w));
   flat.place_of_body = spatial_order(scene_world, flat.world);
   const SceneWorld world = reordered(scene_world, flat.place_of_body);
   flat.world.body_count = Index(world.body.size());
   flat.body = world.body;
+  flat.mesh = world.mesh;
+  flat.heightfield = world.heightfield;
   flat.mechanisms = flatten_mechanisms(world, in_world(std::size_t(w)));
   flat.element = flat_elements(world, settings);
   append_shapes(world, binned_radius(world, settings), flat);
   append_masses(world, flat);
+  check_pairs(flat, w);
+  if (given.overlap_limit > 0) check_overlaps(flat, w, settings, given.overlap_limit);
   return flat;
 }
 

@@ -114,6 +114,8 @@ struct FlatWorld {
   std::vector<Shape> shape;
   std::vector<Index> first_shape, bin_of_shape;  // [body], [shape]
   std::vector<LargeShape> large;
+  std::vector<std::shared_ptr<const TriangleMesh>> mesh;
+  std::vector<std::shared_ptr<const Heightfield>> heightfield;
   FlatMechanisms mechanisms;
   FlatElements element;
 

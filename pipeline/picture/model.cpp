@@ -179,7 +179,10 @@ Model model_of(const SceneWorld& world, const sim::Capture& frame, const ModelSt
     }
     const Pose pose{place, place.placed(centre), sim::shape_orientation(s, body.orientation)};
     const bool wheel = s.type == ShapeType::wheel;
-    add_surface(model, sim::surface_of(s, detail), pose, wheel ? kRubber : moves(world, s.body) ? kSteel : kGround);
+    add_surface(model, sim::surface_of(world, s, detail), pose,
+                wheel                  ? kRubber
+                : moves(world, s.body) ? kSteel
+                                       : kGround);
     if (wheel) add_rim(model, s, pose);
   }
   const bool bed = world.periodic_x && world.periodic_y && lowest_fixed < std::numeric_limits<double>::max();

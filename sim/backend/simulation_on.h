@@ -398,6 +398,7 @@ class SimulationOn final : public Simulation {
     const Place& at = place_[w];
     std::vector<Shape> shape = flat_[w].shape;
     for (Shape& s : shape) s.body += at.body;
+    place_surfaces(w, shape);
     Shape none;
     none.type = ShapeType::none;
     none.body = at.body;
@@ -414,6 +415,19 @@ class SimulationOn final : public Simulation {
     s_.large.write(at.large, large);
     latest().begin.write(at.shape, std::vector<Index>(at.size.shapes));
     latest().end.write(at.shape, std::vector<Index>(at.size.shapes));
+  }
+
+  /// Adds the world's meshes and heightfields to those of the batch.
+  void place_surfaces(WorldIndex w, std::vector<Shape>& shape) {
+    const FlatWorld& flat = flat_[w];
+    if (flat.mesh.empty() && flat.heightfield.empty()) return;
+    for (Shape& s : shape) {
+      if (s.type == ShapeType::mesh) s.surface = library_.add(flat.mesh[s.surface]);
+      if (s.type == ShapeType::heightfield) s.surface = library_.add(flat.heightfield[s.surface]);
+    }
+    if (library_.size() == s_.surfaces.size()) return;
+    s_.surfaces.upload(library_);
+    queue_.forget();
   }
 
   void allocate() {
@@ -476,6 +490,7 @@ class SimulationOn final : public Simulation {
   MechanismSize mechanism_total_;
   ElementSize element_total_;
   Index restored_contacts_ = 0;  // since the latest step
+  SurfaceLibrary library_;
   State<Exec> s_;
   StepQueue<Exec> queue_;
 };

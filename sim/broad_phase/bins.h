@@ -152,8 +152,9 @@ void sort_into_bins(Exec exec, State<Exec>& s) {
   for_each_counted(exec, binned,
                    CopyBinnedShape{s.shape.view(), s.centre.view(), s.world_of_body.view(), s.world.view(),
                                    s.shape_in_bin.view(), s.shape_by_bin.view()});
-  for_each_index(exec, s.large.size(),
-                 BoundLargeShape{s.shape.view(), s.centre.view(), s.orientation.view(), s.large.view()});
+  for_each_index(
+      exec, s.large.size(),
+      BoundLargeShape{s.shape.view(), s.centre.view(), s.orientation.view(), s.large.view(), s.surfaces.view()});
 }
 
 }  // namespace gonogo::sim

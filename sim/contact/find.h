@@ -85,8 +85,8 @@ struct WriteContacts {
     return c;
   }
 
-  /// Last step's impulse of the same contact. Two shapes in different bins may have changed owners since: then the other
-  /// one holds it, with the opposite sign.
+  /// Last step's impulse of the same contact. Two shapes in different bins may have changed owners since: then the
+  /// other one holds it, with the opposite sign.
   GONOGO_HD Impulse warm_start(ShapeIndex i, ShapeIndex j, int feature) const {
     Impulse start;
     if (const ContactIndex own = old_contact(i, pair_key(j, feature)); own >= 0) {
@@ -132,11 +132,16 @@ void reserve_contacts(State<Exec>& s, Index count) {
 }
 
 template <class Exec>
+ContactFinder contact_finder(State<Exec>& s, const StepSettings& settings) {
+  return {s.shape.view(),   s.centre.view(),       s.orientation.view(),     s.world_of_body.view(),
+          s.world.view(),   s.bin_of_shape.view(), s.first_in_bin.view(),    s.shape_by_bin.view(),
+          s.large.view(),   s.mass.view(),         s.mechanisms.body.view(), s.surfaces.view(),
+          settings.envelope};
+}
+
+template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  const ContactFinder finder{s.shape.view(), s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
-                             s.world.view(), s.bin_of_shape.view(), s.first_in_bin.view(), s.shape_by_bin.view(),
-                             s.large.view(), s.mass.view(),         s.mechanisms.body.view(),
-                             settings.envelope};
+  const ContactFinder finder = contact_finder(s, settings);
   for_each_index(exec, s.shape_count, CountContacts{finder, s.contacts_of_shape.view()});
   exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view(), s.scratch);
   for_each_index(exec, 1, CheckCapacity{s.first_contact.view(), s.progress.view(), s.contact_capacity});

@@ -26,6 +26,7 @@ struct ContactFinder {
   View<const LargeShape> large;
   View<const BodyMass> mass;
   View<const MechanismBody> jointed;
+  SurfaceView surfaces;
   Real envelope;
 
   /// Shapes of one group never touch, nor do bodies of one mechanism: hubs sit inside wheels.
@@ -95,10 +96,10 @@ struct ContactFinder {
     const Quat qj = shape_orientation(other, orientation[other.body]);
     const bool first = own.type < other.type || (own.type == other.type && i < j);
     if (first)
-      visit_touches(ShapePair{own, other, qi, qj, d, envelope},
+      visit_touches(ShapePair{own, other, qi, qj, d, envelope, surfaces},
                     [&](int feature, const Touch& t) { visit(j, feature, t, d); });
     else
-      visit_touches(ShapePair{other, own, qj, qi, -d, envelope},
+      visit_touches(ShapePair{other, own, qj, qi, -d, envelope, surfaces},
                     [&](int feature, const Touch& t) { visit(j, feature, seen_from_other(t, -d), d); });
   }
 };

@@ -37,7 +37,7 @@ static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shap
                   sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 184 &&
                   sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
                   sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
-                  sizeof(SceneWorld) == 672,
+                  sizeof(SceneWorld) == 720,
               "list the new fields in scene_hash");
 static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 824,
               "store the new fields, load them and raise kVersion");
@@ -89,6 +89,17 @@ void add(Bytes& b, const Controller& c) {
   b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed;
 }
 
+void add(Bytes& b, const std::shared_ptr<const TriangleMesh>& m) {
+  b << m->open << std::uint64_t(m->vertex.size()) << std::uint64_t(m->triangle.size());
+  for (const Vec3& p : m->vertex) b << p;
+  for (const auto& [i, j, k] : m->triangle) b << i << j << k;
+}
+void add(Bytes& b, const std::shared_ptr<const Heightfield>& f) {
+  b << f->nx << f->ny << f->spacing_x << f->spacing_y;
+  for (const Real h : f->height) b << h;
+}
+
+// The name of a mesh and the limit that the start was checked against do not change a run.
 void add(Bytes& b, const SceneWorld& w) {
   b << w.gravity << w.origin << w.size << w.periodic_x << w.periodic_y;
   for (const auto& row : w.law)
@@ -102,6 +113,8 @@ void add(Bytes& b, const SceneWorld& w) {
   add_all(b, w.force);
   add_all(b, w.controller);
   add_all(b, w.monitor);
+  add_all(b, w.mesh);
+  add_all(b, w.heightfield);
 }
 
 /// Everything about a world that is not a list of bodies or contacts; gravity and laws may change during a run.

@@ -27,6 +27,15 @@ void add_face(Surface& s, const Vec3& centre, const Vec3& u, const Vec3& v) {
   s.triangle.push_back({first, first + 2, first + 3});
 }
 
+/// One triangle with its own normal.
+void add_flat(Surface& s, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 across = cross(b - a, c - a), normal = across * (1 / length(across));
+  const Index first = add_point(s, a, normal);
+  add_point(s, b, normal);
+  add_point(s, c, normal);
+  s.triangle.push_back({first, first + 1, first + 2});
+}
+
 /// Box with half edges along three perpendicular, right-handed axes.
 void add_box(Surface& s, const Vec3& centre, const Vec3& x, const Vec3& y, const Vec3& z) {
   add_face(s, centre + x, y, z);
@@ -130,12 +139,33 @@ Surface surface_of(const Shape& shape, const SurfaceDetail& detail) {
     case ShapeType::wheel:
       add_wheel(s, shape, detail.segments);
       break;
-    case ShapeType::none:
-      break;
     case ShapeType::mesh:
     case ShapeType::heightfield:
-      throw InputError("meshes and heightfields cannot be drawn yet; leave out --picture, --frames, --video and --vtk");
+      throw InputError("the surface of a mesh or heightfield is known to its world only");
+    case ShapeType::none:
+      break;
   }
+  return s;
+}
+
+Surface surface_of(const SceneWorld& world, const Shape& shape, const SurfaceDetail& detail) {
+  Surface s;
+  if (shape.type == ShapeType::mesh) {
+    const TriangleMesh& mesh = *world.mesh[shape.surface];
+    for (const auto& [a, b, c] : mesh.triangle) add_flat(s, mesh.vertex[a], mesh.vertex[b], mesh.vertex[c]);
+    return s;
+  }
+  if (shape.type != ShapeType::heightfield) return surface_of(shape, detail);
+  const Heightfield& f = *world.heightfield[shape.surface];
+  const auto at = [&](Index i, Index j) {
+    return Vec3{(Real(i) - Real(f.nx - 1) / 2) * f.spacing_x, (Real(j) - Real(f.ny - 1) / 2) * f.spacing_y,
+                f.height[j * f.nx + i]};
+  };
+  for (Index j = 0; j + 1 < f.ny; ++j)
+    for (Index i = 0; i + 1 < f.nx; ++i) {
+      add_flat(s, at(i, j), at(i + 1, j), at(i + 1, j + 1));
+      add_flat(s, at(i, j), at(i + 1, j + 1), at(i, j + 1));
+    }
   return s;
 }
 

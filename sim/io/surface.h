@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "sim/shape/shape.h"
+#include "sim/scene.h"
 
 namespace gonogo::sim {
 
@@ -21,8 +21,12 @@ struct SurfaceDetail {
   Real plane_half = 1;  // half edge of the square drawn of a plane [m]
 };
 
-/// The surface of any shape. A new ShapeType gets its own case here; the compiler names the missing one.
+/// The surface of any shape but those that refer to their world. A new ShapeType gets its own case here; the compiler
+/// names the missing one.
 Surface surface_of(const Shape& shape, const SurfaceDetail& detail = {});
+
+/// The surface of any shape of a world, its meshes and heightfields included.
+Surface surface_of(const SceneWorld& world, const Shape& shape, const SurfaceDetail& detail = {});
 
 /// Volume enclosed by a closed surface [m^3], by the divergence theorem; negative when it is inside out.
 double enclosed_volume(const Surface& surface);

@@ -45,13 +45,13 @@ VtpContent sphere_content(const Capture& frame, const std::vector<Shape>& shapes
   return content;
 }
 
-VtpContent surface_content(const Capture& frame, const std::vector<Shape>& shapes, Real plane_half) {
+VtpContent surface_content(const Capture& frame, const SceneWorld& drawn, Real plane_half) {
   VtpContent content;
   std::vector<std::int32_t> body, material;
   std::vector<Vec3> normal, velocity;
-  for (const Shape& s : shapes) {
+  for (const Shape& s : drawn.shape) {
     if (s.type == ShapeType::sphere) continue;
-    const Surface surface = surface_of(s, {48, plane_half});
+    const Surface surface = surface_of(drawn, s, {48, plane_half});
     const BodyState& b = frame.body[s.body];
     const Vec3d centre = centre_of(s, b);
     const Quat q = shape_orientation(s, b.orientation);
@@ -97,16 +97,17 @@ VtpContent contact_content(const Capture& frame) {
 }  // namespace
 
 VtkSeries::VtkSeries(std::filesystem::path folder, const SceneWorld& world)
-    : folder_(std::move(folder)),
-      shape_(world.shape),
-      plane_half_(Real(std::max({world.size.x, world.size.y, world.size.z}) / 2)) {
+    : folder_(std::move(folder)), plane_half_(Real(std::max({world.size.x, world.size.y, world.size.z}) / 2)) {
+  drawn_.shape = world.shape;
+  drawn_.mesh = world.mesh;
+  drawn_.heightfield = world.heightfield;
   create_folder(folder_);
   for (const char* kind : kKinds) write_collection(kind);
 }
 
 void VtkSeries::write(const Capture& frame) {
   const int k = frame_count();
-  const std::array content{sphere_content(frame, shape_), surface_content(frame, shape_, plane_half_),
+  const std::array content{sphere_content(frame, drawn_.shape), surface_content(frame, drawn_, plane_half_),
                            contact_content(frame)};
   for (int i = 0; i < 3; ++i) {
     VtpContent timed = content[i];

@@ -30,8 +30,8 @@ class VtkSeries {
   void write_collection(const std::string& kind) const;
 
   std::filesystem::path folder_;
-  std::vector<Shape> shape_;
-  Real plane_half_;  // [m]
+  SceneWorld drawn_;  // shapes, meshes and heightfields only
+  Real plane_half_;   // [m]
   std::vector<double> time_;
 };
 

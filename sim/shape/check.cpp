@@ -1,12 +1,11 @@
 #include "sim/shape/check.h"
 
 #include <cmath>
-#include <optional>
+#include <cstdio>
+#include <iterator>
 #include <string>
-#include <vector>
 
 #include "base/error.h"
-#include "sim/shape/pairs.h"
 
 namespace gonogo::sim {
 namespace {
@@ -47,41 +46,41 @@ void check_shape(const Shape& s, const std::string& what) {
   check_size(s, what);
 }
 
-bool may_meet(const SceneWorld& world, const Shape& a, const Shape& b) {
-  return a.body != b.body && (a.group == 0 || a.group != b.group) &&
-         !(is_fixed(world.mass[a.body]) && is_fixed(world.mass[b.body]));
-}
-
-void check_pair(const SceneWorld& world, const std::string& place, const std::vector<std::size_t>& first,
-                const std::vector<std::size_t>& second) {
-  for (const std::size_t i : first)
-    for (const std::size_t j : second)
-      if (may_meet(world, world.shape[i], world.shape[j]))
-        throw InputError(place + "the " + description(world.shape[i], i) + " may meet the " +
-                         description(world.shape[j], j) +
-                         ", and contacts between these two are not implemented; give them one group when they should "
-                         "not touch, or use other shapes");
+void check_surface_index(const SceneWorld& world, const Shape& s, const std::string& what) {
+  const bool mesh = s.type == ShapeType::mesh;
+  if (!mesh && s.type != ShapeType::heightfield) return;
+  const std::size_t count = mesh ? world.mesh.size() : world.heightfield.size();
+  if (s.surface < 0 || std::size_t(s.surface) >= count)
+    throw InputError(what + " refers to number " + std::to_string(s.surface) + " of the world's " +
+                     (mesh ? "meshes" : "heightfields") + ", which has " + std::to_string(count) +
+                     "; they are counted from 0");
 }
 
 }  // namespace
 
 const char* name_of(ShapeType type) {
-  constexpr const char* names[] = {"sphere", "capsule", "cylinder", "box", "wheel", "mesh", "plane", "heightfield"};
-  static_assert(std::size(names) == kShapeTypes);
+  constexpr const char* names[] = {"sphere", "capsule", "cylinder",    "box",        "wheel",
+                                   "mesh",   "plane",   "heightfield", "empty place"};
+  static_assert(std::size(names) == kShapeTypes + 1);
   return names[int(type)];
 }
 
 void check_shapes(const SceneWorld& world, std::size_t w) {
   const std::string place = "world " + std::to_string(w) + ": ";
-  std::vector<std::size_t> of_type[kShapeTypes];
   for (std::size_t i = 0; i < world.shape.size(); ++i) {
     const Shape& s = world.shape[i];
-    check_shape(s, place + "the " + description(s, i));
-    of_type[int(s.type)].push_back(i);
+    const std::string what = place + "the " + description(s, i);
+    check_shape(s, what);
+    check_surface_index(world, s, what);
   }
-  for (int a = 0; a < kShapeTypes; ++a)
-    for (int b = a; b < kShapeTypes; ++b)
-      if (!have_routine(ShapeType(a), ShapeType(b))) check_pair(world, place, of_type[a], of_type[b]);
+}
+
+void set_surface_sizes(SceneWorld& world) {
+  for (Shape& s : world.shape) {
+    if (s.type == ShapeType::mesh)
+      s.size = {reach_of(*world.mesh[s.surface]), least_half_of(*world.mesh[s.surface]), 0};
+    if (s.type == ShapeType::heightfield) s.size = {reach_of(*world.heightfield[s.surface]), 0, 0};
+  }
 }
 
 }  // namespace gonogo::sim

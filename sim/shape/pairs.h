@@ -1,6 +1,8 @@
 // Which pairs of shapes have a routine, and all contacts of a pair.
 #pragma once
+#include "sim/shape/capsule_touch.h"
 #include "sim/shape/convex_pair.h"
+#include "sim/shape/field_touch.h"
 
 namespace gonogo::sim {
 
@@ -10,11 +12,11 @@ GONOGO_HD constexpr bool have_routine(ShapeType a, ShapeType b) {
   switch (b) {
     case ShapeType::wheel:
       return a != ShapeType::wheel;
-    case ShapeType::plane:
-      return a < ShapeType::plane;
     case ShapeType::mesh:
+      return a == ShapeType::sphere || a == ShapeType::capsule;
+    case ShapeType::plane:
     case ShapeType::heightfield:
-      return false;
+      return a < ShapeType::plane;
     default:
       return true;
   }
@@ -27,6 +29,7 @@ struct ShapePair {
   const Quat &qa, &qb;
   Vec3d d;
   Real envelope;
+  const SurfaceView& surfaces;
 };
 
 /// A sphere against one of the shapes that a formula of gap.h serves.
@@ -65,6 +68,10 @@ GONOGO_HD inline void visit_sphere_touches(const ShapePair& pair, Visit&& visit)
 template <class Visit>
 GONOGO_HD inline void visit_plane_touches(const ShapePair& pair, Visit&& visit) {
   const Vec3 up = rotate(pair.qb, {0, 0, 1});
+  if (pair.a.type == ShapeType::mesh) {
+    visit_mesh_plane_touches(pair.surfaces.mesh_at(pair.a.surface), pair.qa, pair.d, up, pair.envelope, visit);
+    return;
+  }
   const auto height = Real(dot(pair.d, static_cast<Vec3d>(up)));
   visit_low_points(pair.a, pair.qa, up, [&](int feature, const Vec3& p) {
     const Real gap = height + dot(p, up);
@@ -96,12 +103,57 @@ GONOGO_HD inline void visit_solid_touches(const ShapePair& pair, Visit&& visit) 
   }
 }
 
+/// Spheres and capsules on a mesh or heightfield, in its axes.
+template <class Surface, class Sphere, class Visit>
+GONOGO_HD inline void visit_round_touches(const ShapePair& pair, const Surface& surface, Sphere&& sphere,
+                                          Visit&& visit) {
+  const Vec3d p = in_frame(pair.qb, pair.d);
+  if (pair.a.type == ShapeType::sphere) {
+    sphere(p, visit);
+    return;
+  }
+  const Vec3 half = rotate_back(pair.qb, rotate(pair.qa, {0, pair.a.size.y, 0}));
+  visit_capsule_touches(surface, p, half, pair.a.size.x, pair.envelope, sphere, visit);
+}
+
+template <class Visit>
+GONOGO_HD inline void visit_mesh_touches(const ShapePair& pair, Visit&& visit) {
+  const MeshSurface mesh = pair.surfaces.mesh_at(pair.b.surface);
+  const auto sphere = [&](const Vec3d& p, auto&& found) {
+    visit_sphere_mesh_touches(mesh, p, pair.a.size.x, pair.envelope, found);
+  };
+  visit_round_touches(pair, mesh, sphere,
+                      [&](int feature, const Touch& t) { visit(feature, turned_to_world(pair.qb, t)); });
+}
+
+template <class Visit>
+GONOGO_HD inline void visit_field_touches(const ShapePair& pair, Visit&& visit) {
+  const FieldSurface field = pair.surfaces.field_at(pair.b.surface);
+  const auto emit = [&](int feature, const Touch& t) { visit(feature, turned_to_world(pair.qb, t)); };
+  const Quat q = conjugate(pair.qb) * pair.qa;
+  const Vec3d p = in_frame(pair.qb, pair.d);
+  if (round_radius(pair.a) > 0) {
+    const auto sphere = [&](const Vec3d& at, auto&& found) {
+      visit_sphere_field_touches(field, at, pair.a.size.x, pair.envelope, found);
+    };
+    visit_round_touches(pair, field, sphere, emit);
+  } else if (pair.a.type == ShapeType::mesh) {
+    visit_mesh_field_touches(pair.surfaces.mesh_at(pair.a.surface), field, q, p, pair.envelope, emit);
+  } else {
+    visit_solid_field_touches(field, OnField{pair.a, q, p, pair.envelope}, emit);
+  }
+}
+
 /// Calls visit(feature, touch) for every contact of the pair with a gap below the envelope, owned by `a`. A feature
 /// names the contact inside the pair and keeps its name while the bodies move.
 template <class Visit>
 GONOGO_HD inline void visit_touches(const ShapePair& pair, Visit&& visit) {
   if (pair.b.type == ShapeType::plane)
     visit_plane_touches(pair, visit);
+  else if (pair.b.type == ShapeType::heightfield)
+    visit_field_touches(pair, visit);
+  else if (pair.b.type == ShapeType::mesh)
+    visit_mesh_touches(pair, visit);
   else if (pair.a.type == ShapeType::sphere)
     visit_sphere_touches(pair, visit);
   else

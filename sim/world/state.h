@@ -5,6 +5,7 @@
 #include "sim/contact/contact.h"
 #include "sim/element/state.h"
 #include "sim/joint/mechanism.h"
+#include "sim/shape/surface_store.h"
 #include "sim/solver/momentum.h"
 
 namespace gonogo::sim {
@@ -164,6 +165,7 @@ struct State {
   Buffer<Shape, Exec> shape;                // [shape], ordered by body
   Buffer<Index, Exec> first_shape;          // [body + 1]
   Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
+  SurfaceStore<Exec> surfaces;
   MechanismStore<Exec> mechanisms;
   ElementState<Exec> element;
   Buffer<Index, Exec> steps;                                // [world] taken so far

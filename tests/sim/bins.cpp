@@ -80,7 +80,7 @@ Vec3d rotated(const Quat& q, const Vec3& v) { return static_cast<Vec3d>(rotate(n
 void add_pair(const Shape& a, const Quat& qa, const Shape& b, const Quat& qb, const Vec3d& d, double reach,
               std::vector<double>& gaps) {
   visit_touches(
-      ShapePair{a, b, a.turn_B.w == 1 ? qa : qa * a.turn_B, b.turn_B.w == 1 ? qb : qb * b.turn_B, d, Real(reach)},
+      ShapePair{a, b, a.turn_B.w == 1 ? qa : qa * a.turn_B, b.turn_B.w == 1 ? qb : qb * b.turn_B, d, Real(reach), {}},
       [&](int, const Touch& t) { gaps.push_back(t.gap); });
 }
 

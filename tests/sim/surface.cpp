@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "sim/shape/gap.h"
+#include "sim/shape/mesh_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 
@@ -57,6 +58,11 @@ TEST_CASE("surfaces of solids are closed, face outward and enclose the closed-fo
   CHECK(enclosed_volume(surface_of(kBall, fine)) == Approx(4.0 / 3 * kPi * 0.027).epsilon(tolerance));
   CHECK(enclosed_volume(surface_of(kCapsule, fine)) == Approx(kPi * 0.01 * (0.5 + 4.0 / 3 * 0.1)).epsilon(tolerance));
   CHECK(enclosed_volume(surface_of(kRod, fine)) == Approx(kPi * 0.0225 * 0.8).epsilon(tolerance));
+  SceneWorld w;
+  Shape mesh = shape(ShapeType::mesh, {});
+  mesh.surface = w.add_mesh(box_mesh({0.2f, 0.3f, 0.5f}, 2));
+  CHECK(is_closed(surface_of(w, mesh)));
+  CHECK(enclosed_volume(surface_of(w, mesh)) == Approx(8 * 0.2 * 0.3 * 0.5).epsilon(1e-6));
   const double drum = kPi * 0.4 * 0.4 * 0.2, tyre = kPi * 0.467 * 0.467 * 0.254;
   CHECK(enclosed_volume(surface_of(kDrum, fine)) == Approx(drum).epsilon(tolerance));
   // Lugs are boxes sunk into the rim; the sum counts their feet twice.
