@@ -22,6 +22,7 @@ struct Cpu {
 /// Runs on the current GPU in this stream (cudaStream_t; void* so that host code can hold it).
 struct Cuda {
   void* stream = nullptr;
+  const Index* halted = nullptr;  // on the device; where it is not zero, kernels do nothing
 };
 
 #ifdef __CUDACC__
@@ -46,8 +47,12 @@ class Buffer<T, Cpu> {
   void fill_zero(std::size_t size) { items_.assign(size, T{}); }
   void upload(const std::vector<T>& from) { items_ = from; }
   std::vector<T> download() const { return items_; }
+  std::vector<T> download(Index begin, Index count) const {
+    return {items_.begin() + begin, items_.begin() + begin + count};
+  }
   T read(Index i) const { return items_[i]; }
   void write(Index i, const T& value) { items_[i] = value; }
+  void write(Index begin, const std::vector<T>& from) { std::copy(from.begin(), from.end(), items_.begin() + begin); }
   void swap(Buffer& other) { items_.swap(other.items_); }
 
  private:
@@ -102,6 +107,12 @@ class Buffer<T, Cuda> {
     if (size_ > 0) check_cuda(cudaMemcpy(to.data(), data_, size_ * sizeof(T), cudaMemcpyDeviceToHost), "download");
     return to;
   }
+  std::vector<T> download(Index begin, Index count) const {
+    std::vector<T> to(count);
+    if (count > 0)
+      check_cuda(cudaMemcpy(to.data(), data_ + begin, count * sizeof(T), cudaMemcpyDeviceToHost), "download");
+    return to;
+  }
   T read(Index i) const {
     T value;
     check_cuda(cudaMemcpy(&value, data_ + i, sizeof(T), cudaMemcpyDeviceToHost), "read");
@@ -109,6 +120,10 @@ class Buffer<T, Cuda> {
   }
   void write(Index i, const T& value) {
     check_cuda(cudaMemcpy(data_ + i, &value, sizeof(T), cudaMemcpyHostToDevice), "write");
+  }
+  void write(Index begin, const std::vector<T>& from) {
+    if (!from.empty())
+      check_cuda(cudaMemcpy(data_ + begin, from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice), "write");
   }
   void swap(Buffer& other) noexcept {
     std::swap(data_, other.data_);

@@ -1,11 +1,14 @@
 // Where loops run. A kernel body is a named struct with `operator()(Index) const`; for_each_index runs it for 0..n-1 on
-// the host's cores or on the GPU. With exclusive_scan and atomic_increment this is all the parallelism sim/ uses, so a
-// stage written once serves both. Results must not depend on the order in which the indices run.
+// the host's cores or on the GPU. With exclusive_scan, clear and atomic_increment this is all the parallelism that
+// stages use, so a stage written once serves both. Results must not depend on the order in which the indices run.
 #pragma once
 #include "base/buffer.h"
 #include "base/view.h"
 
 #ifdef __CUDACC__
+#include <thrust/iterator/counting_iterator.h>
+#include <thrust/iterator/transform_iterator.h>
+
 #include <cub/device/device_scan.cuh>
 #endif
 
@@ -29,12 +32,24 @@ GONOGO_HD inline void atomic_raise(Index& word, Index bits) {
 #endif
 }
 
+/// A number of things that only the execution space knows, and the most it can be.
+struct Counted {
+  Index capacity = 0;
+  const Index* count = nullptr;  // in the memory of the execution space
+};
+
+/// Memory that a scan needs besides its operands; kept from call to call.
+template <class Exec>
+struct ScanScratch {
+  Buffer<std::uint8_t, Exec> bytes;
+};
+
 /// Below this many indices a second thread costs more than it saves.
 inline constexpr Index kSerialBelow = 512;
 
 template <class Body>
-void for_each_index(Cpu exec, Index count, const Body& body) {
-  if (exec.threads <= 1 || count < kSerialBelow) {
+void for_each_index(Cpu exec, Index count, const Body& body, Index serial_below = kSerialBelow) {
+  if (exec.threads <= 1 || count < serial_below) {
     for (Index i = 0; i < count; ++i) body(i);
     return;
   }
@@ -42,8 +57,13 @@ void for_each_index(Cpu exec, Index count, const Body& body) {
   for (Index i = 0; i < count; ++i) body(i);
 }
 
-/// out[i] = in[0] + ... + in[i-1] for i = 0..count; out has one element more than in. Returns the total, out[count].
-inline Index exclusive_scan(Cpu, View<const Index> in, View<Index> out) {
+template <class Body>
+void for_each_counted(Cpu exec, Counted counted, const Body& body) {
+  for_each_index(exec, *counted.count, body);
+}
+
+/// out[i] = in[0] + ... + in[i-1] for i = 0..count; out has one element more than in.
+inline void exclusive_scan(Cpu, View<const Index> in, View<Index> out, ScanScratch<Cpu>&) {
   Index sum = 0;
   for (Index i = 0; i < in.size; ++i) {
     const Index value = in[i];
@@ -51,37 +71,65 @@ inline Index exclusive_scan(Cpu, View<const Index> in, View<Index> out) {
     sum += value;
   }
   out[in.size] = sum;
-  return sum;
+}
+
+template <class T>
+void clear(Cpu, View<T> items) {
+  std::fill(items.begin(), items.end(), T{});
 }
 
 #ifdef __CUDACC__
+inline constexpr Index kThreadsPerBlock = 128;
+
 template <class Body>
-__global__ void run_body(Index count, Body body) {
+__global__ void run_body(Index count, const Index* halted, Body body) {
   const Index i = blockIdx.x * blockDim.x + threadIdx.x;
-  if (i < count) body(i);
+  if (i >= count || (halted != nullptr && *halted != 0)) return;
+  body(i);
 }
 
 template <class Body>
-void for_each_index(Cuda exec, Index count, const Body& body) {
+__global__ void run_counted(Counted counted, const Index* halted, Body body) {
+  const Index i = blockIdx.x * blockDim.x + threadIdx.x;
+  if (i >= counted.capacity || (halted != nullptr && *halted != 0) || i >= *counted.count) return;
+  body(i);
+}
+
+inline Index blocks_for(Index count) { return (count + kThreadsPerBlock - 1) / kThreadsPerBlock; }
+inline cudaStream_t stream_of(Cuda exec) { return static_cast<cudaStream_t>(exec.stream); }
+
+template <class Body>
+void for_each_index(Cuda exec, Index count, const Body& body, Index = 0) {
   if (count == 0) return;
-  constexpr Index block = 128;
-  run_body<<<(count + block - 1) / block, block, 0, static_cast<cudaStream_t>(exec.stream)>>>(count, body);
+  run_body<<<blocks_for(count), kThreadsPerBlock, 0, stream_of(exec)>>>(count, exec.halted, body);
   check_cuda(cudaGetLastError(), "kernel launch");
 }
 
-inline Index exclusive_scan(Cuda exec, View<const Index> in, View<Index> out) {
-  const auto stream = static_cast<cudaStream_t>(exec.stream);
-  // Scanned in place with a zero appended, so that the last element becomes the total.
-  check_cuda(cudaMemcpyAsync(out.data, in.data, sizeof(Index) * in.size, cudaMemcpyDeviceToDevice, stream), "copy");
-  check_cuda(cudaMemsetAsync(out.data + in.size, 0, sizeof(Index), stream), "clear");
+template <class Body>
+void for_each_counted(Cuda exec, Counted counted, const Body& body) {
+  if (counted.capacity == 0) return;
+  run_counted<<<blocks_for(counted.capacity), kThreadsPerBlock, 0, stream_of(exec)>>>(counted, exec.halted, body);
+  check_cuda(cudaGetLastError(), "kernel launch");
+}
+
+/// The input of a scan with a zero appended, so that the last output is the total.
+struct WithZeroAppended {
+  View<const Index> in;
+  GONOGO_HD Index operator()(Index i) const { return i < in.size ? in[i] : 0; }
+};
+
+inline void exclusive_scan(Cuda exec, View<const Index> in, View<Index> out, ScanScratch<Cuda>& scratch) {
+  const auto from = thrust::make_transform_iterator(thrust::make_counting_iterator(Index(0)), WithZeroAppended{in});
   std::size_t bytes = 0;
-  check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, out.data, out.data, in.size + 1, stream), "scan size");
-  Buffer<std::uint8_t, Cuda> scratch(bytes);
-  check_cuda(cub::DeviceScan::ExclusiveSum(scratch.data(), bytes, out.data, out.data, in.size + 1, stream), "scan");
-  Index total = 0;
-  check_cuda(cudaMemcpyAsync(&total, out.data + in.size, sizeof(Index), cudaMemcpyDeviceToHost, stream), "read total");
-  check_cuda(cudaStreamSynchronize(stream), "scan");
-  return total;
+  check_cuda(cub::DeviceScan::ExclusiveSum(nullptr, bytes, from, out.data, in.size + 1, stream_of(exec)), "scan size");
+  if (bytes > std::size_t(scratch.bytes.size())) scratch.bytes.resize(bytes);
+  check_cuda(cub::DeviceScan::ExclusiveSum(scratch.bytes.data(), bytes, from, out.data, in.size + 1, stream_of(exec)),
+             "scan");
+}
+
+template <class T>
+void clear(Cuda exec, View<T> items) {
+  if (items.size > 0) check_cuda(cudaMemsetAsync(items.data, 0, sizeof(T) * items.size, stream_of(exec)), "clear");
 }
 #endif
 

@@ -1,5 +1,5 @@
-// GONOGO_HD_INLINED is for formulas whose many arguments must stay in registers. GONOGO_HD marks the formulas that are compiled for the CPU and for CUDA. The only place, with for_each.h and
-// buffer.h, that asks which compiler is at work.
+// GONOGO_HD_INLINED is for formulas whose many arguments must stay in registers. GONOGO_HD marks the formulas that are
+// compiled for the CPU and for CUDA. The only place, with for_each.h and buffer.h, that asks which compiler is at work.
 #pragma once
 
 #ifdef __CUDACC__

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The whole GPU check in one call: builds the CUDA preset without GDAL and LibTorch, runs the engine's tests on CPU and
+# The whole GPU check in one call: builds the CUDA preset without GDAL, LibTorch and cairo, runs the engine's tests on CPU and
 # GPU, and times the bed scene on both. Needs nvcc and a GPU. Headers that the machine lacks (nlohmann-json, CLI11, Catch2,
 # xxhash) may lie in .carry/usr, laid out like /usr.
 #
@@ -10,12 +10,19 @@ results=${1:-out/gpu}
 mkdir -p "$results"
 [ -d .carry/usr ] && export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
 nvidia-smi --query-gpu=name,driver_version --format=csv,noheader
-cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF > "$results/configure.log"
+cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/configure.log"
 tests=$(cmake --build build/cuda-release --target help | grep -oE '^test_(sim|validation|base_kernels)[a-z_]*' | sort -u)
 cmake --build build/cuda-release -j "$(nproc)" --target gonogo $tests > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
 ctest --test-dir build/cuda-release -R '^(sim|validation|base_kernels)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || true
-for grain in 0.05 0.032; do
-  for backend in cpu cuda; do
-    build/cuda-release/gonogo bench bed --grain "$grain" --backend "$backend" --threads 1 --json | tail -1 | tee -a "$results/bench.jsonl"
-  done
+bench() { build/cuda-release/gonogo bench "$@" --json | tail -1 | tee -a "$results/bench.jsonl"; }
+for backend in cpu cuda; do
+  bench bed --grain 0.05 --backend "$backend" --threads 1
 done
+for rolling in 0 0.1; do
+  bench bed --grain 0.05 --worlds 40 --rolling "$rolling" --backend cuda --threads "$(nproc)"
+  bench bed --grain 0.05 --copies 40 --rolling "$rolling" --backend cuda --threads "$(nproc)"
+done
+bench batch --threads "$(nproc)"
+bench batch --worlds 1 --copies 512 --threads "$(nproc)"
+bench wheel --iterations 25 --backend cuda --threads "$(nproc)"
+bench wheel --iterations 50 --backend cuda --threads "$(nproc)"

@@ -1,5 +1,7 @@
 #include "sim/scene.h"
 
+#include <utility>
+
 #include "base/error.h"
 
 namespace gonogo::sim {
@@ -39,6 +41,18 @@ void SceneWorld::add_shape(const Shape& s) {
   if (s.body < 0 || s.body >= BodyIndex(body.size()) || (!shape.empty() && shape.back().body > s.body))
     throw InputError("shapes must be added in ascending order of their body, after it exists");
   shape.push_back(s);
+}
+
+std::int32_t SceneWorld::add_mesh(TriangleMesh m) {
+  check_mesh(m);
+  mesh.push_back(std::make_shared<const TriangleMesh>(std::move(m)));
+  return std::int32_t(mesh.size()) - 1;
+}
+
+std::int32_t SceneWorld::add_heightfield(Heightfield f) {
+  check_heightfield(f);
+  heightfield.push_back(std::make_shared<const Heightfield>(std::move(f)));
+  return std::int32_t(heightfield.size()) - 1;
 }
 
 void SceneWorld::set_law(int material_a, int material_b, const PairLaw& l) {

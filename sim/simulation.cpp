@@ -2,72 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
 
 #include "base/error.h"
+#include "sim/broad_phase/bins.h"
+#include "sim/broad_phase/layout.h"
+#include "sim/contact/check.h"
+#include "sim/element/prepare.h"
+#include "sim/joint/check.h"
+#include "sim/shape/check.h"
 
 namespace gonogo::sim {
 namespace {
 
-/// Spheres up to this multiple of a world's smallest sphere are binned; larger ones are few and tested one by one.
-constexpr Real kBinnedSizeRatio = 4;
-
 std::string in_world(std::size_t w) { return "world " + std::to_string(w) + ": "; }
-
-Real smallest_sphere(const SceneWorld& world) {
-  Real radius = 0;
-  for (const Shape& s : world.shape)
-    if (s.type == ShapeType::sphere && (radius == 0 || s.size.x < radius)) radius = s.size.x;
-  return radius;
-}
-
-bool is_binned(const Shape& s, Real smallest) {
-  return s.type == ShapeType::sphere && s.size.x <= kBinnedSizeRatio * smallest;
-}
 
 void check_world(const SceneWorld& world, std::size_t w) {
   if (world.body.empty()) throw InputError(in_world(w) + "has no bodies");
   if (!(world.size.x > 0 && world.size.y > 0 && world.size.z > 0))
     throw InputError(in_world(w) + "its size must be above zero");
-  for (const Shape& s : world.shape) {
-    if (s.material < 0 || s.material >= kMaxMaterials)
-      throw InputError(in_world(w) + "a shape's material is out of range");
-    if (s.type != ShapeType::plane && !(s.size.x > 0))
-      throw InputError(in_world(w) + "a shape's size must be above zero");
-  }
-}
-
-void check_drives(const SceneWorld& world, std::size_t w) {
-  const auto exists = [&](BodyIndex b) { return b >= 0 && b < BodyIndex(world.body.size()); };
-  std::vector<bool> driven(world.body.size());
-  for (const Motor& m : world.motor) {
-    if (!exists(m.body) || !(world.mass[m.body].inverse_inertia_B.y > 0))
-      throw InputError(in_world(w) + "a motor needs a body that can turn about its y axis");
-    if (driven[m.body]) throw InputError(in_world(w) + "a body has two motors; join them into one");
-    driven[m.body] = true;
-  }
-  for (const SpringDamper& s : world.spring)
-    if (!exists(s.upper) || !exists(s.lower) ||
-        !(world.mass[s.upper].inverse_mass.z + world.mass[s.lower].inverse_mass.z > 0))
-      throw InputError(in_world(w) + "a spring needs two bodies, at least one of them free to move along z");
-}
-
-/// Bins at least as wide as the largest binned sphere plus the envelope; at least 3 along a periodic axis.
-void lay_out_bins(const SceneWorld& world, const StepSettings& settings, std::size_t w, WorldParameters& p) {
-  const Real smallest = smallest_sphere(world);
-  Real width = 0;
-  for (const Shape& s : world.shape)
-    if (is_binned(s, smallest)) width = std::max(width, 2 * s.size.x);
-  width = width > 0 ? width + settings.envelope : Real(world.size.x);
-  const double size[3] = {world.size.x, world.size.y, world.size.z};
-  Real bin_size[3];
-  for (int axis = 0; axis < 3; ++axis) {
-    p.bins[axis] = std::max(1, std::min(1024, int(std::floor(size[axis] / width))));
-    bin_size[axis] = Real(size[axis] / p.bins[axis]);
-  }
-  p.bin_size = {bin_size[0], bin_size[1], bin_size[2]};
-  if ((world.periodic_x && smallest > 0 && p.bins[0] < 3) || (world.periodic_y && smallest > 0 && p.bins[1] < 3))
-    throw InputError(in_world(w) +
-                     "a periodic side is shorter than three grains; make the bed larger or the grains smaller");
+  check_shapes(world, w);
 }
 
 WorldParameters world_parameters(const SceneWorld& world, const StepSettings& settings, std::size_t w) {
@@ -80,72 +35,122 @@ WorldParameters world_parameters(const SceneWorld& world, const StepSettings& se
   return p;
 }
 
-void append_shapes(const SceneWorld& world, BodyIndex first_body, FlatScene& flat, WorldParameters& p) {
-  const Real smallest = smallest_sphere(world);
-  p.first_large = Index(flat.large.size());
+/// Interleaves the lowest ten bits of three numbers: neighbours in space get close numbers (Morton 1966).
+std::uint32_t interleaved(Index x, Index y, Index z) {
+  std::uint32_t code = 0;
+  for (int bit = 0; bit < 10; ++bit)
+    code |= (std::uint32_t(x >> bit & 1) << (3 * bit)) | (std::uint32_t(y >> bit & 1) << (3 * bit + 1)) |
+            (std::uint32_t(z >> bit & 1) << (3 * bit + 2));
+  return code;
+}
+
+/// Index in the scene -> index in spatial order.
+std::vector<BodyIndex> spatial_order(const SceneWorld& world, const WorldParameters& p) {
+  const std::size_t count = world.body.size();
+  std::vector<std::uint32_t> code(count);
+  for (std::size_t b = 0; b < count; ++b) {
+    const BinCoordinates bin = bin_of(p, world.body[b].position);
+    code[b] = interleaved(bin.x, bin.y, bin.z);
+  }
+  std::vector<BodyIndex> sorted(count), place(count);
+  std::iota(sorted.begin(), sorted.end(), 0);
+  std::stable_sort(sorted.begin(), sorted.end(), [&](BodyIndex a, BodyIndex b) { return code[a] < code[b]; });
+  for (std::size_t k = 0; k < count; ++k) place[sorted[k]] = BodyIndex(k);
+  return place;
+}
+
+/// The same world with its bodies in another order.
+SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& place) {
+  SceneWorld r = world;
+  for (std::size_t b = 0; b < place.size(); ++b) {
+    r.body[place[b]] = world.body[b];
+    r.mass[place[b]] = world.mass[b];
+  }
+  for (Shape& s : r.shape) s.body = place[s.body];
+  std::stable_sort(r.shape.begin(), r.shape.end(), [](const Shape& a, const Shape& b) { return a.body < b.body; });
+  for_each_jointed(r, [&](BodyIndex& b) { b = place[b]; });
+  for (ForceElement& f : r.force) f.body = place[f.body];
+  for (Controller& c : r.controller)
+    if (follows_velocity(c)) c.body = place[c.body];
+  for (Monitor& m : r.monitor) m.body = place[m.body];
+  return r;
+}
+
+void append_shapes(const SceneWorld& world, Real binned_up_to, FlatWorld& flat) {
   std::size_t next = 0;
   for (BodyIndex b = 0; b < BodyIndex(world.body.size()); ++b) {
     flat.first_shape.push_back(Index(flat.shape.size()));
     for (; next < world.shape.size() && world.shape[next].body == b; ++next) {
-      Shape s = world.shape[next];
-      s.body += first_body;
-      const bool binned = is_binned(s, smallest);
-      if (!binned) flat.large.push_back(ShapeIndex(flat.shape.size()));
+      const Shape& s = world.shape[next];
+      const bool binned = is_binned(s, binned_up_to);
+      if (!binned) flat.large.push_back({ShapeIndex(flat.shape.size()), {}, {}, {}});
       flat.bin_of_shape.push_back(binned ? 0 : -1);
       flat.shape.push_back(s);
     }
   }
-  p.large_count = Index(flat.large.size()) - p.first_large;
+  flat.world.large_count = Index(flat.large.size());
+  flat.world.shape_count = Index(flat.shape.size());
+}
+
+void append_masses(const SceneWorld& world, FlatWorld& flat) {
+  for (std::size_t b = 0; b < world.mass.size(); ++b) {
+    BodyMass m = world.mass[b];
+    m.isotropic = m.inverse_inertia_B.x == m.inverse_inertia_B.y && m.inverse_inertia_B.y == m.inverse_inertia_B.z;
+    m.slot = flat.mechanisms.slot_of_body[b];
+    flat.mass.push_back(m);
+  }
+}
+
+/// Bins of all worlds are counted by one Index.
+void check_bins(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
+  double bins = 0;
+  for (const FlatWorld& world : worlds) bins += std::max(world.size().bins, room.bins);
+  if (bins > std::numeric_limits<Index>::max())
+    throw InputError("the batch needs " + std::to_string(std::int64_t(bins)) + " bins, more than " +
+                     std::to_string(std::numeric_limits<Index>::max()) + "; use fewer worlds");
 }
 
 }  // namespace
 
-FlatScene flatten(const Scene& scene, const StepSettings& settings) {
-  FlatScene flat;
-  for (std::size_t w = 0; w < scene.size(); ++w) {
-    const SceneWorld& world = scene[w];
-    check_world(world, w);
-    check_drives(world, w);
-    WorldParameters p = world_parameters(world, settings, w);
-    p.first_body = BodyIndex(flat.body.size());
-    p.body_count = Index(world.body.size());
-    p.first_bin = flat.bin_count;
-    flat.bin_count += p.bins[0] * p.bins[1] * p.bins[2];
-    append_shapes(world, p.first_body, flat, p);
-    flat.body.insert(flat.body.end(), world.body.begin(), world.body.end());
-    for (BodyMass m : world.mass) {
-      m.isotropic = m.inverse_inertia_B.x == m.inverse_inertia_B.y && m.inverse_inertia_B.y == m.inverse_inertia_B.z;
-      m.motor = -1;
-      flat.mass.push_back(m);
-    }
-    flat.world_of_body.insert(flat.world_of_body.end(), world.body.size(), WorldIndex(w));
-    flat.first_motor.push_back(Index(flat.motor.size()));
-    for (Motor m : world.motor) {
-      m.body += p.first_body;
-      flat.mass[m.body].motor = std::int32_t(flat.motor.size());
-      flat.motor.push_back(m);
-    }
-    flat.first_spring.push_back(Index(flat.spring.size()));
-    for (SpringDamper s : world.spring) {
-      s.upper += p.first_body;
-      s.lower += p.first_body;
-      flat.spring.push_back(s);
-    }
-    flat.world.push_back(p);
-  }
-  flat.first_shape.push_back(Index(flat.shape.size()));
+WorldSize FlatWorld::size() const {
+  return {Index(body.size()),  Index(shape.size()), world.bins[0] * world.bins[1] * world.bins[2],
+          Index(large.size()), mechanisms.size(),   element.size()};
+}
+
+FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& settings) {
+  check_world(given, std::size_t(w));
+  check_mechanisms(given, in_world(std::size_t(w)));
+  check_elements(given, std::size_t(w), settings);
+  SceneWorld scene_world = given;
+  set_surface_sizes(scene_world);
+  FlatWorld flat;
+  flat.world = world_parameters(scene_world, settings, std::size_t(w));
+  flat.place_of_body = spatial_order(scene_world, flat.world);
+  const SceneWorld world = reordered(scene_world, flat.place_of_body);
+  flat.world.body_count = Index(world.body.size());
+  flat.body = world.body;
+  flat.mesh = world.mesh;
+  flat.heightfield = world.heightfield;
+  flat.mechanisms = flatten_mechanisms(world, in_world(std::size_t(w)));
+  flat.element = flat_elements(world, settings);
+  append_shapes(world, binned_radius(world, settings), flat);
+  append_masses(world, flat);
+  check_pairs(flat, w);
+  if (given.overlap_limit > 0) check_overlaps(flat, w, settings, given.overlap_limit);
   return flat;
 }
 
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
-                                            int threads) {
+                                            int threads, const WorldSize& room) {
   if (scene.empty()) throw InputError("the scene has no worlds");
   if (!(settings.step > 0) || settings.iterations < 1)
     throw InputError("the step must be above zero and there must be at least one iteration");
-  const FlatScene flat = flatten(scene, settings);
-  if (backend == Backend::cpu) return make_cpu_simulation(flat, settings, threads);
+  std::vector<FlatWorld> worlds;
+  for (std::size_t w = 0; w < scene.size(); ++w) worlds.push_back(flatten(scene[w], WorldIndex(w), settings));
+  check_bins(worlds, room);
+  if (backend == Backend::cpu) return make_cpu_simulation(std::move(worlds), settings, room, threads);
 #ifdef GONOGO_WITH_CUDA
-  return make_cuda_simulation(flat, settings);
+  return make_cuda_simulation(std::move(worlds), settings, room);
 #else
   throw InputError("this program was built without CUDA; build the cuda-release preset or ask for the cpu backend");
 #endif

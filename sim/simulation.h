@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene.h"
+#include "sim/joint/flatten.h"
+#include "sim/joint/load.h"
 
 namespace gonogo::sim {
 
@@ -17,6 +18,8 @@ struct [[nodiscard]] StepReport {
   double kinetic_energy = 0;  // [J]
   double gravity_power = 0;   // at the end of the step [W]
   double motor_power = 0;     // [W]
+  double force_power = 0;     // of force elements [W]
+  double spring_energy = 0;   // [J]
   double rms_residual = 0;    // scaled natural map of the CCP over contacts [m/s]
   double max_residual = 0;    // [m/s]
   Index contact_count = 0;
@@ -24,18 +27,19 @@ struct [[nodiscard]] StepReport {
   Index flags = 0;       // StepFlag bits raised so far
 };
 
-/// Everything a world batch needs to go on with the same bits.
+/// Everything a world needs to go on with the same bits, in this batch or another.
 struct Snapshot {
-  std::vector<Vec3d> position;
+  WorldParameters world;
+  Index steps = 0, flags = 0;
+  std::vector<Vec3d> position;  // bodies, shapes and motors in the engine's own order
   std::vector<Quat> orientation;
   std::vector<Velocity> velocity;
-  std::vector<Index> first_contact, flags;
+  std::vector<Index> contact_begin, contact_end;  // [shape] into the arrays below
   std::vector<std::uint64_t> key;
   std::vector<Impulse> impulse;
-  std::vector<Real> motor_impulse;
-  std::vector<WorldParameters> world;
   std::vector<Motor> motor;
-  std::int64_t step_count = 0;
+  std::vector<Real> motor_impulse;
+  ElementSnapshot element;
 };
 
 class Simulation {
@@ -46,6 +50,13 @@ class Simulation {
   virtual void advance(Index count) = 0;
   virtual StepReport report(WorldIndex world) = 0;
 
+  /// Whether, when and why a world stopped. It is stepped on with the others, but its monitors rest.
+  virtual WorldStop stop(WorldIndex world) = 0;
+  virtual std::vector<WorldStop> stops() = 0;
+  virtual MonitorState monitor(WorldIndex world, Index monitor) = 0;
+  /// Recorded samples `first` .. `first` + `count` - 1 of a monitor; all of them must have been recorded.
+  virtual std::vector<MonitorSample> samples(WorldIndex world, Index monitor, Index first, Index count) = 0;
+
   virtual BodyState body(WorldIndex world, BodyIndex b) = 0;
   virtual void set_body(WorldIndex world, BodyIndex b, const BodyState& state) = 0;
   /// All bodies of a world in order.
@@ -53,45 +64,68 @@ class Simulation {
 
   virtual void set_gravity(WorldIndex world, const Vec3& gravity) = 0;
   virtual void set_law(WorldIndex world, int material_a, int material_b, const PairLaw& law) = 0;
-  virtual void set_motor(WorldIndex world, Index motor, Real speed, Real max_torque) = 0;
+  /// `target` is a speed [rad/s] or torque [N m], after the motor's kind. Refused for a motor that a controller sets.
+  virtual void set_motor(WorldIndex world, Index motor, Real target, Real max_torque) = 0;
   /// Impulse of a motor in the latest step divided by the step [N m].
   virtual double motor_torque(WorldIndex world, Index motor) = 0;
+  /// What a joint or spring did to its body a in the latest step; zero before the world's first step and after restore.
+  virtual JointLoad joint_load(WorldIndex world, Index joint) = 0;
+  virtual JointLoad spring_load(WorldIndex world, Index spring) = 0;
 
   /// Sum of the contact impulses on a body in the latest step divided by the step [N].
   virtual Vec3d contact_force(WorldIndex world, BodyIndex b) = 0;
-  /// Contacts of all worlds in the latest step and their impulses, in the same order; bodies are counted through the
-  /// batch: index in its world plus the bodies of the worlds before. Empty before the first step and after restore.
-  virtual std::vector<Contact> contacts() = 0;
-  virtual std::vector<Impulse> impulses() = 0;
+  /// Contacts of a world in the latest step and their impulses, in the same order; bodies are counted in their world.
+  /// Empty before the world's first step and after restore.
+  virtual std::vector<Contact> contacts(WorldIndex world) = 0;
+  virtual std::vector<Impulse> impulses(WorldIndex world) = 0;
 
-  virtual Snapshot snapshot() = 0;
-  /// Reports and contact forces are zero until the next step.
-  virtual void restore(const Snapshot& snapshot) = 0;
+  virtual Snapshot snapshot(WorldIndex world) = 0;
+  /// Reports and contact forces of the world are zero until the next step. Throws InputError for a snapshot of a world
+  /// of another make.
+  virtual void restore(WorldIndex world, const Snapshot& snapshot) = 0;
+
+  /// Puts a new world in the place of one that has served; the others do not notice. Throws InputError, naming the
+  /// numbers, when the place is too small for it.
+  virtual void replace(WorldIndex place, const SceneWorld& world) = 0;
 
   virtual const StepSettings& settings() const = 0;
 };
 
-/// Throws InputError for a scene that cannot run (no bodies, bad sizes, motors or springs without a body to move) and
+/// How much of everything a world's place in a batch holds.
+struct WorldSize {
+  Index bodies = 0, shapes = 0, bins = 0, large_shapes = 0;
+  MechanismSize mechanisms;
+  ElementSize elements;
+};
+
+/// `room`: every world's place holds at least this much, for larger worlds that will take it over.
+/// Throws InputError for a scene that cannot run (no bodies, bad sizes, joints, springs or motors that cannot work) and
 /// for a backend this program was built without or this machine lacks.
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
-                                            int threads);
+                                            int threads, const WorldSize& room = {});
 
-/// Host-side preparation shared by the backends: flat arrays of all worlds, bins laid out. See state.h.
-struct FlatScene {
-  std::vector<WorldParameters> world;
+/// A checked world as flat arrays; all indices count from zero. Bodies are in spatial order, so that neighbours in
+/// space are neighbours in memory.
+struct FlatWorld {
+  WorldParameters world;
+  std::vector<BodyIndex> place_of_body;  // index in the scene -> index here
   std::vector<BodyState> body;
   std::vector<BodyMass> mass;
-  std::vector<WorldIndex> world_of_body;
   std::vector<Shape> shape;
-  std::vector<Index> first_shape, bin_of_shape, first_motor, first_spring;
-  std::vector<ShapeIndex> large;
-  std::vector<Motor> motor;
-  std::vector<SpringDamper> spring;
-  Index bin_count = 0;
-};
-FlatScene flatten(const Scene& scene, const StepSettings& settings);
+  std::vector<Index> first_shape, bin_of_shape;  // [body], [shape]
+  std::vector<LargeShape> large;
+  std::vector<std::shared_ptr<const TriangleMesh>> mesh;
+  std::vector<std::shared_ptr<const Heightfield>> heightfield;
+  FlatMechanisms mechanisms;
+  FlatElements element;
 
-std::unique_ptr<Simulation> make_cpu_simulation(const FlatScene& scene, const StepSettings& settings, int threads);
-std::unique_ptr<Simulation> make_cuda_simulation(const FlatScene& scene, const StepSettings& settings);
+  WorldSize size() const;
+};
+FlatWorld flatten(const SceneWorld& world, WorldIndex w, const StepSettings& settings);
+
+std::unique_ptr<Simulation> make_cpu_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
+                                                const WorldSize& room, int threads);
+std::unique_ptr<Simulation> make_cuda_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
+                                                 const WorldSize& room);
 
 }  // namespace gonogo::sim

@@ -1,6 +1,7 @@
 #include "vehicle/wheel_rig.h"
 
 #include "base/error.h"
+#include "sim/joint/build.h"
 
 namespace gonogo::vehicle {
 namespace {
@@ -45,7 +46,8 @@ double rig_mass(const WheelRig& rig, double payload) {
   return rig.hub_mass + rig.sprung_mass + payload / rig.wheels_per_vehicle;
 }
 
-RigBodies add_wheel_rig(sim::SceneWorld& world, const WheelRig& rig, const Vec3d& axle, double payload, int tool_material) {
+RigBodies add_wheel_rig(sim::SceneWorld& world, const WheelRig& rig, const Vec3d& axle, double payload,
+                        int tool_material) {
   const double carried = rig.sprung_mass + payload / rig.wheels_per_vehicle;
   const auto along = Real(1 / rig_mass(rig, payload));
   sim::BodyMass hub;
@@ -64,8 +66,10 @@ RigBodies add_wheel_rig(sim::SceneWorld& world, const WheelRig& rig, const Vec3d
   shape.lug_count = rig.lug_count;
   shape.lug_thickness = Real(rig.lug_thickness);
   world.add_shape(shape);
-  world.motor.push_back({bodies.wheel, 0, Real(rig.max_torque)});
-  world.spring.push_back({bodies.sprung, bodies.wheel, Real(rig.spring_stiffness), Real(rig.spring_damping), 1.0});
+  world.motor.push_back(sim::speed_motor(world, bodies.wheel, sim::kWorld, {0, 1, 0}, 0, rig.max_torque));
+  // Along the sprung mass's axis, which keeps upright while the wheel turns and runs ahead.
+  world.spring.push_back(sim::spring_along(world, bodies.wheel, bodies.sprung, axle, axle + Vec3d{0, 0, 1}, {0, 0, -1},
+                                           rig.spring_stiffness, rig.spring_damping));
   return bodies;
 }
 

@@ -1,49 +1,149 @@
 #include <cstdio>
+#include <map>
 #include <memory>
 #include <string>
 
-#include "pipeline/bench/bench.h"
+#include "pipeline/bench/bed.h"
+#include "pipeline/bench/wheel.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/trial/setup.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
 
-void print_bed(const Globals& globals, const BedBench& request) {
+const std::map<std::string, sim::Backend> kBackends{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
+const std::map<std::string, sim::Solver> kSolvers{{"apgd", sim::Solver::apgd}, {"jacobi", sim::Solver::jacobi}};
+const std::map<std::string, sim::Target> kTargets{{"ccp", sim::Target::ccp}, {"coulomb", sim::Target::coulomb}};
+
+template <class Value>
+std::string name_in(const std::map<std::string, Value>& names, Value value) {
+  for (const auto& [name, v] : names)
+    if (v == value) return name;
+  return "?";
+}
+
+template <class Value>
+void add_choice(CLI::App& command, const std::string& flag, Value& value, const std::map<std::string, Value>& names,
+                const std::string& what) {
+  command.add_option(flag, value, what)->transform(CLI::CheckedTransformer(names));
+}
+
+void print_bed(const Globals& globals, const char* scene, const BedBench& request) {
   const BedBenchResult r = bench_bed(request);
   Json json;
-  json["scene"] = "bed";
-  json["backend"] = request.backend == sim::Backend::cuda ? "cuda" : "cpu";
+  json["scene"] = scene;
+  json["backend"] = name_in(kBackends, request.backend);
   json["threads"] = request.threads;
   json["grain_diameter_m"] = request.grain_diameter;
+  json["rolling_friction"] = request.rolling_friction;
+  json["worlds"] = r.worlds;
   json["bodies"] = r.bodies;
   json["contacts"] = r.contacts;
   json["iterations"] = r.iterations;
   json["ms_per_step"] = r.ms_per_step;
   json["ns_per_contact_iteration"] = r.ns_per_contact_iteration;
+  json["ns_per_contact_iteration_solver"] = r.ns_per_contact_iteration_solver;
   json["residual_m_per_s"] = r.residual_m_per_s;
-  char text[256];
+  char text[320];
   std::snprintf(text, sizeof text,
-                "bed: %d bodies, %d contacts, %d iterations: %.3f ms per step, %.2f ns per contact-iteration "
-                "(whole step), residual %.2e m/s\n",
-                r.bodies, r.contacts, r.iterations, r.ms_per_step, r.ns_per_contact_iteration, r.residual_m_per_s);
+                "%s: %d worlds, %lld bodies, %lld contacts, %d iterations: %.3f ms per step, %.3f ns per "
+                "contact-iteration (whole step), %.3f ns (solver), residual %.2e m/s\n",
+                scene, r.worlds, static_cast<long long>(r.bodies), static_cast<long long>(r.contacts), r.iterations,
+                r.ms_per_step, r.ns_per_contact_iteration, r.ns_per_contact_iteration_solver, r.residual_m_per_s);
   print_result(globals, json, text);
+}
+
+void add_bed_options(CLI::App& command, BedBench& request) {
+  command.add_option("--grain", request.grain_diameter, "Grain diameter [m]")->check(CLI::Range(0.01, 0.2));
+  command.add_option("--copies", request.copies, "Beds laid side by side into one world")->check(CLI::Range(1, 10000));
+  command.add_option("--worlds", request.worlds, "Worlds in the batch")->check(CLI::Range(1, 100000));
+  command.add_option("--iterations", request.iterations, "Solver iterations per step")->check(CLI::Range(2, 100000));
+  command.add_option("--repeats", request.repeats, "Timed samples")->check(CLI::Range(3, 100000));
+  command.add_option("--rolling", request.rolling_friction, "Rolling friction [-]")->check(CLI::Range(0.0, 10.0));
+  add_choice(command, "--backend", request.backend, kBackends, "cpu or cuda");
 }
 
 void add_bed(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("bed", "A settled bed of grains, 4 x 0.8 x 0.3 m, at rest");
   auto request = std::make_shared<BedBench>();
-  auto backend = std::make_shared<std::string>("cpu");
-  command->add_option("--grain", request->grain_diameter, "Grain diameter [m]")->check(CLI::Range(0.01, 0.2));
-  command->add_option("--iterations", request->iterations, "Solver iterations per step")->check(CLI::Range(1, 100000));
-  command->add_option("--steps", request->steps, "Steps to time")->check(CLI::Range(3, 100000));
-  command->add_option("--backend", *backend, "cpu or cuda")->check(CLI::IsMember({"cpu", "cuda"}));
+  add_bed_options(*command, *request);
   command->footer("Example:\n  gonogo bench bed --json            one core; --threads 2 uses two");
-  command->callback([&globals, request, backend] {
-    request->backend = *backend == "cuda" ? sim::Backend::cuda : sim::Backend::cpu;
+  command->callback([&globals, request] {
     request->threads = globals.threads > 0 ? globals.threads : 1;
     request->packing_folder = default_packing_folder();
-    print_bed(globals, *request);
+    print_bed(globals, "bed", *request);
+  });
+}
+
+void add_batch(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("batch", "Many worlds with a settled bed of about 4,000 grains each");
+  auto request = std::make_shared<BedBench>();
+  request->worlds = 512;
+  request->length = 1.9;
+  request->backend = sim::Backend::cuda;
+  add_bed_options(*command, *request);
+  command->add_option("--length", request->length, "Length of a world's bed [m]")->check(CLI::Range(0.2, 100.0));
+  command->add_option("--width", request->width, "Width of a world's bed [m]")->check(CLI::Range(0.2, 100.0));
+  command->add_option("--depth", request->depth, "Depth of a world's bed [m]")->check(CLI::Range(0.05, 10.0));
+  command->footer(
+      "Examples:\n  gonogo bench batch --json                           512 worlds\n"
+      "  gonogo bench batch --worlds 1 --copies 512 --json   one world with as many grains");
+  command->callback([&globals, request] {
+    request->threads = globals.threads > 0 ? globals.threads : 1;
+    request->packing_folder = default_packing_folder();
+    print_bed(globals, "batch", *request);
+  });
+}
+
+void print_wheel(const Globals& globals, const WheelBench& request) {
+  const WheelBenchResult r = bench_wheel(request);
+  Json json;
+  json["scene"] = "wheel";
+  json["backend"] = name_in(kBackends, request.backend);
+  json["threads"] = request.threads;
+  json["solver"] = name_in(kSolvers, request.solver);
+  json["target"] = name_in(kTargets, request.target);
+  json["step_s"] = request.step;
+  json["iterations"] = request.iterations;
+  json["tolerance_m_per_s"] = request.tolerance;
+  json["worlds"] = request.worlds;
+  json["bodies"] = r.bodies;
+  json["contacts"] = r.contacts;
+  json["mean_iterations"] = r.mean_iterations;
+  json["ms_per_step"] = r.ms_per_step;
+  json["simulated_s_per_wall_s"] = r.simulated_per_wall;
+  json["start_up_s"] = r.start_up;
+  json["slip"] = r.slip;
+  json["sinkage_m"] = r.sinkage;
+  json["residual_rms_m_per_s"] = r.residual_rms;
+  json["residual_max_m_per_s"] = r.residual_max;
+  char text[320];
+  std::snprintf(text, sizeof text,
+                "wheel: %d bodies, %d contacts, %.1f iterations: %.3f ms per step, %.2f simulated s per wall s, slip "
+                "%.3f, sinkage %.4f m, residual %.2e m/s\n",
+                r.bodies, r.contacts, r.mean_iterations, r.ms_per_step, r.simulated_per_wall, r.slip, r.sinkage,
+                r.residual_rms);
+  print_result(globals, json, text);
+}
+
+void add_wheel(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("wheel", "A driven tyre on a bed of 32 mm grains up 15 degrees");
+  auto request = std::make_shared<WheelBench>();
+  command->add_option("--scene", request->scene, "Scene file")->capture_default_str();
+  command->add_option("--step", request->step, "Time step [s]")->check(CLI::Range(1e-6, 1e-2));
+  command->add_option("--iterations", request->iterations, "Most iterations per step")->check(CLI::Range(1, 100000));
+  command->add_option("--tolerance", request->tolerance, "Residual at which the solver stops [m/s]; 0: never")
+      ->check(CLI::Range(0.0, 10.0));
+  command->add_option("--worlds", request->worlds, "Copies in one batch")->check(CLI::Range(1, 100000));
+  command->add_option("--drive-time", request->drive_time, "Instead of the scene's [s]")->check(CLI::Range(0.1, 1e3));
+  add_choice(*command, "--backend", request->backend, kBackends, "cpu or cuda");
+  add_choice(*command, "--solver", request->solver, kSolvers, "Solver of the contacts");
+  add_choice(*command, "--target", request->target, kTargets, "ccp or coulomb");
+  command->footer("Example:\n  gonogo bench wheel --backend cuda --iterations 50 --json");
+  command->callback([&globals, request] {
+    request->threads = globals.threads > 0 ? globals.threads : 1;
+    request->packing_folder = default_packing_folder();
+    print_wheel(globals, *request);
   });
 }
 
@@ -54,6 +154,8 @@ void add_bench_command(CLI::App& app, const Globals& globals) {
   command->require_subcommand(1);
   command->footer("Example:\n  gonogo bench bed --json");
   add_bed(*command, globals);
+  add_batch(*command, globals);
+  add_wheel(*command, globals);
 }
 
 }  // namespace gonogo::pipeline::cli

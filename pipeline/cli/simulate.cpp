@@ -2,12 +2,13 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "pipeline/cli/command.h"
-#include "pipeline/trial/trial.h"
+#include "pipeline/film/film.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -16,6 +17,9 @@ struct Options {
   std::string study, csv;
   std::vector<std::string> settings;
   std::uint64_t seed = 0;
+  FilmRequest film;
+  TrialCheckpoint checkpoint;
+  std::string size = "1280x720", colour = "speed";
 };
 
 /// Variables from --set; those not set take the study's fixed value or the middle of its range.
@@ -50,16 +54,52 @@ std::string csv_line(const TrialSample& s) {
   return text;
 }
 
+FilmRequest film_request(const Globals& globals, const Options& options) {
+  FilmRequest film = options.film;
+  int used = 0;
+  if (std::sscanf(options.size.c_str(), "%dx%d%n", &film.width, &film.height, &used) != 2 ||
+      used != int(options.size.size()))
+    throw InputError("--size " + options.size + ": write it as WIDTHxHEIGHT in pixels, such as 1280x720");
+  film.colour = options.colour == "height" ? GrainColour::height : GrainColour::speed;
+  film.threads = globals.threads > 0 ? globals.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+  check_film(film);
+  return film;
+}
+
+/// Runs the trial and writes what was asked for about its course.
+TrialRecord watched_trial(const Globals& globals, const Options& options, const TrialSetup& setup,
+                          const DesignPoint& point) {
+  if (!options.checkpoint.path.empty() && options.film.wants_series())
+    throw InputError(
+        "--checkpoint does not go with --frames, --vtk or --video: a continued run has no pictures of its "
+        "beginning; leave one out");
+  const auto value = [&](const char* name) { return point.variables[contract().variable_index(name)]; };
+  Film film(film_request(globals, options), setup.name, value("slope_along"), value("slope_across"),
+            value("commanded_speed"));
+  prepare_trials(setup, {&point, 1}, 1);
+  std::string csv;
+  TrialWatch watch;
+  watch.start = [&] {
+    csv = "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
+    film.start();
+  };
+  watch.sample = [&csv](const TrialSample& s) { csv += csv_line(s); };
+  if (options.film.wants_pictures() || options.film.wants_series())
+    watch.frame = [&film](const TrialFrame& frame) { film.add(frame); };
+  watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
+  const TrialRecord record = run_trial(setup, point, watch, options.checkpoint);
+  if (!options.csv.empty()) write_file_atomically(options.csv, csv);
+  film.finish(record);
+  return record;
+}
+
 void simulate(const Globals& globals, const Options& options) {
   const Study study = read_study(options.study);
   const TrialSetup setup = read_trial_setup(study);
   DesignPoint point;
   point.seed = options.seed;
   point.variables = variables_of(study, options.settings);
-  prepare_trials(setup, {&point, 1}, 1);
-  std::string csv = "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
-  const TrialRecord record = run_trial(setup, point, [&csv](const TrialSample& s) { csv += csv_line(s); });
-  if (!options.csv.empty()) write_file_atomically(options.csv, csv);
+  const TrialRecord record = watched_trial(globals, options, setup, point);
   Json json;
   json["verdict"] = contract().info(record.verdict).name;
   json["reason"] = contract().info(record.reason).name;
@@ -88,7 +128,22 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
                       "Value of a variable, name=value; others: the study's fixed value or mid-range");
   command->add_option("--seed", options->seed, "Seed of the bed");
   command->add_option("--csv", options->csv, "Write the run step by step to this file");
-  command->footer("Example:\n  gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30");
+  command->add_option("--checkpoint", options->checkpoint.path,
+                      "Save the running trial to this file and, where it exists, go on from it");
+  command->add_option("--checkpoint-every", options->checkpoint.every, "Time between two savings [s of the wall clock]")
+      ->check(CLI::Range(0.0, 1e6));
+  command->add_option("--picture", options->film.picture, "Write a picture of the trial's end to this PNG file");
+  command->add_option("--frames", options->film.frames, "Write a PNG per interval to this folder");
+  command->add_option("--vtk", options->film.vtk, "Write VTK files per interval to this folder, for ParaView");
+  command->add_option("--video", options->film.video, "Write an MP4 video of the trial; needs ffmpeg");
+  command->add_option("--every", options->film.every, "Interval of frames, VTK files and video [s]")
+      ->check(CLI::Range(1e-4, 100.0));
+  command->add_option("--size", options->size, "Size of pictures in pixels, WIDTHxHEIGHT");
+  command->add_option("--colour", options->colour, "What colours the grains")
+      ->check(CLI::IsMember({"speed", "height"}));
+  command->footer(
+      "Examples:\n  gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30\n"
+      "  gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05");
   command->callback([&globals, options] { simulate(globals, *options); });
 }
 

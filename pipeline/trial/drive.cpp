@@ -6,117 +6,132 @@
 #include <memory>
 #include <tuple>
 
+#include "pipeline/trial/saved_run.h"
+
 namespace gonogo::pipeline {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Energy supplied and gained over a run. What the world gains beyond gravity's and the motor's work is an error of the
-/// time stepping; contacts can only take energy away.
-struct EnergyBalance {
-  double last = 0, gained = 0, motor_work = 0;
-  bool started = false;
+/// Simulated time between two looks of the host at a running trial [s]. Results do not depend on it.
+constexpr double kLookEvery = 0.05;
 
-  void add(double energy, double supplied, double by_motor) {
-    if (started) gained += std::max(0.0, energy - last - supplied);
-    motor_work += std::max(0.0, by_motor);
-    last = energy;
-    started = true;
-  }
-};
+/// The wheel is let down with its brake on, its rim speed grows from zero to the commanded one, and stays there.
+sim::Controller driver(const TrialSetup& setup, const TrialConditions& conditions, Index motor) {
+  sim::Controller c;
+  c.motor = motor;
+  c.command = {{setup.park_time, 0}, {setup.park_time + setup.ramp_time, conditions.speed / setup.rig.radius}};
+  c.limit = {{0, setup.rig.max_torque}};
+  return c;
+}
 
-/// One sample per step of the driving phase, enough for every measure.
-struct Sample {
-  double time, x, rolled, sinkage, torque, motor_power;
-};
+/// Watches the wheel. Its drop below the height at which the rim would touch the `surface` is the sinkage [m].
+sim::Monitor wheel_monitor(const TrialSetup& setup, const vehicle::RigBodies& bodies, double surface) {
+  const Thresholds& t = setup.thresholds;
+  sim::Monitor m;
+  m.body = bodies.wheel;
+  m.motor = bodies.motor;
+  m.height = surface + setup.rig.radius;
+  m.start = setup.park_time;
+  m.time_limit = setup.time_limit;
+  m.earliest = setup.ramp_time + setup.minimum_drive_time;
+  m.distance = setup.run_in_distance + setup.test_distance;
+  m.slid_back = t.slid_back_share * setup.rig.vehicle_length;
+  m.immobile_window = t.immobile_time;
+  m.immobile_from = setup.ramp_time;
+  m.immobile_speed = t.immobile_speed;
+  return m;
+}
 
 class Run {
  public:
   Run(const TrialSetup& setup, const TrialConditions& conditions, const TrialNumerics& numerics,
-      const TrialObserver& observe, double surface, std::unique_ptr<sim::Simulation> simulation,
-      const vehicle::RigBodies& bodies)
+      const TrialWatch& watch, const sim::SceneWorld& world, std::unique_ptr<sim::Simulation> simulation)
       : setup_(setup),
         conditions_(conditions),
         numerics_(numerics),
-        observe_(observe),
-        surface_(surface),
-        simulation_(std::move(simulation)),
-        bodies_(bodies),
-        last_(simulation_->body(0, bodies.wheel).position) {}
+        watch_(watch),
+        world_(world),
+        simulation_(std::move(simulation)) {}
 
-  /// Lets the wheel down, ramps its speed up and drives until a stop rule holds.
-  DriveOutcome until_decided() {
-    while (time_ < setup_.park_time) step(0);
-    while (!decided()) step(std::min(1.0, drive_time() / setup_.ramp_time));
-    return outcome();
-  }
-
- private:
-  double drive_time() const { return time_ - setup_.park_time; }
-
-  void step(double speed_share) {
-    const double rim_speed = speed_share * conditions_.speed;
-    simulation_->set_motor(0, bodies_.motor, Real(rim_speed / setup_.rig.radius), Real(setup_.rig.max_torque));
-    simulation_->advance(1);
-    time_ += numerics_.step;
-    record(simulation_->report(0), simulation_->body(0, bodies_.wheel), simulation_->body(0, bodies_.sprung));
-  }
-
-  void record(const sim::StepReport& report, const sim::BodyState& wheel, const sim::BodyState& sprung) {
-    x_ += periodic_change(wheel.position.x - last_.x, setup_.bed_length);
-    y_ += periodic_change(wheel.position.y - last_.y, setup_.bed_width);
-    last_ = wheel.position;
-    rolled_ += wheel.angular_velocity.y * numerics_.step * setup_.rig.radius;
-    flags_ = report.flags;
-    worst_residual_ = std::max(worst_residual_, report.rms_residual);
-    const double stretch = sprung.position.z - wheel.position.z - 1.0;
-    const double energy = report.kinetic_energy + 0.5 * setup_.rig.spring_stiffness * stretch * stretch;
-    energy_.add(energy, (report.gravity_power + report.motor_power) * numerics_.step,
-                report.motor_power * numerics_.step);
-    if (drive_time() >= 0)
-      samples_.push_back({drive_time(), x_, rolled_, surface_ - (wheel.position.z - setup_.rig.radius),
-                          simulation_->motor_torque(0, bodies_.motor), report.motor_power});
-    if (observe_)
-      observe_({time_, x_, y_, surface_ - (wheel.position.z - setup_.rig.radius), wheel.velocity.x,
-                rolled_ > 0 ? 1 - x_ / rolled_ : 0, simulation_->motor_torque(0, bodies_.motor), report.rms_residual,
-                report.contact_count, report.iterations});
-  }
-
-  static double periodic_change(double d, double period) { return d - period * std::rint(d / period); }
-
-  bool covered() const { return x_ >= setup_.run_in_distance + setup_.test_distance; }
-  bool slid_back() const { return x_ < -setup_.thresholds.slid_back_share * setup_.rig.vehicle_length; }
-
-  /// Net progress over the last `immobile_time` of full-speed driving below the immobile speed.
-  bool immobile() const {
-    const double window = setup_.thresholds.immobile_time;
-    if (drive_time() < setup_.ramp_time + window) return false;
-    const auto back = std::size_t(std::lround(window / numerics_.step));
-    if (samples_.size() <= back) return false;
-    const Sample &now = samples_.back(), &then = samples_[samples_.size() - 1 - back];
-    return now.x - then.x < setup_.thresholds.immobile_speed * window;
-  }
-
-  bool decided() const {
-    if (flags_ != 0 || drive_time() >= setup_.time_limit || slid_back()) return true;
-    return drive_time() >= setup_.ramp_time + setup_.minimum_drive_time && (covered() || immobile());
-  }
-
-  DriveOutcome outcome() const {
+  /// Goes on from where `saved` left it, if it did.
+  DriveOutcome until_decided(SavedRun& saved) {
+    saved.resume(*simulation_);
+    step_ = Index(std::lround(simulation_->report(0).time / numerics_.step));
+    show_samples();
+    if (step_ == 0) show_frame();
+    pass_due_frames();
+    while (!stopped()) {
+      advance_to_next_look();
+      show_samples();
+      if (stopped() || step_ >= next_frame()) show_frame();
+      if (!stopped()) saved.save_when_due(*simulation_);
+    }
+    cause_ = simulation_->stop(0).cause;
+    end_ = simulation_->monitor(0, 0);
     DriveOutcome o = measures();
     std::tie(o.verdict, o.reason) = verdict(o);
     return o;
   }
 
+ private:
+  bool stopped() { return simulation_->stop(0).cause != sim::StopCause::none; }
+
+  /// Step at which the next frame is due.
+  Index next_frame() const {
+    if (!watch_.frame) return std::numeric_limits<Index>::max();
+    return Index(std::min(1e9, std::round(double(frame_count_) * watch_.frame_interval / numerics_.step)));
+  }
+
+  /// A world is stepped on after it has stopped until the host looks. Who wants to see it gets the step in which it
+  /// stopped: taken again from the look before, which gives the same bits.
+  void advance_to_next_look() {
+    const auto usual = std::max<Index>(1, Index(std::lround(kLookEvery / numerics_.step)));
+    const Index steps = std::max<Index>(1, std::min(usual, next_frame() - step_));
+    const sim::Snapshot before = watch_.frame ? simulation_->snapshot(0) : sim::Snapshot{};
+    simulation_->advance(steps);
+    step_ += steps;
+    const Index end = simulation_->stop(0).step;
+    if (!watch_.frame || !stopped() || end == step_) return;
+    simulation_->restore(0, before);
+    simulation_->advance(end - before.steps);
+    step_ = end;
+  }
+
+  TrialSample seen(const sim::MonitorSample& s) const {
+    const double rolled = s.turned * setup_.rig.radius;
+    return {s.step * numerics_.step,           s.x,      s.y,        s.drop,          s.speed,
+            rolled > 0 ? 1 - s.x / rolled : 0, s.torque, s.residual, s.contact_count, s.iterations};
+  }
+
+  /// Gives the observer the samples that it has not seen.
+  void show_samples() {
+    if (!watch_.sample) return;
+    const Index count = simulation_->monitor(0, 0).sample_count - shown_samples_;
+    for (const sim::MonitorSample& s : simulation_->samples(0, 0, shown_samples_, count)) watch_.sample(seen(s));
+    shown_samples_ += count;
+  }
+
+  void show_frame() {
+    if (!watch_.frame) return;
+    const TrialSample sample = seen(simulation_->monitor(0, 0).now);
+    watch_.frame({sample, world_, *simulation_, world_.monitor.front().body});
+    pass_due_frames();
+  }
+
+  void pass_due_frames() {
+    while (next_frame() <= step_) ++frame_count_;
+  }
+
   /// First true line of the contract's verdict table wins.
-  std::pair<Verdict, Reason> verdict(const DriveOutcome& o) const {
+  std::pair<Verdict, Reason> verdict(const DriveOutcome& o) {
     const Thresholds& t = setup_.thresholds;
-    if (slid_back()) return {Verdict::no_go, Reason::slid_back};
-    if (covered()) {
+    if (cause_ == sim::StopCause::slid_back) return {Verdict::no_go, Reason::slid_back};
+    if (cause_ == sim::StopCause::distance) {
       const bool fast = o.mean_speed >= t.go_speed_share * conditions_.speed && o.slip <= t.go_slip;
       return {fast ? Verdict::go : Verdict::slow_go, Reason::none};
     }
-    if (immobile()) {
+    if (cause_ == sim::StopCause::immobile) {
       const bool turning = rolled_in_window() > 0.5 * conditions_.speed * t.immobile_time;
       if (!turning) return {Verdict::no_go, Reason::power};
       if (o.sinkage > setup_.rig.ground_clearance) return {Verdict::no_go, Reason::sinkage};
@@ -125,52 +140,62 @@ class Run {
     return {Verdict::no_go, Reason::timeout};
   }
 
-  double rolled_in_window() const {
-    const auto back = std::size_t(std::lround(setup_.thresholds.immobile_time / numerics_.step));
-    return samples_.back().rolled - samples_[samples_.size() - 1 - std::min(back, samples_.size() - 1)].rolled;
+  double rolled_in_window() {
+    const auto back = Index(std::lround(setup_.thresholds.immobile_time / numerics_.step));
+    return (end_.now.turned - sample(end_.sample_count - 1 - back).turned) * setup_.rig.radius;
   }
 
-  DriveOutcome measures() const {
+  sim::MonitorSample sample(Index i) { return simulation_->samples(0, 0, i, 1).front(); }
+
+  DriveOutcome measures() {
     DriveOutcome o{};
-    o.flags = flags_;
-    o.worst_residual = worst_residual_;
-    o.energy_error = energy_.motor_work > 0 ? energy_.gained / energy_.motor_work : 0;
-    o.drift = y_;
-    o.distance = std::max(0.0, x_ - setup_.run_in_distance);
-    if (samples_.size() < 4) return o;
-    const Sample &end = samples_.back(), &half = samples_[samples_.size() / 2];
-    o.drive_time = end.time;
-    o.mean_speed = (end.x - half.x) / (end.time - half.time);
-    o.slip = end.rolled > half.rolled ? 1 - (end.x - half.x) / (end.rolled - half.rolled) : kNaN;
-    double work = 0;
-    const std::size_t first = samples_.size() / 2, count = samples_.size() - first;
-    for (std::size_t k = first; k < samples_.size(); ++k) {
-      o.sinkage += samples_[k].sinkage / double(count);
-      o.mean_torque += samples_[k].torque / double(count);
-      work += samples_[k].motor_power * numerics_.step;
-    }
-    o.energy_per_metre = end.x > half.x ? work / (end.x - half.x) : kNaN;
+    o.flags = end_.now.flags;
+    o.worst_residual = end_.worst_residual;
+    o.energy_error = end_.motor_work > 0 ? end_.energy_gained / end_.motor_work : 0;
+    o.drift = end_.now.y;
+    o.distance = std::max(0.0, end_.now.x - setup_.run_in_distance);
+    // One sample per step; driving begins with the step that ends at park_time.
+    const auto parked = Index(std::lround(setup_.park_time / numerics_.step));
+    const Index first = std::max<Index>(0, parked - 1), driven = end_.sample_count - first;
+    if (driven < 4) return o;
+    o.drive_time = (end_.now.step - parked) * numerics_.step;
+    const sim::MonitorMeans half = sim::means_between(sample(first + driven / 2), end_.now, numerics_.step);
+    const double rolled = half.turned * setup_.rig.radius;
+    o.mean_speed = half.x / half.time;
+    o.slip = rolled > 0 ? 1 - half.x / rolled : kNaN;
+    o.sinkage = half.drop;
+    o.mean_torque = half.torque;
+    o.energy_per_metre = half.x > 0 ? half.work / half.x : kNaN;
     return o;
   }
 
   const TrialSetup& setup_;
   const TrialConditions& conditions_;
   const TrialNumerics& numerics_;
-  const TrialObserver& observe_;
-  double surface_;
+  const TrialWatch& watch_;
+  const sim::SceneWorld& world_;
   std::unique_ptr<sim::Simulation> simulation_;
-  vehicle::RigBodies bodies_;
-  Vec3d last_;
-  double time_ = 0, x_ = 0, y_ = 0, rolled_ = 0, worst_residual_ = 0;
-  Index flags_ = 0;
-  EnergyBalance energy_;
-  std::vector<Sample> samples_;
+  sim::StopCause cause_ = sim::StopCause::none;
+  sim::MonitorState end_;
+  Index step_ = 0, shown_samples_ = 0;
+  std::int64_t frame_count_ = 0;
 };
+
+/// The bed does not stand by itself, or its simulation went wrong.
+bool fails(const TrialSetup& setup, const DriveOutcome& bed) {
+  return bed.flags != 0 || bed.bed_creep > setup.thresholds.creep_speed;
+}
+
+TrialNumerics numerics_of(const TrialSetup& setup, std::uint64_t attempt) {
+  TrialNumerics n = setup.numerics;
+  if (attempt > 1) n.step /= 2, n.iterations *= 2;
+  return n;
+}
 
 /// Lets the bed settle under the trial's gravity with its own laws; returns the moved packing and the bed's mean speed
 /// along the slope at the end: a slope that fails by itself keeps accelerating.
 terrain::Packing tilted(const TrialSetup& setup, const terrain::Packing& packing, const TrialConditions& conditions,
-                        const sim::StepSettings& settings, DriveOutcome& outcome) {
+                        const sim::StepSettings& settings, const TrialWatch& watch, DriveOutcome& outcome) {
   sim::SceneWorld world = terrain::bed_world(packing, conditions.laws, 2 * packing.spec.grain_diameter);
   world.gravity = conditions.gravity;
   const auto simulation = sim::make_simulation(sim::Backend::cpu, {world}, settings, 1);
@@ -185,6 +210,8 @@ terrain::Packing tilted(const TrialSetup& setup, const terrain::Packing& packing
     mean += static_cast<Vec3d>(bodies[i].velocity) * (1.0 / double(packing.grain.size()));
   }
   outcome.bed_creep = std::hypot(mean.x, mean.y);
+  if (watch.frame && fails(setup, outcome))
+    watch.frame({{0, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, outcome.worst_residual, 0, 0}, world, *simulation, -1});
   return result;
 }
 
@@ -205,12 +232,13 @@ double resting_axle_height(const TrialSetup& setup, const terrain::Packing& pack
 }  // namespace
 
 DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& settled, const TrialConditions& conditions,
-                   const TrialNumerics& numerics, const TrialObserver& observe) {
+                   std::uint64_t attempt, const TrialWatch& watch, const TrialCheckpoint& checkpoint) {
+  const TrialNumerics numerics = numerics_of(setup, attempt);
   const auto settings =
       terrain::bed_step_settings(settled.spec.grain_diameter, numerics.step, numerics.iterations, numerics.tolerance);
   DriveOutcome bed{};
-  const terrain::Packing packing = tilted(setup, settled, conditions, settings, bed);
-  if (bed.flags != 0 || bed.bed_creep > setup.thresholds.creep_speed) {
+  const terrain::Packing packing = tilted(setup, settled, conditions, settings, watch, bed);
+  if (fails(setup, bed)) {
     if (bed.flags == 0) bed.verdict = Verdict::no_go, bed.reason = Reason::slope_unstable;
     bed.distance = bed.drive_time = bed.mean_speed = 0;
     bed.slip = bed.sinkage = bed.drift = bed.mean_torque = bed.energy_per_metre = kNaN;
@@ -223,9 +251,11 @@ DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& settled, con
                                              conditions.payload, terrain::tool_material);
   const double surface =
       terrain::surface_height(packing.grain, setup.bed_length, setup.bed_width, packing.spec.grain_diameter);
-  Run run(setup, conditions, numerics, observe, surface, sim::make_simulation(sim::Backend::cpu, {world}, settings, 1),
-          bodies);
-  DriveOutcome outcome = run.until_decided();
+  world.controller.push_back(driver(setup, conditions, bodies.motor));
+  world.monitor.push_back(wheel_monitor(setup, bodies, surface));
+  Run run(setup, conditions, numerics, watch, world, sim::make_simulation(sim::Backend::cpu, {world}, settings, 1));
+  SavedRun saved(checkpoint, world, settings, attempt);
+  DriveOutcome outcome = run.until_decided(saved);
   outcome.bed_creep = bed.bed_creep;
   outcome.worst_residual = std::max(outcome.worst_residual, bed.worst_residual);
   return outcome;

@@ -21,7 +21,8 @@ struct DriveOutcome {
   Index flags = 0;
 };
 
+/// `attempt`: 1, or 2 with half the step and twice the iterations.
 DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& packing, const TrialConditions& conditions,
-                   const TrialNumerics& numerics, const TrialObserver& observe);
+                   std::uint64_t attempt, const TrialWatch& watch, const TrialCheckpoint& checkpoint);
 
 }  // namespace gonogo::pipeline

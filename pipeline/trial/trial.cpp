@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 #include "pipeline/trial/drive.h"
+#include "pipeline/trial/saved_run.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -26,9 +27,8 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
   TrialConditions c;
   const Vec3d g = bed_gravity(value(point, "slope_along"), value(point, "slope_across"));
   c.gravity = static_cast<Vec3>(g);
-  const sim::PairLaw grain = terrain::contact_law(
-      setup.calibration,
-      {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
+  const sim::PairLaw grain =
+      terrain::contact_law(setup.calibration, {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
   c.payload = value(point, "payload");
@@ -98,18 +98,22 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
   if (!failure.empty()) throw DeviceError(failure);
 }
 
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) { return run_trial(setup, point, {}); }
+TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) {
+  return run_trial(setup, point, TrialWatch{});
+}
 
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialObserver& observe) {
+TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
+                      const TrialCheckpoint& checkpoint) {
   TrialRecord record;
   record.point = point;
   record.measures.assign(contract().measures.size(), std::numeric_limits<double>::quiet_NaN());
   const TrialConditions conditions = conditions_of(setup, point);
   const terrain::Packing packing =
       terrain::shifted(terrain::cached_packing(spec_of(setup, point), setup.packing_folder, 1), point.seed);
-  TrialNumerics numerics = setup.numerics;
-  for (record.attempts = 1;; ++record.attempts) {
-    const DriveOutcome outcome = drive(setup, packing, conditions, numerics, observe);
+  for (record.attempts = saved_attempt(checkpoint);; ++record.attempts) {
+    if (watch.start) watch.start();
+    const DriveOutcome outcome = drive(setup, packing, conditions, record.attempts, watch, checkpoint);
+    if (!checkpoint.path.empty()) std::filesystem::remove(checkpoint.path);  // this attempt is over
     store_measures(outcome, record);
     if (is_valid(setup, outcome)) {
       record.verdict = outcome.verdict;
@@ -117,8 +121,6 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const T
       return record;
     }
     if (record.attempts == 2) return record;  // unknown / simulation_failed
-    numerics.step /= 2;
-    numerics.iterations *= 2;
   }
 }
 

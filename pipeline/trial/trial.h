@@ -20,14 +20,39 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point);
 /// [m/s^2]. The bed's normal leans by `s` from the vertical with tan^2 s = tan^2 along + tan^2 across.
 Vec3d bed_gravity(double slope_along_deg, double slope_across_deg);
 
-/// State of a trial after each `sample` steps, for people who look.
+/// State of a trial after a step, for people who look. Time runs from letting the wheel down [s]; x and y are what was
+/// travelled [m]; slip is that of the whole way; NaN where the bed failed before there was a wheel.
 struct TrialSample {
   double time, x, y, sinkage, speed, slip, torque, residual;
   int contacts, iterations;
 };
 using TrialObserver = std::function<void(const TrialSample&)>;
 
-/// Same trial, watched: the observer changes nothing.
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialObserver& observe);
+/// The bodies of a running trial, valid during the call.
+struct TrialFrame {
+  const TrialSample& sample;
+  const sim::SceneWorld& world;  // shapes, masses and bounds; its bodies are where they were at the start
+  sim::Simulation& simulation;   // of this world, now; only to be read
+  sim::BodyIndex wheel;          // -1 when the bed failed before there was one
+};
+
+/// Who looks at a trial. Watching changes nothing.
+struct TrialWatch {
+  std::function<void()> start;                   // before each attempt: forget what an earlier one showed
+  TrialObserver sample;                          // after every step
+  std::function<void(const TrialFrame&)> frame;  // at the start, at intervals, and at the end
+  double frame_interval = 0.02;                  // [s]
+};
+
+/// Where a trial saves itself while it drives, and how often.
+struct TrialCheckpoint {
+  std::filesystem::path path;  // empty: nowhere
+  double every = 30;           // [s of the wall clock]
+};
+
+/// Same trial, watched and saved: where `checkpoint` finds a file it goes on from there, to the same record. The file
+/// is removed when the trial is over. Ctrl-C saves and throws Cancelled. Throws InputError for a file of another trial.
+TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
+                      const TrialCheckpoint& checkpoint = {});
 
 }  // namespace gonogo::pipeline

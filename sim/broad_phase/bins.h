@@ -1,8 +1,11 @@
-// Broad phase: spheres sorted into bins at least as wide as the largest of them plus the envelope, so that touching
-// spheres lie in the same or in adjacent bins. Each pair is met once: the owner looks at half of its neighbour bins.
-// Large shapes (wheels, boxes, planes, big spheres) are not binned; every sphere tests the few of its world.
+// Broad phase: shapes sorted into bins at least as wide as the largest of them plus the envelope, so that touching
+// shapes lie in the same or in adjacent bins. Each pair is met once: the owner looks at half of its neighbour bins.
+// The bins tile all space: bin coordinates are counted modulo the number of bins along each axis (at least three), so a
+// few bins serve a large domain and shapes outside of the domain cost no more than others. Shapes that share a bin from
+// afar are told apart by their distance.
+// Large shapes (ground, wheels, hulls) are not binned (see layout.h); every shape tests the few of its world.
 #pragma once
-#include "sim/world/state.h"
+#include "sim/broad_phase/large.h"
 
 namespace gonogo::sim {
 
@@ -25,44 +28,40 @@ struct BinCoordinates {
   Index x, y, z;
 };
 
-GONOGO_HD inline Index clamped_bin(double offset, Real size, Index count) {
+GONOGO_HD inline Index bin_along(double offset, Real size, Index count) {
   const double bin = std::floor(offset / double(size));
-  return !(bin >= 0)    ? 0
-         : bin >= count ? count - 1
-                        : Index(bin);  // not a number: bin 0, so that a flagged world goes on
+  const double inside = bin >= 0 && bin < count ? bin : bin - count * std::floor(bin / count);
+  return inside >= 0 && inside < count ? Index(inside) : 0;  // not a number: bin 0, so that a flagged world goes on
 }
 
 GONOGO_HD inline BinCoordinates bin_of(const WorldParameters& world, const Vec3d& centre) {
-  return {
-      clamped_bin(folded(centre.x, world.origin.x, world.period.x) - world.origin.x, world.bin_size.x, world.bins[0]),
-      clamped_bin(folded(centre.y, world.origin.y, world.period.y) - world.origin.y, world.bin_size.y, world.bins[1]),
-      clamped_bin(centre.z - world.origin.z, world.bin_size.z, world.bins[2])};
+  return {bin_along(folded(centre.x, world.origin.x, world.period.x) - world.origin.x, world.bin_size.x, world.bins[0]),
+          bin_along(folded(centre.y, world.origin.y, world.period.y) - world.origin.y, world.bin_size.y, world.bins[1]),
+          bin_along(centre.z - world.origin.z, world.bin_size.z, world.bins[2])};
 }
 
 GONOGO_HD inline Index bin_index(const WorldParameters& world, const BinCoordinates& b) {
   return world.first_bin + (b.z * world.bins[1] + b.y) * world.bins[0] + b.x;
 }
 
-/// Bins x + from .. x + to of one row, folded where periodic, left out where there are none.
+GONOGO_HD inline Index wrapped(Index bin, Index count) {
+  return bin < 0 ? bin + count : bin >= count ? bin - count : bin;
+}
+
+/// Bins x + from .. x + to of one row.
 template <class Visit>
-GONOGO_HD inline void visit_row(const WorldParameters& world, BinCoordinates b, Index from, Index to, bool shared,
-                                Visit&& visit) {
-  if (b.z >= world.bins[2]) return;
-  if (b.y < 0 || b.y >= world.bins[1]) {
-    if (world.period.y <= 0) return;
-    b.y = (b.y + world.bins[1]) % world.bins[1];
-  }
-  const Index row = bin_index(world, {0, b.y, b.z}), count = world.bins[0];
+GONOGO_HD inline void visit_row(const WorldParameters& world, const BinCoordinates& b, Index from, Index to,
+                                bool shared, Visit&& visit) {
+  const Index count = world.bins[0];
+  const Index row = bin_index(world, {0, wrapped(b.y, world.bins[1]), wrapped(b.z, world.bins[2])});
   const Index low = b.x + from, high = b.x + to;
-  const Index inside_low = low < 0 ? 0 : low, inside_high = high >= count ? count - 1 : high;
-  visit(row + inside_low, row + inside_high + 1, shared);
-  if (world.period.x <= 0) return;
+  visit(row + (low < 0 ? 0 : low), row + (high >= count ? count : high + 1), shared);
   if (low < 0) visit(row + low + count, row + low + count + 1, false);
   if (high >= count) visit(row + high - count, row + high - count + 1, false);
 }
 
-/// Calls visit(first, last, shared) for the half of the 27 bins around `b` that a sphere of this bin looks at: ranges
-/// of consecutive bins, `last` excluded; `shared` tells the range that starts with the sphere's own bin.
+/// Calls visit(first, last, shared) for the half of the 27 bins around `b` that a shape of this bin looks at: ranges
+/// of consecutive bins, `last` excluded; `shared` tells the range that starts with the shape's own bin.
 template <class Visit>
 GONOGO_HD inline void visit_neighbour_bins(const WorldParameters& world, const BinCoordinates& b, Visit&& visit) {
   visit_row(world, {b.x, b.y, b.z}, 0, 1, true, visit);
@@ -106,20 +105,20 @@ struct FillBin {
   }
 };
 
-struct CopyBinnedSphere {
+struct CopyBinnedShape {
   View<const Shape> shape;
   View<const Vec3d> centre;
   View<const WorldIndex> world_of_body;
   View<const WorldParameters> world;
   View<const ShapeIndex> shape_in_bin;
-  View<BinnedSphere> sphere_in_bin;
+  View<BinnedShape> shape_by_bin;
 
   GONOGO_HD void operator()(Index k) const {
     const ShapeIndex i = shape_in_bin[k];
     const WorldParameters& w = world[world_of_body[shape[i].body]];
     const Vec3d c = centre[i];
-    sphere_in_bin[k] = {
-        {folded(c.x, w.origin.x, w.period.x), folded(c.y, w.origin.y, w.period.y), c.z}, shape[i].size.x, i};
+    shape_by_bin[k] = {
+        {folded(c.x, w.origin.x, w.period.x), folded(c.y, w.origin.y, w.period.y), c.z}, bounding_radius(shape[i]), i};
   }
 };
 
@@ -140,18 +139,22 @@ struct SortSegment {
 
 template <class Exec>
 void sort_into_bins(Exec exec, State<Exec>& s) {
-  s.bin_cursor.fill_zero(s.bin_count + 1);
+  clear(exec, s.bin_cursor.view());
   for_each_index(exec, s.shape_count,
                  PlaceShape{s.shape.view(), s.position.view(), s.orientation.view(), s.world_of_body.view(),
                             s.world.view(), s.centre.view(), s.bin_of_shape.view(), s.bin_cursor.view()});
-  exclusive_scan(exec, View<const Index>{s.bin_cursor.data(), s.bin_count}, s.first_in_bin.view());
-  s.bin_cursor.fill_zero(s.bin_count + 1);
+  exclusive_scan(exec, s.bin_cursor.view(), s.first_in_bin.view(), s.scratch);
+  clear(exec, s.bin_cursor.view());
   for_each_index(exec, s.shape_count,
                  FillBin{s.bin_of_shape.view(), s.first_in_bin.view(), s.bin_cursor.view(), s.shape_in_bin.view()});
   for_each_index(exec, s.bin_count, SortSegment{s.first_in_bin.view(), s.shape_in_bin.view()});
-  for_each_index(exec, s.binned_count,
-                 CopyBinnedSphere{s.shape.view(), s.centre.view(), s.world_of_body.view(), s.world.view(),
-                                  s.shape_in_bin.view(), s.sphere_in_bin.view()});
+  const Counted binned{s.shape_count, s.first_in_bin.data() + s.bin_count};
+  for_each_counted(exec, binned,
+                   CopyBinnedShape{s.shape.view(), s.centre.view(), s.world_of_body.view(), s.world.view(),
+                                   s.shape_in_bin.view(), s.shape_by_bin.view()});
+  for_each_index(
+      exec, s.large.size(),
+      BoundLargeShape{s.shape.view(), s.centre.view(), s.orientation.view(), s.large.view(), s.surfaces.view()});
 }
 
 }  // namespace gonogo::sim

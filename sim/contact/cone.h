@@ -1,8 +1,9 @@
 // Projection onto the cone of admissible contact impulses.
-//   K = { (n, t, r) : n >= 0, |t| <= mu n, |r| <= rho n }
-// n: normal impulse [N s]; t: friction impulse in the tangent plane [N s]; r: rolling-resistance impulse [N m s];
-// mu: friction coefficient [-]; rho: rolling resistance [m]. Cohesion shifts the apex and is handled by the caller.
-// T is Real, or Pack for eight contacts at once.
+//   K = { (n, t, r, s) : n >= 0, |t| <= mu n, |r| <= rho n, |s| <= sigma n }
+// n: normal impulse [N s]; t: friction impulse in the tangent plane [N s]; r: rolling-resistance impulse in the tangent
+// plane [N m s]; s: spinning-resistance impulse about the normal [N m s]; mu: friction coefficient [-]; rho, sigma:
+// rolling and spinning resistance [m]. Cohesion shifts the apex and is handled by the caller. T is Real, or Pack for
+// eight contacts at once.
 #pragma once
 #include "base/pack.h"
 
@@ -12,46 +13,76 @@ template <class T>
 struct ConeImpulseT {
   T normal{};
   Vec3T<T> tangential, rolling;
+  T spinning{};
+};
+
+/// Opening of the cone.
+template <class T>
+struct ConeShapeT {
+  T mu, rho, sigma;
 };
 
 /// Inverse metric of the projection, one positive step per component: minimises
-///   (n - n0)^2 / step.n + |t - t0|^2 / step.t + |r - r0|^2 / step.r   over K.
+///   (n - n0)^2 / step.n + |t - t0|^2 / step.t + (|r - r0|^2 + (s - s0)^2) / step.r   over K.
 template <class T>
 struct ConeStepT {
   T n, t, r;
 };
 
 using ConeImpulse = ConeImpulseT<Real>;
+using ConeShape = ConeShapeT<Real>;
 using ConeStep = ConeStepT<Real>;
 
-/// For a given n both friction parts are clipped to their radius, so the minimum is that of a convex, piecewise
-/// quadratic function of n alone. Its pieces are told apart by which of the two is clipped; the right one is the one
-/// whose minimum lies inside it. Free of branches, so that eight contacts can take different pieces.
 template <class T>
-GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, const T& mu, const T& rho,
-                                                    const ConeStepT<T>& step) {
-  const T one = constant<T>(1), zero = constant<T>(0);
-  const T slide = square_root(dot(p.tangential, p.tangential)), roll = square_root(dot(p.rolling, p.rolling));
-  const T n0 = p.normal;
-  const T normal_weight = one / step.n, slide_weight = mu / step.t, roll_weight = rho / step.r;
-  const T free_sum = normal_weight * n0, slide_sum = slide_weight * slide, roll_sum = roll_weight * roll;
-  const T n_both = (free_sum + slide_sum + roll_sum) / (normal_weight + slide_weight * mu + roll_weight * rho);
-  const T n_slide = (free_sum + slide_sum) / (normal_weight + slide_weight * mu);
-  const T n_roll = (free_sum + roll_sum) / (normal_weight + roll_weight * rho);
-  // Clipped where n < slide / mu (roll / rho); compared by products, so that mu = 0 or rho = 0 need no special case.
-  // When not both are clipped, the one that clips up to a larger n is.
-  const auto slide_clips = slide > mu * n0, roll_clips = roll > rho * n0;
-  const T n_one = select(both(slide_clips, slide * rho >= roll * mu), n_slide, n_roll);
-  const T n_clipped = select(both(slide > mu * n_both, roll > rho * n_both), n_both, n_one);
-  const T n_any = select(either(slide_clips, roll_clips), n_clipped, n0);
-  const T n = select(n_any > zero, n_any, zero);
-  const T slide_scale = select(slide > mu * n, mu * n / slide, one);
-  const T roll_scale = select(roll > rho * n, rho * n / roll, one);
-  return {n, p.tangential * slide_scale, p.rolling * roll_scale};
+GONOGO_HD_INLINED T magnitude(const T& x) {
+  return select(x < constant<T>(0), -x, x);
 }
 
-GONOGO_HD inline ConeImpulse project_onto_cone(const ConeImpulse& p, Real mu, Real rho, const ConeStep& step) {
-  return project_onto_cone<Real>(p, mu, rho, step);
+/// For a given n every friction part is clipped to its radius, so the minimum is that of a convex, piecewise quadratic
+/// function of n alone. Its derivative is concave and rises, so Newton's method climbs from n0 to the root without
+/// passing it and reaches it after as many passes as there are parts that clip. Free of branches, so that eight
+/// contacts can take different pieces. `turning`: whether rolling and spinning parts exist at all.
+template <bool turning, class T>
+GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, const ConeShapeT<T>& cone,
+                                                    const ConeStepT<T>& step) {
+  const T one = constant<T>(1), zero = constant<T>(0);
+  const T slide = square_root(dot(p.tangential, p.tangential));
+  T roll{}, spin{};
+  // Weights of the parts, multiplied by the steps of all, so that each pass divides once.
+  T normal_weight = step.t, slide_weight = cone.mu * step.n, roll_weight{}, spin_weight{};
+  if constexpr (turning) {
+    roll = square_root(dot(p.rolling, p.rolling));
+    spin = magnitude(p.spinning);
+    roll_weight = cone.rho * step.n * step.t;
+    spin_weight = cone.sigma * step.n * step.t;
+    normal_weight = step.t * step.r;
+    slide_weight = slide_weight * step.r;
+  }
+  T n = p.normal;
+  for (int pass = 0; pass < (turning ? 3 : 1); ++pass) {
+    const T slides = select(slide > cone.mu * n, slide_weight, zero);
+    T sum = normal_weight * p.normal + slides * slide, weight = normal_weight + slides * cone.mu;
+    if constexpr (turning) {
+      const T rolls = select(roll > cone.rho * n, roll_weight, zero);
+      const T spins = select(spin > cone.sigma * n, spin_weight, zero);
+      sum += rolls * roll + spins * spin;
+      weight += rolls * cone.rho + spins * cone.sigma;
+    }
+    n = select(sum == normal_weight * p.normal, p.normal, sum / weight);
+  }
+  n = select(n > zero, n, zero);
+  ConeImpulseT<T> q;
+  q.normal = n;
+  q.tangential = p.tangential * select(slide > cone.mu * n, cone.mu * n / slide, one);
+  if constexpr (turning) {
+    q.rolling = p.rolling * select(roll > cone.rho * n, cone.rho * n / roll, one);
+    q.spinning = p.spinning * select(spin > cone.sigma * n, cone.sigma * n / spin, one);
+  }
+  return q;
+}
+
+GONOGO_HD inline ConeImpulse project_onto_cone(const ConeImpulse& p, const ConeShape& cone, const ConeStep& step) {
+  return project_onto_cone<true, Real>(p, cone, step);
 }
 
 }  // namespace gonogo::sim

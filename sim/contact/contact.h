@@ -1,4 +1,4 @@
-// One contact as the solver sees it.
+// One contact as the solvers see it, and the formulas of one update.
 #pragma once
 #include "sim/contact/cone.h"
 #include "sim/shape/shape.h"
@@ -18,13 +18,17 @@ struct ContactNumbers {
   T rho;              // rolling resistance: coefficient times radius [m]
   ConeStepT<T> step;  // metric of the iteration, mass splitting included [kg, kg, kg m^2]
   T cohesion;         // largest tensile impulse in one step [N s]
+  T sigma;            // spinning resistance: coefficient times radius [m]
+  T softness;         // speed that a unit of normal impulse leaves behind: 0 for a rigid contact [1/kg]
 };
 
-/// Body a carries the sphere that found the contact.
+/// Body a carries the shape that found the contact.
 struct alignas(16) Contact : ContactNumbers<Real> {
   BodyIndex body_a, body_b;
+  Real unsplit;   // step times this is the metric without mass splitting, in which the residual is measured [-]
+  Real gap_bias;  // bias without the correction of the `coulomb` target [m/s]
   WorldIndex world;
-  Real unsplit;  // step times this is the metric without mass splitting, in which the residual is measured [-]
+  Real gap;  // at the start of the step, for output [m]; fills what alignment leaves empty
 };
 
 /// Impulse of a contact on body a (body b gets the opposite); padded to 32 bytes so that loads are aligned.
@@ -32,7 +36,7 @@ template <class T>
 struct alignas(8 * sizeof(T)) ImpulseT {
   Vec3T<T> linear;  // at the contact point [N s]
   T pad0{};
-  Vec3T<T> angular;  // rolling resistance [N m s]
+  Vec3T<T> angular;  // rolling and spinning resistance [N m s]
   T pad1{};
 };
 
@@ -48,13 +52,37 @@ struct alignas(8 * sizeof(T)) VelocityT {
 using Impulse = ImpulseT<Real>;
 using Velocity = VelocityT<Real>;
 
+template <class T>
+GONOGO_HD_INLINED VelocityT<T> extrapolated(const VelocityT<T>& now, const VelocityT<T>& before, const T& beta) {
+  VelocityT<T> v;
+  v.linear = now.linear + (now.linear - before.linear) * beta;
+  v.angular = now.angular + (now.angular - before.angular) * beta;
+  return v;
+}
+
+template <class T>
+GONOGO_HD_INLINED ImpulseT<T> extrapolated(const ImpulseT<T>& now, const ImpulseT<T>& before, const T& beta) {
+  ImpulseT<T> p;
+  p.linear = now.linear + (now.linear - before.linear) * beta;
+  p.angular = now.angular + (now.angular - before.angular) * beta;
+  return p;
+}
+
 /// Velocity of body a relative to body b at the contact point.
 template <class T>
 GONOGO_HD_INLINED Vec3T<T> contact_velocity(const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b) {
   return a.linear + cross(a.angular, c.arm_a) - b.linear - cross(b.angular, c.arm_b);
 }
 
-/// Gradient of the CCP at a contact: D^T v + b, linear [m/s] and turning [rad/s].
+/// Speed along the tangent plane [m/s].
+template <class T>
+GONOGO_HD_INLINED T slip_speed(const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b) {
+  const Vec3T<T> u = contact_velocity(c, a, b);
+  const Vec3T<T> tangential = u - c.normal * dot(u, c.normal);
+  return square_root(dot(tangential, tangential));
+}
+
+/// Gradient of the CCP at a contact: D^T v + b + E gamma, linear [m/s] and turning [rad/s].
 template <class T>
 struct ContactGradient {
   Vec3T<T> linear, angular;
@@ -62,61 +90,85 @@ struct ContactGradient {
 
 template <class T>
 GONOGO_HD_INLINED ContactGradient<T> contact_gradient(const ContactNumbers<T>& c, const VelocityT<T>& a,
-                                                      const VelocityT<T>& b) {
-  return {contact_velocity(c, a, b) + c.normal * c.bias, a.angular - b.angular};
+                                                      const VelocityT<T>& b, const ImpulseT<T>& p) {
+  const T resting = c.bias + c.softness * dot(p.linear, c.normal);
+  return {contact_velocity(c, a, b) + c.normal * resting, a.angular - b.angular};
 }
 
-/// gamma - S g, projected onto the contact's cone: one projected-gradient update with step sizes S.
-template <class T>
+/// gamma - S g, projected onto the contact's cone: one projected-gradient update with step sizes S. `turning`: the
+/// contact may resist rolling and spinning.
+template <bool turning, class T>
 GONOGO_HD_INLINED ImpulseT<T> projected_step(const ContactNumbers<T>& c, const ImpulseT<T>& from,
                                              const ContactGradient<T>& g, const ConeStepT<T>& step) {
   const T g_n = dot(g.linear, c.normal), from_n = dot(from.linear, c.normal);
   ConeImpulseT<T> target;
   target.normal = from_n - step.n * g_n + c.cohesion;
   target.tangential = (from.linear - c.normal * from_n) - (g.linear - c.normal * g_n) * step.t;
-  const Vec3T<T> turn = from.angular - g.angular * step.r;
-  target.rolling = turn - c.normal * dot(turn, c.normal);
-  const ConeImpulseT<T> p = project_onto_cone<T>(target, c.mu, c.rho, step);
+  if constexpr (turning) {
+    const Vec3T<T> turn = from.angular - g.angular * step.r;
+    target.spinning = dot(turn, c.normal);
+    target.rolling = turn - c.normal * target.spinning;
+  }
+  const ConeImpulseT<T> p = project_onto_cone<turning, T>(target, {c.mu, c.rho, c.sigma}, step);
   ImpulseT<T> result;
   result.linear = c.normal * (p.normal - c.cohesion) + p.tangential;
-  result.angular = p.rolling;
+  if constexpr (turning) result.angular = p.rolling + c.normal * p.spinning;
   return result;
 }
 
 /// Square of a projected step divided by its step sizes: the speed that is still wrong at this contact [m^2/s^2]. A
-/// turning speed becomes a speed at the grain's surface.
-template <class T>
-GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const Vec3T<T>& change, const Vec3T<T>& turn,
+/// turning speed becomes a speed through the lever sqrt(step.r / step.t), about the radius of the lighter grain.
+template <bool turning, class T>
+GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ImpulseT<T>& next, const ImpulseT<T>& from,
                                     const ConeStepT<T>& step) {
-  const T normal = dot(change, c.normal), inverse_t = constant<T>(1) / step.t, inverse_r = constant<T>(1) / step.r;
+  const Vec3T<T> change = next.linear - from.linear;
+  const T normal = dot(change, c.normal), inverse_t = constant<T>(1) / step.t;
   const Vec3T<T> tangential = change - c.normal * normal;
   const T normal_speed = normal / step.n;
-  const T turning = dot(turn, turn) * inverse_r * inverse_r * dot(c.arm_a, c.arm_a);
-  return normal_speed * normal_speed + dot(tangential, tangential) * inverse_t * inverse_t + turning;
+  T sum = normal_speed * normal_speed + dot(tangential, tangential) * inverse_t * inverse_t;
+  if constexpr (turning) {
+    const Vec3T<T> turn = next.angular - from.angular;
+    sum += dot(turn, turn) * inverse_t / step.r;
+  }
+  return sum;
 }
 
-/// One accelerated update of a contact: the projected step from the extrapolated impulse, the next extrapolation, and
-/// the gradient along the change, whose sum over a world tells when to restart.
+/// One accelerated update of a contact: the projected step from the extrapolated impulse and the gradient along the
+/// change, whose sum over a world tells when to restart.
 template <class T>
 struct ContactUpdate {
-  ImpulseT<T> impulse, extrapolated;
-  T progress;
-  T residual_square;  // of the step from the extrapolated impulse, as a speed [m^2/s^2]
+  ImpulseT<T> from, impulse;  // extrapolated, and projected
+  T uphill;                   // gradient times change [J]
 };
 
-template <class T>
+/// `a`, `b`: extrapolated velocities; `now`, `before`: the latest two impulses.
+template <bool turning, class T>
 GONOGO_HD_INLINED ContactUpdate<T> accelerated_update(const ContactNumbers<T>& c, const VelocityT<T>& a,
-                                                      const VelocityT<T>& b, const ImpulseT<T>& old,
-                                                      const ImpulseT<T>& from, const T& beta) {
-  const ContactGradient<T> gradient = contact_gradient(c, a, b);
+                                                      const VelocityT<T>& b, const ImpulseT<T>& now,
+                                                      const ImpulseT<T>& before, const T& beta) {
   ContactUpdate<T> u;
-  u.impulse = projected_step(c, from, gradient, c.step);
-  const Vec3T<T> change = u.impulse.linear - old.linear, turn = u.impulse.angular - old.angular;
-  u.progress = dot(gradient.linear, change) + dot(gradient.angular, turn);
-  u.residual_square = residual_square(c, u.impulse.linear - from.linear, u.impulse.angular - from.angular, c.step);
-  u.extrapolated.linear = u.impulse.linear + change * beta;
-  u.extrapolated.angular = u.impulse.angular + turn * beta;
+  u.from = extrapolated(now, before, beta);
+  const ContactGradient<T> gradient = contact_gradient(c, a, b, u.from);
+  u.impulse = projected_step<turning>(c, u.from, gradient, c.step);
+  u.uphill = dot(gradient.linear, u.impulse.linear - now.linear);
+  if constexpr (turning) u.uphill += dot(gradient.angular, u.impulse.angular - now.angular);
   return u;
 }
+
+/// Square of the speed that the update has still corrected [m^2/s^2].
+template <bool turning, class T>
+GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ContactUpdate<T>& u) {
+  return residual_square<turning>(c, u.impulse, u.from, c.step);
+}
+
+/// What a contact does to a body: impulse and its moment about the centre of mass.
+struct alignas(32) Wrench {
+  Vec3 linear;  // [N s]
+  Real pad0 = 0;
+  Vec3 angular;  // [N m s]
+  Real pad1 = 0;
+};
+
+GONOGO_HD_INLINED Vec3 moment(const Vec3& arm, const Impulse& p) { return cross(arm, p.linear) + p.angular; }
 
 }  // namespace gonogo::sim

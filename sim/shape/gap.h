@@ -29,7 +29,13 @@ GONOGO_HD inline Gap sphere_box_gap(const Vec3& p, const Vec3& half, Real radius
   return {q.z - radius, {0, 0, sign.z}};
 }
 
-/// Cylinder of the wheel without lugs: axle y, `p` in the wheel's frame.
+/// Segment from -half_length to half_length along y, thickened by `capsule_radius`; `p` in its frame.
+GONOGO_HD inline Gap sphere_capsule_gap(const Vec3& p, Real capsule_radius, Real half_length, Real radius) {
+  const Real y = std::fmin(std::fmax(p.y, -half_length), half_length);
+  return sphere_sphere_gap({p.x, p.y - y, p.z}, capsule_radius + radius);
+}
+
+/// Cylinder about y, or a wheel without its lugs; `p` in its frame.
 GONOGO_HD inline Gap sphere_cylinder_gap(const Vec3& p, Real cylinder_radius, Real half_width, Real radius) {
   const Real axial = std::fabs(p.y) - half_width;
   const Real from_axle = std::sqrt(p.x * p.x + p.z * p.z);
@@ -43,14 +49,39 @@ GONOGO_HD inline Gap sphere_cylinder_gap(const Vec3& p, Real cylinder_radius, Re
   return radial >= axial ? Gap{radial - radius, outward} : Gap{axial - radius, sideways};
 }
 
-/// Lug `k` of a wheel: a box on the rim at angle 2 pi k / lug_count, its foot sunk into the rim by its own height.
-GONOGO_HD inline Gap sphere_lug_gap(const Vec3& p, const Shape& wheel, int k, Real radius) {
+/// Frame of lug `k` of a wheel, at angle 2 pi k / lug_count about the axle.
+struct LugFrame {
+  Real c, s;
+  /// x outward along the lug's radius, z along the circumference, origin in the axle.
+  GONOGO_HD Vec3 into(const Vec3& p) const { return {c * p.x + s * p.z, p.y, -s * p.x + c * p.z}; }
+  GONOGO_HD Vec3 out_of(const Vec3& p) const { return {c * p.x - s * p.z, p.y, s * p.x + c * p.z}; }
+};
+GONOGO_HD inline LugFrame lug_frame(const Shape& wheel, int k) {
   const Real angle = Real(6.283185307179586) * Real(k) / Real(wheel.lug_count);
-  const Real c = std::cos(angle), s = std::sin(angle);
-  // Frame of the lug: x outward along its radius, z along the circumference.
-  const Vec3 local{c * p.x + s * p.z - wheel.size.x, p.y, -s * p.x + c * p.z};
-  const Gap g = sphere_box_gap(local, {wheel.size.z, wheel.size.y, Real(0.5) * wheel.lug_thickness}, radius);
-  return {g.gap, {c * g.normal.x - s * g.normal.z, g.normal.y, s * g.normal.x + c * g.normal.z}};
+  return {std::cos(angle), std::sin(angle)};
+}
+GONOGO_HD inline Vec3 lug_half(const Shape& wheel) {
+  return {wheel.size.z, wheel.size.y, Real(0.5) * wheel.lug_thickness};
+}
+
+/// A lug is a box on the rim, its foot sunk into the rim by its own height.
+GONOGO_HD inline Gap sphere_lug_gap(const Vec3& p, const Shape& wheel, int k, Real radius) {
+  const LugFrame frame = lug_frame(wheel, k);
+  const Gap g = sphere_box_gap(frame.into(p) - Vec3{wheel.size.x, 0, 0}, lug_half(wheel), radius);
+  return {g.gap, frame.out_of(g.normal)};
+}
+
+/// Calls visit(k) for the two lugs nearest to an angle about the axle [rad from x towards z]; one where there is one.
+template <class Visit>
+GONOGO_HD inline void visit_nearest_lugs(const Shape& wheel, Real angle, Visit&& visit) {
+  if (wheel.lug_count == 0) return;
+  const Real turns = angle * (Real(wheel.lug_count) / Real(6.283185307179586));
+  const int near = int(std::floor(turns + Real(0.5)));
+  const int next = turns > Real(near) ? near + 1 : near - 1;
+  for (const int lug : {near, next}) {
+    if (wheel.lug_count == 1 && lug == next) return;
+    visit(((lug % wheel.lug_count) + wheel.lug_count) % wheel.lug_count);
+  }
 }
 
 /// Calls visit(feature, gap) for the cylinder (feature 0) and the two lugs nearest to `p` (features 1 + k).
@@ -59,17 +90,10 @@ GONOGO_HD inline void visit_wheel_gaps(const Vec3& p, const Shape& wheel, Real r
   const Gap cylinder = sphere_cylinder_gap(p, wheel.size.x, wheel.size.y, radius);
   if (cylinder.gap > envelope + lug_edge_radius(wheel) - wheel.size.x) return;
   if (cylinder.gap < envelope) visit(0, cylinder);
-  if (wheel.lug_count == 0) return;
-  const Real pitch = Real(6.283185307179586) / Real(wheel.lug_count);
-  const Real turns = std::atan2(p.z, p.x) / pitch;
-  const int near = int(std::floor(turns + Real(0.5)));
-  const int next = turns > Real(near) ? near + 1 : near - 1;
-  for (const int lug : {near, next}) {
-    if (wheel.lug_count == 1 && lug == next) return;
-    const int k = ((lug % wheel.lug_count) + wheel.lug_count) % wheel.lug_count;
+  visit_nearest_lugs(wheel, std::atan2(p.z, p.x), [&](int k) {
     const Gap g = sphere_lug_gap(p, wheel, k, radius);
     if (g.gap < envelope) visit(1 + k, g);
-  }
+  });
 }
 
 }  // namespace gonogo::sim

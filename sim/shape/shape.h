@@ -8,7 +8,10 @@ using BodyIndex = Index;
 using ShapeIndex = Index;
 using WorldIndex = Index;
 
-enum class ShapeType : std::int32_t { sphere, box, plane, wheel };
+/// In the order in which a pair is looked at: the earlier of the two types comes first.
+/// none: an empty place in a batch; it touches nothing.
+enum class ShapeType : std::int32_t { sphere, capsule, cylinder, box, wheel, mesh, plane, heightfield, none };
+inline constexpr int kShapeTypes = 8;
 
 /// Number of materials a world can tell apart.
 inline constexpr int kMaxMaterials = 4;
@@ -17,18 +20,86 @@ struct Shape {
   ShapeType type = ShapeType::sphere;
   BodyIndex body = 0;
   std::int32_t material = 0;  // < kMaxMaterials
+  std::int32_t group = 0;     // shapes of one group other than 0 never touch: the parts of a vehicle
   std::int32_t lug_count = 0;
+  std::int32_t surface =
+      -1;         // mesh, heightfield: index in the world's list of them; set by flatten to the batch's list
   Vec3 offset_B;  // of the shape's centre from the body's centre of mass [m]
-  /// sphere: (radius, -, -). box: half edges. plane: through the centre, its normal is the body's z axis.
-  /// wheel: (radius without lugs, half width, lug height); its axle is the body's y axis. [m]
+  /// sphere: (radius, -, -). box: half edges. plane: through the centre, its normal is the z axis.
+  /// capsule, cylinder: (radius, half length without caps, -). wheel: (radius without lugs, half width, lug height).
+  /// Capsules, cylinders and wheels turn about their y axis. mesh, heightfield: set by flatten. [m]
   Vec3 size;
   Real lug_thickness = 0;  // along the circumference [m]
+  Quat turn_B;             // from the shape's axes to the body's
 };
 
 /// Distance of the outer edges of a wheel's lugs from the axle: a little more than radius plus lug height [m].
 GONOGO_HD inline Real lug_edge_radius(const Shape& wheel) {
   const Real tip = wheel.size.x + wheel.size.z, half = Real(0.5) * wheel.lug_thickness;
   return std::sqrt(tip * tip + half * half);
+}
+
+/// Radius of the sphere about the shape's centre that holds it [m]; 0 for planes, which nothing holds.
+GONOGO_HD inline Real bounding_radius(const Shape& s) {
+  switch (s.type) {
+    case ShapeType::sphere:
+    case ShapeType::mesh:
+    case ShapeType::heightfield:
+      return s.size.x;
+    case ShapeType::capsule:
+      return s.size.x + s.size.y;
+    case ShapeType::cylinder:
+      return std::sqrt(s.size.x * s.size.x + s.size.y * s.size.y);
+    case ShapeType::box:
+      return length(s.size);
+    case ShapeType::wheel: {
+      const Real edge = lug_edge_radius(s);
+      return std::sqrt(edge * edge + s.size.y * s.size.y);
+    }
+    case ShapeType::plane:
+    case ShapeType::none:
+      return 0;
+  }
+  return 0;
+}
+
+/// Radius of a shape that is round all over; 0 for the others [m].
+GONOGO_HD inline Real round_radius(const Shape& s) {
+  return s.type == ShapeType::sphere || s.type == ShapeType::capsule ? s.size.x : Real(0);
+}
+
+/// Radius that rolling resistance acts on [m]. Two round shapes: r1 r2 / (r1 + r2); one: its radius. Without a round
+/// one, that of a rolling cylinder or wheel; boxes and meshes do not roll.
+GONOGO_HD inline Real rolling_radius(const Shape& a, const Shape& b) {
+  const Real ra = round_radius(a), rb = round_radius(b);
+  if (ra > 0 && rb > 0) return ra * rb / (ra + rb);
+  if (ra > 0 || rb > 0) return std::fmax(ra, rb);
+  const auto rolls = [](const Shape& s) { return s.type == ShapeType::cylinder || s.type == ShapeType::wheel; };
+  return rolls(a) ? a.size.x : rolls(b) ? b.size.x : Real(0);
+}
+
+/// Radius whose circle cohesion pulls on: the smaller round one; 0 for pairs without one [m].
+GONOGO_HD inline Real cohesion_radius(const Shape& a, const Shape& b) {
+  const Real ra = round_radius(a), rb = round_radius(b);
+  return ra > 0 && rb > 0 ? std::fmin(ra, rb) : std::fmax(ra, rb);
+}
+
+/// Half of the smallest extent of a shape [m]; 0 for planes and heightfields. Overlaps are judged by it.
+GONOGO_HD inline Real smallest_half(const Shape& s) {
+  switch (s.type) {
+    case ShapeType::box:
+      return std::fmin(s.size.x, std::fmin(s.size.y, s.size.z));
+    case ShapeType::cylinder:
+    case ShapeType::wheel:
+      return std::fmin(s.size.x, s.size.y);
+    case ShapeType::mesh:
+      return s.size.y;
+    case ShapeType::plane:
+    case ShapeType::heightfield:
+      return 0;
+    default:
+      return s.size.x;
+  }
 }
 
 }  // namespace gonogo::sim

@@ -11,21 +11,43 @@ struct CountSecond {
   View<const Contact> contact;
   View<const BodyMass> mass;
   View<Index> count;  // [body]
-  GONOGO_HD void operator()(Index i) const {
+  GONOGO_HD void operator()(ContactIndex i) const {
     if (!is_fixed(mass[contact[i].body_b])) atomic_increment(count[contact[i].body_b]);
   }
 };
 
+/// Writes the lists in whatever order the threads come.
 struct FillSecond {
   View<const Contact> contact;
   View<const BodyMass> mass;
   View<const Index> first;
   View<Index> cursor;
   View<Index> item;
-  GONOGO_HD void operator()(Index i) const {
+  GONOGO_HD void operator()(ContactIndex i) const {
     const BodyIndex b = contact[i].body_b;
     if (is_fixed(mass[b])) return;
     item[first[b] + atomic_increment(cursor[b])] = i;
+  }
+};
+
+/// Puts each contact where it belongs in ascending order: after those of the same body that are smaller. One contact
+/// per thread, so that a wheel with hundreds of contacts is sorted by hundreds of threads.
+struct RankSecond {
+  View<const Contact> contact;
+  View<const BodyMass> mass;
+  View<const Index> first, found;
+  View<Index> sorted;
+  View<Index> slot;  // [contact] position in the list, or -1
+  GONOGO_HD void operator()(ContactIndex i) const {
+    const BodyIndex b = contact[i].body_b;
+    if (is_fixed(mass[b])) {
+      slot[i] = -1;
+      return;
+    }
+    Index rank = first[b];
+    for (Index k = first[b]; k < first[b + 1]; ++k) rank += found[k] < i ? 1 : 0;
+    sorted[rank] = i;
+    slot[i] = rank;
   }
 };
 
@@ -48,15 +70,17 @@ Incidence incidence(State<Exec>& s) {
 
 template <class Exec>
 void build_incidence(Exec exec, State<Exec>& s) {
-  s.second_count.fill_zero(s.body_count);
-  for_each_index(exec, s.contact_count, CountSecond{s.contact.view(), s.mass.view(), s.second_count.view()});
-  exclusive_scan(exec, s.second_count.view(), s.first_second.view());
-  s.second_cursor.fill_zero(s.body_count);
-  s.second_contact.resize(s.contact_count);
-  for_each_index(exec, s.contact_count,
-                 FillSecond{s.contact.view(), s.mass.view(), s.first_second.view(), s.second_cursor.view(),
-                            s.second_contact.view()});
-  for_each_index(exec, s.body_count, SortSegment{s.first_second.view(), s.second_contact.view()});
+  clear(exec, s.second_count.view());
+  clear(exec, s.second_cursor.view());
+  const Counted contacts = contact_count(s);
+  for_each_counted(exec, contacts, CountSecond{s.contact.view(), s.mass.view(), s.second_count.view()});
+  exclusive_scan(exec, s.second_count.view(), s.first_second.view(), s.scratch);
+  for_each_counted(exec, contacts,
+                   FillSecond{s.contact.view(), s.mass.view(), s.first_second.view(), s.second_cursor.view(),
+                              s.second_found.view()});
+  for_each_counted(exec, contacts,
+                   RankSecond{s.contact.view(), s.mass.view(), s.first_second.view(), s.second_found.view(),
+                              s.second_contact.view(), s.second_slot.view()});
 }
 
 }  // namespace gonogo::sim

@@ -2,8 +2,11 @@
 // result does not depend on its company. A world is a box, periodic along x and y when asked.
 #pragma once
 #include "base/for_each.h"
-#include "sim/contact/block.h"
-#include "sim/shape/shape.h"
+#include "sim/contact/contact.h"
+#include "sim/element/state.h"
+#include "sim/joint/mechanism.h"
+#include "sim/shape/surface_store.h"
+#include "sim/solver/momentum.h"
 
 namespace gonogo::sim {
 
@@ -11,7 +14,10 @@ namespace gonogo::sim {
 struct PairLaw {
   Real friction = 0;           // sliding, [-]
   Real rolling_friction = 0;   // [-], times the sphere's effective radius
-  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere [Pa]
+  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere or capsule [Pa]
+  Real spinning_friction = 0;  // [-], times the sphere's effective radius
+  Real stiffness = 0;          // of a compliant contact along its normal [N/m]; 0: rigid
+  Real damping = 0;            // of a compliant contact along its normal [N s/m]
 };
 
 /// Numerical parameters of a step, the same for all worlds of a batch.
@@ -23,6 +29,10 @@ struct StepSettings {
   Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
   Real recovery_share = 0.2f;     // share of an overlap pushed out in one step
   Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
+  Solver solver = Solver::apgd;
+  Target target = Target::ccp;
+
+  GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance}; }
 };
 
 struct WorldParameters {
@@ -30,11 +40,14 @@ struct WorldParameters {
   Vec3d origin;   // lower corner of the domain [m]
   Vec3d period;   // length of the domain along x and y where periodic, 0 where open [m]
   Vec3 bin_size;  // [m]
-  Index bins[3] = {1, 1, 1};
+  Index bins[3] = {3, 3, 3};
   Index first_bin = 0;
   BodyIndex first_body = 0;
   Index body_count = 0;
-  Index first_large = 0, large_count = 0;  // into the list of shapes that are not binned
+  ShapeIndex first_shape = 0;
+  Index shape_count = 0;
+  Index first_large = 0, large_count = 0;  // into the list of large shapes, which are not binned
+  Index first_motor = 0, motor_count = 0;
   PairLaw law[kMaxMaterials][kMaxMaterials];
 };
 
@@ -44,28 +57,13 @@ struct BodyMass {
   Vec3 inverse_mass;           // along world x, y, z [1/kg]
   Vec3 inverse_inertia_B;      // about body axes [1/(kg m^2)]
   std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries; set by flatten
-  std::int32_t motor = -1;     // index of the motor that turns this body, or -1; set by flatten
+  std::int32_t slot = -1;      // of its mechanism body, or -1 where nothing is jointed to it; set by flatten
 };
 
 GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
   const Vec3 &m = mass.inverse_mass, &i = mass.inverse_inertia_B;
   return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
 }
-
-/// Turns a body about its y axis towards a speed, with limited torque (positive y turns x towards -z: forward rolling).
-struct Motor {
-  BodyIndex body = 0;
-  Real speed = 0;       // [rad/s]
-  Real max_torque = 0;  // [N m]
-};
-
-/// Spring and damper between two bodies along world z, treated implicitly.
-struct SpringDamper {
-  BodyIndex upper = 0, lower = 0;
-  Real stiffness = 0;      // [N/m]
-  Real damping = 0;        // [N s/m]
-  double free_length = 0;  // of z_upper - z_lower [m]
-};
 
 /// Bits of the flag word of a world.
 enum StepFlag : Index {
@@ -80,31 +78,82 @@ struct WorldSums {
   double gravity_power = 0;    // sum of m g.v [W]
   double residual_square = 0;  // over contacts [m^2/s^2]
   double residual_max = 0;     // [m/s]
-  double contact_count = 0;
-  double iterations = 0;
+  Index contact_count = 0;
+  Index iterations = 0;
+
+  GONOGO_HD WorldSums& operator+=(const WorldSums& o) {
+    kinetic += o.kinetic;
+    gravity_power += o.gravity_power;
+    residual_square += o.residual_square;
+    residual_max = std::fmax(residual_max, o.residual_max);
+    return *this;
+  }
 };
 
-/// A binned sphere, copied into the order of the bins so that neighbours are read from consecutive memory.
-struct BinnedSphere {
+/// Root-mean-square residual of a step [m/s].
+GONOGO_HD inline double rms_residual(const WorldSums& sums) {
+  return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+}
+
+/// A binned shape, copied into the order of the bins so that neighbours are read from consecutive memory.
+struct BinnedShape {
   Vec3d centre;  // folded into the period [m]
-  Real radius;   // [m]
+  Real radius;   // of the sphere around it [m]
   ShapeIndex shape;
 };
 
-/// How far a world's iteration has come: it iterates, then takes one last update without momentum, then rests until the
-/// others are done.
-enum class Phase : std::int32_t { iterating, last, done };
+/// A shape that is not binned and the region it is in, found anew in every step.
+struct LargeShape {
+  ShapeIndex shape = 0;
+  Vec3d middle;  // of the box around it [m]
+  Vec3 half;     // half edges of that box along the world's axes [m]
+  Vec3 up;       // of a plane: everything it can touch lies below; zero for others
 
-/// State of the accelerated iteration, per world.
-struct Momentum {
-  Real t = 1, beta = 0;
-  Phase phase = Phase::iterating;
-  Index iterations = 0;  // taken in this step
+  /// Whether a sphere about `d` [m, from the middle] may touch it.
+  GONOGO_HD bool reaches(const Vec3& d, Real radius) const {
+    return std::fabs(d.z) < half.z + radius && std::fabs(d.x) < half.x + radius && std::fabs(d.y) < half.y + radius &&
+           dot(d, up) < radius;
+  }
+};
+
+/// Contacts of one step, in the order of the shapes that own them; a step writes one store and reads the other for its
+/// warm start.
+template <class Exec>
+struct ContactStore {
+  Buffer<Index, Exec> begin, end;   // [shape] its contacts in the arrays below
+  Buffer<std::uint64_t, Exec> key;  // [contact] other shape and feature; with the owner it names the pair
+  Buffer<Impulse, Exec> impulse;    // [contact] at the end of the step
+};
+
+struct ContactRange {
+  ContactIndex begin, end;
+};
+
+/// A run of contacts of one world; see tiles.h.
+struct alignas(16) Tile {
+  ContactRange contacts;
+  WorldIndex world;
+  Index first;  // 1: the first of its world
+};
+
+/// Arrays that a backend's solver keeps for itself; each backend specialises it.
+template <class Exec>
+struct SolverStorage;
+
+/// What became of the steps that were asked for. When a buffer is too small, the step that found out and all steps
+/// queued behind it do nothing; the host enlarges the buffer and goes on with that step.
+struct Progress {
+  Index halted = 0;         // 1: contact_total is more than the buffers hold
+  Index contact_total = 0;  // that the latest step found
+  Index steps = 0;          // completed since the host last looked
 };
 
 template <class Exec>
 struct State {
-  Index world_count = 0, body_count = 0, shape_count = 0, binned_count = 0, bin_count = 0, contact_count = 0;
+  Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0;
+  Index contact_capacity = 0;
+  Index parity = 0;      // store that the next step writes
+  bool turning = false;  // some pair of materials has resisted rolling or spinning, or has been compliant
 
   Buffer<WorldParameters, Exec> world;
   Buffer<Vec3d, Exec> position;             // [body] centres of mass, inside the period [m]
@@ -115,34 +164,38 @@ struct State {
   Buffer<WorldIndex, Exec> world_of_body;   // [body]
   Buffer<Shape, Exec> shape;                // [shape], ordered by body
   Buffer<Index, Exec> first_shape;          // [body + 1]
-  Buffer<ShapeIndex, Exec> large;           // shapes that are not binned, by world
-  Buffer<Motor, Exec> motor;
-  Buffer<Real, Exec> motor_impulse, motor_extrapolated;  // [motor], [N m s]
-  Buffer<SpringDamper, Exec> spring;
+  Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
+  SurfaceStore<Exec> surfaces;
+  MechanismStore<Exec> mechanisms;
+  ElementState<Exec> element;
+  Buffer<Index, Exec> steps;                                // [world] taken so far
+  Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // bodies in runs of kTileSize, by world
 
   // Rebuilt every step.
   Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
   Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
-  Buffer<BinnedSphere, Exec> sphere_in_bin;
+  Buffer<BinnedShape, Exec> shape_by_bin;
   Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
   Buffer<Contact, Exec> contact;
-  Buffer<Impulse, Exec> impulse, extrapolated;  // [contact]
-  Buffer<ContactBlock, Exec> block;             // [contact / 8], host only
-  Buffer<std::uint64_t, Exec> key;              // [contact] other shape and feature; with the owner it names the pair
-  Buffer<Index, Exec> second_count, first_second, second_cursor, second_contact;  // body b -> its contacts
-  Buffer<Velocity, Exec> free_velocity;                                           // [body]
-  Buffer<Real, Exec> progress;         // [contact] gradient times change, for the restart
-  Buffer<Real, Exec> residual_square;  // [contact] of the latest update [m^2/s^2]
-  Buffer<Momentum, Exec> momentum;     // [world]
-  Buffer<WorldSums, Exec> body_sums, world_sums;
-  Buffer<Real, Exec> body_progress;      // [body]
-  Buffer<Index, Exec> worlds_iterating;  // one counter
-  Buffer<Index, Exec> flags;             // [world] StepFlag bits, sticky
+  Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
+      second_slot;                                 // see incidence.h
+  Buffer<Index, Exec> tiles_of_world, first_tile;  // see tiles.h
+  Buffer<Tile, Exec> tile;
+  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;  // [body]
+  Buffer<Momentum, Exec> momentum;                              // [world]
+  Buffer<WorldSums, Exec> world_sums;
+  Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
+  Buffer<Progress, Exec> progress;  // one
+  ScanScratch<Exec> scratch;
 
-  // Of the previous step, for the warm start.
-  Buffer<Index, Exec> old_first_contact;
-  Buffer<std::uint64_t, Exec> old_key;
-  Buffer<Impulse, Exec> old_impulse;
+  ContactStore<Exec> store[2];
+  SolverStorage<Exec> solver;
 };
+
+/// How many contacts the step has found; on the device nobody else knows.
+template <class Exec>
+Counted contact_count(State<Exec>& s) {
+  return {s.contact_capacity, &s.progress.data()->contact_total};
+}
 
 }  // namespace gonogo::sim

@@ -2,11 +2,15 @@
 // the kernels it calls.
 #pragma once
 #include "sim/contact/find.h"
-#include "sim/solver/apgd.h"
+#include "sim/element/drive.h"
+#include "sim/element/watch.h"
+#include "sim/joint/prepare.h"
+#include "sim/solver/split.h"
+#include "sim/world/spin.h"
 
 namespace gonogo::sim {
 
-/// v + h (gravity + gyroscopic acceleration), and the inertia of this step in the world frame.
+/// v + h gravity, the angular velocity of free rotation (spin.h), and the inertia of this step in the world frame.
 struct FreeMotion {
   View<const WorldParameters> world;
   View<const WorldIndex> world_of_body;
@@ -25,39 +29,10 @@ struct FreeMotion {
         step * Vec3{m.inverse_mass.x > 0 ? g.x : 0, m.inverse_mass.y > 0 ? g.y : 0, m.inverse_mass.z > 0 ? g.z : 0};
     if (!m.isotropic) {
       inverse_inertia_W[b] = rotated_diagonal(orientation[b], m.inverse_inertia_B);
-      v.angular -= step * (inverse_inertia_W[b] * gyroscopic_torque(b, v.angular));
+      const Vec3 spin_B = rotate_back(orientation[b], v.angular);
+      v.angular += rotate(orientation[b], free_spin_change_B(m.inverse_inertia_B, spin_B, step));
     }
     free_velocity[b] = v;
-  }
-
-  /// w x I w; axes that cannot turn (inverse inertia 0) carry no spin.
-  GONOGO_HD Vec3 gyroscopic_torque(BodyIndex b, const Vec3& w_W) const {
-    const Vec3 w = rotate_back(orientation[b], w_W);
-    const Vec3& i = mass[b].inverse_inertia_B;
-    const Vec3 momentum{i.x > 0 ? w.x / i.x : 0, i.y > 0 ? w.y / i.y : 0, i.z > 0 ? w.z / i.z : 0};
-    return rotate(orientation[b], cross(w, momentum));
-  }
-};
-
-/// Spring and damper of a suspension, implicit in its own stretch rate: unconditionally stable.
-///   u+ = (u - h m k stretch) / (1 + h m (c + h k)),  m = inverse mass of the pair along z, u = stretch rate
-struct ApplySpring {
-  View<const SpringDamper> spring;
-  View<const Vec3d> position;
-  View<const BodyMass> mass;
-  View<Velocity> free_velocity;
-  Real step;
-
-  GONOGO_HD void operator()(Index i) const {
-    const SpringDamper& s = spring[i];
-    const Real m_upper = mass[s.upper].inverse_mass.z, m_lower = mass[s.lower].inverse_mass.z;
-    const Real m = m_upper + m_lower;
-    const auto stretch = Real(position[s.upper].z - position[s.lower].z - s.free_length);
-    const Real rate = free_velocity[s.upper].linear.z - free_velocity[s.lower].linear.z;
-    const Real next = (rate - step * m * s.stiffness * stretch) / (1 + step * m * (s.damping + step * s.stiffness));
-    const Real impulse = (next - rate) / m;
-    free_velocity[s.upper].linear.z += impulse * m_upper;
-    free_velocity[s.lower].linear.z -= impulse * m_lower;
   }
 };
 
@@ -97,86 +72,37 @@ struct Integrate {
   }
 };
 
-/// Energy and its supply, per body; velocities are those of the end of the step.
-struct MeasureBody {
-  View<const WorldParameters> world;
-  View<const WorldIndex> world_of_body;
-  View<const BodyMass> mass;
-  View<const Quat> orientation;
-  View<const Velocity> velocity;
-  Incidence incidence;
-  View<const Real> residual;  // [contact]
-  View<WorldSums> sums;       // [body]
-
-  GONOGO_HD static double over(Real x, Real inverse) { return inverse > 0 ? double(x) / inverse : 0; }
-
-  GONOGO_HD void operator()(BodyIndex b) const {
-    const BodyMass& m = mass[b];
-    const Vec3& v = velocity[b].linear;
-    const Vec3 w = rotate_back(orientation[b], velocity[b].angular);
-    const Vec3 g = world[world_of_body[b]].gravity;
-    WorldSums s;
-    s.kinetic = 0.5 * (over(v.x * v.x, m.inverse_mass.x) + over(v.y * v.y, m.inverse_mass.y) +
-                       over(v.z * v.z, m.inverse_mass.z) + over(w.x * w.x, m.inverse_inertia_B.x) +
-                       over(w.y * w.y, m.inverse_inertia_B.y) + over(w.z * w.z, m.inverse_inertia_B.z));
-    s.gravity_power =
-        over(g.x * v.x, m.inverse_mass.x) + over(g.y * v.y, m.inverse_mass.y) + over(g.z * v.z, m.inverse_mass.z);
-    for (Index i = incidence.owned_begin(b); i < incidence.owned_end(b); ++i) {
-      s.residual_square += double(residual[i]) * residual[i];
-      s.residual_max = std::fmax(s.residual_max, double(residual[i]));
-    }
-    s.contact_count = incidence.owned_end(b) - incidence.owned_begin(b);
-    sums[b] = s;
-  }
-};
-
-struct SumWorld {
-  View<const WorldParameters> world;
-  View<const WorldSums> of_body;
-  View<const Momentum> momentum;
-  View<WorldSums> sums;
-
+/// The step is complete: the worlds' clocks go on.
+struct CountStep {
+  View<Index> steps;  // [world]
+  View<Progress> progress;
   GONOGO_HD void operator()(WorldIndex w) const {
-    WorldSums total;
-    for (Index b = world[w].first_body; b < world[w].first_body + world[w].body_count; ++b) {
-      total.kinetic += of_body[b].kinetic;
-      total.gravity_power += of_body[b].gravity_power;
-      total.residual_square += of_body[b].residual_square;
-      total.residual_max = std::fmax(total.residual_max, of_body[b].residual_max);
-      total.contact_count += of_body[b].contact_count;
-    }
-    total.iterations = momentum[w].iterations;
-    sums[w] = total;
+    ++steps[w];
+    if (w == 0) ++progress[0].steps;
   }
 };
-
-/// Sums of the step just taken, per world. Call after solve and before the contacts change.
-template <class Exec>
-void measure(Exec exec, State<Exec>& s) {
-  for_each_index(exec, s.contact_count,
-                 MeasureResidual{s.contact.view(), s.velocity.view(), s.impulse.view(), s.progress.view()});
-  for_each_index(exec, s.body_count,
-                 MeasureBody{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),
-                             s.velocity.view(), incidence(s), s.progress.view(), s.body_sums.view()});
-  for_each_index(exec, s.world_count,
-                 SumWorld{s.world.view(), s.body_sums.view(), s.momentum.view(), s.world_sums.view()});
-}
 
 template <class Exec>
 void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   sort_into_bins(exec, s);
   find_contacts(exec, s, settings);
   build_incidence(exec, s);
+  cut_into_tiles(exec, s);
+  for_each_counted(exec, contact_count(s),
+                   SplitMasses{incidence(s), s.mass.view(), s.mechanisms.body.view(), s.velocity.view(),
+                               s.contact.view(), settings.target});
+  apply_controllers(exec, s, settings);
   for_each_index(exec, s.body_count,
                  FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),
                             s.velocity.view(), s.inverse_inertia_W.view(), s.free_velocity.view(), settings.step});
-  for_each_index(exec, s.spring.size(),
-                 ApplySpring{s.spring.view(), s.position.view(), s.mass.view(), s.free_velocity.view(), settings.step});
-  solve_apgd(exec, s, settings);
-  measure(exec, s);
+  apply_force_elements(exec, s, settings);
+  prepare_mechanisms(exec, s, settings.step);
+  solve(exec, s, settings);
   for_each_index(exec, s.body_count,
                  Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.position.view(),
                            s.orientation.view(), s.flags.view(), settings.step});
+  update_monitors(exec, s, settings);
+  for_each_index(exec, s.world_count, CountStep{s.steps.view(), s.progress.view()});
 }
 
 }  // namespace gonogo::sim

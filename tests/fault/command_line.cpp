@@ -2,6 +2,8 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <cstdlib>
+
 #include "base/file.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"
@@ -33,6 +35,22 @@ TEST_CASE("options of the program stand before or after the command") {
   }
   CHECK(files_below(folder.path()).empty());
 }
+
+#ifdef GONOGO_WITH_PICTURES
+TEST_CASE("pictures and videos that cannot be made are refused before the trial runs") {
+  const TemporaryFolder folder;
+  const std::string study = std::string(GONOGO_SOURCE_DIR) + "/configs/studies/demo.json";
+  RunOptions bare;
+  bare.before = [] { ::setenv("PATH", "/nowhere", 1); };
+  const std::string video = folder / "out.mp4";
+  check_refusal(run_gonogo({"simulate", study, "--video", video}, bare), 2, {"--video", "ffmpeg", "install"});
+  check_refusal(run_gonogo({"simulate", study, "--picture", folder / "a.png", "--size", "big"}), 2, {"--size big"});
+  check_refusal(run_gonogo({"simulate", study, "--picture", folder / "a.png", "--size", "12x9"}), 2, {"320x180"});
+  check_refusal(run_gonogo({"simulate", study, "--vtk", folder / "vtk", "--every", "0"}), 2, {"--every"});
+  check_refusal(run_gonogo({"simulate", study, "--colour", "smell"}), 2, {"--colour", "speed", "height"});
+  CHECK(files_below(folder.path()).empty());
+}
+#endif
 
 TEST_CASE("every command explains itself with an example") {
   const std::string help = run_gonogo({"--help"}).out;

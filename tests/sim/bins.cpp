@@ -3,6 +3,7 @@
 #include <map>
 #include <vector>
 
+#include "sim/shape/pairs.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -18,14 +19,34 @@ struct Pair {
   BodyIndex low, high;
   bool operator<(const Pair& o) const { return low != o.low ? low < o.low : high < o.high; }
 };
-using Gaps = std::map<Pair, std::vector<double>>;  // several where compounds touch more than once
+using Gaps = std::map<Pair, std::vector<double>>;  // several where bodies touch more than once
 
 struct Layout {
   const char* name;
   bool periodic_x, periodic_y;
   double size_ratio;  // largest to smallest grain; above 4 the largest are not binned
   int spheres_per_body;
+  bool other_shapes = false;  // capsules, cylinders, boxes and wheels among the spheres
 };
+
+Shape random_shape(Draw& draw, double smallest) {
+  Shape s;
+  const int kind = draw.below(24);
+  s.type = kind < 2   ? ShapeType::capsule
+           : kind < 4 ? ShapeType::cylinder
+           : kind < 7 ? ShapeType::box
+                      : ShapeType::sphere;
+  for (Real* size : {&s.size.x, &s.size.y, &s.size.z}) *size = Real(draw.magnitude(smallest, 1.8 * smallest));
+  if (draw.below(60) == 0) {  // a large one
+    s.type = draw.below(2) ? ShapeType::wheel : ShapeType::box;
+    s.size = {0.15f, 0.06f, 0.02f};
+    s.lug_count = 9;
+    s.lug_thickness = 0.03f;
+  }
+  s.group = s.type == ShapeType::wheel ? 3 : draw.below(10) == 0 ? 1 + draw.below(2) : 0;
+  s.turn_B = draw.orientation();
+  return s;
+}
 
 SceneWorld random_world(const Layout& layout, Draw& draw) {
   SceneWorld w;
@@ -39,9 +60,9 @@ SceneWorld random_world(const Layout& layout, Draw& draw) {
     const Vec3d at = w.origin + scale(draw.in_box({-0.2, -0.2, -0.2}, {1.2, 1.2, 1.2}), w.size);
     w.add_body({at, draw.orientation(), {}, {}}, draw.below(5) ? solid(1, {1, 1, 1}) : fixed_body());
     for (int k = 0; k < layout.spheres_per_body; ++k) {
-      Shape s;
+      Shape s = layout.other_shapes ? random_shape(draw, smallest) : Shape{};
       s.body = b;
-      s.size.x = Real(draw.magnitude(smallest, smallest * layout.size_ratio));
+      if (!layout.other_shapes) s.size.x = Real(draw.magnitude(smallest, smallest * layout.size_ratio));
       if (layout.spheres_per_body > 1) s.offset_B = static_cast<Vec3>(draw.direction() * smallest);
       w.add_shape(s);
     }
@@ -55,7 +76,15 @@ double wrapped(double d, double period, bool periodic) {
 
 Vec3d rotated(const Quat& q, const Vec3& v) { return static_cast<Vec3d>(rotate(normalised(q), v)); }
 
-/// All pairs of spheres of different bodies, not both fixed, closer than `reach`.
+/// All contacts of two shapes, whichever comes first.
+void add_pair(const Shape& a, const Quat& qa, const Shape& b, const Quat& qb, const Vec3d& d, double reach,
+              std::vector<double>& gaps) {
+  visit_touches(
+      ShapePair{a, b, a.turn_B.w == 1 ? qa : qa * a.turn_B, b.turn_B.w == 1 ? qb : qb * b.turn_B, d, Real(reach), {}},
+      [&](int, const Touch& t) { gaps.push_back(t.gap); });
+}
+
+/// All pairs of shapes of different bodies and groups, not both fixed, closer than `reach`.
 void add_all_pairs(const SceneWorld& w, BodyIndex first_body, double reach, Gaps& gaps) {
   const auto centre = [&](const Shape& s) {
     return w.body[s.body].position + rotated(w.body[s.body].orientation, s.offset_B);
@@ -68,9 +97,16 @@ void add_all_pairs(const SceneWorld& w, BodyIndex first_body, double reach, Gaps
       Vec3d d = centre(a) - centre(b);
       d.x = wrapped(d.x, w.size.x, w.periodic_x);
       d.y = wrapped(d.y, w.size.y, w.periodic_y);
+      if (a.group != 0 && a.group == b.group) continue;
+      auto& list = gaps[{first_body + std::min(a.body, b.body), first_body + std::max(a.body, b.body)}];
       const double gap = length(d) - a.size.x - b.size.x;
-      if (gap < reach)
-        gaps[{first_body + std::min(a.body, b.body), first_body + std::max(a.body, b.body)}].push_back(gap);
+      if (a.type == ShapeType::sphere && b.type == ShapeType::sphere) {
+        if (gap < reach) list.push_back(gap);
+      } else if (a.type < b.type || (a.type == b.type && i < j)) {
+        add_pair(a, w.body[a.body].orientation, b, w.body[b.body].orientation, d, reach, list);
+      } else {
+        add_pair(b, w.body[b.body].orientation, a, w.body[a.body].orientation, -d, reach, list);
+      }
     }
 }
 
@@ -99,11 +135,15 @@ void compare(const Gaps& expected, const Gaps& found, double envelope) {
 }
 
 /// Gaps of the engine's contacts, read from their bias: overlaps are pushed out in full by one step here.
-Gaps gaps_found(Simulation& simulation) {
+Gaps gaps_found(Simulation& simulation, WorldIndex world_count) {
   Gaps gaps;
-  for (const Contact& c : simulation.contacts())
-    gaps[{std::min(c.body_a, c.body_b), std::max(c.body_a, c.body_b)}].push_back(double(c.bias) *
-                                                                                 simulation.settings().step);
+  BodyIndex first_body = 0;
+  for (WorldIndex w = 0; w < world_count; ++w) {
+    for (const Contact& c : simulation.contacts(w))
+      gaps[{first_body + std::min(c.body_a, c.body_b), first_body + std::max(c.body_a, c.body_b)}].push_back(
+          double(c.bias) * simulation.settings().step);
+    first_body += BodyIndex(simulation.bodies(w).size());
+  }
   return gaps;
 }
 
@@ -115,7 +155,9 @@ TEST_CASE("bins find the same contacts as testing all pairs, each once") {
                             {"periodic along both", true, true, 1, 1},
                             {"mixed sizes", false, true, 3, 1},
                             {"with large spheres", true, true, 8, 1},
-                            {"compounds", true, true, 2, 3}};
+                            {"compounds", true, true, 2, 3},
+                            {"other shapes, open", false, false, 1, 1, true},
+                            {"other shapes, periodic", true, true, 1, 2, true}};
   for (const Backend backend : backends())
     for (const Layout& layout : layouts)
       for (const std::uint64_t seed : {1, 2, 3}) {
@@ -137,11 +179,33 @@ TEST_CASE("bins find the same contacts as testing all pairs, each once") {
         }
         const auto simulation = make_simulation(backend, scene, settings, 2);
         simulation->advance(1);
-        compare(expected, gaps_found(*simulation), settings.envelope);
-        Index reported = 0;
-        for (WorldIndex w = 0; w < 3; ++w) reported += simulation->report(w).contact_count;
-        CHECK(reported == Index(simulation->contacts().size()));
+        compare(expected, gaps_found(*simulation, 3), settings.envelope);
+        for (WorldIndex w = 0; w < 3; ++w)
+          CHECK(simulation->report(w).contact_count == Index(simulation->contacts(w).size()));
       }
+}
+
+TEST_CASE("bins grow with the shapes in them, not with the domain, and a few large shapes do not widen them") {
+  SceneWorld w;
+  w.origin = {-50, -50, -5};
+  w.size = {100, 100, 10};
+  add_plane(w);
+  Draw draw(320);
+  const int grains = 30000;
+  const double radius = 0.016;
+  for (int i = 0; i < grains; ++i)
+    w.add_sphere(draw.in_box({-2, -0.4, 0}, {2, 0.4, 0.3}), Real(radius * draw.between(0.9, 1.1)), 2600, 0);
+  for (int i = 0; i < 4; ++i) add_box(w, {{0, 0, 3}, {}, {}, {}}, {0.03f, 0.03f, 0.03f}, 1);
+  Shape wheel;
+  wheel.type = ShapeType::wheel;
+  wheel.size = {0.467f, 0.127f, 0.02f};
+  wheel.body = w.add_body({{0, 0, 2}, {}, {}, {}}, solid(100, {5, 9, 5}));
+  w.add_shape(wheel);
+  const FlatWorld flat = flatten(w, 0, {});
+  CHECK(flat.size().bins <= 4 * grains + 1000);
+  CHECK(flat.large.size() == 6);  // plane, wheel and the four boxes of 52 mm bounding radius
+  CHECK(flat.world.bin_size.x < 2.5 * radius);
+  CHECK(flat.size().bins > grains / 8);  // and not so few that a bin holds many grains
 }
 
 TEST_CASE("a sphere touches a lug's edge that reaches past radius plus lug height") {
@@ -163,9 +227,9 @@ TEST_CASE("a sphere touches a lug's edge that reaches past radius plus lug heigh
   for (const Backend backend : backends()) {
     const auto simulation = simulate(backend, w, settings);
     simulation->advance(1);
-    REQUIRE(simulation->contacts().size() == 1);
+    REQUIRE(simulation->contacts(0).size() == 1);
     // Single precision at 0.3 m resolves 3e-8 m; the rotation into the lug's frame adds a few of them.
-    CHECK(simulation->contacts()[0].bias * settings.step == Approx(gap).margin(3e-7));
+    CHECK(simulation->contacts(0)[0].bias * settings.step == Approx(gap).margin(3e-7));
   }
 }
 
@@ -174,7 +238,7 @@ TEST_CASE("a pair keeps its impulse when a bin boundary passes between its spher
   // that it becomes the owner of both pairs. Three iterations a step cannot find their forces anew.
   const double radius = 0.05, aside = 0.03;
   SceneWorld w;
-  w.origin = {-1, -1, 0};
+  w.origin = {-1, -1, 0.047};
   w.size = {2, 2, 0.2};
   w.set_law(0, 0, {Real(0.5), Real(0.2), 0});
   for (const double y : {-aside, aside}) w.mass[w.add_sphere({0.07, y, radius}, Real(radius), 2000, 0)] = fixed_body();
@@ -192,7 +256,7 @@ TEST_CASE("a pair keeps its impulse when a bin boundary passes between its spher
     for (int i = 0; i < 1000; ++i) {
       simulation->advance(1);
       worst = std::max(worst, simulation->report(0).max_residual);
-      for (const Contact& c : simulation->contacts()) {
+      for (const Contact& c : simulation->contacts(0)) {
         lower_owns |= c.body_a < 2;
         upper_owns |= c.body_a == 2 && c.body_b < 2;
       }

@@ -145,9 +145,9 @@ DenseProblem dense_problem(const sim::SceneWorld& world, const std::vector<sim::
     at += 5;
   }
   for (const sim::Motor& m : world.motor) {
-    p.direction(6 * m.body + 4, at) = 1;
-    p.bias(at) = -m.speed;
-    p.step(at) = 1 / (2.0 * world.mass[m.body].inverse_inertia_B.y);
+    p.direction.block<3, 1>(6 * m.a + 3, at) = eigen(m.axis_B);  // motors of these scenes turn against the world
+    p.bias(at) = -m.target;
+    p.step(at) = 1 / (2 * p.direction.col(at).dot(p.inverse_mass * p.direction.col(at)));
     p.motor_limit.push_back(m.max_torque * step);
     ++at;
   }

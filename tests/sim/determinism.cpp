@@ -1,5 +1,6 @@
 #include <cstring>
 
+#include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -41,8 +42,9 @@ SceneWorld driven_wheel(std::uint64_t seed) {
   BodyMass sprung = solid(50, {1, 1, 1});
   sprung.inverse_mass.x = sprung.inverse_mass.y = 0;
   const BodyIndex mass = w.add_body({{0.33, 0.17, 0.925}, {}, {}, {}}, sprung);
-  w.motor.push_back({s.body, 3, 100});
-  w.spring.push_back({mass, s.body, 20000, 800, 0.45});
+  w.motor.push_back(speed_motor(w, s.body, kWorld, {0, 1, 0}, 3, 100));
+  w.spring.push_back(
+      spring_along(w, s.body, mass, w.body[s.body].position, w.body[mass].position, {0, 0, -1}, 20000, 800));
   return w;
 }
 
@@ -81,7 +83,7 @@ TEST_CASE("a world has the same bits alone and in any place of a batch") {
     alone->advance(kSteps);
     Scene batch;
     for (int i = 0; i < 6; ++i) batch.push_back(driven_wheel(i == 3 ? 602 : 700 + i));
-    batch[1].motor[0].speed = -20;
+    batch[1].motor[0].target = -20;
     batch[2].gravity.x = 5;
     const auto together = make_simulation(backend, batch, few_iterations(), 2);
     together->advance(kSteps);
@@ -102,11 +104,11 @@ TEST_CASE("a restored simulation goes on with the bits of an uninterrupted one")
     through->set_gravity(0, {1, 0, -9});
     through->set_motor(0, 0, 6, 50);
     through->set_law(0, 0, 1, {Real(0.3), Real(0.05), 0});
-    const Snapshot saved = through->snapshot();
+    const Snapshot saved = through->snapshot(0);
     through->advance(kSteps / 2);
 
     const auto resumed = simulate(backend, w, few_iterations());
-    resumed->restore(saved);
+    resumed->restore(0, saved);
     CHECK(resumed->report(0).time == Approx(kSteps / 2 * double(few_iterations().step)));
     resumed->advance(kSteps / 2);
     INFO(name_of(backend));
@@ -115,7 +117,7 @@ TEST_CASE("a restored simulation goes on with the bits of an uninterrupted one")
     CHECK(through->report(0).time == resumed->report(0).time);
 
     // Back in time in the same simulation, which holds more contacts than the snapshot by now.
-    through->restore(saved);
+    through->restore(0, saved);
     CHECK(length(through->contact_force(0, 0)) == 0);  // no step taken since
     through->advance(kSteps / 2);
     CHECK(same_bits(through->bodies(0), resumed->bodies(0)));
@@ -127,5 +129,5 @@ TEST_CASE("a snapshot of another scene is refused") {
   SceneWorld other;
   other.add_sphere({}, 0.1f, 1000, 0);
   const auto two = simulate(Backend::cpu, other, few_iterations());
-  CHECK_THROWS_AS(two->restore(one->snapshot()), InputError);
+  CHECK_THROWS_AS(two->restore(0, one->snapshot(0)), InputError);
 }

@@ -79,7 +79,7 @@ Vec3d to_lug(const Vec3d& p, const Shape& wheel, int k) {
   return {std::cos(angle) * p.x + std::sin(angle) * p.z - wheel.size.x, p.y,
           -std::sin(angle) * p.x + std::cos(angle) * p.z};
 }
-Vec3d lug_half(const Shape& wheel) { return {wheel.size.z, wheel.size.y, 0.5 * wheel.lug_thickness}; }
+Vec3d half_of_lug(const Shape& wheel) { return {wheel.size.z, wheel.size.y, 0.5 * wheel.lug_thickness}; }
 
 /// Gap against sampled surface points; the normal leads from the nearest surface point to the sphere's centre.
 void check_gap(const Gap& g, double radius, const Vec3d& p, const std::vector<Patch>& surface, bool inside) {
@@ -152,7 +152,7 @@ TEST_CASE("gap and normal of a sphere and a lug agree with sampled surface point
   for (int i = 0; i < 150; ++i) {
     const Shape wheel = lugged_wheel(draw, 1 + draw.below(24));
     const int k = draw.below(wheel.lug_count);
-    const Vec3d half = lug_half(wheel), local = draw.in_box(half * -2.0, half * 2.0);
+    const Vec3d half = half_of_lug(wheel), local = draw.in_box(half * -2.0, half * 2.0);
     const double angle = 2 * kPi * k / wheel.lug_count, x = local.x + wheel.size.x;
     const Vec3d p{std::cos(angle) * x - std::sin(angle) * local.z, local.y,
                   std::sin(angle) * x + std::cos(angle) * local.z};
@@ -199,7 +199,7 @@ TEST_CASE("a small sphere meets every feature of a wheel that it touches, and ea
           const double radial = std::hypot(p.x, p.z) - wheel.size.x, axial = std::abs(p.y) - wheel.size.y;
           gap = radial > 0 && axial > 0 ? std::hypot(radial, axial) : std::max(radial, axial);
         } else {
-          const Vec3d q = to_lug(p, wheel, feature - 1), half = lug_half(wheel);
+          const Vec3d q = to_lug(p, wheel, feature - 1), half = half_of_lug(wheel);
           const Vec3d out{std::abs(q.x) - half.x, std::abs(q.y) - half.y, std::abs(q.z) - half.z};
           const Vec3d past{std::max(out.x, 0.0), std::max(out.y, 0.0), std::max(out.z, 0.0)};
           gap = length(past) > 0 ? length(past) : std::max({out.x, out.y, out.z});

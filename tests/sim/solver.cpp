@@ -1,6 +1,7 @@
 // The matrix-free solver against a dense one, and the bound on its step sizes that it relies on.
 #include <Eigen/Eigenvalues>
 
+#include "sim/joint/build.h"
 #include "tests/sim/dense_problem.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -66,7 +67,8 @@ void add_wheel(SceneWorld& w, Draw& draw) {
   s.body =
       w.add_body({{0.06, 0.04, 2 * kRadius + 0.162}, about_y(draw.between(0, 1)), {Real(0.2), 0, Real(-0.2)}, {}}, m);
   w.add_shape(s);
-  w.motor.push_back({s.body, Real(draw.between(-5, 5)), Real(draw.magnitude(0.1, 30))});
+  const double speed = draw.between(-5, 5), limit = draw.magnitude(0.1, 30);
+  w.motor.push_back(speed_motor(w, s.body, kWorld, {0, 1, 0}, speed, limit));
 }
 
 /// With fixed grains a wheel on rails may be caught beyond help: then there are no admissible velocities.
@@ -109,10 +111,10 @@ struct Comparison {
 Comparison compare(Backend backend, const SceneWorld& w, Index iterations) {
   const auto simulation = simulate(backend, w, settings_with(iterations));
   simulation->advance(1);
-  const DenseProblem problem = dense_problem(w, w.body, simulation->contacts(), simulation->settings().step);
+  const DenseProblem problem = dense_problem(w, w.body, simulation->contacts(0), simulation->settings().step);
   const DenseSolution oracle = solve(problem, 1e-10, 40000);
   Comparison c;
-  c.contacts = simulation->contacts().size();
+  c.contacts = simulation->contacts(0).size();
   c.oracle_residual = oracle.residual;
   c.engine_residual = simulation->report(0).max_residual;
   for (Eigen::Index row = 0; row < oracle.impulse.size(); ++row) {
@@ -145,7 +147,7 @@ TEST_CASE("the solver's velocities agree with a dense solution in double") {
         REQUIRE(c.oracle_residual < 1e-9);
         // A body's velocity is a sum of kicks that cancel: each is rounded to 6e-8, and stacked contacts amplify that
         // some tens of times.
-        CHECK(c.error < 4e-6 * c.kick);
+        CHECK(c.error < 5e-6 * c.kick);
         worst = std::max(worst, c.error);
         fewest = std::min(fewest, c.contacts), most = std::max(most, c.contacts);
       }
@@ -162,7 +164,7 @@ TEST_CASE("mass splitting bounds the Hessian: the largest eigenvalue of S^1/2 N 
       const SceneWorld w = random_scene(kind, 100 + seed, true);
       const auto simulation = simulate(Backend::cpu, w, settings_with(1));
       simulation->advance(1);
-      const auto contacts = simulation->contacts();
+      const auto contacts = simulation->contacts(0);
       DenseProblem problem = dense_problem(w, w.body, contacts, simulation->settings().step);
       // Without rolling resistance the solver has no rolling rows.
       for (std::size_t c = 0; c < contacts.size(); ++c)

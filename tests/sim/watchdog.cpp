@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
@@ -93,12 +94,10 @@ TEST_CASE("a scene that cannot run is refused with a reason") {
   none.iterations = 0;
   CHECK_THROWS_AS(make_simulation(Backend::cpu, two_worlds(), none, 1), InputError);
   Scene motor = two_worlds();
-  motor[1].motor.push_back({0, 1, 1});  // the plane is fixed
-  CHECK_THROWS_AS(make_simulation(Backend::cpu, motor, settings, 1), InputError);
-  motor[1].motor = {{1, 1, 1}, {1, 2, 1}};
+  motor[1].motor.push_back(speed_motor(motor[1], 0, kWorld, {0, 1, 0}, 1, 1));  // the plane is fixed
   CHECK_THROWS_AS(make_simulation(Backend::cpu, motor, settings, 1), InputError);
   Scene spring = two_worlds();
-  spring[0].spring.push_back({0, 0, 100, 1, 0});
+  spring[0].spring.push_back(spring_between(spring[0], 0, 0, {0, 0, 0}, {0, 0, 1}, 100, 1));
   CHECK_THROWS_AS(make_simulation(Backend::cpu, spring, settings, 1), InputError);
   Scene material = two_worlds();
   material[0].shape[1].material = kMaxMaterials;
@@ -119,7 +118,7 @@ TEST_CASE("a wheel that can only turn grinds against a fixed grain with finite i
   // In the wheel's mid-plane the arm lies along the normal: neither body gives way along it.
   w.add_sphere({1, 1, 0.649}, 0.05f, 2000, 0);
   w.mass[1] = fixed_body();
-  w.motor.push_back({0, 4, 20});
+  w.motor.push_back(speed_motor(w, 0, kWorld, {0, 1, 0}, 4, 20));
   for (const Backend backend : backends()) {
     const auto simulation = simulate(backend, w, {});
     simulation->advance(200);

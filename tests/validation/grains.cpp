@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -129,7 +130,7 @@ TEST_CASE("a motor spins a free wheel up at T / I to its speed and holds it") {
     w.size = {2, 2, 2};
     w.gravity = {};
     const BodyIndex b = w.add_body({}, solid(5, {1, Real(inertia), 1}));
-    w.motor.push_back({b, Real(speed), Real(torque)});
+    w.motor.push_back(speed_motor(w, b, kWorld, {0, 1, 0}, speed, torque));
     const auto simulation = simulate(backend, w, settings_with(1e-3, 40));
     advance_for(*simulation, 0.5);
     CHECK(agrees("motor at its limit, speed [rad/s]", torque / inertia * 0.5, simulation->body(0, b).angular_velocity.y,
@@ -167,7 +168,7 @@ TEST_CASE("a lugged wheel drives over fixed grains within its torque and reaches
     m.inverse_mass.y = m.inverse_inertia_B.x = m.inverse_inertia_B.z = 0;
     s.body = w.add_body({{1, 0.2, 0.31}, {}, {}, {}}, m);
     w.add_shape(s);
-    w.motor.push_back({s.body, Real(speed), Real(limit)});
+    w.motor.push_back(speed_motor(w, s.body, kWorld, {0, 1, 0}, speed, limit));
     const auto simulation = simulate(backend, w, settings_with(1e-3, 40));
     double most_torque = 0, mean_speed = 0, load = 0, travelled = 0;
     const int steps = 3000, last = 1500;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -21,7 +22,7 @@ SceneWorld sprung_mass(double mass, double stiffness, double damping) {
   w.size = {10, 10, 10};
   const BodyIndex ground = w.add_body({}, fixed_body());
   const BodyIndex upper = w.add_body({{0, 0, 1}, {}, {}, {}}, solid(Real(mass), {1, 1, 1}));
-  w.spring.push_back({upper, ground, Real(stiffness), Real(damping), 1.0});
+  w.spring.push_back(spring_along(w, upper, ground, {0, 0, 1}, {}, {0, 0, 1}, stiffness, damping));
   return w;
 }
 
@@ -86,7 +87,8 @@ TEST_CASE("two sprung bodies swing about their common centre, which falls freely
     w.size = {10, 10, 100};
     const BodyIndex lower = w.add_body({{0, 0, 0}, {}, {}, {}}, solid(Real(lower_mass), {1, 1, 1}));
     const BodyIndex upper = w.add_body({{0, 0, 1.02}, {}, {}, {}}, solid(Real(upper_mass), {1, 1, 1}));
-    w.spring.push_back({upper, lower, Real(stiffness), 0, 1.0});
+    w.spring.push_back(spring_along(w, upper, lower, {0, 0, 1.02}, {}, {0, 0, 1}, stiffness, 0));
+    w.spring[0].free_length = 1;
     const auto simulation = simulate(backend, w, with_step(step));
     const double reduced = upper_mass * lower_mass / (upper_mass + lower_mass);
     const double omega = std::sqrt(stiffness / reduced), half_period = kPi / omega;

@@ -1,0 +1,40 @@
+// The wheel scene: a driven tyre on a bed of grains up a slope, timed and measured.
+#pragma once
+#include <filesystem>
+
+#include "sim/simulation.h"
+
+namespace gonogo::pipeline {
+
+struct WheelBench {
+  std::filesystem::path scene = "configs/scenes/wheel.json";
+  sim::Backend backend = sim::Backend::cpu;
+  int threads = 1;
+  sim::Solver solver = sim::Solver::apgd;
+  sim::Target target = sim::Target::ccp;
+  double step = 1e-3;     // [s]
+  int iterations = 50;    // most per step
+  double tolerance = 0;   // [m/s]
+  int worlds = 1;         // copies in one batch
+  double drive_time = 0;  // instead of the scene's, where above zero [s]
+  std::filesystem::path packing_folder;
+};
+
+struct WheelBenchResult {
+  Index bodies = 0, contacts = 0, steps = 0;
+  double mean_iterations = 0;
+  double ms_per_step = 0;         // mean over the drive; all worlds together
+  double simulated_per_wall = 0;  // simulated seconds of one world per wall second
+  double start_up = 0;            // from the call to the first step taken, packing excluded [s]
+  double slip = 0;                // over the last half of the drive [-]
+  double sinkage = 0;             // mean over the last half of the drive [m]
+  double residual_rms = 0;        // mean over the drive [m/s]
+  double residual_max = 0;        // largest seen [m/s]
+  Index flags = 0;
+};
+
+/// Reads the scene, settles the tilted bed, lets the wheel down, ramps its speed up and drives.
+/// Throws InputError for a bad scene file and DeviceError when the run raises a flag.
+WheelBenchResult bench_wheel(const WheelBench& request);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,45 @@
+// What is to be drawn. Grains stay spheres, everything else is triangles. All in the level frame: z against gravity, x
+// level and as far along the bed's x axis as that allows, so that a slope is seen as a slope.
+#pragma once
+#include <vector>
+
+#include "sim/io/capture.h"
+
+namespace gonogo::pipeline {
+
+/// Linear red, green and blue, 0 to 1.
+using Light = Vec3;
+
+struct Ball {
+  Vec3 centre;  // [m]
+  Real radius;  // [m]
+  Light colour;
+};
+
+struct Face {
+  Vec3 corner[3], normal[3];  // [m]; unit, outward
+  Light colour;
+};
+
+struct Model {
+  std::vector<Ball> ball;
+  std::vector<Face> face;
+  Real floor = 0;  // height of the level ground that everything stands on [m]
+};
+
+enum class GrainColour { speed, height };
+
+struct ModelStyle {
+  GrainColour colour = GrainColour::speed;
+  double low = 0, high = 1;   // ends of the colour bar [m/s] or [m, along the bed's normal]
+  sim::BodyIndex focus = -1;  // body that a periodic world is drawn around; -1: the world's middle
+};
+
+/// Colour of a share of the colour bar, 0 to 1.
+Light bar_colour(double share);
+
+/// Moving spheres in the colours of the bar, fixed ones as base, wheels in rubber with a rim, all else in steel. Under
+/// a periodic bed a block of ground fills the space down to the floor.
+Model model_of(const sim::SceneWorld& world, const sim::Capture& frame, const ModelStyle& style);
+
+}  // namespace gonogo::pipeline

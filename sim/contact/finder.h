@@ -1,0 +1,107 @@
+// Narrow phase: which contacts a shape owns. Every pair is met by one of its shapes, the owner.
+#pragma once
+#include "sim/broad_phase/bins.h"
+#include "sim/shape/pairs.h"
+
+namespace gonogo::sim {
+
+/// Order of the pair inside the owner's list and its name across steps.
+GONOGO_HD inline std::uint64_t pair_key(ShapeIndex other, int feature) {
+  return (std::uint64_t(std::uint32_t(other)) << 32) | std::uint64_t(std::uint32_t(feature));
+}
+
+/// The same name when the other shape's index changes by `shapes`.
+inline std::uint64_t shifted_key(std::uint64_t key, ShapeIndex shapes) {
+  return pair_key(ShapeIndex(key >> 32) + shapes, int(std::uint32_t(key)));
+}
+
+struct ContactFinder {
+  View<const Shape> shape;
+  View<const Vec3d> centre;
+  View<const Quat> orientation;
+  View<const WorldIndex> world_of_body;
+  View<const WorldParameters> world;
+  View<const Index> bin_of_shape, first_in_bin;
+  View<const BinnedShape> shape_by_bin;
+  View<const LargeShape> large;
+  View<const BodyMass> mass;
+  View<const MechanismBody> jointed;
+  SurfaceView surfaces;
+  Real envelope;
+
+  /// Shapes of one group never touch, nor do bodies of one mechanism: hubs sit inside wheels.
+  GONOGO_HD bool may_touch(ShapeIndex i, ShapeIndex j) const {
+    const Shape &a = shape[i], &b = shape[j];
+    if (a.body == b.body || (a.group != 0 && a.group == b.group)) return false;
+    if (is_fixed(mass[a.body]) && is_fixed(mass[b.body])) return false;
+    const Index slot_a = mass[a.body].slot, slot_b = mass[b.body].slot;
+    return slot_a < 0 || slot_b < 0 || jointed[slot_a].mechanism != jointed[slot_b].mechanism;
+  }
+
+  /// Calls visit(other shape, touch, feature, d) for every contact that shape `i` owns; d: from the other shape's
+  /// centre to that of `i`.
+  template <class Visit>
+  GONOGO_HD void visit_contacts(ShapeIndex i, Visit&& visit) const {
+    if (shape[i].type == ShapeType::none) return;
+    const WorldParameters& w = world[world_of_body[shape[i].body]];
+    if (bin_of_shape[i] >= 0) visit_binned(i, w, visit);
+    for (Index l = w.first_large; l < w.first_large + w.large_count; ++l) visit_large(i, large[l], w, visit);
+  }
+
+  template <class Visit>
+  GONOGO_HD void visit_binned(ShapeIndex i, const WorldParameters& w, Visit&& visit) const {
+    const Vec3d here{folded(centre[i].x, w.origin.x, w.period.x), folded(centre[i].y, w.origin.y, w.period.y),
+                     centre[i].z};
+    const bool sphere = shape[i].type == ShapeType::sphere;
+    const Real radius = bounding_radius(shape[i]), reach_i = radius + envelope;
+    visit_neighbour_bins(w, bin_of(w, here), [&](Index first, Index last, bool shared) {
+      const Index own_end = first_in_bin[first + 1];
+      for (Index k = first_in_bin[first]; k < first_in_bin[last]; ++k) {
+        const BinnedShape& other = shape_by_bin[k];
+        if (shared && k < own_end && other.shape <= i) continue;
+        const Vec3d apart = nearest_image(here - other.centre, w.period);
+        const auto d = static_cast<Vec3>(apart);
+        const Real reach = reach_i + other.radius;
+        if (dot(d, d) >= reach * reach || !may_touch(i, other.shape)) continue;
+        if (sphere && shape[other.shape].type == ShapeType::sphere) {
+          const Gap g = sphere_sphere_gap(d, radius + other.radius);
+          visit(other.shape, 0, Touch{g.gap, g.normal, g.normal * -(radius + g.gap / 2)}, apart);
+        } else {
+          visit_pair(i, other.shape, apart, visit);
+        }
+      }
+    });
+  }
+
+  /// Binned shapes own their contacts with large ones; of two large ones the one that moves, then the first.
+  GONOGO_HD bool owns(ShapeIndex i, ShapeIndex j) const {
+    if (bin_of_shape[i] >= 0) return true;
+    const bool moves_i = !is_fixed(mass[shape[i].body]), moves_j = !is_fixed(mass[shape[j].body]);
+    return moves_i != moves_j ? moves_i : i < j;
+  }
+
+  template <class Visit>
+  GONOGO_HD void visit_large(ShapeIndex i, const LargeShape& other, const WorldParameters& w, Visit&& visit) const {
+    const Vec3d from_middle = nearest_image(centre[i] - other.middle, w.period);
+    if (!other.reaches(static_cast<Vec3>(from_middle), bounding_radius(shape[i]) + envelope) ||
+        !may_touch(i, other.shape) || !owns(i, other.shape))
+      return;
+    visit_pair(i, other.shape, from_middle + (other.middle - centre[other.shape]), visit);
+  }
+
+  template <class Visit>
+  GONOGO_HD void visit_pair(ShapeIndex i, ShapeIndex j, const Vec3d& d, Visit&& visit) const {
+    const Shape &own = shape[i], &other = shape[j];
+    const Quat qi = shape_orientation(own, orientation[own.body]);
+    const Quat qj = shape_orientation(other, orientation[other.body]);
+    const bool first = own.type < other.type || (own.type == other.type && i < j);
+    if (first)
+      visit_touches(ShapePair{own, other, qi, qj, d, envelope, surfaces},
+                    [&](int feature, const Touch& t) { visit(j, feature, t, d); });
+    else
+      visit_touches(ShapePair{other, own, qj, qi, -d, envelope, surfaces},
+                    [&](int feature, const Touch& t) { visit(j, feature, seen_from_other(t, -d), d); });
+  }
+};
+
+}  // namespace gonogo::sim

@@ -1,0 +1,94 @@
+// Stages of a step that act on bodies: controllers set motors, force elements push bodies.
+#pragma once
+#include "sim/joint/motor.h"
+#include "sim/world/state.h"
+
+namespace gonogo::sim {
+
+struct ApplyController {
+  View<const ControllerPlan> controller;
+  View<const TablePoint> table;
+  View<const Index> steps;  // [world] taken
+  View<const Velocity> velocity;
+  View<const Quat> orientation;
+  View<ControllerState> state;
+  View<Motor> motor;
+  Real step;
+
+  GONOGO_HD void operator()(Index i) const {
+    const ControllerPlan& c = controller[i];
+    if (c.motor < 0) return;
+    Motor& m = motor[c.motor];
+    const MotorCommand command = command_of(c, m, state[i]);
+    m.target = Real(command.speed);
+    m.max_torque = Real(command.max_torque);
+  }
+
+  GONOGO_HD MotorCommand command_of(const ControllerPlan& c, const Motor& m, ControllerState& own) const {
+    const double time = double(steps[c.world]) * double(step);
+    if (c.type == ControllerType::schedule) return schedule_command(table, c, time);
+    if (c.type == ControllerType::throttle) return throttle_command(table, c, time, motor_speed(m, motor_axis(m, orientation), velocity));
+    const Vec3 axis = c.frame == ReferenceFrame::body ? rotate(orientation[c.body], c.axis) : c.axis;
+    return velocity_command(table, c, time, dot(velocity[c.body].linear, axis), step, own);
+  }
+};
+
+/// Adds the sum of a body's forces to its free velocity.
+struct ApplyForces {
+  View<const LoadedBody> loaded;
+  View<const ForceElement> force;
+  View<const Index> steps;  // [world] taken
+  View<const WorldIndex> world_of_body;
+  View<const Velocity> velocity;
+  View<const Quat> orientation;
+  View<const BodyMass> mass;
+  View<const SymMat3> inverse_inertia_W;
+  View<ForceAndTorque> applied;
+  View<Velocity> free_velocity;
+  Real step;
+
+  GONOGO_HD void operator()(Index i) const {
+    const LoadedBody& l = loaded[i];
+    if (l.first == l.end) return;
+    const LoadedMotion motion = motion_of(l.body);
+    const double time = double(steps[world_of_body[l.body]]) * double(step);
+    ForceAndTorque sum;
+    for (Index k = l.first; k < l.end; ++k) {
+      const ForceAndTorque w = load_of(force[k], motion, time, step);
+      sum.force += w.force;
+      sum.torque += w.torque;
+    }
+    applied[i] = sum;
+    free_velocity[l.body].linear += step * scale(motion.inverse_mass, sum.force);
+    free_velocity[l.body].angular += step * (motion.inverse_inertia_W * sum.torque);
+  }
+
+  /// A body whose moments of inertia are equal has no inertia in the world frame stored.
+  GONOGO_HD LoadedMotion motion_of(BodyIndex b) const {
+    const BodyMass& m = mass[b];
+    const Real same = m.inverse_inertia_B.x;
+    return {orientation[b], velocity[b], m.inverse_mass,
+            m.isotropic ? SymMat3{same, same, same, 0, 0, 0} : inverse_inertia_W[b]};
+  }
+};
+
+/// Sets the motors for the step that begins. Call when the step is sure to be completed: integrals go on.
+template <class Exec>
+void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  ElementState<Exec>& e = s.element;
+  for_each_index(exec, e.controller.size(),
+                 ApplyController{e.controller.view(), e.table.view(), s.steps.view(), s.velocity.view(),
+                                 s.orientation.view(), e.controller_state.view(), s.mechanisms.motor.view(), settings.step});
+}
+
+/// Call when the free velocity and the inertia of the step are known, before anything implicit is added.
+template <class Exec>
+void apply_force_elements(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  ElementState<Exec>& e = s.element;
+  for_each_index(exec, e.loaded.size(),
+                 ApplyForces{e.loaded.view(), e.force.view(), s.steps.view(), s.world_of_body.view(), s.velocity.view(),
+                             s.orientation.view(), s.mass.view(), s.inverse_inertia_W.view(), e.applied.view(),
+                             s.free_velocity.view(), settings.step});
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,140 @@
+// The last stage of a step: energy of every world, its monitors and stop rules.
+#pragma once
+#include "sim/broad_phase/bins.h"
+#include "sim/joint/motor.h"
+#include "sim/joint/row.h"
+
+namespace gonogo::sim {
+
+/// Energy that springs hold and power that motors and forces gave in the step just taken. Fixed order: same bits for
+/// any number of threads.
+struct MeasureElements {
+  View<const WorldElements> world;
+  View<const WorldParameters> parameters;
+  View<const Motor> motor;
+  View<const MotorDrive> drive;
+  View<const Real> motor_impulse;
+  View<const SpringDamper> spring;
+  View<const LoadedBody> loaded;
+  View<const ForceAndTorque> applied;
+  View<const Vec3d> position;
+  View<const Quat> orientation;
+  View<const Velocity> velocity;
+  View<WorldEnergy> energy;
+  Real step;
+
+  GONOGO_HD void operator()(WorldIndex w) const {
+    const WorldElements& of = world[w];
+    WorldEnergy e;
+    for (Index i = of.first_motor; i < of.motor_end; ++i)
+      e.motor_power += double(motor_impulse[i]) / step * motor_speed(motor[i], drive[i].axis_W, velocity);
+    for (Index i = of.first_spring; i < of.spring_end; ++i) {
+      const SpringDamper& s = spring[i];
+      const Link link = link_between(s.a, s.b, position, orientation, parameters[w].period);
+      e.spring += spring_energy(s, spring_row(s, link).error);
+    }
+    for (Index i = of.first_loaded; i < of.loaded_end; ++i) {
+      const Velocity& v = velocity[loaded[i].body];
+      e.force_power += double(dot(applied[i].force, v.linear)) + double(dot(applied[i].torque, v.angular));
+    }
+    energy[w] = e;
+  }
+};
+
+/// A stopped world's monitors rest, whatever its bodies still do.
+struct UpdateMonitors {
+  View<const WorldElements> element;
+  View<const WorldParameters> world;
+  View<const WorldSums> sums;
+  View<const WorldEnergy> energy;
+  View<const Index> flags;
+  View<const Motor> motor;
+  View<const MotorDrive> drive;
+  View<const Real> motor_impulse;
+  View<const Vec3d> position;
+  View<const Velocity> velocity;
+  View<const MonitorPlan> monitor;
+  View<const Index> steps;  // [world] taken before this one
+  View<WorldStop> stop;
+  View<MonitorState> state;
+  View<MonitorSample> sample;
+  Real step;
+
+  GONOGO_HD void operator()(WorldIndex w) const {
+    if (stop[w].cause != StopCause::none) return;
+    const WatchedStep of_world = watched_world(w);
+    StopCause cause = StopCause::none;
+    const WorldElements& of = element[w];
+    for (Index i = of.first_monitor; i < of.monitor_end; ++i) {
+      add_step(state[i], watched(i, w, of_world), step);
+      record(monitor[i], state[i]);
+      if (cause != StopCause::none) continue;
+      cause = stop_cause(monitor[i], state[i], sample);
+      if (cause != StopCause::none) stop[w] = {cause, i - of.first_monitor, of_world.step};
+    }
+  }
+
+  GONOGO_HD WatchedStep watched_world(WorldIndex w) const {
+    WatchedStep s;
+    s.energy = sums[w].kinetic + energy[w].spring;
+    s.supplied = (sums[w].gravity_power + energy[w].motor_power + energy[w].force_power) * step;
+    s.driven = energy[w].motor_power * step;
+    s.residual = rms_residual(sums[w]);
+    s.step = steps[w] + 1;
+    s.contact_count = sums[w].contact_count;
+    s.iterations = sums[w].iterations;
+    s.flags = flags[w];
+    return s;
+  }
+
+  /// Adds what this monitor watches and remembers the body's position.
+  GONOGO_HD WatchedStep watched(Index i, WorldIndex w, WatchedStep s) const {
+    const MonitorPlan& p = monitor[i];
+    const Vec3d x = position[p.body], moved = x - state[i].position;
+    s.moved = nearest_image(moved, world[w].period);
+    s.drop = p.height - x.z;
+    s.speed = velocity[p.body].linear.x;
+    if (p.motor >= 0) {
+      s.motor_speed = motor_speed(motor[p.motor], drive[p.motor].axis_W, velocity);
+      s.torque = double(motor_impulse[p.motor]) / step;
+    }
+    state[i].position = x;
+    return s;
+  }
+
+  /// The time limit stops the world before the record is full.
+  GONOGO_HD void record(const MonitorPlan& p, MonitorState& m) const {
+    if (m.now.step % p.stride != 0 || m.sample_count >= p.capacity) return;
+    sample[p.first_sample + m.sample_count] = m.now;
+    ++m.sample_count;
+  }
+};
+
+/// What a world's elements and monitors do at the end of a step, in one kernel.
+struct FinishStep {
+  MeasureElements measure;
+  UpdateMonitors monitors;
+
+  GONOGO_HD void operator()(WorldIndex w) const {
+    measure(w);
+    monitors(w);
+  }
+};
+
+/// Call after integrate, before the clock goes on.
+template <class Exec>
+void update_monitors(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  ElementState<Exec>& e = s.element;
+  MechanismStore<Exec>& m = s.mechanisms;
+  const MeasureElements measure{e.world.view(),         s.world.view(),       m.motor.view(),    m.drive.view(),
+                                m.motor_impulse.view(), m.spring.view(),      e.loaded.view(),   e.applied.view(),
+                                s.position.view(),      s.orientation.view(), s.velocity.view(), e.energy.view(),
+                                settings.step};
+  const UpdateMonitors monitors{e.world.view(),    s.world.view(),         s.world_sums.view(), e.energy.view(),
+                                s.flags.view(),    m.motor.view(),         m.drive.view(),      m.motor_impulse.view(),
+                                s.position.view(), s.velocity.view(),      e.monitor.view(),    s.steps.view(),
+                                e.stop.view(),     e.monitor_state.view(), e.sample.view(),     settings.step};
+  for_each_index(exec, s.world_count, FinishStep{measure, monitors});
+}
+
+}  // namespace gonogo::sim

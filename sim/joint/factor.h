@@ -1,0 +1,71 @@
+// Dense symmetric elimination of a mechanism's rows by a team. [A | J | b] becomes [. | A^-1 J | A^-1 b]: one pass down
+// (A = L D L^T, applied to the right-hand sides at once) and one up. Rows of bodies that are not connected directly
+// meet as zeros and cost nothing. Rows are scaled to A_ii = 1, so pivots are between 0 and 1; a row that repeats rows
+// before it (a planar four-bar has three such) has a pivot of rounding size and is left out: it gets no impulse.
+#pragma once
+#include "base/team.h"
+#include "sim/joint/mechanism.h"
+
+namespace gonogo::sim {
+
+/// Row-major [row_count x stride]; the first `first_right` columns hold the upper triangle of A.
+struct LinearSystem {
+  double* number;
+  Index rows, stride, first_right;
+
+  GONOGO_HD double* row(Index i) const { return number + std::size_t(i) * stride; }
+};
+
+GONOGO_HD_INLINED void subtract(double* __restrict target, const double* __restrict source, double share, Index first,
+                                Index end) {
+  for (Index c = first; c < end; ++c) target[c] -= share * source[c];
+}
+
+/// Row i -= share(i) * row k for the rows of a range, in the columns from `first_column` on.
+template <class Team, class Share>
+GONOGO_HD void subtract_row(const Team& team, const LinearSystem& s, Index k, Index first_row, Index end_row,
+                            Index first_column, const Share& share) {
+  if constexpr (Team::kWholeRows) {
+    for (Index i = first_row + team.rank(); i < end_row; i += team.size())
+      if (const double x = share(i); x != 0) subtract(s.row(i), s.row(k), x, first_column, s.stride);
+  } else {
+    const Index columns = s.stride - first_column, cells = (end_row - first_row) * columns;
+    for (Index cell = team.rank(); cell < cells; cell += team.size()) {
+      const Index i = first_row + cell / columns, c = first_column + cell % columns;
+      if (const double x = share(i); x != 0) s.row(i)[c] -= x * s.row(k)[c];
+    }
+  }
+}
+
+/// Square of the smallest angle between a row and those before it [rad^2]. Axes that should be parallel are so to about
+/// 1e-6; a link of a millionth of its neighbours' mass still counts.
+inline constexpr double kRedundantPivot = 1e-10;
+
+/// Takes row k out of the system: its part of the solution becomes zero.
+template <class Team>
+GONOGO_HD void leave_out(const Team& team, const LinearSystem& s, Index k) {
+  team.sync();  // all have seen the pivot
+  for (Index c = s.first_right + team.rank(); c < s.stride; c += team.size()) s.row(k)[c] = 0;
+  if (team.rank() == 0) s.row(k)[k] = 1;
+}
+
+/// After this, row k of the right-hand side holds d_k times the solution's, with the pivots d_k on the diagonal.
+template <class Team>
+GONOGO_HD void eliminate(const Team& team, const LinearSystem& s) {
+  for (Index k = 0; k < s.rows; ++k) {
+    const double* pivot_row = s.row(k);
+    const double pivot = pivot_row[k], inverse = 1 / pivot;
+    if (pivot <= kRedundantPivot)
+      leave_out(team, s, k);
+    else
+      subtract_row(team, s, k, k + 1, s.rows, k + 1, [&](Index i) { return pivot_row[i] * inverse; });
+    team.sync();
+  }
+  for (Index k = s.rows - 1; k > 0; --k) {
+    const double inverse = 1 / s.row(k)[k];
+    subtract_row(team, s, k, 0, k, s.first_right, [&](Index i) { return s.row(i)[k] * inverse; });
+    team.sync();
+  }
+}
+
+}  // namespace gonogo::sim

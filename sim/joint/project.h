@@ -1,0 +1,56 @@
+// Inside the iteration: velocities of a mechanism's bodies from their gathered ones.
+#pragma once
+#include "sim/joint/mechanism.h"
+
+namespace gonogo::sim {
+
+/// v = P v_gathered + c. The same sums in the same order for a whole body or for one number of it.
+struct Projection {
+  View<const Mechanism> mechanism;
+  View<const MechanismBody> body;
+  View<const Real> projection;
+  View<const Velocity> gathered;  // [mechanism body]
+
+  /// Whether k is part of an empty place in a batch.
+  GONOGO_HD bool is_empty(Index k) const {
+    const Mechanism& m = mechanism[body[k].mechanism];
+    return k - m.first_body >= m.body_count;
+  }
+
+  /// All of body k of the mechanisms; for the host.
+  GONOGO_HD Velocity velocity(Index k) const {
+    Real sum[6];
+    const Mechanism& m = mechanism[body[k].mechanism];
+    add_columns<6>(m, 6 * (k - m.first_body), sum);
+    return {{sum[0], sum[1], sum[2]}, 0, {sum[3], sum[4], sum[5]}, 0};
+  }
+
+  /// Number c of body k: 0 to 2 linear, 3 to 5 angular. Neighbouring threads read neighbouring numbers.
+  GONOGO_HD Real component(Index k, Index c) const {
+    Real sum[1];
+    const Mechanism& m = mechanism[body[k].mechanism];
+    add_columns<1>(m, 6 * (k - m.first_body) + c, sum);
+    return sum[0];
+  }
+
+  template <int kCount>
+  GONOGO_HD void add_columns(const Mechanism& m, Index first, Real (&sum)[kCount]) const {
+    const Index stride = m.column_stride();
+    const Real* from = projection.data + m.projection + first;
+    const Real* offset = from + std::size_t(m.unknowns()) * stride;
+    for (int i = 0; i < kCount; ++i) sum[i] = offset[i];
+    for (Index slot = 0; slot < m.body_count; ++slot, from += 6 * stride) {
+      const Velocity& g = gathered[m.first_body + slot];
+      const Real x[6] = {g.linear.x, g.linear.y, g.linear.z, g.angular.x, g.angular.y, g.angular.z};
+      for (int c = 0; c < 6; ++c)
+        for (int i = 0; i < kCount; ++i) sum[i] += from[c * stride + i] * x[c];
+    }
+  }
+};
+
+template <class Exec>
+Projection projection(MechanismStore<Exec>& s) {
+  return {s.mechanism.view(), s.body.view(), s.projection.view(), s.gathered.view()};
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,90 @@
+// Capsules on surfaces of triangles: their ends as spheres, and between them the ridges and peaks that the axis passes.
+#pragma once
+#include "sim/shape/surface_touch.h"
+
+namespace gonogo::sim {
+
+/// Segment from -half to half through the origin, both ends included.
+struct Segment {
+  Vec3 half;
+  GONOGO_HD Real nearest(const Vec3& p) const {  // in -1 .. 1
+    return std::fmin(std::fmax(dot(p, half) / dot(half, half), Real(-1)), Real(1));
+  }
+};
+
+/// Parameter along the segment where it is nearest to an edge, and along the edge (0 .. 1). Ericson (2005), 5.1.9.
+GONOGO_HD inline void nearest_parameters(const Segment& segment, const Vec3& from, const Vec3& edge, Real& s, Real& t) {
+  const Vec3& u = segment.half;
+  const Real a = dot(u, u), e = dot(edge, edge), b = dot(u, edge), c = -dot(u, from), f = -dot(edge, from);
+  const Real area = a * e - b * b;
+  s = area > Real(1e-6) * a * e ? std::fmin(std::fmax((b * f - c * e) / area, Real(-1)), Real(1)) : Real(0);
+  t = std::fmin(std::fmax((b * s + f) / e, Real(0)), Real(1));
+  s = segment.nearest(from + edge * t);
+}
+
+/// What the middle part of a capsule about the origin of `from` touches.
+template <class Surface, class Visit>
+struct CapsuleMiddle {
+  const SurfaceFrom<Surface>& from;
+  Segment segment;
+  Real radius, envelope;
+  Visit& visit;
+
+  GONOGO_HD void contact(Index t, int feature, Real s, const Vec3& on_surface) {
+    const Vec3 on_axis = segment.half * s, d = on_axis - on_surface;
+    const Real distance = length(d), gap = distance - radius;
+    if (gap >= envelope || distance < Real(1e-6) * radius || std::fabs(s) > Real(0.999)) return;
+    if (dot(d, from.outward(t, feature)) <= 0) return;
+    const Vec3 normal = d * (1 / distance);
+    visit(from.name(t, feature), Touch{gap, normal, on_axis - normal * (radius + gap / 2)});
+  }
+
+  /// Only ridges: a flat or hollow edge leaves the ends to carry the capsule.
+  GONOGO_HD void edge(Index t, int k) {
+    const Index other = from.surface.neighbour(t, k);
+    if (other >= 0 && other < t) return;
+    const Vec3 start = from.corner(t, k), edge = from.corner(t, (k + 1) % 3) - start;
+    const Vec3 beyond = from.across(t, k), inward = from.corner(t, (k + 2) % 3) - start;
+    if (other >= 0 && dot(beyond, from.normal(t)) > Real(-1e-3) * length(beyond)) return;
+    Real s = 0, along = 0;
+    nearest_parameters(segment, start, edge, s, along);
+    if (along <= 0 || along >= 1) return;
+    const Vec3 on_edge = start + edge * along, d = segment.half * s - on_edge;
+    const Vec3 in = inward - edge * (dot(inward, edge) / dot(edge, edge));
+    const Real slack = SurfaceFrom<Surface>::kSlack * length(d);
+    if (dot(d, in) > slack * length(in) || dot(d, beyond) > slack * length(beyond)) return;
+    contact(t, 1 + k, s, on_edge);
+  }
+
+  GONOGO_HD void corner(Index t, int k) {
+    const Vec3 p = from.corner(t, k);
+    const Real s = segment.nearest(p);
+    if (from.is_local_minimum(t, 4 + k, segment.half * s - p)) contact(t, 4 + k, s, p);
+  }
+};
+
+/// Calls visit(feature, touch) in the surface's axes. `p`, `half`: the capsule's centre and half its axis there;
+/// sphere(p, visit) serves one end. Features: 4 times that of a sphere, plus 0 or 1 for the ends, 2 between them.
+template <class Surface, class Sphere, class Visit>
+GONOGO_HD inline void visit_capsule_touches(const Surface& surface, const Vec3d& p, const Vec3& half, Real radius,
+                                            Real envelope, Sphere&& sphere, Visit&& visit) {
+  for (int end = 0; end < 2; ++end) {
+    const Vec3 to_end = end == 0 ? -half : half;
+    sphere(p + static_cast<Vec3d>(to_end), [&](int feature, const Touch& t) {
+      visit(4 * feature + end, Touch{t.gap, t.normal, t.point + to_end});
+    });
+  }
+  const SurfaceFrom<Surface> from{surface, p};
+  const auto emit = [&](int feature, const Touch& t) { visit(4 * feature + 2, t); };
+  CapsuleMiddle<Surface, decltype(emit)> middle{from, {half}, radius, envelope, emit};
+  const Real reach = radius + envelope;
+  const Vec3 box{std::fabs(half.x) + reach, std::fabs(half.y) + reach, std::fabs(half.z) + reach};
+  surface.visit_near(static_cast<Vec3>(p) - box, static_cast<Vec3>(p) + box, [&](Index t) {
+    for (int k = 0; k < 3; ++k) {
+      middle.edge(t, k);
+      middle.corner(t, k);
+    }
+  });
+}
+
+}  // namespace gonogo::sim

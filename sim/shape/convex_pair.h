@@ -1,0 +1,216 @@
+// Contacts of two convex bodies (capsule, cylinder, box).
+// For convex bodies the signed distance is the largest separation over all directions,
+//   max over |n| = 1 of  n.d - reach_a(-n) - reach_b(n),   d: from b's centre to a's,
+// positive when they are apart. Faces, caps and pairs of edges give a few directions that are exact where they touch;
+// the line between the nearest points of slightly smaller bodies (found by projecting to and fro) gives the others. The
+// contacts are then the corners and crossings of the two facets that face each other (see facet).
+#pragma once
+#include <initializer_list>
+
+#include "sim/shape/convex.h"
+
+namespace gonogo::sim {
+
+struct Separation {
+  Real gap;     // [m]
+  Vec3 normal;  // from b to a
+};
+
+struct SeparationSearch {
+  const Convex &a, &b;
+  Separation best{Real(-1e30), {0, 0, 1}};
+  Vec3 near_a{}, near_b{};  // nearest points of the cores
+  bool by_nearest = false;  // the best direction is that between them
+
+  /// Takes a unit direction when it separates better than the best so far, by more than the handicap. Returns its gap.
+  GONOGO_HD Real consider(Vec3 n, Real handicap) {
+    const Vec3 d = a.centre - b.centre;
+    if (dot(n, d) < 0) n = -n;
+    const Real gap = dot(n, d) - extent(a, n) - extent(b, n);
+    if (gap > best.gap + handicap) best = {gap, n};
+    return gap;
+  }
+
+  /// Midway between the nearest points, moved out to the surfaces.
+  GONOGO_HD Vec3 middle() const {
+    const Vec3& n = best.normal;
+    const Real out_a = dot(n, near_a - a.centre) + extent(a, n), out_b = extent(b, n) - dot(n, near_b - b.centre);
+    return (near_a - n * out_a + near_b + n * out_b) * Real(0.5);
+  }
+
+  GONOGO_HD void consider_flats(const Convex& c, Real handicap) {
+    if (c.type == ShapeType::box) {
+      consider(c.axis[0], handicap);
+      consider(c.axis[2], handicap);
+    }
+    if (c.type != ShapeType::capsule) consider(c.axis[1], handicap);
+  }
+
+  /// Directions square to an edge or axis of either body.
+  GONOGO_HD void consider_edges(Real handicap) {
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        if ((i != 1 && a.type != ShapeType::box) || (j != 1 && b.type != ShapeType::box)) continue;
+        const Vec3 n = cross(a.axis[i], b.axis[j]);
+        const Real sine = length(n);
+        if (sine > Real(0.03)) consider(n * (1 / sine), handicap);
+      }
+  }
+
+  /// Projections to and fro between two convex sets end at their nearest points (Cheney & Goldstein 1959). They are
+  /// gradient steps on the squared distance to a, so they take momentum, which is dropped when it points uphill (see
+  /// sim/solver): bodies that lie nearly along each other would need thousands of plain steps.
+  GONOGO_HD void improve_nearest(Real share, Real scale, Vec3& p, Vec3& q) const {
+    Vec3 from = q;
+    Real t = 1;
+    for (int i = 0; i < 48; ++i) {
+      p = nearest_in_core(a, from, share);
+      const Vec3 next = nearest_in_core(b, p, share), moved = next - q;
+      if (dot(from - next, moved) > 0) t = 1;
+      const Real t_next = (1 + std::sqrt(1 + 4 * t * t)) / 2;
+      from = next + moved * ((t - 1) / t_next);
+      t = t_next;
+      q = next;
+      if (dot(moved, moved) < Real(1e-12) * scale * scale) break;
+    }
+    p = nearest_in_core(a, q, share);
+  }
+
+  /// From small cores, whose nearest points are found fast, to the whole bodies, whose nearest points are exact while
+  /// they are well apart: every direction is a lower bound, so the best one is kept, and the points of the last as
+  /// good.
+  GONOGO_HD void consider_nearest(Real scale, Real handicap) {
+    Vec3 p = a.centre, q = b.centre;
+    for (const Real share : {Real(0.1), Real(0.02), Real(0)}) {
+      improve_nearest(share, scale, p, q);
+      const Vec3 apart = p - q;
+      const Real distance = length(apart), before = best.gap;
+      if (distance < Real(2e-3) * scale) break;
+      const Real gap = consider(apart * (1 / distance), by_nearest ? Real(0) : handicap);
+      if (gap > before - Real(0.1) * handicap || share == Real(0.1)) near_a = p, near_b = q;
+      by_nearest = by_nearest || best.gap > before;
+    }
+  }
+};
+
+/// Whether `p` lies in a face seen along `n`.
+GONOGO_HD inline bool in_facet(const Facet& f, const Vec3& p, const Vec3& n, Real tolerance) {
+  Real low = 0, high = 0;
+  for (int k = 0; k < f.count; ++k) {
+    const Vec3 edge = f.point[(k + 1) % f.count] - f.point[k];
+    const Real side = dot(cross(n, edge), p - f.point[k]) / length(edge);
+    low = std::fmin(low, side);
+    high = std::fmax(high, side);
+  }
+  return low >= -tolerance || high <= tolerance;
+}
+
+/// Contacts of two facets seen along the normal. Features name corners and edges of the bodies, whichever of them is
+/// the face at the moment: 256 + corner of a, 512 + corner of b, 2^20 + 1024 edge of a + edge of b.
+template <class Visit>
+struct FacetPair {
+  const Facet &a, &b;
+  const Vec3& n;
+  Real scale;
+  Visit& visit;
+  Real least = Real(1e30);  // gap found
+  int count = 0;
+  Vec3 seen[2 * kMostCorners + 8]{};
+
+  /// Corners that lie on an edge of the other facet would be met twice.
+  GONOGO_HD void add(int feature, Real gap, const Vec3& middle) {
+    for (int k = 0; k < count; ++k) {
+      const Vec3 apart = middle - seen[k];
+      if (dot(apart, apart) < Real(1e-6) * scale * scale) return;
+    }
+    if (count < 2 * kMostCorners + 8) seen[count++] = middle;
+    least = std::fmin(least, gap);
+    visit(feature, gap, middle);
+  }
+
+  GONOGO_HD static int edge_name(const Facet& f, int k) {
+    const int p = f.id[k], q = f.id[(k + 1) % f.count];
+    return p < q ? 32 * p + q : 32 * q + p;
+  }
+
+  /// Corners of `of` inside the face `in`; `sign` 1 when `of` belongs to a.
+  GONOGO_HD void corners(const Facet& of, const Facet& in, int name, Real sign) {
+    for (int k = 0; k < of.count; ++k) {
+      if (!in_facet(in, of.point[k], n, Real(1e-4) * scale)) continue;
+      const Real gap = sign * dot(of.point[k] - in.point[0], in.normal) / dot(n, in.normal);
+      add(name + of.id[k], gap, of.point[k] - n * (sign * gap / 2));
+    }
+  }
+
+  GONOGO_HD void crossing(int i, int k, Real parallel) {
+    const Vec3 from_a = a.point[i], from_b = b.point[k];
+    const Vec3 u = a.point[(i + 1) % a.count] - from_a, v = b.point[(k + 1) % b.count] - from_b, w = from_b - from_a;
+    const Real area = dot(cross(u, v), n), edge = Real(1e-4);
+    if (std::fabs(area) < parallel * length(u) * length(v)) return;
+    const Real s = dot(cross(w, v), n) / area, t = dot(cross(w, u), n) / area;
+    if (s < -edge || s > 1 + edge || t < -edge || t > 1 + edge) return;
+    const Vec3 on_a = from_a + u * s, on_b = from_b + v * t;
+    add((1 << 20) + (edge_name(a, i) << 10) + edge_name(b, k), dot(n, on_a - on_b), (on_a + on_b) * Real(0.5));
+  }
+
+  /// Ends of one edge beside the other, parallel one.
+  GONOGO_HD void ends(const Facet& of, const Facet& beside, int name, Real sign) {
+    const Vec3 v = beside.point[1] - beside.point[0];
+    for (int k = 0; k < 2; ++k) {
+      const Real t = dot(of.point[k] - beside.point[0], v) / dot(v, v);
+      if (t < Real(-1e-4) || t > Real(1.0001)) continue;
+      const Vec3 foot = beside.point[0] + v * t;
+      add(name + of.id[k], sign * dot(n, of.point[k] - foot), (of.point[k] + foot) * Real(0.5));
+    }
+  }
+
+  GONOGO_HD bool parallel_edges() const {
+    const Vec3 u = a.point[1] - a.point[0], v = b.point[1] - b.point[0], across = cross(u, v);
+    return dot(across, across) < Real(0.01) * dot(u, u) * dot(v, v);
+  }
+
+  GONOGO_HD void run() {
+    const bool edges = a.count == 2 && b.count == 2;
+    if (edges && parallel_edges()) {
+      ends(a, b, 256, 1);
+      ends(b, a, 512, -1);
+      return;
+    }
+    if (b.count > 2) corners(a, b, 256, 1);
+    if (a.count > 2) corners(b, a, 512, -1);
+    for (int i = 0; i < (a.count == 2 ? 1 : a.count); ++i)
+      for (int k = 0; k < (b.count == 2 ? 1 : b.count); ++k) crossing(i, k, Real(1e-3));
+  }
+};
+
+/// Calls visit(feature, touch) for the contacts of two bodies with gaps below the envelope; touch is owned by a.
+template <class Visit>
+GONOGO_HD inline void visit_convex_touches(const Convex& a, const Convex& b, Real envelope, Visit&& visit) {
+  const Real scale = std::fmin(least_half(a), least_half(b)), handicap = Real(1e-3) * scale;
+  SeparationSearch search{a, b};
+  search.consider_flats(b, 0);
+  search.consider_flats(a, handicap);
+  if (search.best.gap >= envelope) return;
+  search.consider_edges(handicap);
+  search.consider_nearest(scale, handicap);
+  const Separation s = search.best;
+  if (s.gap >= envelope) return;
+  const auto emit = [&](int feature, Real gap, const Vec3& middle) {
+    if (gap < envelope) visit(feature, Touch{gap, s.normal, middle - a.centre});
+  };
+  const Facet fa = facet(a, -s.normal), fb = facet(b, s.normal);
+  if (fa.count == 1 || fb.count == 1) {
+    const Facet &corner = fa.count == 1 ? fa : fb, &other = fa.count == 1 ? fb : fa;
+    const Real inward = fa.count == 1 ? -s.gap / 2 : s.gap / 2;
+    const bool beside = other.count > 2 && !in_facet(other, corner.point[0], s.normal, handicap);
+    const Vec3 middle = search.by_nearest || beside ? search.middle() : corner.point[0] + s.normal * inward;
+    emit((fa.count == 1 ? 256 : 512) + corner.id[0], s.gap, middle);
+  } else {
+    FacetPair<decltype(emit)> pair{fa, fb, s.normal, scale, emit};
+    pair.run();
+    // The nearest points lie elsewhere: the end of an edge beside another body, or facets that lean.
+    if (pair.least > s.gap + handicap) emit(0, s.gap, search.middle());
+  }
+}
+
+}  // namespace gonogo::sim

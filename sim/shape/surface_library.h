@@ -1,0 +1,36 @@
+// Meshes and heightfields of a batch as flat arrays for kernels: neighbours, trees of boxes, names of coplanar faces.
+// One that several worlds share is stored once. Host only.
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "sim/shape/surface.h"
+#include "sim/shape/triangle_mesh.h"
+
+namespace gonogo::sim {
+
+class SurfaceLibrary {
+ public:
+  /// Index in the batch; a mesh that is there already is not added again. The mesh must have passed check_mesh.
+  Index add(const std::shared_ptr<const TriangleMesh>& mesh);
+  Index add(const std::shared_ptr<const Heightfield>& field);
+
+  /// Number of meshes and heightfields.
+  Index size() const { return Index(mesh.size() + field.size()); }
+
+  std::vector<MeshRange> mesh;
+  std::vector<MeshNode> node;
+  std::vector<MeshTriangle> triangle;
+  std::vector<Vec3> vertex;
+  std::vector<FieldRange> field;
+  std::vector<Real> height;
+  std::vector<Index> name;  // of the triangles of heightfields
+
+  SurfaceView view() const;  // for code that runs on the host
+
+ private:
+  std::vector<std::shared_ptr<const TriangleMesh>> mesh_source_;
+  std::vector<std::shared_ptr<const Heightfield>> field_source_;
+};
+
+}  // namespace gonogo::sim

@@ -1,0 +1,38 @@
+// Where two shapes touch or nearly do, and the frames in which pairs are looked at.
+#pragma once
+#include "sim/shape/shape.h"
+
+namespace gonogo::sim {
+
+/// One contact of a pair of shapes, the first of which is the owner.
+struct Touch {
+  Real gap;     // signed distance between the surfaces [m]; negative when they overlap
+  Vec3 normal;  // unit, from the other shape towards the owner
+  Vec3 point;   // midway between the surfaces, from the owner's centre [m]
+};
+
+/// The same contact owned by the other shape. `d`: from the other shape's centre to the owner's.
+GONOGO_HD inline Touch seen_from_other(const Touch& t, const Vec3d& d) {
+  return {t.gap, -t.normal, t.point + static_cast<Vec3>(d)};
+}
+
+GONOGO_HD inline Touch turned_to_world(const Quat& q, const Touch& t) {
+  return {t.gap, rotate(q, t.normal), rotate(q, t.point)};
+}
+
+/// A world vector in the axes of orientation `q`, in double precision: 50 m from a terrain's origin a float resolves
+/// 4e-6 m, which a step of 1e-3 s turns into a noise of 4 mm/s.
+GONOGO_HD inline Vec3d in_frame(const Quat& q, const Vec3d& v) {
+  const Vec3d u{-double(q.x), -double(q.y), -double(q.z)};
+  const Vec3d t = 2.0 * cross(u, v);
+  return v + double(q.w) * t + cross(u, t);
+}
+
+GONOGO_HD inline Quat conjugate(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
+
+/// Axes of a shape in the world.
+GONOGO_HD inline Quat shape_orientation(const Shape& s, const Quat& body) {
+  return s.turn_B.w == 1 ? body : body * s.turn_B;
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,31 @@
+// Velocities of bodies in an iteration.
+#pragma once
+#include "sim/solver/incidence.h"
+
+namespace gonogo::sim {
+
+/// v_free + M^-1 (impulse and moment on the body) [m/s, rad/s].
+GONOGO_HD_INLINED Velocity driven_velocity(const Velocity& free, const BodyMass& m, const SymMat3& inverse_inertia_W,
+                                           const Vec3& linear, const Vec3& angular) {
+  Velocity v;
+  v.linear = free.linear + scale(m.inverse_mass, linear);
+  v.angular = free.angular + (m.isotropic ? angular * m.inverse_inertia_B.x : inverse_inertia_W * angular);
+  return v;
+}
+
+/// Energy of a body and gravity's power on it; velocities are those of the end of the step.
+GONOGO_HD inline WorldSums energy_of_body(const BodyMass& m, const Quat& orientation, const Velocity& velocity,
+                                          const Vec3& g) {
+  const auto over = [](Real x, Real inverse) { return inverse > 0 ? double(x) / inverse : 0; };
+  const Vec3& v = velocity.linear;
+  const Vec3 w = rotate_back(orientation, velocity.angular);
+  WorldSums s;
+  s.kinetic = 0.5 * (over(v.x * v.x, m.inverse_mass.x) + over(v.y * v.y, m.inverse_mass.y) +
+                     over(v.z * v.z, m.inverse_mass.z) + over(w.x * w.x, m.inverse_inertia_B.x) +
+                     over(w.y * w.y, m.inverse_inertia_B.y) + over(w.z * w.z, m.inverse_inertia_B.z));
+  s.gravity_power =
+      over(g.x * v.x, m.inverse_mass.x) + over(g.y * v.y, m.inverse_mass.y) + over(g.z * v.z, m.inverse_mass.z);
+  return s;
+}
+
+}  // namespace gonogo::sim

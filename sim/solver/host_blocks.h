@@ -1,0 +1,195 @@
+// Contacts as the host updates them: eight at once, field by field, each tile starting a new block.
+#pragma once
+#include "sim/solver/tiles.h"
+
+namespace gonogo::sim {
+
+inline constexpr Index kBlocksPerTile = kTileSize / kPackWidth;
+
+/// Eight consecutive contacts of one tile. Lanes past the tile's end hold a contact without normal, friction and
+/// impulse, which stays without impulse and adds nothing to any sum.
+struct alignas(32) ContactBlock {
+  ContactNumbers<Pack> numbers;
+  Pack gap_bias;
+  ImpulseT<Pack> impulse[2];  // of the latest two updates, taking turns
+  BodyIndex body_a[kPackWidth], body_b[kPackWidth];
+  Index slot_b[kPackWidth];  // where the wrench on body b goes; the last slot is nobody's
+};
+
+template <>
+struct SolverStorage<Cpu> {
+  Buffer<ContactBlock, Cpu> block;         // [tile * kBlocksPerTile]
+  Buffer<Wrench, Cpu> wrench_a, wrench_b;  // [contact]; [slot], with the sign of body b; the last slot is nobody's
+  Buffer<UpdateSums, Cpu> tile_sums;       // [tile]
+  Buffer<WorldSums, Cpu> tile_measures;    // [tile]
+  Buffer<Real, Cpu> motor_before;          // [motor] impulses of the update before [N m s]
+};
+
+/// Enlarges the buffers in the middle of the step that needs it.
+inline void make_room_for_contacts(Cpu, State<Cpu>& s) {
+  Progress progress = s.progress.read(0);
+  if (progress.halted == 0) return;
+  reserve_contacts(s, progress.contact_total + progress.contact_total / 2);
+  progress.halted = 0;
+  s.progress.write(0, progress);
+}
+
+/// Loads eight records of eight numbers as one pack per number.
+template <class Record, class Fields>
+inline void load_fields(const Record* const (&record)[kPackWidth], Fields& fields) {
+  static_assert(sizeof(Record) == sizeof(Pack) && sizeof(Fields) == kPackWidth * sizeof(Pack));
+  Pack m[kPackWidth];
+  for (int lane = 0; lane < kPackWidth; ++lane) m[lane] = *reinterpret_cast<const PackInMemory*>(record[lane]);
+  transpose(m);
+  auto* field = reinterpret_cast<PackInMemory*>(&fields);
+  for (int f = 0; f < kPackWidth; ++f) field[f] = m[f];
+}
+
+/// From the contacts and their warm start to the blocks of one tile.
+struct FillTile {
+  Tiles tiles;
+  View<const Contact> contact;
+  View<const Impulse> impulse;
+  View<const Index> slot;
+  View<ContactBlock> block;
+
+  static constexpr int kNumbers = sizeof(ContactNumbers<Real>) / sizeof(Real);
+
+  void operator()(Index tile) const {
+    const ContactRange range = tiles.contacts(tile);
+    for (Index first = range.begin; first < range.end; first += kPackWidth)
+      fill(block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth], first, range.end);
+  }
+
+  void fill(ContactBlock& out, ContactIndex first, ContactIndex end) const {
+    Pack field[kNumbers];
+    for (int lane = 0; lane < kPackWidth; ++lane) {
+      const ContactIndex i = first + lane < end ? first + lane : end - 1;
+      Real number[kNumbers];
+      std::memcpy(number, static_cast<const ContactNumbers<Real>*>(&contact[i]), sizeof number);
+      for (int f = 0; f < kNumbers; ++f) field[f][lane] = number[f];
+      out.gap_bias[lane] = contact[i].gap_bias;
+      out.body_a[lane] = contact[i].body_a;
+      out.body_b[lane] = contact[i].body_b;
+      out.slot_b[lane] = slot[i] >= 0 ? slot[i] : slot.size;
+    }
+    std::memcpy(static_cast<void*>(&out.numbers), field, sizeof field);
+    fill_impulses(out, first, end);
+    for (int lane = end - first; lane < kPackWidth; ++lane) empty_lane(out, lane);
+  }
+
+  void fill_impulses(ContactBlock& out, ContactIndex first, ContactIndex end) const {
+    const Impulse* start[kPackWidth];
+    for (int lane = 0; lane < kPackWidth; ++lane) start[lane] = &impulse[first + lane < end ? first + lane : end - 1];
+    load_fields(start, out.impulse[0]);
+    out.impulse[1] = out.impulse[0];
+  }
+
+  void empty_lane(ContactBlock& out, int lane) const {
+    auto* field = reinterpret_cast<Real*>(&out.numbers);
+    for (int f = 0; f < kNumbers; ++f) field[f * kPackWidth + lane] = 0;
+    out.numbers.step.n[lane] = out.numbers.step.t[lane] = out.numbers.step.r[lane] = 1;
+    for (ImpulseT<Pack>& p : out.impulse)
+      p.linear.x[lane] = p.linear.y[lane] = p.linear.z[lane] = p.angular.x[lane] = p.angular.y[lane] =
+          p.angular.z[lane] = 0;
+    out.slot_b[lane] = slot.size;
+  }
+};
+
+inline void store_wrenches(const Vec3T<Pack>& linear, const Vec3T<Pack>& angular, Pack (&row)[kPackWidth]) {
+  const Pack zero{};
+  const Pack field[kPackWidth] = {linear.x, linear.y, linear.z, zero, angular.x, angular.y, angular.z, zero};
+  for (int f = 0; f < kPackWidth; ++f) row[f] = field[f];
+  transpose(row);
+}
+
+/// Writes the wrenches of a block's impulses for the bodies to sum.
+inline void scatter_wrenches(const ContactBlock& b, const ImpulseT<Pack>& p, ContactIndex first, Index count,
+                             View<Wrench> wrench_a, View<Wrench> wrench_b) {
+  Pack row[kPackWidth];
+  store_wrenches(p.linear, cross(b.numbers.arm_a, p.linear) + p.angular, row);
+  for (Index lane = 0; lane < count; ++lane) *reinterpret_cast<PackInMemory*>(&wrench_a[first + lane]) = row[lane];
+  store_wrenches(-p.linear, -(cross(b.numbers.arm_b, p.linear) + p.angular), row);
+  for (Index lane = 0; lane < count; ++lane) *reinterpret_cast<PackInMemory*>(&wrench_b[b.slot_b[lane]]) = row[lane];
+}
+
+/// Wrenches of the warm start.
+struct ScatterTile {
+  Tiles tiles;
+  View<const ContactBlock> block;
+  View<Wrench> wrench_a, wrench_b;
+
+  void operator()(Index tile) const {
+    const ContactRange range = tiles.contacts(tile);
+    for (Index first = range.begin; first < range.end; first += kPackWidth) {
+      const ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
+      scatter_wrenches(b, b.impulse[0], first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
+    }
+  }
+};
+
+inline Real sum_lanes(const Pack& p) { return ((p[0] + p[1]) + (p[2] + p[3])) + ((p[4] + p[5]) + (p[6] + p[7])); }
+
+/// One update of all contacts of a tile; `turning` as in projected_step.
+template <bool turning>
+struct UpdateTile {
+  Tiles tiles;
+  View<ContactBlock> block;
+  View<const Velocity> velocity;  // extrapolated
+  View<const Momentum> momentum;  // [world]
+  View<Wrench> wrench_a, wrench_b;
+  View<UpdateSums> sums;  // [tile]
+  Index parity;           // which of a block's impulses is the latest
+
+  void operator()(Index tile) const {
+    const Momentum& m = momentum[tiles.tile[tile].world];
+    if (m.done) return;
+    const ContactRange range = tiles.contacts(tile);
+    const Pack beta = constant<Pack>(m.beta);
+    UpdateSums s;
+    for (Index first = range.begin; first < range.end; first += kPackWidth) {
+      ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
+      const ContactUpdate<Pack> u = update(b, beta, m.renew_slip != 0);
+      if (m.test) s.residual_square += sum_lanes(residual_square<turning>(b.numbers, u));
+      b.impulse[1 - parity] = u.impulse;
+      scatter_wrenches(b, u.impulse, first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
+      s.uphill += sum_lanes(u.uphill);
+    }
+    sums[tile] = s;
+  }
+
+  ContactUpdate<Pack> update(ContactBlock& b, const Pack& beta, bool renew_slip) const {
+    const Velocity *of_a[kPackWidth], *of_b[kPackWidth];
+    for (int lane = 0; lane < kPackWidth; ++lane) {
+      of_a[lane] = &velocity[b.body_a[lane]];
+      of_b[lane] = &velocity[b.body_b[lane]];
+    }
+    VelocityT<Pack> a, c;
+    load_fields(of_a, a);
+    load_fields(of_b, c);
+    if (renew_slip) b.numbers.bias = b.gap_bias + b.numbers.mu * slip_speed(b.numbers, a, c);
+    return accelerated_update<turning>(b.numbers, a, c, b.impulse[parity], b.impulse[1 - parity], beta);
+  }
+};
+
+/// Impulses at the end of the step, back in the order of the contacts.
+struct StoreImpulses {
+  Tiles tiles;
+  View<const ContactBlock> block;
+  View<const Momentum> momentum;
+  View<Impulse> impulse;
+
+  void operator()(Index tile) const {
+    const ContactRange range = tiles.contacts(tile);
+    const Index latest = momentum[tiles.tile[tile].world].iterations & 1;
+    for (Index first = range.begin; first < range.end; first += kPackWidth) {
+      const ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
+      Pack row[kPackWidth];
+      store_wrenches(b.impulse[latest].linear, b.impulse[latest].angular, row);
+      const Index count = std::min(range.end - first, kPackWidth);
+      for (Index lane = 0; lane < count; ++lane) *reinterpret_cast<PackInMemory*>(&impulse[first + lane]) = row[lane];
+    }
+  }
+};
+
+}  // namespace gonogo::sim

@@ -1,0 +1,214 @@
+// The iteration on the host: stages over tiles of contacts and over bodies.
+#pragma once
+#include "sim/joint/motor.h"
+#include "sim/joint/project.h"
+#include "sim/solver/body_update.h"
+#include "sim/solver/host_blocks.h"
+#include "sim/solver/split.h"
+
+namespace gonogo::sim {
+
+/// Loops over tiles and chunks of bodies share out hundreds of contacts at a time.
+inline constexpr Index kTilesInParallel = 4;
+/// A body of a mechanism costs as much as some tens of contacts.
+inline constexpr Index kBodiesInParallel = 64;
+
+/// Sums the wrenches on a body and, from the second time on, extrapolates.
+struct GatherVelocity {
+  Incidence incidence;
+  View<const Wrench> wrench_a, wrench_b;
+  View<const BodyMass> mass;
+  View<const SymMat3> inverse_inertia_W;
+  MotorMoment motor_moment;
+  View<const Velocity> free_velocity;
+  View<const WorldIndex> world_of_body;
+  View<const Momentum> momentum;
+  View<Velocity> velocity, extrapolated_velocity;
+  View<Velocity> gathered;  // [mechanism body]; their velocities follow from ProjectMechanism
+  bool first;
+
+  void operator()(BodyIndex b) const {
+    const Momentum& m = momentum[world_of_body[b]];
+    if (m.done) return;
+    Pack sum{};
+    const Index owned_end = is_fixed(mass[b]) ? 0 : incidence.owned_end(b);  // nothing moves a fixed body
+    for (Index i = incidence.owned_begin(b); i < owned_end; ++i)
+      sum += *reinterpret_cast<const PackInMemory*>(&wrench_a[i]);
+    for (Index k = incidence.first_second[b]; k < incidence.first_second[b + 1]; ++k)
+      sum += *reinterpret_cast<const PackInMemory*>(&wrench_b[k]);
+    Vec3 angular{sum[4], sum[5], sum[6]};
+    const Index slot = mass[b].slot;
+    if (slot >= 0) angular += motor_moment(slot);
+    const Velocity next =
+        driven_velocity(free_velocity[b], mass[b], inverse_inertia_W[b], {sum[0], sum[1], sum[2]}, angular);
+    if (slot >= 0) {
+      gathered[slot] = next;
+      return;
+    }
+    extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
+    velocity[b] = next;
+  }
+};
+
+/// Velocities of the jointed bodies from all that their mechanism gathered.
+struct ProjectMechanism {
+  Projection projection;
+  View<const WorldIndex> world_of_body;
+  View<const Momentum> momentum;
+  View<Velocity> velocity, extrapolated_velocity;
+  bool first;
+
+  void operator()(Index k) const {
+    if (projection.is_empty(k)) return;
+    const BodyIndex b = projection.body[k].body;
+    const Momentum& m = momentum[world_of_body[b]];
+    if (m.done) return;
+    const Velocity next = projection.velocity(k);
+    extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
+    velocity[b] = next;
+  }
+};
+
+/// Adds a world's tiles in order and decides its next update.
+struct DecideNextUpdate {
+  View<const Index> first_tile;
+  View<const UpdateSums> tile_sums;
+  Tiles tiles;
+  View<Momentum> momentum;
+  IterationRules rules;
+
+  void operator()(WorldIndex w) const {
+    if (momentum[w].done) return;
+    UpdateSums sums;
+    for (Index t = first_tile[w]; t < first_tile[w + 1]; ++t) {
+      sums.uphill += tile_sums[t].uphill;
+      sums.residual_square += tile_sums[t].residual_square;
+    }
+    const ContactRange r = contacts_of_world(tiles.world[w], tiles.first_contact);
+    decide_next_update(momentum[w], sums, r.end - r.begin, rules);
+  }
+};
+
+struct MeasureTile {
+  Tiles tiles;
+  View<const Contact> contact;
+  View<const Velocity> velocity;
+  View<const Impulse> impulse;
+  View<WorldSums> sums;
+  Target target;
+
+  void operator()(Index tile) const {
+    const ContactRange range = tiles.contacts(tile);
+    WorldSums s;
+    for (ContactIndex i = range.begin; i < range.end; ++i) {
+      const Contact& c = contact[i];
+      const double r = contact_residual(c, velocity[c.body_a], velocity[c.body_b], impulse[i], target);
+      s.residual_square += r * r;
+      s.residual_max = std::fmax(s.residual_max, r);
+    }
+    sums[tile] = s;
+  }
+};
+
+struct MeasureWorld {
+  Tiles tiles;
+  View<const WorldSums> tile_measures;
+  View<const BodyMass> mass;
+  View<const Quat> orientation;
+  View<const Velocity> velocity;
+  View<const Momentum> momentum;
+  View<WorldSums> sums;
+
+  void operator()(WorldIndex w) const {
+    const WorldParameters& p = tiles.world[w];
+    WorldSums total;
+    for (Index t = tiles.first_tile[w]; t < tiles.first_tile[w + 1]; ++t) total += tile_measures[t];
+    for (BodyIndex b = p.first_body; b < p.first_body + p.body_count; ++b)
+      total += energy_of_body(mass[b], orientation[b], velocity[b], p.gravity);
+    const ContactRange r = contacts_of_world(p, tiles.first_contact);
+    total.contact_count = r.end - r.begin;
+    total.iterations = momentum[w].iterations;
+    sums[w] = total;
+  }
+};
+
+inline bool all_done(const State<Cpu>& s, View<const Momentum> momentum) {
+  for (WorldIndex w = 0; w < s.world_count; ++w)
+    if (!momentum[w].done) return false;
+  return true;
+}
+
+inline void fill_blocks(Cpu exec, State<Cpu>& s, Index tile_count) {
+  SolverStorage<Cpu>& own = s.solver;
+  own.block.resize(std::size_t(tile_count) * kBlocksPerTile);
+  own.wrench_a.resize(s.contact_capacity);
+  own.wrench_b.resize(s.contact_capacity + 1);
+  own.tile_sums.fill_zero(tile_count);
+  own.tile_measures.resize(tile_count);
+  own.motor_before.resize(s.mechanisms.motor.size());
+  const View<const Impulse> start = s.store[s.parity].impulse.view();
+  for_each_index(exec, tile_count, FillTile{tiles(s), s.contact.view(), start, s.second_slot.view(), own.block.view()},
+                 kTilesInParallel);
+  for_each_index(exec, tile_count, ScatterTile{tiles(s), own.block.view(), own.wrench_a.view(), own.wrench_b.view()},
+                 kTilesInParallel);
+}
+
+inline void gather(Cpu exec, State<Cpu>& s, bool first) {
+  for_each_index(exec, s.body_count,
+                 GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
+                                s.inverse_inertia_W.view(), motor_moment(s.mechanisms), s.free_velocity.view(),
+                                s.world_of_body.view(), s.momentum.view(), s.velocity.view(),
+                                s.extrapolated_velocity.view(), s.mechanisms.gathered.view(), first});
+  for_each_index(exec, s.mechanisms.body.size(),
+                 ProjectMechanism{projection(s.mechanisms), s.world_of_body.view(), s.momentum.view(),
+                                  s.velocity.view(), s.extrapolated_velocity.view(), first},
+                 kBodiesInParallel);
+}
+
+template <bool turning>
+void update_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
+  SolverStorage<Cpu>& own = s.solver;
+  for_each_index(exec, tile_count,
+                 UpdateTile<turning>{tiles(s), own.block.view(), s.extrapolated_velocity.view(), s.momentum.view(),
+                                     own.wrench_a.view(), own.wrench_b.view(), own.tile_sums.view(), parity},
+                 kTilesInParallel);
+}
+
+inline void measure(Cpu exec, State<Cpu>& s, Index tile_count, const StepSettings& settings) {
+  View<Impulse> impulse = s.store[s.parity].impulse.view();
+  for_each_index(exec, tile_count, StoreImpulses{tiles(s), s.solver.block.view(), s.momentum.view(), impulse},
+                 kTilesInParallel);
+  for_each_index(exec, tile_count,
+                 MeasureTile{tiles(s), s.contact.view(), s.velocity.view(), impulse, s.solver.tile_measures.view(),
+                             settings.target},
+                 kTilesInParallel);
+  for_each_index(exec, s.world_count,
+                 MeasureWorld{tiles(s), s.solver.tile_measures.view(), s.mass.view(), s.orientation.view(),
+                              s.velocity.view(), s.momentum.view(), s.world_sums.view()},
+                 kTilesInParallel);
+}
+
+/// From the warm start in the step's contact store to the velocities and impulses at the end of the step.
+inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
+  const IterationRules rules = settings.rules();
+  const Index tile_count = tiles(s).count();
+  const bool turning = s.turning;
+  fill_blocks(exec, s, tile_count);
+  for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
+  s.solver.motor_before.upload(s.mechanisms.motor_impulse.download());
+  gather(exec, s, true);
+  for (Index k = 0; k < rules.most_iterations && !all_done(s, s.momentum.view()); ++k) {
+    turning ? update_tiles<true>(exec, s, tile_count, k & 1) : update_tiles<false>(exec, s, tile_count, k & 1);
+    for_each_index(exec, s.mechanisms.motor.size(),
+                   UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
+                               s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
+                               s.solver.motor_before.view(), settings.step});
+    gather(exec, s, false);
+    for_each_index(exec, s.world_count,
+                   DecideNextUpdate{s.first_tile.view(), s.solver.tile_sums.view(), tiles(s), s.momentum.view(), rules},
+                   kTilesInParallel);
+  }
+  measure(exec, s, tile_count, settings);
+}
+
+}  // namespace gonogo::sim

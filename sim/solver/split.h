@@ -1,0 +1,73 @@
+// Step sizes of the iterations on the cone complementarity problem
+//     min 1/2 g' N g + r' g,  g in the product of contact cones,  N = D' M^-1 D + E        (Anitescu & Tasora 2010)
+// by mass splitting (Tonge, Benevolenski, Voroshilov 2012): each body shares its mass equally among its contacts,
+// S_c^-1 = d_a A_a + d_b A_b + E with d the number of contacts of a body and A a bound on its part of the contact's
+// inverse mass. Then S^-1 >= N as quadratic forms, so g - S grad never overshoots and no line search is needed. A wheel
+// a thousand times heavier than a grain adds little to S^-1 although it has hundreds of contacts: it slows nobody down.
+#pragma once
+#include "sim/solver/incidence.h"
+
+namespace gonogo::sim {
+
+/// Effective inverse masses of one body at a contact: bounds on the diagonal blocks of D' M^-1 D [1/kg, 1/kg, 1/(kg
+/// m^2)].
+GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal, const BodyMass& mass, bool turning) {
+  const Vec3 normal_share = scale(mass.inverse_mass, scale(normal, normal));
+  const Real linear = std::fmax(mass.inverse_mass.x, std::fmax(mass.inverse_mass.y, mass.inverse_mass.z));
+  const Vec3& i = mass.inverse_inertia_B;
+  const Real angular = std::fmax(i.x, std::fmax(i.y, i.z));
+  const Real arm_square = dot(arm, arm);
+  const Vec3 off_centre = cross(arm, normal);
+  // A body that can only turn keeps its spin even there: the bound of a contact must stay above zero.
+  const bool central = linear > 0 && dot(off_centre, off_centre) < Real(1e-6) * arm_square;
+  // Normal and friction share one angular velocity when the arm is not along the normal; rolling shares it always:
+  // (x + y)^2 <= 2 x^2 + 2 y^2.
+  const bool isotropic = mass.inverse_mass.x == mass.inverse_mass.y && mass.inverse_mass.y == mass.inverse_mass.z;
+  const Real shared = turning ? Real(2) : Real(1);
+  const Real spin = shared * angular * arm_square;
+  const Real n = isotropic ? normal_share.x + normal_share.y + normal_share.z : linear;
+  return {n + (central ? Real(0) : spin), linear + spin, shared * angular};
+}
+
+struct SplitMasses {
+  Incidence incidence;
+  View<const BodyMass> mass;
+  View<const MechanismBody> jointed;
+  View<const Velocity> velocity;
+  View<Contact> contact;
+  Target target;
+
+  /// The motors of a mechanism take half of its bodies' masses, the contacts share the rest.
+  GONOGO_HD Real share(BodyIndex b) const {
+    const bool driven = mass[b].slot >= 0 && jointed[mass[b].slot].driven != 0;
+    return Real(incidence.degree(b)) * (driven ? Real(2) : Real(1));
+  }
+
+  GONOGO_HD void operator()(ContactIndex i) const {
+    Contact& c = contact[i];
+    const bool turning = c.rho > 0 || c.sigma > 0;
+    const ConeStep a = inverse_mass_bound(c.arm_a, c.normal, mass[c.body_a], turning);
+    const ConeStep b = inverse_mass_bound(c.arm_b, c.normal, mass[c.body_b], turning);
+    const Real share_a = share(c.body_a), share_b = share(c.body_b);
+    c.step.n = 1 / (share_a * a.n + share_b * b.n + c.softness);
+    c.step.t = 1 / (share_a * a.t + share_b * b.t);
+    c.step.r = turning ? 1 / (share_a * a.r + share_b * b.r) : Real(1);
+    c.unsplit = (share_a * a.n + share_b * b.n) / (a.n + b.n);
+    c.bias = c.gap_bias;
+    if (target == Target::coulomb) c.bias += c.mu * slip_speed<Real>(c, velocity[c.body_a], velocity[c.body_b]);
+  }
+};
+
+/// Scaled natural map per contact [m/s]: the change that one unsplit projected gradient step would still make, divided
+/// by that step, so that light grains count as much as wheels. Zero exactly at the solution; for the `coulomb` target
+/// the sliding speed at the end of the step counts, so that it is Coulomb's law that is measured.
+GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, const Velocity& b, const Impulse& from,
+                                        Target target) {
+  ContactNumbers<Real> numbers = c;
+  numbers.bias = c.gap_bias + (target == Target::coulomb ? c.mu * slip_speed<Real>(c, a, b) : Real(0));
+  const ConeStep step{c.step.n * c.unsplit, c.step.t * c.unsplit, c.step.r * c.unsplit};
+  const Impulse next = projected_step<true, Real>(numbers, from, contact_gradient<Real>(numbers, a, b, from), step);
+  return std::sqrt(residual_square<true, Real>(numbers, next, from, step));
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,75 @@
+// One trial killed and interrupted at the command line: the same command goes on and prints what it would have printed.
+#include <csignal>
+
+#include "base/file.h"
+#include "tests/fault/program.h"
+#include "tests/support/catch.h"
+#include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
+
+namespace gonogo {
+namespace fs = std::filesystem;
+namespace {
+
+/// The demo study with a short bed and a short drive.
+fs::path short_study(const TemporaryFolder& folder) {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  Json study = Json::parse(read_file(configs / "studies/demo.json"), "demo.json");
+  study["vehicle"] = (configs / "vehicles/hmmwv_quarter.json").string();
+  study["soil"]["calibration"] = (configs / "soils/calibration_90mm.json").string();
+  study["trial"]["bed"]["length_m"] = 1.8;
+  study["trial"]["drive"]["time_limit_s"] = 1.0;
+  write_file_atomically(folder / "study.json", study.dump());
+  return folder / "study.json";
+}
+
+}  // namespace
+
+TEST_CASE("a trial that was killed or interrupted goes on to the same result") {
+  const TemporaryFolder folder;
+  const fs::path study = short_study(folder), saved = folder / "trial.h5";
+  const std::vector<std::string> words{"simulate", study, "--seed", "3", "--json", "--csv", folder / "run.csv"};
+  const Ending through = run_gonogo(words);
+  REQUIRE(through.exit_code == 0);
+  const std::string csv = read_file(folder / "run.csv");
+  std::vector<std::string> saving = words;
+  for (const std::string& word :
+       {std::string("--checkpoint"), saved.string(), std::string("--checkpoint-every"), std::string("0")})
+    saving.push_back(word);
+  for (const int signal : {SIGKILL, SIGINT, SIGTERM}) {
+    fs::remove(folder / "run.csv");
+    RunOptions options;
+    options.signal = signal;
+    options.when = [&] { return fs::exists(saved); };
+    const Ending cut = run_gonogo(saving, options);
+    if (signal == SIGKILL)
+      CHECK(cut.signal == SIGKILL);
+    else
+      CHECK(cut.exit_code == 130);
+    CHECK(cut.out == "");
+    REQUIRE(fs::exists(saved));
+    const Ending continued = run_gonogo(saving);
+    CHECK(continued.exit_code == 0);
+    CHECK(continued.out == through.out);
+    CHECK(read_file(folder / "run.csv") == csv);
+    CHECK_FALSE(fs::exists(saved));
+  }
+}
+
+TEST_CASE("a checkpoint that belongs to another trial is refused with what to do") {
+  const TemporaryFolder folder;
+  const fs::path study = short_study(folder), saved = folder / "trial.h5";
+  RunOptions options;
+  options.signal = SIGKILL;
+  options.when = [&] { return fs::exists(saved); };
+  const std::vector<std::string> words{"simulate", study, "--checkpoint", saved, "--checkpoint-every", "0"};
+  REQUIRE(run_gonogo(words, options).signal == SIGKILL);
+  std::vector<std::string> other = words;
+  other.insert(other.end(), {"--set", "slope_along=3"});
+  check_refusal(run_gonogo(other), 2, {"trial.h5", "another scene", "remove it"});
+  std::vector<std::string> film = words;
+  film.insert(film.end(), {"--vtk", folder / "vtk"});
+  check_refusal(run_gonogo(film), 2, {"--checkpoint does not go with"});
+}
+
+}  // namespace gonogo

@@ -1,0 +1,109 @@
+// Independent geometry of convex bodies in double precision: reach along a direction, signed distance of a point, and
+// signed distance of two bodies as the largest separation over densely sampled, then refined directions.
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sim/shape/shape.h"
+#include "tests/support/draw.h"
+
+namespace gonogo::test {
+
+/// Axes of an orientation, written out from the rotation matrix.
+struct Axes {
+  Vec3d x, y, z;
+  explicit Axes(const Quat& f) {
+    const double n = std::sqrt(double(f.w) * f.w + double(f.x) * f.x + double(f.y) * f.y + double(f.z) * f.z);
+    const double w = f.w / n, a = f.x / n, b = f.y / n, c = f.z / n;
+    x = {1 - 2 * (b * b + c * c), 2 * (a * b + w * c), 2 * (a * c - w * b)};
+    y = {2 * (a * b - w * c), 1 - 2 * (a * a + c * c), 2 * (b * c + w * a)};
+    z = {2 * (a * c + w * b), 2 * (b * c - w * a), 1 - 2 * (a * a + b * b)};
+  }
+  Vec3d into(const Vec3d& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
+  Vec3d out_of(const Vec3d& v) const { return x * v.x + y * v.y + z * v.z; }
+};
+
+/// Sphere, capsule, cylinder or box.
+struct Body {
+  sim::ShapeType type;
+  Vec3d size, centre;
+  Axes axes;
+
+  double reach(const Vec3d& direction) const {
+    const Vec3d n = axes.into(direction);
+    switch (type) {
+      case sim::ShapeType::sphere:
+        return size.x;
+      case sim::ShapeType::capsule:
+        return size.x + size.y * std::abs(n.y);
+      case sim::ShapeType::cylinder:
+        return size.x * std::hypot(n.x, n.z) + size.y * std::abs(n.y);
+      default:
+        return size.x * std::abs(n.x) + size.y * std::abs(n.y) + size.z * std::abs(n.z);
+    }
+  }
+
+  /// Negative inside.
+  double distance(const Vec3d& point) const {
+    const Vec3d p = axes.into(point - centre);
+    const auto two = [](double a, double b) { return a > 0 && b > 0 ? std::hypot(a, b) : std::max(a, b); };
+    switch (type) {
+      case sim::ShapeType::sphere:
+        return length(p) - size.x;
+      case sim::ShapeType::capsule:
+        return length(Vec3d{p.x, p.y - std::clamp(p.y, -size.y, size.y), p.z}) - size.x;
+      case sim::ShapeType::cylinder:
+        return two(std::hypot(p.x, p.z) - size.x, std::abs(p.y) - size.y);
+      default: {
+        const double a = std::abs(p.x) - size.x, b = std::abs(p.y) - size.y, c = std::abs(p.z) - size.z;
+        const Vec3d out{std::max(a, 0.0), std::max(b, 0.0), std::max(c, 0.0)};
+        return length(out) > 0 ? length(out) : std::max({a, b, c});
+      }
+    }
+  }
+};
+
+inline double separation(const Body& a, const Body& b, const Vec3d& n) {
+  return dot(n, a.centre - b.centre) - a.reach(n) - b.reach(n);
+}
+
+/// Largest separation over all directions.
+inline double signed_distance(const Body& a, const Body& b) {
+  std::vector<std::pair<double, Vec3d>> found;
+  const int samples = 4000;
+  for (int k = 0; k < samples; ++k) {
+    const double z = 1 - (2 * k + 1.0) / samples, ring = std::sqrt(1 - z * z), angle = 2.399963229728653 * k;
+    const Vec3d n{ring * std::cos(angle), ring * std::sin(angle), z};
+    found.push_back({separation(a, b, n), n});
+  }
+  // Flat faces and pairs of edges make ridges, which a search along few directions does not climb: their normals too.
+  for (const Body* body : {&a, &b})
+    for (const Vec3d& n : {body->axes.x, body->axes.y, body->axes.z})
+      for (const double sign : {-1.0, 1.0}) found.push_back({separation(a, b, n * sign), n * sign});
+  for (const Vec3d& u : {a.axes.x, a.axes.y, a.axes.z})
+    for (const Vec3d& v : {b.axes.x, b.axes.y, b.axes.z})
+      for (const double sign : {-1.0, 1.0}) {
+        const Vec3d n = cross(u, v) * sign;
+        if (length(n) > 1e-6) found.push_back({separation(a, b, n * (1 / length(n))), n * (1 / length(n))});
+      }
+  std::sort(found.begin(), found.end(), [](const auto& p, const auto& q) { return p.first > q.first; });
+  Draw draw(77);
+  double best = found[0].first;
+  for (int start = 0; start < 12; ++start) {
+    auto [value, n] = found[std::size_t(start)];
+    for (double step = 0.05; step > 1e-7;) {
+      bool better = false;
+      for (int k = 0; k < 12; ++k) {
+        const Vec3d moved = n + draw.direction() * step, unit = moved * (1 / length(moved));
+        const double at = separation(a, b, unit);
+        if (at > value) value = at, n = unit, better = true;
+      }
+      if (!better) step *= 0.6;
+    }
+    best = std::max(best, value);
+  }
+  return best;
+}
+
+}  // namespace gonogo::test
