@@ -15,8 +15,8 @@ double dot(const Values& a, const Values& b) {
   return sum;
 }
 
-/// min 1/2 r W r + (q + s) r over K, by accelerated projected gradients in the metric of one number per contact (so that
-/// the projection stays the plain one). The step is 1 / L with L the largest eigenvalue of D^-1/2 W D^-1/2.
+/// min 1/2 r W r + (q + s) r over K, by accelerated projected gradients in the metric of one number per contact (so
+/// that the projection stays the plain one). The step is 1 / L with L the largest eigenvalue of D^-1/2 W D^-1/2.
 class Accelerated {
  public:
   explicit Accelerated(const LocalProblem& problem)
@@ -33,11 +33,11 @@ class Accelerated {
 
   const Values& impulses() const { return r_; }
 
-  /// s = sum c_d |u_d| of the present impulses, added to the normal velocities from now on.
-  void follow_slip() {
+  /// Moves s by `share` of the way to sum c_d |u_d| of the present impulses; it is added to the normal velocities.
+  void follow_slip(double share) {
     const Values u = velocity(p_, r_);
     for (Index i = 0; i < p_.contact_count(); ++i)
-      shift_[i] = de_saxce_term(p_, i, u.data() + std::size_t(i) * p_.dimension);
+      shift_[i] += share * (de_saxce_term(p_, i, u.data() + std::size_t(i) * p_.dimension) - shift_[i]);
     theta_ = 1;
     y_ = r_;
   }
@@ -105,20 +105,52 @@ class Accelerated {
 
 }  // namespace
 
+namespace {
+
+/// When to let De Saxce's term follow the slip, and how far.
+class SlipFollowing {
+ public:
+  explicit SlipFollowing(double finest) : finest_(finest) {}
+
+  bool due(double change) const { return change < allowed_; }
+  double share() const { return share_; }
+
+  /// After following at this error: in vain, the next time waits for a better converged program; in vain for long,
+  /// shorter steps end the turns that slip and impulses can take for ever.
+  void judge(double lowest_error) {
+    if (lowest_error < 0.9 * lowest_) {
+      lowest_ = lowest_error;
+      in_vain_ = 0;
+      return;
+    }
+    allowed_ = std::max(allowed_ / 2, finest_);
+    if (++in_vain_ < kPatience) return;
+    share_ = std::max(share_ / 2, 0.02);
+    in_vain_ = 0;
+  }
+
+ private:
+  static constexpr int kPatience = 30;
+  double finest_, allowed_ = 1e-2, share_ = 1, lowest_ = 1e300;  // allowed: change per step, relative
+  int in_vain_ = 0;
+};
+
+}  // namespace
+
 LocalSolution solve_apgd(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kCheckEvery = 10;
   const int most = settings.max_iterations > 0 ? settings.max_iterations : 100000;
   BestSoFar best(problem, settings.target);
   Accelerated method(problem);
-  double allowed = 1e-2;  // change per step at which the slip is followed; falls to that of the tolerance
+  SlipFollowing slip(1e-4 * settings.tolerance);
   int k = 0;
   while (k < most && best.best.error > settings.tolerance) {
     const double change = method.step();
     if (++k % kCheckEvery == 0 || k == most) best.offer(method.impulses());
-    if (settings.target == ConeTarget::coulomb && change < allowed) {
-      method.follow_slip();
-      allowed = std::max(allowed * 0.5, settings.tolerance);
-    }
+    if (settings.target == ConeTarget::ccp || !slip.due(change)) continue;
+    best.offer(method.impulses());
+    slip.judge(best.best.error);
+    method.follow_slip(slip.share());
   }
   best.best.iterations = k;
   return best.best;

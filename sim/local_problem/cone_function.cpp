@@ -51,7 +51,8 @@ bool alart_curnier(const LocalProblem& problem, Index contact, const double* wei
   return y_n <= 0;
 }
 
-/// Derivative of the projection where the normal impulse n > 0: n is the mean over the clipped discs of project_onto_cone.
+/// Derivative of the projection where the normal impulse n > 0: n is the mean over the clipped discs of
+/// project_onto_cone.
 ContactMatrix projection_derivative(const LocalProblem& problem, Index contact, const double* y, double n) {
   const int d = problem.dimension;
   ContactMatrix p = ContactMatrix::Identity(d, d);

@@ -14,8 +14,8 @@ using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 4, 1>;
 using RowMajorBlock = Eigen::Map<const Eigen::Matrix<double, -1, -1, Eigen::RowMajor>>;
 
 /// Root of f between low, where f > 0, and high, where f <= 0: regula falsi with the correction of Anderson & Bjorck
-/// (1973), and bisection when it is slow. Returns the end of the bracket with f <= 0, when f is within `rounding` of 0 or
-/// the bracket within rounding of a point.
+/// (1973), and bisection when it is slow. Returns the end of the bracket with f <= 0, when f is within `rounding` of 0
+/// or the bracket within rounding of a point.
 template <class F>
 double root(const F& f, double low, double at_low, double high, double at_high, double rounding) {
   for (int k = 0; k < 120 && at_high < -rounding && high - low > 4e-16 * high; ++k) {
@@ -151,7 +151,8 @@ void root_over_normal(const LocalProblem& problem, Index contact, const double* 
 }
 
 /// Newton on the cone function from the r given; whether it converged.
-bool newton(const LocalProblem& problem, Index contact, ConeTarget target, const double* a, const double* b, double* r) {
+bool newton(const LocalProblem& problem, Index contact, ConeTarget target, const double* a, const double* b,
+            double* r) {
   constexpr int kMostSteps = 15;
   const int d = problem.dimension;
   const RowMajorBlock block(a, d, d);

@@ -5,9 +5,9 @@
 //   -A^-1 b in K                  stick:  u = 0
 //   otherwise                     slide:  u_n = 0, u_t = -lambda r_t with |r_t| = mu r_n
 // With u_n = 0 eliminated, r_t = -(S + lambda)^-1 (b_t - A_tn b_n / A_nn), S = A_tt - A_tn A_nt / A_nn, and
-// r_n = -(b_n + A_nt r_t) / A_nn. The excess |r_t| - mu r_n is continuous in lambda >= 0, positive at 0 when the contact
-// slides, and tends to mu b_n / A_nn < 0: a bracketed root, the one with lambda >= 0 of the quartic of Bonnefon &
-// Daviet (2011). With rolling a second disc has a lambda of its own; then friction is first solved for a given bound
+// r_n = -(b_n + A_nt r_t) / A_nn. The excess |r_t| - mu r_n is continuous in lambda >= 0, positive at 0 when the
+// contact slides, and tends to mu b_n / A_nn < 0: a bracketed root, the one with lambda >= 0 of the quartic of Bonnefon
+// & Daviet (2011). With rolling a second disc has a lambda of its own; then friction is first solved for a given bound
 // (c_d n, convex: its excess falls with each lambda) and u_n(n) = 0 by a bracketed root over n: n u_n >= r A r - n b_n
 // holds because friction does no work on the contact, so that u_n > 0 for large n.
 //

@@ -33,25 +33,27 @@ struct Triplet {
 };
 
 struct LocalProblem {
-  int dimension = 3;             // rows per contact: 2 (plane), 3, or 5 (rolling: normal, two tangents, two moments)
-  BlockMatrix w;                 // W [u / r]
-  std::vector<double> q;         // [contact_count * dimension]
-  std::vector<double> mu;        // sliding friction [contact_count]
-  std::vector<double> mu_roll;   // rolling friction [contact_count]; empty unless dimension is 5
-  std::string name;              // where it came from; starts every message about it
+  int dimension = 3;            // rows per contact: 2 (plane), 3, or 5 (rolling: normal, two tangents, two moments)
+  BlockMatrix w;                // W [u / r]
+  std::vector<double> q;        // [contact_count * dimension]
+  std::vector<double> mu;       // sliding friction [contact_count]
+  std::vector<double> mu_roll;  // rolling friction [contact_count]; empty unless dimension is 5
+  std::string name;             // where it came from; starts every message about it
 
   Index contact_count() const { return Index(mu.size()); }
   int disc_count() const { return dimension == 5 ? 2 : 1; }
   FrictionDisc disc(int d) const { return {1 + 2 * d, dimension == 2 ? 1 : 2}; }
   double coefficient(Index contact, int d) const { return d == 0 ? mu[contact] : mu_roll[contact]; }
-  const double* diagonal_block(Index contact) const { return w.value.data() + diagonal[contact] * dimension * dimension; }
+  const double* diagonal_block(Index contact) const {
+    return w.value.data() + diagonal[contact] * dimension * dimension;
+  }
 
   std::vector<std::size_t> diagonal;  // block number of each contact's diagonal block [contact_count]
 };
 
 /// Puts a problem together from the entries of W (equal positions are summed) and checks it. Throws InputError, which
-/// starts with `name`, for a dimension other than 2, 3 or 5, lengths that disagree, positions outside the matrix, values
-/// that are not finite, negative friction, and a contact whose W_nn is not positive (nothing there can move).
+/// starts with `name`, for a dimension other than 2, 3 or 5, lengths that disagree, positions outside the matrix,
+/// values that are not finite, negative friction, and a contact whose W_nn is not positive (nothing there can move).
 LocalProblem make_problem(const std::string& name, int dimension, const std::vector<Triplet>& w, std::vector<double> q,
                           std::vector<double> mu, std::vector<double> mu_roll = {});
 

@@ -6,8 +6,8 @@
 //   text (Siconos):  dim, nc, matrix W, q, mu (, mu_r when dim is 5)
 //                    dim, nc, matrices M and H, f, w, mu (, mu_r)
 //
-// Matrices: in HDF5 triplets (nz >= 0: i rows, p columns), compressed columns (nz = -1) or compressed rows (nz = -2);
-// in text dense (0), sparse blocks (1) or sparse (2). Global problems are reduced to local form:
+// Matrices: in HDF5 triplets (nz >= 0: rows i, columns p, or the reverse), compressed columns (nz = -1) or compressed
+// rows (nz = -2); in text dense (0), sparse blocks (1) or sparse (2). Global problems are reduced to local form:
 //   W = H^T M^-1 H,  q = w + H^T M^-1 f.
 #pragma once
 #include <filesystem>
@@ -24,9 +24,9 @@ struct TripletMatrix {
 
 struct GlobalProblem {
   int dimension = 3;
-  TripletMatrix m, h;                // [freedoms x freedoms], [freedoms x contact_count * dimension]
-  std::vector<double> f, w;          // [freedoms], [contact_count * dimension]
-  std::vector<double> mu, mu_roll;   // [contact_count]
+  TripletMatrix m, h;               // [freedoms x freedoms], [freedoms x contact_count * dimension]
+  std::vector<double> f, w;         // [freedoms], [contact_count * dimension]
+  std::vector<double> mu, mu_roll;  // [contact_count]
 };
 
 /// Reads any of these, told apart by content. Throws InputError "file: place: value; expectation".

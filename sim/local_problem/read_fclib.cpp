@@ -42,15 +42,26 @@ struct Stored {
 
   void add(TripletMatrix& matrix, int row, int column, std::size_t at) const {
     if (row < 0 || row >= rows || column < 0 || column >= columns)
-      file.fail(place, "entry " + std::to_string(at) + " is at (" + std::to_string(row) + ", " + std::to_string(column) +
-                           "), outside " + std::to_string(rows) + " x " + std::to_string(columns));
+      file.fail(place, "entry " + std::to_string(at) + " is at (" + std::to_string(row) + ", " +
+                           std::to_string(column) + "), outside " + std::to_string(rows) + " x " +
+                           std::to_string(columns));
     matrix.entry.push_back({row, column, x[at]});
   }
 
+  /// Whether the first `count` of `rows_of` and of `columns_of` fit the matrix as rows and columns.
+  bool fit(const std::vector<std::int32_t>& rows_of, const std::vector<std::int32_t>& columns_of, int count) const {
+    for (int at = 0; at < count; ++at)
+      if (rows_of[at] < 0 || rows_of[at] >= rows || columns_of[at] < 0 || columns_of[at] >= columns) return false;
+    return true;
+  }
+
+  /// fclib.h says that p holds rows and i columns; the files that Siconos writes have them the other way (as CSparse
+  /// does). The one that fits the matrix is meant; where both do (W and M are symmetric), that of the files.
   void add_triplets(TripletMatrix& matrix) const {
     for (const auto& [name, length] : {std::pair("p", p.size()), {"i", i.size()}, {"x", x.size()}})
       require(name, length, std::size_t(kind));
-    for (int at = 0; at < kind; ++at) add(matrix, i[at], p[at], at);
+    const bool as_documented = !fit(i, p, kind) && fit(p, i, kind);
+    for (int at = 0; at < kind; ++at) as_documented ? add(matrix, p[at], i[at], at) : add(matrix, i[at], p[at], at);
   }
 
   /// Lines are columns for kind -1, rows for kind -2.

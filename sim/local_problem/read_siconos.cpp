@@ -263,8 +263,9 @@ LocalProblem read_siconos_text(const std::filesystem::path& path) {
     problem.h = read_matrix(in);
     problem.f = in.numbers("f", problem.m.rows);
   } else if (problem.m.rows != rows || problem.m.columns != rows) {
-    in.fail("W is " + std::to_string(problem.m.rows) + " x " + std::to_string(problem.m.columns) + "; dimension times contacts, " +
-            std::to_string(rows) + ", is needed (or, behind M, a matrix H with as many columns)");
+    in.fail("W is " + std::to_string(problem.m.rows) + " x " + std::to_string(problem.m.columns) +
+            "; dimension times contacts, " + std::to_string(rows) +
+            ", is needed (or, behind M, a matrix H with as many columns)");
   }
   problem.w = in.numbers(global ? "w" : "q", rows);
   problem.mu = in.numbers("mu", contacts);

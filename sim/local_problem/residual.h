@@ -16,6 +16,7 @@ double de_saxce_term(const LocalProblem& problem, Index contact, const double* u
 
 /// | r - P_K(r - u^) | / max(|q|, |r|, |u|) with u = W r + q and u^ = u + de_saxce_term e_n for `coulomb`, u^ = u for
 /// `ccp`; Euclidean norms over all contacts, as in fc3d_compute_error of Siconos. 0 when q, r and u are all 0.
-double siconos_error(const LocalProblem& problem, const std::vector<double>& r, ConeTarget target = ConeTarget::coulomb);
+double siconos_error(const LocalProblem& problem, const std::vector<double>& r,
+                     ConeTarget target = ConeTarget::coulomb);
 
 }  // namespace gonogo::sim

@@ -18,14 +18,14 @@ enum class LocalSolver { nsgs, apgd, ppa };
 struct LocalSolveSettings {
   LocalSolver solver = LocalSolver::ppa;
   ConeTarget target = ConeTarget::coulomb;
-  double tolerance = 1e-8;   // of siconos_error for the target
-  int max_iterations = 0;    // 0: the solver's own; sweeps, gradient steps or Newton steps
+  double tolerance = 1e-8;  // of siconos_error for the target
+  int max_iterations = 0;   // 0: the solver's own; sweeps, gradient steps or Newton steps
 };
 
 struct LocalSolution {
-  std::vector<double> r;    // impulses: the best met
-  double error = 0;         // siconos_error for the target; may exceed the tolerance when the iterations ran out
-  int iterations = 0;       // of the solver's own kind
+  std::vector<double> r;  // impulses: the best met
+  double error = 0;       // siconos_error for the target; may exceed the tolerance when the iterations ran out
+  int iterations = 0;     // of the solver's own kind
 };
 
 LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& settings);

@@ -71,6 +71,26 @@ TEST_CASE("every command explains itself with an example") {
   }
 }
 
+TEST_CASE("validate fclib solves the problems it is given, and fails when one stays above the limit") {
+  const std::string file = GONOGO_SOURCE_DIR "/tests/data/fclib/Rover1040.dat";
+  const Ending solved = run_gonogo({"validate", "fclib", file, "--json"});
+  CHECK(solved.exit_code == 0);
+  const Json problem = Json::parse(solved.out, "stdout").at("problems").items().at(0);
+  CHECK(problem.at("problem").string() == "Rover1040.dat");
+  CHECK(problem.at("contacts").integer() == 5);
+  CHECK(problem.at("siconos_error").number() < 1e-8);
+  const Ending above =
+      run_gonogo({"validate", "fclib", file, "--solver", "nsgs", "--iterations", "1", "--limit", "1e-12"});
+  CHECK(above.exit_code == 1);
+  CHECK(contains(above.out, "Rover1040.dat"));
+  CHECK(contains(above.err, "1 of 1 problems ended above the error 1e-12"));
+  check_refusal(run_gonogo({"validate", "fclib", "/none.dat"}), 2, {"/none.dat", "no such file or folder"});
+  const TemporaryFolder folder;
+  check_refusal(run_gonogo({"validate", "fclib", folder.path()}), 2, {"holds no .hdf5 or .dat file"});
+  write_file_atomically(folder / "cut.dat", "3\n5\n0\n15\n");
+  check_refusal(run_gonogo({"validate", "fclib", folder.path()}), 2, {"cut.dat: line 4", "the file ends where"});
+}
+
 TEST_CASE("the version names the revision") {
   const Ending ending = run_gonogo({"--version"});
   CHECK(ending.exit_code == 0);

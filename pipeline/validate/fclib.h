@@ -1,0 +1,25 @@
+// Frictional contact problems made by others, solved and judged by the error measure of Siconos.
+#pragma once
+#include <filesystem>
+#include <vector>
+
+#include "sim/local_problem/solve.h"
+
+namespace gonogo::pipeline {
+
+struct FclibResult {
+  std::string name;  // of the file
+  int dimension = 0, contacts = 0, iterations = 0;
+  double coulomb_error = 0, ccp_error = 0;  // sim::siconos_error of the impulses found, for both targets
+  double target_error = 0;                  // the one of the target asked for
+  double ms = 0;                            // solving, without reading
+};
+
+/// Files as they are; a folder stands for the .hdf5 and .dat files in it, by name. Throws InputError for a path that is
+/// neither and for a folder without any.
+std::vector<std::filesystem::path> fclib_files(const std::vector<std::filesystem::path>& paths);
+
+/// Throws InputError for a malformed file; not reaching the tolerance is a result.
+FclibResult solve_fclib(const std::filesystem::path& file, const sim::LocalSolveSettings& settings);
+
+}  // namespace gonogo::pipeline
