@@ -89,8 +89,8 @@ void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   build_incidence(exec, s);
   cut_into_tiles(exec, s);
   for_each_counted(exec, contact_count(s),
-                   SplitMasses{incidence(s), s.mass.view(), s.mechanisms.body.view(), s.velocity.view(),
-                               s.contact.view(), settings.target});
+                   SplitMasses{incidence(s), s.mass.view(), s.mechanisms.body.view(), s.orientation.view(),
+                               s.velocity.view(), s.contact.view(), settings.target});
   apply_controllers(exec, s, settings);
   for_each_index(exec, s.body_count,
                  FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),

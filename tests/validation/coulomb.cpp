@@ -1,5 +1,5 @@
-// What the solver owes to Coulomb's law: a block that sticks whatever its mass, and says so; sliding and slipping impacts
-// without the lift of the convex relaxation.
+// What the solver owes to Coulomb's law: a block that sticks whatever its mass, and says so; sliding and slipping
+// impacts without the lift of the convex relaxation.
 #include <cmath>
 #include <string>
 #include <vector>
@@ -112,7 +112,7 @@ TEST_CASE("under Coulomb's law an impact that slips does not rebound, and takes 
       CHECK(agrees("oblique impact, Coulomb: rebound [m/s]" + label, 0, s.velocity.z, 1e-4 * along));
       CHECK(agrees("oblique impact, Coulomb: speed along [m/s]" + label, sticks ? along * 5 / 7 : along - mu * down,
                    s.velocity.x, 1e-4 * along));
-      CHECK(agrees("oblique impact, Coulomb: spin times radius [m/s]" + label,
-                   sticks ? along * 5 / 7 : 2.5 * mu * down, s.angular_velocity.y * radius, 1e-4 * along));
+      CHECK(agrees("oblique impact, Coulomb: spin times radius [m/s]" + label, sticks ? along * 5 / 7 : 2.5 * mu * down,
+                   s.angular_velocity.y * radius, 1e-4 * along));
     }
 }
