@@ -44,8 +44,9 @@ bool SavedRun::driving() const { return in_.has(kBed); }
 
 TiltedBed SavedRun::bed(const std::string& bed_scene) const {
   if (in_.text_attribute(kBed, "scene") != bed_scene)
-    in_.fail(kBed, "belongs to another scene or other numerics; give the file the trial it came from, or remove it and "
-                   "start from the beginning");
+    in_.fail(kBed,
+             "belongs to another scene or other numerics; give the file the trial it came from, or remove it and "
+             "start from the beginning");
   TiltedBed bed;
   bed.creep = in_.number_attribute(kBed, "creep");
   bed.residual = in_.number_attribute(kBed, "residual");
