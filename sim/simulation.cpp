@@ -149,8 +149,8 @@ FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& set
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
                                             int threads, const WorldSize& room) {
   if (scene.empty()) throw InputError("the scene has no worlds");
-  if (!(settings.step > 0) || settings.iterations < 1)
-    throw InputError("the step must be above zero and there must be at least one iteration");
+  if (!(settings.step > 0) || settings.iterations < 1 || settings.substeps < 1)
+    throw InputError("the step must be above zero and there must be at least one iteration and one substep");
   std::vector<FlatWorld> worlds;
   for (std::size_t w = 0; w < scene.size(); ++w) worlds.push_back(flatten(scene[w], WorldIndex(w), settings));
   check_bins(worlds, room);

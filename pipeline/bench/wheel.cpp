@@ -213,6 +213,7 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
   }
   auto settings =
       terrain::bed_step_settings(scene.bed.grain_diameter, request.step, request.iterations, request.tolerance);
+  settings.substeps = request.substeps;
   settings.solver = request.solver;
   settings.target = request.target;
   const auto simulation = sim::make_simulation(request.backend, worlds, settings, request.threads);

@@ -104,6 +104,7 @@ void print_wheel(const Globals& globals, const WheelBench& request) {
   json["solver"] = name_in(kSolvers, request.solver);
   json["target"] = name_in(kTargets, request.target);
   json["step_s"] = request.step;
+  json["substeps"] = request.substeps;
   json["iterations"] = request.iterations;
   json["tolerance_m_per_s"] = request.tolerance;
   json["worlds"] = request.worlds;
@@ -132,7 +133,8 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   auto request = std::make_shared<WheelBench>();
   command->add_option("--scene", request->scene, "Scene file")->capture_default_str();
   command->add_option("--step", request->step, "Time step [s]")->check(CLI::Range(1e-6, 1e-2));
-  command->add_option("--iterations", request->iterations, "Most iterations per step")->check(CLI::Range(1, 100000));
+  command->add_option("--substeps", request->substeps, "Parts of a step")->check(CLI::Range(1, 1000));
+  command->add_option("--iterations", request->iterations, "Most iterations per substep")->check(CLI::Range(1, 100000));
   command->add_option("--tolerance", request->tolerance, "Residual at which the solver stops [m/s]; 0: never")
       ->check(CLI::Range(0.0, 10.0));
   command->add_option("--worlds", request->worlds, "Worlds in one batch; their wheels start at different places")

@@ -117,7 +117,7 @@ class SimulationOn final : public Simulation {
   }
 
   double motor_torque(WorldIndex w, Index m) override {
-    return double(s_.mechanisms.motor_impulse.read(place_[w].mechanisms.motors + m)) / settings_.step;
+    return double(s_.mechanisms.motor_impulse.read(place_[w].mechanisms.motors + m)) / settings_.substep();
   }
 
   JointLoad joint_load(WorldIndex w, Index j) override {
@@ -135,7 +135,7 @@ class SimulationOn final : public Simulation {
       if (contact[i].body_a == b) sum += static_cast<Vec3d>(impulse[i].linear);
       if (contact[i].body_b == b) sum -= static_cast<Vec3d>(impulse[i].linear);
     }
-    return sum * (1.0 / settings_.step);
+    return sum * (1.0 / settings_.substep());
   }
 
   std::vector<Contact> contacts(WorldIndex w) override {
@@ -233,7 +233,7 @@ class SimulationOn final : public Simulation {
     if (!stepped_[w]) return sum;
     queue_.run([&](auto exec) { recover_impulses(exec, s_.mechanisms); });
     for (Index i = place_[w].mechanisms.rows + first, end = i + count; i < end; ++i)
-      add_row(sum, s_.mechanisms.row.read(i), s_.mechanisms.row_impulse.read(i), settings_.step);
+      add_row(sum, s_.mechanisms.row.read(i), s_.mechanisms.row_impulse.read(i), settings_.substep());
     return sum;
   }
 

@@ -40,24 +40,18 @@ struct WriteContacts {
     });
   }
 
-  /// Speed at which the contact may close (gap ahead) or must open (overlap), negated by the solver's sign convention.
-  GONOGO_HD Real bias(Real gap) const {
-    if (gap >= 0) return gap / settings.step;
-    const Real push_out = settings.recovery_share * gap / settings.step;
-    return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
-  }
-
   /// A compliant contact is a spring and damper along the normal, implicit in the gap's rate u:
   ///   impulse = -h (k (gap + h u) + c u)   <=>   u + impulse / (h (h k + c)) + k gap / (h k + c) = 0.
-  GONOGO_HD void set_stiffness(Contact& c, const PairLaw& law, Real gap) const {
-    if (law.stiffness <= 0) {
-      c.gap_bias = bias(gap);
-      c.softness = 0;
-      return;
+  GONOGO_HD void set_stiffness(Contact& c, const PairLaw& law) const {
+    const Real step = settings.substep();
+    c.gap_rate = 1 / step;
+    c.softness = 0;
+    if (law.stiffness > 0) {
+      const Real resistance = step * law.stiffness + law.damping;  // [N s/m]
+      c.gap_rate = law.stiffness / resistance;
+      c.softness = 1 / (step * resistance);
     }
-    const Real resistance = settings.step * law.stiffness + law.damping;  // [N s/m]
-    c.gap_bias = law.stiffness * gap / resistance;
-    c.softness = 1 / (settings.step * resistance);
+    c.gap_bias = bias_of_gap(c, settings);
   }
 
   /// `d`: from the other shape's centre to the owner's.
@@ -69,7 +63,7 @@ struct WriteContacts {
     Contact c;
     c.normal = t.normal;
     c.gap = t.gap;
-    set_stiffness(c, law, t.gap);
+    set_stiffness(c, law);
     // The contact point lies half-way between the two surfaces.
     c.arm_a = static_cast<Vec3>(find.centre[i] - position[si.body]) + t.point;
     c.arm_b = static_cast<Vec3>(find.centre[j] - position[sj.body] + d) + t.point;
@@ -77,7 +71,7 @@ struct WriteContacts {
     c.rho = law.rolling_friction * radius;
     c.sigma = law.spinning_friction * radius;
     c.cohesion = t.gap < settings.cohesion_range
-                     ? law.cohesion_pressure * Real(3.14159265) * smaller * smaller * settings.step
+                     ? law.cohesion_pressure * Real(3.14159265) * smaller * smaller * settings.substep()
                      : Real(0);
     c.body_a = si.body;
     c.body_b = sj.body;

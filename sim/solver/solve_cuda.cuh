@@ -520,7 +520,7 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
   return {tiles(s),
           incidence(s),
           settings.rules(),
-          settings.step,
+          settings.substep(),
           exec.halted,
           contact_count(s).count,
           s.contact.view(),

@@ -58,6 +58,21 @@ struct SplitMasses {
   }
 };
 
+/// The bodies have moved by a substep: gaps follow the velocities, normals and arms stay as they were found.
+struct AdvanceGaps {
+  View<const Velocity> velocity;
+  View<Contact> contact;
+  StepSettings settings;
+
+  GONOGO_HD void operator()(ContactIndex i) const {
+    Contact& c = contact[i];
+    const Velocity a = velocity[c.body_a], b = velocity[c.body_b];
+    c.gap += settings.substep() * dot(c.normal, contact_velocity<Real>(c, a, b));
+    c.bias = c.gap_bias = bias_of_gap(c, settings);
+    if (settings.target == Target::coulomb) c.bias += c.mu * slip_speed<Real>(c, a, b);
+  }
+};
+
 /// Scaled natural map per contact [m/s]: the change that one unsplit projected gradient step would still make, divided
 /// by that step, so that light grains count as much as wheels. Zero exactly at the solution; for the `coulomb` target
 /// the sliding speed at the end of the step counts, so that it is Coulomb's law that is measured.

@@ -23,7 +23,7 @@ struct PairLaw {
 /// Numerical parameters of a step, the same for all worlds of a batch.
 struct StepSettings {
   Real step = 1e-3f;              // [s]
-  Index iterations = 100;         // most iterations of the solver per step
+  Index iterations = 100;         // most iterations of the solver in a substep
   Real tolerance = 0;             // root-mean-square residual at which a world stops iterating [m/s]; 0: never
   Real envelope = 2e-3f;          // contacts are found up to this gap [m]
   Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
@@ -31,9 +31,22 @@ struct StepSettings {
   Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
   Solver solver = Solver::apgd;
   Target target = Target::ccp;
+  Index substeps = 1;  // the bodies move in so many parts of a step; contacts are searched for once
+
+  /// Length of a part [s]; forces and impulses are those of the last one.
+  GONOGO_HD Real substep() const { return step / Real(substeps); }
 
   GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance}; }
 };
+
+/// Speed at which the contact may close (gap ahead) or must open (overlap), negated by the solver's sign convention;
+/// for a compliant contact the resting speed of its spring and damper.
+GONOGO_HD inline Real bias_of_gap(const Contact& c, const StepSettings& settings) {
+  const Real bias = c.gap_rate * c.gap;
+  if (c.softness > 0 || c.gap >= 0) return bias;
+  const Real push_out = settings.recovery_share * bias;
+  return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
+}
 
 struct WorldParameters {
   Vec3 gravity;   // [m/s^2]
