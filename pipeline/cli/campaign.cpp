@@ -16,7 +16,8 @@ struct Options {
 
 /// Options that were not given leave it to the study.
 ComputeRequest compute_of(const Options& options, const Globals& globals) {
-  ComputeRequest request{.device = {}, .places = {}, .workers = {}, .checkpoint_every = {}, .threads = globals.threads};
+  ComputeRequest request;
+  request.threads = globals.threads;
   if (!options.device.empty()) request.device = options.device;
   if (options.places > 0) request.places = options.places;
   if (options.workers > 0) request.workers = options.workers;
