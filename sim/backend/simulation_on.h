@@ -402,6 +402,8 @@ class SimulationOn final : public Simulation {
     for (Index& i : first) i += at.shape;
     first.resize(at.size.bodies, at.shape + at.size.shapes);
     bin.resize(at.size.shapes, -1);
+    for (std::size_t i = 0; i < bin.size() && !s_.solids_binned; ++i)
+      if (bin[i] >= 0 && shape[i].type != ShapeType::sphere) s_.solids_binned = true, queue_.forget();
     std::vector<LargeShape> large = flat_[w].large;
     for (LargeShape& l : large) l.shape += at.shape;
     s_.shape.write(at.shape, shape);
@@ -465,7 +467,8 @@ class SimulationOn final : public Simulation {
     s_.centre.fill_zero(s_.shape_count);
     s_.bin_of_shape.fill_zero(s_.shape_count);
     s_.large.fill_zero(large_total_);
-    s_.contacts_of_shape.fill_zero(s_.shape_count);
+    s_.contacts_of_part.fill_zero(s_.shape_count * kSearchParts);
+    s_.first_of_part.fill_zero(s_.shape_count * kSearchParts + 1);
     s_.first_contact.fill_zero(s_.shape_count + 1);
     s_.shape_in_bin.fill_zero(s_.shape_count);
     s_.shape_by_bin.fill_zero(s_.shape_count);

@@ -165,8 +165,9 @@ template <class Exec>
 struct State {
   Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0;
   Index contact_capacity = 0;
-  Index parity = 0;      // store that the next step writes
-  bool turning = false;  // some pair of materials has resisted rolling or spinning, or has been compliant
+  Index parity = 0;            // store that the next step writes
+  bool solids_binned = false;  // some binned shape has been no sphere
+  bool turning = false;        // some pair of materials has resisted rolling or spinning, or has been compliant
 
   Buffer<WorldParameters, Exec> world;
   Buffer<Vec3d, Exec> position;             // [body] centres of mass, inside the period [m]
@@ -188,7 +189,8 @@ struct State {
   Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
   Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
   Buffer<BinnedShape, Exec> shape_by_bin;
-  Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
+  Buffer<Index, Exec> contacts_of_part, first_of_part;  // see find.h
+  Buffer<Index, Exec> first_contact;                    // [shape + 1]
   Buffer<Contact, Exec> contact;
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
       second_slot;                                 // see incidence.h
