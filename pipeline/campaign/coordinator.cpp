@@ -22,11 +22,11 @@ namespace gonogo::pipeline {
 namespace {
 
 constexpr int kMostCrashes = 2;  // of workers that had one trial alone, by their own code
-constexpr int kMostKills = 5;    // of the workers of one trial, from outside
+constexpr int kMostKills = 5;    // of such workers, from outside
 constexpr int kPollMilliseconds = 200;
 
 struct Deaths {
-  int crashes = 0, kills = 0;
+  int crashes = 0, kills = 0, kills_in_company = 0;
 };
 
 /// The text of `line` behind `word` when the line starts with it and its hash holds.
@@ -132,11 +132,10 @@ class Pool {
     const std::string others = trials.size() > 1 ? " and " + std::to_string(trials.size() - 1) + " more" : "";
     for (const DesignPoint* trial : trials) {
       Deaths& deaths = deaths_[trial->index];
-      if (killed)
-        ++deaths.kills;
-      else if (trials.size() == 1)
-        ++deaths.crashes;
-      else
+      const bool alone = trials.size() == 1;
+      if (alone) ++(killed ? deaths.kills : deaths.crashes);
+      // Being killed once says nothing about a trial; twice, the machine may be short of memory for so many.
+      if (!alone && !(killed && ++deaths.kills_in_company == 1))
         company_[trial->index] = std::min(most_beside(*trial), trials.size() / 2);
       stop_if_hopeless(deaths,
                        "the worker of trial " + std::to_string(trial->index) + others + " " + describe_end(status));

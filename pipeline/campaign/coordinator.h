@@ -19,11 +19,11 @@ struct PoolRequest {
 };
 
 /// Computes every trial of `todo` and returns how many workers died on the way. A dead worker is replaced and its
-/// trials done again; those of a worker that crashed then get at most half as many others beside them, until the one to
-/// blame is alone. A trial whose workers crash twice when it is alone, or are killed from outside five times, stops the
-/// campaign: it never becomes a result, because results must not depend on which workers died. Throws InputError or
-/// DeviceError with the worker's sentence when a trial reports trouble that all would meet, Cancelled on Ctrl-C.
-/// Workers never outlive this.
+/// trials done again; those of a worker that crashed, or was killed from outside for the second time, then get at most
+/// half as many others beside them, until the one to blame is alone. A trial whose workers crash twice when it is
+/// alone, or are killed five times, stops the campaign: it never becomes a result, because results must not depend on
+/// which workers died. Throws InputError or DeviceError with the worker's sentence when a trial reports trouble that
+/// all would meet, Cancelled on Ctrl-C. Workers never outlive this.
 std::size_t compute_trials(const PoolRequest& request);
 
 }  // namespace gonogo::pipeline
