@@ -197,6 +197,7 @@ double start_of_world(const WheelScene& scene, int world) {
 }  // namespace
 
 WheelBenchResult bench_wheel(const WheelBench& request) {
+  sim::require_backend(request.backend);
   const WheelScene scene = read_wheel_scene(request.scene);
   log_line("bench", "settling the bed, or reading it from " + request.packing_folder.string());
   const terrain::Packing packing =

@@ -80,7 +80,7 @@ GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
 
 /// Bits of the flag word of a world.
 enum StepFlag : Index {
-  flag_not_finite = 1,   // a velocity is not a number: smaller step or more iterations
+  flag_not_finite = 1,   // a velocity or place is not a number: smaller step or more iterations
   flag_too_fast = 2,     // a body moves more than a bin in a step: smaller step
   flag_left_domain = 4,  // a body fell out of the domain: deeper domain or rougher base
 };

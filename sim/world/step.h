@@ -66,7 +66,7 @@ struct Integrate {
     const Velocity& v = velocity[b];
     const Real speed_square = dot(v.linear, v.linear) + dot(v.angular, v.angular) * Real(1e-4);
     Index raised = 0;
-    if (!(speed_square < Real(1e12))) raised |= flag_not_finite;
+    if (!(speed_square < Real(1e12)) || !(dot(x, x) < 1e24)) raised |= flag_not_finite;
     const Real reach = world[w].bin_size.x / settings.step;
     if (mass[b].inverse_mass.x > 0 && !(speed_square < reach * reach)) raised |= flag_too_fast;
     if (mass[b].inverse_mass.z > 0 && x.z < world[w].origin.z) raised |= flag_left_domain;
@@ -105,8 +105,8 @@ void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   build_incidence(exec, s);
   cut_into_tiles(exec, s);
   for_each_counted(exec, contact_count(s),
-                   SplitMasses{incidence(s), s.mass.view(), s.mechanisms.body.view(), s.velocity.view(),
-                               s.contact.view(), settings.target});
+                   SplitMasses{incidence(s), s.mass.view(), s.mechanisms.body.view(), s.orientation.view(),
+                               s.velocity.view(), s.contact.view(), settings.target});
   apply_controllers(exec, s, settings);
   move(exec, s, settings);
   for (Index k = 1; k < settings.substeps; ++k) {
