@@ -117,6 +117,12 @@ WorldSize FlatWorld::size() const {
           Index(large.size()), mechanisms.size(),   element.size()};
 }
 
+WorldSize larger(const WorldSize& a, const WorldSize& b) {
+  return {std::max(a.bodies, b.bodies),       std::max(a.shapes, b.shapes),
+          std::max(a.bins, b.bins),           std::max(a.large_shapes, b.large_shapes),
+          larger(a.mechanisms, b.mechanisms), larger(a.elements, b.elements)};
+}
+
 FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& settings) {
   check_world(given, std::size_t(w));
   check_mechanisms(given, in_world(std::size_t(w)));

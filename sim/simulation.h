@@ -42,6 +42,8 @@ struct Snapshot {
   ElementSnapshot element;
 };
 
+struct FlatWorld;
+
 class Simulation {
  public:
   virtual ~Simulation() = default;
@@ -85,8 +87,9 @@ class Simulation {
   virtual void restore(WorldIndex world, const Snapshot& snapshot) = 0;
 
   /// Puts a new world in the place of one that has served; the others do not notice. Throws InputError, naming the
-  /// numbers, when the place is too small for it.
+  /// numbers, when the place is too small for it. The second form takes what flatten() made for this place.
   virtual void replace(WorldIndex place, const SceneWorld& world) = 0;
+  virtual void replace(WorldIndex place, FlatWorld world) = 0;
 
   virtual const StepSettings& settings() const = 0;
 };
@@ -96,7 +99,11 @@ struct WorldSize {
   Index bodies = 0, shapes = 0, bins = 0, large_shapes = 0;
   MechanismSize mechanisms;
   ElementSize elements;
+
+  bool operator==(const WorldSize&) const = default;
 };
+/// The larger of each number.
+WorldSize larger(const WorldSize& a, const WorldSize& b);
 
 /// `room`: every world's place holds at least this much, for larger worlds that will take it over.
 /// Throws InputError for a scene that cannot run (no bodies, bad sizes, joints, springs or motors that cannot work) and

@@ -81,31 +81,33 @@ double clear_height(const WheelScene& scene, const terrain::Packing& packing, do
   return height;
 }
 
-/// Follows the wheel of the first world over periodic sides.
+/// Follows a wheel over periodic sides.
 class Odometer {
  public:
-  Odometer(const WheelScene& scene, const sim::BodyState& wheel) : scene_(scene), last_(wheel) {}
+  Odometer(const WheelScene& scene, const sim::BodyState& wheel)
+      : length_(scene.bed.length), radius_(scene.rig.radius), last_(wheel) {}
 
   void add(const sim::BodyState& wheel, double time) {
-    const double length = scene_.bed.length, dx = wheel.position.x - last_.position.x;
-    x_ += dx - length * std::rint(dx / length);
-    rolled_ += (wheel.angular_velocity.y + last_.angular_velocity.y) / 2 * time * scene_.rig.radius;
+    const double dx = wheel.position.x - last_.position.x;
+    x_ += dx - length_ * std::rint(dx / length_);
+    rolled_ += (wheel.angular_velocity.y + last_.angular_velocity.y) / 2 * time * radius_;
     last_ = wheel;
   }
   double x() const { return x_; }
   double rolled() const { return rolled_; }
 
  private:
-  const WheelScene& scene_;
+  double length_, radius_;
   sim::BodyState last_;
   double x_ = 0, rolled_ = 0;
 };
 
 class Drive {
  public:
-  Drive(const WheelScene& scene, const WheelBench& request, sim::Simulation& simulation, vehicle::RigBodies rig,
-        double surface)
-      : scene_(scene), request_(request), simulation_(simulation), rig_(rig), surface_(surface) {}
+  /// `rig`: of every world.
+  Drive(const WheelScene& scene, const WheelBench& request, sim::Simulation& simulation,
+        std::vector<vehicle::RigBodies> rig, double surface)
+      : scene_(scene), request_(request), simulation_(simulation), rig_(std::move(rig)), surface_(surface) {}
 
   void park() { simulation_.advance(steps(scene_.park_time)); }
 
@@ -121,46 +123,76 @@ class Drive {
   WheelBenchResult drive() {
     const double sample_time = 0.01;
     const int per_sample = std::max(1, steps(sample_time)), samples = std::max(4, steps(drive_time()) / per_sample);
-    Odometer odometer(scene_, wheel());
     WheelBenchResult r;
-    double half_x = 0, half_rolled = 0;
+    std::vector<Odometer> odometer, half;
+    for (int w = 0; w < request_.worlds; ++w) odometer.emplace_back(scene_, wheel(w));
     const double start = seconds();
     for (int k = 0; k < samples; ++k) {
       simulation_.advance(per_sample);
-      odometer.add(wheel(), per_sample * request_.step);
-      const sim::StepReport report = simulation_.report(0);
-      r.mean_iterations += double(report.iterations) / samples;
-      r.residual_rms += report.rms_residual / samples;
-      r.residual_max = std::max(r.residual_max, report.max_residual);
-      if (k == samples / 2 - 1) half_x = odometer.x(), half_rolled = odometer.rolled();
+      for (int w = 0; w < request_.worlds; ++w) odometer[w].add(wheel(w), per_sample * request_.step);
+      add_reports(r, 1.0 / samples);
+      if (k == samples / 2 - 1) half = odometer;
       if (k >= samples / 2) r.sinkage += sinkage() / (samples - samples / 2);
     }
     const double wall = seconds() - start;
     r.steps = samples * per_sample;
     r.ms_per_step = wall / r.steps * 1e3;
     r.simulated_per_wall = r.steps * request_.step / wall;
-    r.slip = 1 - (odometer.x() - half_x) / (odometer.rolled() - half_rolled);
-    r.contacts = simulation_.report(0).contact_count;
-    r.flags = simulation_.report(0).flags;
+    set_slip(r, half, odometer);
     return r;
   }
 
  private:
   int steps(double time) const { return int(std::lround(time / request_.step)); }
   double drive_time() const { return request_.drive_time > 0 ? request_.drive_time : scene_.drive_time; }
-  sim::BodyState wheel() { return simulation_.body(0, rig_.wheel); }
-  double sinkage() { return surface_ - (wheel().position.z - scene_.rig.radius); }
+  sim::BodyState wheel(int w) { return simulation_.body(w, rig_[w].wheel); }
+
+  double sinkage() {
+    double sum = 0;
+    for (int w = 0; w < request_.worlds; ++w) sum += surface_ - (wheel(w).position.z - scene_.rig.radius);
+    return sum / request_.worlds;
+  }
+
   void set_speed(double speed) {
     for (int w = 0; w < request_.worlds; ++w)
-      simulation_.set_motor(w, rig_.motor, Real(speed / scene_.rig.radius), Real(scene_.rig.max_torque));
+      simulation_.set_motor(w, rig_[w].motor, Real(speed / scene_.rig.radius), Real(scene_.rig.max_torque));
+  }
+
+  /// `share`: of this sample in the means over time.
+  void add_reports(WheelBenchResult& r, double share) {
+    r.contacts = 0;
+    for (int w = 0; w < request_.worlds; ++w) {
+      const sim::StepReport report = simulation_.report(w);
+      r.mean_iterations += report.iterations * share / request_.worlds;
+      r.residual_rms += report.rms_residual * share / request_.worlds;
+      r.residual_max = std::max(r.residual_max, report.max_residual);
+      r.contacts += report.contact_count;
+      r.flags |= report.flags;
+    }
+  }
+
+  void set_slip(WheelBenchResult& r, const std::vector<Odometer>& from, const std::vector<Odometer>& to) const {
+    double squares = 0;
+    for (int w = 0; w < request_.worlds; ++w) {
+      const double slip = 1 - (to[w].x() - from[w].x()) / (to[w].rolled() - from[w].rolled());
+      r.slip += slip / request_.worlds;
+      squares += slip * slip / request_.worlds;
+    }
+    if (request_.worlds > 1) r.slip_error = std::sqrt(std::max(0.0, squares - r.slip * r.slip) / (request_.worlds - 1));
   }
 
   const WheelScene& scene_;
   const WheelBench& request_;
   sim::Simulation& simulation_;
-  vehicle::RigBodies rig_;
+  std::vector<vehicle::RigBodies> rig_;
   double surface_;
 };
+
+/// The worlds differ in where their wheels are let down, so that their grains soon move differently.
+double start_of_world(const WheelScene& scene, int world) {
+  const double spacing = 0.618 * scene.bed.grain_diameter, stretch = scene.bed.length / 2;
+  return 0.15 * scene.bed.length + std::fmod(world * spacing, stretch);
+}
 
 }  // namespace
 
@@ -170,27 +202,30 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
   const terrain::Packing packing =
       tilted(scene, terrain::cached_packing(scene.bed, request.packing_folder, request.threads), request);
   const double start = seconds();
-  sim::SceneWorld world = terrain::bed_world(packing, {scene.law, scene.law}, 4 * scene.rig.radius);
-  world.gravity = tilted_gravity(scene.slope);
-  const double x = 0.15 * scene.bed.length, y = 0.5 * scene.bed.width;
-  const auto rig =
-      vehicle::add_wheel_rig(world, scene.rig, {x, y, clear_height(scene, packing, x, y)}, 0, terrain::tool_material);
+  sim::SceneWorld bed = terrain::bed_world(packing, {scene.law, scene.law}, 4 * scene.rig.radius);
+  bed.gravity = tilted_gravity(scene.slope);
+  sim::Scene worlds(std::size_t(request.worlds), bed);
+  std::vector<vehicle::RigBodies> rig;
+  for (int w = 0; w < request.worlds; ++w) {
+    const double x = start_of_world(scene, w), y = 0.5 * scene.bed.width;
+    rig.push_back(vehicle::add_wheel_rig(worlds[w], scene.rig, {x, y, clear_height(scene, packing, x, y)}, 0,
+                                         terrain::tool_material));
+  }
   auto settings =
       terrain::bed_step_settings(scene.bed.grain_diameter, request.step, request.iterations, request.tolerance);
   settings.solver = request.solver;
   settings.target = request.target;
-  const auto simulation =
-      sim::make_simulation(request.backend, sim::Scene(std::size_t(request.worlds), world), settings, request.threads);
+  const auto simulation = sim::make_simulation(request.backend, worlds, settings, request.threads);
   simulation->advance(1);
   const double start_up = seconds() - start;
   const double surface =
       terrain::surface_height(packing.grain, scene.bed.length, scene.bed.width, scene.bed.grain_diameter);
-  Drive drive(scene, request, *simulation, rig, surface);
+  Drive drive(scene, request, *simulation, std::move(rig), surface);
   drive.park();
   drive.ramp();
   WheelBenchResult r = drive.drive();
   r.start_up = start_up;
-  r.bodies = Index(world.body.size());
+  r.bodies = Index(worlds.front().body.size());
   if (r.flags != 0) throw DeviceError("the wheel scene failed: step flags " + std::to_string(r.flags));
   return r;
 }

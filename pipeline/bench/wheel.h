@@ -15,18 +15,21 @@ struct WheelBench {
   double step = 1e-3;     // [s]
   int iterations = 50;    // most per step
   double tolerance = 0;   // [m/s]
-  int worlds = 1;         // copies in one batch
+  int worlds = 1;         // in one batch; their wheels start at different places of the same bed
   double drive_time = 0;  // instead of the scene's, where above zero [s]
   std::filesystem::path packing_folder;
 };
 
 struct WheelBenchResult {
-  Index bodies = 0, contacts = 0, steps = 0;
+  Index bodies = 0;    // of one world
+  Index contacts = 0;  // of all worlds at the end
+  Index steps = 0;
   double mean_iterations = 0;
   double ms_per_step = 0;         // mean over the drive; all worlds together
   double simulated_per_wall = 0;  // simulated seconds of one world per wall second
   double start_up = 0;            // from the call to the first step taken, packing excluded [s]
-  double slip = 0;                // over the last half of the drive [-]
+  double slip = 0;                // over the last half of the drive, mean over the worlds [-]
+  double slip_error = 0;          // standard error of that mean; 0 for one world [-]
   double sinkage = 0;             // mean over the last half of the drive [m]
   double residual_rms = 0;        // mean over the drive [m/s]
   double residual_max = 0;        // largest seen [m/s]

@@ -114,6 +114,7 @@ void print_wheel(const Globals& globals, const WheelBench& request) {
   json["simulated_s_per_wall_s"] = r.simulated_per_wall;
   json["start_up_s"] = r.start_up;
   json["slip"] = r.slip;
+  json["slip_standard_error"] = r.slip_error;
   json["sinkage_m"] = r.sinkage;
   json["residual_rms_m_per_s"] = r.residual_rms;
   json["residual_max_m_per_s"] = r.residual_max;
@@ -134,7 +135,8 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   command->add_option("--iterations", request->iterations, "Most iterations per step")->check(CLI::Range(1, 100000));
   command->add_option("--tolerance", request->tolerance, "Residual at which the solver stops [m/s]; 0: never")
       ->check(CLI::Range(0.0, 10.0));
-  command->add_option("--worlds", request->worlds, "Copies in one batch")->check(CLI::Range(1, 100000));
+  command->add_option("--worlds", request->worlds, "Worlds in one batch; their wheels start at different places")
+      ->check(CLI::Range(1, 100000));
   command->add_option("--drive-time", request->drive_time, "Instead of the scene's [s]")->check(CLI::Range(0.1, 1e3));
   add_choice(*command, "--backend", request->backend, kBackends, "cpu or cuda");
   add_choice(*command, "--solver", request->solver, kSolvers, "Solver of the contacts");

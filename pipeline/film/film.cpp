@@ -83,7 +83,7 @@ void Film::start() {
 }
 
 void Film::add(const TrialFrame& frame) {
-  const sim::Capture state = sim::capture_world(frame.simulation, 0);
+  const sim::Capture state = sim::capture_world(frame.simulation, frame.place);
   if (!request_.vtk.empty()) {
     if (!vtk_) vtk_.emplace(request_.vtk, frame.world);
     sim::Capture timed = state;

@@ -1,15 +1,8 @@
-// The physical part of a trial: tilt the bed, let the wheel down, drive, watch, judge.
+// The physical part of a trial: the worlds of its two phases, and what is measured and judged at their ends.
 #pragma once
-#include "pipeline/trial/trial.h"
+#include "pipeline/trial/conditions.h"
 
 namespace gonogo::pipeline {
-
-struct TrialConditions {
-  Vec3 gravity;  // in the frame of the bed [m/s^2]
-  terrain::BedLaws laws;
-  double payload = 0;  // of the whole vehicle [kg]
-  double speed = 1;    // commanded rim speed [m/s]
-};
 
 /// Verdict and measures (units in the contract). When the bed failed before the vehicle acted, driving measures are
 /// NaN.
@@ -21,8 +14,31 @@ struct DriveOutcome {
   Index flags = 0;
 };
 
-/// `attempt`: 1, or 2 with half the step and twice the iterations.
-DriveOutcome drive(const TrialSetup& setup, const terrain::Packing& packing, const TrialConditions& conditions,
-                   std::uint64_t attempt, const TrialWatch& watch, const TrialCheckpoint& checkpoint);
+/// First phase: the settled bed alone under the trial's gravity with its own laws.
+sim::SceneWorld bed_alone(const terrain::Packing& settled, const TrialConditions& conditions);
+
+/// Steps of the first phase, at least one.
+Index bed_steps(const TrialSetup& setup, const sim::StepSettings& settings);
+
+/// The bed at the end of its phase.
+struct TiltedBed {
+  std::vector<Vec3d> grain;  // positions, in the packing's order [m]
+  double creep = 0;          // mean speed along the slope: one that fails by itself keeps accelerating [m/s]
+  double residual = 0;       // root mean square [m/s]
+  Index flags = 0;
+};
+TiltedBed tilted_bed(sim::Simulation& simulation, sim::WorldIndex world, std::size_t grain_count);
+
+/// The bed does not stand by itself, or its simulation went wrong.
+bool fails(const TrialSetup& setup, const TiltedBed& bed);
+DriveOutcome outcome_of_failed_bed(const TiltedBed& bed);
+
+/// Second phase: the wheel parked just above the tilted bed, with its driver and the monitor that ends the trial.
+sim::SceneWorld wheel_on_bed(const TrialSetup& setup, const terrain::Packing& settled, const TiltedBed& bed,
+                             const TrialConditions& conditions);
+
+/// Measures and verdict of a drive whose monitor has stopped the world.
+DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditions, const TiltedBed& bed, double step,
+                         sim::Simulation& simulation, sim::WorldIndex world);
 
 }  // namespace gonogo::pipeline

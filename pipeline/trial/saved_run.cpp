@@ -1,55 +1,60 @@
 #include "pipeline/trial/saved_run.h"
 
-#include "base/cancel.h"
-#include "base/error.h"
 #include "sim/io/checkpoint.h"
 
 namespace gonogo::pipeline {
 namespace {
 
 constexpr const char* kGroup = "trial";
-
-bool exists(const TrialCheckpoint& checkpoint) {
-  return !checkpoint.path.empty() && std::filesystem::exists(checkpoint.path);
-}
+constexpr const char* kBed = "trial/bed";
+constexpr const char* kGrains = "trial/bed/grains";
 
 }  // namespace
 
-SavedRun::SavedRun(const TrialCheckpoint& checkpoint, const sim::SceneWorld& world, const sim::StepSettings& settings,
-                   std::uint64_t attempt)
-    : checkpoint_(checkpoint),
-      scene_(checkpoint.path.empty() ? "" : sim::scene_hash(world, settings)),
-      attempt_(attempt),
-      last_(std::chrono::steady_clock::now()) {}
-
-void SavedRun::resume(sim::Simulation& simulation) const {
-  if (!exists(checkpoint_)) return;
-  const Hdf5Reader in(checkpoint_.path);
-  simulation.restore(0, sim::read_snapshot(in, scene_));
-}
-
-void SavedRun::save_when_due(sim::Simulation& simulation) {
-  if (checkpoint_.path.empty()) return;
-  const bool cancelled = cancel_requested();
-  const std::chrono::duration<double> since = std::chrono::steady_clock::now() - last_;
-  if (cancelled || since.count() >= checkpoint_.every) save(simulation);
-  stop_if_cancelled();
-}
-
-void SavedRun::save(sim::Simulation& simulation) {
+void save_run(const std::filesystem::path& path, const RunState& state) {
   Hdf5Writer out;
   out.group(kGroup);
-  out.attribute(kGroup, "attempt", std::int64_t(attempt_));
-  sim::store_snapshot(out, simulation.snapshot(0), scene_);
-  out.save(checkpoint_.path);
-  last_ = std::chrono::steady_clock::now();
+  out.attribute(kGroup, "attempt", std::int64_t(state.attempt));
+  if (state.bed) {
+    out.group(kBed);
+    out.attribute(kBed, "scene", state.bed_scene);
+    out.attribute(kBed, "creep", state.bed->creep);
+    out.attribute(kBed, "residual", state.bed->residual);
+    std::vector<double> rows;
+    for (const Vec3d& x : state.bed->grain) rows.insert(rows.end(), {x.x, x.y, x.z});
+    out.array(kGrains, rows, {state.bed->grain.size(), 3});
+    out.attribute(kGrains, "unit", "m");
+  }
+  sim::store_snapshot(out, state.world, state.scene);
+  out.save(path);
 }
 
-std::uint64_t saved_attempt(const TrialCheckpoint& checkpoint) {
-  if (!exists(checkpoint)) return 1;
-  const Hdf5Reader in(checkpoint.path);
-  if (!in.has(kGroup)) in.fail(kGroup, "this is no checkpoint of a trial; name another file or remove this one");
-  return std::uint64_t(in.integer_attribute(kGroup, "attempt"));
+SavedRun::SavedRun(const std::filesystem::path& path) : in_(path) {
+  if (!in_.has(kGroup)) in_.fail(kGroup, "this is no checkpoint of a trial; name another file or remove this one");
 }
+
+std::uint64_t SavedRun::attempt() const {
+  const std::int64_t attempt = in_.integer_attribute(kGroup, "attempt");
+  if (attempt != 1 && attempt != 2)
+    in_.fail(kGroup, "attempt is " + std::to_string(attempt) + ", allowed are 1 and 2; remove the file");
+  return std::uint64_t(attempt);
+}
+
+bool SavedRun::driving() const { return in_.has(kBed); }
+
+TiltedBed SavedRun::bed(const std::string& bed_scene) const {
+  if (in_.text_attribute(kBed, "scene") != bed_scene)
+    in_.fail(kBed,
+             "belongs to another scene or other numerics; give the file the trial it came from, or remove it and "
+             "start from the beginning");
+  TiltedBed bed;
+  bed.creep = in_.number_attribute(kBed, "creep");
+  bed.residual = in_.number_attribute(kBed, "residual");
+  const auto rows = in_.array<double>(kGrains);
+  for (std::size_t i = 0; i + 2 < rows.size(); i += 3) bed.grain.push_back({rows[i], rows[i + 1], rows[i + 2]});
+  return bed;
+}
+
+sim::Snapshot SavedRun::world(const std::string& scene) const { return sim::read_snapshot(in_, scene); }
 
 }  // namespace gonogo::pipeline

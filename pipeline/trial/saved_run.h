@@ -1,35 +1,40 @@
-// A driving trial on disk while it runs: its world, what its monitor has seen, and which attempt it is. A trial that
-// was killed goes on from there and ends with the bits of one that was not.
+// A running trial on disk: which attempt it is and in which phase, its bed, its world and what its monitor has seen. A
+// trial that was killed goes on from there and ends with the bits of one that was not.
 #pragma once
-#include <chrono>
+#include <filesystem>
+#include <string>
 
-#include "pipeline/trial/trial.h"
+#include "base/hdf5/hdf5.h"
+#include "pipeline/trial/drive.h"
 
 namespace gonogo::pipeline {
 
-class SavedRun {
- public:
-  /// `world` and `settings` as the simulation starts with them; `attempt` as in TrialRecord.
-  SavedRun(const TrialCheckpoint& checkpoint, const sim::SceneWorld& world, const sim::StepSettings& settings,
-           std::uint64_t attempt);
-
-  /// Takes the simulation to where the file left it; does nothing without a file. Throws InputError for a file of
-  /// another trial and for a damaged one.
-  void resume(sim::Simulation& simulation) const;
-
-  /// Writes the file when the interval has passed. On Ctrl-C writes it at once and throws Cancelled.
-  void save_when_due(sim::Simulation& simulation);
-
- private:
-  void save(sim::Simulation& simulation);
-
-  const TrialCheckpoint& checkpoint_;
-  std::string scene_;
-  std::uint64_t attempt_;
-  std::chrono::steady_clock::time_point last_;
+/// A trial now. `bed_scene` and `scene` are the hashes (sim/io/checkpoint.h) of the world of its first phase and of its
+/// present one; `bed` is that at the end of the first phase, null as long as that has not ended.
+struct RunState {
+  std::uint64_t attempt;
+  std::string bed_scene, scene;
+  const TiltedBed* bed;
+  sim::Snapshot world;
 };
 
-/// Attempt that the file was written in, 1 without a file.
-std::uint64_t saved_attempt(const TrialCheckpoint& checkpoint);
+/// Writes the file, whole or not at all.
+void save_run(const std::filesystem::path& path, const RunState& state);
+
+/// The file read back, in the order in which a trial can check it. Everything throws InputError for a damaged file and
+/// one of another trial.
+class SavedRun {
+ public:
+  explicit SavedRun(const std::filesystem::path& path);
+
+  std::uint64_t attempt() const;
+  /// Whether the first phase was over.
+  bool driving() const;
+  TiltedBed bed(const std::string& bed_scene) const;
+  sim::Snapshot world(const std::string& scene) const;
+
+ private:
+  Hdf5Reader in_;
+};
 
 }  // namespace gonogo::pipeline

@@ -32,7 +32,8 @@ using TrialObserver = std::function<void(const TrialSample&)>;
 struct TrialFrame {
   const TrialSample& sample;
   const sim::SceneWorld& world;  // shapes, masses and bounds; its bodies are where they were at the start
-  sim::Simulation& simulation;   // of this world, now; only to be read
+  sim::Simulation& simulation;   // now; only to be read
+  sim::WorldIndex place;         // of this world in it
   sim::BodyIndex wheel;          // -1 when the bed failed before there was one
 };
 
@@ -48,6 +49,8 @@ struct TrialWatch {
 struct TrialCheckpoint {
   std::filesystem::path path;  // empty: nowhere
   double every = 30;           // [s of the wall clock]
+  /// A file that cannot be used is set aside, which is said, and the trial starts from its beginning.
+  bool set_aside = false;
 };
 
 /// Same trial, watched and saved: where `checkpoint` finds a file it goes on from there, to the same record. The file

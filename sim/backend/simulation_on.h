@@ -210,8 +210,9 @@ class SimulationOn final : public Simulation {
     stepped_[w] = false;
   }
 
-  void replace(WorldIndex w, const SceneWorld& world) override {
-    FlatWorld flat = flatten(world, w, settings_);
+  void replace(WorldIndex w, const SceneWorld& world) override { replace(w, flatten(world, w, settings_)); }
+
+  void replace(WorldIndex w, FlatWorld flat) override {
     check_fits(w, flat.size());
     flat_[w] = std::move(flat);
     write_world(w);
@@ -266,16 +267,10 @@ class SimulationOn final : public Simulation {
     restored_contacts_ += count;
   }
 
-  static WorldSize larger_size(const WorldSize& a, const WorldSize& b) {
-    return {std::max(a.bodies, b.bodies),       std::max(a.shapes, b.shapes),
-            std::max(a.bins, b.bins),           std::max(a.large_shapes, b.large_shapes),
-            larger(a.mechanisms, b.mechanisms), larger(a.elements, b.elements)};
-  }
-
   void lay_out(const WorldSize& room) {
     Place next;
     for (const FlatWorld& world : flat_) {
-      next.size = larger_size(world.size(), room);
+      next.size = larger(world.size(), room);
       place_.push_back(next);
       next.body += next.size.bodies;
       next.shape += next.size.shapes;

@@ -19,6 +19,8 @@ struct ElementSize {
   Index loaded = 0, forces = 0;  // bodies with forces, forces
   Index controllers = 0, table_points = 0;
   Index monitors = 0, samples = 0;
+
+  bool operator==(const ElementSize&) const = default;
 };
 
 inline ElementSize larger(const ElementSize& a, const ElementSize& b) {

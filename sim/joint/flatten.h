@@ -19,6 +19,8 @@ struct MechanismSize {
     Index MechanismSize::*count;
   };
   static const Part (&parts())[kParts];
+
+  bool operator==(const MechanismSize&) const = default;
 };
 MechanismSize operator+(const MechanismSize& a, const MechanismSize& b);
 /// The larger of each number.

@@ -1,0 +1,88 @@
+#include "pipeline/trial/batch.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/cancel.h"
+#include "base/error.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+/// Simulated time between two looks of the host at running trials [s]. Results do not depend on it.
+constexpr double kLookEvery = 0.05;
+
+constexpr std::uint64_t kAttempts[] = {1, 2};
+
+}  // namespace
+
+TrialBatch::TrialBatch(const TrialSetup& setup, const BatchSettings& settings) : setup_(setup), settings_(settings) {
+  if (settings.places < 1) throw InputError("a batch needs at least one place");
+}
+
+TrialBatch::~TrialBatch() = default;
+
+/// Second attempts are rare: their places are made when they are needed.
+TrialBatch::Lane& TrialBatch::lane(std::uint64_t attempt) {
+  std::optional<Lane>& lane = lane_[attempt - 1];
+  if (!lane) {
+    const double step = attempt_numerics(setup_, attempt).step;
+    lane.emplace(Lane{Places(settings_.backend, attempt_settings(setup_, attempt), settings_.threads,
+                             attempt == 1 ? settings_.places : 1),
+                      std::max<Index>(1, Index(std::lround(kLookEvery / step)))});
+  }
+  return *lane;
+}
+
+void TrialBatch::start(const DesignPoint& point, const TrialWatch& watch, const TrialCheckpoint& checkpoint) {
+  if (free_places() < 1) throw InputError("the batch has no free place");
+  auto trial = std::make_unique<TrialRun>(setup_, point, watch, checkpoint);
+  trial->enter(lane(trial->attempt()).places);
+  trial_.push_back(std::move(trial));
+}
+
+std::vector<TrialRecord> TrialBatch::advance() {
+  for (const std::uint64_t attempt : kAttempts) take_steps(attempt);
+  save();
+  return collect();
+}
+
+void TrialBatch::take_steps(std::uint64_t attempt) {
+  std::vector<TrialRun*> trials;
+  for (const auto& trial : trial_)
+    if (trial->attempt() == attempt && trial->in_place()) trials.push_back(trial.get());
+  if (trials.empty()) return;
+  Lane& lane = this->lane(attempt);
+  Index steps = lane.look_every;
+  for (const TrialRun* trial : trials) steps = std::min(steps, trial->due());
+  lane.places.simulation().advance(steps);
+  const std::vector<sim::WorldStop> stops = lane.places.simulation().stops();
+  for (TrialRun* trial : trials) trial->look(steps, stops[std::size_t(trial->place())]);
+  for (TrialRun* trial : trials) trial->move_on();
+}
+
+void TrialBatch::save() {
+  const bool cancelled = cancel_requested();
+  bool saved = false;
+  for (const auto& trial : trial_) {
+    trial->save_when_due(cancelled);
+    saved = saved || trial->saves();
+  }
+  if (saved) stop_if_cancelled();
+}
+
+std::vector<TrialRecord> TrialBatch::collect() {
+  std::vector<TrialRecord> records;
+  for (auto& trial : trial_) {
+    if (trial->over()) {
+      records.push_back(trial->record());
+      trial.reset();
+    } else if (!trial->in_place()) {
+      trial->enter(lane(trial->attempt()).places);
+    }
+  }
+  std::erase(trial_, nullptr);
+  return records;
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,58 @@
+#include "pipeline/trial/conditions.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "pipeline/trial/trial.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+double value(const DesignPoint& point, const char* name) { return point.variables.at(contract().variable_index(name)); }
+
+}  // namespace
+
+Vec3d bed_gravity(double slope_along_deg, double slope_across_deg) {
+  // The ground plane rises by tan(along) per metre forward and tan(across) per metre left; its normal is z of the bed.
+  const double a = std::tan(slope_along_deg * kDegree), b = std::tan(slope_across_deg * kDegree);
+  const double n = std::sqrt(1 + a * a + b * b);
+  // With s the slope and psi the heading from the fall line, a = tan s cos psi and b = tan s sin psi: this is
+  // -g (sin s cos psi, sin s sin psi, cos s).
+  return Vec3d{a, b, 1} * (-9.81 / n);
+}
+
+TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point) {
+  TrialConditions c;
+  const Vec3d g = bed_gravity(value(point, "slope_along"), value(point, "slope_across"));
+  c.gravity = static_cast<Vec3>(g);
+  const sim::PairLaw grain =
+      terrain::contact_law(setup.calibration, {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
+  // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
+  c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
+  c.payload = value(point, "payload");
+  c.speed = value(point, "commanded_speed");
+  return c;
+}
+
+terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point) {
+  return setup.bed_spec(value(point, "bed_depth"), value(point, "relative_density"), point.seed);
+}
+
+terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) {
+  return terrain::shifted(terrain::cached_packing(bed_spec_of(setup, point), setup.packing_folder, 1), point.seed);
+}
+
+TrialNumerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt) {
+  TrialNumerics n = setup.numerics;
+  if (attempt > 1) n.step /= 2, n.iterations *= 2;
+  return n;
+}
+
+sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt) {
+  const TrialNumerics n = attempt_numerics(setup, attempt);
+  return terrain::bed_step_settings(setup.calibration.grain_diameter, n.step, n.iterations, n.tolerance);
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,94 @@
+// One trial on its way through a place of a batch. Its bed settles alone; then the wheel is let down and drives until a
+// stop rule holds; an attempt that fails a check is followed by a second one with a smaller step. The batch takes the
+// steps: in which company and how many between two looks does not change the record.
+#pragma once
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include "pipeline/trial/drive.h"
+#include "pipeline/trial/places.h"
+#include "pipeline/trial/saved_run.h"
+#include "pipeline/trial/trial.h"
+
+namespace gonogo::pipeline {
+
+class TrialRun {
+ public:
+  /// Goes on from the checkpoint's file where there is one. `setup` must outlive it.
+  TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch watch, TrialCheckpoint checkpoint);
+
+  /// Attempt that is next or under way: the places that it enters must take the steps of attempt_settings().
+  std::uint64_t attempt() const { return record_.attempts; }
+  void enter(Places& places);
+  bool in_place() const { return places_ != nullptr; }
+  sim::WorldIndex place() const { return place_; }
+
+  /// After at most this many steps the batch has to look; it may do so sooner.
+  Index due() const;
+  /// Takes note of the `steps` taken since the last look. `stop` is that of its place.
+  void look(Index steps, const sim::WorldStop& stop);
+  /// After all trials of the batch have been looked at, because it may rebuild the batch: puts the world of the next
+  /// phase into the place or leaves it.
+  void move_on();
+
+  /// Writes the checkpoint when its interval has passed, or at once.
+  void save_when_due(bool at_once);
+  bool saves() const { return !checkpoint_.path.empty(); }
+
+  /// The record is final.
+  bool over() const { return over_; }
+  const TrialRecord& record() const { return record_; }
+
+ private:
+  enum class Phase { bed, drive };
+  enum class Next { stay, drive, leave };
+
+  sim::Simulation& simulation() { return places_->simulation(); }
+  void resume(const SavedRun& saved);
+  void set_aside(const std::string& why);
+  void begin_bed(const sim::Snapshot* from);
+  void begin_drive(const std::shared_ptr<const sim::SceneWorld>& world, const sim::Snapshot* from);
+  std::shared_ptr<const sim::SceneWorld> drive_world() const;
+  void look_at_bed();
+  void look_at_drive(const sim::WorldStop& stop);
+  void end_attempt(const DriveOutcome& outcome);
+  std::string scene_of(const sim::SceneWorld& world) const;
+
+  Index next_frame() const;
+  void pass_due_frames();
+  void remember_for_replay();
+  TrialSample seen(const sim::MonitorSample& s) const;
+  void show_samples();
+  void show_frame();
+
+  const TrialSetup& setup_;
+  TrialWatch watch_;
+  TrialCheckpoint checkpoint_;
+  TrialRecord record_;
+  TrialConditions conditions_;
+  terrain::Packing packing_;
+  bool over_ = false;
+  std::optional<SavedRun> saved_;  // until the first attempt has entered a place
+  std::chrono::steady_clock::time_point next_save_;
+
+  // Of the attempt under way.
+  TrialNumerics numerics_;
+  sim::StepSettings settings_;
+  Places* places_ = nullptr;
+  sim::WorldIndex place_ = 0;
+  Phase phase_ = Phase::bed;
+  Next next_ = Next::stay;
+  Index step_ = 0;  // of the phase's world
+  std::shared_ptr<const sim::SceneWorld> world_;
+  std::string bed_scene_, scene_;  // hashes, when they have been needed
+  TiltedBed bed_;
+
+  // Of what was shown.
+  Index shown_samples_ = 0;
+  std::int64_t frame_count_ = 0;
+  sim::Snapshot before_;  // of the latest look
+  Index replay_to_ = 0;   // above zero: step in which the world stops
+};
+
+}  // namespace gonogo::pipeline
