@@ -82,8 +82,7 @@ ProblemSidecar sidecar_of(const WrittenProblem& written, ProblemFormat format) {
 }
 
 std::filesystem::path sidecar_path(const std::filesystem::path& problem) {
-  std::filesystem::path path = problem;
-  return path.replace_extension(".sidecar.json");
+  return problem.string() + ".sidecar.json";
 }
 
 Json to_json(const ProblemSidecar& sidecar) {

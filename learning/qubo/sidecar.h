@@ -37,7 +37,7 @@ struct ProblemSidecar {
 
 ProblemSidecar sidecar_of(const WrittenProblem& written, ProblemFormat format);
 
-/// <problem without extension>.sidecar.json
+/// <problem>.sidecar.json: the whole name is kept, so that p.json and p.qubo have one each.
 std::filesystem::path sidecar_path(const std::filesystem::path& problem);
 
 /// Members "format" to "embedding"; a caller may append its own.
