@@ -80,9 +80,7 @@ class Buffer<T, Cuda> {
     if (size > capacity_) {
       const std::size_t capacity = std::max(size, capacity_ + capacity_ / 2);
       T* grown = nullptr;
-      if (cudaMalloc(&grown, capacity * sizeof(T)) != cudaSuccess)
-        throw DeviceError("out of GPU memory: " + std::to_string(capacity * sizeof(T)) +
-                          " bytes asked for; use fewer worlds or a smaller bed");
+      if (cudaMalloc(&grown, capacity * sizeof(T)) != cudaSuccess) refuse(capacity * sizeof(T));
       check_cuda(cudaMemset(grown, 0, capacity * sizeof(T)), "clear");
       if (size_ > 0) check_cuda(cudaMemcpy(grown, data_, size_ * sizeof(T), cudaMemcpyDeviceToDevice), "copy");
       cudaFree(data_);
@@ -132,6 +130,14 @@ class Buffer<T, Cuda> {
   }
 
  private:
+  [[noreturn]] static void refuse(std::size_t bytes) {
+    cudaGetLastError();  // else the next kernel's check would find this error
+    std::size_t unused = 0, total = 0;
+    cudaMemGetInfo(&unused, &total);
+    throw DeviceError("out of GPU memory: " + std::to_string(bytes) + " bytes asked for, " + std::to_string(unused) +
+                      " of " + std::to_string(total) + " are free; use fewer worlds or a smaller bed");
+  }
+
   T* data_ = nullptr;
   std::size_t size_ = 0, capacity_ = 0;
 };

@@ -1,5 +1,6 @@
 #include "sim/scene.h"
 
+#include <string>
 #include <utility>
 
 #include "base/error.h"
@@ -10,8 +11,10 @@ BodyMass fixed_body() { return {}; }
 
 BodyMass solid(Real mass, const Vec3& inertia_B) {
   if (!(mass > 0) || !(inertia_B.x > 0) || !(inertia_B.y > 0) || !(inertia_B.z > 0))
-    throw InputError(
-        "a moving body needs a mass and moments of inertia above zero; use fixed_body() for one that stays");
+    throw InputError("a body has the mass " + std::to_string(mass) + " kg and the moments of inertia " +
+                     std::to_string(inertia_B.x) + ", " + std::to_string(inertia_B.y) + ", " +
+                     std::to_string(inertia_B.z) +
+                     " kg m^2; all must be above zero, or use fixed_body() for a body that stays");
   BodyMass m;
   m.inverse_mass = {1 / mass, 1 / mass, 1 / mass};
   m.inverse_inertia_B = {1 / inertia_B.x, 1 / inertia_B.y, 1 / inertia_B.z};

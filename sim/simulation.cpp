@@ -12,6 +12,7 @@
 #include "sim/element/prepare.h"
 #include "sim/joint/check.h"
 #include "sim/shape/check.h"
+#include "sim/world/check.h"
 
 namespace gonogo::sim {
 namespace {
@@ -22,6 +23,7 @@ void check_world(const SceneWorld& world, std::size_t w) {
   if (world.body.empty()) throw InputError(in_world(w) + "has no bodies");
   if (!(world.size.x > 0 && world.size.y > 0 && world.size.z > 0))
     throw InputError(in_world(w) + "its size must be above zero");
+  check_bodies(world, w);
   check_shapes(world, w);
 }
 
@@ -101,13 +103,20 @@ void append_masses(const SceneWorld& world, FlatWorld& flat) {
   }
 }
 
-/// Bins of all worlds are counted by one Index.
-void check_bins(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
-  double bins = 0;
-  for (const FlatWorld& world : worlds) bins += std::max(world.size().bins, room.bins);
-  if (bins > std::numeric_limits<Index>::max())
-    throw InputError("the batch needs " + std::to_string(std::int64_t(bins)) + " bins, more than " +
-                     std::to_string(std::numeric_limits<Index>::max()) + "; use fewer worlds");
+/// Bodies, shapes and bins of all worlds are each counted by one Index, and so are the contacts made room for.
+void check_totals(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
+  double bodies = 0, contacts = 0, bins = 0;
+  for (const FlatWorld& world : worlds) {
+    bodies += std::max(world.size().bodies, room.bodies);
+    contacts += 4.0 * std::max(world.size().shapes, room.shapes);
+    bins += std::max(world.size().bins, room.bins);
+  }
+  const std::pair<const char*, double> totals[] = {
+      {"bodies", bodies}, {"places for contacts", contacts}, {"bins", bins}};
+  for (const auto& [name, count] : totals)
+    if (count >= std::numeric_limits<Index>::max())
+      throw InputError("the batch needs " + std::to_string(std::int64_t(count)) + " " + name + ", more than " +
+                       std::to_string(std::numeric_limits<Index>::max()) + "; use fewer worlds");
 }
 
 }  // namespace
@@ -146,20 +155,27 @@ FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& set
   return flat;
 }
 
-std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
-                                            int threads, const WorldSize& room) {
-  if (scene.empty()) throw InputError("the scene has no worlds");
-  if (!(settings.step > 0) || settings.iterations < 1)
-    throw InputError("the step must be above zero and there must be at least one iteration");
-  std::vector<FlatWorld> worlds;
-  for (std::size_t w = 0; w < scene.size(); ++w) worlds.push_back(flatten(scene[w], WorldIndex(w), settings));
-  check_bins(worlds, room);
-  if (backend == Backend::cpu) return make_cpu_simulation(std::move(worlds), settings, room, threads);
+void require_backend(Backend backend) {
+  if (backend == Backend::cpu) return;
 #ifdef GONOGO_WITH_CUDA
-  return make_cuda_simulation(std::move(worlds), settings, room);
+  require_cuda_device();
 #else
   throw InputError("this program was built without CUDA; build the cuda-release preset or ask for the cpu backend");
 #endif
+}
+
+std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
+                                            int threads, const WorldSize& room) {
+  require_backend(backend);
+  if (scene.empty()) throw InputError("the scene has no worlds");
+  check_settings(settings);
+  std::vector<FlatWorld> worlds;
+  for (std::size_t w = 0; w < scene.size(); ++w) worlds.push_back(flatten(scene[w], WorldIndex(w), settings));
+  check_totals(worlds, room);
+#ifdef GONOGO_WITH_CUDA
+  if (backend == Backend::cuda) return make_cuda_simulation(std::move(worlds), settings, room);
+#endif
+  return make_cpu_simulation(std::move(worlds), settings, room, threads);
 }
 
 }  // namespace gonogo::sim

@@ -105,9 +105,14 @@ struct WorldSize {
 /// The larger of each number.
 WorldSize larger(const WorldSize& a, const WorldSize& b);
 
+/// Throws InputError for a backend that this program was built without or that this machine lacks, so that nobody waits
+/// for a refusal.
+void require_backend(Backend backend);
+
 /// `room`: every world's place holds at least this much, for larger worlds that will take it over.
-/// Throws InputError for a scene that cannot run (no bodies, bad sizes, joints, springs or motors that cannot work) and
-/// for a backend this program was built without or this machine lacks.
+/// Throws InputError for a scene that cannot run (no bodies; masses, places, sizes, laws out of range; shapes that
+/// could meet without a routine; joints, springs or motors that cannot work), for bad settings, and as require_backend
+/// does; DeviceError, naming the bytes, when a GPU's memory does not suffice.
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
                                             int threads, const WorldSize& room = {});
 
@@ -132,6 +137,7 @@ FlatWorld flatten(const SceneWorld& world, WorldIndex w, const StepSettings& set
 
 std::unique_ptr<Simulation> make_cpu_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
                                                 const WorldSize& room, int threads);
+void require_cuda_device();
 std::unique_ptr<Simulation> make_cuda_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
                                                  const WorldSize& room);
 

@@ -36,6 +36,7 @@ sim::SceneWorld bench_world(const BedBench& request) {
 }  // namespace
 
 BedBenchResult bench_bed(const BedBench& request) {
+  sim::require_backend(request.backend);
   const sim::SceneWorld world = bench_world(request);
   const sim::Scene scene(std::size_t(request.worlds), world);
   const auto timed = [&](int iterations, BedBenchResult& r) {

@@ -197,6 +197,7 @@ double start_of_world(const WheelScene& scene, int world) {
 }  // namespace
 
 WheelBenchResult bench_wheel(const WheelBench& request) {
+  sim::require_backend(request.backend);
   const WheelScene scene = read_wheel_scene(request.scene);
   log_line("bench", "settling the bed, or reading it from " + request.packing_folder.string());
   const terrain::Packing packing =
@@ -213,6 +214,7 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
   }
   auto settings =
       terrain::bed_step_settings(scene.bed.grain_diameter, request.step, request.iterations, request.tolerance);
+  settings.substeps = request.substeps;
   settings.solver = request.solver;
   settings.target = request.target;
   const auto simulation = sim::make_simulation(request.backend, worlds, settings, request.threads);

@@ -1,5 +1,6 @@
 #include "pipeline/campaign/campaign.h"
 
+#include <set>
 #include <thread>
 
 #include "base/error.h"
@@ -56,9 +57,37 @@ RecordsByIndex recover(const CampaignRequest& request, CampaignSummary& summary)
   return records;
 }
 
+std::vector<std::string> worker_command(const CampaignRequest& request, std::size_t slot) {
+  std::vector<std::string> words = request.worker_command;
+  if (request.checkpoint_every > 0) {
+    words.insert(words.end(), {"--checkpoints", running_folder(request.folder).string()});
+    words.insert(words.end(), {"--checkpoint-every", std::to_string(request.checkpoint_every)});
+  }
+  if (request.gpus > 0) words.insert(words.end(), {"--gpu", std::to_string(slot % std::size_t(request.gpus))});
+  return words;
+}
+
+/// Makes the folder where workers save trials, or removes what lies there of trials that are not missing.
+void prepare_running_folder(const CampaignRequest& request, const std::vector<const DesignPoint*>& todo) {
+  const fs::path running = running_folder(request.folder);
+  std::set<fs::path> wanted;
+  for (const DesignPoint* point : todo) wanted.insert(saved_trial_path(running, point->index));
+  if (request.checkpoint_every > 0) create_folder(running);
+  std::error_code ignored;
+  std::size_t saved = 0;
+  for (const auto& entry : fs::directory_iterator(running, ignored)) {
+    if (wanted.count(entry.path()))
+      ++saved;
+    else if (entry.path().extension() == ".h5")
+      fs::remove(entry.path(), ignored);
+  }
+  if (saved > 0) log_line("campaign", "trials that go on from where they were saved: " + std::to_string(saved));
+}
+
 void compute(const CampaignRequest& request, std::vector<const DesignPoint*> todo, RecordsByIndex& records,
              CampaignSummary& summary) {
   request.prepare();
+  prepare_running_folder(request, todo);
   Journal journal(journal_path(request.folder));
   Counts by_verdict, by_reason;
   for (const auto& [index, record] : records) count(record, by_verdict, by_reason);
@@ -67,18 +96,23 @@ void compute(const CampaignRequest& request, std::vector<const DesignPoint*> tod
   const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
   summary.worker_deaths =
       compute_trials({.todo = std::move(todo),
-                      .worker_command = request.worker_command,
+                      .worker_command = [&](std::size_t slot) { return worker_command(request, slot); },
                       .workers = request.workers > 0 ? request.workers : cores,
+                      .places = request.places,
                       .finished =
                           [&](TrialRecord record) {
                             journal.append(record);
                             count(record, by_verdict, by_reason);
                             const std::uint64_t index = record.point.index;
                             records.emplace(index, std::move(record));
+                            std::error_code ignored;
+                            fs::remove(saved_trial_path(running_folder(request.folder), index), ignored);
                             progress.update(records.size(), counts_line(by_verdict, by_reason), reused);
                           },
                       .idle = [&] { journal.flush_if_due(); }});
   journal.flush();
+  std::error_code not_empty;  // a file that was set aside stays
+  fs::remove(running_folder(request.folder), not_empty);
 }
 
 void store_dataset(const fs::path& path, const CampaignRequest& request, const RecordsByIndex& records) {

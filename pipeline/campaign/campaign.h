@@ -3,6 +3,7 @@
 //   <folder>/campaign.json      what the trials depend on; a campaign with other inputs is refused here
 //   <folder>/campaign.lock      held while a coordinator works
 //   <folder>/trials/local.csv   finished trials (journal.h); <...>.damaged holds lines that were unreadable
+//   <folder>/running/           trials under way, saved by their workers; gone when the campaign is complete
 //   <folder>/dataset.h5         written when all trials of the design are there
 //
 // The dataset's bytes depend on design, inputs and program alone: not on the number of workers, the order in which
@@ -25,8 +26,13 @@ struct CampaignRequest {
   std::vector<std::pair<std::string, std::string>> depends_on;  // name -> value of all that a trial's bits depend on
   Provenance provenance;
   int workers = 1;                          // 0: one per core
+  int places = 1;                           // trials that a worker computes side by side
   std::vector<std::string> worker_command;  // process that calls run_worker; "/proc/self/exe" is this very program
-  std::function<void()> prepare = [] {};    // called before workers start, when trials are missing (settles beds)
+  /// Above zero: workers are also told "--checkpoints <folder>/running --checkpoint-every <this>" [s of the wall
+  /// clock].
+  double checkpoint_every = 0;
+  int gpus = 0;                           // above zero: workers are also told "--gpu <k>", taking turns
+  std::function<void()> prepare = [] {};  // called before workers start, when trials are missing (settles beds)
 };
 
 struct CampaignSummary {

@@ -70,6 +70,10 @@ Json read_claim(const fs::path& folder) {
 
 fs::path journal_path(const fs::path& folder) { return folder / "trials" / "local.csv"; }
 fs::path dataset_path(const fs::path& folder) { return folder / "dataset.h5"; }
+fs::path running_folder(const fs::path& folder) { return folder / "running"; }
+fs::path saved_trial_path(const fs::path& running, std::uint64_t index) {
+  return running / ("trial-" + std::to_string(index) + ".h5");
+}
 
 FolderLock::FolderLock(const fs::path& folder) {
   create_folder(folder);
@@ -126,12 +130,13 @@ std::size_t claimed_trials(const fs::path& folder) {
 }
 
 void remove_partial_files(const fs::path& folder) {
-  for (const fs::path& place : {folder, folder / "trials"}) {
+  for (const fs::path& place : {folder, folder / "trials", running_folder(folder)}) {
     std::error_code ec;
     for (const auto& entry : fs::directory_iterator(place, ec)) {
       const std::string name = entry.path().filename().string();
-      const bool ours =
-          name.rfind(".dataset.", 0) == 0 || name.rfind(".campaign.", 0) == 0 || name.rfind(".local.", 0) == 0;
+      bool ours = false;
+      for (const char* start : {".dataset.", ".campaign.", ".local.", ".trial-"})
+        ours = ours || name.rfind(start, 0) == 0;
       std::error_code ignored;
       if (ours && name.find(".partial-") != std::string::npos) fs::remove(entry.path(), ignored);
     }

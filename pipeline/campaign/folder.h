@@ -1,5 +1,6 @@
 // The folder of a campaign: its lock, its record of what the trials depend on, its files.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -11,6 +12,9 @@ using Dependencies = std::vector<std::pair<std::string, std::string>>;
 
 std::filesystem::path journal_path(const std::filesystem::path& folder);
 std::filesystem::path dataset_path(const std::filesystem::path& folder);
+std::filesystem::path running_folder(const std::filesystem::path& folder);
+/// Where a worker saves a trial that is under way.
+std::filesystem::path saved_trial_path(const std::filesystem::path& running, std::uint64_t index);
 
 /// Holds the folder for one coordinator. The system takes the lock back when the process ends, however it ends.
 class FolderLock {

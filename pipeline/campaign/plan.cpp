@@ -11,7 +11,6 @@
 namespace gonogo::pipeline {
 namespace {
 
-constexpr const char* kBackend = "cpu";
 constexpr const char* kSections[] = {"soil", "trial", "design"};
 
 std::string program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
@@ -53,7 +52,7 @@ Dependencies dependencies(const Study& study, const Provenance& provenance) {
 }  // namespace
 
 CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& folder, int workers,
-                              const InputFiles& inputs) {
+                              const InputFiles& inputs, const std::string& backend) {
   CampaignRequest request;
   request.folder = folder;
   request.design = make_design(read_design(study.section("design"), study.seed));
@@ -61,7 +60,7 @@ CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& f
   provenance.study = relevant_study(study).dump(2);
   provenance.contract_hash = content_hash(contract_text());
   provenance.program_version = program();
-  provenance.backend = kBackend;
+  provenance.backend = backend;
   if (!study.vehicle.empty()) provenance.inputs.emplace_back("vehicle", file_hash(study.vehicle));
   for (const auto& [name, path] : inputs) provenance.inputs.emplace_back(name, file_hash(path));
   provenance.libraries = {{"compiler", __VERSION__}, {"libc", gnu_get_libc_version()}};

@@ -1,26 +1,60 @@
 #include "pipeline/campaign/study_campaign.h"
 
-#include <algorithm>
 #include <memory>
-#include <thread>
 
+#include "pipeline/campaign/folder.h"
 #include "pipeline/campaign/plan.h"
 #include "pipeline/campaign/worker.h"
-#include "pipeline/trial/trial.h"
+#include "pipeline/trial/batch.h"
+#include "sim/device.h"
 
 namespace gonogo::pipeline {
+namespace {
 
-CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder, int workers) {
+class BatchEngine : public TrialEngine {
+ public:
+  BatchEngine(const TrialSetup& setup, const WorkerOptions& options)
+      : options_(options), batch_(setup, {options.device, options.places, 1}) {}
+
+  bool has_room() const override { return batch_.free_places() > 0; }
+  bool is_running() const override { return batch_.running() > 0; }
+  void start(const DesignPoint& point) override { batch_.start(point, {}, checkpoint(point)); }
+  std::vector<TrialRecord> advance() override { return batch_.advance(); }
+
+ private:
+  TrialCheckpoint checkpoint(const DesignPoint& point) const {
+    if (options_.checkpoints.empty()) return {};
+    return {saved_trial_path(options_.checkpoints, point.index), options_.checkpoint_every, true};
+  }
+
+  const WorkerOptions& options_;
+  TrialBatch batch_;
+};
+
+}  // namespace
+
+CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder,
+                                    const ComputeRequest& asked) {
   const auto setup = std::make_shared<const TrialSetup>(read_trial_setup(study, default_packing_folder()));
-  CampaignRequest request = plan_campaign(study, folder, workers, {{"calibration", setup->calibration_file}});
-  const int threads = workers > 0 ? workers : int(std::max(1u, std::thread::hardware_concurrency()));
-  request.prepare = [setup, design = request.design, threads] { prepare_trials(*setup, design, threads); };
+  const ComputeSettings compute = read_compute(study, asked);
+  CampaignRequest request =
+      plan_campaign(study, folder, compute.workers, {{"calibration", setup->calibration_file}}, compute.backend);
+  request.places = compute.places;
+  request.gpus = compute.gpus;
+  request.checkpoint_every = compute.checkpoint_every;
+  request.worker_command.insert(request.worker_command.end(), {"--device", compute.gpus > 0 ? "cuda" : "cpu",
+                                                               "--places", std::to_string(compute.places)});
+  request.prepare = [setup, design = request.design, threads = compute.threads] {
+    prepare_trials(*setup, design, threads);
+  };
   return request;
 }
 
-void run_study_worker(const std::filesystem::path& study_file) {
+void run_study_worker(const std::filesystem::path& study_file, const WorkerOptions& options) {
   const TrialSetup setup = read_trial_setup(read_study(study_file), default_packing_folder());
-  run_worker([&setup](const DesignPoint& point) { return run_trial(setup, point); });
+  if (options.device == sim::Backend::cuda) sim::use_cuda_device(options.gpu);
+  BatchEngine engine(setup, options);
+  run_worker(engine);
 }
 
 }  // namespace gonogo::pipeline

@@ -3,15 +3,27 @@
 #include <filesystem>
 
 #include "pipeline/campaign/campaign.h"
+#include "pipeline/campaign/compute.h"
 #include "pipeline/study/study.h"
 
 namespace gonogo::pipeline {
 
-/// plan_campaign() for real trials: checks vehicle, soil and trial sections, lets results depend on the calibration
-/// file, and settles the beds that missing trials need before workers start. Throws InputError.
-CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder, int workers);
+/// plan_campaign() for real trials: checks vehicle, soil, trial and compute sections, lets results depend on the
+/// calibration file and the device, and settles the beds that missing trials need, on the host, before workers start.
+/// Throws InputError.
+CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder,
+                                    const ComputeRequest& compute);
 
-/// The worker's half: computes trials of the study until standard input ends.
-void run_study_worker(const std::filesystem::path& study_file);
+struct WorkerOptions {
+  sim::Backend device = sim::Backend::cpu;
+  int places = 1;
+  int gpu = 0;                        // of this machine, for the device cuda
+  std::filesystem::path checkpoints;  // folder; empty: trials are not saved
+  double checkpoint_every = 30;       // [s]
+};
+
+/// The worker's half: computes trials of the study until standard input ends. A trial of which a saved state is found
+/// goes on from there; a saved state that cannot be used is set aside.
+void run_study_worker(const std::filesystem::path& study_file, const WorkerOptions& options);
 
 }  // namespace gonogo::pipeline

@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "pipeline/trial/record.h"
 
@@ -12,8 +13,22 @@ namespace gonogo::pipeline {
 /// sentence. A failed simulation is a record with the verdict unknown.
 using TrialFunction = std::function<TrialRecord(const DesignPoint&)>;
 
-/// Computes points until standard input ends. Whatever the trial prints to standard output goes to standard error.
-/// Ends with the coordinator, however that ends.
+/// Computes trials, some of them side by side. What it throws is as above; it is not called again then.
+class TrialEngine {
+ public:
+  virtual ~TrialEngine() = default;
+  virtual bool has_room() const = 0;
+  virtual bool is_running() const = 0;
+  virtual void start(const DesignPoint& point) = 0;
+  /// Goes on with what is running for a moment; returns what ended.
+  virtual std::vector<TrialRecord> advance() = 0;
+};
+
+/// Computes points until standard input ends, keeping the engine full. Whatever a trial prints to standard output goes
+/// to standard error. Ends with the coordinator, however that ends.
+void run_worker(TrialEngine& engine);
+
+/// The same with one trial at a time.
 void run_worker(const TrialFunction& trial);
 
 // Lines from worker to coordinator start with one of these words.

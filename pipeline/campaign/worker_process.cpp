@@ -78,7 +78,7 @@ WorkerProcess::~WorkerProcess() {
 }
 
 void WorkerProcess::start(const DesignPoint& point) {
-  trial_ = &point;
+  trials_.push_back(&point);
   const std::string line = seal_line(to_row(point));
   for (std::size_t done = 0; done < line.size();) {
     const ssize_t count = ::send(fd_, line.data() + done, line.size() - done, MSG_NOSIGNAL);

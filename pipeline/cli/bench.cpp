@@ -28,8 +28,7 @@ void add_choice(CLI::App& command, const std::string& flag, Value& value, const 
   command.add_option(flag, value, what)->transform(CLI::CheckedTransformer(names));
 }
 
-void print_bed(const Globals& globals, const char* scene, const BedBench& request) {
-  const BedBenchResult r = bench_bed(request);
+Json bed_json(const char* scene, const BedBench& request, const BedBenchResult& r) {
   Json json;
   json["scene"] = scene;
   json["backend"] = name_in(kBackends, request.backend);
@@ -44,13 +43,45 @@ void print_bed(const Globals& globals, const char* scene, const BedBench& reques
   json["ns_per_contact_iteration"] = r.ns_per_contact_iteration;
   json["ns_per_contact_iteration_solver"] = r.ns_per_contact_iteration_solver;
   json["residual_m_per_s"] = r.residual_m_per_s;
+  return json;
+}
+
+std::string bed_text(const char* scene, const BedBenchResult& r) {
   char text[320];
   std::snprintf(text, sizeof text,
                 "%s: %d worlds, %lld bodies, %lld contacts, %d iterations: %.3f ms per step, %.3f ns per "
                 "contact-iteration (whole step), %.3f ns (solver), residual %.2e m/s\n",
                 scene, r.worlds, static_cast<long long>(r.bodies), static_cast<long long>(r.contacts), r.iterations,
                 r.ms_per_step, r.ns_per_contact_iteration, r.ns_per_contact_iteration_solver, r.residual_m_per_s);
-  print_result(globals, json, text);
+  return text;
+}
+
+void print_bed(const Globals& globals, const char* scene, const BedBench& request) {
+  const BedBenchResult r = bench_bed(request);
+  print_result(globals, bed_json(scene, request, r), bed_text(scene, r));
+}
+
+/// The batch, and beside it one world that holds as many grains; what many worlds cost is the ratio of their times.
+void print_batch(const Globals& globals, const BedBench& request, bool beside_one) {
+  if (!beside_one) return print_bed(globals, "batch", request);
+  BedBench one = request;
+  one.worlds = 1;
+  one.copies = request.copies * request.worlds;
+  const BedBenchResult many = bench_bed(request), single = bench_bed(one);
+  const double ratio = many.ns_per_contact_iteration / single.ns_per_contact_iteration;
+  Json json = bed_json("batch", request, many);
+  json["one_world"] = bed_json("batch", one, single);
+  json["time_over_one_world"] = ratio;
+  char text[80];
+  std::snprintf(text, sizeof text, "time of a contact-iteration over that in one world: %.3f\n", ratio);
+  print_result(globals, json, bed_text("batch", many) + bed_text("one world", single) + text);
+}
+
+/// Worlds as small as a settled bed can be.
+void make_tiny(BedBench& request) {
+  request.worlds = 4096;
+  request.length = request.width = 4.4 * request.grain_diameter;
+  request.depth = 2 * request.grain_diameter;
 }
 
 void add_bed_options(CLI::App& command, BedBench& request) {
@@ -85,13 +116,18 @@ void add_batch(CLI::App& parent, const Globals& globals) {
   command->add_option("--length", request->length, "Length of a world's bed [m]")->check(CLI::Range(0.2, 100.0));
   command->add_option("--width", request->width, "Width of a world's bed [m]")->check(CLI::Range(0.2, 100.0));
   command->add_option("--depth", request->depth, "Depth of a world's bed [m]")->check(CLI::Range(0.05, 10.0));
+  auto tiny = std::make_shared<bool>(false), beside_one = std::make_shared<bool>(false);
+  CLI::Option* sizes = command->add_flag("--tiny", *tiny, "4096 worlds of about 40 grains");
+  for (const char* size : {"--worlds", "--length", "--width", "--depth"}) sizes->excludes(command->get_option(size));
+  command->add_flag("--beside-one", *beside_one, "Time one world with as many grains, too");
   command->footer(
-      "Examples:\n  gonogo bench batch --json                           512 worlds\n"
-      "  gonogo bench batch --worlds 1 --copies 512 --json   one world with as many grains");
-  command->callback([&globals, request] {
+      "Examples:\n  gonogo bench batch --beside-one --json          512 worlds, and one with as many grains\n"
+      "  gonogo bench batch --tiny --beside-one --json   4096 worlds of about 40 grains, and one");
+  command->callback([&globals, request, tiny, beside_one] {
     request->threads = globals.threads > 0 ? globals.threads : 1;
     request->packing_folder = default_packing_folder();
-    print_bed(globals, "batch", *request);
+    if (*tiny) make_tiny(*request);
+    print_batch(globals, *request, *beside_one);
   });
 }
 
@@ -104,6 +140,7 @@ void print_wheel(const Globals& globals, const WheelBench& request) {
   json["solver"] = name_in(kSolvers, request.solver);
   json["target"] = name_in(kTargets, request.target);
   json["step_s"] = request.step;
+  json["substeps"] = request.substeps;
   json["iterations"] = request.iterations;
   json["tolerance_m_per_s"] = request.tolerance;
   json["worlds"] = request.worlds;
@@ -132,7 +169,8 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   auto request = std::make_shared<WheelBench>();
   command->add_option("--scene", request->scene, "Scene file")->capture_default_str();
   command->add_option("--step", request->step, "Time step [s]")->check(CLI::Range(1e-6, 1e-2));
-  command->add_option("--iterations", request->iterations, "Most iterations per step")->check(CLI::Range(1, 100000));
+  command->add_option("--substeps", request->substeps, "Parts of a step")->check(CLI::Range(1, 1000));
+  command->add_option("--iterations", request->iterations, "Most iterations per substep")->check(CLI::Range(1, 100000));
   command->add_option("--tolerance", request->tolerance, "Residual at which the solver stops [m/s]; 0: never")
       ->check(CLI::Range(0.0, 10.0));
   command->add_option("--worlds", request->worlds, "Worlds in one batch; their wheels start at different places")

@@ -9,8 +9,21 @@ namespace {
 
 struct Options {
   std::string study, folder;
-  int workers = 0;
+  int workers = 0, places = 0;
+  std::string device;
+  double checkpoint_every = -1;
 };
+
+/// Options that were not given leave it to the study.
+ComputeRequest compute_of(const Options& options, const Globals& globals) {
+  ComputeRequest request;
+  request.threads = globals.threads;
+  if (!options.device.empty()) request.device = options.device;
+  if (options.places > 0) request.places = options.places;
+  if (options.workers > 0) request.workers = options.workers;
+  if (options.checkpoint_every >= 0) request.checkpoint_every = options.checkpoint_every;
+  return request;
+}
 
 Json counts_json(const std::map<std::string, std::size_t>& counts) {
   Json object = Json::object();
@@ -60,13 +73,25 @@ void add_run(CLI::App& parent, const Globals& globals) {
   auto options = std::make_shared<Options>();
   command->add_option("study", options->study, "Study file (JSON)")->required();
   command->add_option("--out", options->folder, "Folder of the campaign; an interrupted one continues")->required();
-  command->add_option("--workers", options->workers, "Worker processes; 0 takes one per core")
+  command->add_option("--workers", options->workers, "Worker processes; 0 takes one per core, or per GPU")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command->footer("Example:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2");
+  command->add_option("--device", options->device, "On what trials are computed; default: the study's, or cpu")
+      ->check(CLI::IsMember({"cpu", "cuda"}));
+  command
+      ->add_option("--places", options->places,
+                   "Trials side by side in a worker; default: the study's, or 1 (cuda: 64)")
+      ->check(CLI::Range(1, 4096));
+  command
+      ->add_option("--checkpoint-every", options->checkpoint_every,
+                   "Interval at which running trials are saved [s]; default: the study's, or 30; 0: never")
+      ->check(CLI::Range(0.0, 1e6));
+  command->footer(
+      "Examples:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2\n"
+      "  gonogo campaign run configs/studies/demo.json --out out/demo_gpu --device cuda --places 64");
   command->callback([options, &globals] {
     const CampaignSummary summary =
-        run_campaign(plan_study_campaign(read_study(options->study), options->folder, options->workers));
+        run_campaign(plan_study_campaign(read_study(options->study), options->folder, compute_of(*options, globals)));
     print_result(globals, as_json(summary), as_text(summary));
   });
 }
@@ -85,9 +110,16 @@ void add_status(CLI::App& parent, const Globals& globals) {
 /// Hidden: what run starts in each worker process.
 void add_worker(CLI::App& parent) {
   CLI::App* command = parent.add_subcommand("worker", "")->group("");
-  auto options = std::make_shared<Options>();
-  command->add_option("study", options->study)->required();
-  command->callback([options] { run_study_worker(options->study); });
+  auto study = std::make_shared<std::string>();
+  auto options = std::make_shared<WorkerOptions>();
+  command->add_option("study", *study)->required();
+  const std::map<std::string, sim::Backend> devices{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
+  command->add_option("--device", options->device)->transform(CLI::CheckedTransformer(devices));
+  command->add_option("--places", options->places)->check(CLI::Range(1, 4096));
+  command->add_option("--gpu", options->gpu);
+  command->add_option("--checkpoints", options->checkpoints);
+  command->add_option("--checkpoint-every", options->checkpoint_every);
+  command->callback([study, options] { run_study_worker(*study, *options); });
 }
 
 }  // namespace

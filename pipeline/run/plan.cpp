@@ -42,7 +42,9 @@ RunPlan plan_run(const RunRequest& request) {
   Study study = read_study(request.study);
   require_file(study, "vehicle", study.vehicle);
   require_file(study, "region", study.region);
-  CampaignRequest campaign = plan_study_campaign(study, request.out, request.threads);
+  ComputeRequest compute;
+  compute.threads = request.threads;
+  CampaignRequest campaign = plan_study_campaign(study, request.out, compute);
   campaign.folder = request.out / "trials" / key_of(campaign);
   RunPlan plan{.study = study,
                .out = request.out,

@@ -10,7 +10,7 @@ Study read_study(const std::filesystem::path& path) {
   study.seed = std::uint64_t(config.integer("seed", {.minimum = 0}));
   if (config.has("vehicle")) study.vehicle = config.path("vehicle");
   if (config.has("region")) study.region = config.path("region");
-  for (const char* section : {"soil", "trial", "design", "learning", "map"}) config.object_if(section);
+  for (const char* section : {"soil", "trial", "design", "compute", "learning", "map"}) config.object_if(section);
   config.finish();
   return study;
 }

@@ -22,7 +22,7 @@ struct Study {
 };
 
 /// Reads the frame of a study: name, seed, paths of vehicle and region, and no key but
-/// study, about, seed, vehicle, soil, trial, design, learning, region, map. Throws InputError.
+/// study, about, seed, vehicle, soil, trial, design, compute, learning, region, map. Throws InputError.
 /// Paths are relative to the study's folder. The sections' own keys are checked by the rooms that read them.
 Study read_study(const std::filesystem::path& path);
 

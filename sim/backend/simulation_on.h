@@ -117,7 +117,7 @@ class SimulationOn final : public Simulation {
   }
 
   double motor_torque(WorldIndex w, Index m) override {
-    return double(s_.mechanisms.motor_impulse.read(place_[w].mechanisms.motors + m)) / settings_.step;
+    return double(s_.mechanisms.motor_impulse.read(place_[w].mechanisms.motors + m)) / settings_.substep();
   }
 
   JointLoad joint_load(WorldIndex w, Index j) override {
@@ -135,7 +135,7 @@ class SimulationOn final : public Simulation {
       if (contact[i].body_a == b) sum += static_cast<Vec3d>(impulse[i].linear);
       if (contact[i].body_b == b) sum -= static_cast<Vec3d>(impulse[i].linear);
     }
-    return sum * (1.0 / settings_.step);
+    return sum * (1.0 / settings_.substep());
   }
 
   std::vector<Contact> contacts(WorldIndex w) override {
@@ -233,7 +233,7 @@ class SimulationOn final : public Simulation {
     if (!stepped_[w]) return sum;
     queue_.run([&](auto exec) { recover_impulses(exec, s_.mechanisms); });
     for (Index i = place_[w].mechanisms.rows + first, end = i + count; i < end; ++i)
-      add_row(sum, s_.mechanisms.row.read(i), s_.mechanisms.row_impulse.read(i), settings_.step);
+      add_row(sum, s_.mechanisms.row.read(i), s_.mechanisms.row_impulse.read(i), settings_.substep());
     return sum;
   }
 
@@ -402,6 +402,8 @@ class SimulationOn final : public Simulation {
     for (Index& i : first) i += at.shape;
     first.resize(at.size.bodies, at.shape + at.size.shapes);
     bin.resize(at.size.shapes, -1);
+    for (std::size_t i = 0; i < bin.size() && !s_.solids_binned; ++i)
+      if (bin[i] >= 0 && shape[i].type != ShapeType::sphere) s_.solids_binned = true, queue_.forget();
     std::vector<LargeShape> large = flat_[w].large;
     for (LargeShape& l : large) l.shape += at.shape;
     s_.shape.write(at.shape, shape);
@@ -465,7 +467,8 @@ class SimulationOn final : public Simulation {
     s_.centre.fill_zero(s_.shape_count);
     s_.bin_of_shape.fill_zero(s_.shape_count);
     s_.large.fill_zero(large_total_);
-    s_.contacts_of_shape.fill_zero(s_.shape_count);
+    s_.contacts_of_part.fill_zero(s_.shape_count * kSearchParts);
+    s_.first_of_part.fill_zero(s_.shape_count * kSearchParts + 1);
     s_.first_contact.fill_zero(s_.shape_count + 1);
     s_.shape_in_bin.fill_zero(s_.shape_count);
     s_.shape_by_bin.fill_zero(s_.shape_count);

@@ -60,13 +60,17 @@ GONOGO_HD inline void visit_row(const WorldParameters& world, const BinCoordinat
   if (high >= count) visit(row + high - count, row + high - count + 1, false);
 }
 
-/// Calls visit(first, last, shared) for the half of the 27 bins around `b` that a shape of this bin looks at: ranges
-/// of consecutive bins, `last` excluded; `shared` tells the range that starts with the shape's own bin.
+/// Rows in which the half of the 27 bins around a shape lies that it looks at.
+inline constexpr Index kNeighbourRows = 5;
+
+/// Calls visit(first, last, shared) for ranges of consecutive bins of one of these rows, `last` excluded; `shared`
+/// tells the range that starts with the shape's own bin.
 template <class Visit>
-GONOGO_HD inline void visit_neighbour_bins(const WorldParameters& world, const BinCoordinates& b, Visit&& visit) {
-  visit_row(world, {b.x, b.y, b.z}, 0, 1, true, visit);
-  visit_row(world, {b.x, b.y + 1, b.z}, -1, 1, false, visit);
-  for (Index dy = -1; dy <= 1; ++dy) visit_row(world, {b.x, b.y + dy, b.z + 1}, -1, 1, false, visit);
+GONOGO_HD inline void visit_neighbour_row(const WorldParameters& world, const BinCoordinates& b, Index row,
+                                          Visit&& visit) {
+  if (row == 0) return visit_row(world, b, 0, 1, true, visit);
+  const Index dy = row == 1 ? 1 : row - 3, dz = row == 1 ? 0 : 1;
+  visit_row(world, {b.x, b.y + dy, b.z + dz}, -1, 1, false, visit);
 }
 
 /// Shape i -> its centre in the world and its bin (-1 for large shapes).

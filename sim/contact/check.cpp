@@ -51,6 +51,7 @@ State<Cpu> state_of(const FlatWorld& flat) {
   s.large.upload(flat.large);
   s.mechanisms.body.upload(flat.mechanisms.body);
   s.shape_count = Index(shape.size());
+  s.solids_binned = true;
   s.bin_count = flat.size().bins;
   s.centre.fill_zero(s.shape_count);
   s.shape_in_bin.fill_zero(s.shape_count);

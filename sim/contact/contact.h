@@ -28,7 +28,8 @@ struct alignas(16) Contact : ContactNumbers<Real> {
   Real unsplit;   // step times this is the metric without mass splitting, in which the residual is measured [-]
   Real gap_bias;  // bias without the correction of the `coulomb` target [m/s]
   WorldIndex world;
-  Real gap;  // at the start of the step, for output [m]; fills what alignment leaves empty
+  Real gap;       // at the start of the substep [m]
+  Real gap_rate;  // bias for each metre of a gap ahead, or of the gap of a compliant contact [1/s]
 };
 
 /// Impulse of a contact on body a (body b gets the opposite); padded to 32 bytes so that loads are aligned.

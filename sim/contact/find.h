@@ -5,59 +5,76 @@
 
 namespace gonogo::sim {
 
-struct CountContacts {
-  ContactFinder find;
-  View<Index> contacts_of_shape;
+/// A shape's contacts come in parts: those of two spheres by rows of bins, then all others. Each part is counted and
+/// written by a thread of its own where there are many.
+inline constexpr Index kSearchParts = kNeighbourRows + 1;
 
-  GONOGO_HD void operator()(Index i) const {
-    Index count = 0;
-    find.visit_contacts(i, [&](ShapeIndex, int, const Touch&, const Vec3d&) { ++count; });
-    contacts_of_shape[i] = count;
+inline constexpr Index rows_per_thread(Cpu) { return kNeighbourRows; }
+inline constexpr Index rows_per_thread(Cuda) { return 1; }
+
+/// Calls work(shape, row) for the rows of thread `t`; neighbouring threads have neighbouring shapes.
+template <class Work>
+GONOGO_HD inline void visit_rows(Index t, Index shapes, Index rows, Work&& work) {
+  const Index first = t / shapes * rows;
+  for (Index row = first; row < first + rows; ++row) work(t % shapes, row);
+}
+
+struct CountSphereContacts {
+  ContactFinder find;
+  View<Index> contacts_of_part;  // [shape * kSearchParts + part]
+  Index rows;                    // per thread
+
+  GONOGO_HD void operator()(Index t) const {
+    visit_rows(t, find.shape.size, rows, [&](ShapeIndex i, Index row) {
+      Index count = 0;
+      find.visit_spheres(i, row, [&](ShapeIndex, int, const Touch&, const Vec3d&) { ++count; });
+      contacts_of_part[i * kSearchParts + row] = count;
+    });
   }
 };
 
-struct WriteContacts {
+struct CountOtherContacts {
+  ContactFinder find;
+  View<Index> contacts_of_part;
+
+  GONOGO_HD void operator()(ShapeIndex i) const {
+    Index count = 0;
+    find.visit_others(i, [&](ShapeIndex, int, const Touch&, const Vec3d&) { ++count; });
+    contacts_of_part[i * kSearchParts + kNeighbourRows] = count;
+  }
+};
+
+/// Writes what was counted.
+struct ContactWriter {
   ContactFinder find;
   StepSettings settings;
   View<const Vec3d> position;
-  View<const Index> first_contact, old_begin, old_end;  // [shape + 1], [shape], [shape]
+  View<const Index> first_of_part;       // [shape * kSearchParts + part], and the total
+  View<const Index> old_begin, old_end;  // [shape]
   View<const std::uint64_t> old_key;
   View<const Impulse> old_impulse;
   View<Contact> contact;
   View<Impulse> impulse;
   View<std::uint64_t> key;
-  View<Index> begin, end;  // [shape]
 
-  GONOGO_HD void operator()(Index i) const {
-    Index at = first_contact[i];
-    begin[i] = at;
-    end[i] = first_contact[i + 1];
-    find.visit_contacts(i, [&](ShapeIndex j, int feature, const Touch& t, const Vec3d& d) {
-      contact[at] = make_contact(i, j, t, d);
-      key[at] = pair_key(j, feature);
-      impulse[at] = warm_start(i, j, feature);
-      ++at;
-    });
-  }
-
-  /// Speed at which the contact may close (gap ahead) or must open (overlap), negated by the solver's sign convention.
-  GONOGO_HD Real bias(Real gap) const {
-    if (gap >= 0) return gap / settings.step;
-    const Real push_out = settings.recovery_share * gap / settings.step;
-    return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
+  GONOGO_HD void write(ContactIndex at, ShapeIndex i, ShapeIndex j, int feature, const Touch& t, const Vec3d& d) const {
+    contact[at] = make_contact(i, j, t, d);
+    key[at] = pair_key(j, feature);
+    impulse[at] = warm_start(i, j, feature);
   }
 
   /// A compliant contact is a spring and damper along the normal, implicit in the gap's rate u:
   ///   impulse = -h (k (gap + h u) + c u)   <=>   u + impulse / (h (h k + c)) + k gap / (h k + c) = 0.
-  GONOGO_HD void set_stiffness(Contact& c, const PairLaw& law, Real gap) const {
-    if (law.stiffness <= 0) {
-      c.gap_bias = bias(gap);
-      c.softness = 0;
-      return;
+  GONOGO_HD void set_stiffness(Contact& c, const PairLaw& law) const {
+    const Real step = settings.substep();
+    c.gap_rate = 1 / step;
+    c.softness = 0;
+    if (law.stiffness > 0) {
+      const Real resistance = step * law.stiffness + law.damping;  // [N s/m]
+      c.gap_rate = law.stiffness / resistance;
+      c.softness = 1 / (step * resistance);
     }
-    const Real resistance = settings.step * law.stiffness + law.damping;  // [N s/m]
-    c.gap_bias = law.stiffness * gap / resistance;
-    c.softness = 1 / (settings.step * resistance);
+    c.gap_bias = bias_of_gap(c, settings);
   }
 
   /// `d`: from the other shape's centre to the owner's.
@@ -69,7 +86,7 @@ struct WriteContacts {
     Contact c;
     c.normal = t.normal;
     c.gap = t.gap;
-    set_stiffness(c, law, t.gap);
+    set_stiffness(c, law);
     // The contact point lies half-way between the two surfaces.
     c.arm_a = static_cast<Vec3>(find.centre[i] - position[si.body]) + t.point;
     c.arm_b = static_cast<Vec3>(find.centre[j] - position[sj.body] + d) + t.point;
@@ -77,7 +94,7 @@ struct WriteContacts {
     c.rho = law.rolling_friction * radius;
     c.sigma = law.spinning_friction * radius;
     c.cohesion = t.gap < settings.cohesion_range
-                     ? law.cohesion_pressure * Real(3.14159265) * smaller * smaller * settings.step
+                     ? law.cohesion_pressure * Real(3.14159265) * smaller * smaller * settings.substep()
                      : Real(0);
     c.body_a = si.body;
     c.body_b = sj.body;
@@ -105,14 +122,43 @@ struct WriteContacts {
   }
 };
 
+struct WriteSphereContacts {
+  ContactWriter writer;
+  Index rows;  // per thread
+
+  GONOGO_HD void operator()(Index t) const {
+    visit_rows(t, writer.find.shape.size, rows, [&](ShapeIndex i, Index row) {
+      Index at = writer.first_of_part[i * kSearchParts + row];
+      writer.find.visit_spheres(i, row, [&](ShapeIndex j, int feature, const Touch& touch, const Vec3d& d) {
+        writer.write(at++, i, j, feature, touch, d);
+      });
+    });
+  }
+};
+
+/// And where each shape's contacts lie.
+struct WriteOtherContacts {
+  ContactWriter writer;
+  View<Index> first_contact, begin, end;  // [shape + 1], [shape]
+
+  GONOGO_HD void operator()(ShapeIndex i) const {
+    first_contact[i] = begin[i] = writer.first_of_part[i * kSearchParts];
+    end[i] = writer.first_of_part[(i + 1) * kSearchParts];
+    if (i + 1 == begin.size) first_contact[i + 1] = end[i];
+    Index at = writer.first_of_part[i * kSearchParts + kNeighbourRows];
+    writer.find.visit_others(
+        i, [&](ShapeIndex j, int feature, const Touch& t, const Vec3d& d) { writer.write(at++, i, j, feature, t, d); });
+  }
+};
+
 /// Makes room for the contacts just counted. On the host at once; on the device the step is given up and the buffers
 /// are enlarged before it is taken again (see Progress).
 struct CheckCapacity {
-  View<const Index> first_contact;
+  View<const Index> first_of_part;
   View<Progress> progress;
   Index capacity;
   GONOGO_HD void operator()(Index) const {
-    progress[0].contact_total = first_contact[first_contact.size - 1];
+    progress[0].contact_total = first_of_part[first_of_part.size - 1];
     if (progress[0].contact_total > capacity) progress[0].halted = 1;
   }
 };
@@ -133,24 +179,28 @@ void reserve_contacts(State<Exec>& s, Index count) {
 
 template <class Exec>
 ContactFinder contact_finder(State<Exec>& s, const StepSettings& settings) {
-  return {s.shape.view(),   s.centre.view(),       s.orientation.view(),     s.world_of_body.view(),
-          s.world.view(),   s.bin_of_shape.view(), s.first_in_bin.view(),    s.shape_by_bin.view(),
-          s.large.view(),   s.mass.view(),         s.mechanisms.body.view(), s.surfaces.view(),
-          settings.envelope};
+  return {s.shape.view(),    s.centre.view(),       s.orientation.view(),     s.world_of_body.view(),
+          s.world.view(),    s.bin_of_shape.view(), s.first_in_bin.view(),    s.shape_by_bin.view(),
+          s.large.view(),    s.mass.view(),         s.mechanisms.body.view(), s.surfaces.view(),
+          settings.envelope, s.solids_binned};
 }
 
 template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder = contact_finder(s, settings);
-  for_each_index(exec, s.shape_count, CountContacts{finder, s.contacts_of_shape.view()});
-  exclusive_scan(exec, s.contacts_of_shape.view(), s.first_contact.view(), s.scratch);
-  for_each_index(exec, 1, CheckCapacity{s.first_contact.view(), s.progress.view(), s.contact_capacity});
+  const Index rows = rows_per_thread(exec), threads = s.shape_count * (kNeighbourRows / rows);
+  for_each_index(exec, threads, CountSphereContacts{finder, s.contacts_of_part.view(), rows});
+  for_each_index(exec, s.shape_count, CountOtherContacts{finder, s.contacts_of_part.view()});
+  exclusive_scan(exec, s.contacts_of_part.view(), s.first_of_part.view(), s.scratch);
+  for_each_index(exec, 1, CheckCapacity{s.first_of_part.view(), s.progress.view(), s.contact_capacity});
   make_room_for_contacts(exec, s);
   ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
+  const ContactWriter writer{finder,           settings,           s.position.view(), s.first_of_part.view(),
+                             old.begin.view(), old.end.view(),     old.key.view(),    old.impulse.view(),
+                             s.contact.view(), now.impulse.view(), now.key.view()};
+  for_each_index(exec, threads, WriteSphereContacts{writer, rows});
   for_each_index(exec, s.shape_count,
-                 WriteContacts{finder, settings, s.position.view(), s.first_contact.view(), old.begin.view(),
-                               old.end.view(), old.key.view(), old.impulse.view(), s.contact.view(), now.impulse.view(),
-                               now.key.view(), now.begin.view(), now.end.view()});
+                 WriteOtherContacts{writer, s.first_contact.view(), now.begin.view(), now.end.view()});
 }
 
 }  // namespace gonogo::sim

@@ -28,6 +28,7 @@ struct ContactFinder {
   View<const MechanismBody> jointed;
   SurfaceView surfaces;
   Real envelope;
+  bool solids_binned;  // some binned shape is no sphere
 
   /// Shapes of one group never touch, nor do bodies of one mechanism: hubs sit inside wheels.
   GONOGO_HD bool may_touch(ShapeIndex i, ShapeIndex j) const {
@@ -38,23 +39,49 @@ struct ContactFinder {
     return slot_a < 0 || slot_b < 0 || jointed[slot_a].mechanism != jointed[slot_b].mechanism;
   }
 
-  /// Calls visit(other shape, touch, feature, d) for every contact that shape `i` owns; d: from the other shape's
+  /// Calls visit(other shape, feature, touch, d) for every contact that shape `i` owns; d: from the other shape's
   /// centre to that of `i`.
   template <class Visit>
   GONOGO_HD void visit_contacts(ShapeIndex i, Visit&& visit) const {
-    if (shape[i].type == ShapeType::none) return;
-    const WorldParameters& w = world[world_of_body[shape[i].body]];
-    if (bin_of_shape[i] >= 0) visit_binned(i, w, visit);
+    for (Index row = 0; row < kNeighbourRows; ++row) visit_spheres(i, row, visit);
+    visit_others(i, visit);
+  }
+
+  /// Those of two binned spheres, in one row of bins.
+  template <class Visit>
+  GONOGO_HD void visit_spheres(ShapeIndex i, Index row, Visit&& visit) const {
+    if (bin_of_shape[i] < 0 || shape[i].type != ShapeType::sphere) return;
+    const Real radius = shape[i].size.x;
+    visit_binned(i, row, [&](const BinnedShape& other, const Vec3d& apart) {
+      if (shape[other.shape].type != ShapeType::sphere) return;
+      const Gap g = sphere_sphere_gap(static_cast<Vec3>(apart), radius + other.radius);
+      visit(other.shape, 0, Touch{g.gap, g.normal, g.normal * -(radius + g.gap / 2)}, apart);
+    });
+  }
+
+  /// All others: long code, apart from the spheres so that it costs those no registers.
+  template <class Visit>
+  GONOGO_HD void visit_others(ShapeIndex i, Visit&& visit) const {
+    const Shape& own = shape[i];
+    if (own.type == ShapeType::none) return;
+    if (solids_binned && bin_of_shape[i] >= 0)
+      for (Index row = 0; row < kNeighbourRows; ++row)
+        visit_binned(i, row, [&](const BinnedShape& other, const Vec3d& apart) {
+          if (own.type != ShapeType::sphere || shape[other.shape].type != ShapeType::sphere)
+            visit_pair(i, other.shape, apart, visit);
+        });
+    const WorldParameters& w = world[world_of_body[own.body]];
     for (Index l = w.first_large; l < w.first_large + w.large_count; ++l) visit_large(i, large[l], w, visit);
   }
 
-  template <class Visit>
-  GONOGO_HD void visit_binned(ShapeIndex i, const WorldParameters& w, Visit&& visit) const {
+  /// Calls near(other, d) for the binned shapes of a row of bins that may touch shape `i`.
+  template <class Near>
+  GONOGO_HD void visit_binned(ShapeIndex i, Index row, Near&& near) const {
+    const WorldParameters& w = world[world_of_body[shape[i].body]];
     const Vec3d here{folded(centre[i].x, w.origin.x, w.period.x), folded(centre[i].y, w.origin.y, w.period.y),
                      centre[i].z};
-    const bool sphere = shape[i].type == ShapeType::sphere;
-    const Real radius = bounding_radius(shape[i]), reach_i = radius + envelope;
-    visit_neighbour_bins(w, bin_of(w, here), [&](Index first, Index last, bool shared) {
+    const Real reach_i = bounding_radius(shape[i]) + envelope;
+    visit_neighbour_row(w, bin_of(w, here), row, [&](Index first, Index last, bool shared) {
       const Index own_end = first_in_bin[first + 1];
       for (Index k = first_in_bin[first]; k < first_in_bin[last]; ++k) {
         const BinnedShape& other = shape_by_bin[k];
@@ -62,13 +89,7 @@ struct ContactFinder {
         const Vec3d apart = nearest_image(here - other.centre, w.period);
         const auto d = static_cast<Vec3>(apart);
         const Real reach = reach_i + other.radius;
-        if (dot(d, d) >= reach * reach || !may_touch(i, other.shape)) continue;
-        if (sphere && shape[other.shape].type == ShapeType::sphere) {
-          const Gap g = sphere_sphere_gap(d, radius + other.radius);
-          visit(other.shape, 0, Touch{g.gap, g.normal, g.normal * -(radius + g.gap / 2)}, apart);
-        } else {
-          visit_pair(i, other.shape, apart, visit);
-        }
+        if (dot(d, d) < reach * reach && may_touch(i, other.shape)) near(other, apart);
       }
     });
   }
@@ -95,12 +116,9 @@ struct ContactFinder {
     const Quat qi = shape_orientation(own, orientation[own.body]);
     const Quat qj = shape_orientation(other, orientation[other.body]);
     const bool first = own.type < other.type || (own.type == other.type && i < j);
-    if (first)
-      visit_touches(ShapePair{own, other, qi, qj, d, envelope, surfaces},
-                    [&](int feature, const Touch& t) { visit(j, feature, t, d); });
-    else
-      visit_touches(ShapePair{other, own, qj, qi, -d, envelope, surfaces},
-                    [&](int feature, const Touch& t) { visit(j, feature, seen_from_other(t, -d), d); });
+    const ShapePair pair{
+        first ? own : other, first ? other : own, first ? qi : qj, first ? qj : qi, first ? d : -d, envelope, surfaces};
+    visit_touches(pair, [&](int feature, const Touch& t) { visit(j, feature, first ? t : seen_from_other(t, -d), d); });
   }
 };
 

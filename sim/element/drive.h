@@ -27,7 +27,8 @@ struct ApplyController {
   GONOGO_HD MotorCommand command_of(const ControllerPlan& c, const Motor& m, ControllerState& own) const {
     const double time = double(steps[c.world]) * double(step);
     if (c.type == ControllerType::schedule) return schedule_command(table, c, time);
-    if (c.type == ControllerType::throttle) return throttle_command(table, c, time, motor_speed(m, motor_axis(m, orientation), velocity));
+    if (c.type == ControllerType::throttle)
+      return throttle_command(table, c, time, motor_speed(m, motor_axis(m, orientation), velocity));
     const Vec3 axis = c.frame == ReferenceFrame::body ? rotate(orientation[c.body], c.axis) : c.axis;
     return velocity_command(table, c, time, dot(velocity[c.body].linear, axis), step, own);
   }
@@ -45,13 +46,13 @@ struct ApplyForces {
   View<const SymMat3> inverse_inertia_W;
   View<ForceAndTorque> applied;
   View<Velocity> free_velocity;
-  Real step;
+  Real clock, step;  // of the step, by which worlds count time, and of the substep [s]
 
   GONOGO_HD void operator()(Index i) const {
     const LoadedBody& l = loaded[i];
     if (l.first == l.end) return;
     const LoadedMotion motion = motion_of(l.body);
-    const double time = double(steps[world_of_body[l.body]]) * double(step);
+    const double time = double(steps[world_of_body[l.body]]) * double(clock);
     ForceAndTorque sum;
     for (Index k = l.first; k < l.end; ++k) {
       const ForceAndTorque w = load_of(force[k], motion, time, step);
@@ -76,19 +77,21 @@ struct ApplyForces {
 template <class Exec>
 void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
-  for_each_index(exec, e.controller.size(),
-                 ApplyController{e.controller.view(), e.table.view(), s.steps.view(), s.velocity.view(),
-                                 s.orientation.view(), e.controller_state.view(), s.mechanisms.motor.view(), settings.step});
+  for_each_index(
+      exec, e.controller.size(),
+      ApplyController{e.controller.view(), e.table.view(), s.steps.view(), s.velocity.view(), s.orientation.view(),
+                      e.controller_state.view(), s.mechanisms.motor.view(), settings.step});
 }
 
-/// Call when the free velocity and the inertia of the step are known, before anything implicit is added.
+/// Forces that follow the time take that of the step's start. Call when the free velocity and the inertia of the step
+/// are known, before anything implicit is added.
 template <class Exec>
 void apply_force_elements(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
   for_each_index(exec, e.loaded.size(),
                  ApplyForces{e.loaded.view(), e.force.view(), s.steps.view(), s.world_of_body.view(), s.velocity.view(),
                              s.orientation.view(), s.mass.view(), s.inverse_inertia_W.view(), e.applied.view(),
-                             s.free_velocity.view(), settings.step});
+                             s.free_velocity.view(), settings.step, settings.substep()});
 }
 
 }  // namespace gonogo::sim

@@ -6,8 +6,8 @@
 
 namespace gonogo::sim {
 
-/// Energy that springs hold and power that motors and forces gave in the step just taken. Fixed order: same bits for
-/// any number of threads.
+/// Energy that springs hold and power that motors and forces gave in the (last part of the) step just taken. Fixed
+/// order: same bits for any number of threads.
 struct MeasureElements {
   View<const WorldElements> world;
   View<const WorldParameters> parameters;
@@ -21,13 +21,13 @@ struct MeasureElements {
   View<const Quat> orientation;
   View<const Velocity> velocity;
   View<WorldEnergy> energy;
-  Real step;
+  Real substep;
 
   GONOGO_HD void operator()(WorldIndex w) const {
     const WorldElements& of = world[w];
     WorldEnergy e;
     for (Index i = of.first_motor; i < of.motor_end; ++i)
-      e.motor_power += double(motor_impulse[i]) / step * motor_speed(motor[i], drive[i].axis_W, velocity);
+      e.motor_power += double(motor_impulse[i]) / substep * motor_speed(motor[i], drive[i].axis_W, velocity);
     for (Index i = of.first_spring; i < of.spring_end; ++i) {
       const SpringDamper& s = spring[i];
       const Link link = link_between(s.a, s.b, position, orientation, parameters[w].period);
@@ -58,7 +58,7 @@ struct UpdateMonitors {
   View<WorldStop> stop;
   View<MonitorState> state;
   View<MonitorSample> sample;
-  Real step;
+  Real step, substep;
 
   GONOGO_HD void operator()(WorldIndex w) const {
     if (stop[w].cause != StopCause::none) return;
@@ -96,7 +96,7 @@ struct UpdateMonitors {
     s.speed = velocity[p.body].linear.x;
     if (p.motor >= 0) {
       s.motor_speed = motor_speed(motor[p.motor], drive[p.motor].axis_W, velocity);
-      s.torque = double(motor_impulse[p.motor]) / step;
+      s.torque = double(motor_impulse[p.motor]) / substep;
     }
     state[i].position = x;
     return s;
@@ -129,11 +129,11 @@ void update_monitors(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const MeasureElements measure{e.world.view(),         s.world.view(),       m.motor.view(),    m.drive.view(),
                                 m.motor_impulse.view(), m.spring.view(),      e.loaded.view(),   e.applied.view(),
                                 s.position.view(),      s.orientation.view(), s.velocity.view(), e.energy.view(),
-                                settings.step};
-  const UpdateMonitors monitors{e.world.view(),    s.world.view(),         s.world_sums.view(), e.energy.view(),
-                                s.flags.view(),    m.motor.view(),         m.drive.view(),      m.motor_impulse.view(),
-                                s.position.view(), s.velocity.view(),      e.monitor.view(),    s.steps.view(),
-                                e.stop.view(),     e.monitor_state.view(), e.sample.view(),     settings.step};
+                                settings.substep()};
+  const UpdateMonitors monitors{
+      e.world.view(), s.world.view(),         s.world_sums.view(), e.energy.view(),   s.flags.view(),    m.motor.view(),
+      m.drive.view(), m.motor_impulse.view(), s.position.view(),   s.velocity.view(), e.monitor.view(),  s.steps.view(),
+      e.stop.view(),  e.monitor_state.view(), e.sample.view(),     settings.step,     settings.substep()};
   for_each_index(exec, s.world_count, FinishStep{measure, monitors});
 }
 

@@ -33,7 +33,7 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 36 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
+static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 40 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
                   sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 184 &&
                   sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
                   sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
@@ -64,7 +64,7 @@ void add(Bytes& b, const Shape& s) {
 }
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
-    << s.solver << s.target;
+    << s.solver << s.target << s.substeps;
 }
 
 void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }

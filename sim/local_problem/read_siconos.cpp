@@ -1,125 +1,10 @@
-#include <charconv>
-#include <cmath>
-#include <string_view>
-
-#include "base/error.h"
-#include "base/file.h"
 #include "sim/local_problem/read.h"
+#include "sim/local_problem/words.h"
 
 namespace gonogo::sim {
 namespace {
 
-/// The words of a text file, with the line each stands on.
-class Words {
- public:
-  explicit Words(const std::filesystem::path& path) : name_(path.string()), content_(read_file(path)) {
-    int line = 1;
-    for (std::size_t at = 0; at < content_.size();) {
-      const char c = content_[at];
-      line += c == '\n';
-      if (is_space(c)) {
-        ++at;
-        continue;
-      }
-      std::size_t end = at;
-      while (end < content_.size() && !is_space(content_[end])) ++end;
-      word_.push_back({std::string_view(content_).substr(at, end - at), line});
-      at = end;
-    }
-  }
-
-  const std::string& name() const { return name_; }
-  std::size_t left() const { return word_.size() - next_; }
-  int line() const { return next_ < word_.size() ? word_[next_].line : word_.empty() ? 1 : word_.back().line; }
-
-  [[noreturn]] void fail(const std::string& message) const {
-    throw InputError(name_ + ": line " + std::to_string(line()) + ": " + message);
-  }
-
-  std::string_view word(const std::string& what) {
-    if (next_ >= word_.size()) fail("the file ends where " + what + " is needed; it is cut off or another format");
-    return word_[next_++].text;
-  }
-
-  int integer(const std::string& what, int low, int high) {
-    int value = 0;
-    const std::string_view text = word(what);
-    if (!parse(text, value) || value < low || value > high) {
-      --next_;
-      fail(what + " is \"" + std::string(text) + "\"; an integer from " + std::to_string(low) + " to " +
-           std::to_string(high) + " is needed");
-    }
-    return value;
-  }
-
-  double number(const std::string& what) {
-    double value = 0;
-    const std::string_view text = word(what);
-    if (!parse(text, value) || !std::isfinite(value)) {
-      --next_;
-      fail(what + " is \"" + std::string(text) + "\"; a finite number is needed");
-    }
-    return value;
-  }
-
-  std::vector<double> numbers(const std::string& what, int count) {
-    require_left(what, count);
-    std::vector<double> values;
-    for (int i = 0; i < count; ++i) values.push_back(number(what + "[" + std::to_string(i) + "]"));
-    return values;
-  }
-
-  void require_left(const std::string& what, double count) const {
-    if (double(left()) < count)
-      fail(what + " needs " + std::to_string(std::int64_t(count)) + " values, the file has only " +
-           std::to_string(left()) + " more");
-  }
-
-  void expect(const std::string& text) {
-    const std::string_view found = word("\"" + text + "\"");
-    if (found != text) {
-      --next_;
-      fail("\"" + std::string(found) + "\" stands where \"" + text + "\" is needed");
-    }
-  }
-
-  void skip_line() {
-    for (const int here = line(); next_ < word_.size() && word_[next_].line == here;) ++next_;
-  }
-
-  /// Whether the next words are these integers.
-  bool follows(const std::vector<int>& values) const {
-    if (left() < values.size()) return false;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      int value = 0;
-      if (!parse(word_[next_ + i].text, value) || value != values[i]) return false;
-    }
-    return true;
-  }
-
-  bool next_on_line_of_previous() const {
-    return next_ > 0 && next_ < word_.size() && word_[next_].line == word_[next_ - 1].line;
-  }
-
- private:
-  struct Word {
-    std::string_view text;
-    int line;
-  };
-  static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
-  template <class T>
-  static bool parse(std::string_view text, T& value) {
-    if (!text.empty() && text[0] == '+') text.remove_prefix(1);
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc() && end == text.data() + text.size();
-  }
-
-  std::string name_, content_;
-  std::vector<Word> word_;
-  std::size_t next_ = 0;
-};
-
-constexpr int kMostRows = 10'000'000;
+constexpr int kMostRows = 10'000'000, kMostEntries = 2'000'000'000;
 
 void read_dense(Words& in, TripletMatrix& a) {
   in.integer("the number of rows, again,", a.rows, a.rows);
@@ -185,37 +70,15 @@ void read_sparse_blocks(Words& in, TripletMatrix& a) {
             std::to_string(blocks) + ", is needed");
 }
 
-/// As CSparse prints: "m-by-n, nzmax: .. nnz: .., 1-norm: .." and per column "col j : locations a to b" and lines
-/// "row : value"; or "triplet: m-by-n, nzmax: .. nnz: .." and lines "row column : value".
-void read_sparse(Words& in, TripletMatrix& a) {
-  const int origin = in.integer("the kind of sparse matrix", 0, 3);
-  in.skip_line();  // version and copyright
-  std::string_view size = in.word("the size of the sparse matrix");
-  const bool triplets = size == "triplet:";
-  if (triplets) size = in.word("the size of the sparse matrix");
-  if (size != std::to_string(a.rows) + "-by-" + std::to_string(a.columns) + ",")
-    in.fail("the sparse matrix is \"" + std::string(size) + "\", " + std::to_string(a.rows) + "-by-" +
-            std::to_string(a.columns) + ", was announced");
-  if (!triplets && origin == 3) in.fail("sparse matrices by rows have no text form; write triplets or columns");
-  in.expect("nzmax:");
-  in.integer("nzmax", 0, kMostRows);
-  in.expect("nnz:");
-  const std::string_view count_text = in.word("the number of entries");
-  int count = 0;
-  std::from_chars(count_text.data(), count_text.data() + count_text.size(), count);
-  const auto row = [&] { return in.integer("an entry's row", 0, a.rows - 1); };
-  const auto value = [&] {
-    in.expect(":");
-    return in.number("an entry's value");
-  };
-  if (triplets) {
-    for (int k = 0; k < count; ++k) {
-      const int r = row(), c = in.integer("an entry's column", 0, a.columns - 1);
-      a.entry.push_back({r, c, value()});
-    }
-    return;
-  }
-  in.skip_line();  // the norm
+void read_entry(Words& in, TripletMatrix& a, int column) {
+  const int row = in.integer("an entry's row", 0, a.rows - 1);
+  if (column < 0) column = in.integer("an entry's column", 0, a.columns - 1);
+  in.expect(":");
+  a.entry.push_back({row, column, in.number("an entry's value")});
+}
+
+/// Per column "col j : locations a to b" and lines "row : value".
+void read_columns(Words& in, TripletMatrix& a, int count) {
   for (int column = 0; column < a.columns; ++column) {
     in.expect("col");
     in.integer("the column's number", column, column);
@@ -224,10 +87,33 @@ void read_sparse(Words& in, TripletMatrix& a) {
     const int begin = in.integer("the column's first location", 0, count);
     in.expect("to");
     const int last = in.integer("the column's last location", begin - 1, count - 1);
-    for (int k = begin; k <= last; ++k) {
-      const int r = row();
-      a.entry.push_back({r, column, value()});
-    }
+    for (int k = begin; k <= last; ++k) read_entry(in, a, column);
+  }
+}
+
+/// As CSparse prints: "m-by-n, nzmax: .. nnz: .., 1-norm: .." and columns; or "triplet: m-by-n, nzmax: .. nnz: .." and
+/// lines "row column : value".
+void read_sparse(Words& in, TripletMatrix& a) {
+  constexpr int kByRows = 3;
+  const int kind = in.integer("the kind of sparse matrix", 0, kByRows);
+  in.skip_line();  // version and copyright
+  std::string_view size = in.word("the size of the sparse matrix");
+  const bool triplets = size == "triplet:";
+  if (triplets) size = in.word("the size of the sparse matrix");
+  if (size != std::to_string(a.rows) + "-by-" + std::to_string(a.columns) + ",")
+    in.fail("the sparse matrix is \"" + std::string(size) + "\", " + std::to_string(a.rows) + "-by-" +
+            std::to_string(a.columns) + ", was announced");
+  if (!triplets && kind == kByRows) in.fail("sparse matrices by rows have no text form; write triplets or columns");
+  in.expect("nzmax:");
+  in.integer("nzmax", 0, kMostEntries);
+  in.expect("nnz:");
+  in.drop_comma();
+  const int count = in.integer("the number of entries", 0, kMostEntries);
+  if (triplets) {
+    for (int k = 0; k < count; ++k) read_entry(in, a, -1);
+  } else {
+    in.skip_line();  // the norm
+    read_columns(in, a, count);
   }
 }
 

@@ -144,20 +144,33 @@ GONOGO_HD inline void visit_field_touches(const ShapePair& pair, Visit&& visit) 
   }
 }
 
-/// Calls visit(feature, touch) for every contact of the pair with a gap below the envelope, owned by `a`. A feature
-/// names the contact inside the pair and keeps its name while the bodies move.
+/// Finds the contacts of the pair with gaps below the envelope, owned by `a`. A feature names the contact inside the
+/// pair and keeps its name while the bodies move. All pairs of shapes in one function that is compiled once: they would
+/// fill every loop over pairs with their code.
+GONOGO_HD_OUTLINED void find_touches(const ShapePair& pair, TouchWindow& found) {
+  found.total = 0;
+  if (pair.b.type == ShapeType::plane)
+    visit_plane_touches(pair, found);
+  else if (pair.b.type == ShapeType::heightfield)
+    visit_field_touches(pair, found);
+  else if (pair.b.type == ShapeType::mesh)
+    visit_mesh_touches(pair, found);
+  else if (pair.a.type == ShapeType::sphere)
+    visit_sphere_touches(pair, found);
+  else
+    visit_solid_touches(pair, found);
+}
+
+/// Calls visit(feature, touch) for every contact of the pair; a mesh on a plane may have more than a window holds.
 template <class Visit>
 GONOGO_HD inline void visit_touches(const ShapePair& pair, Visit&& visit) {
-  if (pair.b.type == ShapeType::plane)
-    visit_plane_touches(pair, visit);
-  else if (pair.b.type == ShapeType::heightfield)
-    visit_field_touches(pair, visit);
-  else if (pair.b.type == ShapeType::mesh)
-    visit_mesh_touches(pair, visit);
-  else if (pair.a.type == ShapeType::sphere)
-    visit_sphere_touches(pair, visit);
-  else
-    visit_solid_touches(pair, visit);
+  TouchWindow found;
+  do {
+    find_touches(pair, found);
+    const int count = found.count();
+    for (int k = 0; k < count; ++k) visit(found.feature[k], found.touch[k]);
+    found.first += TouchWindow::kRoom;
+  } while (found.first < found.total);
 }
 
 }  // namespace gonogo::sim

@@ -11,6 +11,22 @@ struct Touch {
   Vec3 point;   // midway between the surfaces, from the owner's centre [m]
 };
 
+/// Some of the contacts of a pair: those from number `first` on, as many as there is room for.
+struct TouchWindow {
+  static constexpr int kRoom = 16;
+  int first = 0, total = 0;  // total: contacts of the pair
+  Touch touch[kRoom];
+  int feature[kRoom];
+
+  GONOGO_HD void operator()(int name, const Touch& t) {
+    const int k = total++ - first;
+    if (k < 0 || k >= kRoom) return;
+    touch[k] = t;
+    feature[k] = name;
+  }
+  GONOGO_HD int count() const { return total - first < kRoom ? total - first : kRoom; }
+};
+
 /// The same contact owned by the other shape. `d`: from the other shape's centre to the owner's.
 GONOGO_HD inline Touch seen_from_other(const Touch& t, const Vec3d& d) {
   return {t.gap, -t.normal, t.point + static_cast<Vec3>(d)};

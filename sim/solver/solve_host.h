@@ -202,7 +202,7 @@ inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
     for_each_index(exec, s.mechanisms.motor.size(),
                    UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
                                s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
-                               s.solver.motor_before.view(), settings.step});
+                               s.solver.motor_before.view(), settings.substep()});
     gather(exec, s, false);
     for_each_index(exec, s.world_count,
                    DecideNextUpdate{s.first_tile.view(), s.solver.tile_sums.view(), tiles(s), s.momentum.view(), rules},

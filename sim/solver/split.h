@@ -9,30 +9,41 @@
 
 namespace gonogo::sim {
 
+/// Bound on how far a unit impulse at the end of an arm moves that end by turning the body: the largest eigenvalue of
+/// [r]' J^-1 [r] [1/kg]. Its trace is the better bound where a body turns easily about its arm only, as a slender rod
+/// touched at its tip does.
+GONOGO_HD inline Real turning_bound(const Vec3& arm, const BodyMass& mass, const Quat& orientation) {
+  const Vec3& i = mass.inverse_inertia_B;
+  const Real largest = std::fmax(i.x, std::fmax(i.y, i.z)) * dot(arm, arm);
+  if (mass.isotropic) return largest;
+  const Vec3 r = rotate_back(orientation, arm), square = scale(r, r);
+  return std::fmin(largest, i.x * (square.y + square.z) + i.y * (square.x + square.z) + i.z * (square.x + square.y));
+}
+
 /// Effective inverse masses of one body at a contact: bounds on the diagonal blocks of D' M^-1 D [1/kg, 1/kg, 1/(kg
 /// m^2)].
-GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal, const BodyMass& mass, bool turning) {
+GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal, const BodyMass& mass,
+                                             const Quat& orientation, bool turning) {
   const Vec3 normal_share = scale(mass.inverse_mass, scale(normal, normal));
   const Real linear = std::fmax(mass.inverse_mass.x, std::fmax(mass.inverse_mass.y, mass.inverse_mass.z));
   const Vec3& i = mass.inverse_inertia_B;
-  const Real angular = std::fmax(i.x, std::fmax(i.y, i.z));
-  const Real arm_square = dot(arm, arm);
   const Vec3 off_centre = cross(arm, normal);
   // A body that can only turn keeps its spin even there: the bound of a contact must stay above zero.
-  const bool central = linear > 0 && dot(off_centre, off_centre) < Real(1e-6) * arm_square;
+  const bool central = linear > 0 && dot(off_centre, off_centre) < Real(1e-6) * dot(arm, arm);
   // Normal and friction share one angular velocity when the arm is not along the normal; rolling shares it always:
   // (x + y)^2 <= 2 x^2 + 2 y^2.
   const bool isotropic = mass.inverse_mass.x == mass.inverse_mass.y && mass.inverse_mass.y == mass.inverse_mass.z;
   const Real shared = turning ? Real(2) : Real(1);
-  const Real spin = shared * angular * arm_square;
+  const Real spin = shared * turning_bound(arm, mass, orientation);
   const Real n = isotropic ? normal_share.x + normal_share.y + normal_share.z : linear;
-  return {n + (central ? Real(0) : spin), linear + spin, shared * angular};
+  return {n + (central ? Real(0) : spin), linear + spin, shared * std::fmax(i.x, std::fmax(i.y, i.z))};
 }
 
 struct SplitMasses {
   Incidence incidence;
   View<const BodyMass> mass;
   View<const MechanismBody> jointed;
+  View<const Quat> orientation;
   View<const Velocity> velocity;
   View<Contact> contact;
   Target target;
@@ -46,8 +57,8 @@ struct SplitMasses {
   GONOGO_HD void operator()(ContactIndex i) const {
     Contact& c = contact[i];
     const bool turning = c.rho > 0 || c.sigma > 0;
-    const ConeStep a = inverse_mass_bound(c.arm_a, c.normal, mass[c.body_a], turning);
-    const ConeStep b = inverse_mass_bound(c.arm_b, c.normal, mass[c.body_b], turning);
+    const ConeStep a = inverse_mass_bound(c.arm_a, c.normal, mass[c.body_a], orientation[c.body_a], turning);
+    const ConeStep b = inverse_mass_bound(c.arm_b, c.normal, mass[c.body_b], orientation[c.body_b], turning);
     const Real share_a = share(c.body_a), share_b = share(c.body_b);
     c.step.n = 1 / (share_a * a.n + share_b * b.n + c.softness);
     c.step.t = 1 / (share_a * a.t + share_b * b.t);
@@ -55,6 +66,21 @@ struct SplitMasses {
     c.unsplit = (share_a * a.n + share_b * b.n) / (a.n + b.n);
     c.bias = c.gap_bias;
     if (target == Target::coulomb) c.bias += c.mu * slip_speed<Real>(c, velocity[c.body_a], velocity[c.body_b]);
+  }
+};
+
+/// The bodies have moved by a substep: gaps follow the velocities, normals and arms stay as they were found.
+struct AdvanceGaps {
+  View<const Velocity> velocity;
+  View<Contact> contact;
+  StepSettings settings;
+
+  GONOGO_HD void operator()(ContactIndex i) const {
+    Contact& c = contact[i];
+    const Velocity a = velocity[c.body_a], b = velocity[c.body_b];
+    c.gap += settings.substep() * dot(c.normal, contact_velocity<Real>(c, a, b));
+    c.bias = c.gap_bias = bias_of_gap(c, settings);
+    if (settings.target == Target::coulomb) c.bias += c.mu * slip_speed<Real>(c, a, b);
   }
 };
 

@@ -23,7 +23,7 @@ struct PairLaw {
 /// Numerical parameters of a step, the same for all worlds of a batch.
 struct StepSettings {
   Real step = 1e-3f;              // [s]
-  Index iterations = 100;         // most iterations of the solver per step
+  Index iterations = 100;         // most iterations of the solver in a substep
   Real tolerance = 0;             // root-mean-square residual at which a world stops iterating [m/s]; 0: never
   Real envelope = 2e-3f;          // contacts are found up to this gap [m]
   Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
@@ -31,9 +31,22 @@ struct StepSettings {
   Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
   Solver solver = Solver::apgd;
   Target target = Target::ccp;
+  Index substeps = 1;  // the bodies move in so many parts of a step; contacts are searched for once
+
+  /// Length of a part [s]; forces and impulses are those of the last one.
+  GONOGO_HD Real substep() const { return step / Real(substeps); }
 
   GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance}; }
 };
+
+/// Speed at which the contact may close (gap ahead) or must open (overlap), negated by the solver's sign convention;
+/// for a compliant contact the resting speed of its spring and damper.
+GONOGO_HD inline Real bias_of_gap(const Contact& c, const StepSettings& settings) {
+  const Real bias = c.gap_rate * c.gap;
+  if (c.softness > 0 || c.gap >= 0) return bias;
+  const Real push_out = settings.recovery_share * bias;
+  return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
+}
 
 struct WorldParameters {
   Vec3 gravity;   // [m/s^2]
@@ -67,7 +80,7 @@ GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
 
 /// Bits of the flag word of a world.
 enum StepFlag : Index {
-  flag_not_finite = 1,   // a velocity is not a number: smaller step or more iterations
+  flag_not_finite = 1,   // a velocity or place is not a number: smaller step or more iterations
   flag_too_fast = 2,     // a body moves more than a bin in a step: smaller step
   flag_left_domain = 4,  // a body fell out of the domain: deeper domain or rougher base
 };
@@ -152,8 +165,9 @@ template <class Exec>
 struct State {
   Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0;
   Index contact_capacity = 0;
-  Index parity = 0;      // store that the next step writes
-  bool turning = false;  // some pair of materials has resisted rolling or spinning, or has been compliant
+  Index parity = 0;            // store that the next step writes
+  bool solids_binned = false;  // some binned shape has been no sphere
+  bool turning = false;        // some pair of materials has resisted rolling or spinning, or has been compliant
 
   Buffer<WorldParameters, Exec> world;
   Buffer<Vec3d, Exec> position;             // [body] centres of mass, inside the period [m]
@@ -175,7 +189,8 @@ struct State {
   Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
   Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
   Buffer<BinnedShape, Exec> shape_by_bin;
-  Buffer<Index, Exec> contacts_of_shape, first_contact;  // [shape], [shape + 1]
+  Buffer<Index, Exec> contacts_of_part, first_of_part;  // see find.h
+  Buffer<Index, Exec> first_contact;                    // [shape + 1]
   Buffer<Contact, Exec> contact;
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
       second_slot;                                 // see incidence.h

@@ -39,11 +39,11 @@ struct Run {
 
   Run(
       const fs::path& folder, int points, int workers, int milliseconds, const std::string& behaviour = "normal",
-      const std::function<void()>& before = [] {})
+      const std::function<void()>& before = [] {}, int places = 1)
       : log(folder.string() + ".log") {
     const std::vector<std::string> words{
-        GONOGO_CAMPAIGN_PROGRAM,      "run",    folder.string(), std::to_string(points), std::to_string(workers),
-        std::to_string(milliseconds), behaviour};
+        GONOGO_CAMPAIGN_PROGRAM,      "run",     folder.string(),       std::to_string(points), std::to_string(workers),
+        std::to_string(milliseconds), behaviour, std::to_string(places)};
     pid = ::fork();
     if (pid != 0) return;
     const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -121,6 +121,19 @@ TEST_CASE("1, 2 and 4 workers give the same dataset bits as calling the trials i
   }
 }
 
+TEST_CASE("workers with 1, 3 and 700 places give the same dataset bits") {
+  const TemporaryFolder folder;
+  const std::string expected = expected_bytes(1000);
+  for (const int places : {1, 3, 700}) {  // with 700, more is under way than a socket holds
+    const fs::path place = folder / std::to_string(places);
+    const Run run(
+        place, 1000, 2, 0, "normal", [] {}, places);
+    REQUIRE(run.wait() == 0);
+    CHECK(dataset_bytes(place) == expected);
+    CHECK(contains(run.output(), "trials 1100 computed 1100 reused 0"));
+  }
+}
+
 TEST_CASE("a second run computes nothing and leaves the dataset untouched") {
   const TemporaryFolder folder;
   REQUIRE(Run(folder / "a", kPoints, 2, 0).wait() == 0);
@@ -144,12 +157,16 @@ TEST_CASE("a campaign grows and shrinks without computing anything twice") {
   CHECK(dataset_bytes(folder / "a") == expected_bytes(100));
 }
 
-TEST_CASE("50 random kill -9 of workers and coordinator: same dataset bits, no trial twice") {
+/// Kills workers and coordinators of one campaign, 50 in all.
+void check_kills(int places) {
   const TemporaryFolder folder;
   const fs::path place = folder / "killed";
   constexpr int kKills = 50, kMilliseconds = 15, kWorkers = 3;
   int points = 400, kills = 0, coordinator_kills = 0, status = -1;
-  const auto restart = [&] { return std::make_unique<Run>(place, points, kWorkers, kMilliseconds); };
+  const auto restart = [&] {
+    return std::make_unique<Run>(
+        place, points, kWorkers, kMilliseconds, "normal", [] {}, places);
+  };
   auto run = restart();
   for (std::uint64_t draw = 0; kills < kKills; ++draw) {
     sleep_ms(5 + int(40 * random_unit(1, 0, draw)));
@@ -179,6 +196,12 @@ TEST_CASE("50 random kill -9 of workers and coordinator: same dataset bits, no t
   CHECK(std::count(journal.begin(), journal.end(), '\n') == points + points / 10);
   for (const auto& entry : fs::directory_iterator(place))
     CHECK_FALSE(contains(entry.path().filename().string(), "partial"));
+}
+
+TEST_CASE("50 random kill -9 of workers and coordinator: same dataset bits, no trial twice") { check_kills(1); }
+
+TEST_CASE("50 random kill -9 of workers that have two trials each: same dataset bits, no trial twice") {
+  check_kills(2);
 }
 
 TEST_CASE("a journal cut anywhere or with a changed byte: the damage is set aside, said and computed again") {
@@ -315,6 +338,22 @@ TEST_CASE("a trial that crashes stops the campaign with its number; the others a
   CHECK(finished_trials(folder / "a") == 7);
   REQUIRE(Run(folder / "a", 20, 1, 0).wait() == 0);
   CHECK(dataset_bytes(folder / "a") == expected_bytes(20));
+}
+
+TEST_CASE("a trial that crashes in company is found, and the others are kept") {
+  const TemporaryFolder folder;
+  const Run run(
+      folder / "a", 60, 2, 0, "crash:7", [] {}, 16);
+  CHECK(run.wait() == 1);
+  CHECK(contains(run.output(), "campaign_program: campaign: the worker of trial 7 was killed by signal 6"));
+  CHECK(contains(run.output(), "second time"));
+  CHECK(contains(run.output(), " more was killed by signal 6"));
+  CHECK(finished_trials(folder / "a") >= 7);
+  CHECK(finished_trials(folder / "a") < 66);
+  REQUIRE(Run(
+              folder / "a", 60, 2, 0, "normal", [] {}, 16)
+              .wait() == 0);
+  CHECK(dataset_bytes(folder / "a") == expected_bytes(60));
 }
 
 TEST_CASE("bad input found by a worker stops the campaign with the worker's sentence") {

@@ -1,6 +1,6 @@
 // A campaign of cheap trials, as a program that tests can kill.
-//   campaign_program run <folder> <points> <workers> <ms per trial> <behaviour>
-//   campaign_program worker <ms per trial> <behaviour>
+//   campaign_program run <folder> <points> <workers> <ms per trial> <behaviour> <places>
+//   campaign_program worker <ms per trial> <behaviour> <places>
 // Behaviours: "normal"; "crash:<index>" and "refuse:<index>" at that trial; "print" writes to standard output too.
 #include <unistd.h>
 
@@ -28,15 +28,46 @@ TrialRecord misbehave(const DesignPoint& point, int milliseconds, const std::str
   return closed_form_trial(point);
 }
 
+/// Trials side by side that end in another order than they began.
+class Shuffle : public TrialEngine {
+ public:
+  Shuffle(int milliseconds, std::string behaviour, std::size_t places)
+      : milliseconds_(milliseconds), behaviour_(std::move(behaviour)), places_(places) {}
+  bool has_room() const override { return points_.size() < places_; }
+  bool is_running() const override { return !points_.empty(); }
+  void start(const DesignPoint& point) override { points_.push_back(point); }
+  std::vector<TrialRecord> advance() override {
+    const auto next = points_.begin() + std::ptrdiff_t(++count_ % points_.size());
+    const DesignPoint point = *next;
+    points_.erase(next);
+    return {misbehave(point, milliseconds_, behaviour_)};
+  }
+
+ private:
+  int milliseconds_;
+  std::string behaviour_;
+  std::size_t places_, count_ = 0;
+  std::vector<DesignPoint> points_;
+};
+
+void work(int milliseconds, const std::string& behaviour, int places) {
+  if (places == 1) {
+    run_worker([&](const DesignPoint& point) { return misbehave(point, milliseconds, behaviour); });
+  } else {
+    Shuffle trials(milliseconds, behaviour, std::size_t(places));
+    run_worker(trials);
+  }
+}
+
 int run(const std::vector<std::string>& words) {
   if (words.at(1) == "worker") {
-    const int milliseconds = std::stoi(words.at(2));
-    run_worker([&](const DesignPoint& point) { return misbehave(point, milliseconds, words.at(3)); });
+    work(std::stoi(words.at(2)), words.at(3), std::stoi(words.at(4)));
     return 0;
   }
   CampaignRequest request = cheap_campaign(words.at(2), std::stoi(words.at(3)));
   request.workers = std::stoi(words.at(4));
-  request.worker_command = {"/proc/self/exe", "worker", words.at(5), words.at(6)};
+  request.places = std::stoi(words.at(7));
+  request.worker_command = {"/proc/self/exe", "worker", words.at(5), words.at(6), words.at(7)};
   const CampaignSummary summary = run_campaign(request);
   std::printf("trials %zu computed %zu reused %zu damaged %zu\n", summary.trials, summary.computed, summary.reused,
               summary.damaged);

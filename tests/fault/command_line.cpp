@@ -52,6 +52,16 @@ TEST_CASE("pictures and videos that cannot be made are refused before the trial 
 }
 #endif
 
+TEST_CASE("a GPU that is not there is refused before any work") {
+  RunOptions none;
+  none.before = [] { ::setenv("CUDA_VISIBLE_DEVICES", "", 1); };
+  for (const char* scene : {"bed", "batch", "wheel"})
+    check_refusal(run_gonogo({"bench", scene, "--backend", "cuda"}, none), 2, {"CUDA", "ask for the cpu backend"});
+  check_refusal(run_gonogo({"bench", "bed", "--backend", "tpu"}), 2, {"--backend", "cpu", "cuda"});
+  check_refusal(run_gonogo({"bench", "wheel", "--solver", "magic"}), 2, {"--solver", "apgd", "jacobi"});
+  check_refusal(run_gonogo({"bench", "wheel", "--target", "magic"}), 2, {"--target", "ccp", "coulomb"});
+}
+
 TEST_CASE("every command explains itself with an example") {
   const std::string help = run_gonogo({"--help"}).out;
   const auto start = help.find("Subcommands:");

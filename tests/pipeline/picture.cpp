@@ -6,6 +6,7 @@
 #include "pipeline/picture/light.h"
 #include "pipeline/picture/render.h"
 #include "pipeline/picture/visible.h"
+#include "sim/shape/mesh_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/scenes.h"
@@ -199,6 +200,43 @@ TEST_CASE("a bed stands on a block of ground that is level below") {
     }
   CHECK(on_floor == 12);  // of each upright side's six corners three
   CHECK(high - low == Approx(4 * std::sin(0.3)));
+}
+
+TEST_CASE("a heightfield and a mesh are seen in their outlines") {
+  // A slope that rises from a level edge to the ridge z = 0.4 - |x| behind it, and a box above it, from so far away
+  // that rays are parallel.
+  sim::SceneWorld w;
+  w.origin = {-1, -1, -1};
+  w.size = {2, 2, 2};
+  sim::Shape s;
+  s.type = sim::ShapeType::heightfield;
+  s.surface = w.add_heightfield({"ridge", 3, 2, 0.6f, 1, {-0.2f, -0.2f, -0.2f, -0.2f, 0.4f, -0.2f}});
+  s.body = w.add_body({}, sim::fixed_body());
+  w.add_shape(s);
+  s.type = sim::ShapeType::mesh;
+  s.surface = w.add_mesh(sim::box_mesh({0.1f, 0.1f, 0.2f}));
+  s.body = w.add_body({{0.3, 0, 0.5}, {}, {}, {}}, sim::solid(1, {1, 1, 1}));
+  w.add_shape(s);
+  const Model m = model_of(w, {0, w.body, {}}, {});
+  REQUIRE(m.face.size() == 4 + 12);
+  CHECK(length(m.face.front().colour - m.face.back().colour) > 0.05f);  // ground and what moves
+  const int size = 400;
+  const Camera camera = camera_at(1000, 0.001f);
+  const Visible v = find_visible(m, camera, size, size, 1);
+  int wrong = 0, box = 0;
+  for (int row = 0; row < size; ++row)
+    for (int column = 0; column < size; ++column) {
+      const Vec3 ray = ray_of(camera, size, size, column, row);
+      const double x = 1000.0 * ray.x, z = 1000.0 * ray.y;
+      const bool in_box = std::fabs(x - 0.3) < 0.1 && std::fabs(z - 0.5) < 0.2;
+      const bool on_slope = std::fabs(x) < 0.6 && z > -0.2 && z < 0.4 - std::fabs(x);
+      const std::int32_t item = v.item[v.at(column, row)];
+      box += item >= 4;
+      wrong += (item != kNothing) != (in_box || on_slope);
+    }
+  // Outlines are 3.2 units long, 640 pixels; a pixel on one may be rounded either way.
+  CHECK(wrong < 100);
+  CHECK(box == Approx(0.2 * 0.4 * size * size / 4).epsilon(0.02));
 }
 
 TEST_CASE("the camera comes as near as the margins allow") {

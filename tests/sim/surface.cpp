@@ -4,10 +4,14 @@
 #include <map>
 
 #include "base/error.h"
+#include "sim/io/capture.h"
 #include "sim/shape/gap.h"
 #include "sim/shape/mesh_shapes.h"
+#include "sim/shape/touch.h"
+#include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
+#include "tests/support/scenes.h"
 
 using namespace gonogo;
 using namespace gonogo::sim;
@@ -104,6 +108,52 @@ TEST_CASE("capsules and cylinders lie along their y axis") {
       reach = std::max(reach, std::fabs(p.y));
     }
     CHECK(reach == Approx(s.size.y + (round ? s.size.x : Real(0))));
+  }
+}
+
+TEST_CASE("meshes and heightfields are drawn where contacts meet them") {
+  Draw draw(71);
+  Heightfield field;
+  field.name = "rough";
+  field.nx = 6, field.ny = 5;
+  field.spacing_x = 0.3f, field.spacing_y = 0.2f;
+  for (int k = 0; k < field.nx * field.ny; ++k) field.height.push_back(Real(draw.between(-0.05, 0.05)));
+  for (const ShapeType type : {ShapeType::mesh, ShapeType::heightfield}) {
+    SceneWorld w;
+    w.gravity = {};
+    w.origin = {-2, -2, -2};
+    w.size = {4, 4, 4};
+    Shape s = shape(type, {});
+    s.surface = type == ShapeType::mesh ? w.add_mesh(tyre_mesh(kTyre, 4)) : w.add_heightfield(field);
+    s.body = w.add_body({{0.1, -0.2, 0.3}, about_x(0.4), {}, {}}, fixed_body());
+    s.turn_B = about_y(0.7);
+    s.offset_B = {0.05f, 0.1f, -0.02f};
+    w.add_shape(s);
+    const Surface surface = surface_of(w, s);
+    CHECK(surface.triangle.size() == (type == ShapeType::mesh ? w.mesh[0]->triangle.size() : 2 * 5 * 4));
+    const Quat turn = shape_orientation(s, w.body[0].orientation);
+    // A small sphere on the middle of every drawn triangle, in a group of their own.
+    const Real radius = 0.004f;
+    std::vector<Vec3> normal;
+    for (const auto& [a, b, c] : surface.triangle) {
+      normal.push_back(rotate(turn, surface.normal[a]));
+      const Vec3 middle = (surface.point[a] + surface.point[b] + surface.point[c]) * (Real(1) / 3);
+      const Vec3 off = rotate(turn, middle) + normal.back() * radius;
+      w.add_sphere(centre_of(s, w.body[0]) + static_cast<Vec3d>(off), radius, 1000, 0);
+      w.shape.back().group = 7;
+    }
+    const auto simulation = simulate(Backend::cpu, w, {});
+    simulation->advance(1);
+    std::vector<int> found(w.body.size());
+    for (const Contact& c : simulation->contacts(0)) {
+      const bool sphere_first = c.body_b == 0;
+      const BodyIndex ball = sphere_first ? c.body_a : c.body_b;
+      const Vec3 n = sphere_first ? c.normal : -c.normal;
+      if (dot(n, normal[std::size_t(ball) - 1]) < 0.99999f) continue;  // a neighbour across a valley
+      CHECK(std::fabs(c.gap) < 1e-6f);
+      ++found[std::size_t(ball)];
+    }
+    for (std::size_t b = 1; b < found.size(); ++b) CHECK(found[b] == 1);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <csignal>
 
 #include "base/error.h"
+#include "sim/shape/mesh_shapes.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"
@@ -104,6 +105,38 @@ TEST_CASE("other shapes are written as triangles that move with their bodies") {
     }
     if (body[i] == 4) {
       CHECK(std::fabs(std::fabs(p.y) - 0.3) < 1e-6);
+      CHECK(std::fabs(std::fabs(p.z - 1) - 0.2) < 1e-6);
+    }
+  }
+}
+
+TEST_CASE("meshes and heightfields are written where they are in the world") {
+  const TemporaryFolder folder;
+  SceneWorld w;
+  w.size = {2, 2, 2};
+  Shape s;
+  s.type = ShapeType::heightfield;
+  s.surface = w.add_heightfield({"steps", 3, 2, 0.5f, 1, {0, 0.1f, 0.2f, 0.3f, 0.4f, 0.5f}});
+  s.body = w.add_body({{1, 1, 0.25}, {}, {}, {}}, fixed_body());
+  w.add_shape(s);
+  s.type = ShapeType::mesh;
+  s.surface = w.add_mesh(box_mesh({0.1f, 0.2f, 0.3f}));
+  s.body = w.add_body({{1, 1, 1}, about_x(kPi / 2), {0, 0, 1}, {}}, solid(1, {1, 1, 1}));
+  w.add_shape(s);
+  VtkSeries series(folder.path(), w);
+  series.write({0, w.body, {}});
+  const VtpFile f = read_vtp(folder / "surfaces_000000.vtp");
+  CHECK(f.triangles == 2 * 2 + 12);
+  REQUIRE(f.points == 3 * f.triangles);
+  for (std::size_t i = 0; i < std::size_t(f.points); ++i) {
+    const Vec3d p = row(f.values("Points"), i);
+    const bool ground = f.values("body")[i] == 0;
+    CHECK(row(f.values("velocity"), i).z == (ground ? 0 : 1));
+    if (ground) {  // z = 0.25 + 0.1 i + 0.3 j at x = 0.5 + 0.5 i, y = 0.5 + j
+      CHECK(p.z == Approx(0.25 + 0.2 * (p.x - 0.5) + 0.3 * (p.y - 0.5)));
+    } else {
+      CHECK(std::fabs(std::fabs(p.x - 1) - 0.1) < 1e-6);
+      CHECK(std::fabs(std::fabs(p.y - 1) - 0.3) < 1e-6);
       CHECK(std::fabs(std::fabs(p.z - 1) - 0.2) < 1e-6);
     }
   }

@@ -49,6 +49,18 @@ TEST_CASE("a velocity that is not a number is flagged in its world, and the batc
     }
 }
 
+TEST_CASE("a place that is not a number is flagged in its world, and the batch goes on") {
+  for (const Backend backend : backends()) {
+    const auto simulation = make_simulation(backend, two_worlds(), {}, 1);
+    BodyState s = simulation->body(0, 1);
+    s.position.x = std::numeric_limits<double>::quiet_NaN();
+    simulation->set_body(0, 1, s);
+    simulation->advance(5);
+    CHECK((simulation->report(0).flags & flag_not_finite) != 0);
+    CHECK(simulation->report(1).flags == 0);
+  }
+}
+
 TEST_CASE("a body that crosses more than a bin in a step is flagged") {
   for (const Backend backend : backends()) {
     const auto simulation = make_simulation(backend, two_worlds(), {}, 1);

@@ -1,0 +1,105 @@
+// What the solver keeps on the GPU. Records are packed for bandwidth: an arm along the normal (two spheres, a sphere on
+// a fixed floor) is one number.
+#pragma once
+#include "sim/joint/motor.h"
+#include "sim/joint/project.h"
+#include "sim/solver/body_update.h"
+#include "sim/solver/split.h"
+#include "sim/solver/tiles.h"
+
+namespace gonogo::sim {
+
+struct alignas(16) FrameRecord {
+  Vec3 normal;
+  Real bias;
+};
+struct alignas(16) ConeRecord {
+  Real step_n, step_t, mu, cohesion;
+};
+struct alignas(16) TurnRecord {
+  Real rho, sigma, step_r, softness;
+};
+/// Arms along the normal [m]; not a number in `a` where they are not: then ArmsRecord holds them.
+struct alignas(8) CentralArms {
+  Real a, b;
+};
+struct ArmsRecord {
+  Vec3 a, b;
+};
+struct alignas(8) PairRecord {
+  BodyIndex a, b;
+};
+/// A contact as one of its bodies sees it; those of a body follow each other, owned ones first.
+struct alignas(16) HalfContact {
+  Vec3 arm;
+  Index contact;  // its complement where the impulse acts backwards
+};
+struct alignas(8) HalfRange {
+  Index begin, end;
+};
+
+template <>
+struct SolverStorage<Cuda> {
+  Buffer<FrameRecord, Cuda> frame;  // [contact], as are the next seven
+  Buffer<ConeRecord, Cuda> cone;
+  Buffer<TurnRecord, Cuda> turn;
+  Buffer<CentralArms, Cuda> central;
+  Buffer<ArmsRecord, Cuda> arms;
+  Buffer<PairRecord, Cuda> pair;
+  Buffer<Vec3, Cuda> linear[2], angular[2];  // impulses of the latest two updates, taking turns
+  Buffer<HalfContact, Cuda> half;            // [contact * 2]
+  Buffer<HalfRange, Cuda> of_body;           // into half
+  Buffer<BodyIndex, Cuda> hub;               // bodies with so many contacts that a warp sums them
+  Buffer<Index, Cuda> hub_count;             // one
+  Buffer<UpdateSums, Cuda> tile_sums;
+  Buffer<WorldSums, Cuda> tile_measures, body_tile_measures;
+  Buffer<Momentum, Cuda> other_momentum;  // [world]
+  Buffer<Index, Cuda> worlds_at_work;     // one
+  Buffer<Real, Cuda> motor_before;
+};
+
+/// What the kernel works on.
+struct SolveViews {
+  Tiles tiles;
+  Incidence incidence;
+  IterationRules rules;
+  Real step;
+  const Index* halted;
+  const Index* contact_total;
+  View<const Contact> contact;
+  View<const BodyMass> mass;
+  View<const Quat> orientation;
+  View<const SymMat3> inverse_inertia_W;
+  View<const Velocity> free_velocity;
+  View<const WorldIndex> world_of_body, world_of_body_tile;
+  View<const Index> first_body_tile;
+  Projection projection;
+  MotorMoment motor_moment;
+  View<const Element> element;
+  View<Velocity> gathered;  // [mechanism body]
+  View<const Motor> motor;
+  View<const MotorDrive> drive;
+  View<Real> motor_impulse, motor_before;
+  View<Velocity> velocity, extrapolated_velocity;
+  View<Momentum> momentum[2];  // [world] of the present update and of the next, taking turns
+  View<Impulse> impulse;       // warm start, and the result
+  View<WorldSums> world_sums;
+
+  View<FrameRecord> frame;
+  View<ConeRecord> cone;
+  View<TurnRecord> turn;
+  View<CentralArms> central;
+  View<ArmsRecord> arms;
+  View<PairRecord> pair;
+  View<Vec3> linear[2], angular[2];
+  View<const Index> second_slot;
+  View<HalfContact> half;
+  View<HalfRange> of_body;
+  View<BodyIndex> hub;
+  Index* hub_count;
+  View<UpdateSums> tile_sums;
+  View<WorldSums> tile_measures, body_tile_measures;
+  Index* worlds_at_work;
+};
+
+}  // namespace gonogo::sim

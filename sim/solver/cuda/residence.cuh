@@ -1,0 +1,31 @@
+// What a block holds on its multiprocessor through all iterations of a step, where every tile has a team and every body
+// its threads: then an iteration reads only velocities and impulses from memory.
+#pragma once
+#include "sim/solver/cuda/records.cuh"
+#include "sim/solver/cuda/team.cuh"
+
+namespace gonogo::sim {
+
+/// Threads that share a body's contacts.
+inline constexpr Index kLanesPerBody = 4;
+/// Half contacts that a thread holds; it reads the others again in every iteration.
+inline constexpr Index kHeldHalves = 2;
+
+/// One of everything per thread.
+struct Residence {
+  FrameRecord frame[kBlockSize];
+  ConeRecord cone[kBlockSize];
+  TurnRecord turn[kBlockSize];
+  HalfContact half[kHeldHalves][kBlockSize];
+  CentralArms central[kBlockSize];
+  PairRecord pair[kBlockSize];
+  ArmsRecord arms[kBlockSize];
+  Vec3 linear[2][kBlockSize], angular[2][kBlockSize];
+};
+
+__device__ inline Residence& residence() {
+  extern __shared__ __align__(16) std::uint8_t residence_bytes[];
+  return *reinterpret_cast<Residence*>(residence_bytes);
+}
+
+}  // namespace gonogo::sim

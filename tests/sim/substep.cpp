@@ -1,0 +1,117 @@
+// A step taken in parts against as many small steps.
+#include "sim/joint/build.h"
+#include "tests/support/backends.h"
+#include "tests/support/catch.h"
+#include "tests/support/draw.h"
+#include "tests/support/scenes.h"
+
+using namespace gonogo;
+using namespace gonogo::sim;
+using namespace gonogo::test;
+
+namespace {
+
+double norm(const Vec3d& v) { return std::sqrt(dot(v, v)); }
+double norm(const Vec3& v) { return norm(static_cast<Vec3d>(v)); }
+
+constexpr Real kSmall = 1.0f / 4096;  // [s], so that parts of a step have the same bits
+constexpr Index kParts = 5;
+
+StepSettings small_steps() {
+  StepSettings s;
+  s.step = kSmall;
+  s.iterations = 60;
+  return s;
+}
+
+StepSettings steps_in_parts() {
+  StepSettings s = small_steps();
+  s.step = kParts * kSmall;
+  s.substeps = kParts;
+  return s;
+}
+
+/// A ball with spin on a floor that slows it, and a second one on its way through the air.
+SceneWorld two_balls(const PairLaw& law) {
+  SceneWorld w;
+  w.origin = {-5, -5, -1};
+  w.size = {10, 10, 6};
+  w.set_law(0, 0, law);
+  add_plane(w);
+  const BodyIndex rolling = w.add_sphere({0, 0, 0.1}, 0.1f, 2000, 0);
+  w.body[rolling].velocity = {1, 0, 0};
+  const BodyIndex flying = w.add_sphere({1, 1, 3}, 0.1f, 2000, 0);
+  w.body[flying].velocity = {0.5f, 0.25f, 2};
+  w.body[flying].angular_velocity = {3, 2, 1};
+  return w;
+}
+
+void check_same(const BodyState& a, const BodyState& b, double length, double speed) {
+  CHECK(norm(a.position - b.position) < length);
+  CHECK(norm(a.velocity - b.velocity) < speed);
+  CHECK(norm(a.angular_velocity - b.angular_velocity) * 0.1 < speed);
+}
+
+}  // namespace
+
+TEST_CASE("a body in the air moves in parts of a step exactly as in small steps") {
+  for (const Backend backend : backends()) {
+    const auto parts = simulate(backend, two_balls({0.5f}), steps_in_parts());
+    const auto small = simulate(backend, two_balls({0.5f}), small_steps());
+    parts->advance(20);
+    small->advance(20 * kParts);
+    const BodyState a = parts->body(0, 2), b = small->body(0, 2);
+    CHECK(norm(a.position - b.position) == 0);
+    CHECK(norm(a.velocity - b.velocity) == 0);
+    CHECK(parts->report(0).time == small->report(0).time);
+  }
+}
+
+TEST_CASE("sliding, rolling and compliant contacts in parts of a step follow small steps") {
+  PairLaw rolling{0.3f, 0.05f}, soft{0.3f};
+  soft.stiffness = 2e5f;
+  soft.damping = 100;
+  for (const Backend backend : backends())
+    for (const PairLaw& law : {PairLaw{0.3f}, rolling, soft}) {
+      const auto parts = simulate(backend, two_balls(law), steps_in_parts());
+      const auto small = simulate(backend, two_balls(law), small_steps());
+      parts->advance(100);
+      small->advance(100 * kParts);
+      check_same(parts->body(0, 1), small->body(0, 1), 1e-4, 1e-3);
+      CHECK(parts->contact_force(0, 1).z == Approx(small->contact_force(0, 1).z).epsilon(0.02));
+    }
+}
+
+TEST_CASE("motors give the same torque in parts of a step as in small steps") {
+  SceneWorld w;
+  w.origin = {-1, -1, -1};
+  w.size = {2, 2, 2};
+  const BodyIndex disc = w.add_body({{0, 0, 0}, {}, {}, {}}, solid(2, {0.02f, 0.02f, 0.04f}));
+  const BodyIndex stand = w.add_body({}, fixed_body());
+  w.joint.push_back(revolute(w, disc, stand, {0, 0, 0}, {0, 0, 1}));
+  w.motor.push_back(speed_motor(w.joint.back(), 10, 0.5));
+  for (const Backend backend : backends()) {
+    const auto parts = simulate(backend, w, steps_in_parts());
+    const auto small = simulate(backend, w, small_steps());
+    parts->advance(40);
+    small->advance(40 * kParts);
+    CHECK(parts->motor_torque(0, 0) == Approx(0.5).epsilon(1e-4));
+    CHECK(parts->body(0, disc).angular_velocity.z == Approx(0.5 / 0.04 * 40 * kParts * kSmall).epsilon(1e-4));
+    CHECK(parts->body(0, disc).angular_velocity.z == Approx(small->body(0, disc).angular_velocity.z).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("contacts that close within a step are closed by its parts") {
+  SceneWorld w;
+  w.origin = {-5, -5, -1};
+  w.size = {10, 10, 6};
+  add_plane(w);
+  const BodyIndex ball = w.add_sphere({0, 0, 0.101}, 0.1f, 2000, 0);
+  w.body[ball].velocity = {0, 0, -1.5f};
+  for (const Backend backend : backends()) {
+    const auto simulation = simulate(backend, w, steps_in_parts());
+    simulation->advance(3);
+    CHECK(simulation->body(0, ball).position.z == Approx(0.1).margin(2e-5));
+    CHECK(std::abs(simulation->body(0, ball).velocity.z) < 1e-3);
+  }
+}
