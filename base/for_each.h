@@ -23,6 +23,15 @@ GONOGO_HD inline Index atomic_increment(Index& counter) {
 #endif
 }
 
+/// Adds whole numbers, so that the order does not matter; safe from many threads.
+GONOGO_HD inline void atomic_add(Index& sum, Index value) {
+#ifdef __CUDA_ARCH__
+  atomicAdd(&sum, value);
+#else
+  __atomic_fetch_add(&sum, value, __ATOMIC_RELAXED);
+#endif
+}
+
 /// Raises bits; safe from many threads.
 GONOGO_HD inline void atomic_raise(Index& word, Index bits) {
 #ifdef __CUDA_ARCH__

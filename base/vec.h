@@ -47,6 +47,20 @@ template <class T>
 GONOGO_HD inline Vec3T<T> operator*(T s, Vec3T<T> a) {
   return a *= s;
 }
+/// a b + c, rounded once on the GPU, where that is the cheaper way.
+template <class T>
+GONOGO_HD inline T multiply_add(const T& a, const T& b, const T& c) {
+#ifdef __CUDA_ARCH__
+  return fma(a, b, c);
+#else
+  return a * b + c;
+#endif
+}
+/// a s + c.
+template <class T>
+GONOGO_HD inline Vec3T<T> multiply_add(const Vec3T<T>& a, const T& s, const Vec3T<T>& c) {
+  return {multiply_add(a.x, s, c.x), multiply_add(a.y, s, c.y), multiply_add(a.z, s, c.z)};
+}
 /// Component by component.
 template <class T>
 GONOGO_HD inline Vec3T<T> scale(const Vec3T<T>& a, const Vec3T<T>& b) {
@@ -54,11 +68,17 @@ GONOGO_HD inline Vec3T<T> scale(const Vec3T<T>& a, const Vec3T<T>& b) {
 }
 template <class T>
 GONOGO_HD inline T dot(const Vec3T<T>& a, const Vec3T<T>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
+  return multiply_add(a.z, b.z, multiply_add(a.y, b.y, a.x * b.x));
 }
 template <class T>
 GONOGO_HD inline Vec3T<T> cross(const Vec3T<T>& a, const Vec3T<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// a x b + c.
+template <class T>
+GONOGO_HD inline Vec3T<T> cross_add(const Vec3T<T>& a, const Vec3T<T>& b, const Vec3T<T>& c) {
+  return {multiply_add(a.y, b.z, multiply_add(-a.z, b.y, c.x)), multiply_add(a.z, b.x, multiply_add(-a.x, b.z, c.y)),
+          multiply_add(a.x, b.y, multiply_add(-a.y, b.x, c.z))};
 }
 template <class T>
 GONOGO_HD inline T length(const Vec3T<T>& a) {

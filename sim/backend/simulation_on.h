@@ -435,7 +435,7 @@ class SimulationOn final : public Simulation {
     s_.mass.fill_zero(s_.body_count);
     s_.world_of_body.fill_zero(s_.body_count);
     s_.inverse_inertia_W.fill_zero(s_.body_count);
-    for (auto* of_body : {&s_.second_count, &s_.second_cursor}) of_body->fill_zero(s_.body_count);
+    for (auto* of_body : {&s_.second_count, &s_.second_cursor, &s_.contact_weight}) of_body->fill_zero(s_.body_count);
     for (auto* offsets : {&s_.first_shape, &s_.first_second}) offsets->fill_zero(s_.body_count + 1);
     s_.first_shape.write(s_.body_count, s_.shape_count);
     s_.world.fill_zero(s_.world_count);

@@ -46,12 +46,12 @@ template <bool turning, class T>
 GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, const ConeShapeT<T>& cone,
                                                     const ConeStepT<T>& step) {
   const T one = constant<T>(1), zero = constant<T>(0);
-  const T slide = square_root(dot(p.tangential, p.tangential));
+  const T slide = quick_root(dot(p.tangential, p.tangential));
   T roll{}, spin{};
   // Weights of the parts, multiplied by the steps of all, so that each pass divides once.
   T normal_weight = step.t, slide_weight = cone.mu * step.n, roll_weight{}, spin_weight{};
   if constexpr (turning) {
-    roll = square_root(dot(p.rolling, p.rolling));
+    roll = quick_root(dot(p.rolling, p.rolling));
     spin = magnitude(p.spinning);
     roll_weight = cone.rho * step.n * step.t;
     spin_weight = cone.sigma * step.n * step.t;
@@ -68,15 +68,15 @@ GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, co
       sum += rolls * roll + spins * spin;
       weight += rolls * cone.rho + spins * cone.sigma;
     }
-    n = select(sum == normal_weight * p.normal, p.normal, sum / weight);
+    n = select(sum == normal_weight * p.normal, p.normal, quick_ratio(sum, weight));
   }
   n = select(n > zero, n, zero);
   ConeImpulseT<T> q;
   q.normal = n;
-  q.tangential = p.tangential * select(slide > cone.mu * n, cone.mu * n / slide, one);
+  q.tangential = p.tangential * select(slide > cone.mu * n, quick_ratio(cone.mu * n, slide), one);
   if constexpr (turning) {
-    q.rolling = p.rolling * select(roll > cone.rho * n, cone.rho * n / roll, one);
-    q.spinning = p.spinning * select(spin > cone.sigma * n, cone.sigma * n / spin, one);
+    q.rolling = p.rolling * select(roll > cone.rho * n, quick_ratio(cone.rho * n, roll), one);
+    q.spinning = p.spinning * select(spin > cone.sigma * n, quick_ratio(cone.sigma * n, spin), one);
   }
   return q;
 }

@@ -56,30 +56,30 @@ using Velocity = VelocityT<Real>;
 template <class T>
 GONOGO_HD_INLINED VelocityT<T> extrapolated(const VelocityT<T>& now, const VelocityT<T>& before, const T& beta) {
   VelocityT<T> v;
-  v.linear = now.linear + (now.linear - before.linear) * beta;
-  v.angular = now.angular + (now.angular - before.angular) * beta;
+  v.linear = multiply_add(now.linear - before.linear, beta, now.linear);
+  v.angular = multiply_add(now.angular - before.angular, beta, now.angular);
   return v;
 }
 
 template <class T>
 GONOGO_HD_INLINED ImpulseT<T> extrapolated(const ImpulseT<T>& now, const ImpulseT<T>& before, const T& beta) {
   ImpulseT<T> p;
-  p.linear = now.linear + (now.linear - before.linear) * beta;
-  p.angular = now.angular + (now.angular - before.angular) * beta;
+  p.linear = multiply_add(now.linear - before.linear, beta, now.linear);
+  p.angular = multiply_add(now.angular - before.angular, beta, now.angular);
   return p;
 }
 
 /// Velocity of body a relative to body b at the contact point.
 template <class T>
 GONOGO_HD_INLINED Vec3T<T> contact_velocity(const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b) {
-  return a.linear + cross(a.angular, c.arm_a) - b.linear - cross(b.angular, c.arm_b);
+  return cross_add(a.angular, c.arm_a, cross_add(c.arm_b, b.angular, a.linear - b.linear));
 }
 
 /// Speed along the tangent plane [m/s].
 template <class T>
 GONOGO_HD_INLINED T slip_speed(const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b) {
   const Vec3T<T> u = contact_velocity(c, a, b);
-  const Vec3T<T> tangential = u - c.normal * dot(u, c.normal);
+  const Vec3T<T> tangential = multiply_add(c.normal, -dot(u, c.normal), u);
   return square_root(dot(tangential, tangential));
 }
 
@@ -92,8 +92,8 @@ struct ContactGradient {
 template <class T>
 GONOGO_HD_INLINED ContactGradient<T> contact_gradient(const ContactNumbers<T>& c, const VelocityT<T>& a,
                                                       const VelocityT<T>& b, const ImpulseT<T>& p) {
-  const T resting = c.bias + c.softness * dot(p.linear, c.normal);
-  return {contact_velocity(c, a, b) + c.normal * resting, a.angular - b.angular};
+  const T resting = multiply_add(c.softness, dot(p.linear, c.normal), c.bias);
+  return {multiply_add(c.normal, resting, contact_velocity(c, a, b)), a.angular - b.angular};
 }
 
 /// gamma - S g, projected onto the contact's cone: one projected-gradient update with step sizes S. `turning`: the
@@ -103,17 +103,18 @@ GONOGO_HD_INLINED ImpulseT<T> projected_step(const ContactNumbers<T>& c, const I
                                              const ContactGradient<T>& g, const ConeStepT<T>& step) {
   const T g_n = dot(g.linear, c.normal), from_n = dot(from.linear, c.normal);
   ConeImpulseT<T> target;
-  target.normal = from_n - step.n * g_n + c.cohesion;
-  target.tangential = (from.linear - c.normal * from_n) - (g.linear - c.normal * g_n) * step.t;
+  target.normal = multiply_add(-step.n, g_n, from_n) + c.cohesion;
+  const Vec3T<T> moved = multiply_add(g.linear, -step.t, from.linear);
+  target.tangential = multiply_add(c.normal, multiply_add(step.t, g_n, -from_n), moved);
   if constexpr (turning) {
-    const Vec3T<T> turn = from.angular - g.angular * step.r;
+    const Vec3T<T> turn = multiply_add(g.angular, -step.r, from.angular);
     target.spinning = dot(turn, c.normal);
-    target.rolling = turn - c.normal * target.spinning;
+    target.rolling = multiply_add(c.normal, -target.spinning, turn);
   }
   const ConeImpulseT<T> p = project_onto_cone<turning, T>(target, {c.mu, c.rho, c.sigma}, step);
   ImpulseT<T> result;
-  result.linear = c.normal * (p.normal - c.cohesion) + p.tangential;
-  if constexpr (turning) result.angular = p.rolling + c.normal * p.spinning;
+  result.linear = multiply_add(c.normal, p.normal - c.cohesion, p.tangential);
+  if constexpr (turning) result.angular = multiply_add(c.normal, p.spinning, p.rolling);
   return result;
 }
 
@@ -170,6 +171,6 @@ struct alignas(32) Wrench {
   Real pad1 = 0;
 };
 
-GONOGO_HD_INLINED Vec3 moment(const Vec3& arm, const Impulse& p) { return cross(arm, p.linear) + p.angular; }
+GONOGO_HD_INLINED Vec3 moment(const Vec3& arm, const Impulse& p) { return cross_add(arm, p.linear, p.angular); }
 
 }  // namespace gonogo::sim

@@ -9,8 +9,9 @@ namespace gonogo::sim {
 /// written by a thread of its own where there are many.
 inline constexpr Index kSearchParts = kNeighbourRows + 1;
 
-inline constexpr Index rows_per_thread(Cpu) { return kNeighbourRows; }
-inline constexpr Index rows_per_thread(Cuda) { return 1; }
+/// Many threads hide how long memory takes; where there are many anyway, they only repeat work.
+inline constexpr Index rows_per_thread(Cpu, Index) { return kNeighbourRows; }
+inline constexpr Index rows_per_thread(Cuda, Index shapes) { return shapes < 100'000 ? 1 : kNeighbourRows; }
 
 /// Calls work(shape, row) for the rows of thread `t`; neighbouring threads have neighbouring shapes.
 template <class Work>
@@ -122,16 +123,17 @@ struct ContactWriter {
   }
 };
 
-struct WriteSphereContacts {
-  ContactWriter writer;
+/// The search only names the pairs of spheres; their contacts are then written by a thread each.
+struct ListSpherePairs {
+  ContactFinder find;
+  View<const Index> first_of_part;
+  View<ContactPair> pair;
   Index rows;  // per thread
 
   GONOGO_HD void operator()(Index t) const {
-    visit_rows(t, writer.find.shape.size, rows, [&](ShapeIndex i, Index row) {
-      Index at = writer.first_of_part[i * kSearchParts + row];
-      writer.find.visit_spheres(i, row, [&](ShapeIndex j, int feature, const Touch& touch, const Vec3d& d) {
-        writer.write(at++, i, j, feature, touch, d);
-      });
+    visit_rows(t, find.shape.size, rows, [&](ShapeIndex i, Index row) {
+      Index at = first_of_part[i * kSearchParts + row];
+      find.visit_spheres(i, row, [&](ShapeIndex j, int, const Touch&, const Vec3d&) { pair[at++] = {i, j}; });
     });
   }
 };
@@ -139,6 +141,7 @@ struct WriteSphereContacts {
 /// And where each shape's contacts lie.
 struct WriteOtherContacts {
   ContactWriter writer;
+  View<ContactPair> pair;
   View<Index> first_contact, begin, end;  // [shape + 1], [shape]
 
   GONOGO_HD void operator()(ShapeIndex i) const {
@@ -146,8 +149,22 @@ struct WriteOtherContacts {
     end[i] = writer.first_of_part[(i + 1) * kSearchParts];
     if (i + 1 == begin.size) first_contact[i + 1] = end[i];
     Index at = writer.first_of_part[i * kSearchParts + kNeighbourRows];
-    writer.find.visit_others(
-        i, [&](ShapeIndex j, int feature, const Touch& t, const Vec3d& d) { writer.write(at++, i, j, feature, t, d); });
+    writer.find.visit_others(i, [&](ShapeIndex j, int feature, const Touch& t, const Vec3d& d) {
+      pair[at] = {i, j};
+      writer.write(at++, i, j, feature, t, d);
+    });
+  }
+};
+
+struct WriteSphereContact {
+  ContactWriter writer;
+  View<const ContactPair> pair;
+
+  GONOGO_HD void operator()(ContactIndex at) const {
+    const ShapeIndex i = pair[at].owner, j = pair[at].other;
+    if (at >= writer.first_of_part[i * kSearchParts + kNeighbourRows]) return;  // not of two spheres
+    const Vec3d apart = writer.find.between_binned(i, j);
+    writer.write(at, i, j, 0, writer.find.sphere_touch(i, j, static_cast<Vec3>(apart)), apart);
   }
 };
 
@@ -167,6 +184,7 @@ template <class Exec>
 void reserve_contacts(State<Exec>& s, Index count) {
   s.contact_capacity = count;
   s.contact.resize(count);
+  s.pair.resize(count);
   s.second_found.resize(count);
   s.second_contact.resize(count);
   s.second_slot.resize(count);
@@ -188,7 +206,7 @@ ContactFinder contact_finder(State<Exec>& s, const StepSettings& settings) {
 template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder = contact_finder(s, settings);
-  const Index rows = rows_per_thread(exec), threads = s.shape_count * (kNeighbourRows / rows);
+  const Index rows = rows_per_thread(exec, s.shape_count), threads = s.shape_count * (kNeighbourRows / rows);
   for_each_index(exec, threads, CountSphereContacts{finder, s.contacts_of_part.view(), rows});
   for_each_index(exec, s.shape_count, CountOtherContacts{finder, s.contacts_of_part.view()});
   exclusive_scan(exec, s.contacts_of_part.view(), s.first_of_part.view(), s.scratch);
@@ -198,9 +216,10 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactWriter writer{finder,           settings,           s.position.view(), s.first_of_part.view(),
                              old.begin.view(), old.end.view(),     old.key.view(),    old.impulse.view(),
                              s.contact.view(), now.impulse.view(), now.key.view()};
-  for_each_index(exec, threads, WriteSphereContacts{writer, rows});
+  for_each_index(exec, threads, ListSpherePairs{finder, s.first_of_part.view(), s.pair.view(), rows});
   for_each_index(exec, s.shape_count,
-                 WriteOtherContacts{writer, s.first_contact.view(), now.begin.view(), now.end.view()});
+                 WriteOtherContacts{writer, s.pair.view(), s.first_contact.view(), now.begin.view(), now.end.view()});
+  for_each_counted(exec, contact_count(s), WriteSphereContact{writer, s.pair.view()});
 }
 
 }  // namespace gonogo::sim

@@ -51,12 +51,26 @@ struct ContactFinder {
   template <class Visit>
   GONOGO_HD void visit_spheres(ShapeIndex i, Index row, Visit&& visit) const {
     if (bin_of_shape[i] < 0 || shape[i].type != ShapeType::sphere) return;
-    const Real radius = shape[i].size.x;
     visit_binned(i, row, [&](const BinnedShape& other, const Vec3d& apart) {
       if (shape[other.shape].type != ShapeType::sphere) return;
-      const Gap g = sphere_sphere_gap(static_cast<Vec3>(apart), radius + other.radius);
-      visit(other.shape, 0, Touch{g.gap, g.normal, g.normal * -(radius + g.gap / 2)}, apart);
+      visit(other.shape, 0, sphere_touch(i, other.shape, static_cast<Vec3>(apart)), apart);
     });
+  }
+
+  GONOGO_HD Touch sphere_touch(ShapeIndex i, ShapeIndex j, const Vec3& d) const {
+    const Real radius = shape[i].size.x;
+    const Gap g = sphere_sphere_gap(d, radius + shape[j].size.x);
+    return {g.gap, g.normal, g.normal * -(radius + g.gap / 2)};
+  }
+
+  GONOGO_HD static Vec3d folded_centre(const Vec3d& c, const WorldParameters& w) {
+    return {folded(c.x, w.origin.x, w.period.x), folded(c.y, w.origin.y, w.period.y), c.z};
+  }
+
+  /// From the centre of j to that of i, both binned: the same bits as in the search.
+  GONOGO_HD Vec3d between_binned(ShapeIndex i, ShapeIndex j) const {
+    const WorldParameters& w = world[world_of_body[shape[i].body]];
+    return nearest_image(folded_centre(centre[i], w) - folded_centre(centre[j], w), w.period);
   }
 
   /// All others: long code, apart from the spheres so that it costs those no registers.
@@ -78,8 +92,7 @@ struct ContactFinder {
   template <class Near>
   GONOGO_HD void visit_binned(ShapeIndex i, Index row, Near&& near) const {
     const WorldParameters& w = world[world_of_body[shape[i].body]];
-    const Vec3d here{folded(centre[i].x, w.origin.x, w.period.x), folded(centre[i].y, w.origin.y, w.period.y),
-                     centre[i].z};
+    const Vec3d here = folded_centre(centre[i], w);
     const Real reach_i = bounding_radius(shape[i]) + envelope;
     visit_neighbour_row(w, bin_of(w, here), row, [&](Index first, Index last, bool shared) {
       const Index own_end = first_in_bin[first + 1];

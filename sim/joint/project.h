@@ -35,15 +35,21 @@ struct Projection {
 
   template <int kCount>
   GONOGO_HD void add_columns(const Mechanism& m, Index first, Real (&sum)[kCount]) const {
+    add_columns(m, projection.data + m.projection + first, gathered.data + m.first_body, sum);
+  }
+
+  /// `from`: the map's first column at the first number asked for; `gathered`: of the mechanism's first body.
+  template <int kCount>
+  GONOGO_HD static void add_columns(const Mechanism& m, const Real* from, const Velocity* gathered,
+                                    Real (&sum)[kCount]) {
     const Index stride = m.column_stride();
-    const Real* from = projection.data + m.projection + first;
     const Real* offset = from + std::size_t(m.unknowns()) * stride;
     for (int i = 0; i < kCount; ++i) sum[i] = offset[i];
     for (Index slot = 0; slot < m.body_count; ++slot, from += 6 * stride) {
-      const Velocity& g = gathered[m.first_body + slot];
+      const Velocity& g = gathered[slot];
       const Real x[6] = {g.linear.x, g.linear.y, g.linear.z, g.angular.x, g.angular.y, g.angular.z};
       for (int c = 0; c < 6; ++c)
-        for (int i = 0; i < kCount; ++i) sum[i] += from[c * stride + i] * x[c];
+        for (int i = 0; i < kCount; ++i) sum[i] = multiply_add(from[c * stride + i], x[c], sum[i]);
     }
   }
 };

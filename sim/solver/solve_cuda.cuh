@@ -14,9 +14,9 @@ inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
 
 /// All iterations of a step.
 template <bool turning, bool resident>
-__device__ void iterate(const SolveViews& views, const Team& team) {
+__device__ void iterate(const SolveViews& views, const Team& team, MechanismWork& work) {
   const auto grid = cooperative_groups::this_grid();
-  SolveKernel<turning, resident> kernel(views, team);
+  SolveKernel<turning, resident> kernel(views, team, work);
   kernel.prepare();
   grid.sync();
   kernel.hold_bodies();
@@ -43,12 +43,18 @@ __device__ void iterate(const SolveViews& views, const Team& team) {
 template <bool turning>
 __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant__ SolveViews views, bool may_reside) {
   __shared__ double scratch[kTeamsPerBlock][kTileSize / 32];
+  __shared__ __align__(16) std::uint8_t work_bytes[kTeamsPerBlock][sizeof(MechanismWork)];
   if (*views.halted != 0) return;
   const Index in_block = threadIdx.x / kTileSize;
   const Team team{in_block, Index(threadIdx.x % kTileSize), Index(in_block * gridDim.x + blockIdx.x),
                   Index(kTeamsPerBlock * gridDim.x), scratch[in_block]};
-  const bool all_fit = views.tiles.count() <= team.count && kLanesPerBody * views.mass.size <= team.count * kTileSize;
-  may_reside&& all_fit ? iterate<turning, true>(views, team) : iterate<turning, false>(views, team);
+  MechanismWork& work = *reinterpret_cast<MechanismWork*>(work_bytes[in_block]);
+  const bool all_fit = views.tiles.count() <= team.count && kLanesPerBody * views.mass.size <= team.count * kTileSize &&
+                       views.projection.mechanism.size <= team.count;
+  if (may_reside && all_fit)
+    iterate<turning, true>(views, team, work);
+  else
+    iterate<turning, false>(views, team, work);
 }
 
 inline void reserve_solver(State<Cuda>& s) {
@@ -140,7 +146,9 @@ template <bool turning>
 void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
   SolveViews views = solve_views(exec, s, settings);
   constexpr std::size_t room = sizeof(Residence);
-  bool may_reside = std::size_t(device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin)) >= room + 1024;
+  const std::size_t offered = device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
+  bool may_reside = tile_capacity(s) <= kTeamsPerBlock * grid_size(s) &&
+                    offered >= room + kTeamsPerBlock * sizeof(MechanismWork) + 1024;
   if (may_reside)
     check_cuda(cudaFuncSetAttribute(solve_kernel<turning>, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room)),
                "shared memory of the solver");

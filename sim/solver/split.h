@@ -1,13 +1,17 @@
 // Step sizes of the iterations on the cone complementarity problem
 //     min 1/2 g' N g + r' g,  g in the product of contact cones,  N = D' M^-1 D + E        (Anitescu & Tasora 2010)
-// by mass splitting (Tonge, Benevolenski, Voroshilov 2012): each body shares its mass equally among its contacts,
-// S_c^-1 = d_a A_a + d_b A_b + E with d the number of contacts of a body and A a bound on its part of the contact's
-// inverse mass. Then S^-1 >= N as quadratic forms, so g - S grad never overshoots and no line search is needed. A wheel
-// a thousand times heavier than a grain adds little to S^-1 although it has hundreds of contacts: it slows nobody down.
+// by mass splitting (Tonge, Benevolenski, Voroshilov 2012): each body shares its mass among its contacts,
+// S_c^-1 = d_a A_a + d_b A_b + E with 1 / d the contact's share of a body and A a bound on that body's part of the
+// contact's inverse mass. Then S^-1 >= N as quadratic forms, so g - S grad never overshoots and no line search is
+// needed. A wheel a thousand times heavier than a grain adds little to S^-1 although it has hundreds of contacts: it
+// slows nobody down.
 #pragma once
 #include "sim/solver/incidence.h"
 
 namespace gonogo::sim {
+
+/// Of the bound on rolling and spinning against sliding; see inverse_mass_bound.
+inline constexpr Real kTurningShare = 0.25f;
 
 /// Bound on how far a unit impulse at the end of an arm moves that end by turning the body: the largest eigenvalue of
 /// [r]' J^-1 [r] [1/kg]. Its trace is the better bound where a body turns easily about its arm only, as a slender rod
@@ -31,27 +35,48 @@ GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal
   // A body that can only turn keeps its spin even there: the bound of a contact must stay above zero.
   const bool central = linear > 0 && dot(off_centre, off_centre) < Real(1e-6) * dot(arm, arm);
   // Normal and friction share one angular velocity when the arm is not along the normal; rolling shares it always:
-  // (x + y)^2 <= 2 x^2 + 2 y^2.
+  // (x + y)^2 <= (1 + s) x^2 + (1 + 1/s) y^2, with s small because sliding is what matters more.
   const bool isotropic = mass.inverse_mass.x == mass.inverse_mass.y && mass.inverse_mass.y == mass.inverse_mass.z;
-  const Real shared = turning ? Real(2) : Real(1);
-  const Real spin = shared * turning_bound(arm, mass, orientation);
+  const Real spin = (turning ? 1 + kTurningShare : Real(1)) * turning_bound(arm, mass, orientation);
   const Real n = isotropic ? normal_share.x + normal_share.y + normal_share.z : linear;
-  return {n + (central ? Real(0) : spin), linear + spin, shared * std::fmax(i.x, std::fmax(i.y, i.z))};
+  return {n + (central ? Real(0) : spin), linear + spin,
+          (turning ? 1 + 1 / kTurningShare : Real(1)) * std::fmax(i.x, std::fmax(i.y, i.z))};
 }
 
+/// A contact's weight when a body shares out its mass: those that carry something get more of it. Any weights above
+/// zero keep S^-1 above N.
+GONOGO_HD inline Index contact_weight(const Contact& c, const Impulse& start) {
+  return dot(start.linear, c.normal) > 0 || c.gap < 0 ? 4 : 1;
+}
+
+struct WeighContacts {
+  View<const Contact> contact;
+  View<const BodyMass> mass;
+  View<const Impulse> impulse;
+  View<Index> weight;  // [body]
+
+  GONOGO_HD void operator()(ContactIndex i) const {
+    const Contact& c = contact[i];
+    const Index own = contact_weight(c, impulse[i]);
+    for (const BodyIndex b : {c.body_a, c.body_b})
+      if (!is_fixed(mass[b])) atomic_add(weight[b], own);
+  }
+};
+
 struct SplitMasses {
-  Incidence incidence;
   View<const BodyMass> mass;
   View<const MechanismBody> jointed;
   View<const Quat> orientation;
   View<const Velocity> velocity;
+  View<const Index> weight;  // [body] sum over its contacts
+  View<const Impulse> impulse;
   View<Contact> contact;
   Target target;
 
   /// The motors of a mechanism take half of its bodies' masses, the contacts share the rest.
   GONOGO_HD Real share(BodyIndex b) const {
     const bool driven = mass[b].slot >= 0 && jointed[mass[b].slot].driven != 0;
-    return Real(incidence.degree(b)) * (driven ? Real(2) : Real(1));
+    return Real(weight[b]) * (driven ? Real(2) : Real(1));
   }
 
   GONOGO_HD void operator()(ContactIndex i) const {
@@ -59,7 +84,8 @@ struct SplitMasses {
     const bool turning = c.rho > 0 || c.sigma > 0;
     const ConeStep a = inverse_mass_bound(c.arm_a, c.normal, mass[c.body_a], orientation[c.body_a], turning);
     const ConeStep b = inverse_mass_bound(c.arm_b, c.normal, mass[c.body_b], orientation[c.body_b], turning);
-    const Real share_a = share(c.body_a), share_b = share(c.body_b);
+    const auto own = Real(contact_weight(c, impulse[i]));
+    const Real share_a = share(c.body_a) / own, share_b = share(c.body_b) / own;
     c.step.n = 1 / (share_a * a.n + share_b * b.n + c.softness);
     c.step.t = 1 / (share_a * a.t + share_b * b.t);
     c.step.r = turning ? 1 / (share_a * a.r + share_b * b.r) : Real(1);
@@ -94,6 +120,17 @@ GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, con
   const ConeStep step{c.step.n * c.unsplit, c.step.t * c.unsplit, c.step.r * c.unsplit};
   const Impulse next = projected_step<true, Real>(numbers, from, contact_gradient<Real>(numbers, a, b, from), step);
   return std::sqrt(residual_square<true, Real>(numbers, next, from, step));
+}
+
+template <class Exec>
+void split_masses(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  const View<const Impulse> start = s.store[s.parity].impulse.view();
+  clear(exec, s.contact_weight.view());
+  for_each_counted(exec, contact_count(s),
+                   WeighContacts{s.contact.view(), s.mass.view(), start, s.contact_weight.view()});
+  for_each_counted(exec, contact_count(s),
+                   SplitMasses{s.mass.view(), s.mechanisms.body.view(), s.orientation.view(), s.velocity.view(),
+                               s.contact_weight.view(), start, s.contact.view(), settings.target});
 }
 
 }  // namespace gonogo::sim

@@ -138,6 +138,11 @@ struct ContactStore {
   Buffer<Impulse, Exec> impulse;    // [contact] at the end of the step
 };
 
+/// The shapes of a contact.
+struct alignas(8) ContactPair {
+  ShapeIndex owner, other;
+};
+
 struct ContactRange {
   ContactIndex begin, end;
 };
@@ -190,7 +195,9 @@ struct State {
   Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
   Buffer<BinnedShape, Exec> shape_by_bin;
   Buffer<Index, Exec> contacts_of_part, first_of_part;  // see find.h
+  Buffer<Index, Exec> contact_weight;                   // [body] see split.h
   Buffer<Index, Exec> first_contact;                    // [shape + 1]
+  Buffer<ContactPair, Exec> pair;                       // [contact]
   Buffer<Contact, Exec> contact;
   Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
       second_slot;                                 // see incidence.h

@@ -104,9 +104,7 @@ void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   find_contacts(exec, s, settings);
   build_incidence(exec, s);
   cut_into_tiles(exec, s);
-  for_each_counted(exec, contact_count(s),
-                   SplitMasses{incidence(s), s.mass.view(), s.mechanisms.body.view(), s.orientation.view(),
-                               s.velocity.view(), s.contact.view(), settings.target});
+  split_masses(exec, s, settings);
   apply_controllers(exec, s, settings);
   move(exec, s, settings);
   for (Index k = 1; k < settings.substeps; ++k) {

@@ -1,7 +1,7 @@
 // The stages of an iteration as seen by a team. Sums have the same order, and so the same bits, whether contacts are
 // resident or not.
 #pragma once
-#include "sim/solver/cuda/residence.cuh"
+#include "sim/solver/cuda/mechanism.cuh"
 
 namespace gonogo::sim {
 
@@ -11,7 +11,8 @@ inline constexpr Index kHubContacts = 48;
 template <bool turning, bool resident>
 class SolveKernel {
  public:
-  __device__ SolveKernel(const SolveViews& views, const Team& team) : s(views), team_(team) {
+  __device__ SolveKernel(const SolveViews& views, const Team& team, MechanismWork& work)
+      : s(views), team_(team), work_(work) {
     if (resident && team.index < s.tiles.count()) tile_ = s.tiles.tile[team.index];
   }
 
@@ -61,8 +62,15 @@ class SolveKernel {
   /// Motors, and velocities of the jointed bodies from all that their mechanism gathers. The last teams begin, which
   /// have fewest bodies.
   __device__ void move_mechanisms(Index k) {
-    for (Index m = team_.count - 1 - team_.index; m < s.projection.mechanism.size; m += team_.count)
-      move_mechanism(s.projection.mechanism[m], k);
+    const auto add = [&](const HalfRange& c, Index from, Index step, Vec3& linear, Vec3& angular) {
+      add_contacts(c, (k + 1) & 1, from, step, false, linear, angular);
+    };
+    MechanismMover mover(s, team_, work_, add);
+    Real* held = resident ? residence().projection[team_.in_block] : nullptr;
+    for (Index m = team_.count - 1 - team_.index; m < s.projection.mechanism.size; m += team_.count) {
+      if (!resident || k < 0) mover.load(m, held);
+      mover.move(k, held);
+    }
   }
 
   /// What update `k + 1` will do: a team adds a world's tiles in order.
@@ -226,18 +234,6 @@ class SolveKernel {
     }
   }
 
-  template <int kLanes>
-  __device__ static Vec3 sum_of_lanes(Vec3 v) {
-    const unsigned mask = kLanes == 32 ? 0xFFFFFFFFu : ((1u << kLanes) - 1) << (threadIdx.x % 32 / kLanes * kLanes);
-#pragma unroll
-    for (int offset = 1; offset < kLanes; offset *= 2) {
-      v.x += __shfl_xor_sync(mask, v.x, offset);
-      v.y += __shfl_xor_sync(mask, v.y, offset);
-      v.z += __shfl_xor_sync(mask, v.z, offset);
-    }
-    return v;
-  }
-
   /// What a body's few threads need to know. Hubs and jointed bodies are left to others.
   struct Load {
     HalfRange contacts;
@@ -272,68 +268,19 @@ class SolveKernel {
     const Momentum m = momentum[s.world_of_body[b]];
     if (m.done) return;
     Vec3 linear, angular;
-    sum_by_warp(s.of_body[b], (k + 1) & 1, linear, angular);
+    add_contacts(s.of_body[b], (k + 1) & 1, team_.rank % 32, 32, false, linear, angular);
+    linear = sum_of_lanes<32>(linear);
+    angular = sum_of_lanes<32>(angular);
     if (team_.rank % 32 != 0) return;
     const Velocity next = driven(b, s.free_velocity[b], s.mass[b], linear, angular);
     s.extrapolated_velocity[b] = k < 0 ? next : extrapolated<Real>(next, s.velocity[b], m.next_beta);
     s.velocity[b] = next;
   }
 
-  __device__ void sum_by_warp(const HalfRange& c, Index store, Vec3& linear, Vec3& angular) const {
-    add_contacts(c, store, team_.rank % 32, 32, false, linear, angular);
-    linear = sum_of_lanes<32>(linear);
-    angular = sum_of_lanes<32>(angular);
-  }
-
   __device__ Velocity driven(BodyIndex b, const Velocity& free, const BodyMass& m, const Vec3& linear,
                              const Vec3& angular) const {
     const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
     return driven_velocity(free, m, inverse_inertia, linear, angular);
-  }
-
-  /// One team: motors from the velocities of before, what its bodies gather, and their projection onto the joints.
-  __device__ void move_mechanism(const Mechanism& m, Index k) {
-    if (m.body_count == 0) return;
-    const View<Momentum> momentum = s.momentum[k < 0 ? 0 : k & 1];
-    const Momentum now = momentum[m.world];
-    if (now.done) return;
-    if (k >= 0) update_motors(m, momentum);
-    team_.sync();
-    for (Index slot = m.first_body + team_.rank / 32; slot < m.first_body + m.body_count; slot += kTileSize / 32)
-      gather(slot, (k + 1) & 1);
-    team_.sync();
-    for (Index c = team_.rank; c < 6 * m.body_count; c += kTileSize) project(m, c, k < 0, now.next_beta);
-  }
-
-  __device__ void update_motors(const Mechanism& m, View<const Momentum> momentum) {
-    const UpdateMotor update{s.motor,  s.drive,         s.extrapolated_velocity, s.world_of_body,
-                             momentum, s.motor_impulse, s.motor_before,          s.step};
-    const Index first = m.first_element + m.element_count - m.motor_count;
-    for (Index i = team_.rank; i < m.motor_count; i += kTileSize) update(s.element[first + i].index);
-  }
-
-  /// One warp.
-  __device__ void gather(Index slot, Index store) {
-    const BodyIndex b = s.projection.body[slot].body;
-    Vec3 linear, angular;
-    sum_by_warp(s.of_body[b], store, linear, angular);
-    if (team_.rank % 32 == 0)
-      s.gathered[slot] = driven(b, s.free_velocity[b], s.mass[b], linear, angular + s.motor_moment(slot));
-  }
-
-  /// One number of a body's velocity.
-  __device__ void project(const Mechanism& m, Index c, bool first, Real beta) {
-    const BodyIndex b = s.projection.body[m.first_body + c / 6].body;
-    Real next[1];
-    s.projection.add_columns<1>(m, c, next);
-    Real& now = component(s.velocity[b], c % 6);
-    component(s.extrapolated_velocity[b], c % 6) = first ? next[0] : next[0] + (next[0] - now) * beta;
-    now = next[0];
-  }
-
-  __device__ static Real& component(Velocity& v, Index c) {
-    Vec3& part = c < 3 ? v.linear : v.angular;
-    return c % 3 == 0 ? part.x : c % 3 == 1 ? part.y : part.z;
   }
 
   __device__ void decide(WorldIndex w, Index k) {
@@ -397,6 +344,7 @@ class SolveKernel {
 
   const SolveViews& s;
   const Team& team_;
+  MechanismWork& work_;
   Tile tile_{};  // resident: the team's own
   Load load_{};  // resident: of the thread's body
 };

@@ -11,7 +11,10 @@ inline constexpr Index kLanesPerBody = 4;
 /// Half contacts that a thread holds; it reads the others again in every iteration.
 inline constexpr Index kHeldHalves = 2;
 
-/// One of everything per thread.
+/// Numbers of a mechanism's affine map that a team holds: of nine bodies, a truck with its wheels and axles.
+inline constexpr Index kHeldProjection = 55 * 56;
+
+/// One of everything per thread, and a mechanism's map per team.
 struct Residence {
   FrameRecord frame[kBlockSize];
   ConeRecord cone[kBlockSize];
@@ -21,6 +24,7 @@ struct Residence {
   PairRecord pair[kBlockSize];
   ArmsRecord arms[kBlockSize];
   Vec3 linear[2][kBlockSize], angular[2][kBlockSize];
+  Real projection[kTeamsPerBlock][kHeldProjection];
 };
 
 __device__ inline Residence& residence() {

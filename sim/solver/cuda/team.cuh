@@ -44,4 +44,17 @@ struct Team {
   }
 };
 
+/// Of neighbouring threads of a warp; all of them get it.
+template <int kLanes>
+__device__ inline Vec3 sum_of_lanes(Vec3 v) {
+  const unsigned mask = kLanes == 32 ? 0xFFFFFFFFu : ((1u << kLanes) - 1) << (threadIdx.x % 32 / kLanes * kLanes);
+#pragma unroll
+  for (int offset = 1; offset < kLanes; offset *= 2) {
+    v.x += __shfl_xor_sync(mask, v.x, offset);
+    v.y += __shfl_xor_sync(mask, v.y, offset);
+    v.z += __shfl_xor_sync(mask, v.z, offset);
+  }
+  return v;
+}
+
 }  // namespace gonogo::sim
