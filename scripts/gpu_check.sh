@@ -1,19 +1,34 @@
 #!/usr/bin/env bash
 # The whole GPU check in one call: builds the CUDA preset without GDAL, LibTorch and cairo, runs the engine's tests on CPU and
-# GPU, and times the bed scene on both. Needs nvcc and a GPU. Headers that the machine lacks (nlohmann-json, CLI11, Catch2,
-# xxhash) may lie in .carry/usr, laid out like /usr.
+# GPU, runs the tiny worlds of test_sim_sanitize under compute-sanitizer (memcheck, racecheck, initcheck), and times the bench
+# scenes. Needs nvcc and a GPU. Headers that the machine lacks (nlohmann-json, CLI11, Catch2, xxhash) may lie in .carry/usr, laid
+# out like /usr. Ends with status 1 when a test failed or a sanitizer found something; the logs are in the results folder.
 #
 #   scripts/gpu_check.sh [results-folder]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 results=${1:-out/gpu}
 mkdir -p "$results"
+failed=()
 [ -d .carry/usr ] && export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
 nvidia-smi --query-gpu=name,driver_version --format=csv,noheader
 cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/configure.log"
 tests=$(cmake --build build/cuda-release --target help | grep -oE '^test_(sim|validation|base_kernels|pipeline_batch)[a-z_]*' | sort -u)
 cmake --build build/cuda-release -j "$(nproc)" --target gonogo $tests > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
-ctest --test-dir build/cuda-release -R '^(sim|validation|base_kernels|pipeline_batch)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || true
+ctest --test-dir build/cuda-release -R '^(sim|validation|base_kernels|pipeline_batch)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || failed+=(tests)
+
+# A sanitizer that cannot work on this machine is told apart from one that found something.
+sanitizer=$(command -v compute-sanitizer || echo /usr/local/cuda/bin/compute-sanitizer)
+for tool in memcheck racecheck initcheck; do
+  log="$results/$tool.log"
+  status=0
+  timeout 240 "$sanitizer" --tool "$tool" --error-exitcode 9 build/cuda-release/tests/sim/test_sim_sanitize > "$log" 2>&1 || status=$?
+  echo "$tool: exit status $status, $(grep -E 'SUMMARY|not supported|All tests passed|No such file' "$log" | tail -2 | tr '\n' ' ')"
+  if [ "$status" -ne 0 ]; then
+    if grep -q 'Device not supported' "$log"; then echo "  $tool does not work on this machine"; else failed+=("$tool"); fi
+  fi
+done
+
 bench() { build/cuda-release/gonogo bench "$@" --json | tail -1 | tee -a "$results/bench.jsonl"; }
 for backend in cpu cuda; do
   bench bed --grain 0.05 --backend "$backend" --threads 1
@@ -30,3 +45,4 @@ bench wheel --iterations 50 --backend cuda --threads "$(nproc)"
 for device in cpu cuda; do
   build/cuda-release/gonogo campaign run configs/studies/demo.json --out "$results/campaign_$device" --device "$device" 2>&1 | tail -2
 done
+if [ "${#failed[@]}" -gt 0 ]; then echo "failed: ${failed[*]}"; exit 1; fi

@@ -3,21 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
-#include "base/json/json.h"
+#include "learning/qubo/json_reader.h"
+#include "learning/qubo/label_json.h"
+#include "learning/qubo/python_json.h"
 
 namespace gonogo::learning {
 namespace {
 
-Json labels_json(const std::vector<Label>& labels) {
-  Json list = Json::array();
-  for (const Label& label : labels) std::visit([&](const auto& value) { list.push_back(Json(value)); }, label);
-  return list;
-}
-
 /// dimod writes whole floating-point numbers of arrays as integers.
 Json number_json(double x) {
-  constexpr double exact = 9007199254740992.0;  // 2^53
+  constexpr double exact = 0x1p63;
   if (x == std::floor(x) && std::abs(x) < exact) return Json(std::int64_t(x));
   return Json(x);
 }
@@ -34,96 +29,7 @@ Json array_json(Json data, const char* data_type, std::vector<std::size_t> shape
   return json;
 }
 
-/// Reads members of one JSON object with messages that name the file and the place.
-class Reader {
- public:
-  Reader(const Json& json, std::string source, std::string where)
-      : json_(json), source_(std::move(source)), where_(std::move(where)) {
-    if (!json_.is_object()) fail("", "expected an object { }, found " + json_.type_name());
-  }
-
-  [[noreturn]] void fail(const std::string& key, const std::string& message) const {
-    const std::string place = where_ + (where_.empty() || key.empty() ? "" : ".") + key;
-    throw InputError(source_ + ": " + (place.empty() ? "" : place + ": ") + message);
-  }
-  const Json* find(const std::string& key) const { return json_.find(key); }
-  const Json& at(const std::string& key) const {
-    if (const Json* value = json_.find(key)) return *value;
-    fail(key, "missing");
-  }
-  Reader object(const std::string& key) const {
-    return Reader(at(key), source_, where_ + (where_.empty() ? "" : ".") + key);
-  }
-  const Json::Array& list(const std::string& key) const {
-    if (!at(key).is_array()) fail(key, "expected a list, found " + at(key).type_name());
-    return at(key).items();
-  }
-  std::string text(const std::string& key) const {
-    if (!at(key).is_string()) fail(key, "expected text, found " + at(key).type_name());
-    return at(key).string();
-  }
-  double number(const std::string& key) const { return as_number(at(key), key); }
-  std::size_t count(const std::string& key) const { return std::size_t(as_integer(at(key), key, 0, INT32_MAX)); }
-  std::vector<double> numbers(const std::string& key) const {
-    std::vector<double> result;
-    for (const Json& item : list(key)) result.push_back(as_number(item, key));
-    return result;
-  }
-  std::vector<std::int64_t> integers(const std::string& key, std::int64_t low, std::int64_t high) const {
-    std::vector<std::int64_t> result;
-    for (const Json& item : list(key)) result.push_back(as_integer(item, key, low, high));
-    return result;
-  }
-  std::int64_t as_integer(const Json& item, const std::string& key, std::int64_t low, std::int64_t high) const {
-    if (!item.is_integer() || item.number() < double(low) || item.number() > double(high))
-      fail(key, "expected whole numbers between " + std::to_string(low) + " and " + std::to_string(high) + ", found " +
-                    item.dump());
-    return item.integer();
-  }
-  void expect_text(const std::string& key, const std::string& wanted) const {
-    if (text(key) != wanted) fail(key, "expected \"" + wanted + "\", found \"" + text(key) + "\"");
-  }
-  void expect_size(const std::string& key, std::size_t found, std::size_t wanted) const {
-    if (found != wanted) fail(key, std::to_string(found) + " entries where " + std::to_string(wanted) + " belong");
-  }
-  /// Lists of numbers only: bytes depend on the writer's numpy and are not read.
-  void expect_no_bytes() const {
-    const Json* bytes = find("use_bytes");
-    if (!bytes || !bytes->is_bool() || bytes->boolean())
-      fail("use_bytes", "expected false; write the file with use_bytes=False");
-  }
-
- private:
-  double as_number(const Json& item, const std::string& key) const {
-    if (!item.is_number() || !std::isfinite(item.number())) fail(key, "expected finite numbers, found " + item.dump());
-    return item.number();
-  }
-  const Json& json_;
-  std::string source_, where_;
-};
-
-std::vector<Label> read_labels(const Reader& reader, std::size_t count) {
-  std::vector<Label> labels;
-  for (const Json& item : reader.list("variable_labels")) {
-    if (item.is_string())
-      labels.emplace_back(item.string());
-    else if (item.is_integer())
-      labels.emplace_back(item.integer());
-    else
-      reader.fail("variable_labels", "expected texts or whole numbers, found " + item.dump());
-  }
-  reader.expect_size("variable_labels", labels.size(), count);
-  return labels;
-}
-
-Vartype read_vartype(const Reader& reader) {
-  const std::string name = reader.text("variable_type");
-  if (name == "BINARY") return Vartype::binary;
-  if (name == "SPIN") return Vartype::spin;
-  reader.fail("variable_type", "expected \"BINARY\" or \"SPIN\", found \"" + name + "\"");
-}
-
-void check_version(const Reader& reader, const std::string& key, const std::string& at_least,
+void check_version(const JsonReader& reader, const std::string& key, const std::string& at_least,
                    const std::string& below) {
   const std::string version = reader.object("version").text(key);
   if (version < at_least || version >= below)
@@ -131,7 +37,7 @@ void check_version(const Reader& reader, const std::string& key, const std::stri
                 "version " + version + " is not readable; " + at_least + " up to, not including, " + below + " are");
 }
 
-std::vector<Coupling> read_couplings(const Reader& reader, std::size_t variable_count) {
+std::vector<Coupling> read_couplings(const JsonReader& reader, std::size_t variable_count) {
   const std::vector<double> bias = reader.numbers("quadratic_biases");
   const std::int64_t last = std::int64_t(variable_count) - 1;
   const auto head = reader.integers("quadratic_head", 0, last), tail = reader.integers("quadratic_tail", 0, last);
@@ -147,8 +53,8 @@ std::vector<Coupling> read_couplings(const Reader& reader, std::size_t variable_
 }
 
 /// Contents of an array member: checks its kind and shape, hands back the reader for its "data".
-Reader read_array(const Reader& reader, const std::string& key, const std::vector<std::size_t>& shape) {
-  const Reader array = reader.object(key);
+JsonReader read_array(const JsonReader& reader, const std::string& key, const std::vector<std::size_t>& shape) {
+  const JsonReader array = reader.object(key);
   array.expect_text("type", "array");
   array.expect_no_bytes();
   const auto extents = array.integers("shape", 0, INT32_MAX);
@@ -159,12 +65,12 @@ Reader read_array(const Reader& reader, const std::string& key, const std::vecto
   return array;
 }
 
-std::vector<std::int8_t> read_rows(const Reader& reader, std::size_t rows, std::size_t variables, Vartype vartype) {
+std::vector<std::int8_t> read_rows(const JsonReader& reader, std::size_t rows, std::size_t variables, Vartype vartype) {
   const Json& packed_json = reader.at("sample_packed");
   if (!packed_json.is_bool()) reader.fail("sample_packed", "expected true or false");
   const bool packed = packed_json.boolean();
   const std::size_t width = packed ? (variables + 31) / 32 : variables;
-  const Reader array = read_array(reader, "sample_data", {rows, width});
+  const JsonReader array = read_array(reader, "sample_data", {rows, width});
   const std::int8_t off = vartype == Vartype::binary ? 0 : -1;
   std::vector<std::int8_t> values;
   values.reserve(rows * variables);
@@ -227,21 +133,21 @@ std::string to_dimod_json(const Problem& problem) {
   json["quadratic_biases"] = std::move(quadratic);
   json["quadratic_head"] = std::move(head);
   json["quadratic_tail"] = std::move(tail);
-  return json.dump();
+  return python_json(json, JsonSpaces::compact);
 }
 
 Problem problem_from_dimod_json(const std::string& text, const std::string& source) {
   const Json json = Json::parse(text, source);
-  const Reader reader(json, source, "");
+  const JsonReader reader(json, source, "");
   reader.expect_text("type", "BinaryQuadraticModel");
   check_version(reader, "bqm_schema", "2.0.0", "4");
   reader.expect_no_bytes();
   Problem problem;
-  problem.vartype = read_vartype(reader);
+  problem.vartype = vartype_from_json(reader, "variable_type");
   problem.linear = reader.numbers("linear_biases");
   if (reader.find("num_variables"))
     reader.expect_size("linear_biases", problem.linear.size(), reader.count("num_variables"));
-  problem.labels = read_labels(reader, problem.linear.size());
+  problem.labels = labels_from_json(reader, "variable_labels", problem.linear.size());
   problem.couplings = read_couplings(reader, problem.linear.size());
   if (reader.find("num_interactions"))
     reader.expect_size("quadratic_biases", problem.couplings.size(), reader.count("num_interactions"));
@@ -267,20 +173,20 @@ std::string to_dimod_json(const SampleSet& samples, bool packed) {
   json["variable_labels"] = labels_json(samples.labels);
   json["variable_type"] = vartype_name(samples.vartype);
   json["info"] = samples.info;
-  return json.dump();
+  return python_json(json, JsonSpaces::compact);
 }
 
 SampleSet samples_from_dimod_json(const std::string& text, const std::string& source) {
   const Json json = Json::parse(text, source);
-  const Reader reader(json, source, "");
+  const JsonReader reader(json, source, "");
   reader.expect_text("type", "SampleSet");
   check_version(reader, "sampleset_schema", "3.1.0", "4");
   SampleSet samples;
-  samples.vartype = read_vartype(reader);
+  samples.vartype = vartype_from_json(reader, "variable_type");
   const std::size_t rows = reader.count("num_rows"), variables = reader.count("num_variables");
-  samples.labels = read_labels(reader, variables);
+  samples.labels = labels_from_json(reader, "variable_labels", variables);
   samples.values = read_rows(reader, rows, variables, samples.vartype);
-  const Reader vectors = reader.object("vectors");
+  const JsonReader vectors = reader.object("vectors");
   samples.energies = read_array(vectors, "energy", {rows}).numbers("data");
   samples.occurrences = read_array(vectors, "num_occurrences", {rows}).integers("data", 1, INT64_MAX / 2);
   samples.info = reader.at("info");

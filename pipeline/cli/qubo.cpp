@@ -12,6 +12,8 @@ namespace {
 
 struct Options {
   std::string model, problem, answer, out, rows, sampler = "block_gibbs", decode = "discard";
+  std::string answer_format = "dimod_json";
+  FileChoice in, to;
   std::vector<std::string> clamp;
   bool spin = false;
   std::size_t reads = 1000, sweeps = 1000;
@@ -20,28 +22,68 @@ struct Options {
 
 using Shared = std::shared_ptr<Options>;
 
+std::string format_names() {
+  std::string names;
+  for (const learning::FormatFacts& format : learning::problem_formats())
+    names += (names.empty() ? "" : ", ") + std::string(format.name);
+  return names;
+}
+
+/// Options of a file that is read.
+void add_input_options(CLI::App* command, const Shared& options) {
+  command->add_option("--from", options->in.format,
+                      "Format of the problem: " + format_names() + "; default: its sidecar's, or by extension");
+  command->add_option("--solver", options->in.solver, "Solver definition (JSON) of a problem in sapi format");
+  command->add_option("--vartype", options->in.vartype, "BINARY or SPIN, for coordinate text that does not say")
+      ->check(CLI::IsMember({"BINARY", "SPIN"}));
+}
+
+void print_export(const Globals& globals, const std::string& path, const Exported& exported) {
+  const Sidecar& sidecar = exported.sidecar;
+  Json json;
+  json["problem"] = path;
+  json["sidecar"] = learning::sidecar_path(path).string();
+  json["problem_hash"] = sidecar.problem_hash;
+  json["format"] = learning::facts(sidecar.format).name;
+  json["variables"] = Json(std::uint64_t(sidecar.labels.size()));
+  json["vartype"] = learning::vartype_name(sidecar.vartype);
+  json["notes"] = Json(exported.notes);
+  std::string text = path + ": " + std::to_string(sidecar.labels.size()) + " variables, " +
+                     learning::vartype_name(sidecar.vartype) + ", " + learning::facts(sidecar.format).about +
+                     "; sidecar " + learning::sidecar_path(path).string() + "\n";
+  for (const std::string& note : exported.notes) text += "note: " + note + "\n";
+  print_result(globals, json, text);
+}
+
 void add_export(CLI::App& qubo, const Shared& options, const Globals& globals) {
-  CLI::App* command =
-      qubo.add_subcommand("export", "Write a model's machine as a problem in dimod's JSON, with a sidecar");
+  CLI::App* command = qubo.add_subcommand("export", "Write a model's machine as an annealing problem, with a sidecar");
   command->add_option("--model", options->model, "Model file")->required();
   command->add_option("--out", options->out, "Problem file to write; the sidecar goes beside it")->required();
   command->add_option("--clamp", options->clamp,
                       "variable=number: take this variable out at its value; may be repeated");
+  command->add_option("--format", options->to.format,
+                      "Format: " + format_names() + "; default: by extension, .json being dimod_json");
   command->add_flag("--spin", options->spin, "Ising form (SPIN) instead of QUBO (BINARY)");
   command->footer("Example:\n  gonogo qubo export --model out/demo/model.h5 --out problem.json --clamp slope_along=12");
   command->callback([options, &globals] {
     const auto vartype = options->spin ? learning::Vartype::spin : learning::Vartype::binary;
-    const Sidecar sidecar = export_problem(options->model, options->out, parse_named_values(options->clamp), vartype);
-    Json json;
-    json["problem"] = options->out;
-    json["sidecar"] = sidecar_path(options->out).string();
-    json["problem_hash"] = sidecar.problem_hash;
-    json["variables"] = Json(std::uint64_t(sidecar.labels.size()));
-    json["vartype"] = learning::vartype_name(sidecar.vartype);
-    print_result(globals, json,
-                 options->out + ": " + std::to_string(sidecar.labels.size()) + " variables, " +
-                     learning::vartype_name(sidecar.vartype) + "; sidecar " + sidecar_path(options->out).string() +
-                     "\n");
+    print_export(
+        globals, options->out,
+        export_problem(options->model, options->out, parse_named_values(options->clamp), vartype, options->to));
+  });
+}
+
+void add_convert(CLI::App& qubo, const Shared& options, const Globals& globals) {
+  CLI::App* command = qubo.add_subcommand("convert", "Write a problem in another format, with a sidecar");
+  command->add_option("problem", options->problem, "Problem to read")->required();
+  add_input_options(command, options);
+  command->add_option("--to", options->to.format, "Format to write: " + format_names() + "; default: by extension");
+  command->add_option("--to-solver", options->to.solver, "Solver definition (JSON) to write sapi for");
+  command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->required();
+  command->footer("Example:\n  gonogo qubo convert problem.json --to qbsolv --out problem.qubo");
+  command->callback([options, &globals] {
+    print_export(globals, options->out,
+                 convert_problem(load_problem(options->problem, options->in), options->out, options->to));
   });
 }
 
@@ -69,6 +111,10 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
 
 std::string import_text(const Json& json) {
   char line[200];
+  if (!json.find("outcomes")) {
+    std::snprintf(line, sizeof line, "%.0f reads, energies verified\n", json.at("reads").number());
+    return line;
+  }
   std::snprintf(line, sizeof line, "%.0f reads, energies verified; %.1f %% hold code words only, %.0f repaired\n",
                 json.at("reads").number(), 100 * (1 - json.at("invalid_share").number()), json.at("repaired").number());
   std::string text = line;
@@ -91,7 +137,10 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
       qubo.add_subcommand("import", "Read an answer back: verify it, decode rows to variables and outcomes");
   command->add_option("--problem", options->problem, "Problem that was exported, with its sidecar beside it")
       ->required();
-  command->add_option("--answer", options->answer, "Answer in dimod's JSON (SampleSet)")->required();
+  command->add_option("--answer", options->answer, "Answer file")->required();
+  command->add_option("--answer-format", options->answer_format, "One of " + learning::answer_format_names())
+      ->capture_default_str();
+  add_input_options(command, options);
   command->add_option("--model", options->model, "Also check that the problem was exported from this model");
   command->add_option("--rows", options->rows, "Write the decoded rows as CSV");
   command->add_option("--decode", options->decode, "Rows that are no code word: discard, or repair where a rule exists")
@@ -99,9 +148,15 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
       ->capture_default_str();
   command->footer("Example:\n  gonogo qubo import --problem problem.json --answer answer.json --rows rows.csv");
   command->callback([options, &globals] {
-    const Json json =
-        import_answer(options->problem, options->answer, options->model, options->rows,
-                      options->decode == "repair" ? learning::DecodeRule::repair : learning::DecodeRule::discard);
+    ImportRequest request;
+    request.problem = options->problem;
+    request.answer = options->answer;
+    request.problem_file = options->in;
+    request.answer_format = options->answer_format;
+    request.model = options->model;
+    request.rows = options->rows;
+    if (options->decode == "repair") request.rule = learning::DecodeRule::repair;
+    const Json json = import_answer(request);
     print_result(globals, json, import_text(json));
   });
 }
@@ -109,7 +164,8 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
 }  // namespace
 
 void add_qubo_command(CLI::App& app, const Globals& globals) {
-  CLI::App* qubo = app.add_subcommand("qubo", "Annealing problems: export from a model, sample, import answers");
+  CLI::App* qubo =
+      app.add_subcommand("qubo", "Annealing problems: export from a model, convert, sample, import answers");
   qubo->require_subcommand(1);
   qubo->footer(
       "Example:\n  gonogo qubo export --model out/demo/model.h5 --out problem.json\n"
@@ -117,6 +173,7 @@ void add_qubo_command(CLI::App& app, const Globals& globals) {
       "  gonogo qubo import --problem problem.json --answer answer.json");
   const Shared options = std::make_shared<Options>();
   add_export(*qubo, options, globals);
+  add_convert(*qubo, options, globals);
   add_sample(*qubo, options, globals);
   add_import(*qubo, options, globals);
 }

@@ -10,9 +10,10 @@ namespace gonogo::pipeline {
 namespace {
 
 /// Column of the answer for each visible unit; -1 for units of clamped variables, which the problem does not hold.
-std::vector<std::ptrdiff_t> unit_columns(const Sidecar& sidecar) {
+std::vector<std::ptrdiff_t> unit_columns(const Sidecar& sidecar, const learning::SampleSet& answer) {
   std::map<std::string, std::ptrdiff_t> column;
-  for (std::size_t k = 0; k < sidecar.labels.size(); ++k) column[sidecar.labels[k]] = std::ptrdiff_t(k);
+  for (std::size_t k = 0; k < answer.labels.size(); ++k)
+    column[learning::label_text(answer.labels[k])] = std::ptrdiff_t(k);
   std::vector<std::ptrdiff_t> result;
   for (const std::string& label : sidecar.layout.unit_labels()) {
     const auto found = column.find(label);
@@ -35,7 +36,7 @@ std::vector<learning::Bit> clamped_row(const Sidecar& sidecar) {
 }  // namespace
 
 DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, learning::DecodeRule rule) {
-  const std::vector<std::ptrdiff_t> column = unit_columns(sidecar);
+  const std::vector<std::ptrdiff_t> column = unit_columns(sidecar, answer);
   std::vector<learning::Bit> row = clamped_row(sidecar);
   DecodedAnswer result;
   for (std::size_t r = 0; r < answer.row_count(); ++r) {

@@ -20,9 +20,9 @@ struct DecodedAnswer {
   double reads = 0, valid = 0, repaired = 0;  // counted with their occurrences
 };
 
-/// answer must have passed check_answer(): its columns are the sidecar's labels. Rows that are no code word throughout
-/// are left out under `discard`; `repair` keeps those that the rule gives a value (`repaired` counts them), which are
-/// then no longer samples of the machine's conditional distribution.
+/// answer must have passed check_answer(): its columns are the labels of the problem. Rows that are no code word
+/// throughout are left out under `discard`; `repair` keeps those that the rule gives a value (`repaired` counts them),
+/// which are then no longer samples of the machine's conditional distribution.
 DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, learning::DecodeRule rule);
 
 /// variable names, outcome, energy, occurrences; one line for each valid row.

@@ -14,14 +14,9 @@
 namespace gonogo::pipeline {
 namespace {
 
-constexpr const char* kFormat = "gonogo/sidecar/1";
-constexpr double kFree = std::numeric_limits<double>::quiet_NaN();
+namespace fs = std::filesystem;
 
-std::vector<std::string> label_texts(const learning::Problem& problem) {
-  std::vector<std::string> texts;
-  for (const learning::Label& label : problem.labels) texts.push_back(learning::label_text(label));
-  return texts;
-}
+constexpr double kFree = std::numeric_limits<double>::quiet_NaN();
 
 /// Values of the units of clamped variables, not-a-number for all others.
 std::vector<double> unit_values(const learning::Model& model, const std::map<std::string, double>& clamped) {
@@ -36,77 +31,109 @@ std::vector<double> unit_values(const learning::Model& model, const std::map<std
 }
 
 Json to_json(const Sidecar& sidecar) {
-  Json json, clamped = Json::object();
+  Json json = learning::to_json(static_cast<const learning::ProblemSidecar&>(sidecar));
+  if (!sidecar.of_model()) return json;
+  Json clamped = Json::object();
   for (const auto& [name, value] : sidecar.clamped) clamped[name] = value;
-  json["format"] = kFormat;
-  json["problem_hash"] = sidecar.problem_hash;
-  json["model_hash"] = sidecar.model_hash;
-  json["vartype"] = learning::vartype_name(sidecar.vartype);
-  json["offset"] = sidecar.offset;
-  json["scale"] = sidecar.scale;
-  json["beta"] = sidecar.beta;
-  json["labels"] = Json(sidecar.labels);
-  json["clamped"] = std::move(clamped);
-  json["layout"] = sidecar.layout.to_json();
+  Json& model = json["model"];
+  model["hash"] = sidecar.model_hash;
+  model["clamped"] = std::move(clamped);
+  model["layout"] = sidecar.layout.to_json();
   return json;
 }
 
-learning::Problem read_problem(const std::filesystem::path& path) {
-  return learning::problem_from_dimod_json(read_file(path), path.string());
+void read_model_part(const Config& config, const fs::path& path, Sidecar& sidecar) {
+  const Config model = config.object("model");
+  sidecar.model_hash = model.text("hash");
+  if (sidecar.model_hash.empty()) model.fail("hash", "is empty");
+  const Config clamped = model.object("clamped");
+  for (const auto& [name, value] : clamped.json().members()) sidecar.clamped[name] = clamped.number(name);
+  sidecar.layout = learning::VisibleLayout::from_json(model.object("layout").json(), path.string() + ": model.layout");
+  model.finish();
+}
+
+learning::ProblemFormat chosen_format(const fs::path& path, const FileChoice& choice) {
+  if (!choice.format.empty()) return learning::format_named(choice.format).format;
+  if (const auto format = learning::format_of_file(path.filename().string())) return *format;
+  throw InputError(path.string() + ": the extension names no format of problems; say which with --format");
+}
+
+/// Options with what they point to.
+struct OpenOptions {
+  std::optional<learning::SapiSolver> solver;
+  learning::FormatOptions options;
+};
+
+void open(const FileChoice& choice, OpenOptions& result) {
+  if (!choice.solver.empty()) {
+    result.solver = learning::solver_from_json(Json::read(choice.solver), choice.solver.string());
+    result.options.solver = &*result.solver;
+  }
+  if (!choice.vartype.empty())
+    result.options.vartype = choice.vartype == "SPIN" ? learning::Vartype::spin : learning::Vartype::binary;
+}
+
+/// Writes `problem`; `sidecar` brings model and embedding, the rest of it is set anew.
+Exported write(const learning::Problem& problem, Sidecar sidecar, const fs::path& path, const FileChoice& choice) {
+  OpenOptions opened;
+  open(choice, opened);
+  const auto format = chosen_format(path, choice);
+  const learning::WrittenProblem written = learning::write_problem(problem, format, opened.options);
+  learning::ProblemSidecar base = learning::sidecar_of(written, format);
+  base.scale = sidecar.scale;
+  base.beta = sidecar.beta;
+  base.gauge = sidecar.gauge;
+  base.embedding = sidecar.embedding;
+  static_cast<learning::ProblemSidecar&>(sidecar) = std::move(base);
+  write_file_atomically(path, written.text);
+  write_file_atomically(learning::sidecar_path(path), to_json(sidecar).dump(1) + "\n");
+  return {std::move(sidecar), written.notes};
 }
 
 }  // namespace
 
-std::filesystem::path sidecar_path(const std::filesystem::path& problem) {
-  std::filesystem::path path = problem;
-  return path.replace_extension(".sidecar.json");
-}
-
-Sidecar export_problem(const std::filesystem::path& model_file, const std::filesystem::path& problem_file,
-                       const std::map<std::string, double>& clamped, learning::Vartype vartype) {
+Exported export_problem(const fs::path& model_file, const fs::path& problem_file,
+                        const std::map<std::string, double>& clamped, learning::Vartype vartype,
+                        const FileChoice& choice) {
   const learning::Model model = learning::read_model(model_file);
   const learning::Problem whole = learning::to_qubo(model.weights, model.layout.unit_labels());
   const learning::Problem problem = learning::to_vartype(learning::clamp(whole, unit_values(model, clamped)), vartype);
   Sidecar sidecar;
-  sidecar.problem_hash = learning::problem_hash(problem);
   sidecar.model_hash = file_hash(model_file);
-  sidecar.vartype = vartype;
-  sidecar.offset = problem.offset;
-  sidecar.labels = label_texts(problem);
   sidecar.clamped = clamped;
   sidecar.layout = model.layout;
-  write_file_atomically(problem_file, learning::to_dimod_json(problem) + "\n");
-  write_file_atomically(sidecar_path(problem_file), to_json(sidecar).dump(1) + "\n");
-  return sidecar;
+  return write(problem, std::move(sidecar), problem_file, choice);
 }
 
-Sidecar read_sidecar(const std::filesystem::path& path, const learning::Problem& problem) {
+Sidecar read_sidecar(const fs::path& path) {
   const Config config = Config::read(path);
-  if (config.text("format") != kFormat) config.fail("format", std::string("expected \"") + kFormat + "\"");
   Sidecar sidecar;
-  sidecar.problem_hash = config.text("problem_hash");
-  sidecar.model_hash = config.text("model_hash");
-  sidecar.vartype =
-      config.choice("vartype", {"BINARY", "SPIN"}) == "SPIN" ? learning::Vartype::spin : learning::Vartype::binary;
-  sidecar.offset = config.number("offset");
-  sidecar.scale = config.number("scale", {.minimum = 1e-300});
-  sidecar.beta = config.number("beta", {.minimum = 1e-300});
-  sidecar.labels = config.texts("labels");
-  const Config clamped = config.object("clamped");
-  for (const auto& [name, value] : clamped.json().members()) sidecar.clamped[name] = clamped.number(name);
-  const std::string source = path.string() + ": layout";
-  sidecar.layout = learning::VisibleLayout::from_json(config.object("layout").json(), source);
+  static_cast<learning::ProblemSidecar&>(sidecar) = learning::sidecar_from_json(config);
+  if (config.has("model")) read_model_part(config, path, sidecar);
   config.finish();
-  if (sidecar.vartype != problem.vartype || sidecar.offset != problem.offset ||
-      sidecar.labels != label_texts(problem) || sidecar.problem_hash != learning::problem_hash(problem))
-    config.fail("problem_hash",
-                "this sidecar belongs to another problem; keep problem and sidecar together, unchanged");
   return sidecar;
 }
 
-Json sample_problem(const std::filesystem::path& problem_file, const std::filesystem::path& answer_file,
-                    const std::string& sampler_name, std::size_t reads, std::size_t sweeps, std::uint64_t seed) {
-  const learning::Problem problem = read_problem(problem_file);
+LoadedProblem load_problem(const fs::path& path, const FileChoice& choice) {
+  OpenOptions opened;
+  open(choice, opened);
+  LoadedProblem loaded;
+  const fs::path beside = learning::sidecar_path(path);
+  if (fs::exists(beside)) loaded.sidecar = read_sidecar(beside);
+  const bool by_sidecar = loaded.sidecar && choice.format.empty();
+  const auto format = by_sidecar ? loaded.sidecar->format : chosen_format(path, choice);
+  loaded.problem = learning::read_problem(read_file(path), format, opened.options, path.string());
+  if (loaded.sidecar) loaded.problem = learning::restore(loaded.problem, *loaded.sidecar, path.string());
+  return loaded;
+}
+
+Exported convert_problem(const LoadedProblem& loaded, const fs::path& path, const FileChoice& choice) {
+  return write(loaded.problem, loaded.sidecar.value_or(Sidecar{}), path, choice);
+}
+
+Json sample_problem(const fs::path& problem_file, const fs::path& answer_file, const std::string& sampler_name,
+                    std::size_t reads, std::size_t sweeps, std::uint64_t seed) {
+  const learning::Problem problem = load_problem(problem_file).problem;
   const auto sampler = learning::make_sampler(sampler_name);
   learning::SampleRequest request;
   request.reads = reads;
@@ -132,19 +159,30 @@ Json sample_problem(const std::filesystem::path& problem_file, const std::filesy
   return json;
 }
 
-Json import_answer(const std::filesystem::path& problem_file, const std::filesystem::path& answer_file,
-                   const std::filesystem::path& model_file, const std::filesystem::path& rows_file,
-                   learning::DecodeRule rule) {
-  const learning::Problem problem = read_problem(problem_file);
-  const Sidecar sidecar = read_sidecar(sidecar_path(problem_file), problem);
-  if (!model_file.empty() && file_hash(model_file) != sidecar.model_hash)
-    throw InputError(model_file.string() + ": the problem was exported from another model (hash " + sidecar.model_hash +
-                     "); give that one");
+Json import_answer(const ImportRequest& request) {
+  const LoadedProblem loaded = load_problem(request.problem, request.problem_file);
+  if (!loaded.sidecar)
+    throw InputError(learning::sidecar_path(request.problem).string() +
+                     ": no such file; an answer is imported with the sidecar that was written beside its problem");
+  const Sidecar& sidecar = *loaded.sidecar;
+  if (!request.model.empty() && file_hash(request.model) != sidecar.model_hash)
+    throw InputError(request.model.string() + ": the problem was exported from another model (hash " +
+                     sidecar.model_hash + "); give that one");
+  const std::string source = request.answer.string();
+  const auto format = learning::answer_format_named(request.answer_format);
   const learning::SampleSet answer = learning::check_answer(
-      problem, learning::samples_from_dimod_json(read_file(answer_file), answer_file.string()), answer_file.string());
-  const DecodedAnswer decoded = decode_answer(sidecar, answer, rule);
-  if (!rows_file.empty()) write_file_atomically(rows_file, rows_csv(sidecar, decoded));
-  Json json = summary_json(sidecar, decoded);
+      loaded.problem, learning::read_answer(read_file(request.answer), format, loaded.problem, source), source);
+  Json json = Json::object();
+  if (sidecar.of_model()) {
+    const DecodedAnswer decoded = decode_answer(sidecar, answer, request.rule);
+    if (!request.rows.empty()) write_file_atomically(request.rows, rows_csv(sidecar, decoded));
+    json = summary_json(sidecar, decoded);
+  } else {
+    double reads = 0;
+    for (std::int64_t count : answer.occurrences) reads += double(count);
+    json["reads"] = reads;
+    if (!request.rows.empty()) write_file_atomically(request.rows, learning::samples_csv(answer));
+  }
   json["problem_hash"] = sidecar.problem_hash;
   json["energies"] = "verified";
   return json;

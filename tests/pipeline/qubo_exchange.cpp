@@ -44,6 +44,13 @@ learning::Model write_small_model() {
   return model;
 }
 
+ImportRequest import_request() {
+  ImportRequest request;
+  request.problem = kProblem;
+  request.answer = kAnswer;
+  return request;
+}
+
 void replace_in_file(const fs::path& path, const std::string& from, const std::string& to) {
   std::string text = read_file(path);
   const auto at = text.find(from);
@@ -60,7 +67,8 @@ TEST_CASE("outcome frequencies of an imported answer are the machine's condition
   const std::map<std::string, double> clamped = {{"slope_along", 12}, {"friction_angle", 31}};
   export_problem(kModel, kProblem, clamped, vartype);
   sample_problem(kProblem, kAnswer, sampler, 60000, 60, 11);
-  const Json answer = import_answer(kProblem, kAnswer, kModel, kFolder / "rows.csv");
+  const Json answer = import_answer(
+      {.problem = kProblem, .answer = kAnswer, .problem_file = {}, .model = kModel, .rows = kFolder / "rows.csv"});
   const auto expected = learning::Posterior(model.layout, model.weights).marginal(to_variables(clamped)).probability;
   double worst = 0;
   for (std::size_t y = 0; y < expected.size(); ++y) {
@@ -80,11 +88,11 @@ TEST_CASE("outcome frequencies of an imported answer are the machine's condition
 
 TEST_CASE("the whole machine goes out with every unit and its energies intact") {
   const learning::Model model = write_small_model();
-  const Sidecar sidecar = export_problem(kModel, kProblem, {}, learning::Vartype::binary);
+  const Sidecar sidecar = export_problem(kModel, kProblem, {}, learning::Vartype::binary).sidecar;
   CHECK(sidecar.labels.size() == model.weights.visible_count + 5);
   const auto problem = learning::problem_from_dimod_json(read_file(kProblem), "problem");
   CHECK(problem == learning::to_qubo(model.weights, model.layout.unit_labels()));
-  CHECK(read_sidecar(sidecar_path(kProblem), problem).problem_hash == sidecar.problem_hash);
+  CHECK(read_sidecar(learning::sidecar_path(kProblem)).problem_hash == sidecar.problem_hash);
 }
 
 TEST_CASE("repair keeps rows whose thermometer codes have gaps and reports how many") {
@@ -95,9 +103,9 @@ TEST_CASE("repair keeps rows whose thermometer codes have gaps and reports how m
   model.sampled_lower = data.lower;
   model.sampled_upper = data.upper;
   learning::write_model(kModel, model);
-  const Sidecar sidecar = export_problem(kModel, kProblem, {}, learning::Vartype::binary);
+  const Sidecar sidecar = export_problem(kModel, kProblem, {}, learning::Vartype::binary).sidecar;
   learning::SampleSet answer;
-  for (const std::string& label : sidecar.labels) answer.labels.emplace_back(label);
+  answer.labels = sidecar.labels;
   answer.values.assign(3 * sidecar.labels.size(), 0);
   const std::size_t go = model.layout.input_unit_count(), width = sidecar.labels.size();
   answer.values[go] = answer.values[width + go] = 1;  // the last row has no outcome
@@ -105,10 +113,15 @@ TEST_CASE("repair keeps rows whose thermometer codes have gaps and reports how m
   answer.energies = {0, 0, 0};
   answer.occurrences = {2, 3, 4};
   write_file_atomically(kAnswer, learning::to_dimod_json(answer));
-  const Json strict = import_answer(kProblem, kAnswer, {}, {});
+  const Json strict = import_answer(import_request());
   CHECK(strict.at("valid").number() == 2);
   CHECK(strict.at("repaired").number() == 0);
-  const Json repaired = import_answer(kProblem, kAnswer, {}, {}, learning::DecodeRule::repair);
+  const Json repaired = import_answer({.problem = kProblem,
+                                       .answer = kAnswer,
+                                       .problem_file = {},
+                                       .model = {},
+                                       .rows = {},
+                                       .rule = learning::DecodeRule::repair});
   CHECK(repaired.at("valid").number() == 2);
   CHECK(repaired.at("repaired").number() == 3);
   CHECK(repaired.at("reads").number() == 9);
@@ -121,7 +134,7 @@ TEST_CASE("answers and sidecars of other problems are refused") {
   const learning::Model model = write_small_model();
   export_problem(kModel, kProblem, {}, learning::Vartype::binary);
   sample_problem(kProblem, kAnswer, "block_gibbs", 10, 5, 1);
-  const auto import = [] { import_answer(kProblem, kAnswer, {}, {}); };
+  const auto import = [] { import_answer(import_request()); };
   CHECK_NOTHROW(import());
   SECTION("clamped afterwards: other labels") {
     export_problem(kModel, kProblem, {{"slope_along", 12}}, learning::Vartype::binary);
@@ -141,16 +154,21 @@ TEST_CASE("answers and sidecars of other problems are refused") {
     refused(import, "sidecar");
   }
   SECTION("sidecar missing or damaged") {
-    replace_in_file(sidecar_path(kProblem), "\"beta\": 1.0", "\"beta\": -1.0");
+    replace_in_file(learning::sidecar_path(kProblem), "\"beta\": 1.0", "\"beta\": -1.0");
     refused(import, "beta");
-    fs::remove(sidecar_path(kProblem));
+    fs::remove(learning::sidecar_path(kProblem));
     refused(import, "sidecar");
   }
   SECTION("another model") {
     learning::Model other = model;
     other.weights.weight[3] += 0.5;
     learning::write_model(kFolder / "other.h5", other);
-    refused([] { import_answer(kProblem, kAnswer, kFolder / "other.h5", {}); }, "other.h5");
+    refused(
+        [] {
+          import_answer(
+              {.problem = kProblem, .answer = kAnswer, .problem_file = {}, .model = kFolder / "other.h5", .rows = {}});
+        },
+        "other.h5");
   }
   SECTION("cut off") {
     const std::string text = read_file(kAnswer);

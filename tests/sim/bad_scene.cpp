@@ -137,12 +137,15 @@ TEST_CASE("an overlapping start without a limit is pushed out no faster than the
   }
 }
 
-TEST_CASE("a world that cannot run takes nobody's place") {
+TEST_CASE("a world that cannot run or is too large takes nobody's place") {
   for (const Backend backend : backends()) {
     const auto one = simulate(backend, valid_world(), {}), other = simulate(backend, valid_world(), {});
     SceneWorld bad = valid_world();
     bad.body[1].position.x = kNan;
     CHECK(contains(input_error([&] { one->replace(0, bad); }), "body 1: its position"));
+    SceneWorld large = valid_world();
+    large.add_sphere({0, 0.5, 0.1}, 0.1f, 1000, 0);
+    CHECK(contains(input_error([&] { one->replace(0, large); }), "the new world has 4 bodies, place 0 holds 3"));
     one->advance(20);
     other->advance(20);
     for (BodyIndex b = 0; b < 3; ++b) CHECK(length(one->body(0, b).position - other->body(0, b).position) == 0);

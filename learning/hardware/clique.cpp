@@ -1,0 +1,116 @@
+#include <algorithm>
+
+#include "base/error.h"
+#include "learning/hardware/embedding.h"
+#include "learning/hardware/segments.h"
+
+namespace gonogo::learning {
+namespace {
+
+/// The two arms of a chain, each ordered from the crossing outwards in both directions.
+struct Cross {
+  std::vector<Qubit> arm[2];  // vertical, horizontal; end to end
+  Qubit joint[2] = {0, 0};    // the coupled qubits of the two arms
+};
+
+/// The longest cross of a vertical and a horizontal segment of line l; empty arms when no two of them are coupled.
+Cross widest_cross(const HardwareGraph& graph, const std::vector<const Segment*>& vertical,
+                   const std::vector<const Segment*>& horizontal) {
+  Cross best;
+  for (const Segment* v : vertical)
+    for (const Segment* h : horizontal) {
+      if (v->qubits.size() + h->qubits.size() <= best.arm[0].size() + best.arm[1].size()) continue;
+      for (Qubit a : v->qubits)
+        for (Qubit b : h->qubits)
+          if (graph.coupled(a, b)) best = {{v->qubits, h->qubits}, {a, b}};
+    }
+  return best;
+}
+
+std::vector<Cross> crosses(const HardwareGraph& graph) {
+  const std::vector<Segment> part[2] = {segments(graph, 0), segments(graph, 1)};
+  const std::size_t line_count = std::min(lines(graph.size(), 0).size(), lines(graph.size(), 1).size());
+  std::vector<std::vector<const Segment*>> by_line[2];
+  for (int u : {0, 1}) {
+    by_line[u].resize(std::max(lines(graph.size(), 0).size(), lines(graph.size(), 1).size()));
+    for (const Segment& s : part[u]) by_line[u][s.line].push_back(&s);
+  }
+  std::vector<Cross> result;
+  for (std::size_t l = 0; l < line_count; ++l) {
+    Cross cross = widest_cross(graph, by_line[0][l], by_line[1][l]);
+    if (!cross.arm[0].empty()) result.push_back(std::move(cross));
+  }
+  return result;
+}
+
+Chains chains_of(const std::vector<Cross>& crosses) {
+  Chains chains;
+  for (const Cross& cross : crosses) {
+    auto& chain = chains.emplace_back(cross.arm[0]);
+    chain.insert(chain.end(), cross.arm[1].begin(), cross.arm[1].end());
+    std::sort(chain.begin(), chain.end());
+  }
+  return chains;
+}
+
+VariablePairs all_pairs(std::size_t count) {
+  VariablePairs pairs;
+  for (std::uint32_t a = 0; a < count; ++a)
+    for (std::uint32_t b = a + 1; b < count; ++b) pairs.emplace_back(a, b);
+  return pairs;
+}
+
+/// Leaves out, one after the other, the cross that misses most others; among equals the last.
+void reduce(const HardwareGraph& graph, std::vector<Cross>& crosses, std::size_t wanted) {
+  while (crosses.size() > wanted) {
+    std::vector<std::size_t> missed(crosses.size(), 0);
+    for (const auto& [a, b] : uncoupled_pairs(graph, chains_of(crosses), all_pairs(crosses.size()))) {
+      ++missed[a];
+      ++missed[b];
+    }
+    std::size_t worst = crosses.size() - 1;
+    for (std::size_t k = crosses.size(); k-- > 0;)
+      if (missed[k] > missed[worst]) worst = k;
+    // without misses all of the surplus goes at once
+    if (missed[worst] == 0)
+      crosses.resize(wanted);
+    else
+      crosses.erase(crosses.begin() + std::ptrdiff_t(worst));
+  }
+}
+
+/// Takes qubits off one end of an arm while the pairs of chains keep a coupler.
+void trim_arm(ChainCouplers& couplers, std::vector<Qubit>& arm, Qubit joint, bool front) {
+  while (arm.size() > 1) {
+    const Qubit q = front ? arm.front() : arm.back();
+    if (q == joint || !couplers.can_spare(q)) return;
+    couplers.remove(q);
+    if (front)
+      arm.erase(arm.begin());
+    else
+      arm.pop_back();
+  }
+}
+
+}  // namespace
+
+Embedding embed_clique(const HardwareGraph& graph, std::size_t variables) {
+  std::vector<Cross> chosen = crosses(graph);
+  if (chosen.size() < variables)
+    throw InputError("graph " + graph.name() + ": " + std::to_string(variables) +
+                     " variables that are all coupled do not fit; at most " + std::to_string(chosen.size()) + " do");
+  reduce(graph, chosen, variables);
+  // Two lines cross twice. The vertical arm of the earlier with the horizontal arm of the later is the crossing that is
+  // kept where both exist: first the tops of the vertical arms and the right ends of the horizontal ones go.
+  ChainCouplers couplers(graph, chains_of(chosen));
+  for (Cross& cross : chosen) trim_arm(couplers, cross.arm[0], cross.joint[0], true);
+  for (Cross& cross : chosen) trim_arm(couplers, cross.arm[1], cross.joint[1], false);
+  for (Cross& cross : chosen) trim_arm(couplers, cross.arm[0], cross.joint[0], false);
+  for (Cross& cross : chosen) trim_arm(couplers, cross.arm[1], cross.joint[1], true);
+  Embedding embedding;
+  embedding.chains = chains_of(chosen);
+  embedding.uncoupled = uncoupled_pairs(graph, embedding.chains, all_pairs(variables));
+  return embedding;
+}
+
+}  // namespace gonogo::learning

@@ -1,0 +1,178 @@
+// Overlapping chains made disjoint by prices, after Cai, Macready and Roy, "A practical heuristic for finding graph
+// minors", arXiv:1406.2741: a variable's chain is torn out and laid anew along cheapest paths to its neighbours'
+// chains, where a qubit's price grows with the number of chains on it.
+#include <algorithm>
+#include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/dijkstra_shortest_paths.hpp>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/cancel.h"
+#include "base/error.h"
+#include "base/random.h"
+#include "learning/hardware/embedding.h"
+
+namespace gonogo::learning {
+namespace {
+
+using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, boost::no_property,
+                                    boost::property<boost::edge_weight_t, double>>;
+using Vertex = boost::graph_traits<Graph>::vertex_descriptor;
+
+constexpr double kHistoryStep = 0.5;
+constexpr double kUnreached = std::numeric_limits<double>::max();
+
+/// Cheapest ways from a chain: the cost of a qubit is what the qubits on the way to it, itself included, are worth.
+struct Ways {
+  std::vector<double> cost;
+  std::vector<Vertex> before;
+};
+
+class Embedder {
+ public:
+  Embedder(const HardwareGraph& graph, std::size_t variables, const VariablePairs& pairs, std::uint64_t seed)
+      : hardware_(graph),
+        graph_(graph.chip_size()),
+        use_(graph.chip_size(), 0),
+        history_(graph.chip_size(), 1.0),
+        chains_(variables),
+        wanted_(variables),
+        seed_(seed) {
+    for (const auto& [a, b] : graph.couplers()) {
+      boost::add_edge(a, b, 1.0, graph_);
+      boost::add_edge(b, a, 1.0, graph_);
+    }
+    for (const auto& [a, b] : pairs) {
+      wanted_[a].push_back(b);
+      wanted_[b].push_back(a);
+    }
+  }
+
+  /// Lays every variable anew, in an order of its own for each round; prices rise with `base`.
+  void round(std::uint64_t number, double base) {
+    base_ = base;
+    std::vector<std::uint32_t> order(chains_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random_bits(seed_, number, k) % k]);
+    for (std::uint32_t v : order) {
+      stop_if_cancelled();
+      take_out(v);
+      lay(v);
+    }
+    for (std::size_t q = 0; q < use_.size(); ++q)
+      if (use_[q] > 1) history_[q] += kHistoryStep;
+  }
+  std::size_t most_used() const { return std::size_t(*std::max_element(use_.begin(), use_.end())); }
+  std::size_t length() const {
+    std::size_t sum = 0;
+    for (const auto& chain : chains_) sum += chain.size();
+    return sum;
+  }
+  const Chains& chains() const { return chains_; }
+
+ private:
+  double price(Qubit q) const { return history_[q] * std::pow(base_, use_[q]); }
+
+  void take_out(std::uint32_t v) {
+    for (Qubit q : chains_[v]) --use_[q];
+    chains_[v].clear();
+  }
+
+  Ways ways_from(const std::vector<Qubit>& chain) {
+    const auto weight = boost::get(boost::edge_weight, graph_);
+    for (auto [edge, end] = boost::edges(graph_); edge != end; ++edge)
+      boost::put(weight, *edge, price(Qubit(boost::target(*edge, graph_))));
+    Ways ways{std::vector<double>(use_.size(), kUnreached), std::vector<Vertex>(use_.size())};
+    std::iota(ways.before.begin(), ways.before.end(), Vertex(0));
+    boost::dijkstra_shortest_paths(graph_, chain.begin(), chain.end(), ways.before.data(), ways.cost.data(), weight,
+                                   boost::get(boost::vertex_index, graph_), std::less<double>(), std::plus<double>(),
+                                   kUnreached, 0.0, boost::default_dijkstra_visitor());
+    return ways;
+  }
+
+  Qubit cheapest_free(std::uint32_t v) const {
+    const auto& qubits = hardware_.qubits();
+    const std::size_t start = random_bits(seed_, 1'000'000 + v, 0) % qubits.size();
+    Qubit best = qubits[start];
+    for (std::size_t k = 0; k < qubits.size(); ++k) {
+      const Qubit q = qubits[(start + k) % qubits.size()];
+      if (use_[q] < use_[best]) best = q;
+    }
+    return best;
+  }
+
+  void lay(std::uint32_t v) {
+    std::vector<Ways> ways;
+    for (std::uint32_t neighbour : wanted_[v])
+      if (!chains_[neighbour].empty()) ways.push_back(ways_from(chains_[neighbour]));
+    std::vector<Qubit> chain;
+    if (ways.empty()) {
+      chain.push_back(cheapest_free(v));
+    } else {
+      const Qubit root = cheapest_root(ways);
+      chain.push_back(root);
+      for (const Ways& way : ways)  // from the root back to, not including, the neighbour's chain
+        for (Vertex q = root; way.before[q] != q; q = way.before[q]) chain.push_back(Qubit(q));
+    }
+    std::sort(chain.begin(), chain.end());
+    chain.erase(std::unique(chain.begin(), chain.end()), chain.end());
+    for (Qubit q : chain) ++use_[q];
+    chains_[v] = std::move(chain);
+  }
+
+  /// Least sum of the ways' costs; the root's own price, in every one of them, counts once.
+  Qubit cheapest_root(const std::vector<Ways>& ways) const {
+    Qubit best = hardware_.qubits().front();
+    double least = kUnreached;
+    for (Qubit q : hardware_.qubits()) {
+      double sum = price(q);
+      for (const Ways& way : ways) {
+        if (way.cost[q] == kUnreached) sum = kUnreached;
+        if (sum == kUnreached) break;
+        // on a neighbour's own chain: the price of the qubit that would be shared
+        sum += way.before[q] == q ? price(q) * base_ : way.cost[q] - price(q);
+      }
+      if (sum < least) least = sum, best = q;
+    }
+    if (least == kUnreached)
+      throw InputError("graph " + hardware_.name() + ": falls into parts that are not connected");
+    return best;
+  }
+
+  const HardwareGraph& hardware_;
+  Graph graph_;
+  std::vector<int> use_;         // chains on each qubit
+  std::vector<double> history_;  // grows with every round in which a qubit is on several chains
+  Chains chains_;
+  std::vector<std::vector<std::uint32_t>> wanted_;
+  std::uint64_t seed_;
+  double base_ = 2;
+};
+
+}  // namespace
+
+Embedding embed_heuristic(const HardwareGraph& graph, std::size_t variables, const VariablePairs& pairs,
+                          const HeuristicSettings& settings) {
+  if (graph.qubits().size() < variables)
+    throw InputError("graph " + graph.name() + ": " + std::to_string(variables) + " variables need as many qubits, " +
+                     std::to_string(graph.qubits().size()) + " work");
+  for (std::size_t attempt = 0; attempt < settings.tries; ++attempt) {
+    Embedder embedder(graph, variables, pairs, random_bits(settings.seed, 0, attempt));
+    Chains best;
+    std::size_t shortest = SIZE_MAX;
+    for (std::size_t round = 0; round < settings.rounds; ++round) {
+      embedder.round(round, std::min(2.0 + 0.5 * double(round), 8.0));
+      if (variables > 0 && embedder.most_used() > 1) continue;
+      if (embedder.length() >= shortest) break;  // no overlaps, and no shorter than before
+      shortest = embedder.length();
+      best = embedder.chains();
+    }
+    if (shortest == SIZE_MAX) continue;
+    return {best, uncoupled_pairs(graph, best, pairs)};
+  }
+  throw InputError("graph " + graph.name() + ": no embedding found in " + std::to_string(settings.tries) +
+                   " tries; use a larger graph or fewer couplings");
+}
+
+}  // namespace gonogo::learning

@@ -1,0 +1,36 @@
+// Coefficients as text formats list them, (i, j, value) with i = j for linear terms, and problems made of them.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "learning/qubo/problem.h"
+
+namespace gonogo::learning {
+
+inline constexpr std::int64_t kLargestId = INT32_MAX;
+inline constexpr std::int64_t kMostVariables = 10'000'000;  // of formats that declare a count without listing variables
+
+struct Entry {
+  std::int64_t i = 0, j = 0;
+  double value = 0;
+};
+
+enum class Repeats { add, refuse };
+
+/// Variables are the ids in `ids` and in `entries`, labelled by their number, ascending. A pair may be given in either
+/// order. Throws InputError for repeats where they are refused.
+Problem problem_from_entries(Vartype vartype, std::vector<std::int64_t> ids, const std::vector<Entry>& entries,
+                             Repeats repeats, const std::string& source);
+
+/// The number that stands for each variable in formats without labels: the label itself when all labels are different
+/// whole numbers from 0 to kLargestId, otherwise the position.
+std::vector<std::int64_t> file_ids(const Problem& problem);
+
+/// Couplings as (smaller id, larger id, value), sorted.
+std::vector<Entry> coupling_entries(const Problem& problem, const std::vector<std::int64_t>& ids);
+
+/// Positions of the variables by ascending id.
+std::vector<std::size_t> by_id(const std::vector<std::int64_t>& ids);
+
+}  // namespace gonogo::learning

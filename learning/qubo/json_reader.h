@@ -1,0 +1,90 @@
+// Members of JSON objects that other programs wrote, read strictly: messages name the file and the place in it. Unlike
+// Config, keys nobody asks for are allowed, because writers add their own.
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "base/json/json.h"
+
+namespace gonogo::learning {
+
+/// Reads members of one JSON object with messages that name the file and the place.
+class JsonReader {
+ public:
+  JsonReader(const Json& json, std::string source, std::string where)
+      : json_(json), source_(std::move(source)), where_(std::move(where)) {
+    if (!json_.is_object()) fail("", "expected an object { }, found " + json_.type_name());
+  }
+
+  [[noreturn]] void fail(const std::string& key, const std::string& message) const {
+    const std::string place = where_ + (where_.empty() || key.empty() ? "" : ".") + key;
+    throw InputError(source_ + ": " + (place.empty() ? "" : place + ": ") + message);
+  }
+  const Json* find(const std::string& key) const { return json_.find(key); }
+  const Json& at(const std::string& key) const {
+    if (const Json* value = json_.find(key)) return *value;
+    fail(key, "missing");
+  }
+  JsonReader object(const std::string& key) const {
+    return JsonReader(at(key), source_, where_ + (where_.empty() ? "" : ".") + key);
+  }
+  /// The k-th entry of a list of objects.
+  JsonReader item(const std::string& key, std::size_t k) const {
+    return JsonReader(list(key).at(k), source_,
+                      where_ + (where_.empty() ? "" : ".") + key + "[" + std::to_string(k) + "]");
+  }
+  std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high) const {
+    return as_integer(at(key), key, low, high);
+  }
+  const Json::Array& list(const std::string& key) const {
+    if (!at(key).is_array()) fail(key, "expected a list, found " + at(key).type_name());
+    return at(key).items();
+  }
+  std::string text(const std::string& key) const {
+    if (!at(key).is_string()) fail(key, "expected text, found " + at(key).type_name());
+    return at(key).string();
+  }
+  double number(const std::string& key) const { return as_number(at(key), key); }
+  std::size_t count(const std::string& key) const { return std::size_t(as_integer(at(key), key, 0, INT32_MAX)); }
+  std::vector<double> numbers(const std::string& key) const {
+    std::vector<double> result;
+    for (const Json& item : list(key)) result.push_back(as_number(item, key));
+    return result;
+  }
+  std::vector<std::int64_t> integers(const std::string& key, std::int64_t low, std::int64_t high) const {
+    std::vector<std::int64_t> result;
+    for (const Json& item : list(key)) result.push_back(as_integer(item, key, low, high));
+    return result;
+  }
+  std::int64_t as_integer(const Json& item, const std::string& key, std::int64_t low, std::int64_t high) const {
+    if (!item.is_integer() || item.number() < double(low) || item.number() > double(high))
+      fail(key, "expected whole numbers between " + std::to_string(low) + " and " + std::to_string(high) + ", found " +
+                    item.dump());
+    return item.integer();
+  }
+  void expect_text(const std::string& key, const std::string& wanted) const {
+    if (text(key) != wanted) fail(key, "expected \"" + wanted + "\", found \"" + text(key) + "\"");
+  }
+  void expect_size(const std::string& key, std::size_t found, std::size_t wanted) const {
+    if (found != wanted) fail(key, std::to_string(found) + " entries where " + std::to_string(wanted) + " belong");
+  }
+  /// Lists of numbers only: bytes depend on the writer's numpy and are not read.
+  void expect_no_bytes() const {
+    const Json* bytes = find("use_bytes");
+    if (!bytes || !bytes->is_bool() || bytes->boolean())
+      fail("use_bytes", "expected false; write the file with use_bytes=False");
+  }
+
+ private:
+  double as_number(const Json& item, const std::string& key) const {
+    if (!item.is_number() || !std::isfinite(item.number())) fail(key, "expected finite numbers, found " + item.dump());
+    return item.number();
+  }
+  const Json& json_;
+  std::string source_, where_;
+};
+
+}  // namespace gonogo::learning

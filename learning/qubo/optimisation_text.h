@@ -1,0 +1,26 @@
+// "n m" and m lines "i j w", numbered from 1: one syntax, three meanings.
+//
+//   MQLib      maximise   sum_i w_ii x_i + 2 sum_(i<j) w_ij x_i x_j   x in {0, 1}   (github.com/MQLib/MQLib)
+//   Biq Mac    minimise   sum_i w_ii x_i + 2 sum_(i<j) w_ij x_i x_j   x in {0, 1}   (biqmac.aau.at: Q is symmetric)
+//   rudy       maximise   sum_(cut edges ij) w_ij, a maximum cut                     (G-set, BiqMac library .mc)
+//
+// As energies to be minimised: MQLib E = -objective, so linear -w_ii, coupling -2 w_ij; Biq Mac linear w_ii, coupling
+// 2 w_ij; rudy J_ij = w_ij with spins on the two sides of the cut, E = W - 2 cut with W the sum of all weights.
+#pragma once
+#include <string>
+
+#include "learning/qubo/problem.h"
+
+namespace gonogo::learning {
+
+enum class OptimisationDialect { mqlib, biq_mac, rudy };
+
+/// Variable k of the problem is number k + 1. mqlib and biq_mac need {0, 1}, rudy {-1, +1} without linear biases.
+/// Zero coefficients are left out; the offset has no place.
+std::string to_optimisation_text(const Problem& problem, OptimisationDialect dialect);
+
+/// Labels are the numbers less one. Strict: declared counts must match, numbers be in range, each pair given once in
+/// either order; lines starting with # are comments (rudy has none).
+Problem problem_from_optimisation_text(const std::string& text, OptimisationDialect dialect, const std::string& source);
+
+}  // namespace gonogo::learning
