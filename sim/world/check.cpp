@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <type_traits>
 
 #include "base/error.h"
 
@@ -29,26 +30,39 @@ void require(bool good, const std::string& sentence) {
   if (!good) throw InputError(sentence);
 }
 
-template <class V>
-void require_finite(const V& v, const std::string& what) {
-  require(is_finite(v), what + " is " + text_of(v) + "; it must be finite");
+/// `sentence` is called when it is needed: worlds have many bodies, and making a sentence takes longer than checking
+/// one.
+template <class Sentence>
+requires std::is_invocable_v<Sentence>
+void require(bool good, const Sentence& sentence) {
+  if (!good) throw InputError(sentence());
+}
+
+template <class V, class Name>
+void require_finite(const V& v, const Name& name) {
+  require(is_finite(v), [&] { return name() + " is " + text_of(v) + "; it must be finite"; });
 }
 
 bool at_least_zero(const Vec3& v) { return v.x >= 0 && v.y >= 0 && v.z >= 0 && is_finite(v); }
 
-void check_body(const BodyState& s, const BodyMass& m, const std::string& what) {
-  require(at_least_zero(m.inverse_mass), what + " has the inverse mass " + text_of(m.inverse_mass) +
-                                             " 1/kg; masses must be above zero, and an inverse of 0 means fixed");
-  require(at_least_zero(m.inverse_inertia_B),
-          what + " has the inverse moments of inertia " + text_of(m.inverse_inertia_B) +
-              " 1/(kg m^2); moments must be above zero, and an inverse of 0 means that it does not turn");
-  require_finite(s.position, what + ": its position");
-  require_finite(s.velocity, what + ": its velocity");
-  require_finite(s.angular_velocity, what + ": its angular velocity");
+template <class Name>
+void check_body(const BodyState& s, const BodyMass& m, const Name& name) {
+  require(at_least_zero(m.inverse_mass), [&] {
+    return name() + " has the inverse mass " + text_of(m.inverse_mass) +
+           " 1/kg; masses must be above zero, and an inverse of 0 means fixed";
+  });
+  require(at_least_zero(m.inverse_inertia_B), [&] {
+    return name() + " has the inverse moments of inertia " + text_of(m.inverse_inertia_B) +
+           " 1/(kg m^2); moments must be above zero, and an inverse of 0 means that it does not turn";
+  });
+  require_finite(s.position, [&] { return name() + ": its position"; });
+  require_finite(s.velocity, [&] { return name() + ": its velocity"; });
+  require_finite(s.angular_velocity, [&] { return name() + ": its angular velocity"; });
   const Quat& q = s.orientation;
   const double norm = double(q.w) * q.w + double(q.x) * q.x + double(q.y) * q.y + double(q.z) * q.z;
-  require(std::fabs(norm - 1) < 1e-3,
-          what + ": the square of its orientation is " + number(norm) + ", it must be a unit quaternion");
+  require(std::fabs(norm - 1) < 1e-3, [&] {
+    return name() + ": the square of its orientation is " + number(norm) + ", it must be a unit quaternion";
+  });
 }
 
 void check_law(const PairLaw& law, const std::string& what) {
@@ -68,10 +82,10 @@ void check_bodies(const SceneWorld& world, std::size_t w) {
   require(world.mass.size() == world.body.size(), place + "has " + std::to_string(world.body.size()) + " bodies and " +
                                                       std::to_string(world.mass.size()) +
                                                       " masses; give every body one, by add_body");
-  require_finite(world.gravity, place + "gravity");
-  require_finite(world.origin, place + "the corner of the domain");
+  require_finite(world.gravity, [&] { return place + "gravity"; });
+  require_finite(world.origin, [&] { return place + "the corner of the domain"; });
   for (std::size_t b = 0; b < world.body.size(); ++b)
-    check_body(world.body[b], world.mass[b], place + "body " + std::to_string(b));
+    check_body(world.body[b], world.mass[b], [&] { return place + "body " + std::to_string(b); });
   for (int a = 0; a < kMaxMaterials; ++a)
     for (int b = 0; b < kMaxMaterials; ++b)
       check_law(world.law[a][b], place + "materials " + std::to_string(a) + " and " + std::to_string(b) + ": ");
