@@ -5,6 +5,7 @@
 
 #include "pipeline/cli/command.h"
 #include "pipeline/learn/named_values.h"
+#include "pipeline/learn/qubo_embed.h"
 #include "pipeline/learn/qubo_exchange.h"
 
 namespace gonogo::pipeline::cli {
@@ -14,6 +15,12 @@ struct Options {
   std::string model, problem, answer, out, rows, sampler = "block_gibbs", decode = "discard";
   std::string answer_format = "dimod_json";
   FileChoice in, to;
+  learning::SamplerSettings sampling;
+  DeviceChoice device;
+  EmbedRequest embed;
+  double chain_strength = 0;
+  std::uint64_t gauge = 0;
+  std::string chains = "weighted_random";
   std::vector<std::string> clamp;
   bool spin = false;
   std::size_t reads = 1000, sweeps = 1000;
@@ -87,12 +94,80 @@ void add_convert(CLI::App& qubo, const Shared& options, const Globals& globals) 
   });
 }
 
+void add_sampler_options(CLI::App* command, const Shared& options) {
+  learning::SamplerSettings& settings = options->sampling;
+  command->add_option("--beta-start", settings.beta_start, "anneal, tempering: first inverse temperature")
+      ->capture_default_str();
+  command->add_option("--beta", settings.beta_end, "anneal, tempering, population: rows follow exp(-beta E)")
+      ->capture_default_str();
+  command->add_option("--replicas", settings.replicas, "tempering: temperatures")->capture_default_str();
+  command->add_option("--temperatures", settings.temperatures, "population: steps")->capture_default_str();
+  command->add_option("--folder", settings.folder, "file: where problems are put and answers are found");
+  command->add_option("--time-limit", settings.time_limit_s, "command: seconds")->capture_default_str();
+  command
+      ->add_option("--command", settings.command,
+                   "command: program and arguments, no shell; {problem}, {answer}, {reads} and {seed} are filled in")
+      ->expected(1, 100);
+  command->add_option("--temperature", options->device.temperature, "emulator: effective temperature")
+      ->capture_default_str();
+  command->add_option("--dead-share", options->device.graph.dead_share, "emulator: share of dead qubits")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command->add_option("--dead-seed", options->device.graph.dead_seed, "emulator: which ones; also the device's serial")
+      ->capture_default_str();
+}
+
+void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
+  CLI::App* command = qubo.add_subcommand("embed", "Lay a problem onto the qubits of a machine");
+  EmbedRequest& embed = options->embed;
+  command->add_option("problem", options->problem, "Problem to read")->required();
+  add_input_options(command, options);
+  command->add_option("--graph", embed.graph.name, "chimera:M, chimera:MxN, pegasus:M or zephyr:M")
+      ->capture_default_str();
+  command->add_option("--on-solver", embed.graph.solver, "Solver definition (JSON) with its working graph instead");
+  command->add_option("--dead-share", embed.graph.dead_share, "Share of dead qubits of --graph")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command->add_option("--dead-seed", embed.graph.dead_seed, "Which ones")->capture_default_str();
+  command->add_option("--method", embed.method, "auto, biclique, clique or heuristic")->capture_default_str();
+  CLI::Option* strength = command->add_option("--chain-strength", options->chain_strength,
+                                              "Default: torque compensation, 1.414 rms(J) sqrt(mean degree)");
+  CLI::Option* gauge = command->add_option("--gauge", options->gauge, "Seed of a random gauge; default: none");
+  command->add_flag("--auto-scale", embed.auto_scale, "Scale to the full range; the sidecar keeps the factor");
+  command->add_option("--seed", embed.seed, "Seed of the heuristic")->capture_default_str();
+  command->add_option("--to", options->to.format, "Format to write: " + format_names() + "; default: by extension");
+  command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->required();
+  command->footer("Example:\n  gonogo qubo embed problem.json --graph pegasus:16 --out qubits.json");
+  command->callback([options, strength, gauge, &globals] {
+    EmbedRequest request = options->embed;
+    request.problem = options->problem;
+    request.out = options->out;
+    request.from = options->in;
+    request.to = options->to;
+    request.to.solver = request.graph.solver;
+    if (strength->count() > 0) request.chain_strength = options->chain_strength;
+    if (gauge->count() > 0) request.gauge = options->gauge;
+    const EmbedResult result = embed_problem_file(request);
+    char text[200];
+    std::snprintf(text, sizeof text, "%zu variables on %zu qubits, longest chain %zu, chain strength %.6g, scale %.6g",
+                  result.variables, result.qubits, result.longest_chain, result.chain_strength, result.scale);
+    Exported exported = result.exported;
+    exported.notes.insert(exported.notes.begin(), text);
+    print_export(globals, options->out, exported);
+  });
+}
+
 void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("sample", "Draw rows of a problem from P(x) proportional to exp(-E(x))");
   command->add_option("problem", options->problem, "Problem in dimod's JSON")->required();
-  command->add_option("--sampler", options->sampler, "block_gibbs or exact")->capture_default_str();
+  command
+      ->add_option("--sampler", options->sampler,
+                   "block_gibbs, anneal, tempering, population, exact, file, command or emulator (a D-Wave 2X)")
+      ->capture_default_str();
+  add_input_options(command, options);
+  add_sampler_options(command, options);
   command->add_option("--reads", options->reads, "Rows")->check(CLI::Range(1, 100000000))->capture_default_str();
-  command->add_option("--sweeps", options->sweeps, "Sweeps of every chain of block_gibbs")
+  command->add_option("--sweeps", options->sweeps, "Sweeps of every chain")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed")->capture_default_str();
@@ -100,8 +175,12 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
   command->footer(
       "Example:\n  gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json");
   command->callback([options, &globals] {
-    const Json json = sample_problem(options->problem, options->out, options->sampler, options->reads, options->sweeps,
-                                     options->seed);
+    const auto sampler = make_any_sampler(options->sampler, options->sampling, options->device);
+    learning::SampleRequest request;
+    request.reads = options->reads;
+    request.sweeps = options->sweeps;
+    request.seed = options->seed;
+    const Json json = sample_problem(options->problem, options->out, *sampler, request, options->in);
     char text[200];
     std::snprintf(text, sizeof text, ": %zu rows, mean energy %.6g, lowest %.6g\n", options->reads,
                   json.at("energy_mean").number(), json.at("energy_lowest").number());
@@ -141,6 +220,11 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
   command->add_option("--answer-format", options->answer_format, "One of " + learning::answer_format_names())
       ->capture_default_str();
   add_input_options(command, options);
+  command
+      ->add_option("--chains", options->chains,
+                   "Broken chains of an embedded problem: weighted_random, majority_vote, discard or minimize_energy")
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of weighted_random")->capture_default_str();
   command->add_option("--model", options->model, "Also check that the problem was exported from this model");
   command->add_option("--rows", options->rows, "Write the decoded rows as CSV");
   command->add_option("--decode", options->decode, "Rows that are no code word: discard, or repair where a rule exists")
@@ -155,6 +239,8 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
     request.answer_format = options->answer_format;
     request.model = options->model;
     request.rows = options->rows;
+    request.chains = options->chains;
+    request.seed = options->seed;
     if (options->decode == "repair") request.rule = learning::DecodeRule::repair;
     const Json json = import_answer(request);
     print_result(globals, json, import_text(json));
@@ -174,6 +260,7 @@ void add_qubo_command(CLI::App& app, const Globals& globals) {
   const Shared options = std::make_shared<Options>();
   add_export(*qubo, options, globals);
   add_convert(*qubo, options, globals);
+  add_embed(*qubo, options, globals);
   add_sample(*qubo, options, globals);
   add_import(*qubo, options, globals);
 }
