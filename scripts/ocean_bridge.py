@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Samples an exported problem with a sampler of D-Wave's Ocean and writes the answer.
+r"""Samples an exported problem with a sampler of D-Wave's Ocean and writes the answer.
 
-    gonogo qubo sample p.json --sampler command --reads 100 --out answer.json --command \
+    gonogo qubo sample p.json --sampler command --reads 100 --out answer.json -- \
         python3 scripts/ocean_bridge.py {problem} {answer} --reads {reads} --seed {seed} --sampler annealer
 
 problem: dimod's JSON or binary file; answer: dimod's SampleSet as JSON. Samplers: qpu (the machine that the user's D-Wave

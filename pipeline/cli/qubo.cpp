@@ -104,10 +104,9 @@ void add_sampler_options(CLI::App* command, const Shared& options) {
   command->add_option("--temperatures", settings.temperatures, "population: steps")->capture_default_str();
   command->add_option("--folder", settings.folder, "file: where problems are put and answers are found");
   command->add_option("--time-limit", settings.time_limit_s, "command: seconds")->capture_default_str();
-  command
-      ->add_option("--command", settings.command,
-                   "command: program and arguments, no shell; {problem}, {answer}, {reads} and {seed} are filled in")
-      ->expected(1, 100);
+  command->add_option("program", settings.command,
+                      "command: after --, program and arguments, no shell; {problem}, {answer}, {reads}, {seed} are "
+                      "filled in");
   command->add_option("--temperature", options->device.temperature, "emulator: effective temperature")
       ->capture_default_str();
   command->add_option("--dead-share", options->device.graph.dead_share, "emulator: share of dead qubits")
@@ -173,7 +172,9 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
   command->add_option("--seed", options->seed, "Seed")->capture_default_str();
   command->add_option("--out", options->out, "Answer file to write")->required();
   command->footer(
-      "Example:\n  gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json");
+      "Example:\n  gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json\n"
+      "  gonogo qubo sample problem.json --sampler command --out answer.json -- \\\n"
+      "      python3 scripts/ocean_bridge.py {problem} {answer} --reads {reads} --sampler annealer");
   command->callback([options, &globals] {
     const auto sampler = make_any_sampler(options->sampler, options->sampling, options->device);
     learning::SampleRequest request;

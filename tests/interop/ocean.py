@@ -62,7 +62,7 @@ def random_problem(vartype, count, label):
 
 def problem_files():
     for vartype in ("BINARY", "SPIN"):
-        bqm = random_problem(vartype, 12, lambda i: "v%d" % i)
+        bqm = random_problem(vartype, 12, lambda i: "v%02d" % i)  # dimod sorts labels in its JSON
         write("given.bqm", bqm.to_file().read())
         gonogo("qubo", "convert", "given.bqm", "--out", "back.bqm")
         check(read("back.bqm") == read("given.bqm"), "DIMODBQM version 2 has dimod's bytes")
@@ -149,7 +149,7 @@ def bridge():
                "--reads={reads}", "--seed={seed}"]
     for sampler in ("annealer", "tree"):
         gonogo("qubo", "sample", "bridge.bqm", "--sampler", "command", "--reads", "50", "--out", "bridged.json",
-               "--command", *command, "--sampler=" + sampler)
+               "--", *command, "--sampler", sampler)
         rows = dimod.SampleSet.from_serializable(json.loads(read("bridged.json")))
         check(len(rows) == 50 and rows.info["ocean_sampler"] == sampler, "dwave-samplers solves our problem: " + sampler)
 
