@@ -9,6 +9,7 @@
 #include "sim/broad_phase/bins.h"
 #include "sim/broad_phase/layout.h"
 #include "sim/contact/check.h"
+#include "sim/device.h"
 #include "sim/element/prepare.h"
 #include "sim/joint/check.h"
 #include "sim/shape/check.h"
@@ -156,12 +157,7 @@ FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& set
 }
 
 void require_backend(Backend backend) {
-  if (backend == Backend::cpu) return;
-#ifdef GONOGO_WITH_CUDA
-  require_cuda_device();
-#else
-  throw InputError("this program was built without CUDA; build the cuda-release preset or ask for the cpu backend");
-#endif
+  if (backend == Backend::cuda) require_cuda_device();
 }
 
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,

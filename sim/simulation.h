@@ -137,7 +137,6 @@ FlatWorld flatten(const SceneWorld& world, WorldIndex w, const StepSettings& set
 
 std::unique_ptr<Simulation> make_cpu_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
                                                 const WorldSize& room, int threads);
-void require_cuda_device();
 std::unique_ptr<Simulation> make_cuda_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
                                                  const WorldSize& room);
 

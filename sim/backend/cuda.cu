@@ -88,15 +88,6 @@ class StepQueue<Cuda> {
 
 template class SimulationOn<Cuda>;
 
-void require_cuda_device() {
-  int devices = 0;
-  const cudaError_t status = cudaGetDeviceCount(&devices);
-  if (status != cudaSuccess || devices == 0)
-    throw InputError(std::string("no CUDA device answers on this machine (") +
-                     (status != cudaSuccess ? cudaGetErrorString(status) : "there is none") +
-                     "); ask for the cpu backend");
-}
-
 std::unique_ptr<Simulation> make_cuda_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
                                                  const WorldSize& room) {
   return std::make_unique<SimulationOn<Cuda>>(Cuda{}, std::move(worlds), settings, room);

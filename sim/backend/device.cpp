@@ -20,6 +20,19 @@ std::vector<std::string> cuda_device_names() {
   return names;
 }
 
+void require_cuda_device() {
+#ifdef GONOGO_WITH_CUDA
+  int count = 0;
+  const cudaError_t status = cudaGetDeviceCount(&count);
+  if (status == cudaSuccess && count > 0) return;
+  throw InputError(std::string("no CUDA device answers on this machine (") +
+                   (status != cudaSuccess ? cudaGetErrorString(status) : "there is none") +
+                   "); ask for the cpu backend");
+#else
+  throw InputError("this program was built without CUDA; build the cuda-release preset or ask for the cpu backend");
+#endif
+}
+
 void use_cuda_device(int index) {
   const std::size_t count = cuda_device_names().size();
   if (index < 0 || std::size_t(index) >= count)

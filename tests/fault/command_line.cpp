@@ -57,6 +57,11 @@ TEST_CASE("a GPU that is not there is refused before any work") {
   none.before = [] { ::setenv("CUDA_VISIBLE_DEVICES", "", 1); };
   for (const char* scene : {"bed", "batch", "wheel"})
     check_refusal(run_gonogo({"bench", scene, "--backend", "cuda"}, none), 2, {"CUDA", "ask for the cpu backend"});
+  const TemporaryFolder folder;
+  const std::string study = std::string(GONOGO_SOURCE_DIR) + "/configs/studies/demo.json";
+  check_refusal(run_gonogo({"campaign", "run", study, "--out", folder / "out", "--device", "cuda"}, none), 2,
+                {"GPU", "--device cpu"});
+  CHECK(files_below(folder.path()).empty());
   check_refusal(run_gonogo({"bench", "bed", "--backend", "tpu"}), 2, {"--backend", "cpu", "cuda"});
   check_refusal(run_gonogo({"bench", "wheel", "--solver", "magic"}), 2, {"--solver", "apgd", "jacobi"});
   check_refusal(run_gonogo({"bench", "wheel", "--target", "magic"}), 2, {"--target", "ccp", "coulomb"});
