@@ -189,15 +189,24 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
   });
 }
 
+std::string chains_text(const Json& json) {
+  const Json* chains = json.find("chains");
+  if (!chains) return "";
+  char line[80];
+  std::snprintf(line, sizeof line, "%.2f %% of the chains were broken\n",
+                100 * chains->at("chain_break_fraction").number());
+  return line;
+}
+
 std::string import_text(const Json& json) {
   char line[200];
   if (!json.find("outcomes")) {
     std::snprintf(line, sizeof line, "%.0f reads, energies verified\n", json.at("reads").number());
-    return line;
+    return line + chains_text(json);
   }
   std::snprintf(line, sizeof line, "%.0f reads, energies verified; %.1f %% hold code words only, %.0f repaired\n",
                 json.at("reads").number(), 100 * (1 - json.at("invalid_share").number()), json.at("repaired").number());
-  std::string text = line;
+  std::string text = line + chains_text(json);
   for (const auto& [name, entry] : json.at("outcomes").members()) {
     std::snprintf(line, sizeof line, "%-24s %.4f +- %.4f\n", name.c_str(), entry.at("frequency").number(),
                   entry.at("standard_error").number());
