@@ -25,4 +25,8 @@ passed=$((run - failed - skipped - disabled))
 say "$passed of $registered registered tests passed ($disabled disabled)"
 ((status == 0)) || fail "tests failed (ctest exit status $status)"
 ((passed == registered)) || fail "$((registered - passed)) registered tests did not run"
+interop=0
+scripts/interop.sh "$folder/gonogo" || interop=$?
+((interop == 0 || interop == 77)) || fail "the checks against the real clients failed"
+((interop == 0)) || [[ -z ${GONOGO_REQUIRE_INTEROP:-} ]] || fail "the checks against the real clients did not run"
 printf '%d passed, %d failed, %d skipped\n' "$passed" "$failed" "$skipped"

@@ -30,6 +30,8 @@ EmbeddingRecord embedding_from_json(const Config& config) {
   embedding.chain_strength = config.number("chain_strength", {.minimum = 0});
   const std::string source = config.file().string() + ": embedding.source";
   embedding.source = problem_from_dimod_json(config.object("source").json().dump(), source);
+  for (const char* key : {"chains", "uncoupled"})  // read below, by JsonReader
+    if (!config.has(key)) config.fail(key, "missing");
   const JsonReader reader(config.json(), config.file().string(), "embedding");
   const std::size_t n = embedding.source.variable_count();
   for (const Json& item : reader.list("chains")) {
@@ -81,9 +83,7 @@ ProblemSidecar sidecar_of(const WrittenProblem& written, ProblemFormat format) {
   return sidecar;
 }
 
-std::filesystem::path sidecar_path(const std::filesystem::path& problem) {
-  return problem.string() + ".sidecar.json";
-}
+std::filesystem::path sidecar_path(const std::filesystem::path& problem) { return problem.string() + ".sidecar.json"; }
 
 Json to_json(const ProblemSidecar& sidecar) {
   Json json;

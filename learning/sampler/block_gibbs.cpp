@@ -4,37 +4,12 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
-#include "base/random.h"
 #include "learning/encoding/encoder.h"
 #include "learning/sampler/bipartite.h"
+#include "learning/sampler/chain_random.h"
 
 namespace gonogo::learning {
 namespace {
-
-/// Draws for one chain: unit u of sweep t takes word u % 4 of block (t + 1) * blocks + u / 4; block row 0 starts
-/// chains.
-class ChainRandom {
- public:
-  ChainRandom(std::uint64_t seed, std::uint64_t chain, std::size_t unit_count)
-      : seed_(seed), chain_(chain), blocks_per_sweep_((unit_count + 3) / 4) {}
-  void begin(std::uint64_t sweep_row) {
-    row_ = sweep_row * blocks_per_sweep_;
-    held_ = UINT64_MAX;
-  }
-  /// Uniform in (0, 1) with 32 bits, never an end point.
-  double operator()(std::size_t unit) {
-    const std::uint64_t index = row_ + unit / 4;
-    if (index != held_) {
-      block_ = random_block(seed_, chain_, index);
-      held_ = index;
-    }
-    return (double(block_.word[unit % 4]) + 0.5) * 0x1.0p-32;
-  }
-
- private:
-  std::uint64_t seed_, chain_, blocks_per_sweep_, row_ = 0, held_ = UINT64_MAX;
-  RandomBlock block_{};
-};
 
 /// Draws `to` given `from`; weight: [from x to]. Bits of `to` use units first_unit, first_unit + 1, ...
 void draw_side(const std::vector<Bit>& from, const std::vector<double>& weight, const std::vector<double>& bias,

@@ -7,6 +7,8 @@
 #include "base/error.h"
 #include "base/random.h"
 #include "learning/sampler/bipartite.h"
+#include "learning/sampler/junction_tree.h"
+#include "learning/sampler/spins.h"
 
 namespace gonogo::learning {
 namespace {
@@ -25,10 +27,7 @@ class Enumeration {
     } else {
       for (std::uint32_t i = 0; i < qubo.variable_count(); ++i) outer_.push_back(i);
     }
-    if (outer_.size() > kMaxEnumerated)
-      throw InputError("sampler exact: " + std::to_string(outer_.size()) +
-                       " variables would have to be enumerated; at most " + std::to_string(kMaxEnumerated) +
-                       " can be; use another sampler or a smaller problem");
+    GONOGO_ASSERT(outer_.size() <= kMaxEnumerated);
     fill();
   }
 
@@ -103,9 +102,22 @@ void to_spin_moments(const Problem& problem, ExactMoments& moments) {
   for (double& mean : moments.mean) mean = 2 * mean - 1;
 }
 
+bool can_enumerate(const Problem& problem) {
+  const auto sides = split_in_two(to_qubo(problem));
+  return (sides ? std::min(sides->left.size(), sides->right.size()) : problem.variable_count()) <= kMaxEnumerated;
+}
+
+SampleSet draw_from_tree(const Problem& problem, const SampleRequest& request) {
+  const JunctionTree tree(problem);
+  SampleSet rows = empty_rows(problem, request.reads);
+  for (std::size_t r = 0; r < request.reads; ++r) set_row(rows, r, problem, tree.draw(request.seed, r));
+  return rows;
+}
+
 }  // namespace
 
 ExactMoments exact_moments(const Problem& problem) {
+  if (!can_enumerate(problem)) return JunctionTree(problem).moments();
   const Problem qubo = to_qubo(problem);
   const Enumeration all(qubo);
   ExactMoments moments;
@@ -127,6 +139,7 @@ ExactMoments exact_moments(const Problem& problem) {
 }
 
 SampleSet ExactSampler::sample(const Problem& problem, const SampleRequest& request) const {
+  if (!can_enumerate(problem)) return draw_from_tree(problem, request);
   const Problem qubo = to_qubo(problem);
   const Enumeration all(qubo);
   std::vector<double> cumulative(all.state_count());

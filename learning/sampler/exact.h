@@ -1,5 +1,6 @@
 // Exact answers by enumeration: log Z, marginals, independent samples. The smaller side of a bipartite problem is
-// enumerated and the other summed out in closed form; other problems are enumerated whole.
+// enumerated and the other summed out in closed form; other problems are enumerated whole, or, when they are too large
+// for that and of low treewidth, summed out variable by variable (junction_tree.h).
 #pragma once
 #include <vector>
 
@@ -15,7 +16,8 @@ struct ExactMoments {
   std::vector<double> pair_mean;  // [coupling count]: E[x_a x_b], in the order of the couplings
 };
 
-/// Throws InputError when more than kMaxEnumerated variables would have to be enumerated.
+/// By enumeration up to kMaxEnumerated variables, otherwise by a junction tree; throws InputError when the problem is
+/// too large for both.
 ExactMoments exact_moments(const Problem& problem);
 
 class ExactSampler final : public Sampler {

@@ -2,9 +2,11 @@
 // phase from here and does not know which sampler it is.
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "learning/qubo/problem.h"
 #include "learning/qubo/sample_set.h"
@@ -22,6 +24,16 @@ struct SampleRequest {
   std::uint64_t first_sweep = 0;
 };
 
+/// What only some samplers ask for.
+struct SamplerSettings {
+  double beta_start = 0.1, beta_end = 1;  // anneal, tempering, population: rows follow exp(-beta_end E)
+  std::size_t replicas = 10;              // tempering: temperatures
+  std::size_t temperatures = 30;          // population: steps of beta
+  std::filesystem::path folder;           // file: where problems and answers lie
+  std::vector<std::string> command;       // command: program and arguments; {problem}, {answer}, {reads}, {seed}
+  double time_limit_s = 600;              // command
+};
+
 class Sampler {
  public:
   virtual ~Sampler() = default;
@@ -31,7 +43,7 @@ class Sampler {
   virtual SampleSet sample(const Problem& problem, const SampleRequest& request) const = 0;
 };
 
-/// "block_gibbs" or "exact"; throws InputError naming them.
-std::unique_ptr<Sampler> make_sampler(const std::string& name);
+/// "block_gibbs", "anneal", "tempering", "population", "exact", "file" or "command"; throws InputError naming them.
+std::unique_ptr<Sampler> make_sampler(const std::string& name, const SamplerSettings& settings = {});
 
 }  // namespace gonogo::learning

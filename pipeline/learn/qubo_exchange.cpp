@@ -8,8 +8,8 @@
 #include "base/hash.h"
 #include "base/json/config.h"
 #include "learning/qubo/dimod.h"
-#include "learning/sampler/sampler.h"
 #include "pipeline/learn/decode_answer.h"
+#include "pipeline/learn/qubo_embed.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -131,19 +131,15 @@ Exported convert_problem(const LoadedProblem& loaded, const fs::path& path, cons
   return write(loaded.problem, loaded.sidecar.value_or(Sidecar{}), path, choice);
 }
 
-Json sample_problem(const fs::path& problem_file, const fs::path& answer_file, const std::string& sampler_name,
-                    std::size_t reads, std::size_t sweeps, std::uint64_t seed) {
-  const learning::Problem problem = load_problem(problem_file).problem;
-  const auto sampler = learning::make_sampler(sampler_name);
-  learning::SampleRequest request;
-  request.reads = reads;
-  request.sweeps = sweeps;
-  request.seed = seed;
-  learning::SampleSet answer = sampler->sample(problem, request);
+Json sample_problem(const fs::path& problem_file, const fs::path& answer_file, const learning::Sampler& sampler,
+                    const learning::SampleRequest& request, const FileChoice& choice) {
+  const learning::Problem problem = load_problem(problem_file, choice).problem;
+  const std::size_t reads = request.reads;
+  learning::SampleSet answer = sampler.sample(problem, request);
   answer.info["problem_hash"] = learning::problem_hash(problem);
-  answer.info["sampler"] = sampler->name();
-  answer.info["seed"] = Json(seed);
-  if (sampler->name() != "exact") answer.info["sweeps"] = Json(std::uint64_t(sweeps));
+  answer.info["sampler"] = sampler.name();
+  answer.info["seed"] = Json(request.seed);
+  if (sampler.name() != "exact") answer.info["sweeps"] = Json(std::uint64_t(request.sweeps));
   write_file_atomically(answer_file, learning::to_dimod_json(answer) + "\n");
   double mean = 0, lowest = INFINITY;
   for (double e : answer.energies) {
@@ -170,9 +166,11 @@ Json import_answer(const ImportRequest& request) {
                      sidecar.model_hash + "); give that one");
   const std::string source = request.answer.string();
   const auto format = learning::answer_format_named(request.answer_format);
-  const learning::SampleSet answer = learning::check_answer(
+  learning::SampleSet answer = learning::check_answer(
       loaded.problem, learning::read_answer(read_file(request.answer), format, loaded.problem, source), source);
-  Json json = Json::object();
+  Json json = Json::object(), chains;
+  if (sidecar.embedding)
+    answer = unembed_answer(answer, sidecar, learning::broken_chains_named(request.chains), request.seed, chains);
   if (sidecar.of_model()) {
     const DecodedAnswer decoded = decode_answer(sidecar, answer, request.rule);
     if (!request.rows.empty()) write_file_atomically(request.rows, rows_csv(sidecar, decoded));
@@ -185,6 +183,7 @@ Json import_answer(const ImportRequest& request) {
   }
   json["problem_hash"] = sidecar.problem_hash;
   json["energies"] = "verified";
+  if (sidecar.embedding) json["chains"] = std::move(chains);
   return json;
 }
 

@@ -15,6 +15,7 @@
 #include "learning/model/model.h"
 #include "learning/qubo/format.h"
 #include "learning/qubo/sidecar.h"
+#include "learning/sampler/sampler.h"
 
 namespace gonogo::pipeline {
 
@@ -60,7 +61,8 @@ Sidecar read_sidecar(const std::filesystem::path& path);
 
 /// Samples a problem file and writes the answer in dimod's form, with the problem's hash in its info.
 Json sample_problem(const std::filesystem::path& problem, const std::filesystem::path& answer,
-                    const std::string& sampler, std::size_t reads, std::size_t sweeps, std::uint64_t seed);
+                    const learning::Sampler& sampler, const learning::SampleRequest& request,
+                    const FileChoice& choice = {});
 
 struct ImportRequest {
   std::filesystem::path problem, answer;
@@ -69,10 +71,13 @@ struct ImportRequest {
   std::filesystem::path model;  // not empty: the problem must be of this model (hash of its file)
   std::filesystem::path rows;   // not empty: one line of CSV for each valid row
   learning::DecodeRule rule = learning::DecodeRule::discard;
+  std::string chains = "weighted_random";  // policy for broken chains of an embedded problem
+  std::uint64_t seed = 1;                  // of that policy
 };
 
-/// Reads an answer back: verifies labels, hash and energies. For a problem made from a model also decodes every row:
-/// counts of valid rows, outcome frequencies with standard errors, mean and spread of the variables over valid rows.
+/// Reads an answer back: verifies labels, hash and energies; for an embedded problem undoes gauge and embedding. For a
+/// problem made from a model also decodes every row: counts of valid rows, outcome frequencies with standard errors,
+/// mean and spread of the variables over valid rows.
 Json import_answer(const ImportRequest& request);
 
 }  // namespace gonogo::pipeline

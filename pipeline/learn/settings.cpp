@@ -25,7 +25,8 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   const auto count = [&](const char* key, std::size_t fallback, double least, double most) {
     return std::size_t(section->integer_or(key, std::int64_t(fallback), {.minimum = least, .maximum = most}));
   };
-  if (section->has("sampler")) settings.sampler = section->choice("sampler", {"block_gibbs", "exact"});
+  if (section->has("sampler"))
+    settings.sampler = section->choice("sampler", {"block_gibbs", "anneal", "tempering", "population", "exact"});
   training.hidden = count("hidden", training.hidden, 1, 1024);
   training.epochs = count("epochs", training.epochs, 1, 1e6);
   training.batch = count("batch", training.batch, 1, 1e6);

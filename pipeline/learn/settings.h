@@ -1,6 +1,7 @@
 // The "learning" section of a study:
 //
-//   sampler        "block_gibbs" (default) or "exact": where the negative phase comes from
+//   sampler        "block_gibbs" (default), "anneal", "tempering", "population" or "exact": where the
+//                  negative phase comes from
 //   hidden         hidden units                                     epochs         most passes over the trials
 //   batch          trials of a minibatch                            learning_rate  of Adam
 //   weight_decay   strength of the Gaussian prior on weights [nat]  generative     share of the joint likelihood

@@ -52,21 +52,24 @@ Problem frustrated() {  // odd cycles: not bipartite
 }
 
 struct Fit {
-  double chi_squared, degrees, total_variation, floor;
+  double chi_squared, degrees, total_variation, floor, spread;
 };
 
 /// Pearson's test of row frequencies against exact probabilities, with the total-variation distance and what perfect
-/// samples of this number would have: E|n_i/N - p_i| = sqrt(2 p (1 - p) / (pi N)).
+/// samples of this number would have: E|n_i/N - p_i| = sqrt(2 p (1 - p) / (pi N)), and the standard deviation of that
+/// sum with the states taken as independent: variance (1 - 2/pi) p (1 - p) / N each.
 Fit compare(const SampleSet& rows, const std::vector<double>& p) {
   std::vector<double> count(p.size(), 0.0);
   for (std::size_t r = 0; r < rows.row_count(); ++r) count[state_of(rows.row(r))] += 1;
   const double n = double(rows.row_count());
-  Fit fit{0, double(p.size()) - 1, 0, 0};
+  Fit fit{0, double(p.size()) - 1, 0, 0, 0};
   for (std::size_t i = 0; i < p.size(); ++i) {
     fit.chi_squared += (count[i] - n * p[i]) * (count[i] - n * p[i]) / (n * p[i]);
     fit.total_variation += std::abs(count[i] / n - p[i]) / 2;
     fit.floor += std::sqrt(2 * p[i] * (1 - p[i]) / (M_PI * n)) / 2;
+    fit.spread += (1 - 2 / M_PI) * p[i] * (1 - p[i]) / n / 4;
   }
+  fit.spread = std::sqrt(fit.spread);
   return fit;
 }
 
@@ -165,6 +168,48 @@ TEST_CASE("samples follow the exact distribution") {
   }
   std::printf("%s: largest z of %zu pair moments %.2f\n", name.c_str(), problem.couplings.size(), worst);
   CHECK(worst < 4);
+}
+
+TEST_CASE("annealers' rows follow the exact distribution, also on frustrated problems") {
+  const std::string name = GENERATE("anneal at fixed beta", "anneal", "tempering", "population");
+  const bool dense = GENERATE(false, true);
+  Problem problem = frustrated();
+  if (!dense) std::erase_if(problem.couplings, [](const Coupling& c) { return c.b != c.a + 1 && c.b != c.a + 5; });
+  for (Coupling& c : problem.couplings) c.value *= 2.5;
+  SamplerSettings settings;
+  if (name == "anneal at fixed beta") settings.beta_start = 1;
+  const auto sampler = make_sampler(name == "anneal at fixed beta" ? "anneal" : name, settings);
+  double log_z = 0;
+  const std::vector<double> p = brute_force(problem, log_z);
+  const std::size_t reads = 10000;
+  const SampleSet rows =
+      sampler->sample(problem, {.reads = reads, .seed = 3, .sweeps = name == "population" ? 1500u : 60u});
+  const Fit fit = compare(rows, p);
+  const double z = (fit.chi_squared - fit.degrees) / std::sqrt(2 * fit.degrees);
+  double kl = 0;
+  std::vector<double> count(p.size(), 0.0);
+  for (std::size_t r = 0; r < reads; ++r) count[state_of(rows.row(r))] += 1.0 / double(reads);
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (count[i] > 0) kl += count[i] * std::log(count[i] / p[i]);
+  std::printf("%s %s: chi2 z %.2f; total variation %.5f, floor %.5f +- %.5f; KL %.6f, floor %.6f nat\n", name.c_str(),
+              dense ? "dense" : "ring", z, fit.total_variation, fit.floor, fit.spread, kl,
+              fit.degrees / (2 * double(reads)));
+  CHECK(std::abs(z) < 4);
+  CHECK(fit.total_variation < fit.floor + 4 * fit.spread);
+  if (name == "population") CHECK(rows.info.at("log_z").number() == Approx(log_z).margin(0.02));
+}
+
+TEST_CASE("rows of the annealers are the same bits for any threads") {
+  const std::string name = GENERATE("anneal", "tempering", "population");
+  const Problem problem = frustrated();
+  const int threads = omp_get_max_threads();
+  omp_set_num_threads(1);
+  const SampleSet one = make_sampler(name)->sample(problem, {.reads = 9, .seed = 9, .sweeps = 60});
+  omp_set_num_threads(3);
+  const SampleSet three = make_sampler(name)->sample(problem, {.reads = 9, .seed = 9, .sweeps = 60});
+  omp_set_num_threads(threads);
+  CHECK(one == three);
+  CHECK(!(make_sampler(name)->sample(problem, {.reads = 9, .seed = 10, .sweeps = 60}) == one));
 }
 
 TEST_CASE("a biased sampler would fail the test above") {

@@ -9,6 +9,7 @@
 #include "learning/model/posterior.h"
 #include "learning/qubo/dimod.h"
 #include "pipeline/learn/named_values.h"
+#include "pipeline/learn/qubo_embed.h"
 #include "pipeline/learn/training_data.h"
 #include "tests/pipeline/synthetic_trials.h"
 #include "tests/support/catch.h"
@@ -66,7 +67,7 @@ TEST_CASE("outcome frequencies of an imported answer are the machine's condition
   const std::string sampler = GENERATE("block_gibbs", "exact");
   const std::map<std::string, double> clamped = {{"slope_along", 12}, {"friction_angle", 31}};
   export_problem(kModel, kProblem, clamped, vartype);
-  sample_problem(kProblem, kAnswer, sampler, 60000, 60, 11);
+  sample_problem(kProblem, kAnswer, *learning::make_sampler(sampler), {.reads = 60000, .seed = 11, .sweeps = 60});
   const Json answer = import_answer(
       {.problem = kProblem, .answer = kAnswer, .problem_file = {}, .model = kModel, .rows = kFolder / "rows.csv"});
   const auto expected = learning::Posterior(model.layout, model.weights).marginal(to_variables(clamped)).probability;
@@ -133,7 +134,7 @@ TEST_CASE("repair keeps rows whose thermometer codes have gaps and reports how m
 TEST_CASE("answers and sidecars of other problems are refused") {
   const learning::Model model = write_small_model();
   export_problem(kModel, kProblem, {}, learning::Vartype::binary);
-  sample_problem(kProblem, kAnswer, "block_gibbs", 10, 5, 1);
+  sample_problem(kProblem, kAnswer, *learning::make_sampler("block_gibbs"), {.reads = 10, .seed = 1, .sweeps = 5});
   const auto import = [] { import_answer(import_request()); };
   CHECK_NOTHROW(import());
   SECTION("clamped afterwards: other labels") {
@@ -175,6 +176,43 @@ TEST_CASE("answers and sidecars of other problems are refused") {
     write_file_atomically(kAnswer, text.substr(0, text.size() / 2));
     refused(import, "answer.json");
   }
+}
+
+TEST_CASE("an embedded machine's answer gives the machine's outcomes, through gauge, scale, format and chains") {
+  const learning::Model model = write_small_model();
+  const std::map<std::string, double> clamped = {{"slope_along", 12}, {"friction_angle", 31}, {"cohesion", 4}};
+  export_problem(kModel, kProblem, clamped, learning::Vartype::binary);
+  EmbedRequest request;
+  request.problem = kProblem;
+  request.out = kFolder / "qubits.qubo";
+  request.graph.name = "chimera:6";
+  request.graph.dead_share = 0.02;
+  request.gauge = 5;
+  request.chain_strength = 3;
+  const EmbedResult embedded = embed_problem_file(request);
+  CHECK(embedded.masked == 0);
+  CHECK(embedded.longest_chain > 1);
+  CHECK(embedded.exported.sidecar.gauge.size() == embedded.qubits);
+  sample_problem(request.out, kAnswer, *learning::make_sampler("tempering"), {.reads = 3000, .seed = 3, .sweeps = 300});
+  ImportRequest import = import_request();
+  import.problem = request.out;
+  import.chains = "discard";  // rows without broken chains follow the machine's distribution exactly
+  const Json answer = import_answer(import);
+  const auto expected = learning::Posterior(model.layout, model.weights).marginal(to_variables(clamped)).probability;
+  double worst = 0;
+  for (std::size_t y = 0; y < expected.size(); ++y) {
+    const double error = std::sqrt(expected[y] * (1 - expected[y]) / answer.at("valid").number());
+    const double found = answer.at("outcomes").at(contract().outcomes[y].name).at("frequency").number();
+    worst = std::max(worst, std::abs(found - expected[y]) / error);
+  }
+  const double broken = answer.at("chains").at("chain_break_fraction").number();
+  std::printf("embedded: %zu variables on %zu qubits, longest chain %zu; %.1f %% of chains broken; largest z %.2f\n",
+              embedded.variables, embedded.qubits, embedded.longest_chain, 100 * broken, worst);
+  CHECK(answer.at("valid").number() > 300);
+  CHECK(worst < 4);
+  CHECK(broken > 0);
+  import.chains = "guess";
+  refused([&] { import_answer(import); }, "majority_vote");
 }
 
 TEST_CASE("values on the command line are checked against the contract") {

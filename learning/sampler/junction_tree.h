@@ -1,0 +1,40 @@
+// Exact answers for problems of low treewidth by eliminating variables (bucket elimination; Dechter, Artificial
+// Intelligence 113 (1999) 41): a table over each eliminated variable and the neighbours it then has. Sampling goes back
+// through the tables; every row is an independent draw.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "learning/sampler/exact.h"
+
+namespace gonogo::learning {
+
+inline constexpr std::size_t kMostTableEntries = std::size_t(1) << 26;  // of all tables together: 512 MB
+
+class JunctionTree {
+ public:
+  /// Eliminates variables in order of fewest neighbours. Throws InputError when the tables would be too large.
+  explicit JunctionTree(const Problem& problem);
+
+  double log_z() const { return log_z_; }
+  std::size_t width() const;  // largest number of variables in a table less one
+  /// Spins +1 and -1 of one row.
+  std::vector<std::int8_t> draw(std::uint64_t seed, std::uint64_t row) const;
+  ExactMoments moments() const;
+
+ private:
+  struct Bucket {
+    std::uint32_t variable;
+    std::vector<std::uint32_t> rest;  // neighbours when eliminated, by order of elimination
+    std::vector<double> log_weight;   // [2^(1 + rest)], bit 0: variable, bit k + 1: rest[k]
+  };
+  void order(const Problem& ising);
+  void eliminate(const Problem& ising);
+
+  Problem problem_;
+  std::vector<Bucket> buckets_;
+  std::vector<std::size_t> bucket_of_;  // [variable]
+  double log_z_ = 0;
+};
+
+}  // namespace gonogo::learning

@@ -1,0 +1,67 @@
+#include <algorithm>
+#include <cmath>
+
+#include "base/cancel.h"
+#include "base/error.h"
+#include "learning/sampler/annealing.h"
+#include "learning/sampler/spins.h"
+
+namespace gonogo::learning {
+namespace {
+
+constexpr std::size_t kSmallest = 1000;            // members: fewer would bias the weights
+constexpr std::uint64_t kResampling = UINT64_MAX;  // stream of the resampling draws
+
+/// Systematic resampling with weights exp(-step E). Hands back log of the mean weight.
+double resample(std::vector<Spins>& population, double step, double draw) {
+  std::vector<double> log_weight;
+  for (const Spins& member : population) log_weight.push_back(-step * member.energy());
+  const double highest = *std::max_element(log_weight.begin(), log_weight.end());
+  double sum = 0;
+  for (double w : log_weight) sum += std::exp(w - highest);
+  std::vector<Spins> next;
+  next.reserve(population.size());
+  double passed = 0;
+  for (std::size_t k = 0; k < population.size(); ++k) {
+    passed += std::exp(log_weight[k] - highest) / sum * double(population.size());
+    while (next.size() < population.size() && double(next.size()) + draw < passed) next.push_back(population[k]);
+  }
+  while (next.size() < population.size()) next.push_back(population.back());  // rounding of the last sum
+  population = std::move(next);
+  return highest + std::log(sum / double(population.size()));
+}
+
+}  // namespace
+
+SampleSet PopulationAnnealing::sample(const Problem& problem, const SampleRequest& request) const {
+  const Problem ising = to_ising(problem);
+  const SpinGraph graph(ising);
+  const std::size_t members = std::max(request.reads, kSmallest), steps = settings_.temperatures;
+  if (steps < 1) throw InputError("sampler population: needs at least 1 temperature");
+  const std::size_t sweeps = std::max<std::size_t>(1, request.sweeps / steps);
+  std::vector<Spins> population(members, Spins(graph));
+  double log_z = double(graph.size()) * std::log(2.0) - settings_.beta_end * ising.offset;
+  for (std::size_t step = 0; step <= steps; ++step) {
+    const double beta = settings_.beta_end * double(step) / double(steps);
+    stop_if_cancelled();
+    if (step > 0)
+      log_z += resample(population, settings_.beta_end / double(steps), random_unit(request.seed, kResampling, step));
+#pragma omp parallel for schedule(static)
+    for (std::size_t k = 0; k < members; ++k) {
+      ChainRandom random(request.seed, k, graph.size());
+      random.begin(0);
+      if (step == 0) population[k].randomise(random);
+      for (std::size_t sweep = 0; step > 0 && sweep < sweeps; ++sweep) {
+        random.begin(1 + (step - 1) * sweeps + sweep);
+        population[k].sweep(beta, random);
+      }
+    }
+  }
+  SampleSet rows = empty_rows(problem, request.reads);
+  for (std::size_t r = 0; r < request.reads; ++r)
+    set_row(rows, r, problem, population[r * members / request.reads].values());
+  rows.info["log_z"] = log_z;
+  return rows;
+}
+
+}  // namespace gonogo::learning

@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# The program's files against the real clients, installed from PyPI into a throw-away virtual environment.
+#   scripts/interop.sh [gonogo]        exit status 77: PyPI cannot be reached, nothing was checked
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+program=${1:-build/cpu-release/gonogo}
+venv=$(mktemp -d)
+trap 'rm -rf "$venv"' EXIT
+python3 -m venv "$venv"
+if ! "$venv/bin/pip" install --quiet 'dimod==0.12.*' 'dwave-cloud-client[mocks]==0.14.*' 'dwave-samplers==1.*' \
+  'dwave-networkx==0.8.*' 'bqpjson==0.5.*'; then
+  say "interop: PyPI cannot be reached; the checks against the real clients were skipped"
+  exit 77
+fi
+"$venv/bin/python" tests/interop/ocean.py "$program" .

@@ -1,0 +1,169 @@
+"""The program's files against the programs they are for: dimod, bqpjson, dwave-cloud-client, dwave-graphs, dwave-samplers.
+
+    ocean.py <gonogo> <source folder>      run by scripts/interop.sh inside a virtual environment
+"""
+import base64
+import io
+import json
+import os
+import random
+import struct
+import subprocess
+import sys
+import tempfile
+
+import bqpjson
+import dimod
+import dwave_networkx
+from dimod.serialization import coo
+from dwave.cloud.coders import decode_qp, decode_qp_numpy, encode_problem_as_qp
+from dwave.cloud.solver import StructuredSolver
+from dwave.cloud.testing.mocks import qpu_chimera_solver_data
+
+GONOGO, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
+checks = 0
+
+
+def check(condition, fact):
+    global checks
+    if not condition:
+        raise SystemExit("interop: FAILED: " + fact)
+    checks += 1
+
+
+def gonogo(*arguments):
+    done = subprocess.run([GONOGO, *arguments], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise SystemExit("interop: " + " ".join(arguments) + "\n" + done.stderr)
+    return done.stdout
+
+
+def read(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def write(path, content):
+    with open(path, "wb") as file:
+        file.write(content if isinstance(content, bytes) else content.encode())
+
+
+def random_problem(vartype, count, label):
+    bqm = dimod.BinaryQuadraticModel(vartype)
+    for i in range(count):
+        bqm.add_variable(label(i), random.uniform(-1, 1))
+    for i in range(count):
+        for j in range(i):
+            if random.random() < 0.4:
+                bqm.add_quadratic(label(i), label(j), random.uniform(-1, 1))
+    bqm.offset = 0.37
+    return bqm
+
+
+def problem_files():
+    for vartype in ("BINARY", "SPIN"):
+        bqm = random_problem(vartype, 12, lambda i: "v%02d" % i)  # dimod sorts labels in its JSON
+        write("given.bqm", bqm.to_file().read())
+        gonogo("qubo", "convert", "given.bqm", "--out", "back.bqm")
+        check(read("back.bqm") == read("given.bqm"), "DIMODBQM version 2 has dimod's bytes")
+        gonogo("qubo", "convert", "given.bqm", "--to", "dimod_bqm_v1", "--out", "v1.bqm")
+        check(read("v1.bqm") == bqm.to_file(version=1).read(), "DIMODBQM version 1 has dimod's bytes")
+        gonogo("qubo", "convert", "given.bqm", "--out", "given.json")
+        text = json.dumps(bqm.to_serializable(), separators=(",", ":")) + "\n"
+        check(read("given.json") == text.encode(), "dimod's JSON has dimod's bytes")
+        check(dimod.BinaryQuadraticModel.from_serializable(json.loads(read("given.json"))) == bqm, "dimod reads the JSON")
+    numbered = random_problem("BINARY", 10, lambda i: i)
+    numbered.offset = 0
+    write("n.bqm", numbered.to_file().read())
+    gonogo("qubo", "convert", "n.bqm", "--out", "n.coo")
+    check(coo.loads(read("n.coo").decode()) == numbered, "dimod reads the coordinate text to the last bit")
+    numbered = dimod.BinaryQuadraticModel({0: -1, 1: 0, 2: 2.5}, {(0, 1): 1, (1, 2): -4.5}, 0, "BINARY")
+    write("n.bqm", numbered.to_file().read())
+    gonogo("qubo", "convert", "n.bqm", "--out", "n.coo")
+    check(read("n.coo").decode() == coo.dumps(numbered, vartype_header=True) + "\n", "coordinate text has dimod's bytes")
+
+
+def bqpjson_files():
+    bqm = random_problem("BINARY", 9, lambda i: i)
+    write("b.bqm", bqm.to_file().read())
+    gonogo("qubo", "convert", "b.bqm", "--out", "b.bqpjson")
+    gonogo("qubo", "convert", "b.bqm", "--out", "b.qubo")
+    data = json.loads(read("b.bqpjson"))
+    bqpjson.validate(data)
+    check((json.dumps(data, sort_keys=True) + "\n").encode() == read("b.bqpjson"), "bqpjson has bqpjson's bytes")
+    out = io.StringIO()
+    bqpjson.core.bqpjson_to_qubo(data, out)
+    check(out.getvalue().encode() == read("b.qubo"), "qbsolv text has the bytes of bqp2qubo")
+
+
+def solver_definition():
+    data = qpu_chimera_solver_data(4)
+    data["properties"]["topology"] = {"type": "chimera", "shape": [4, 4, 4]}
+    write("solver.json", json.dumps(data))
+    return StructuredSolver(client=None, data=data)
+
+
+def sapi():
+    solver = solver_definition()
+    check({tuple(sorted(e)) for e in solver.edges} == {tuple(sorted(e)) for e in dwave_networkx.chimera_graph(4).edges},
+          "the mock solver is C4")
+    bqm = random_problem("SPIN", 10, lambda i: "v%d" % i)
+    write("logical.bqm", bqm.to_file().read())
+    gonogo("qubo", "embed", "logical.bqm", "--on-solver", "solver.json", "--out", "physical.json", "--gauge", "3")
+    physical = dimod.BinaryQuadraticModel.from_serializable(json.loads(read("physical.json")))
+    gonogo("qubo", "convert", "physical.json", "--to", "sapi", "--to-solver", "solver.json", "--out", "p.sapi.json")
+    body = json.loads(read("p.sapi.json"))[0]
+    wanted = encode_problem_as_qp(solver, dict(physical.linear), dict(physical.quadratic), offset=physical.offset)
+    check(body["data"] == wanted, "the SAPI problem has the cloud client's bytes")
+    gonogo("qubo", "sample", "physical.json", "--sampler", "tempering", "--reads", "20", "--sweeps", "50", "--out", "rows.json")
+    rows = dimod.SampleSet.from_serializable(json.loads(read("rows.json")))
+    check(len(rows) == 20 and (abs(rows.record.energy - physical.energies(rows)) < 1e-9).all(), "dimod reads the answer")
+    answer = encode_answer(rows, physical)
+    write("answer.json", json.dumps(answer))
+    for decode in (decode_qp, decode_qp_numpy):
+        decoded = decode(json.loads(json.dumps(answer)))
+        check([decoded["solutions"][0][q] for q in sorted(physical.variables)] ==
+              [rows.record.sample[0][list(rows.variables).index(q)] for q in sorted(physical.variables)], "client decodes")
+    report = gonogo("qubo", "import", "--problem", "physical.json", "--answer", "answer.json", "--answer-format", "sapi")
+    check("20 reads, energies verified" in report, "a SAPI answer is imported through gauge and embedding")
+
+
+def encode_answer(rows, bqm):
+    qubits = sorted(bqm.variables)
+    order = [list(rows.variables).index(q) for q in qubits]
+    solutions = b""
+    for row in rows.record.sample:
+        bits = "".join("1" if row[k] > 0 else "0" for k in order)
+        bits += "0" * (-len(bits) % 8)
+        solutions += int(bits, 2).to_bytes(len(bits) // 8, "big")
+    pack = lambda kind, values: base64.b64encode(struct.pack("<%d%s" % (len(values), kind), *values)).decode()
+    return {"type": "ising", "status": "COMPLETED", "answer": {
+        "format": "qp", "num_variables": 128, "active_variables": pack("i", qubits),
+        "energies": pack("d", list(rows.record.energy)), "solutions": base64.b64encode(solutions).decode(), "timing": {}}}
+
+
+def bridge():
+    bqm = random_problem("BINARY", 8, lambda i: "v%d" % i)
+    write("bridge.bqm", bqm.to_file().read())
+    command = [sys.executable, os.path.join(SOURCE, "scripts", "ocean_bridge.py"), "{problem}", "{answer}",
+               "--reads={reads}", "--seed={seed}"]
+    for sampler in ("annealer", "tree"):
+        gonogo("qubo", "sample", "bridge.bqm", "--sampler", "command", "--reads", "50", "--out", "bridged.json",
+               "--", *command, "--sampler", sampler)
+        rows = dimod.SampleSet.from_serializable(json.loads(read("bridged.json")))
+        check(len(rows) == 50 and rows.info["ocean_sampler"] == sampler, "dwave-samplers solves our problem: " + sampler)
+
+
+def main():
+    random.seed(3)
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        problem_files()
+        bqpjson_files()
+        sapi()
+        bridge()
+        os.chdir("/")
+    print("interop: %d facts hold" % checks)
+
+
+main()
