@@ -93,7 +93,7 @@ SceneWorld pouring_world(const BedSpec& s, const std::vector<Grain>& grains, con
 
 std::string BedSpec::hash() const {
   Json j;
-  j["maker"] = "settle_packing/1";
+  j["maker"] = "settle_packing/2";
   j["length"] = length, j["width"] = width, j["depth"] = depth, j["grain_diameter"] = grain_diameter;
   j["size_spread"] = size_spread, j["grain_density"] = grain_density, j["settle_friction"] = settle_friction;
   j["seed"] = std::uint64_t(seed);
