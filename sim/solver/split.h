@@ -11,7 +11,7 @@
 namespace gonogo::sim {
 
 /// Of the bound on rolling and spinning against sliding; see inverse_mass_bound.
-inline constexpr Real kTurningShare = 0.25f;
+inline constexpr Real kTurningShare = 0.5f;
 
 /// Bound on how far a unit impulse at the end of an arm moves that end by turning the body: the largest eigenvalue of
 /// [r]' J^-1 [r] [1/kg]. Its trace is the better bound where a body turns easily about its arm only, as a slender rod
