@@ -70,7 +70,7 @@ double angle_of(const std::vector<BodyState>& bodies, const std::vector<BodyMass
 
 /// Mean over heaps that differ in their grains; one heap's angle scatters by some 2 degrees.
 double mean_angle(Backend backend, double rolling) {
-  constexpr unsigned heaps = 4;
+  constexpr unsigned heaps = 6;
   Scene scene;
   for (unsigned seed = 0; seed < heaps; ++seed) scene.push_back(column(rolling, 41 + seed));
   StepSettings settings;
