@@ -61,6 +61,7 @@ GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const T
   const bool deep = way.gap < -tol.slack;
   const Real reach = (deep ? -way.gap : Real(0)) + 2 * tol.slack;
   const Real beside = off_surface(way.gap, tol.slack);
+  const Real wide = 10 * tol.slack;  // beyond an acute corner a point is further from a triangle than from its edges
   const Vec3 box{reach, reach, reach};
   bool out = true;
   Index nearest = -1;
@@ -85,7 +86,7 @@ GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const T
     const Real gap = dot(way.p - base, n);
     if (gap > beside || dot(way.middle - base, n) >= 0) return;
     if (goes_before(gap, way.gap, tol.slack, [&](Real lean) { return supports(-n, lean); }))
-      out = !is_over(from, t, n, way.p, tol.slack, tol.slack);
+      out = !is_over(from, t, n, way.p, wide, wide);
   });
   if (!out || !deep) return out;
   return nearest >= 0 && (least < beside || dot(on.point, from.outward(nearest, on.feature)) > 0);

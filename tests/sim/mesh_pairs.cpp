@@ -1,6 +1,7 @@
 // Boxes, cylinders, wheels and meshes on meshes: against signed distances of the bodies that the meshes stand for,
 // against the contacts of those bodies, and against brute force over triangles in double precision.
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <memory>
 #include <set>
@@ -108,6 +109,13 @@ Shape random_solid(ShapeType type, Draw& draw) {
   return s;
 }
 
+Shape solid_box(const Vec3& half) {
+  Shape s;
+  s.type = ShapeType::box;
+  s.size = half;
+  return s;
+}
+
 TriangleMesh mesh_of(const Shape& s, int cells) {
   if (s.type == ShapeType::box) return box_mesh(s.size, cells);
   return s.type == ShapeType::wheel ? tyre_mesh(s, cells) : cylinder_mesh(s.size.x, s.size.y, cells);
@@ -153,6 +161,133 @@ void check_pair(const char* name, const Kind& kind_a, const Kind& kind_b, int ca
   CHECK(agrees(std::string(name) + ": largest error of the least gap [m]", 0, worst, tolerance));
 }
 
+using Polygon = std::vector<std::pair<double, double>>;  // counterclockwise
+
+double area_of(const Polygon& p) {
+  double sum = 0;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const auto &a = p[k], &b = p[(k + 1) % p.size()];
+    sum += (a.first * b.second - b.first * a.second) / 2;
+  }
+  return sum;
+}
+
+/// What both rectangles cover (Sutherland & Hodgman 1974).
+Polygon common_part(Polygon subject, const Polygon& clip) {
+  for (std::size_t k = 0; k < clip.size(); ++k) {
+    const auto &a = clip[k], &b = clip[(k + 1) % clip.size()];
+    const auto side = [&](const std::pair<double, double>& p) {
+      return (b.first - a.first) * (p.second - a.second) - (b.second - a.second) * (p.first - a.first);
+    };
+    Polygon left;
+    for (std::size_t i = 0; i < subject.size(); ++i) {
+      const auto &p = subject[i], &q = subject[(i + 1) % subject.size()];
+      const double sp = side(p), sq = side(q);
+      if (sp >= 0) left.push_back(p);
+      if ((sp >= 0) == (sq >= 0)) continue;
+      const double t = sp / (sp - sq);
+      left.push_back({p.first + t * (q.first - p.first), p.second + t * (q.second - p.second)});
+    }
+    subject = left;
+  }
+  return subject;
+}
+
+Polygon hull_of(Polygon p) {
+  std::sort(p.begin(), p.end());
+  Polygon hull;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t start = hull.size();
+    for (const auto& c : p) {
+      while (hull.size() >= start + 2) {
+        const auto &a = hull[hull.size() - 2], &b = hull.back();
+        if ((b.first - a.first) * (c.second - a.second) - (b.second - a.second) * (c.first - a.first) > 0) break;
+        hull.pop_back();
+      }
+      hull.push_back(c);
+    }
+    hull.pop_back();
+    std::reverse(p.begin(), p.end());
+  }
+  return hull;
+}
+
+Polygon rectangle(const Vec3& half, double x, double y, double yaw) {
+  Polygon p;
+  for (const auto& [u, v] : Polygon{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+    const double a = u * half.x, b = v * half.y;
+    p.push_back({x + a * std::cos(yaw) - b * std::sin(yaw), y + a * std::sin(yaw) + b * std::cos(yaw)});
+  }
+  return p;
+}
+
+double distance_of_segments(const Vec3d& p, const Vec3d& u, const Vec3d& q, const Vec3d& v) {
+  const auto to_segment = [](const Vec3d& x, const Vec3d& from, const Vec3d& along) {
+    const double t = std::clamp(dot(x - from, along) / dot(along, along), 0.0, 1.0);
+    return length(x - from - along * t);
+  };
+  double best = std::min({to_segment(p, q, v), to_segment(p + u, q, v), to_segment(q, p, u), to_segment(q + v, p, u)});
+  const Vec3d n = cross(u, v), w = q - p;
+  const double area = dot(n, n), s = dot(cross(w, v), n) / area, t = dot(cross(w, u), n) / area;
+  if (area > 0 && s >= 0 && s <= 1 && t >= 0 && t <= 1) best = std::min(best, std::abs(dot(w, n)) / std::sqrt(area));
+  return best;
+}
+
+double distance_above(const Vec3d& p, const std::array<Vec3d, 3>& t) {
+  const Vec3d n = cross(t[1] - t[0], t[2] - t[0]);
+  for (int k = 0; k < 3; ++k)
+    if (dot(cross(n, t[(k + 1) % 3] - t[k]), p - t[k]) < 0) return 1e300;
+  return std::abs(dot(p - t[0], n)) / length(n);
+}
+
+using Triangles = std::vector<std::array<Vec3d, 3>>;
+
+/// Of two surfaces that do not cut each other.
+double distance_of_triangles(const Triangles& a, const Triangles& b, const Vec3d& d) {
+  double best = 1e300;
+  for (std::array<Vec3d, 3> s : a) {
+    for (Vec3d& p : s) p += d;
+    for (const auto& t : b) {
+      if (length(s[0] - t[0]) > 0.65) continue;  // longer than two edges and what is looked for
+      for (int i = 0; i < 3; ++i) {
+        best = std::min({best, distance_above(s[i], t), distance_above(t[i], s)});
+        for (int k = 0; k < 3; ++k)
+          best = std::min(best, distance_of_segments(s[i], s[(i + 1) % 3] - s[i], t[k], t[(k + 1) % 3] - t[k]));
+      }
+    }
+  }
+  return best;
+}
+
+Triangles triangles_of(const TriangleMesh& m, const Quat& q) {
+  const Axes axes(q);
+  Triangles list;
+  for (const auto& c : m.triangle) {
+    std::array<Vec3d, 3> t;
+    for (int k = 0; k < 3; ++k) t[k] = axes.out_of(static_cast<Vec3d>(m.vertex[c[k]]));
+    list.push_back(t);
+  }
+  return list;
+}
+
+/// A beam along y whose section is an L with its inner corner at x = z = 0, 0.2 thick.
+TriangleMesh angle_beam() {
+  TriangleMesh m;
+  m.name = "angle";
+  const std::pair<Real, Real> outline[] = {{0, 0}, {0, 1}, {-0.2f, 1}, {-0.2f, -0.2f}, {1, -0.2f}, {1, 0}};  // x, z
+  for (const Real y : {-1.0f, 1.0f})
+    for (const auto& [x, z] : outline) m.vertex.push_back({x, y, z});
+  for (Index k = 0; k < 6; ++k) {
+    const Index next = (k + 1) % 6;
+    m.triangle.push_back({k, k + 6, next + 6});
+    m.triangle.push_back({k, next + 6, next});
+    if (k == 0 || k == 5) continue;
+    m.triangle.push_back({0, k, next});
+    m.triangle.push_back({6, next + 6, k + 6});
+  }
+  return m;
+}
+
 constexpr Kind kBox{ShapeType::box, false, 0}, kCylinder{ShapeType::cylinder, false, 0},
     kWheel{ShapeType::wheel, false, 0};
 constexpr Kind mesh_box(int cells) { return {ShapeType::box, true, cells}; }
@@ -177,4 +312,114 @@ TEST_CASE("solids and meshes on the mesh of a cylinder or tyre have the bodies' 
   check_pair("box on a tyre", kBox, tyre, 15, 10, 2.2e-4);
   check_pair("tyre on a mesh box", tyre, mesh_box(1), 15, 11, 2.2e-4);
   check_pair("wheel on a tyre", kWheel, tyre, 6, 12, 2.2e-4);
+}
+
+TEST_CASE(
+    "a box on a box, either or both of triangles, touches at the corners of what their faces share, upwards only") {
+  const Vec3 low_half{0.2f, 0.15f, 0.1f}, half{0.1f, 0.15f, 0.05f};
+  Shapes shapes;
+  Shape low = solid_box(low_half), top = solid_box(half);
+  const Shape low_mesh[] = {shapes.mesh(box_mesh(low_half, 1)), shapes.mesh(box_mesh(low_half, 6))};
+  const Shape top_mesh[] = {shapes.mesh(box_mesh(half, 1)), shapes.mesh(box_mesh(half, 5))};
+  Draw draw(950);
+  for (int i = 0; i < 600; ++i) {
+    // Aligned sides, shifts of nothing or of rounding, overhangs of all sizes; all yaws.
+    const double shifts[] = {0, 1e-7, 1e-6, 1e-5, 0.1, 0.3 - 3e-3, draw.between(0, 0.25)};
+    const double x = shifts[draw.below(7)], y = draw.below(2) ? shifts[draw.below(5)] : 0;
+    const double yaw = draw.below(2) ? 0 : draw.below(2) ? kPi / 2 : draw.between(0, kPi);
+    const double gap = draw.below(3) ? draw.between(-1e-3, 2e-6) : 0;
+    const Quat both = draw.below(2) ? Quat{} : draw.orientation(),
+               spin{Real(std::cos(yaw / 2)), 0, 0, Real(std::sin(yaw / 2))};
+    const Polygon shared = common_part(rectangle(half, x, y, yaw), rectangle(low_half, 0, 0, 0));
+    const double area = area_of(shared);
+    if (area < 2e-4) continue;  // as good as past the edge
+    const Vec3d d = static_cast<Vec3d>(rotate(both, Vec3{Real(x), Real(y), Real(low_half.z + half.z + gap)}));
+    for (int how = 0; how < 5; ++how) {
+      const Shape& upper = how == 0 ? top : top_mesh[how % 2];
+      const Shape& lower = how == 1 || how == 2 ? low : low_mesh[how / 3];
+      const bool upper_first = upper.type <= lower.type;
+      const std::vector<Found> found = upper_first ? shapes.touches(upper, both * spin, lower, both, d, 2e-3)
+                                                   : shapes.touches(lower, both, upper, both * spin, -d, 2e-3);
+      INFO("case " << i << " way " << how << " x " << x << " y " << y << " yaw " << yaw << " gap " << gap);
+      Polygon points;
+      for (const auto& [feature, t] : found) {
+        const Vec3 n = rotate_back(both, upper_first ? t.normal : -t.normal);
+        const Vec3 p = rotate_back(both, upper_first ? t.point + static_cast<Vec3>(d) : t.point);
+        REQUIRE(n.z == Approx(1).margin(1e-5));
+        REQUIRE(t.gap == Approx(gap).margin(2e-6));
+        points.push_back({p.x, p.y});
+      }
+      REQUIRE(points.size() >= 3);
+      REQUIRE(points.size() <= 40);
+      REQUIRE(area_of(hull_of(points)) == Approx(area).margin(2e-5));
+    }
+  }
+}
+
+TEST_CASE("two tyres apart have the distance of their triangles, whichever comes first, in the same contacts") {
+  Draw draw(951);
+  Shape wheel = random_solid(ShapeType::wheel, draw);
+  wheel.size = {0.3f, 0.1f, 0.04f};
+  wheel.lug_count = 9;
+  wheel.lug_thickness = 0.05f;
+  const TriangleMesh source = tyre_mesh(wheel, 3);
+  Shapes shapes;
+  const Shape tyre = shapes.mesh(source);
+  double worst = 0;
+  for (int i = 0; i < 15; ++i) {
+    const Quat qa = draw.orientation(), qb = draw.orientation();
+    const Triangles a = triangles_of(source, qa), b = triangles_of(source, qb);
+    const Vec3d direction = draw.direction();
+    const double target = draw.between(1e-4, 0.008);
+    double apart = 0.75, distance = 0;
+    for (int k = 0; k < 25; ++k) {
+      distance = std::min(distance_of_triangles(a, b, direction * apart), 0.2);
+      if (std::abs(distance - target) < 1e-6) break;
+      apart -= distance - target;
+    }
+    const auto found = shapes.touches(tyre, qa, tyre, qb, direction * apart, 0.01);
+    const auto turned = shapes.touches(tyre, qb, tyre, qa, direction * -apart, 0.01);
+    INFO("case " << i << ": distance " << distance << ", " << found.size() << " contacts");
+    REQUIRE(!found.empty());
+    worst = std::max(worst, std::abs(least_gap(found) - distance));
+    REQUIRE(turned.size() == found.size());
+    for (const Found& f : found) {
+      const Touch other = seen_from_other(f.touch, direction * apart);
+      const bool there = std::any_of(turned.begin(), turned.end(), [&](const Found& g) {
+        return std::abs(g.touch.gap - other.gap) < 1e-6 && length(g.touch.normal - other.normal) < 1e-3 &&
+               length(g.touch.point - other.point) < 1e-5;
+      });
+      REQUIRE(there);
+    }
+  }
+  CHECK(agrees("tyre and tyre: largest error of the least gap [m]", 0, worst, 2e-6));
+}
+
+TEST_CASE("in a hollow corner of a mesh every body touches both walls, at the depth that it is in each") {
+  Shapes shapes;
+  const Shape beam = shapes.mesh(angle_beam());
+  const Vec3 half{0.1f, 0.14f, 0.1f};
+  Shape cylinder = solid_box(half), wheel = cylinder;
+  cylinder.type = ShapeType::cylinder;
+  wheel.type = ShapeType::wheel;
+  wheel.size.z = 0.01f;
+  for (const Shape& body :
+       {solid_box(half), shapes.mesh(box_mesh(half, 1)), shapes.mesh(box_mesh(half, 3)), cylinder, wheel})
+    for (const double into_wall : {0.0, 1e-5, 1e-3})
+      for (const double into_floor : {0.0, 2e-5, 1.5e-3}) {
+        const auto found = shapes.touches(body, {}, beam, {}, {0.1 - into_wall, 0.3, 0.1 - into_floor}, 2e-3);
+        INFO(int(body.type) << " " << into_wall << " " << into_floor << ": " << found.size());
+        double wall_low = 1, wall_high = -1, floor_low = 1, floor_high = -1;
+        for (const auto& [feature, t] : found) {
+          const bool wall = t.normal.x > 0.99f;
+          REQUIRE((wall || t.normal.z > 0.99f));
+          REQUIRE(t.gap == Approx(wall ? -into_wall : -into_floor).margin(1e-6));
+          double &low = wall ? wall_low : floor_low, &high = wall ? wall_high : floor_high;
+          low = std::min(low, double(t.point.y));
+          high = std::max(high, double(t.point.y));
+        }
+        // Carried over the whole length on both.
+        for (const double end : {wall_high, floor_high}) CHECK(end == Approx(0.14).margin(1e-5));
+        for (const double end : {wall_low, floor_low}) CHECK(end == Approx(-0.14).margin(1e-5));
+      }
 }
