@@ -9,12 +9,12 @@ namespace gonogo::sim {
 struct Tolerance {
   Real envelope;  // contacts are found up to this gap
   Real slack;     // ten thousandth of the smaller body: lengths below it may be rounding
-  Real limit;     // a quarter of the smaller body: deeper than that, a point is not looked at
+  Real limit;     // deeper than that, a point is not looked at
 };
 
-/// `half`: half of the smallest side of the smaller body.
-GONOGO_HD inline Tolerance tolerance_for(Real half, Real envelope) {
-  return {envelope, Real(1e-4) * half, Real(0.25) * half};
+/// `half`: half of the smallest side of the smaller body; `share`: of it, the limit.
+GONOGO_HD inline Tolerance tolerance_for(Real half, Real share, Real envelope) {
+  return {envelope, Real(1e-4) * half, std::fmax(share * half, envelope)};
 }
 
 /// Whether the foot of a point lies in triangle t, whose normal is `n`; beyond edges of valleys by up to `hollow`.

@@ -1,5 +1,6 @@
 // Two meshes: corners of either on faces, edges and corners of the other, and crossings of ridges. The same for both,
-// so that the pair has the same contacts whichever mesh comes first. See solid_mesh_touch.h for the limits.
+// so that the pair has the same contacts whichever mesh comes first. For the limits see solid_mesh_touch.h; here
+// a point is pushed out from a quarter of the smaller mesh's smallest half extent.
 #pragma once
 #include "sim/shape/mesh_face.h"
 

@@ -123,6 +123,10 @@ GONOGO_HD inline void visit_round_touches(const ShapePair& pair, const Surface& 
   visit_capsule_touches(surface, p, half, pair.a.size.x, pair.envelope, sphere, visit);
 }
 
+/// Shares of the smaller body's smallest half extent down to which points are pushed out of meshes. Searching deeper
+/// costs time where two meshes meet.
+inline constexpr Real kSolidLimit = Real(0.5), kMeshLimit = Real(0.25);
+
 /// Two meshes; ground that is open has no thickness to be judged by.
 template <class Visit>
 GONOGO_HD inline void visit_two_meshes(const ShapePair& pair, const MeshFrom& other, Visit&& visit) {
@@ -130,7 +134,7 @@ GONOGO_HD inline void visit_two_meshes(const ShapePair& pair, const MeshFrom& ot
   const Real a = placed.mesh.range.open ? Real(0) : pair.a.size.y,
              b = other.surface.mesh.range.open ? Real(0) : pair.b.size.y;
   const Real half = a > 0 && b > 0 ? std::fmin(a, b) : std::fmax(a, b);
-  MeshOnMesh<Visit>{MeshFrom{placed, {}}, other, tolerance_for(half, pair.envelope), visit}.run();
+  MeshOnMesh<Visit>{MeshFrom{placed, {}}, other, tolerance_for(half, kMeshLimit, pair.envelope), visit}.run();
 }
 
 /// Spheres and capsules, boxes and the parts of wheels, and meshes on a mesh.
@@ -151,7 +155,7 @@ GONOGO_HD inline void visit_mesh_touches(const ShapePair& pair, Visit&& visit) {
     visit_two_meshes(pair, from, visit);
     return;
   }
-  const Tolerance tol = tolerance_for(smallest_half(pair.a), pair.envelope);
+  const Tolerance tol = tolerance_for(smallest_half(pair.a), kSolidLimit, pair.envelope);
   visit_parts(pair.a, {}, pair.qa, static_cast<Vec3>(-pair.d), bounding_radius(pair.b) + pair.envelope,
               [&](int part, const Convex& solid) {
                 visit_solid_mesh_touches(from, solid, part, pair.a.size.x - tol.slack, tol, visit);

@@ -5,7 +5,7 @@
 // Together they span the polygon that a convex body and a face of the mesh share; on a mesh of a convex body they are
 // the contacts of the two bodies.
 // Limits: edges that lie along each other within 2 degrees, neither of them on a face of the other body, have no
-// contact until a corner has one; a point deeper than a quarter of the solid's smallest half extent is not pushed out;
+// contact until a corner has one; a point deeper than half of the solid's smallest half extent is not pushed out;
 // a body that has gone through a wall thinner than its own depth in it may be pushed out on the other side.
 #pragma once
 #include "sim/shape/mesh_face.h"

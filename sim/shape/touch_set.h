@@ -28,19 +28,19 @@ class TouchChooser {
     ++pass_;
     count_ = window_.total = 0;
     if (pass_ == 1)
-      for (Best& b : best_) b = {};
+      for (Best& b : best_) b = {Real(-1e30), -1};
     return true;
   }
 
  private:
   static constexpr int kWays = 9;  // eight directions and down
   struct Best {
-    Real score = Real(-1e30);
-    int number = -1;
+    Real score;
+    int number;
   };
   TouchWindow& window_;
   int pass_ = 0, count_ = 0;
-  Best best_[6 * kWays];
+  Best best_[6 * kWays];  // set by next_pass: most pairs never need it
 
   GONOGO_HD void rate(int number, const Touch& t) {
     const Real n[3] = {t.normal.x, t.normal.y, t.normal.z}, p[3] = {t.point.x, t.point.y, t.point.z};
