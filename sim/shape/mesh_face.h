@@ -27,6 +27,13 @@ GONOGO_HD inline bool is_over(const MeshFrom& from, Index t, const Vec3& n, cons
   return true;
 }
 
+/// The same for a point that may be a few envelopes deep in the other wall of a hollow, or as deep as in this one.
+GONOGO_HD inline bool may_be_on(const MeshFrom& from, Index t, const Vec3& n, const Vec3& p, Real gap,
+                                const Tolerance& tol) {
+  if (gap >= tol.envelope || gap < -tol.limit) return false;
+  return is_over(from, t, n, p, tol.slack, 4 * std::fmax(tol.envelope, -gap));
+}
+
 GONOGO_HD inline Vec3 centroid(const MeshFrom& from, Index t) {
   return (from.corner(t, 0) + from.corner(t, 1) + from.corner(t, 2)) * Real(1.0 / 3);
 }

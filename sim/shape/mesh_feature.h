@@ -48,7 +48,30 @@ struct PlacedMesh {
   }
 };
 
-using MeshFrom = SurfaceFrom<PlacedMesh>;
+/// A placed mesh seen from the origin. Directions are made in the mesh's own axes: there is no place to be lost in
+/// them.
+struct MeshFrom : SurfaceFrom<PlacedMesh> {
+  GONOGO_HD const Vec3& own_corner(Index t, int k) const { return surface.mesh.corner[surface.vertex(t, k)]; }
+
+  GONOGO_HD Vec3 normal(Index t) const {
+    const Vec3& a = own_corner(t, 0);
+    const Vec3 n = cross(own_corner(t, 1) - a, own_corner(t, 2) - a);
+    return rotate(surface.q, n * (1 / length(n)));
+  }
+
+  /// Whether a corner is the furthest in direction `n` among its neighbours.
+  GONOGO_HD bool supports(Index t, int k, const Vec3& n, Real lean) const {
+    const Vec3 own = rotate_back(surface.q, n), here = own_corner(t, k);
+    bool furthest = true;
+    visit_ring(t, k, [&](Index r, int c) {
+      for (int i = 1; i < 3; ++i) {
+        const Vec3 edge = own_corner(r, (c + i) % 3) - here;
+        furthest = furthest && dot(edge, own) <= lean * length(edge);
+      }
+    });
+    return furthest;
+  }
+};
 
 /// An edge of a solid; `inward` and `beyond`: unit, square to it, into the two faces beside it.
 struct Edge {
@@ -63,21 +86,10 @@ struct Edge {
 /// A ridge; beside a rim the solid goes straight down.
 GONOGO_HD inline Edge mesh_edge(const MeshFrom& from, Index t, int k) {
   const Vec3 start = from.corner(t, k), along = from.corner(t, (k + 1) % 3) - start;
-  const Vec3 n = from.normal(t), across = cross(n, along), beyond = from.across(t, k);
-  const Real size = length(beyond);
-  return {start, along, across * (1 / length(across)), size > 0 ? beyond * (1 / size) : -n};
-}
-
-/// Whether a corner of a mesh is the furthest among its neighbours.
-GONOGO_HD inline bool corner_supports(const MeshFrom& from, Index t, int k, const Vec3& n, Real lean) {
-  bool furthest = true;
-  from.visit_ring(t, k, [&](Index r, int c) {
-    for (int i = 1; i < 3; ++i) {
-      const Vec3 edge = from.corner(r, (c + i) % 3) - from.corner(r, c);
-      furthest = furthest && dot(edge, n) <= lean * length(edge);
-    }
-  });
-  return furthest;
+  const Vec3 n = from.normal(t), inward = cross(n, along);
+  const Index other = from.surface.neighbour(t, k);
+  const Vec3 beyond = other < 0 ? -n * length(along) : cross(along, from.normal(other));
+  return {start, along, inward * (1 / length(along)), beyond * (1 / length(along))};
 }
 
 /// Whether a point on a box's or cylinder's surface is the furthest of the body.

@@ -19,7 +19,7 @@ struct MeshOnMesh {
     Index t;
     int k;
     Vec3 p;
-    GONOGO_HD bool supports(const Vec3& n, Real lean) const { return corner_supports(own, t, k, n, lean); }
+    GONOGO_HD bool supports(const Vec3& n, Real lean) const { return own.supports(t, k, n, lean); }
   };
 
   /// `n` leads out of the other mesh.
@@ -32,7 +32,7 @@ struct MeshOnMesh {
   GONOGO_HD void on_face(const Corner& c, Index t) {
     const Vec3 n = c.other.normal(t);
     const Real gap = dot(c.p - c.other.corner(t, 0), n);
-    if (gap >= tol.envelope || gap < -tol.limit || !is_over(c.other, t, n, c.p, tol.slack, tol.limit)) return;
+    if (!may_be_on(c.other, t, n, c.p, gap, tol)) return;
     const auto supports = [&](const Vec3& direction, Real lean) { return c.supports(direction, lean); };
     if (c.supports(-n, kLean) && leads_out(c.other, WayOut{t, centroid(c.other, t), c.p, gap}, tol, supports))
       emit(c, c.other.name(t, 0), gap, n);

@@ -46,7 +46,7 @@ struct SolidOnMesh {
     for (int k = 0; k < f.count; ++k) {
       const Vec3 p = f.point[k];
       const Real gap = dot(p - base, n);
-      if (gap >= tol.envelope || !is_over(from, t, n, p, tol.slack, tol.limit)) continue;
+      if (!may_be_on(from, t, n, p, gap, tol)) continue;
       const auto supports = [&](const Vec3& direction, Real lean) { return pressed(p, direction, lean); };
       if (leads_out(from, WayOut{t, centroid(from, t), p, gap}, tol, supports))
         emit(face, f.id[k], int(from.surface.name(t)), gap, n, p - n * (gap / 2));
@@ -67,10 +67,10 @@ struct SolidOnMesh {
     }
     if (const Real distance = length(apart); distance > 0) {
       gap = distance, out = apart * (1 / distance);
-      found = gap < tol.envelope && corner_supports(from, t, k, -out, kLean);
+      found = gap < tol.envelope && from.supports(t, k, -out, kLean);
     } else {
       for (int i = 0; i < sides.count; ++i)
-        if (sides.gap[i] > gap && corner_supports(from, t, k, -sides.normal[i], kLean))
+        if (sides.gap[i] > gap && from.supports(t, k, -sides.normal[i], kLean))
           gap = sides.gap[i], out = sides.normal[i], found = true;
     }
     if (found) emit(corner, 0, int(from.surface.vertex(t, k)), gap, -out, p - out * (gap / 2));
@@ -86,33 +86,40 @@ struct SolidOnMesh {
     emit(edge, of_solid, of_mesh, c.gap, c.normal, (c.on_a + c.on_b) * Real(0.5));
   }
 
-  GONOGO_HD void box_edges(const Edge& ridge, int of_mesh) {
-    const Real half[3] = {solid.size.x, solid.size.y, solid.size.z};
-    for (int i = 0; i < 12; ++i) {
-      const int u = i / 4, v = (u + 1) % 3, w = (u + 2) % 3;
-      const Vec3 along = solid.axis[u] * half[u], out_v = solid.axis[v] * (i & 1 ? Real(1) : Real(-1)),
-                 out_w = solid.axis[w] * (i & 2 ? Real(1) : Real(-1));
-      const Edge own{solid.centre - along + out_v * half[v] + out_w * half[w], along * Real(2), -out_v, -out_w};
-      Crossing c;
-      if (edges_cross(own, ridge, tol, c)) crossing(own, ridge, c, i, of_mesh);
-    }
+  /// Whether a point of the box with these coordinates (in its axes) may be within `reach` of an edge or corner that
+  /// lies at `side` times its half edges; a side of 0 runs along.
+  GONOGO_HD bool is_near(const Vec3& x, const Vec3& side, Real reach) const {
+    const auto near = [&](Real at, Real half, Real s) {
+      return s == 0 ? std::fabs(at) <= half + reach : std::fabs(at - s * half) <= reach;
+    };
+    return near(x.x, solid.size.x, side.x) && near(x.y, solid.size.y, side.y) && near(x.z, solid.size.z, side.z);
   }
 
-  /// Corners of a box apart from a ridge, to which they are nearest between its ends.
-  GONOGO_HD void beside_ridge(const Edge& ridge, int of_mesh) {
-    for (int i = 0; i < 8; ++i) {
-      const Vec3 p =
-          solid.centre + solid.out_of({i & 1 ? solid.size.x : -solid.size.x, i & 2 ? solid.size.y : -solid.size.y,
-                                       i & 4 ? solid.size.z : -solid.size.z});
-      const Real at = dot(p - ridge.start, ridge.along) / dot(ridge.along, ridge.along);
-      if (at <= 0 || at >= 1) continue;
-      const Vec3 d = p - (ridge.start + ridge.along * at);
-      const Real gap = length(d), least = Real(-1e-4) * gap;
-      if (gap <= tol.slack || gap >= tol.envelope || -dot(d, ridge.inward) < least || -dot(d, ridge.beyond) < least)
-        continue;
-      const Vec3 n = d * (1 / gap);
-      if (pressed(p, -n, kLean)) emit(beside, i, of_mesh, gap, n, p - d * Real(0.5));
-    }
+  GONOGO_HD void box_edge(const Edge& ridge, const Vec3& middle, int i, int of_mesh) {
+    const int u = i / 4, v = (u + 1) % 3, w = (u + 2) % 3;
+    const Real half[3] = {solid.size.x, solid.size.y, solid.size.z};
+    Real side[3] = {};
+    side[v] = i & 1 ? Real(1) : Real(-1), side[w] = i & 2 ? Real(1) : Real(-1);
+    const Real reach = Real(0.5) * length(ridge.along) + std::fmax(tol.envelope, tol.limit);
+    if (!is_near(middle, {side[0], side[1], side[2]}, reach)) return;
+    const Vec3 along = solid.axis[u] * half[u], out_v = solid.axis[v] * side[v], out_w = solid.axis[w] * side[w];
+    const Edge own{solid.centre - along + out_v * half[v] + out_w * half[w], along * Real(2), -out_v, -out_w};
+    Crossing c;
+    if (edges_cross(own, ridge, tol, c)) crossing(own, ridge, c, i, of_mesh);
+  }
+
+  /// A corner of a box apart from a ridge, to which it is nearest between the ridge's ends.
+  GONOGO_HD void beside_ridge(const Edge& ridge, const Vec3& middle, int i, int of_mesh) {
+    const Vec3 side{i & 1 ? Real(1) : Real(-1), i & 2 ? Real(1) : Real(-1), i & 4 ? Real(1) : Real(-1)};
+    if (!is_near(middle, side, Real(0.5) * length(ridge.along) + tol.envelope)) return;
+    const Vec3 p = solid.centre + solid.out_of(scale(side, solid.size));
+    const Real at = dot(p - ridge.start, ridge.along) / dot(ridge.along, ridge.along);
+    if (at <= 0 || at >= 1) return;
+    const Vec3 d = p - (ridge.start + ridge.along * at);
+    const Real gap = length(d), most = Real(1e-4) * gap;
+    if (gap <= tol.slack || gap >= tol.envelope || dot(d, ridge.inward) > most || dot(d, ridge.beyond) > most) return;
+    const Vec3 n = d * (1 / gap);
+    if (pressed(p, -n, kLean)) emit(beside, i, of_mesh, gap, n, p - d * Real(0.5));
   }
 
   /// The line along a cylinder's side that is nearest to the ridge's line.
@@ -170,8 +177,9 @@ struct SolidOnMesh {
     const Edge ridge = mesh_edge(from, t, k);
     const int name = int(3 * t + k);
     if (solid.type == ShapeType::box) {
-      box_edges(ridge, name);
-      beside_ridge(ridge, name);
+      const Vec3 middle = solid.into(ridge.start + ridge.along * Real(0.5) - solid.centre);
+      for (int i = 0; i < 12; ++i) box_edge(ridge, middle, i, name);
+      for (int i = 0; i < 8; ++i) beside_ridge(ridge, middle, i, name);
     } else {
       across_side(ridge, name);
       rims(ridge, name);

@@ -121,9 +121,23 @@ TriangleMesh mesh_of(const Shape& s, int cells) {
   return s.type == ShapeType::wheel ? tyre_mesh(s, cells) : cylinder_mesh(s.size.x, s.size.y, cells);
 }
 
-/// The least gap of every case must be the signed distance of the bodies, and every contact lie between them.
+struct Range {
+  double low, high;
+};
+constexpr Range kNear{-0.003, 0.008}, kDeep{-0.02, -0.003};
+
+/// The gap that is nearest to a distance.
+double gap_near(const std::vector<Found>& found, double distance) {
+  double best = 1e30;
+  for (const Found& f : found)
+    if (std::abs(f.touch.gap - distance) < std::abs(best - distance)) best = f.touch.gap;
+  return best;
+}
+
+/// The least gap of every case must be the signed distance of the bodies, and every contact lie between them. Deep ones
+/// may be pushed along other ways out as well.
 void check_pair(const char* name, const Kind& kind_a, const Kind& kind_b, int cases, std::uint64_t seed,
-                double tolerance) {
+                double tolerance, Range range = kNear) {
   Draw draw(seed);
   double worst = 0;
   for (int i = 0; i < cases; ++i) {
@@ -133,7 +147,7 @@ void check_pair(const char* name, const Kind& kind_a, const Kind& kind_b, int ca
     const Shape b = kind_b.mesh ? shapes.mesh(mesh_of(solid_b, kind_b.cells)) : solid_b;
     const Quat qa = draw.orientation(), qb = draw.orientation();
     const Vec3d direction = draw.direction();
-    const double target = draw.between(-0.003, 0.008);
+    const double target = draw.between(range.low, range.high);
     const std::vector<Body> other = parts(solid_b, {}, qb);
     double apart = 1.2, expected = 0;
     for (int k = 0; k < 60; ++k) {
@@ -147,12 +161,14 @@ void check_pair(const char* name, const Kind& kind_a, const Kind& kind_b, int ca
               << least_gap(found));
     REQUIRE(!found.empty());
     REQUIRE(found.size() <= std::size_t(kMostTouches));
-    worst = std::max(worst, std::abs(least_gap(found) - expected));
-    REQUIRE(std::abs(least_gap(found) - expected) < tolerance);
+    const double gap = range.low < kNear.low ? gap_near(found, expected) : least_gap(found);
+    worst = std::max(worst, std::abs(gap - expected));
+    REQUIRE(std::abs(gap - expected) < tolerance);
     std::set<int> names;
     for (const auto& [feature, t] : found) {
       REQUIRE(names.insert(feature).second);
       REQUIRE(length(t.normal) == Approx(1).epsilon(1e-5));
+      if (range.low < kNear.low) continue;
       const Vec3d point = direction * apart + static_cast<Vec3d>(t.point);
       REQUIRE(std::abs(distance_to(one, point)) < 0.52 * std::abs(t.gap) + tolerance + 2e-3);
       REQUIRE(std::abs(distance_to(other, point)) < 0.52 * std::abs(t.gap) + tolerance + 2e-3);
@@ -354,6 +370,13 @@ TEST_CASE(
       REQUIRE(area_of(hull_of(points)) == Approx(area).margin(2e-5));
     }
   }
+}
+
+TEST_CASE("bodies that overlap by up to 2 cm have a contact along the shortest way out") {
+  check_pair("box deep in a mesh box", kBox, mesh_box(1), 60, 13, 2e-6, kDeep);
+  check_pair("mesh box deep in a mesh box", mesh_box(2), mesh_box(3), 40, 14, 2e-6, kDeep);
+  check_pair("cylinder deep in a mesh box", kCylinder, mesh_box(2), 60, 15, 1e-4, kDeep);
+  check_pair("wheel deep in a mesh box", kWheel, mesh_box(1), 10, 16, 1e-4, kDeep);
 }
 
 TEST_CASE("two tyres apart have the distance of their triangles, whichever comes first, in the same contacts") {
