@@ -59,10 +59,6 @@ GONOGO_HD inline void visit_sphere_touches(const ShapePair& pair, Visit&& visit)
 template <class Visit>
 GONOGO_HD inline void visit_plane_touches(const ShapePair& pair, Visit&& visit) {
   const Vec3 up = rotate(pair.qb, {0, 0, 1});
-  if (pair.a.type == ShapeType::mesh) {
-    visit_mesh_plane_touches(pair.surfaces.mesh_at(pair.a.surface), pair.qa, pair.d, up, pair.envelope, visit);
-    return;
-  }
   const auto height = Real(dot(pair.d, static_cast<Vec3d>(up)));
   visit_low_points(pair.a, pair.qa, up, [&](int feature, const Vec3& p) {
     const Real gap = height + dot(p, up);
@@ -180,14 +176,18 @@ GONOGO_HD inline void visit_field_touches(const ShapePair& pair, Visit&& visit) 
   }
 }
 
-template <class Visit>
-GONOGO_HD inline void visit_surface_touches(const ShapePair& pair, Visit&& visit) {
-  if (pair.b.type == ShapeType::plane)
-    visit_plane_touches(pair, visit);
-  else if (pair.b.type == ShapeType::heightfield)
-    visit_field_touches(pair, visit);
-  else
-    visit_mesh_touches(pair, visit);
+/// Apart from find_touches, so that it costs the pairs of simple shapes no registers.
+GONOGO_HD_OUTLINED void find_mesh_touches(const ShapePair& pair, TouchWindow& found) {
+  TouchChooser chooser(found);
+  do {
+    if (pair.b.type == ShapeType::plane)
+      visit_mesh_plane_touches(pair.surfaces.mesh_at(pair.a.surface), pair.qa, pair.d, rotate(pair.qb, {0, 0, 1}),
+                               pair.envelope, chooser);
+    else if (pair.b.type == ShapeType::heightfield)
+      visit_field_touches(pair, chooser);
+    else
+      visit_mesh_touches(pair, chooser);
+  } while (chooser.next_pass());
 }
 
 /// Finds the contacts of the pair with gaps below the envelope, owned by `a`. A feature names the contact inside the
@@ -195,15 +195,14 @@ GONOGO_HD inline void visit_surface_touches(const ShapePair& pair, Visit&& visit
 /// fill every loop over pairs with their code.
 GONOGO_HD_OUTLINED void find_touches(const ShapePair& pair, TouchWindow& found) {
   found.total = 0;
-  if (pair.b.type >= ShapeType::mesh) {
-    TouchChooser chooser(found);
-    do visit_surface_touches(pair, chooser);
-    while (chooser.next_pass());
-  } else if (pair.a.type == ShapeType::sphere) {
+  if (pair.a.type == ShapeType::mesh || pair.b.type == ShapeType::mesh || pair.b.type == ShapeType::heightfield)
+    find_mesh_touches(pair, found);
+  else if (pair.b.type == ShapeType::plane)
+    visit_plane_touches(pair, found);
+  else if (pair.a.type == ShapeType::sphere)
     visit_sphere_touches(pair, found);
-  } else {
+  else
     visit_solid_touches(pair, found);
-  }
 }
 
 /// Calls visit(feature, touch) for every contact of the pair; surfaces may have more than a window holds.

@@ -111,6 +111,32 @@ TEST_CASE("a tower of five mesh blocks turned against each other stands, and eac
   }
 }
 
+TEST_CASE("an upright cylinder or wheel stands on mesh blocks larger and smaller than its cap, and half over an edge") {
+  const double mass = 4, weight = mass * kGravity;
+  struct Place {
+    double half, x;
+  };
+  for (const Backend backend : backends())
+    for (const bool lugs : {false, true})
+      for (const Place& p : {Place{0.5, 0}, Place{0.05, 0.01}, Place{0.5, 0.45}}) {
+        SceneWorld w = empty_world(0.5);
+        fix(w, add_block(w, {0, 0, -0.1}, {Real(p.half), Real(p.half), 0.1f}, 1, 4));
+        Shape s = lugged_wheel();
+        s.type = lugs ? ShapeType::wheel : ShapeType::cylinder;
+        s.size = {0.1f, 0.05f, 0.02f};
+        s.body = w.add_body({{p.x, 0.003, 0.05}, about_x(kPi / 2), {}, {}}, solid(Real(mass), {0.02f, 0.03f, 0.02f}));
+        w.add_shape(s);
+        const auto simulation = simulate(backend, w, settings_with(100));
+        advance_for(*simulation, 0.5);
+        const BodyState end = simulation->body(0, s.body);
+        const std::string label = std::string(lugs ? "wheel" : "cylinder") + " on its cap, block of " +
+                                  short_text(2 * p.half) + " m, " + name_of(backend);
+        CHECK(agrees(label + ": load [N]", weight, -simulation->contact_force(0, 0).z, 0.01 * weight));
+        CHECK(agrees(label + ": moved [m]", 0, length(end.position - w.body[s.body].position), 1e-4));
+        CHECK(length(end.angular_velocity) < 1e-3);
+      }
+}
+
 TEST_CASE("a lugged wheel and a tyre of triangles roll over mesh ground as the wheel over a plane") {
   for (const Backend backend : backends()) {
     double travelled[3], load[3];
