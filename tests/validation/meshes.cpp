@@ -180,11 +180,12 @@ TEST_CASE("a lugged wheel and a tyre of triangles roll over mesh ground as the w
   }
 }
 
-TEST_CASE("a smooth wheel climbs a step of triangles when pulled by more than W tan(angle to the edge), not below") {
+TEST_CASE(
+    "a smooth wheel or tyre climbs a step of triangles when pulled by more than W tan(angle to the edge), not below") {
   const double radius = 0.3, step = 0.06, lift = std::sqrt(radius * radius - (radius - step) * (radius - step));
   const double threshold = lift / (radius - step);  // pull over weight: moments about the edge
   for (const Backend backend : backends())
-    for (const ShapeType type : {ShapeType::cylinder, ShapeType::wheel})
+    for (const ShapeType type : {ShapeType::cylinder, ShapeType::wheel, ShapeType::mesh})
       for (const double share : {0.96, 1.04}) {
         SceneWorld w = empty_world(0);
         w.gravity = {Real(share * threshold * kGravity), 0, Real(-kGravity)};
@@ -193,6 +194,7 @@ TEST_CASE("a smooth wheel climbs a step of triangles when pulled by more than W 
         Shape s;
         s.type = type;
         s.size = {Real(radius), 0.1f, 0};
+        if (type == ShapeType::mesh) s.surface = w.add_mesh(cylinder_mesh(s.size.x, s.size.y, 128));
         s.body = w.add_body({{-lift - 1e-4, 0.03, radius}, {}, {}, {}}, solid(10, {0.3f, 0.5f, 0.3f}));
         w.add_shape(s);
         const auto simulation = simulate(backend, w, settings_with(100));
@@ -203,6 +205,8 @@ TEST_CASE("a smooth wheel climbs a step of triangles when pulled by more than W 
         if (share < 1) CHECK(std::abs(end.position.z - radius) < 1e-3);
         if (share > 1) CHECK(end.position.z > radius + 0.01);
         CHECK(std::abs(end.position.y - 0.03) < 1e-3);
-        CHECK(length(end.angular_velocity) < 0.02);
+        // The polygon of the mesh turns on its corners; nothing else turns, and nothing leans.
+        if (type != ShapeType::mesh) CHECK(std::abs(end.angular_velocity.y) < 0.02);
+        CHECK(std::hypot(end.angular_velocity.x, end.angular_velocity.z) < 0.02);
       }
 }
