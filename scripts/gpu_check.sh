@@ -39,8 +39,8 @@ for rolling in 0 0.1; do
 done
 bench batch --beside-one --threads "$(nproc)"
 bench batch --tiny --beside-one --threads "$(nproc)"
-bench wheel --iterations 25 --backend cuda --threads "$(nproc)"
-bench wheel --iterations 50 --backend cuda --threads "$(nproc)"
+bench wheel --backend cuda --threads "$(nproc)"
+bench wheel --substeps 1 --iterations 50 --backend cuda --threads "$(nproc)"
 # Trials in steady state: the demo's, on the CPU's cores and in one batch on the GPU.
 for device in cpu cuda; do
   build/cuda-release/gonogo campaign run configs/studies/demo.json --out "$results/campaign_$device" --device "$device" 2>&1 | tail -2

@@ -179,7 +179,7 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   add_choice(*command, "--backend", request->backend, kBackends, "cpu or cuda");
   add_choice(*command, "--solver", request->solver, kSolvers, "Solver of the contacts");
   add_choice(*command, "--target", request->target, kTargets, "ccp or coulomb");
-  command->footer("Example:\n  gonogo bench wheel --backend cuda --iterations 50 --json");
+  command->footer("Example:\n  gonogo bench wheel --backend cuda --worlds 8 --json");
   command->callback([&globals, request] {
     request->threads = globals.threads > 0 ? globals.threads : 1;
     request->packing_folder = default_packing_folder();

@@ -230,19 +230,22 @@ class SolveKernel {
     const bool mine = i < t.contacts.end;
     PairRecord bodies{0, 0};
     if (mine) bodies = pair(i);
-    Velocity a = loaded_early(s.extrapolated_velocity[bodies.a]);
-    Velocity b = loaded_early(s.extrapolated_velocity[bodies.b]);
+    Velocity a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
     if (m.done) return;
     if (m.begins && mine) {
       advance_contact(i, bodies, m);
-      a = loaded_early(s.extrapolated_velocity[bodies.a]);  // again, so that nothing keeps them meanwhile
-      b = loaded_early(s.extrapolated_velocity[bodies.b]);
+      // Again, so that nothing keeps them meanwhile.
+      a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
     }
     UpdateSums sums;
     if (mine) sums = update_contact(i, a, b, m, k & 1);
     sums.uphill = team_.sum(sums.uphill);
     if (m.test) sums.residual_square = team_.sum(sums.residual_square);
     if (team_.rank == 0) s.tile_sums[tile] = sums;
+  }
+
+  GONOGO_DEVICE Velocity extrapolated_velocity(BodyIndex b) const {
+    return resident ? loaded_early(s.extrapolated_velocity[b]) : s.extrapolated_velocity[b];
   }
 
   /// The gap after a part of the step.
