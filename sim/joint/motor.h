@@ -37,12 +37,18 @@ struct UpdateMotor {
   Real step;
 
   GONOGO_HD void operator()(Index i) const {
-    const Motor& m = motor[i];
-    const Momentum& iteration = momentum[world_of_body[m.a]];
-    if (iteration.done) return;
-    const Real from = now[i] + iteration.beta * (now[i] - before[i]);
-    before[i] = now[i];
-    now[i] = updated_motor(m, drive[i], from, motor_speed(m, drive[i].axis_W, velocity), step);
+    const Momentum& iteration = momentum[world_of_body[motor[i].a]];
+    if (!iteration.done) update(i, iteration.beta);
+  }
+
+  /// In a world that iterates with momentum `beta`.
+  GONOGO_HD void update(Index i, Real beta) const {
+    const Motor m = motor[i];
+    const MotorDrive at = drive[i];
+    const Real latest = now[i], from = multiply_add(beta, latest - before[i], latest);
+    const Real speed = motor_speed(m, at.axis_W, velocity);
+    before[i] = latest;
+    now[i] = updated_motor(m, at, from, speed, step);
   }
 };
 

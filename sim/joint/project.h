@@ -21,21 +21,9 @@ struct Projection {
   GONOGO_HD Velocity velocity(Index k) const {
     Real sum[6];
     const Mechanism& m = mechanism[body[k].mechanism];
-    add_columns<6>(m, 6 * (k - m.first_body), sum);
+    const Real* from = projection.data + m.projection + 6 * (k - m.first_body);
+    add_columns(m, from, gathered.data + m.first_body, sum);
     return {{sum[0], sum[1], sum[2]}, 0, {sum[3], sum[4], sum[5]}, 0};
-  }
-
-  /// Number c of body k: 0 to 2 linear, 3 to 5 angular. Neighbouring threads read neighbouring numbers.
-  GONOGO_HD Real component(Index k, Index c) const {
-    Real sum[1];
-    const Mechanism& m = mechanism[body[k].mechanism];
-    add_columns<1>(m, 6 * (k - m.first_body) + c, sum);
-    return sum[0];
-  }
-
-  template <int kCount>
-  GONOGO_HD void add_columns(const Mechanism& m, Index first, Real (&sum)[kCount]) const {
-    add_columns(m, projection.data + m.projection + first, gathered.data + m.first_body, sum);
   }
 
   /// `from`: the map's first column at the first number asked for; `gathered`: of the mechanism's first body.

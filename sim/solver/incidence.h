@@ -58,9 +58,6 @@ struct Incidence {
 
   GONOGO_HD Index owned_begin(BodyIndex b) const { return first_contact[first_shape[b]]; }
   GONOGO_HD Index owned_end(BodyIndex b) const { return first_contact[first_shape[b + 1]]; }
-  GONOGO_HD Index degree(BodyIndex b) const {
-    return owned_end(b) - owned_begin(b) + first_second[b + 1] - first_second[b];
-  }
 };
 
 template <class Exec>

@@ -63,6 +63,11 @@ struct WeighContacts {
   }
 };
 
+/// The gap's bias, and for the `coulomb` target what makes up for the opening of a sliding contact [m/s].
+GONOGO_HD_INLINED Real target_bias(const Contact& c, const Velocity& a, const Velocity& b, Target target) {
+  return target == Target::coulomb ? c.gap_bias + c.mu * slip_speed<Real>(c, a, b) : c.gap_bias;
+}
+
 struct SplitMasses {
   View<const BodyMass> mass;
   View<const MechanismBody> jointed;
@@ -90,8 +95,7 @@ struct SplitMasses {
     c.step.t = 1 / (share_a * a.t + share_b * b.t);
     c.step.r = turning ? 1 / (share_a * a.r + share_b * b.r) : Real(1);
     c.unsplit = (share_a * a.n + share_b * b.n) / (a.n + b.n);
-    c.bias = c.gap_bias;
-    if (target == Target::coulomb) c.bias += c.mu * slip_speed<Real>(c, velocity[c.body_a], velocity[c.body_b]);
+    c.bias = target_bias(c, velocity[c.body_a], velocity[c.body_b], target);
   }
 };
 
@@ -105,8 +109,8 @@ struct AdvanceGaps {
     Contact& c = contact[i];
     const Velocity a = velocity[c.body_a], b = velocity[c.body_b];
     c.gap += settings.substep() * dot(c.normal, contact_velocity<Real>(c, a, b));
-    c.bias = c.gap_bias = bias_of_gap(c, settings);
-    if (settings.target == Target::coulomb) c.bias += c.mu * slip_speed<Real>(c, a, b);
+    c.gap_bias = bias_of_gap(c, settings);
+    c.bias = target_bias(c, a, b, settings.target);
   }
 };
 
@@ -116,7 +120,7 @@ struct AdvanceGaps {
 GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, const Velocity& b, const Impulse& from,
                                         Target target) {
   ContactNumbers<Real> numbers = c;
-  numbers.bias = c.gap_bias + (target == Target::coulomb ? c.mu * slip_speed<Real>(c, a, b) : Real(0));
+  numbers.bias = target_bias(c, a, b, target);
   const ConeStep step{c.step.n * c.unsplit, c.step.t * c.unsplit, c.step.r * c.unsplit};
   const Impulse next = projected_step<true, Real>(numbers, from, contact_gradient<Real>(numbers, a, b, from), step);
   return std::sqrt(residual_square<true, Real>(numbers, next, from, step));

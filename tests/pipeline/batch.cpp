@@ -11,6 +11,7 @@
 #include "base/file.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
+#include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
 
 namespace gonogo::pipeline {
@@ -19,15 +20,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Steps of the two phases share no divisor, so that trials that began together soon look at different times.
-TrialSetup short_setup() {
-  TrialSetup s = read_trial_setup(read_study(fs::path(GONOGO_SOURCE_DIR) / "configs/studies/demo.json"),
-                                  fs::temp_directory_path() / "gonogo-test-beds");
-  s.bed_length = 1.8;
+TrialSetup batch_setup() {
+  TrialSetup s = short_setup(0.35);
   s.bed_settle_time = 0.074;
-  s.time_limit = 0.35;
-  s.minimum_drive_time = 0.1;
-  s.ramp_time = 0.05;
-  s.park_time = 0.1;
   s.run_in_distance = 0.02;
   s.test_distance = 0.08;
   s.thresholds.immobile_time = 0.1;
@@ -35,18 +30,10 @@ TrialSetup short_setup() {
 }
 
 DesignPoint point(std::uint64_t index, double slope, double friction_angle, double depth, double payload = 0) {
-  DesignPoint p;
+  DesignPoint p = design_point(slope, friction_angle, depth);
   p.index = index;
   p.seed = 5 + index % 2;
-  p.variables.assign(contract().variables.size(), 0);
-  const auto set = [&](const char* name, double x) { p.variables[contract().variable_index(name)] = x; };
-  set("slope_along", slope);
-  set("friction_angle", friction_angle);
-  set("relative_density", 0.5);
-  set("payload", payload);
-  set("tyre_friction", 0.8);
-  set("bed_depth", depth);
-  set("commanded_speed", 1.5);
+  p.variables[contract().variable_index("payload")] = payload;
   return p;
 }
 
@@ -90,7 +77,7 @@ double measure(const TrialRecord& r, const char* name) { return r.measures[contr
 }  // namespace
 
 TEST_CASE("a trial's record has the same bits alone and in 1, 3 and 8 places, in any order") {
-  const TrialSetup setup = short_setup();
+  const TrialSetup setup = batch_setup();
   std::vector<DesignPoint> points = some_points();
   prepare_trials(setup, points, 2);
   for (const sim::Backend backend : test::backends()) {
@@ -111,7 +98,7 @@ TEST_CASE("a trial's record has the same bits alone and in 1, 3 and 8 places, in
 }
 
 TEST_CASE("trials that need a second attempt have the bits that they have alone, and so have the others") {
-  TrialSetup setup = short_setup();
+  TrialSetup setup = batch_setup();
   std::vector<DesignPoint> points = some_points();
   points.resize(6);
   prepare_trials(setup, points, 2);
@@ -132,7 +119,7 @@ TEST_CASE("trials that need a second attempt have the bits that they have alone,
 }
 
 TEST_CASE("a world that raises a flag makes its own trial unknown and leaves the others alone") {
-  TrialSetup setup = short_setup();
+  TrialSetup setup = batch_setup();
   setup.rig.max_torque = 1e9;  // the wheel of number 2 really turns as fast as it is told to
   std::vector<DesignPoint> points = some_points();
   points.resize(4);
@@ -152,7 +139,7 @@ TEST_CASE("a world that raises a flag makes its own trial unknown and leaves the
 
 TEST_CASE("trials cut off in a batch of three go on in another batch to the same records") {
   const TemporaryFolder folder;
-  const TrialSetup setup = short_setup();
+  const TrialSetup setup = batch_setup();
   const std::vector<DesignPoint> all = some_points(), cut{all[0], all[2], all[3]};
   prepare_trials(setup, all, 2);
   const auto saved = [&](const DesignPoint& p) {
@@ -194,7 +181,7 @@ TEST_CASE("trials cut off in a batch of three go on in another batch to the same
 
 TEST_CASE("a file that cannot be used is set aside where that was asked for, and the trial starts anew") {
   const TemporaryFolder folder;
-  const TrialSetup setup = short_setup();
+  const TrialSetup setup = batch_setup();
   const DesignPoint p = some_points()[0], other = some_points()[2];
   prepare_trials(setup, std::vector<DesignPoint>{p, other}, 1);
   const TrialRecord expected = run_trial(setup, p);
@@ -215,7 +202,7 @@ TEST_CASE("a file that cannot be used is set aside where that was asked for, and
 }
 
 TEST_CASE("a batch without places and one that is full refuse") {
-  const TrialSetup setup = short_setup();
+  const TrialSetup setup = batch_setup();
   CHECK_THROWS_AS(TrialBatch(setup, {sim::Backend::cpu, 0, 1}), InputError);
   const DesignPoint p = some_points()[0];
   prepare_trials(setup, {&p, 1}, 1);

@@ -5,9 +5,9 @@
 #include "base/cancel.h"
 #include "base/error.h"
 #include "base/file.h"
-#include "pipeline/trial/trial.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
+#include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
 
 namespace gonogo::pipeline {
@@ -15,30 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-TrialSetup short_setup() {
-  TrialSetup s = read_trial_setup(read_study(fs::path(GONOGO_SOURCE_DIR) / "configs/studies/demo.json"),
-                                  fs::temp_directory_path() / "gonogo-test-beds");
-  s.bed_length = 1.8;
-  s.time_limit = 0.3;
-  s.minimum_drive_time = 0.1;
-  s.ramp_time = 0.05;
-  s.park_time = 0.1;
-  return s;
-}
-
-DesignPoint point(double slope) {
-  DesignPoint p;
-  p.seed = 5;
-  p.variables.assign(contract().variables.size(), 0);
-  const auto set = [&](const char* name, double x) { p.variables[contract().variable_index(name)] = x; };
-  set("slope_along", slope);
-  set("friction_angle", 30);
-  set("relative_density", 0.5);
-  set("tyre_friction", 0.8);
-  set("bed_depth", 0.25);
-  set("commanded_speed", 1.5);
-  return p;
-}
+DesignPoint point(double slope) { return design_point(slope, 30, 0.25); }
 
 struct Interrupted {};
 
@@ -87,7 +64,7 @@ void check_same(const TrialRecord& a, const TrialRecord& b) {
 
 TEST_CASE("a trial that was cut off goes on to the record and the samples of one that was not") {
   const TemporaryFolder folder;
-  const TrialSetup setup = short_setup();
+  const TrialSetup setup = short_setup(0.3);
   const DesignPoint p = point(5);
   prepare_trials(setup, {&p, 1}, 1);
   const TrialCheckpoint saved{folder / "trial.h5", 0};
@@ -109,7 +86,7 @@ TEST_CASE("a trial that was cut off goes on to the record and the samples of one
 
 TEST_CASE("a trial cut off in its second attempt does not take the first one again") {
   const TemporaryFolder folder;
-  TrialSetup setup = short_setup();
+  TrialSetup setup = short_setup(0.3);
   setup.thresholds.residual = 1e-9;  // no run can meet it
   const DesignPoint p = point(5);
   prepare_trials(setup, {&p, 1}, 1);
@@ -132,7 +109,7 @@ TEST_CASE("a trial cut off in its second attempt does not take the first one aga
 
 TEST_CASE("a checkpoint of another trial and a damaged one are refused, and left as they are") {
   const TemporaryFolder folder;
-  const TrialSetup setup = short_setup();
+  const TrialSetup setup = short_setup(0.3);
   const DesignPoint p = point(5), other = point(6);
   prepare_trials(setup, std::vector<DesignPoint>{p, other}, 1);
   const TrialCheckpoint saved{folder / "trial.h5", 0};
@@ -148,7 +125,7 @@ TEST_CASE("a checkpoint of another trial and a damaged one are refused, and left
 
 TEST_CASE("nothing is saved before the interval has passed") {
   const TemporaryFolder folder;
-  const TrialSetup setup = short_setup();
+  const TrialSetup setup = short_setup(0.3);
   const DesignPoint p = point(5);
   prepare_trials(setup, {&p, 1}, 1);
   const TrialCheckpoint saved{folder / "trial.h5", 1e6};

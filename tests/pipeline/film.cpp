@@ -13,6 +13,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/refused.h"
+#include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/vtp_file.h"
 
@@ -20,31 +21,6 @@ namespace gonogo::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-TrialSetup short_setup() {
-  TrialSetup s = read_trial_setup(read_study(fs::path(GONOGO_SOURCE_DIR) / "configs/studies/demo.json"),
-                                  fs::temp_directory_path() / "gonogo-test-beds");
-  s.bed_length = 1.8;
-  s.time_limit = 0.25;
-  s.minimum_drive_time = 0.1;
-  s.ramp_time = 0.05;
-  s.park_time = 0.1;
-  return s;
-}
-
-DesignPoint point(double slope, double friction_angle) {
-  DesignPoint p;
-  p.seed = 5;
-  p.variables.assign(contract().variables.size(), 0);
-  const auto set = [&](const char* name, double x) { p.variables[contract().variable_index(name)] = x; };
-  set("slope_along", slope);
-  set("friction_angle", friction_angle);
-  set("relative_density", 0.5);
-  set("tyre_friction", 0.8);
-  set("bed_depth", 0.25);
-  set("commanded_speed", 1.5);
-  return p;
-}
 
 FilmRequest small_film() {
   FilmRequest r;
@@ -124,8 +100,8 @@ class SearchPath {
 
 TEST_CASE("a filmed trial ends with the bits of one that nobody watches, and has a frame whenever one is due") {
   const TemporaryFolder folder;
-  const TrialSetup setup = short_setup();
-  const DesignPoint p = point(5, 34);
+  const TrialSetup setup = short_setup(0.25);
+  const DesignPoint p = design_point(5, 34, 0.25);
   prepare_trials(setup, {&p, 1}, 1);
   FilmRequest request = small_film();
   request.picture = folder / "end.png";
@@ -172,8 +148,8 @@ TEST_CASE("a filmed trial ends with the bits of one that nobody watches, and has
 
 TEST_CASE("two films of one trial have the same bytes, whatever the threads") {
   const TemporaryFolder folder;
-  const TrialSetup setup = short_setup();
-  const DesignPoint p = point(5, 34);
+  const TrialSetup setup = short_setup(0.25);
+  const DesignPoint p = design_point(5, 34, 0.25);
   prepare_trials(setup, {&p, 1}, 1);
   for (const int threads : {1, 3}) {
     FilmRequest request = small_film();
@@ -187,9 +163,9 @@ TEST_CASE("two films of one trial have the same bytes, whatever the threads") {
 
 TEST_CASE("a trial that was repeated is shown as it was the second time") {
   const TemporaryFolder folder;
-  TrialSetup setup = short_setup();
+  TrialSetup setup = short_setup(0.25);
   setup.thresholds.residual = 1e-9;  // no run can meet it
-  const DesignPoint p = point(5, 34);
+  const DesignPoint p = design_point(5, 34, 0.25);
   prepare_trials(setup, {&p, 1}, 1);
   FilmRequest request = small_film();
   request.frames = folder / "frames";
@@ -205,8 +181,8 @@ TEST_CASE("a trial that was repeated is shown as it was the second time") {
 
 TEST_CASE("a slope that fails by itself is shown without a wheel") {
   const TemporaryFolder folder;
-  const TrialSetup setup = short_setup();
-  const DesignPoint p = point(44, 18);
+  const TrialSetup setup = short_setup(0.25);
+  const DesignPoint p = design_point(44, 18, 0.25);
   prepare_trials(setup, {&p, 1}, 1);
   FilmRequest request = small_film();
   request.picture = folder / "end.png";

@@ -50,6 +50,21 @@ inline Vec3 tilted_gravity(double angle) {
   return {Real(-kGravity * std::sin(angle)), 0, Real(-kGravity * std::cos(angle))};
 }
 
+inline constexpr double kBlockHalf = 0.1;  // half edge of the block on a slope [m]
+
+/// Gravity leans by `angle` over a level plane; the block is body 1 and stands on it.
+inline sim::SceneWorld block_on_slope(double angle, double mu, double mass) {
+  sim::SceneWorld w;
+  w.origin = {-50, -5, -1};
+  w.size = {100, 10, 3};
+  w.gravity = tilted_gravity(angle);
+  w.set_law(0, 0, {Real(mu), 0, 0});
+  add_plane(w);
+  const Real half = Real(kBlockHalf);
+  add_box(w, {{0, 0, kBlockHalf}, {}, {}, {}}, {half, half, half}, mass);
+  return w;
+}
+
 inline std::unique_ptr<sim::Simulation> simulate(sim::Backend backend, const sim::SceneWorld& world,
                                                  const sim::StepSettings& settings) {
   return sim::make_simulation(backend, {world}, settings, 1);

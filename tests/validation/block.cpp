@@ -13,20 +13,6 @@ using namespace gonogo::test;
 
 namespace {
 
-constexpr double kHalf = 0.1;  // half edge of the block [m]
-
-/// Gravity leans by `angle` over a level plane; the block stands on it.
-SceneWorld block_on_slope(double angle, double mu, double mass) {
-  SceneWorld w;
-  w.origin = {-50, -5, -1};
-  w.size = {60, 10, 2};
-  w.gravity = tilted_gravity(angle);
-  w.set_law(0, 0, {Real(mu), 0, 0});
-  add_plane(w);
-  add_box(w, {{0, 0, kHalf}, {}, {}, {}}, {Real(kHalf), Real(kHalf), Real(kHalf)}, mass);
-  return w;
-}
-
 StepSettings settings_with(double step, Index iterations) {
   StepSettings s;
   s.step = Real(step);
@@ -68,7 +54,7 @@ TEST_CASE("a block on a tilted plane slides as on a level one under tilted gravi
     const Quat tilt = about_y(-angle);  // the plane rises along +x
     add_plane(w, {}, tilt);
     const Vec3d up{-std::sin(angle), 0, std::cos(angle)};
-    add_box(w, {up * kHalf, tilt, {}, {}}, {Real(kHalf), Real(kHalf), Real(kHalf)}, 2);
+    add_box(w, {up * kBlockHalf, tilt, {}, {}}, {Real(kBlockHalf), Real(kBlockHalf), Real(kBlockHalf)}, 2);
     const auto simulation = simulate(backend, w, settings_with(1e-3, 50));
     advance_for(*simulation, seconds);
     const Vec3d v = static_cast<Vec3d>(simulation->body(0, 1).velocity);
@@ -123,7 +109,7 @@ TEST_CASE("a sliding block opens the gap h mu v that the convex relaxation predi
     const auto simulation = simulate(backend, w, settings);
     simulation->advance(20);
     const BodyState s = simulation->body(0, 1);
-    const double gap = s.position.z - kHalf, expected = step * mu * s.velocity.x;
+    const double gap = s.position.z - kBlockHalf, expected = step * mu * s.velocity.x;
     // contact.md's rule is the steady value; the speed falls by mu g h = 1.5 % a step, and the gap follows within that.
     CHECK(agrees("sliding block, gap h mu v [m]", expected, gap, 0.05 * expected));
   }

@@ -15,19 +15,6 @@ using namespace gonogo::test;
 
 namespace {
 
-constexpr double kHalf = 0.1;  // half edge of the block [m]
-
-SceneWorld block_on_slope(double angle, double mu, double mass) {
-  SceneWorld w;
-  w.origin = {-50, -5, -1};
-  w.size = {100, 10, 3};
-  w.gravity = tilted_gravity(angle);
-  w.set_law(0, 0, {Real(mu), 0, 0});
-  add_plane(w);
-  add_box(w, {{0, 0, kHalf}, {}, {}, {}}, {Real(kHalf), Real(kHalf), Real(kHalf)}, mass);
-  return w;
-}
-
 StepSettings settings_with(double step, Target target, Index iterations = 100) {
   StepSettings s;
   s.step = Real(step);
@@ -79,7 +66,7 @@ TEST_CASE("under Coulomb's law a sliding block keeps to the plane and loses mu g
       const auto simulation = simulate(backend, w, settings);
       simulation->advance(12);
       const BodyState s = simulation->body(0, 1);
-      gap[int(target)] = s.position.z - kHalf;
+      gap[int(target)] = s.position.z - kBlockHalf;
       const double expected = speed - 12 * mu * kGravity * step;
       if (target == Target::coulomb) {
         CHECK(agrees("sliding block, Coulomb: speed after 12 steps [m/s]", expected, s.velocity.x, 1e-4));

@@ -258,9 +258,7 @@ class SolveKernel {
     linear = sum_of_lanes<kLanesPerBody>(linear);
     angular = sum_of_lanes<kLanesPerBody>(angular);
     if (lane() != 0) return;
-    const Velocity next = driven(b, free, mass, linear, angular);
-    s.extrapolated_velocity[b] = k < 0 ? next : extrapolated<Real>(next, before, m.next_beta);
-    s.velocity[b] = next;
+    set_velocity(b, driven(s, b, free, mass, linear, angular), before, m, k);
   }
 
   /// One warp.
@@ -272,15 +270,12 @@ class SolveKernel {
     linear = sum_of_lanes<32>(linear);
     angular = sum_of_lanes<32>(angular);
     if (team_.rank % 32 != 0) return;
-    const Velocity next = driven(b, s.free_velocity[b], s.mass[b], linear, angular);
-    s.extrapolated_velocity[b] = k < 0 ? next : extrapolated<Real>(next, s.velocity[b], m.next_beta);
-    s.velocity[b] = next;
+    set_velocity(b, driven(s, b, s.free_velocity[b], s.mass[b], linear, angular), s.velocity[b], m, k);
   }
 
-  __device__ Velocity driven(BodyIndex b, const Velocity& free, const BodyMass& m, const Vec3& linear,
-                             const Vec3& angular) const {
-    const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
-    return driven_velocity(free, m, inverse_inertia, linear, angular);
+  __device__ void set_velocity(BodyIndex b, const Velocity& next, const Velocity& before, const Momentum& m, Index k) {
+    s.extrapolated_velocity[b] = k < 0 ? next : extrapolated<Real>(next, before, m.next_beta);
+    s.velocity[b] = next;
   }
 
   __device__ void decide(WorldIndex w, Index k) {

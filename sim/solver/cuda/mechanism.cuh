@@ -44,7 +44,7 @@ class MechanismMover {
     if (m.body_count == 0) return;
     const Momentum now = s.momentum[k < 0 ? 0 : k & 1][m.world];
     if (now.done) return;
-    if (k >= 0) update_motors(m, now.beta);
+    if (k >= 0) update_motors(m, k, now.beta);
     for (Index slot = 0; slot < m.body_count; ++slot) sum_contacts(slot);
     team_.sync();
     for (Index slot = team_.rank; slot < m.body_count; slot += kTileSize) gather(m, slot);
@@ -55,18 +55,12 @@ class MechanismMover {
   }
 
  private:
-  /// As UpdateMotor does, from velocities of before.
-  __device__ void update_motors(const Mechanism& m, Real beta) {
+  /// From velocities of before.
+  __device__ void update_motors(const Mechanism& m, Index k, Real beta) {
+    const UpdateMotor motor{s.motor,           s.drive,         s.extrapolated_velocity, s.world_of_body,
+                            s.momentum[k & 1], s.motor_impulse, s.motor_before,          s.step};
     const Index first = m.first_element + m.element_count - m.motor_count;
-    for (Index n = team_.rank; n < m.motor_count; n += kTileSize) {
-      const Index i = s.element[first + n].index;
-      const Motor motor = s.motor[i];
-      const MotorDrive drive = s.drive[i];
-      const Real now = s.motor_impulse[i], from = multiply_add(beta, now - s.motor_before[i], now);
-      const Real speed = motor_speed(motor, drive.axis_W, s.extrapolated_velocity);
-      s.motor_before[i] = now;
-      s.motor_impulse[i] = updated_motor(motor, drive, from, speed, s.step);
-    }
+    for (Index n = team_.rank; n < m.motor_count; n += kTileSize) motor.update(s.element[first + n].index, beta);
   }
 
   /// By a warp, or by the whole team where there are many.
@@ -93,9 +87,8 @@ class MechanismMover {
     const BodyIndex b = work_.body[slot];
     const Velocity free = s.free_velocity[b];
     const BodyMass mass = s.mass[b];
-    const SymMat3 inverse_inertia = mass.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
     const Vec3 angular = work_.angular[slot] + s.motor_moment(m.first_body + slot);
-    work_.gathered[slot] = driven_velocity(free, mass, inverse_inertia, work_.linear[slot], angular);
+    work_.gathered[slot] = driven(s, b, free, mass, work_.linear[slot], angular);
     s.gathered[m.first_body + slot] = work_.gathered[slot];  // for the joints' loads
   }
 

@@ -102,4 +102,11 @@ struct SolveViews {
   Index* worlds_at_work;
 };
 
+/// `free`, `m`: of body b, loaded early.
+__device__ inline Velocity driven(const SolveViews& s, BodyIndex b, const Velocity& free, const BodyMass& m,
+                                  const Vec3& linear, const Vec3& angular) {
+  const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
+  return driven_velocity(free, m, inverse_inertia, linear, angular);
+}
+
 }  // namespace gonogo::sim
