@@ -1,0 +1,210 @@
+// The reduced-coordinate HMMWV with all its wishbones against the same bodies and joints in the contact engine.
+#include <cmath>
+#include <random>
+
+#include "sim/joint/build.h"
+#include "tests/support/backends.h"
+#include "tests/support/catch.h"
+#include "tests/support/joint_error.h"
+#include "tests/support/measure.h"
+#include "tests/support/scenes.h"
+#include "tests/support/vehicles.h"
+#include "vehicle/model/engine_bodies.h"
+#include "vehicle/model/statics.h"
+#include "vehicle/multibody/vehicle_tree.h"
+
+using namespace gonogo;
+using namespace gonogo::test;
+using namespace gonogo::vehicle;
+using namespace gonogo::vehicle::multibody;
+
+namespace {
+
+const Vector3 kDown(0, 0, -test::kGravity);
+
+Matrix3 rotation(const Quat& q) { return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix(); }
+
+/// Positions of the tree from the poses of the engine's bodies, whose frames were turned to principal axes by `start`.
+VectorX tree_position(const VehicleTree& v, const std::vector<Vector3>& centre,
+                      const std::vector<sim::BodyState>& start, const std::vector<sim::BodyState>& now) {
+  VectorX q = v.tree.zero_position();
+  std::vector<Matrix3> turn;
+  for (int i = 0; i < v.tree.body_count(); ++i) {
+    const TreeBody& b = v.tree.body(i);
+    turn.push_back(rotation(now[i].orientation) * rotation(start[i].orientation).transpose());
+    const Matrix3 relative = b.parent >= 0 ? Matrix3(turn[b.parent].transpose() * turn[i]) : turn[i];
+    const Eigen::Quaterniond as(relative);
+    if (b.type == JointType::revolute) {
+      const Eigen::AngleAxisd about(relative);
+      q(b.first_position) = about.angle() * (about.axis().dot(b.axis) > 0 ? 1 : -1);
+    } else {
+      q.segment<4>(b.first_position) << as.w(), as.x(), as.y(), as.z();
+    }
+    if (b.type == JointType::floating)
+      q.segment<3>(b.first_position + 4) = multibody::vector(now[i].position) - turn[i] * centre[i];
+  }
+  return q;
+}
+
+/// The engine's springs have no stops.
+Vehicle without_stops(Vehicle v) {
+  for (Suspension& s : v.suspension) s.spring.stop = {};
+  return v;
+}
+
+struct Model {
+  Vehicle vehicle;
+  Assembly assembly;
+  VehicleTree reduced;
+  std::vector<Vector3> centre;  // of mass, in the bodies' frames
+
+  explicit Model(const std::string& name)
+      : vehicle(without_stops(shipped_vehicle(name))), assembly(assemble(vehicle)), reduced(vehicle_tree(assembly)) {
+    for (std::size_t i = 0; i < assembly.body.size(); ++i)
+      centre.push_back(reduced.local(int(i), assembly.body[i].centre));
+  }
+};
+
+/// Joint velocities that tumble the vehicle and move its suspension, with all loops closed.
+VectorX thrown(const Model& m) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> u(-1, 1);
+  VectorX v(m.reduced.tree.velocity_count());
+  for (int i = 0; i < v.size(); ++i) v(i) = 0.5 * u(random);
+  for (const int axle : m.reduced.axle) v(axle) = 5;
+  const VectorX q = m.reduced.tree.zero_position();
+  const LoopEquations e = loop_equations(m.reduced.tree, m.reduced.loop, kinematics(m.reduced.tree, q, v), v);
+  return v - e.jacobian.completeOrthogonalDecomposition().solve(e.jacobian * v);
+}
+
+/// Classical Runge-Kutta for trees with quaternions: velocities exactly, positions by turning at the stages' mean.
+void step(const Model& m, VectorX& q, VectorX& v, double h, bool struts) {
+  const Tree& tree = m.reduced.tree;
+  const auto acceleration = [&](const VectorX& at, const VectorX& with) {
+    const auto forces =
+        struts ? strut_forces(m.reduced, m.assembly.strut, kinematics(tree, at, with)) : std::vector<Vector6>{};
+    const VectorX none = VectorX::Zero(tree.velocity_count());
+    return forward_with_loops(tree, m.reduced.loop, at, with, none, kDown, forces, 50).acceleration;
+  };
+  const VectorX k1 = acceleration(q, v);
+  const VectorX middle = v + 0.5 * h * k1;
+  const VectorX k2 = acceleration(moved(tree, q, v, 0.5 * h), middle);
+  q = moved(tree, q, v + 0.5 * h * k2, h);
+  v += h * k2;
+}
+
+struct Flight {
+  double place = 0, turn = 0;  // largest differences of bodies [m, rad]
+  double drift = 0;            // of the engine's joints [m]
+};
+
+/// Throws the vehicle in both models for a time.
+Flight fly(sim::Backend backend, const Model& m, double seconds, double engine_step) {
+  sim::SceneWorld w;
+  w.origin = {-10, -10, -10};
+  w.size = {20, 20, 20};
+  const EngineBodies bodies = add_bodies(w, m.assembly, {});
+  VectorX q = m.reduced.tree.zero_position(), v = thrown(m);
+  const Kinematics k = kinematics(m.reduced.tree, q, v);
+  for (std::size_t i = 0; i < bodies.body.size(); ++i) {
+    const Vector3 linear = point_velocity(k, int(i), m.centre[i]);
+    const Vector3 spin = k.from_world[i].E.transpose() * k.velocity[i].head<3>();
+    w.body[i].velocity = {Real(linear.x()), Real(linear.y()), Real(linear.z())};
+    w.body[i].angular_velocity = {Real(spin.x()), Real(spin.y()), Real(spin.z())};
+  }
+  sim::StepSettings settings;
+  settings.step = Real(engine_step);
+  const auto simulation = simulate(backend, w, settings);
+  simulation->advance(Index(std::lround(seconds / engine_step)));
+  const double h = 1e-3;
+  for (int i = 0; i < std::lround(seconds / h); ++i) step(m, q, v, h, false);
+  const Kinematics after = kinematics(m.reduced.tree, q, v);
+  const auto end = simulation->bodies(0);
+  Flight f;
+  f.drift = drift(w, end);
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    f.place =
+        std::max(f.place, (multibody::vector(end[i].position) - point_position(after, int(i), m.centre[i])).norm());
+    const Matrix3 turned = rotation(end[i].orientation) * rotation(w.body[i].orientation).transpose();
+    f.turn = std::max(f.turn, Eigen::AngleAxisd(Matrix3(turned * after.from_world[i].E)).angle());
+  }
+  return f;
+}
+
+}  // namespace
+
+TEST_CASE("the HMMWV's four wishbone suspensions each have one degree of freedom, and its wheels turn") {
+  const Model m("hmmwv");
+  const VectorX q = m.reduced.tree.zero_position(), rest = VectorX::Zero(m.reduced.tree.velocity_count());
+  const LoopEquations e = loop_equations(m.reduced.tree, m.reduced.loop, kinematics(m.reduced.tree, q, rest), rest);
+  CHECK(agrees("loops in the design position [m]", 0, e.error.cwiseAbs().maxCoeff(), 1e-12));
+  const Eigen::FullPivLU<MatrixX> lu(e.jacobian);
+  // 6 of the chassis, 4 suspensions, 4 axles.
+  CHECK(m.reduced.tree.velocity_count() - lu.rank() == 14);
+}
+
+TEST_CASE("a thrown HMMWV tumbles in reduced coordinates as in the contact engine") {
+  const Model m("hmmwv");
+  for (const sim::Backend backend : backends()) {
+    const std::string name = std::string(name_of(backend)) + ", ";
+    const Flight coarse = fly(backend, m, 0.2, 5e-4), fine = fly(backend, m, 0.2, 2.5e-4);
+    CHECK(agrees(name + "place after 0.2 s, h 0.5 ms [m]", 0, coarse.place, 2e-3));
+    CHECK(agrees(name + "place after 0.2 s, h 0.25 ms [m]", 0, fine.place, 1e-3));
+    CHECK(agrees(name + "turn after 0.2 s, h 0.25 ms [rad]", 0, fine.turn, 5e-3));
+    CHECK(agrees(name + "halving the step halves the difference", 0.5, fine.place / coarse.place, 0.15));
+    CHECK(agrees(name + "drift of the joints [m]", 0, fine.drift, 1e-4));
+  }
+}
+
+TEST_CASE("the HMMWV that the engine has let settle on rigid ground is in equilibrium in reduced coordinates") {
+  const Model m("hmmwv");
+  const Weights weights = weigh(m.vehicle);
+  for (const sim::Backend backend : backends()) {
+    sim::SceneWorld w;
+    w.origin = {-20, -20, -2};
+    w.size = {40, 40, 10};
+    w.set_law(0, 0, {Real(0.9), 0, 0});
+    const Vec3d origin{0, 0, -weights.ground};
+    const EngineBodies bodies = add_bodies(w, m.assembly, origin);
+    add_struts(w, m.assembly, bodies, origin);
+    for (const int wheel : m.assembly.wheel) {
+      sim::Shape tyre;
+      tyre.body = bodies.body[wheel];
+      tyre.size = {Real(0.467), 0, 0};  // a sphere: touches where the wheel's middle plane does
+      w.add_shape(tyre);
+    }
+    for (std::size_t l = 0; l < m.assembly.link.size(); ++l)
+      if (m.assembly.link[l].wheel) w.motor.push_back(sim::speed_motor(w.joint[bodies.joint[l]], 0, 4000));
+    add_plane(w);
+    sim::StepSettings settings;
+    settings.iterations = 60;
+    const auto simulation = simulate(backend, w, settings);
+    advance_for(*simulation, 5);
+    const auto now = simulation->bodies(0);
+    const VectorX q = tree_position(m.reduced, m.centre, w.body, now);
+    const VectorX rest = VectorX::Zero(m.reduced.tree.velocity_count());
+    const Kinematics k = kinematics(m.reduced.tree, q, rest);
+    const LoopEquations e = loop_equations(m.reduced.tree, m.reduced.loop, k, rest);
+    CHECK(agrees("loops at the engine's pose [m]", 0, e.error.cwiseAbs().maxCoeff(), 1e-4));
+    VectorX brake = rest;
+    auto force = strut_forces(m.reduced, m.assembly.strut, k);
+    const auto load = static_loads(m.vehicle);
+    double sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const int wheel = m.assembly.wheel[i];
+      const auto on = simulation->contact_force(0, bodies.body[wheel]);
+      const Vector3 at = point_position(k, wheel, m.centre[wheel]) - Vector3(0, 0, 0.467);
+      force[wheel] += force_at(k.from_world[wheel].point(at), k.from_world[wheel].E * Vector3(on.x, on.y, on.z));
+      brake(m.reduced.axle[i]) = simulation->motor_torque(0, Index(i));
+      sum += on.z;
+      CHECK(agrees("load of wheel " + std::to_string(i) + " [N]", load[i], on.z, 0.02 * load[i]));
+    }
+    CHECK(agrees("sum of the loads [N]", weights.total * vehicle::kGravity, sum, 1e-3 * sum));
+    const VectorX dv = forward_with_loops(m.reduced.tree, m.reduced.loop, q, rest, brake, kDown, force).acceleration;
+    CHECK(agrees("acceleration of the chassis [m/s^2]", 0, dv.segment<3>(3).norm(), 0.01));
+    CHECK(agrees("turning of the chassis [rad/s^2]", 0, dv.head<3>().norm(), 0.01));
+    double inner = 0;
+    for (int i = 6; i < dv.size(); ++i) inner = std::max(inner, std::fabs(dv(i)));
+    CHECK(agrees("largest joint acceleration [rad/s^2]", 0, inner, 0.5));
+  }
+}
