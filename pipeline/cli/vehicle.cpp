@@ -5,6 +5,7 @@
 #include "pipeline/vehicle/feasible.h"
 #include "pipeline/vehicle/locate.h"
 #include "pipeline/vehicle/show.h"
+#include "pipeline/vehicle/vci.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -43,6 +44,17 @@ void add_feasible(CLI::App& vehicle, const Globals& globals) {
   });
 }
 
+void add_vci(CLI::App& vehicle, const Globals& globals) {
+  CLI::App* command = vehicle.add_subcommand(
+      "vci", "Mobility index, vehicle cone index for one and fifty passes, semi-empirical traction");
+  const auto name = add_name(*command);
+  command->footer("Example:\n  gonogo vehicle vci hmmwv");
+  command->callback([&globals, name] {
+    const Report r = vehicle_cone_index(vehicle::read_vehicle(vehicle_file(*name)));
+    print_result(globals, r.json, r.text);
+  });
+}
+
 }  // namespace
 
 void add_vehicle_command(CLI::App& app, const Globals& globals) {
@@ -51,6 +63,7 @@ void add_vehicle_command(CLI::App& app, const Globals& globals) {
   command->footer("Example:\n  gonogo vehicle show hmmwv");
   add_show(*command, globals);
   add_feasible(*command, globals);
+  add_vci(*command, globals);
 }
 
 }  // namespace gonogo::pipeline::cli
