@@ -31,21 +31,37 @@ void factors(const VehicleIndex& index, bool wheels, Report& r) {
   }
 }
 
-/// Traction of the mean wheel over the cone index; tracks have passes only.
+/// The mean wheel at its deflection; its soil is still to come.
+WheelOnSoil mean_wheel(const Vehicle& v, const VehicleIndex& index) {
+  const auto places = stations(v);
+  const Wheel& wheel = *places[0].wheel;
+  return {weigh(v).total * kGravity / double(places.size()),
+          wheel.size_diameter,
+          wheel.size_section_width,
+          wheel.size_section_height,
+          index.deflection_ratio * wheel.size_section_height,
+          0};
+}
+
+void tractions(const WheelOnSoil& w, Report& r, Json& row) {
+  const double ratio = w.load / (w.width * w.diameter / 2) / w.cone_index;
+  const double clay = clay_traction(w, kSlip).net(), bias = brixius(w, kSlip, false).net(),
+               radial = brixius(w, kSlip, true).net();
+  const bool soft = ratio >= kLeastPressureRatio;
+  const double sand = soft ? sand_net_traction(ratio, kSlip) : 0;
+  r.text += line(" %6.2f %13.2f %15.2f %10s", clay, bias, radial, soft ? line("%.2f", sand).c_str() : "too firm");
+  row["net_traction_clay"] = clay;
+  row["net_traction_brixius_bias"] = bias;
+  row["net_traction_brixius_radial"] = radial;
+  row["net_traction_sand"] = soft ? Json(sand) : Json(nullptr);
+}
+
+/// Passes, and traction of wheels, over the cone index.
 void strengths(const Vehicle& v, const VehicleIndex& index, Report& r) {
   const bool wheels = v.kind != VehicleKind::tracked;
   WheelOnSoil w;
-  if (wheels) {
-    const auto places = stations(v);
-    const Wheel& wheel = *places[0].wheel;
-    w = {weigh(v).total * kGravity / double(places.size()),
-         wheel.size_diameter,
-         wheel.size_section_width,
-         wheel.size_section_height,
-         index.deflection_ratio * wheel.size_section_height,
-         0};
-    r.text += line("\nnet traction over load at %.0f %% slip, mean wheel of %.0f N\n", 100 * kSlip, w.load);
-  }
+  if (wheels) w = mean_wheel(v, index);
+  if (wheels) r.text += line("\nnet traction over load at %.0f %% slip, mean wheel of %.0f N\n", 100 * kSlip, w.load);
   r.text += "cone index [psi]  [kPa]  passes in fine-grained soil";
   r.text += wheels ? "   clay  Brixius bias  Brixius radial   dry sand\n" : "\n";
   Json rows = Json::array();
@@ -57,19 +73,8 @@ void strengths(const Vehicle& v, const VehicleIndex& index, Report& r) {
     Json row;
     row["cone_index_psi"] = psi;
     row["passes"] = passes;
-    if (wheels) {
-      w.cone_index = psi * kPsi;
-      const double ratio = w.load / (w.width * w.diameter / 2) / w.cone_index;
-      const double clay = clay_traction(w, kSlip).net(), bias = brixius(w, kSlip, false).net(),
-                   radial = brixius(w, kSlip, true).net();
-      const bool soft = ratio >= kLeastPressureRatio;
-      const double sand = soft ? sand_net_traction(ratio, kSlip) : 0;
-      r.text += line(" %6.2f %13.2f %15.2f %10s", clay, bias, radial, soft ? line("%.2f", sand).c_str() : "too firm");
-      row["net_traction_clay"] = clay;
-      row["net_traction_brixius_bias"] = bias;
-      row["net_traction_brixius_radial"] = radial;
-      row["net_traction_sand"] = soft ? Json(sand) : Json(nullptr);
-    }
+    w.cone_index = psi * kPsi;
+    if (wheels) tractions(w, r, row);
     r.text += "\n";
     rows.push_back(row);
   }

@@ -39,6 +39,10 @@ inline Traction brixius(const WheelOnSoil& w, double slip, bool radial) {
   return {gross, rolling + 0.5 * slip / std::sqrt(b)};
 }
 
+/// Below this ratio, on sand so firm that a wheel hardly marks it, the fit of sand_net_traction turns round and is not
+/// to be used.
+inline constexpr double kLeastPressureRatio = 0.04;
+
 /// Net traction on dry sand from braked to powered: Mason, Williams, Vahedifard & Priddy, "A unified equation for
 /// predicting traction for wheels on sand over a range of braked, towed, and powered operations", J. Terramechanics 79
 /// (2018), by MAVS. `pressure_ratio` is contact pressure over cone index, slip in [-1, 1].
