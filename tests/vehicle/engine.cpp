@@ -131,6 +131,26 @@ Flight fly(sim::Backend backend, const Model& m, double seconds, double engine_s
 
 }  // namespace
 
+TEST_CASE("the ways to the accelerations agree on the trees of all shipped vehicles") {
+  std::mt19937 random(19);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (const char* name : {"hmmwv", "fed_alpha", "m113", "viper", "mgru3"}) {
+    const Model m(name);
+    const Tree& tree = m.reduced.tree;
+    const int n = tree.velocity_count();
+    VectorX by(n), v(n), tau(n);
+    for (int i = 0; i < n; ++i) by(i) = 0.3 * u(random), v(i) = u(random), tau(i) = 500 * u(random);
+    const VectorX q = moved(tree, tree.zero_position(), by, 1);
+    const VectorX bias = inverse_dynamics(tree, q, v, VectorX::Zero(n), kDown);
+    const VectorX direct = mass_matrix_by_unit_vectors(tree, q).llt().solve(tau - bias);
+    const double size = direct.norm();
+    const double articulated = (forward_by_articulated_bodies(tree, q, v, tau, kDown) - direct).norm() / size;
+    const double divided = (forward_by_divide_and_conquer(tree, q, v, tau, kDown) - direct).norm() / size;
+    CHECK(agrees(std::string(name) + ", articulated bodies", 0, articulated, 1e-10));
+    CHECK(agrees(std::string(name) + ", divide and conquer", 0, divided, 1e-10));
+  }
+}
+
 TEST_CASE("the HMMWV's four wishbone suspensions each have one degree of freedom, and its wheels turn") {
   const Model m("hmmwv");
   const VectorX q = m.reduced.tree.zero_position(), rest = VectorX::Zero(m.reduced.tree.velocity_count());
