@@ -23,6 +23,8 @@ struct Cpu {
 struct Cuda {
   void* stream = nullptr;
   const Index* halted = nullptr;  // on the device; where it is not zero, kernels do nothing
+  void* side = nullptr;           // streams for work beside this one's (see beside.h)
+  Index side_count = 0;
 };
 
 #ifdef __CUDACC__

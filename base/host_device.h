@@ -1,12 +1,14 @@
 // GONOGO_HD marks the formulas that are compiled for the CPU and for CUDA; GONOGO_HD_INLINED is for those whose many
-// arguments must stay in registers, GONOGO_HD_OUTLINED for long code that must be there once only. The only place, with
-// for_each.h and buffer.h, that asks which compiler is at work.
+// arguments must stay in registers, GONOGO_HD_OUTLINED for long code that must be there once only, GONOGO_DEVICE for
+// the parts of a kernel, whose parameters are read from constant memory only as long as nothing holds their address.
+// The only place, with for_each.h and buffer.h, that asks which compiler is at work.
 #pragma once
 
 #ifdef __CUDACC__
 #define GONOGO_HD __host__ __device__
 #define GONOGO_HD_INLINED __host__ __device__ __forceinline__
 #define GONOGO_HD_OUTLINED __host__ __device__ __noinline__ inline
+#define GONOGO_DEVICE __device__ __forceinline__
 #else
 #define GONOGO_HD
 #define GONOGO_HD_INLINED inline __attribute__((always_inline))

@@ -12,7 +12,7 @@ class StepQueue<Cuda> {
   explicit StepQueue(Cuda exec) : exec_(exec) {
     cudaStream_t stream = nullptr;
     check_cuda(cudaStreamCreate(&stream), "stream");
-    exec_.stream = stream;
+    exec_ = {stream, nullptr, side_, kSideStreams};
   }
   ~StepQueue() {
     forget();
@@ -42,7 +42,7 @@ class StepQueue<Cuda> {
   /// Outside of steps.
   template <class Stage>
   void run(const Stage& stage) {
-    stage(Cuda{exec_.stream, nullptr});
+    stage(Cuda{exec_.stream});
     check_cuda(cudaStreamSynchronize(stream_of(exec_)), "stage");
   }
 
@@ -56,11 +56,11 @@ class StepQueue<Cuda> {
   }
 
  private:
-  static constexpr Index kMostQueued = 64;
+  static constexpr Index kMostQueued = 64, kSideStreams = 2;
 
   void launch(State<Cuda>& s, const StepSettings& settings) {
     if (!prepared_) {  // taken step by step: scratch memory is allocated on the way
-      reserve_solver(s);
+      reserve_solver(s, settings);
       step(exec_, s, settings);
       prepared_ = true;
       return;
@@ -82,6 +82,7 @@ class StepQueue<Cuda> {
   }
 
   Cuda exec_;
+  SideStream side_[kSideStreams];
   cudaGraphExec_t graph_[2] = {nullptr, nullptr};
   bool prepared_ = false;
 };

@@ -428,7 +428,8 @@ class SimulationOn final : public Simulation {
   }
 
   void allocate() {
-    for (auto* of_body : {&s_.velocity, &s_.free_velocity, &s_.extrapolated_velocity})
+    for (auto* of_body : {&s_.velocity, &s_.velocity_change, &s_.free_velocity, &s_.extrapolated_velocity,
+                          &s_.part_velocity, &s_.earlier_velocity})
       of_body->fill_zero(s_.body_count);
     s_.position.fill_zero(s_.body_count);
     s_.orientation.fill_zero(s_.body_count);
@@ -469,6 +470,7 @@ class SimulationOn final : public Simulation {
     s_.large.fill_zero(large_total_);
     s_.contacts_of_part.fill_zero(s_.shape_count * kSearchParts);
     s_.first_of_part.fill_zero(s_.shape_count * kSearchParts + 1);
+    s_.noted.fill_zero(s_.shape_count * kNeighbourRows * kNotedPairs);
     s_.first_contact.fill_zero(s_.shape_count + 1);
     s_.shape_in_bin.fill_zero(s_.shape_count);
     s_.shape_by_bin.fill_zero(s_.shape_count);

@@ -53,6 +53,18 @@ struct alignas(8 * sizeof(T)) VelocityT {
 using Impulse = ImpulseT<Real>;
 using Velocity = VelocityT<Real>;
 
+/// A contact's weight when a body shares out its mass (see split.h): those that carry something get more of it.
+GONOGO_HD inline Index contact_weight(const Contact& c, const Impulse& start) {
+  return dot(start.linear, c.normal) > 0 || c.gap < 0 ? 4 : 1;
+}
+
+GONOGO_HD_INLINED Velocity sum(const Velocity& a, const Velocity& b) {
+  return {a.linear + b.linear, 0, a.angular + b.angular, 0};
+}
+GONOGO_HD_INLINED Velocity difference(const Velocity& a, const Velocity& b) {
+  return {a.linear - b.linear, 0, a.angular - b.angular, 0};
+}
+
 template <class T>
 GONOGO_HD_INLINED VelocityT<T> extrapolated(const VelocityT<T>& now, const VelocityT<T>& before, const T& beta) {
   VelocityT<T> v;

@@ -1,5 +1,7 @@
 // Contacts in the order of their owning shape, found twice (to count, then to write) by the same code.
 #pragma once
+#include "base/beside.h"
+#include "base/words.h"
 #include "sim/contact/finder.h"
 #include "sim/solver/tiles.h"
 
@@ -13,6 +15,9 @@ inline constexpr Index kSearchParts = kNeighbourRows + 1;
 inline constexpr Index rows_per_thread(Cpu, Index) { return kNeighbourRows; }
 inline constexpr Index rows_per_thread(Cuda, Index shapes) { return shapes < 100'000 ? 1 : kNeighbourRows; }
 
+/// Pairs of a part that the count notes down, so that they need not be searched for again.
+inline constexpr Index kNotedPairs = 3;
+
 /// Calls work(shape, row) for the rows of thread `t`; neighbouring threads have neighbouring shapes.
 template <class Work>
 GONOGO_HD inline void visit_rows(Index t, Index shapes, Index rows, Work&& work) {
@@ -23,12 +28,17 @@ GONOGO_HD inline void visit_rows(Index t, Index shapes, Index rows, Work&& work)
 struct CountSphereContacts {
   ContactFinder find;
   View<Index> contacts_of_part;  // [shape * kSearchParts + part]
+  View<ShapeIndex> noted;        // [(shape * kNeighbourRows + row) * kNotedPairs] other shapes
   Index rows;                    // per thread
 
   GONOGO_HD void operator()(Index t) const {
     visit_rows(t, find.shape.size, rows, [&](ShapeIndex i, Index row) {
       Index count = 0;
-      find.visit_spheres(i, row, [&](ShapeIndex, int, const Touch&, const Vec3d&) { ++count; });
+      ShapeIndex* const note = &noted[(i * kNeighbourRows + row) * kNotedPairs];
+      find.visit_spheres(i, row, [&](ShapeIndex j, int, const Touch&, const Vec3d&) {
+        if (count < kNotedPairs) note[count] = j;
+        ++count;
+      });
       contacts_of_part[i * kSearchParts + row] = count;
     });
   }
@@ -57,11 +67,24 @@ struct ContactWriter {
   View<Contact> contact;
   View<Impulse> impulse;
   View<std::uint64_t> key;
+  View<Index> contact_weight_of_body, second_count;  // [body] sums, for the solver
 
   GONOGO_HD void write(ContactIndex at, ShapeIndex i, ShapeIndex j, int feature, const Touch& t, const Vec3d& d) const {
-    contact[at] = make_contact(i, j, t, d);
+    const Contact c = make_contact(i, j, t, d);
+    const Impulse start = warm_start(i, j, feature);
+    store_words(contact[at], c);
     key[at] = pair_key(j, feature);
-    impulse[at] = warm_start(i, j, feature);
+    impulse[at] = start;
+    count(c, start);
+  }
+
+  /// Fixed bodies get no list of contacts: nothing moves them, and a floor under a whole bed would have thousands.
+  GONOGO_HD void count(const Contact& c, const Impulse& start) const {
+    const Index own = contact_weight(c, start);
+    if (!is_fixed(find.mass[c.body_a])) atomic_add(contact_weight_of_body[c.body_a], own);
+    if (is_fixed(find.mass[c.body_b])) return;
+    atomic_add(contact_weight_of_body[c.body_b], own);
+    atomic_add(second_count[c.body_b], 1);
   }
 
   /// A compliant contact is a spring and damper along the normal, implicit in the gap's rate u:
@@ -75,11 +98,11 @@ struct ContactWriter {
       c.gap_rate = law.stiffness / resistance;
       c.softness = 1 / (step * resistance);
     }
-    c.gap_bias = bias_of_gap(c, settings);
+    c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
   }
 
   /// `d`: from the other shape's centre to the owner's.
-  GONOGO_HD Contact make_contact(ShapeIndex i, ShapeIndex j, const Touch& t, const Vec3d& d) const {
+  GONOGO_HD_INLINED Contact make_contact(ShapeIndex i, ShapeIndex j, const Touch& t, const Vec3d& d) const {
     const Shape &si = find.shape[i], &sj = find.shape[j];
     const WorldIndex w = find.world_of_body[si.body];
     const PairLaw& law = find.world[w].law[si.material][sj.material];
@@ -127,12 +150,18 @@ struct ContactWriter {
 struct ListSpherePairs {
   ContactFinder find;
   View<const Index> first_of_part;
+  View<const ShapeIndex> noted;  // see CountSphereContacts
   View<ContactPair> pair;
   Index rows;  // per thread
 
   GONOGO_HD void operator()(Index t) const {
     visit_rows(t, find.shape.size, rows, [&](ShapeIndex i, Index row) {
       Index at = first_of_part[i * kSearchParts + row];
+      const Index end = first_of_part[i * kSearchParts + row + 1];
+      if (end - at <= kNotedPairs) {
+        for (Index n = (i * kNeighbourRows + row) * kNotedPairs; at < end; ++at, ++n) pair[at] = {i, noted[n]};
+        return;
+      }
       find.visit_spheres(i, row, [&](ShapeIndex j, int, const Touch&, const Vec3d&) { pair[at++] = {i, j}; });
     });
   }
@@ -207,18 +236,43 @@ template <class Exec>
 void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   const ContactFinder finder = contact_finder(s, settings);
   const Index rows = rows_per_thread(exec, s.shape_count), threads = s.shape_count * (kNeighbourRows / rows);
-  for_each_index(exec, threads, CountSphereContacts{finder, s.contacts_of_part.view(), rows});
-  for_each_index(exec, s.shape_count, CountOtherContacts{finder, s.contacts_of_part.view()});
+  beside(
+      exec,
+      [&](Exec main) {
+        for_each_index(main, threads, CountSphereContacts{finder, s.contacts_of_part.view(), s.noted.view(), rows});
+      },
+      [&](Exec side) {
+        for (auto* of_body : {&s.contact_weight, &s.second_count, &s.second_cursor}) clear(side, of_body->view());
+        for_each_index(side, s.shape_count, CountOtherContacts{finder, s.contacts_of_part.view()});
+      });
   exclusive_scan(exec, s.contacts_of_part.view(), s.first_of_part.view(), s.scratch);
   for_each_index(exec, 1, CheckCapacity{s.first_of_part.view(), s.progress.view(), s.contact_capacity});
   make_room_for_contacts(exec, s);
   ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
-  const ContactWriter writer{finder,           settings,           s.position.view(), s.first_of_part.view(),
-                             old.begin.view(), old.end.view(),     old.key.view(),    old.impulse.view(),
-                             s.contact.view(), now.impulse.view(), now.key.view()};
-  for_each_index(exec, threads, ListSpherePairs{finder, s.first_of_part.view(), s.pair.view(), rows});
-  for_each_index(exec, s.shape_count,
-                 WriteOtherContacts{writer, s.pair.view(), s.first_contact.view(), now.begin.view(), now.end.view()});
+  const ContactWriter writer{finder,
+                             settings,
+                             s.position.view(),
+                             s.first_of_part.view(),
+                             old.begin.view(),
+                             old.end.view(),
+                             old.key.view(),
+                             old.impulse.view(),
+                             s.contact.view(),
+                             now.impulse.view(),
+                             now.key.view(),
+                             s.contact_weight.view(),
+                             s.second_count.view()};
+  beside(
+      exec,
+      [&](Exec main) {
+        for_each_index(main, threads,
+                       ListSpherePairs{finder, s.first_of_part.view(), s.noted.view(), s.pair.view(), rows});
+      },
+      [&](Exec side) {
+        for_each_index(
+            side, s.shape_count,
+            WriteOtherContacts{writer, s.pair.view(), s.first_contact.view(), now.begin.view(), now.end.view()});
+      });
   for_each_counted(exec, contact_count(s), WriteSphereContact{writer, s.pair.view()});
 }
 

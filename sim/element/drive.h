@@ -45,14 +45,14 @@ struct ApplyForces {
   View<const BodyMass> mass;
   View<const SymMat3> inverse_inertia_W;
   View<ForceAndTorque> applied;
-  View<Velocity> free_velocity;
-  Real clock, step;  // of the step, by which worlds count time, and of the substep [s]
+  View<Velocity> velocity_change;
+  Real step, substep;  // [s]
 
   GONOGO_HD void operator()(Index i) const {
     const LoadedBody& l = loaded[i];
     if (l.first == l.end) return;
     const LoadedMotion motion = motion_of(l.body);
-    const double time = double(steps[world_of_body[l.body]]) * double(clock);
+    const double time = double(steps[world_of_body[l.body]]) * double(step);
     ForceAndTorque sum;
     for (Index k = l.first; k < l.end; ++k) {
       const ForceAndTorque w = load_of(force[k], motion, time, step);
@@ -60,8 +60,8 @@ struct ApplyForces {
       sum.torque += w.torque;
     }
     applied[i] = sum;
-    free_velocity[l.body].linear += step * scale(motion.inverse_mass, sum.force);
-    free_velocity[l.body].angular += step * (motion.inverse_inertia_W * sum.torque);
+    velocity_change[l.body].linear += substep * scale(motion.inverse_mass, sum.force);
+    velocity_change[l.body].angular += substep * (motion.inverse_inertia_W * sum.torque);
   }
 
   /// A body whose moments of inertia are equal has no inertia in the world frame stored.
@@ -83,15 +83,15 @@ void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) 
                       e.controller_state.view(), s.mechanisms.motor.view(), settings.step});
 }
 
-/// Forces that follow the time take that of the step's start. Call when the free velocity and the inertia of the step
-/// are known, before anything implicit is added.
+/// Forces are those of the step's start, implicit where they resist. Call when the change by gravity and the inertia of
+/// the step are known.
 template <class Exec>
 void apply_force_elements(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
   for_each_index(exec, e.loaded.size(),
                  ApplyForces{e.loaded.view(), e.force.view(), s.steps.view(), s.world_of_body.view(), s.velocity.view(),
                              s.orientation.view(), s.mass.view(), s.inverse_inertia_W.view(), e.applied.view(),
-                             s.free_velocity.view(), settings.step, settings.substep()});
+                             s.velocity_change.view(), settings.step, settings.substep()});
 }
 
 }  // namespace gonogo::sim

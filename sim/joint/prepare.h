@@ -28,7 +28,7 @@ struct PrepareMechanism {
   View<const Quat> orientation;
   View<const BodyMass> mass;
   View<const Velocity> velocity;
-  Real step;
+  Real step, substep;
 
   template <class Team>
   GONOGO_HD void operator()(const Team& team, Index index) const {
@@ -74,8 +74,21 @@ struct PrepareMechanism {
   GONOGO_HD void place_spring(const Mechanism& m, const SpringDamper& s, Index index, Index at) const {
     const RowGeometry g = spring_row(s, link(m, s.a, s.b));
     const double inertia = write_row(row[at], index, s.a, s.b, g);
-    soften(row[at], spring_force(s, g.error), s.damping, inertia, step);
+    // The substeps meet, in the mean, the stretch half-way between the first one's start and the last one's.
+    const double stretch = g.error + 0.5 * (double(step) - substep) * rate(row[at], s.a.body, s.b.body);
+    soften(row[at], spring_force(s, stretch), s.damping, inertia, substep);
     normalise(row[at], inertia);
+  }
+
+  /// J v.
+  GONOGO_HD double rate(const Row& r, BodyIndex a, BodyIndex b) const {
+    double sum = 0;
+    for (int side = 0; side < 2; ++side) {
+      const Velocity& v = velocity[side == 0 ? a : b];
+      const double speed[6] = {v.linear.x, v.linear.y, v.linear.z, v.angular.x, v.angular.y, v.angular.z};
+      for (int k = 0; k < 6; ++k) sum += r.direction[side][k] * speed[k];
+    }
+    return sum;
   }
 
   /// Directions and responses, and as bias the prescribed motion of a partner outside the mechanism. Returns
@@ -210,13 +223,14 @@ struct PrepareMechanism {
 
 /// Call when the bodies' positions and velocities are those of the step's start.
 template <class Exec>
-void prepare_mechanisms(Exec exec, State<Exec>& s, Real step) {
+void prepare_mechanisms(Exec exec, State<Exec>& s, const StepSettings& settings) {
   MechanismStore<Exec>& m = s.mechanisms;
-  for_each_team(exec, m.mechanism.size(),
-                PrepareMechanism{m.mechanism.view(), m.body.view(), m.row_entry.view(), m.element.view(),
-                                 m.joint.view(), m.spring.view(), m.motor.view(), m.row.view(), m.system.view(),
-                                 m.projection.view(), m.drive.view(), s.world.view(), s.position.view(),
-                                 s.orientation.view(), s.mass.view(), s.velocity.view(), step});
+  for_each_team(
+      exec, m.mechanism.size(),
+      PrepareMechanism{m.mechanism.view(), m.body.view(), m.row_entry.view(), m.element.view(), m.joint.view(),
+                       m.spring.view(), m.motor.view(), m.row.view(), m.system.view(), m.projection.view(),
+                       m.drive.view(), s.world.view(), s.position.view(), s.orientation.view(), s.mass.view(),
+                       s.velocity.view(), settings.step, settings.substep()});
 }
 
 }  // namespace gonogo::sim

@@ -93,7 +93,7 @@ GONOGO_HD inline void visit_mesh_vertices(const MeshSurface& mesh, Skip&& may_sk
     }
     for (Index t = at.first; t < at.first + at.count; ++t)
       for (int k = 0; k < 3; ++k)
-        if (mesh.triangle[t].first_of & (1 << k)) visit(mesh.vertex(t, k), mesh.corner[mesh.vertex(t, k)]);
+        if (mesh.has(MeshMark::first, t, k)) visit(mesh.vertex(t, k), mesh.corner[mesh.vertex(t, k)]);
     ++n;
   }
 }

@@ -3,24 +3,15 @@
 #include "sim/shape/capsule_touch.h"
 #include "sim/shape/convex_pair.h"
 #include "sim/shape/field_touch.h"
+#include "sim/shape/mesh_mesh_touch.h"
+#include "sim/shape/solid_mesh_touch.h"
+#include "sim/shape/touch_set.h"
 
 namespace gonogo::sim {
 
-/// Whether two types of shape can meet, whichever comes first. Scenes in which others may meet are refused.
-GONOGO_HD constexpr bool have_routine(ShapeType a, ShapeType b) {
-  if (b < a) return have_routine(b, a);
-  switch (b) {
-    case ShapeType::wheel:
-      return a != ShapeType::wheel;
-    case ShapeType::mesh:
-      return a == ShapeType::sphere || a == ShapeType::capsule;
-    case ShapeType::plane:
-    case ShapeType::heightfield:
-      return a < ShapeType::plane;
-    default:
-      return true;
-  }
-}
+/// Whether two types of shape can meet, whichever comes first: all but two of the ground. Scenes in which others may
+/// meet are refused.
+GONOGO_HD constexpr bool have_routine(ShapeType a, ShapeType b) { return a < ShapeType::plane || b < ShapeType::plane; }
 
 /// The two shapes of a pair with their axes in the world; `a` comes before `b` in the order of types. `d`: from b's
 /// centre to a's [m].
@@ -68,10 +59,6 @@ GONOGO_HD inline void visit_sphere_touches(const ShapePair& pair, Visit&& visit)
 template <class Visit>
 GONOGO_HD inline void visit_plane_touches(const ShapePair& pair, Visit&& visit) {
   const Vec3 up = rotate(pair.qb, {0, 0, 1});
-  if (pair.a.type == ShapeType::mesh) {
-    visit_mesh_plane_touches(pair.surfaces.mesh_at(pair.a.surface), pair.qa, pair.d, up, pair.envelope, visit);
-    return;
-  }
   const auto height = Real(dot(pair.d, static_cast<Vec3d>(up)));
   visit_low_points(pair.a, pair.qa, up, [&](int feature, const Vec3& p) {
     const Real gap = height + dot(p, up);
@@ -81,26 +68,42 @@ GONOGO_HD inline void visit_plane_touches(const ShapePair& pair, Visit&& visit) 
 
 GONOGO_HD inline ShapeType core_type(ShapeType type) { return type == ShapeType::wheel ? ShapeType::cylinder : type; }
 
-/// Capsules, cylinders, boxes and the cylinder inside a wheel's lugs.
+/// Calls visit(part, convex body) for the cylinder inside a wheel's lugs (0) and those lugs (1 + k) that may come as
+/// near as `reach` to a point; other solids are part 0. `centre`: of the shape.
+template <class Visit>
+GONOGO_HD inline void visit_parts(const Shape& s, const Vec3& centre, const Quat& q, const Vec3& near, Real reach,
+                                  Visit&& visit) {
+  visit(0, convex(core_type(s.type), s.size, centre, q));
+  if (s.type != ShapeType::wheel) return;
+  const Vec3 half = lug_half(s);
+  const Real most = length(half) + reach;
+  for (int lug = 0; lug < s.lug_count; ++lug) {
+    const LugFrame frame = lug_frame(s, lug);
+    const Vec3 middle = centre + rotate(q, frame.out_of({s.size.x, 0, 0})), apart = middle - near;
+    if (dot(apart, apart) >= most * most) continue;
+    Convex box{ShapeType::box, half, middle, {}};
+    box.axis[0] = rotate(q, frame.out_of({1, 0, 0}));
+    box.axis[1] = rotate(q, {0, 1, 0});
+    box.axis[2] = rotate(q, frame.out_of({0, 0, 1}));
+    visit(1 + lug, box);
+  }
+}
+
+/// Capsules, cylinders, boxes and the parts of wheels.
 template <class Visit>
 GONOGO_HD inline void visit_solid_touches(const ShapePair& pair, Visit&& visit) {
-  const Convex a = convex(core_type(pair.a.type), pair.a.size, static_cast<Vec3>(pair.d), pair.qa);
-  const Convex b = convex(core_type(pair.b.type), pair.b.size, {}, pair.qb);
-  visit_convex_touches(a, b, pair.envelope, visit);
-  if (pair.b.type != ShapeType::wheel) return;
-  const Vec3 half = lug_half(pair.b);
-  const Real reach = length(half) + bounding_radius(pair.a) + pair.envelope;
-  for (int lug = 0; lug < pair.b.lug_count; ++lug) {
-    const LugFrame frame = lug_frame(pair.b, lug);
-    const Vec3 centre = rotate(pair.qb, frame.out_of({pair.b.size.x, 0, 0})), apart = a.centre - centre;
-    if (dot(apart, apart) >= reach * reach) continue;
-    Convex box{ShapeType::box, half, centre, {}};
-    box.axis[0] = rotate(pair.qb, frame.out_of({1, 0, 0}));
-    box.axis[1] = rotate(pair.qb, {0, 1, 0});
-    box.axis[2] = rotate(pair.qb, frame.out_of({0, 0, 1}));
-    visit_convex_touches(a, box, pair.envelope,
-                         [&](int feature, const Touch& t) { visit(feature + ((lug + 1) << 22), t); });
-  }
+  const auto d = static_cast<Vec3>(pair.d);
+  const bool wheels = pair.a.type == ShapeType::wheel;  // then both are
+  visit_parts(pair.a, d, pair.qa, {}, bounding_radius(pair.b) + pair.envelope, [&](int part_a, const Convex& a) {
+    visit_parts(pair.b, {}, pair.qb, d, bounding_radius(pair.a) + pair.envelope, [&](int part_b, const Convex& b) {
+      const Vec3 to_centre = a.centre - d;
+      visit_convex_touches(a, b, pair.envelope, [&](int feature, const Touch& t) {
+        const int name = wheels ? feature_name(std::uint32_t(part_a), std::uint32_t(part_b), std::uint32_t(feature))
+                                : feature + (part_b << 22);
+        visit(name, Touch{t.gap, t.normal, t.point + to_centre});
+      });
+    });
+  });
 }
 
 /// Spheres and capsules on a mesh or heightfield, in its axes.
@@ -116,14 +119,43 @@ GONOGO_HD inline void visit_round_touches(const ShapePair& pair, const Surface& 
   visit_capsule_touches(surface, p, half, pair.a.size.x, pair.envelope, sphere, visit);
 }
 
+/// Shares of the smaller body's smallest half extent down to which points are pushed out of meshes. Searching deeper
+/// costs time where two meshes meet.
+inline constexpr Real kSolidLimit = Real(0.5), kMeshLimit = Real(0.25);
+
+/// Two meshes; ground that is open has no thickness to be judged by.
+template <class Visit>
+GONOGO_HD inline void visit_two_meshes(const ShapePair& pair, const MeshFrom& other, Visit&& visit) {
+  const PlacedMesh placed{pair.surfaces.mesh_at(pair.a.surface), pair.qa, {}};
+  const Real a = placed.mesh.range.open ? Real(0) : pair.a.size.y,
+             b = other.surface.mesh.range.open ? Real(0) : pair.b.size.y;
+  const Real half = a > 0 && b > 0 ? std::fmin(a, b) : std::fmax(a, b);
+  MeshOnMesh<Visit>{MeshFrom{placed, {}}, other, tolerance_for(half, kMeshLimit, pair.envelope), visit}.run();
+}
+
+/// Spheres and capsules, boxes and the parts of wheels, and meshes on a mesh.
 template <class Visit>
 GONOGO_HD inline void visit_mesh_touches(const ShapePair& pair, Visit&& visit) {
   const MeshSurface mesh = pair.surfaces.mesh_at(pair.b.surface);
-  const auto sphere = [&](const Vec3d& p, auto&& found) {
-    visit_sphere_mesh_touches(mesh, p, pair.a.size.x, pair.envelope, found);
-  };
-  visit_round_touches(pair, mesh, sphere,
-                      [&](int feature, const Touch& t) { visit(feature, turned_to_world(pair.qb, t)); });
+  if (round_radius(pair.a) > 0) {
+    const auto sphere = [&](const Vec3d& p, auto&& found) {
+      visit_sphere_mesh_touches(mesh, p, pair.a.size.x, pair.envelope, found);
+    };
+    visit_round_touches(pair, mesh, sphere,
+                        [&](int feature, const Touch& t) { visit(feature, turned_to_world(pair.qb, t)); });
+    return;
+  }
+  const PlacedMesh placed{mesh, pair.qb, -pair.d};
+  const MeshFrom from{placed, {}};
+  if (pair.a.type == ShapeType::mesh) {
+    visit_two_meshes(pair, from, visit);
+    return;
+  }
+  const Tolerance tol = tolerance_for(smallest_half(pair.a), kSolidLimit, pair.envelope);
+  visit_parts(pair.a, {}, pair.qa, static_cast<Vec3>(-pair.d), bounding_radius(pair.b) + pair.envelope,
+              [&](int part, const Convex& solid) {
+                visit_solid_mesh_touches(from, solid, part, pair.a.size.x - tol.slack, tol, visit);
+              });
 }
 
 template <class Visit>
@@ -144,24 +176,36 @@ GONOGO_HD inline void visit_field_touches(const ShapePair& pair, Visit&& visit) 
   }
 }
 
+/// Apart from find_touches, so that it costs the pairs of simple shapes no registers.
+GONOGO_HD_OUTLINED void find_mesh_touches(const ShapePair& pair, TouchWindow& found) {
+  TouchChooser chooser(found);
+  do {
+    if (pair.b.type == ShapeType::plane)
+      visit_mesh_plane_touches(pair.surfaces.mesh_at(pair.a.surface), pair.qa, pair.d, rotate(pair.qb, {0, 0, 1}),
+                               pair.envelope, chooser);
+    else if (pair.b.type == ShapeType::heightfield)
+      visit_field_touches(pair, chooser);
+    else
+      visit_mesh_touches(pair, chooser);
+  } while (chooser.next_pass());
+}
+
 /// Finds the contacts of the pair with gaps below the envelope, owned by `a`. A feature names the contact inside the
 /// pair and keeps its name while the bodies move. All pairs of shapes in one function that is compiled once: they would
 /// fill every loop over pairs with their code.
 GONOGO_HD_OUTLINED void find_touches(const ShapePair& pair, TouchWindow& found) {
   found.total = 0;
-  if (pair.b.type == ShapeType::plane)
+  if (pair.a.type == ShapeType::mesh || pair.b.type == ShapeType::mesh || pair.b.type == ShapeType::heightfield)
+    find_mesh_touches(pair, found);
+  else if (pair.b.type == ShapeType::plane)
     visit_plane_touches(pair, found);
-  else if (pair.b.type == ShapeType::heightfield)
-    visit_field_touches(pair, found);
-  else if (pair.b.type == ShapeType::mesh)
-    visit_mesh_touches(pair, found);
   else if (pair.a.type == ShapeType::sphere)
     visit_sphere_touches(pair, found);
   else
     visit_solid_touches(pair, found);
 }
 
-/// Calls visit(feature, touch) for every contact of the pair; a mesh on a plane may have more than a window holds.
+/// Calls visit(feature, touch) for every contact of the pair; surfaces may have more than a window holds.
 template <class Visit>
 GONOGO_HD inline void visit_touches(const ShapePair& pair, Visit&& visit) {
   TouchWindow found;

@@ -12,7 +12,16 @@ struct MeshTriangle {
   Index vertex[3];
   Index neighbour[3];
   Index name;
-  Index first_of;  // bits 1, 2, 4: this is the first triangle that has the vertex
+  Index marks;  // of corners and edges k = 0, 1, 2: see MeshMark
+};
+
+/// Bits of MeshTriangle::marks for corner or edge 0; shifted by k for the others. What lies flat, or in the middle of a
+/// straight edge, touches nothing that the corners and edges around it do not touch.
+struct MeshMark {
+  static constexpr Index first = 1;     // this is the first triangle that has the vertex
+  static constexpr Index sharp = 8;     // first, and the vertex lies neither in a flat face nor on a straight edge
+  static constexpr Index ridge = 64;    // the edge is a ridge or rim, and this the first of its triangles
+  static constexpr Index valley = 512;  // the solid is hollow along the edge
 };
 
 /// Node of a tree of boxes, stored depth first: a walk goes on with the next node, or with `skip` when the box is of no
@@ -50,6 +59,7 @@ struct MeshSurface {
   GONOGO_HD Index neighbour(Index t, int k) const { return triangle[t].neighbour[k]; }
   GONOGO_HD Vec3d place(Index v) const { return static_cast<Vec3d>(corner[v]); }
   GONOGO_HD Index name(Index t) const { return triangle[t].name; }
+  GONOGO_HD bool has(Index mark, Index t, int k) const { return (triangle[t].marks & (mark << k)) != 0; }
 
   /// Calls visit(t) for the triangles whose boxes' leaves meet the box from `low` to `high`.
   template <class Visit>

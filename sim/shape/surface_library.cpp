@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "sim/shape/surface_touch.h"
+
 namespace gonogo::sim {
 namespace {
 
@@ -69,8 +71,46 @@ void find_neighbours(std::vector<MeshTriangle>& triangle) {
       const auto other = owner.find({triangle[t].vertex[(k + 1) % 3], v});
       triangle[t].neighbour[k] = other == owner.end() ? -1 : other->second;
       if (std::size_t(v) >= seen.size()) seen.resize(std::size_t(v) + 1);
-      if (!seen[v]) triangle[t].first_of |= 1 << k;
+      if (!seen[v]) triangle[t].marks |= MeshMark::first << k;
       seen[v] = true;
+    }
+}
+
+/// Sine of the angle between the faces beside an edge: above zero along a valley, below along a ridge or rim.
+Real bend(const SurfaceFrom<MeshSurface>& mesh, Index t, int k) {
+  if (mesh.surface.neighbour(t, k) < 0) return -1;
+  const Vec3 beyond = mesh.across(t, k);
+  return dot(beyond, mesh.normal(t)) / length(beyond);
+}
+
+constexpr Real kFlat = Real(1e-3);  // sine or angle [rad]
+
+/// Whether the edges of a corner that are not flat are more than two in a line.
+bool is_sharp(const SurfaceFrom<MeshSurface>& mesh, Index t, int k) {
+  std::vector<Vec3> bent;
+  const auto add = [&](Index r, int edge, const Vec3& way) {
+    if (std::fabs(bend(mesh, r, edge)) > kFlat) bent.push_back(way * (1 / length(way)));
+  };
+  mesh.visit_ring(t, k, [&](Index r, int c) {
+    const int last = (c + 2) % 3;
+    add(r, c, mesh.corner(r, (c + 1) % 3) - mesh.corner(r, c));
+    if (mesh.surface.neighbour(r, last) < 0) add(r, last, mesh.corner(r, last) - mesh.corner(r, c));
+  });
+  if (bent.size() == 2) return length(bent[0] + bent[1]) > kFlat;
+  return !bent.empty();
+}
+
+void mark_corners_and_edges(const MeshRange& range, const std::vector<Vec3>& vertex,
+                            std::vector<MeshTriangle>& triangle) {
+  const MeshSurface surface{range, nullptr, triangle.data(), vertex.data()};
+  const SurfaceFrom<MeshSurface> mesh{surface, {}};
+  for (Index t = 0; t < Index(triangle.size()); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const Index other = triangle[t].neighbour[k];
+      const Real sine = bend(mesh, t, k);
+      if (sine < -kFlat && (other < 0 || t < other)) triangle[t].marks |= MeshMark::ridge << k;
+      if (sine > kFlat) triangle[t].marks |= MeshMark::valley << k;
+      if (surface.has(MeshMark::first, t, k) && is_sharp(mesh, t, k)) triangle[t].marks |= MeshMark::sharp << k;
     }
 }
 
@@ -128,6 +168,7 @@ Index SurfaceLibrary::add(const std::shared_ptr<const TriangleMesh>& source) {
       Index(own.size()), [&](Index t, int k) { return own[t].neighbour[k]; },
       [&](Index t) { return unit_normal(place(t, 0), place(t, 1), place(t, 2)); });
   for (std::size_t t = 0; t < own.size(); ++t) own[t].name = names[t];
+  mark_corners_and_edges(range, source->vertex, own);
   triangle.insert(triangle.end(), own.begin(), own.end());
   vertex.insert(vertex.end(), source->vertex.begin(), source->vertex.end());
   mesh.push_back(range);

@@ -1,5 +1,6 @@
 // Contacts as the host updates them: eight at once, field by field, each tile starting a new block.
 #pragma once
+#include "sim/solver/split.h"
 #include "sim/solver/tiles.h"
 
 namespace gonogo::sim {
@@ -172,6 +173,29 @@ struct UpdateTile {
   }
 };
 
+/// Gaps of a tile where its world begins a part of the step.
+struct AdvanceTile {
+  Tiles tiles;
+  View<Contact> contact;
+  View<ContactBlock> block;
+  View<const Velocity> part_velocity;
+  View<const Momentum> momentum;
+  StepSettings settings;
+
+  void operator()(Index tile) const {
+    if (!momentum[tiles.tile[tile].world].begins) return;
+    const ContactRange range = tiles.contacts(tile);
+    for (ContactIndex i = range.begin; i < range.end; ++i) {
+      const Index in_tile = i - range.begin, lane = in_tile % kPackWidth;
+      ContactBlock& b = block[tile * kBlocksPerTile + in_tile / kPackWidth];
+      Contact& c = contact[i];
+      c.gap = advanced_gap(c.gap, c, part_velocity[c.body_a], part_velocity[c.body_b], settings.substep());
+      c.bias = c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
+      b.numbers.bias[lane] = b.gap_bias[lane] = c.bias;
+    }
+  }
+};
+
 /// Impulses at the end of the step, back in the order of the contacts.
 struct StoreImpulses {
   Tiles tiles;
@@ -181,7 +205,7 @@ struct StoreImpulses {
 
   void operator()(Index tile) const {
     const ContactRange range = tiles.contacts(tile);
-    const Index latest = momentum[tiles.tile[tile].world].iterations & 1;
+    const Index latest = momentum[tiles.tile[tile].world].updates & 1;
     for (Index first = range.begin; first < range.end; first += kPackWidth) {
       const ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
       Pack row[kPackWidth];

@@ -5,17 +5,6 @@
 
 namespace gonogo::sim {
 
-/// Fixed bodies get no list: nothing moves them, and a floor under a whole bed would have thousands of contacts to
-/// sort and sum.
-struct CountSecond {
-  View<const Contact> contact;
-  View<const BodyMass> mass;
-  View<Index> count;  // [body]
-  GONOGO_HD void operator()(ContactIndex i) const {
-    if (!is_fixed(mass[contact[i].body_b])) atomic_increment(count[contact[i].body_b]);
-  }
-};
-
 /// Writes the lists in whatever order the threads come.
 struct FillSecond {
   View<const Contact> contact;
@@ -65,12 +54,10 @@ Incidence incidence(State<Exec>& s) {
   return {s.first_shape.view(), s.first_contact.view(), s.first_second.view(), s.second_contact.view()};
 }
 
+/// Call when the contacts have been written and counted by their bodies.
 template <class Exec>
 void build_incidence(Exec exec, State<Exec>& s) {
-  clear(exec, s.second_count.view());
-  clear(exec, s.second_cursor.view());
   const Counted contacts = contact_count(s);
-  for_each_counted(exec, contacts, CountSecond{s.contact.view(), s.mass.view(), s.second_count.view()});
   exclusive_scan(exec, s.second_count.view(), s.first_second.view(), s.scratch);
   for_each_counted(exec, contacts,
                    FillSecond{s.contact.view(), s.mass.view(), s.first_second.view(), s.second_cursor.view(),

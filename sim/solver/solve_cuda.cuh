@@ -3,8 +3,6 @@
 // solve_host.h end; its threads work in teams of one tile each. Where all contacts have threads of their own, they stay
 // on the multiprocessors (residence.cuh).
 #pragma once
-#include <cooperative_groups.h>
-
 #include "sim/solver/cuda/kernel.cuh"
 
 namespace gonogo::sim {
@@ -14,27 +12,27 @@ inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
 
 /// All iterations of a step.
 template <bool turning, bool resident>
-__device__ void iterate(const SolveViews& views, const Team& team, MechanismWork& work) {
-  const auto grid = cooperative_groups::this_grid();
+GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismWork& work) {
+  GridBarrier grid(views.barrier);
   SolveKernel<turning, resident> kernel(views, team, work);
   kernel.prepare();
-  grid.sync();
+  grid.wait();
   kernel.hold_bodies();
   kernel.move_bodies(-1);
   kernel.move_mechanisms(-1);
-  grid.sync();
+  grid.wait();
   Index k = 0;
-  do {
+  for (Index worlds_done = 0; worlds_done < views.momentum[0].size; ++k) {
     kernel.update_contacts(k);
-    grid.sync();
+    kernel.update_motors(k);
+    grid.wait();
     kernel.move_mechanisms(k);
     kernel.move_bodies(k);
     kernel.decide(k);
-    grid.sync();
-    ++k;
-  } while (kernel.any_at_work());
+    worlds_done = grid.wait();
+  }
   kernel.measure(k);
-  grid.sync();
+  grid.wait();
   kernel.add_measures(k);
 }
 
@@ -50,20 +48,21 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
                   Index(kTeamsPerBlock * gridDim.x), scratch[in_block]};
   MechanismWork& work = *reinterpret_cast<MechanismWork*>(work_bytes[in_block]);
   const bool all_fit = views.tiles.count() <= team.count && kLanesPerBody * views.mass.size <= team.count * kTileSize &&
-                       views.projection.mechanism.size <= team.count;
+                       views.projection.mechanism.size <= Index(gridDim.x);
   if (may_reside && all_fit)
     iterate<turning, true>(views, team, work);
   else
     iterate<turning, false>(views, team, work);
 }
 
-inline void reserve_solver(State<Cuda>& s) {
+inline void reserve_solver(State<Cuda>& s, const StepSettings& settings) {
   SolverStorage<Cuda>& own = s.solver;
   own.frame.resize(s.contact_capacity);
   own.cone.resize(s.contact_capacity);
   own.central.resize(s.contact_capacity);
   own.arms.resize(s.contact_capacity);
   own.pair.resize(s.contact_capacity);
+  if (settings.substeps > 1) own.gap.resize(s.contact_capacity);
   for (auto& of_contact : own.linear) of_contact.resize(s.contact_capacity);
   if (s.turning) {
     own.turn.resize(s.contact_capacity);
@@ -72,12 +71,11 @@ inline void reserve_solver(State<Cuda>& s) {
   own.half.resize(2 * std::size_t(s.contact_capacity));
   own.of_body.resize(s.body_count);
   own.hub.resize(s.body_count);
-  own.hub_count.resize(1);
+  own.counter.resize(2);
   own.tile_sums.resize(tile_capacity(s));
   own.tile_measures.resize(tile_capacity(s));
   own.body_tile_measures.resize(s.world_of_body_tile.size());
   own.other_momentum.resize(s.world_count);
-  own.worlds_at_work.resize(1);
   own.motor_before.resize(s.mechanisms.motor.size());
 }
 
@@ -85,15 +83,15 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
   SolverStorage<Cuda>& own = s.solver;
   return {tiles(s),
           incidence(s),
+          settings,
           settings.rules(),
-          settings.substep(),
           exec.halted,
           contact_count(s).count,
           s.contact.view(),
           s.mass.view(),
           s.orientation.view(),
           s.inverse_inertia_W.view(),
-          s.free_velocity.view(),
+          s.velocity_change.view(),
           s.world_of_body.view(),
           s.world_of_body_tile.view(),
           s.first_body_tile.view(),
@@ -105,8 +103,11 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           s.mechanisms.drive.view(),
           s.mechanisms.motor_impulse.view(),
           own.motor_before.view(),
+          s.free_velocity.view(),
           s.velocity.view(),
           s.extrapolated_velocity.view(),
+          s.part_velocity.view(),
+          s.earlier_velocity.view(),
           {s.momentum.view(), own.other_momentum.view()},
           s.store[s.parity].impulse.view(),
           s.world_sums.view(),
@@ -116,17 +117,18 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           own.central.view(),
           own.arms.view(),
           own.pair.view(),
+          own.gap.view(),
           {own.linear[0].view(), own.linear[1].view()},
           {own.angular[0].view(), own.angular[1].view()},
           s.second_slot.view(),
           own.half.view(),
           own.of_body.view(),
           own.hub.view(),
-          own.hub_count.data(),
+          own.counter.data(),
+          reinterpret_cast<Index*>(own.counter.data() + 1),
           own.tile_sums.view(),
           own.tile_measures.view(),
-          own.body_tile_measures.view(),
-          own.worlds_at_work.data()};
+          own.body_tile_measures.view()};
 }
 
 inline int device_attribute(cudaDeviceAttr attribute) {
@@ -147,7 +149,8 @@ void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
   SolveViews views = solve_views(exec, s, settings);
   constexpr std::size_t room = sizeof(Residence);
   const std::size_t offered = device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
-  bool may_reside = tile_capacity(s) <= kTeamsPerBlock * grid_size(s) &&
+  // Whether the contacts fit too is known on the device only.
+  bool may_reside = kLanesPerBody * s.body_count <= kBlockSize * grid_size(s) &&
                     offered >= room + kTeamsPerBlock * sizeof(MechanismWork) + 1024;
   if (may_reside)
     check_cuda(cudaFuncSetAttribute(solve_kernel<turning>, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room)),
@@ -159,7 +162,7 @@ void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
 }
 
 inline void solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
-  clear(exec, s.solver.hub_count.view());
+  clear(exec, s.solver.counter.view());
   s.turning ? launch_solve<true>(exec, s, settings) : launch_solve<false>(exec, s, settings);
 }
 

@@ -13,6 +13,42 @@ inline constexpr Index kTilesInParallel = 4;
 /// A body of a mechanism costs as much as some tens of contacts.
 inline constexpr Index kBodiesInParallel = 64;
 
+/// A body at the beginning of the step.
+struct BeginBody {
+  View<const Velocity> velocity, change;
+  View<Velocity> free_velocity, earlier_velocity;
+
+  void operator()(BodyIndex b) const {
+    free_velocity[b] = sum(velocity[b], change[b]);
+    earlier_velocity[b] = {};
+  }
+};
+
+/// A body that has moved through a part of the step, in worlds where another part follows. The velocities of jointed
+/// ones follow from ProjectMechanism.
+struct CarryBody {
+  View<const BodyMass> mass;
+  View<const Velocity> change;
+  View<const WorldIndex> world_of_body;
+  View<const Momentum> momentum;
+  View<Velocity> free_velocity, velocity, extrapolated_velocity, part_velocity, earlier_velocity, gathered;
+
+  void operator()(BodyIndex b) const {
+    if (!momentum[world_of_body[b]].ends) return;
+    const Velocity v = velocity[b], free = free_velocity[b];
+    part_velocity[b] = v;
+    earlier_velocity[b] = sum(earlier_velocity[b], v);
+    free_velocity[b] = sum(v, change[b]);
+    const Velocity more = difference(free_velocity[b], free);
+    if (const Index slot = mass[b].slot; slot >= 0) {
+      gathered[slot] = sum(gathered[slot], more);
+      return;
+    }
+    velocity[b] = sum(v, more);
+    extrapolated_velocity[b] = velocity[b];
+  }
+};
+
 /// Sums the wrenches on a body and, from the second time on, extrapolates.
 struct GatherVelocity {
   Incidence incidence;
@@ -56,14 +92,18 @@ struct ProjectMechanism {
   View<const WorldIndex> world_of_body;
   View<const Momentum> momentum;
   View<Velocity> velocity, extrapolated_velocity;
-  bool first;
+  bool first, carried;  // after CarryBody
 
   void operator()(Index k) const {
     if (projection.is_empty(k)) return;
     const BodyIndex b = projection.body[k].body;
     const Momentum& m = momentum[world_of_body[b]];
-    if (m.done) return;
+    if (m.done || (carried && !m.ends)) return;
     const Velocity next = projection.velocity(k);
+    if (carried) {
+      velocity[b] = extrapolated_velocity[b] = next;
+      return;
+    }
     extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
     velocity[b] = next;
   }
@@ -127,7 +167,7 @@ struct MeasureWorld {
       total += energy_of_body(mass[b], orientation[b], velocity[b], p.gravity);
     const ContactRange r = contacts_of_world(p, tiles.first_contact);
     total.contact_count = r.end - r.begin;
-    total.iterations = momentum[w].iterations;
+    total.iterations = momentum[w].updates;
     sums[w] = total;
   }
 };
@@ -153,16 +193,43 @@ inline void fill_blocks(Cpu exec, State<Cpu>& s, Index tile_count) {
                  kTilesInParallel);
 }
 
+inline bool any_world(State<Cpu>& s, std::int32_t Momentum::*flag) {
+  const View<const Momentum> momentum = s.momentum.view();
+  for (WorldIndex w = 0; w < s.world_count; ++w)
+    if (momentum[w].*flag != 0) return true;
+  return false;
+}
+
+inline void project_mechanisms(Cpu exec, State<Cpu>& s, bool first, bool carried) {
+  for_each_index(exec, s.mechanisms.body.size(),
+                 ProjectMechanism{projection(s.mechanisms), s.world_of_body.view(), s.momentum.view(),
+                                  s.velocity.view(), s.extrapolated_velocity.view(), first, carried},
+                 kBodiesInParallel);
+}
+
 inline void gather(Cpu exec, State<Cpu>& s, bool first) {
   for_each_index(exec, s.body_count,
                  GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
                                 s.inverse_inertia_W.view(), motor_moment(s.mechanisms), s.free_velocity.view(),
                                 s.world_of_body.view(), s.momentum.view(), s.velocity.view(),
                                 s.extrapolated_velocity.view(), s.mechanisms.gathered.view(), first});
-  for_each_index(exec, s.mechanisms.body.size(),
-                 ProjectMechanism{projection(s.mechanisms), s.world_of_body.view(), s.momentum.view(),
-                                  s.velocity.view(), s.extrapolated_velocity.view(), first},
-                 kBodiesInParallel);
+  project_mechanisms(exec, s, first, false);
+}
+
+/// Into the next part of the step, where a world has one.
+inline void carry_bodies(Cpu exec, State<Cpu>& s) {
+  for_each_index(exec, s.body_count,
+                 CarryBody{s.mass.view(), s.velocity_change.view(), s.world_of_body.view(), s.momentum.view(),
+                           s.free_velocity.view(), s.velocity.view(), s.extrapolated_velocity.view(),
+                           s.part_velocity.view(), s.earlier_velocity.view(), s.mechanisms.gathered.view()});
+  project_mechanisms(exec, s, false, true);
+}
+
+inline void advance_tiles(Cpu exec, State<Cpu>& s, Index tile_count, const StepSettings& settings) {
+  for_each_index(exec, tile_count,
+                 AdvanceTile{tiles(s), s.contact.view(), s.solver.block.view(), s.part_velocity.view(),
+                             s.momentum.view(), settings},
+                 kTilesInParallel);
 }
 
 template <bool turning>
@@ -196,14 +263,19 @@ inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
   fill_blocks(exec, s, tile_count);
   for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
   s.solver.motor_before.upload(s.mechanisms.motor_impulse.download());
+  for_each_index(
+      exec, s.body_count,
+      BeginBody{s.velocity.view(), s.velocity_change.view(), s.free_velocity.view(), s.earlier_velocity.view()});
   gather(exec, s, true);
-  for (Index k = 0; k < rules.most_iterations && !all_done(s, s.momentum.view()); ++k) {
+  for (Index k = 0; !all_done(s, s.momentum.view()); ++k) {
+    if (any_world(s, &Momentum::begins)) advance_tiles(exec, s, tile_count, settings);
     turning ? update_tiles<true>(exec, s, tile_count, k & 1) : update_tiles<false>(exec, s, tile_count, k & 1);
     for_each_index(exec, s.mechanisms.motor.size(),
                    UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
                                s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
                                s.solver.motor_before.view(), settings.substep()});
     gather(exec, s, false);
+    if (any_world(s, &Momentum::ends)) carry_bodies(exec, s);
     for_each_index(exec, s.world_count,
                    DecideNextUpdate{s.first_tile.view(), s.solver.tile_sums.view(), tiles(s), s.momentum.view(), rules},
                    kTilesInParallel);

@@ -43,26 +43,6 @@ GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal
           (turning ? 1 + 1 / kTurningShare : Real(1)) * std::fmax(i.x, std::fmax(i.y, i.z))};
 }
 
-/// A contact's weight when a body shares out its mass: those that carry something get more of it. Any weights above
-/// zero keep S^-1 above N.
-GONOGO_HD inline Index contact_weight(const Contact& c, const Impulse& start) {
-  return dot(start.linear, c.normal) > 0 || c.gap < 0 ? 4 : 1;
-}
-
-struct WeighContacts {
-  View<const Contact> contact;
-  View<const BodyMass> mass;
-  View<const Impulse> impulse;
-  View<Index> weight;  // [body]
-
-  GONOGO_HD void operator()(ContactIndex i) const {
-    const Contact& c = contact[i];
-    const Index own = contact_weight(c, impulse[i]);
-    for (const BodyIndex b : {c.body_a, c.body_b})
-      if (!is_fixed(mass[b])) atomic_add(weight[b], own);
-  }
-};
-
 /// The gap's bias, and for the `coulomb` target what makes up for the opening of a sliding contact [m/s].
 GONOGO_HD_INLINED Real target_bias(const Contact& c, const Velocity& a, const Velocity& b, Target target) {
   return target == Target::coulomb ? c.gap_bias + c.mu * slip_speed<Real>(c, a, b) : c.gap_bias;
@@ -99,20 +79,12 @@ struct SplitMasses {
   }
 };
 
-/// The bodies have moved by a substep: gaps follow the velocities, normals and arms stay as they were found.
-struct AdvanceGaps {
-  View<const Velocity> velocity;
-  View<Contact> contact;
-  StepSettings settings;
-
-  GONOGO_HD void operator()(ContactIndex i) const {
-    Contact& c = contact[i];
-    const Velocity a = velocity[c.body_a], b = velocity[c.body_b];
-    c.gap += settings.substep() * dot(c.normal, contact_velocity<Real>(c, a, b));
-    c.gap_bias = bias_of_gap(c, settings);
-    c.bias = target_bias(c, a, b, settings.target);
-  }
-};
+/// A gap after the bodies have moved with these velocities through a part of the step: normals and arms stay as they
+/// were found.
+GONOGO_HD_INLINED Real advanced_gap(Real gap, const ContactNumbers<Real>& c, const Velocity& a, const Velocity& b,
+                                    Real substep) {
+  return gap + substep * dot(c.normal, contact_velocity<Real>(c, a, b));
+}
 
 /// Scaled natural map per contact [m/s]: the change that one unsplit projected gradient step would still make, divided
 /// by that step, so that light grains count as much as wheels. Zero exactly at the solution; for the `coulomb` target
@@ -128,13 +100,10 @@ GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, con
 
 template <class Exec>
 void split_masses(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  const View<const Impulse> start = s.store[s.parity].impulse.view();
-  clear(exec, s.contact_weight.view());
-  for_each_counted(exec, contact_count(s),
-                   WeighContacts{s.contact.view(), s.mass.view(), start, s.contact_weight.view()});
-  for_each_counted(exec, contact_count(s),
-                   SplitMasses{s.mass.view(), s.mechanisms.body.view(), s.orientation.view(), s.velocity.view(),
-                               s.contact_weight.view(), start, s.contact.view(), settings.target});
+  for_each_counted(
+      exec, contact_count(s),
+      SplitMasses{s.mass.view(), s.mechanisms.body.view(), s.orientation.view(), s.velocity.view(),
+                  s.contact_weight.view(), s.store[s.parity].impulse.view(), s.contact.view(), settings.target});
 }
 
 }  // namespace gonogo::sim

@@ -64,7 +64,7 @@ Index tile_capacity(const State<Exec>& s) {
 template <class Exec>
 void cut_into_tiles(Exec exec, State<Exec>& s) {
   for_each_index(exec, s.world_count, CountTiles{s.world.view(), s.first_contact.view(), s.tiles_of_world.view()});
-  exclusive_scan(exec, s.tiles_of_world.view(), s.first_tile.view(), s.scratch);
+  exclusive_scan(exec, s.tiles_of_world.view(), s.first_tile.view(), s.tile_scratch);
   for_each_index(exec, tile_capacity(s),
                  WriteTile{s.world.view(), s.first_contact.view(), s.first_tile.view(), s.tile.view()});
 }

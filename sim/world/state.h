@@ -31,19 +31,19 @@ struct StepSettings {
   Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
   Solver solver = Solver::apgd;
   Target target = Target::ccp;
-  Index substeps = 1;  // the bodies move in so many parts of a step; contacts are searched for once
+  Index substeps = 1;  // the solver goes through a step in so many parts; see step.h
 
   /// Length of a part [s]; forces and impulses are those of the last one.
   GONOGO_HD Real substep() const { return step / Real(substeps); }
 
-  GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance}; }
+  GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance, substeps}; }
 };
 
 /// Speed at which the contact may close (gap ahead) or must open (overlap), negated by the solver's sign convention;
-/// for a compliant contact the resting speed of its spring and damper.
-GONOGO_HD inline Real bias_of_gap(const Contact& c, const StepSettings& settings) {
-  const Real bias = c.gap_rate * c.gap;
-  if (c.softness > 0 || c.gap >= 0) return bias;
+/// for a compliant contact the resting speed of its spring and damper. `rate`, `softness`: see Contact.
+GONOGO_HD inline Real bias_of_gap(Real gap, Real rate, Real softness, const StepSettings& settings) {
+  const Real bias = rate * gap;
+  if (softness > 0 || gap >= 0) return bias;
   const Real push_out = settings.recovery_share * bias;
   return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
 }
@@ -195,6 +195,7 @@ struct State {
   Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
   Buffer<BinnedShape, Exec> shape_by_bin;
   Buffer<Index, Exec> contacts_of_part, first_of_part;  // see find.h
+  Buffer<ShapeIndex, Exec> noted;                       // see find.h
   Buffer<Index, Exec> contact_weight;                   // [body] see split.h
   Buffer<Index, Exec> first_contact;                    // [shape + 1]
   Buffer<ContactPair, Exec> pair;                       // [contact]
@@ -203,12 +204,15 @@ struct State {
       second_slot;                                 // see incidence.h
   Buffer<Index, Exec> tiles_of_world, first_tile;  // see tiles.h
   Buffer<Tile, Exec> tile;
+  Buffer<Velocity, Exec> velocity_change;                       // [body] by gravity, spin and forces in a substep
   Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;  // [body]
+  Buffer<Velocity, Exec> part_velocity;                         // [body] of the substep before
+  Buffer<Velocity, Exec> earlier_velocity;                      // [body] sum over all substeps before the last one
   Buffer<Momentum, Exec> momentum;                              // [world]
   Buffer<WorldSums, Exec> world_sums;
   Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
   Buffer<Progress, Exec> progress;  // one
-  ScanScratch<Exec> scratch;
+  ScanScratch<Exec> scratch, tile_scratch;
 
   ContactStore<Exec> store[2];
   SolverStorage<Exec> solver;

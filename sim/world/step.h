@@ -1,7 +1,9 @@
-// One time step of a batch: the half-implicit scheme of Stewart & Trinkle, in parts where asked (small steps converge
-// faster than many iterations: Macklin et al. 2019). Reads like the algorithm; formulas live in
-// the kernels it calls.
+// One time step of a batch: the half-implicit scheme of Stewart & Trinkle. Reads like the algorithm; formulas live in
+// the kernels it calls. Where asked, the solver goes through a step in substeps: they converge faster than as many
+// iterations on the whole step (Macklin et al. 2019). Gaps follow the velocities from part to part; normals, arms, the
+// map of a mechanism and the forces are those of the step's start.
 #pragma once
+#include "base/beside.h"
 #include "sim/contact/find.h"
 #include "sim/element/drive.h"
 #include "sim/element/watch.h"
@@ -11,7 +13,8 @@
 
 namespace gonogo::sim {
 
-/// v + h gravity, the angular velocity of free rotation (spin.h), and the inertia of this step in the world frame.
+/// What gravity and free rotation (spin.h) add to a velocity in a substep, and the inertia of this step in the world
+/// frame.
 struct FreeMotion {
   View<const WorldParameters> world;
   View<const WorldIndex> world_of_body;
@@ -19,47 +22,47 @@ struct FreeMotion {
   View<const Quat> orientation;
   View<const Velocity> velocity;
   View<SymMat3> inverse_inertia_W;
-  View<Velocity> free_velocity;
-  Real step;
+  View<Velocity> velocity_change;
+  Real substep;
 
   GONOGO_HD void operator()(BodyIndex b) const {
     const BodyMass& m = mass[b];
     const Vec3 g = world[world_of_body[b]].gravity;
-    Velocity v = velocity[b];
-    v.linear +=
-        step * Vec3{m.inverse_mass.x > 0 ? g.x : 0, m.inverse_mass.y > 0 ? g.y : 0, m.inverse_mass.z > 0 ? g.z : 0};
+    Velocity change;
+    change.linear =
+        substep * Vec3{m.inverse_mass.x > 0 ? g.x : 0, m.inverse_mass.y > 0 ? g.y : 0, m.inverse_mass.z > 0 ? g.z : 0};
     if (!m.isotropic) {
       inverse_inertia_W[b] = rotated_diagonal(orientation[b], m.inverse_inertia_B);
-      const Vec3 spin_B = rotate_back(orientation[b], v.angular);
-      v.angular += rotate(orientation[b], free_spin_change_B(m.inverse_inertia_B, spin_B, step));
+      const Vec3 spin_B = rotate_back(orientation[b], velocity[b].angular);
+      change.angular = rotate(orientation[b], free_spin_change_B(m.inverse_inertia_B, spin_B, substep));
     }
-    free_velocity[b] = v;
+    velocity_change[b] = change;
   }
 };
 
-/// x + h v; periodic positions stay inside the period.
+/// x + h v, summed over the substeps; periodic positions stay inside the period.
 struct Integrate {
   View<const WorldParameters> world;
   View<const WorldIndex> world_of_body;
   View<const BodyMass> mass;
-  View<const Velocity> velocity;
+  View<const Velocity> velocity, earlier_velocity;
   View<Vec3d> position;
   View<Quat> orientation;
   View<Index> flags;
   StepSettings settings;
 
   GONOGO_HD void operator()(BodyIndex b) const {
-    const Velocity& v = velocity[b];
-    const Real step = settings.substep();
+    const Real substep = settings.substep();
     const WorldIndex w = world_of_body[b];
     const WorldParameters& p = world[w];
-    Vec3d x = position[b] + static_cast<Vec3d>(v.linear) * double(step);
+    const Vec3 path = velocity[b].linear + earlier_velocity[b].linear;
+    const Vec3 turn = velocity[b].angular + earlier_velocity[b].angular;
+    Vec3d x = position[b] + static_cast<Vec3d>(path) * double(substep);
     check(b, w, x);
     x.x = folded(x.x, p.origin.x, p.period.x);
     x.y = folded(x.y, p.origin.y, p.period.y);
     position[b] = x;
-    if (v.angular.x != 0 || v.angular.y != 0 || v.angular.z != 0)
-      orientation[b] = turned(orientation[b], v.angular, step);
+    if (turn.x != 0 || turn.y != 0 || turn.z != 0) orientation[b] = turned(orientation[b], turn, substep);
   }
 
   GONOGO_HD void check(BodyIndex b, WorldIndex w, const Vec3d& x) const {
@@ -84,33 +87,37 @@ struct CountStep {
   }
 };
 
-/// Velocities and impulses at the end of a substep, and positions from them.
+/// What is known of the bodies' motion before the contacts are.
 template <class Exec>
-void move(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  for_each_index(exec, s.body_count,
-                 FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(),
-                            s.velocity.view(), s.inverse_inertia_W.view(), s.free_velocity.view(), settings.substep()});
-  apply_force_elements(exec, s, settings);
-  prepare_mechanisms(exec, s, settings.substep());
-  solve(exec, s, settings);
-  for_each_index(exec, s.body_count,
-                 Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.position.view(),
-                           s.orientation.view(), s.flags.view(), settings});
+void prepare_motion(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  for_each_index(
+      exec, s.body_count,
+      FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(), s.velocity.view(),
+                 s.inverse_inertia_W.view(), s.velocity_change.view(), settings.substep()});
+  prepare_mechanisms(exec, s, settings);
+}
+
+template <class Exec>
+void prepare_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  sort_into_bins(exec, s);
+  find_contacts(exec, s, settings);
+  beside(
+      exec, [&](Exec main) { build_incidence(main, s); }, [&](Exec side) { cut_into_tiles(side, s); });
+  split_masses(exec, s, settings);
 }
 
 template <class Exec>
 void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  sort_into_bins(exec, s);
-  find_contacts(exec, s, settings);
-  build_incidence(exec, s);
-  cut_into_tiles(exec, s);
-  split_masses(exec, s, settings);
+  beside(
+      exec, [&](Exec main) { prepare_contacts(main, s, settings); },
+      [&](Exec side) { prepare_motion(side, s, settings); });
   apply_controllers(exec, s, settings);
-  move(exec, s, settings);
-  for (Index k = 1; k < settings.substeps; ++k) {
-    for_each_counted(exec, contact_count(s), AdvanceGaps{s.velocity.view(), s.contact.view(), settings});
-    move(exec, s, settings);
-  }
+  apply_force_elements(exec, s, settings);
+  solve(exec, s, settings);
+  for_each_index(
+      exec, s.body_count,
+      Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.earlier_velocity.view(),
+                s.position.view(), s.orientation.view(), s.flags.view(), settings});
   update_monitors(exec, s, settings);
   for_each_index(exec, s.world_count, CountStep{s.steps.view(), s.progress.view()});
 }

@@ -134,4 +134,5 @@ TEST_CASE("contacts of a wheel's cylinder and lugs with convex bodies have the l
   check_pair(ShapeType::capsule, ShapeType::wheel, 10, 922);
   check_pair(ShapeType::cylinder, ShapeType::wheel, 10, 923);
   check_pair(ShapeType::box, ShapeType::wheel, 10, 924);
+  check_pair(ShapeType::wheel, ShapeType::wheel, 2, 925);
 }

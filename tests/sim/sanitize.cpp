@@ -71,12 +71,11 @@ SceneWorld on_heightfield() {
   ground.body = w.add_body({}, fixed_body());
   w.add_shape(ground);
   add_plane(w, {0, 0, -0.6});
-  // Of these, only spheres and capsules can meet meshes: one group.
-  add_solid(w, ShapeType::cylinder, {-0.5, 0, 0.08}, {}, 1);
-  add_solid(w, ShapeType::box, {0, 0, 0.1}, {}, 1);
-  add_solid(w, ShapeType::wheel, {0.5, 0, 0.17}, {}, 1);
-  add_solid(w, ShapeType::mesh, {1, 0, 0.09}, {}, 1);
-  add_solid(w, ShapeType::mesh, {-1.8, 0, -0.5}, {}, 1);  // beyond the grid, on the plane
+  add_solid(w, ShapeType::cylinder, {-0.5, 0, 0.08}, {});
+  add_solid(w, ShapeType::box, {0, 0, 0.1}, {});
+  add_solid(w, ShapeType::wheel, {0.5, 0, 0.17}, {});
+  add_solid(w, ShapeType::mesh, {1, 0, 0.09}, {});
+  add_solid(w, ShapeType::mesh, {-1.8, 0, -0.5}, {});  // beyond the grid, on the plane
   w.add_sphere({1, 0, 0.23}, 0.04f, 2600, 0);
   w.add_sphere({0.5, 0, 0.38}, 0.04f, 2600, 0);
   add_solid(w, ShapeType::capsule, {1.17, 0, 0.1}, {});
@@ -100,6 +99,13 @@ SceneWorld solids() {
   for (int a = 0; a < 3; ++a) {
     add_solid(w, ShapeType::wheel, {0.6 * a - 0.6, 1.2, 0.17}, {}, 1);
     add_solid(w, types[a], {0.6 * a - 0.355, 1.2, 0.17}, {}, 2);
+  }
+  for (const double x : {-0.6, -0.26}) add_solid(w, ShapeType::wheel, {x, 1.7, 0.17}, {});
+  const ShapeType on_mesh[] = {ShapeType::cylinder, ShapeType::box, ShapeType::wheel, ShapeType::mesh};
+  for (int a = 0; a < 4; ++a) {
+    const double x = 0.5 * a - 0.9, above = on_mesh[a] == ShapeType::cylinder ? 0.28 : a == 2 ? 0.37 : 0.3;
+    add_solid(w, ShapeType::mesh, {x, -1.3, 0.1}, {});
+    add_solid(w, on_mesh[a], {x + 0.02, -1.3, above}, about_x(0.01));
   }
   return w;
 }
@@ -248,15 +254,22 @@ TEST_CASE("the tiny worlds hold a contact of every kind of pair") {
     std::set<std::pair<ShapeType, ShapeType>> found;
     for (WorldIndex w = 0; w < 3; ++w) add_touching(*simulation, w, scene[std::size_t(w)], found);
     using enum ShapeType;
-    for (const auto& [a, b] : std::initializer_list<std::pair<ShapeType, ShapeType>>{
-             {sphere, sphere},   {sphere, plane},        {sphere, wheel},
-             {sphere, mesh},     {capsule, capsule},     {capsule, cylinder},
-             {capsule, box},     {cylinder, cylinder},   {cylinder, box},
-             {box, box},         {capsule, wheel},       {cylinder, wheel},
-             {box, wheel},       {capsule, mesh},        {capsule, plane},
-             {cylinder, plane},  {box, plane},           {wheel, plane},
-             {mesh, plane},      {capsule, heightfield}, {cylinder, heightfield},
-             {box, heightfield}, {wheel, heightfield},   {mesh, heightfield}}) {
+    for (const auto& [a, b] :
+         std::initializer_list<std::pair<ShapeType, ShapeType>>{{sphere, sphere},       {sphere, plane},
+                                                                {sphere, wheel},        {sphere, mesh},
+                                                                {capsule, capsule},     {capsule, cylinder},
+                                                                {capsule, box},         {capsule, wheel},
+                                                                {capsule, mesh},        {capsule, plane},
+                                                                {cylinder, cylinder},   {cylinder, box},
+                                                                {cylinder, wheel},      {cylinder, mesh},
+                                                                {cylinder, plane},      {box, box},
+                                                                {box, wheel},           {box, mesh},
+                                                                {box, plane},           {wheel, wheel},
+                                                                {wheel, mesh},          {wheel, plane},
+                                                                {mesh, mesh},           {mesh, plane},
+                                                                {capsule, heightfield}, {cylinder, heightfield},
+                                                                {box, heightfield},     {wheel, heightfield},
+                                                                {mesh, heightfield}}) {
       INFO(name_of(backend) << ": " << name_of(a) << " and " << name_of(b));
       CHECK(found.count({a, b}) == 1);
     }

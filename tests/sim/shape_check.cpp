@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "sim/shape/mesh_shapes.h"
 #include "sim/shape/pairs.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -65,20 +66,39 @@ TEST_CASE("sizes, lugs, materials and orientations out of range are refused") {
   CHECK(contains(refusal(world_with(s, s)), "unit quaternion"));
 }
 
-TEST_CASE("pairs without a routine are refused by name unless they can never meet") {
-  Shape wheel = valid(ShapeType::wheel);
-  const std::string said = refusal(world_with(wheel, wheel));
-  CHECK(contains(said, "world 0: the wheel of body 0 may meet the wheel of body 1"));
-  wheel.group = 3;
-  CHECK(refusal(world_with(wheel, wheel)).empty());
-  Shape other = wheel;
-  other.group = 2;
-  CHECK(!refusal(world_with(wheel, other)).empty());
-  const Shape plane = valid(ShapeType::plane);
-  CHECK(contains(refusal(world_with(plane, plane)), "the plane of body 0 may meet the plane of body 1"));
-  SceneWorld both_fixed = world_with(plane, plane, false);
-  both_fixed.mass[0] = fixed_body();
-  CHECK(refusal(both_fixed).empty());
+TEST_CASE("every two types of shape may meet but two of the ground, which are refused by name unless they never meet") {
+  for (const ShapeType type : {ShapeType::plane, ShapeType::heightfield}) {
+    Shape plane = valid(ShapeType::plane), ground = valid(type);
+    const auto world = [&](bool moving) {
+      SceneWorld w = world_with(plane, ground, moving);
+      if (type == ShapeType::heightfield) {
+        Heightfield f;
+        f.nx = f.ny = 2;
+        f.spacing_x = f.spacing_y = 1;
+        f.height = {0, 0, 0, 0};
+        w.shape[1].surface = w.add_heightfield(f);
+      }
+      return w;
+    };
+    CHECK(contains(refusal(world(true)), "world 0: the plane of body 0 may meet the " + std::string(name_of(type)) +
+                                             " of body 1, and contacts between these two are not implemented"));
+    SceneWorld both_fixed = world(false);
+    both_fixed.mass[0] = fixed_body();
+    CHECK(refusal(both_fixed).empty());
+    plane.group = ground.group = 3;
+    CHECK(refusal(world(true)).empty());
+    ground.group = 2;
+    CHECK(!refusal(world(true)).empty());
+  }
+  const ShapeType solids[] = {ShapeType::sphere, ShapeType::capsule, ShapeType::cylinder,
+                              ShapeType::box,    ShapeType::wheel,   ShapeType::mesh};
+  for (const ShapeType a : solids)
+    for (const ShapeType b : solids) {
+      SceneWorld w = world_with(valid(a), valid(b));
+      for (Shape& s : w.shape)
+        if (s.type == ShapeType::mesh) s.surface = w.add_mesh(box_mesh({0.1f, 0.1f, 0.1f}));
+      CHECK(refusal(w).empty());
+    }
 }
 
 TEST_CASE("shapes of one group pass through each other; others do not") {

@@ -1,9 +1,11 @@
-// A team moves a mechanism: its motors, the sums of its contacts and their projection onto its joints, without a
-// barrier across the grid.
+// A team moves a mechanism: the sums of its contacts and their projection onto its joints, without a barrier across the
+// grid. What a thread will need comes from memory while others still add.
 #pragma once
 #include "sim/solver/cuda/residence.cuh"
 
 namespace gonogo::sim {
+
+static_assert(6 * kMostMechanismBodies <= kTileSize);  // a thread for every number
 
 /// What a team has at hand while it works on a mechanism, in shared memory.
 struct MechanismWork {
@@ -19,11 +21,11 @@ struct MechanismWork {
 template <class Sum>
 class MechanismMover {
  public:
-  __device__ MechanismMover(const SolveViews& views, const Team& team, MechanismWork& work, const Sum& add)
+  GONOGO_DEVICE MechanismMover(const SolveViews& views, const Team& team, MechanismWork& work, const Sum& add)
       : s(views), team_(team), work_(work), add_(add) {}
 
   /// `held`: room for the map in shared memory, or null.
-  __device__ void load(Index index, Real* held) {
+  GONOGO_DEVICE void load(Index index, Real* held) {
     team_.sync();
     if (team_.rank == 0) work_.mechanism = s.projection.mechanism[index];
     team_.sync();
@@ -39,32 +41,39 @@ class MechanismMover {
   }
 
   /// After update number `k`; -1: of the warm start.
-  __device__ void move(Index k, const Real* held) {
+  GONOGO_DEVICE void move(Index k, const Real* held) {
     const Mechanism& m = work_.mechanism;
     if (m.body_count == 0) return;
     const Momentum now = s.momentum[k < 0 ? 0 : k & 1][m.world];
     if (now.done) return;
-    if (k >= 0) update_motors(m, k, now.beta);
-    for (Index slot = 0; slot < m.body_count; ++slot) sum_contacts(slot);
+    const Index slot = team_.rank, number = team_.rank;
+    Velocity free;
+    BodyMass mass;
+    Vec3 moment;
+    Real before = 0;
+    if (slot < m.body_count) {
+      const BodyIndex b = work_.body[slot];
+      mass = s.mass[b];
+      free = k < 0 ? begin_body(s, b) : s.free_velocity[b];
+      moment = s.motor_moment(m.first_body + slot);
+    }
+    if (number < 6 * m.body_count) before = component(s.velocity[work_.body[number / 6]], number % 6);
+    for (Index other = 0; other < m.body_count; ++other) sum_contacts(other);
     team_.sync();
-    for (Index slot = team_.rank; slot < m.body_count; slot += kTileSize) gather(m, slot);
+    if (slot < m.body_count) gather(m, slot, free, mass, moment);
     team_.sync();
     const bool holds = held != nullptr && m.projection_size() <= kHeldProjection;
     const Real* map = holds ? held : s.projection.projection.data + m.projection;
-    for (Index c = team_.rank; c < 6 * m.body_count; c += kTileSize) project(m, map, c, k < 0, now.next_beta);
+    if (number < 6 * m.body_count) {
+      const Real next = projected(m, map, number);
+      set_velocity(number, next, k < 0 ? next : multiply_add(now.next_beta, next - before, next));
+    }
+    if (k >= 0 && now.ends) carry(m, map, free);
   }
 
  private:
-  /// From velocities of before.
-  __device__ void update_motors(const Mechanism& m, Index k, Real beta) {
-    const UpdateMotor motor{s.motor,           s.drive,         s.extrapolated_velocity, s.world_of_body,
-                            s.momentum[k & 1], s.motor_impulse, s.motor_before,          s.step};
-    const Index first = m.first_element + m.element_count - m.motor_count;
-    for (Index n = team_.rank; n < m.motor_count; n += kTileSize) motor.update(s.element[first + n].index, beta);
-  }
-
   /// By a warp, or by the whole team where there are many.
-  __device__ void sum_contacts(Index slot) {
+  GONOGO_DEVICE void sum_contacts(Index slot) {
     const HalfRange c = work_.contacts[slot];
     const Index warp = team_.rank / 32, lane = team_.rank % 32;
     const bool many = c.end - c.begin > kTileSize / 4;
@@ -83,27 +92,41 @@ class MechanismMover {
     if (many ? team_.rank == 0 : lane == 0) work_.linear[slot] = linear, work_.angular[slot] = angular;
   }
 
-  __device__ void gather(const Mechanism& m, Index slot) {
-    const BodyIndex b = work_.body[slot];
-    const Velocity free = s.free_velocity[b];
-    const BodyMass mass = s.mass[b];
-    const Vec3 angular = work_.angular[slot] + s.motor_moment(m.first_body + slot);
-    work_.gathered[slot] = driven(s, b, free, mass, work_.linear[slot], angular);
+  GONOGO_DEVICE void gather(const Mechanism& m, Index slot, const Velocity& free, const BodyMass& mass,
+                            const Vec3& moment) {
+    const Vec3 angular = work_.angular[slot] + moment;
+    work_.gathered[slot] = driven(s, work_.body[slot], free, mass, work_.linear[slot], angular);
     s.gathered[m.first_body + slot] = work_.gathered[slot];  // for the joints' loads
   }
 
-  /// One number of a body's velocity.
-  __device__ void project(const Mechanism& m, const Real* map, Index c, bool first, Real beta) {
-    const BodyIndex b = work_.body[c / 6];
-    Real& now = component(s.velocity[b], c % 6);
-    const Real before = now;
-    Real next[1];
-    Projection::add_columns(m, map + c, work_.gathered, next);
-    component(s.extrapolated_velocity[b], c % 6) = first ? next[0] : multiply_add(beta, next[0] - before, next[0]);
-    now = next[0];
+  /// Into the next part of the step.
+  GONOGO_DEVICE void carry(const Mechanism& m, const Real* map, Velocity& free) {
+    const Index slot = team_.rank, number = team_.rank;
+    team_.sync();
+    if (slot < m.body_count) {
+      const BodyIndex b = work_.body[slot];
+      work_.gathered[slot] = sum(work_.gathered[slot], carry_body(s, b, s.velocity[b], free));
+    }
+    team_.sync();
+    if (number >= 6 * m.body_count) return;
+    const Real next = projected(m, map, number);
+    set_velocity(number, next, next);
   }
 
-  __device__ static Real& component(Velocity& v, Index c) {
+  /// One number of a body's velocity.
+  GONOGO_DEVICE Real projected(const Mechanism& m, const Real* map, Index c) {
+    Real next[1];
+    Projection::add_columns(m, map + c, work_.gathered, next);
+    return next[0];
+  }
+
+  GONOGO_DEVICE void set_velocity(Index c, Real velocity, Real extrapolated) {
+    const BodyIndex b = work_.body[c / 6];
+    component(s.velocity[b], c % 6) = velocity;
+    component(s.extrapolated_velocity[b], c % 6) = extrapolated;
+  }
+
+  GONOGO_DEVICE static Real& component(Velocity& v, Index c) {
     Vec3& part = c < 3 ? v.linear : v.angular;
     return c % 3 == 0 ? part.x : c % 3 == 1 ? part.y : part.z;
   }

@@ -26,6 +26,9 @@ struct alignas(8) CentralArms {
 struct ArmsRecord {
   Vec3 a, b;
 };
+struct alignas(8) GapRecord {
+  Real gap, rate;  // see Contact
+};
 struct alignas(8) PairRecord {
   BodyIndex a, b;
 };
@@ -40,21 +43,21 @@ struct alignas(8) HalfRange {
 
 template <>
 struct SolverStorage<Cuda> {
-  Buffer<FrameRecord, Cuda> frame;  // [contact], as are the next seven
+  Buffer<FrameRecord, Cuda> frame;  // [contact], as are the next eight
   Buffer<ConeRecord, Cuda> cone;
   Buffer<TurnRecord, Cuda> turn;
   Buffer<CentralArms, Cuda> central;
   Buffer<ArmsRecord, Cuda> arms;
   Buffer<PairRecord, Cuda> pair;
+  Buffer<GapRecord, Cuda> gap;               // where a step has parts
   Buffer<Vec3, Cuda> linear[2], angular[2];  // impulses of the latest two updates, taking turns
   Buffer<HalfContact, Cuda> half;            // [contact * 2]
   Buffer<HalfRange, Cuda> of_body;           // into half
   Buffer<BodyIndex, Cuda> hub;               // bodies with so many contacts that a warp sums them
-  Buffer<Index, Cuda> hub_count;             // one
+  Buffer<unsigned long long, Cuda> counter;  // of the barrier, and of hubs
   Buffer<UpdateSums, Cuda> tile_sums;
   Buffer<WorldSums, Cuda> tile_measures, body_tile_measures;
   Buffer<Momentum, Cuda> other_momentum;  // [world]
-  Buffer<Index, Cuda> worlds_at_work;     // one
   Buffer<Real, Cuda> motor_before;
 };
 
@@ -62,15 +65,15 @@ struct SolverStorage<Cuda> {
 struct SolveViews {
   Tiles tiles;
   Incidence incidence;
+  StepSettings settings;
   IterationRules rules;
-  Real step;
   const Index* halted;
   const Index* contact_total;
-  View<const Contact> contact;
+  View<Contact> contact;
   View<const BodyMass> mass;
   View<const Quat> orientation;
   View<const SymMat3> inverse_inertia_W;
-  View<const Velocity> free_velocity;
+  View<const Velocity> velocity_change;
   View<const WorldIndex> world_of_body, world_of_body_tile;
   View<const Index> first_body_tile;
   Projection projection;
@@ -80,7 +83,7 @@ struct SolveViews {
   View<const Motor> motor;
   View<const MotorDrive> drive;
   View<Real> motor_impulse, motor_before;
-  View<Velocity> velocity, extrapolated_velocity;
+  View<Velocity> free_velocity, velocity, extrapolated_velocity, part_velocity, earlier_velocity;
   View<Momentum> momentum[2];  // [world] of the present update and of the next, taking turns
   View<Impulse> impulse;       // warm start, and the result
   View<WorldSums> world_sums;
@@ -91,20 +94,41 @@ struct SolveViews {
   View<CentralArms> central;
   View<ArmsRecord> arms;
   View<PairRecord> pair;
+  View<GapRecord> gap;
   View<Vec3> linear[2], angular[2];
   View<const Index> second_slot;
   View<HalfContact> half;
   View<HalfRange> of_body;
   View<BodyIndex> hub;
+  unsigned long long* barrier;
   Index* hub_count;
   View<UpdateSums> tile_sums;
   View<WorldSums> tile_measures, body_tile_measures;
-  Index* worlds_at_work;
 };
 
+/// Body b at the beginning of the step: its velocity without impulses.
+GONOGO_DEVICE Velocity begin_body(const SolveViews& s, BodyIndex b) {
+  const Velocity free = sum(s.velocity[b], s.velocity_change[b]);
+  s.earlier_velocity[b].linear = s.earlier_velocity[b].angular = {};
+  s.free_velocity[b] = free;
+  return free;
+}
+
+/// Body b has moved with `v` through a part of the step and another follows: `free` goes on to that. Returns by how
+/// much.
+GONOGO_DEVICE Velocity carry_body(const SolveViews& s, BodyIndex b, const Velocity& v, Velocity& free) {
+  const Velocity next = sum(v, s.velocity_change[b]), more = difference(next, free);
+  Velocity& earlier = s.earlier_velocity[b];
+  earlier.linear += v.linear;
+  earlier.angular += v.angular;
+  s.part_velocity[b] = v;
+  s.free_velocity[b] = free = next;
+  return more;
+}
+
 /// `free`, `m`: of body b, loaded early.
-__device__ inline Velocity driven(const SolveViews& s, BodyIndex b, const Velocity& free, const BodyMass& m,
-                                  const Vec3& linear, const Vec3& angular) {
+GONOGO_DEVICE Velocity driven(const SolveViews& s, BodyIndex b, const Velocity& free, const BodyMass& m,
+                              const Vec3& linear, const Vec3& angular) {
   const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
   return driven_velocity(free, m, inverse_inertia, linear, angular);
 }

@@ -1,5 +1,6 @@
 // Threads that work on one tile.
 #pragma once
+#include "base/words.h"
 #include "sim/solver/tiles.h"
 #include "sim/world/state.h"
 
@@ -14,11 +15,11 @@ struct Team {
   Index index, count;    // among all teams; neighbours sit on different multiprocessors
   double* scratch;       // one number per warp
 
-  __device__ void sync() const { asm volatile("bar.sync %0, %1;" ::"r"(in_block + 1), "n"(kTileSize) : "memory"); }
+  GONOGO_DEVICE void sync() const { asm volatile("bar.sync %0, %1;" ::"r"(in_block + 1), "n"(kTileSize) : "memory"); }
 
   /// The same bits whatever else runs; valid in the thread of rank 0.
   template <class Combine>
-  __device__ double reduce(double value, Combine combine) const {
+  GONOGO_DEVICE double reduce(double value, Combine combine) const {
     for (int offset = 16; offset > 0; offset /= 2) value = combine(value, __shfl_down_sync(0xFFFFFFFF, value, offset));
     sync();
     if (rank % 32 == 0) scratch[rank / 32] = value;
@@ -28,13 +29,13 @@ struct Team {
       for (int warp = 1; warp < kTileSize / 32; ++warp) all = combine(all, scratch[warp]);
     return all;
   }
-  __device__ double sum(double value) const {
+  GONOGO_DEVICE double sum(double value) const {
     return reduce(value, [](double a, double b) { return a + b; });
   }
-  __device__ double most(double value) const {
+  GONOGO_DEVICE double most(double value) const {
     return reduce(value, [](double a, double b) { return std::fmax(a, b); });
   }
-  __device__ WorldSums sum(const WorldSums& value) const {
+  GONOGO_DEVICE WorldSums sum(const WorldSums& value) const {
     WorldSums total;
     total.kinetic = sum(value.kinetic);
     total.gravity_power = sum(value.gravity_power);
@@ -44,9 +45,51 @@ struct Team {
   }
 };
 
+/// All blocks of a cooperative launch wait for each other, and see what the others wrote before. One counter, zero at
+/// the start: blocks that have arrived, and above kWorldDone worlds that have ended. Nobody waits for an answer when it
+/// arrives.
+class GridBarrier {
+ public:
+  static constexpr unsigned long long kWorldDone = 1ull << 40;
+
+  GONOGO_DEVICE explicit GridBarrier(unsigned long long* counter) : counter_(counter) {}
+
+  /// Returns how many worlds have ended.
+  GONOGO_DEVICE Index wait() {
+    __shared__ Index worlds_done;
+    arrivals_ += gridDim.x;
+    __syncthreads();
+    if (threadIdx.x == 0) {
+      asm volatile("red.release.gpu.global.add.u64 [%0], 1;" ::"l"(counter_) : "memory");
+      unsigned long long now;
+      do asm volatile("ld.acquire.gpu.global.u64 %0, [%1];" : "=l"(now) : "l"(counter_) : "memory");
+      while (now % kWorldDone < arrivals_);
+      worlds_done = Index(now / kWorldDone);
+    }
+    __syncthreads();
+    return worlds_done;
+  }
+
+ private:
+  unsigned long long* counter_;
+  unsigned long long arrivals_ = 0;
+};
+
+/// Loaded at once, even where a branch ahead may not need it.
+GONOGO_DEVICE float4 loaded_early(const float4* from) {
+  float4 v;
+  asm volatile("ld.global.v4.f32 {%0, %1, %2, %3}, [%4];" : "=f"(v.x), "=f"(v.y), "=f"(v.z), "=f"(v.w) : "l"(from));
+  return v;
+}
+GONOGO_DEVICE Velocity loaded_early(const Velocity& from) {
+  const auto* at = reinterpret_cast<const float4*>(&from);
+  const float4 linear = loaded_early(at), angular = loaded_early(at + 1);
+  return {{linear.x, linear.y, linear.z}, 0, {angular.x, angular.y, angular.z}, 0};
+}
+
 /// Of neighbouring threads of a warp; all of them get it.
 template <int kLanes>
-__device__ inline Vec3 sum_of_lanes(Vec3 v) {
+GONOGO_DEVICE Vec3 sum_of_lanes(Vec3 v) {
   const unsigned mask = kLanes == 32 ? 0xFFFFFFFFu : ((1u << kLanes) - 1) << (threadIdx.x % 32 / kLanes * kLanes);
 #pragma unroll
   for (int offset = 1; offset < kLanes; offset *= 2) {

@@ -1,0 +1,154 @@
+// Where a point of another body leaves a mesh: through the faces below it that the body presses upon. Beside a convex
+// edge that is the face which it has sunk into least; in a hollow it is every face.
+#pragma once
+#include "sim/shape/mesh_feature.h"
+
+namespace gonogo::sim {
+
+/// What contacts of meshes are judged by [m].
+struct Tolerance {
+  Real envelope;  // contacts are found up to this gap
+  Real slack;     // ten thousandth of the smaller body: lengths below it may be rounding
+  Real limit;     // deeper than that, a point is not looked at
+};
+
+/// `half`: half of the smallest side of the smaller body; `share`: of it, the limit.
+GONOGO_HD inline Tolerance tolerance_for(Real half, Real share, Real envelope) {
+  return {envelope, Real(1e-4) * half, std::fmax(share * half, envelope)};
+}
+
+/// Whether the foot of a point lies in triangle t, whose normal is `n`; beyond edges of valleys by up to `hollow`.
+GONOGO_HD inline bool is_over(const MeshFrom& from, Index t, const Vec3& n, const Vec3& p, Real slack, Real hollow) {
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 start = from.corner(t, k), edge = from.corner(t, (k + 1) % 3) - start;
+    const Real reach = from.surface.has(MeshMark::valley, t, k) ? hollow : slack;
+    if (dot(cross(n, edge), p - start) < -reach * length(edge)) return false;
+  }
+  return true;
+}
+
+/// The same for a point that may be a few envelopes deep in the other wall of a hollow, or as deep as in this one.
+GONOGO_HD inline bool may_be_on(const MeshFrom& from, Index t, const Vec3& n, const Vec3& p, Real gap,
+                                const Tolerance& tol) {
+  if (gap >= tol.envelope || gap < -tol.limit) return false;
+  return is_over(from, t, n, p, tol.slack, 4 * std::fmax(tol.envelope, -gap));
+}
+
+GONOGO_HD inline Vec3 centroid(const MeshFrom& from, Index t) {
+  return (from.corner(t, 0) + from.corner(t, 1) + from.corner(t, 2)) * Real(1.0 / 3);
+}
+
+/// How far a point of a body that leans may lie outside of what it is `-gap` deep in.
+GONOGO_HD inline Real off_surface(Real gap, Real slack) {
+  return slack + std::fmin(-kLean * std::fmin(gap, Real(0)), 50 * slack);
+}
+
+/// A point that may have gone into a mesh by `-gap` through a feature with the given middle: triangle `t`, or, where t
+/// is below zero, a ridge.
+struct WayOut {
+  Index t;
+  Vec3 middle;
+  Vec3 p;
+  Real gap;
+};
+
+/// Whether another way out goes before one that is `gap` long: it is shorter, and well so where the body only leans
+/// upon it.
+template <class Supports>
+GONOGO_HD inline bool goes_before(Real other, Real gap, Real slack, Supports&& supports) {
+  if (other < gap + slack) return false;
+  return supports(other > Real(0.7) * gap ? kLean : kStrict);
+}
+
+/// Whether the point leaves the solid there: it is inside, no other face beside a convex edge lets it out sooner, and
+/// of a flat face this is the first triangle. supports(n, lean): whether the other body may be pressed by its point
+/// along n.
+template <class Supports>
+GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const Tolerance& tol, Supports&& supports) {
+  const bool deep = way.gap < -tol.slack;
+  const Real reach = (deep ? -way.gap : Real(0)) + 2 * tol.slack;
+  const Real beside = off_surface(way.gap, tol.slack);
+  const Real wide = 10 * tol.slack;  // beyond an acute corner a point is further from a triangle than from its edges
+  const Vec3 box{reach, reach, reach};
+  bool out = true;
+  Index nearest = -1;
+  OnTriangle on{};
+  Real least = Real(1e30);
+  from.surface.visit_near(way.p - box, way.p + box, [&](Index t) {
+    if (!out) return;
+    if (deep) {
+      const Vec3 a = from.corner(t, 0) - way.p, b = from.corner(t, 1) - way.p, c = from.corner(t, 2) - way.p;
+      const OnTriangle here = nearest_on_triangle(a, b, c);
+      const Real distance = length(here.point);
+      if (distance < least) least = distance, nearest = t, on = here;
+    }
+    if (t == way.t) return;
+    const bool same_face = way.t >= 0 && from.surface.name(t) == from.surface.name(way.t);
+    if (same_face ? t > way.t : !deep) return;
+    const Vec3 n = from.normal(t), base = from.corner(t, 0);
+    if (same_face) {
+      out = !is_over(from, t, n, way.p, tol.slack, tol.slack);
+      return;
+    }
+    const Real gap = dot(way.p - base, n);
+    if (gap > beside || dot(way.middle - base, n) >= 0) return;
+    if (goes_before(gap, way.gap, tol.slack, [&](Real lean) { return supports(-n, lean); }))
+      out = !is_over(from, t, n, way.p, wide, wide);
+  });
+  if (!out || !deep) return out;
+  return nearest >= 0 && (least < beside || dot(on.point, from.outward(nearest, on.feature)) > 0);
+}
+
+/// Whether a ridge of a mesh, which its point `p` presses along `n` into a box or cylinder by `-gap`, would leave it
+/// sooner through one of its sides.
+GONOGO_HD inline bool leaves_sooner(const Convex& solid, const Edge& ridge, const Vec3& p, Real gap, Real slack) {
+  const Sides sides = sides_at(solid, p);
+  bool sooner = false;
+  for (int k = 0; k < sides.count; ++k) {
+    if (sides.gap[k] > off_surface(gap, slack)) return false;
+    const auto supports = [&](Real lean) { return ridge.supports(-sides.normal[k], lean); };
+    sooner = sooner || goes_before(sides.gap[k], gap, slack, supports);
+  }
+  return sooner;
+}
+
+/// Where two edges cross, seen along the normal, which leads from b to a.
+struct Crossing {
+  Vec3 normal, on_a, on_b;
+  Real gap;
+};
+
+/// Where the lines of two edges cross; false where they lie along each other within 2 degrees. `s`, `t`: along a and b,
+/// 0 .. 1 between the ends.
+GONOGO_HD inline bool lines_cross(const Edge& a, const Edge& b, Crossing& c, Real& s, Real& t) {
+  const Vec3 square = cross(a.along, b.along);
+  const Real size = length(square);
+  if (size < Real(0.03) * length(a.along) * length(b.along)) return false;
+  c.normal = square * ((dot(square, b.inward + b.beyond) > 0 ? Real(-1) : Real(1)) / size);
+  const Vec3 w = b.start - a.start;
+  const Real area = dot(square, c.normal);
+  s = dot(cross(w, b.along), c.normal) / area;
+  t = dot(cross(w, a.along), c.normal) / area;
+  c.on_a = a.start + a.along * s;
+  c.on_b = b.start + b.along * t;
+  c.gap = dot(c.normal, c.on_a - c.on_b);
+  return true;
+}
+
+/// Whether two edges that cross there face each other, near enough to touch.
+GONOGO_HD inline bool may_touch(const Edge& a, const Edge& b, const Crossing& c, const Tolerance& tol) {
+  return c.gap < tol.envelope && c.gap > -tol.limit && b.is_outer(c.normal, kLean) && a.is_outer(-c.normal, kLean);
+}
+
+GONOGO_HD inline bool is_between_ends(const Edge& e, Real at, Real slack) {
+  const Real end = slack / length(e.along);
+  return at >= -end && at <= 1 + end;
+}
+
+GONOGO_HD inline bool edges_cross(const Edge& a, const Edge& b, const Tolerance& tol, Crossing& c) {
+  Real s = 0, t = 0;
+  return lines_cross(a, b, c, s, t) && is_between_ends(a, s, tol.slack) && is_between_ends(b, t, tol.slack) &&
+         may_touch(a, b, c, tol);
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,210 @@
+// Boxes, cylinders and the parts of wheels on meshes. Contacts are
+//   - corners, ends of sides and rims of the solid on faces of the mesh (its facets: see convex.h),
+//   - corners of the mesh on the solid, by the solid's signed distance,
+//   - crossings of the mesh's ridges with edges, rims and sides of the solid.
+// Together they span the polygon that a convex body and a face of the mesh share; on a mesh of a convex body they are
+// the contacts of the two bodies.
+// Limits: edges that lie along each other within 2 degrees, neither of them on a face of the other body, have no
+// contact until a corner has one; a point deeper than half of the solid's smallest half extent is not pushed out;
+// a body that has gone through a wall thinner than its own depth in it may be pushed out on the other side.
+#pragma once
+#include "sim/shape/mesh_face.h"
+
+namespace gonogo::sim {
+
+template <class Visit>
+struct SolidOnMesh {
+  const MeshFrom& from;
+  const Convex& solid;
+  int part;     // of a wheel, whose centre is the origin
+  Real hidden;  // of a lug, what is nearer to the axle than this lies inside the wheel [m]
+  Tolerance tol;
+  Visit& visit;
+
+  enum Kind { face, corner, edge, beside };
+
+  GONOGO_HD bool is_hidden(const Vec3& p) const {
+    const Real along = dot(p, solid.axis[1]);
+    return dot(p, p) - along * along < hidden * hidden;
+  }
+
+  GONOGO_HD void emit(Kind kind, int of_solid, int of_mesh, Real gap, const Vec3& n, const Vec3& middle) {
+    if (part > 0 && is_hidden(middle + n * (gap / 2))) return;
+    visit(feature_name(kind, std::uint32_t(64 * part + of_solid), std::uint32_t(of_mesh)), Touch{gap, n, middle});
+  }
+
+  GONOGO_HD bool pressed(const Vec3& p, const Vec3& direction, Real lean) const {
+    return point_supports(solid, p, direction, tol.slack, lean);
+  }
+
+  /// Points of the solid on a face.
+  GONOGO_HD void on_face(Index t) {
+    const Vec3 n = from.normal(t), base = from.corner(t, 0);
+    const Real low = dot(solid.centre - base, n) - extent(solid, n);
+    if (low >= tol.envelope || low < -tol.limit) return;
+    const Facet f = facet(solid, -n);
+    for (int k = 0; k < f.count; ++k) {
+      const Vec3 p = f.point[k];
+      const Real gap = dot(p - base, n);
+      if (!may_be_on(from, t, n, p, gap, tol)) continue;
+      const auto supports = [&](const Vec3& direction, Real lean) { return pressed(p, direction, lean); };
+      if (leads_out(from, WayOut{t, centroid(from, t), p, gap}, tol, supports))
+        emit(face, f.id[k], int(from.surface.name(t)), gap, n, p - n * (gap / 2));
+    }
+  }
+
+  /// A corner of the mesh. Near the solid's surface, and inside, it leaves by the side that is nearest among those that
+  /// it presses upon.
+  GONOGO_HD void on_solid(Index t, int k) {
+    const Vec3 p = from.corner(t, k);
+    const Sides sides = sides_at(solid, p);
+    Vec3 apart, out;
+    Real gap = -tol.limit;
+    bool found = false;
+    for (int i = 0; i < sides.count; ++i) {
+      if (sides.gap[i] >= tol.envelope) return;
+      if (sides.gap[i] > tol.slack) apart += sides.normal[i] * sides.gap[i];
+    }
+    if (const Real distance = length(apart); distance > 0) {
+      gap = distance, out = apart * (1 / distance);
+      found = gap < tol.envelope && from.supports(t, k, -out, kLean);
+    } else {
+      for (int i = 0; i < sides.count; ++i)
+        if (sides.gap[i] > gap && from.supports(t, k, -sides.normal[i], kLean))
+          gap = sides.gap[i], out = sides.normal[i], found = true;
+    }
+    if (found) emit(corner, 0, int(from.surface.vertex(t, k)), gap, -out, p - out * (gap / 2));
+  }
+
+  GONOGO_HD void crossing(const Edge& own, const Edge& ridge, const Crossing& c, int of_solid, int of_mesh) {
+    const auto supports = [&](const Vec3& direction, Real lean) { return own.supports(direction, lean); };
+    if (c.gap < -tol.slack) {
+      if (leaves_sooner(solid, ridge, c.on_b, c.gap, tol.slack)) return;
+      const WayOut way{-1, ridge.start + ridge.along * Real(0.5), c.on_a, c.gap};
+      if (!leads_out(from, way, tol, supports)) return;
+    }
+    emit(edge, of_solid, of_mesh, c.gap, c.normal, (c.on_a + c.on_b) * Real(0.5));
+  }
+
+  /// Whether a point of the box with these coordinates (in its axes) may be within `reach` of an edge or corner that
+  /// lies at `side` times its half edges; a side of 0 runs along.
+  GONOGO_HD bool is_near(const Vec3& x, const Vec3& side, Real reach) const {
+    const auto near = [&](Real at, Real half, Real s) {
+      return s == 0 ? std::fabs(at) <= half + reach : std::fabs(at - s * half) <= reach;
+    };
+    return near(x.x, solid.size.x, side.x) && near(x.y, solid.size.y, side.y) && near(x.z, solid.size.z, side.z);
+  }
+
+  GONOGO_HD void box_edge(const Edge& ridge, const Vec3& middle, int i, int of_mesh) {
+    const int u = i / 4, v = (u + 1) % 3, w = (u + 2) % 3;
+    const Real half[3] = {solid.size.x, solid.size.y, solid.size.z};
+    Real side[3] = {};
+    side[v] = i & 1 ? Real(1) : Real(-1), side[w] = i & 2 ? Real(1) : Real(-1);
+    const Real reach = Real(0.5) * length(ridge.along) + std::fmax(tol.envelope, tol.limit);
+    if (!is_near(middle, {side[0], side[1], side[2]}, reach)) return;
+    const Vec3 along = solid.axis[u] * half[u], out_v = solid.axis[v] * side[v], out_w = solid.axis[w] * side[w];
+    const Edge own{solid.centre - along + out_v * half[v] + out_w * half[w], along * Real(2), -out_v, -out_w};
+    Crossing c;
+    if (edges_cross(own, ridge, tol, c)) crossing(own, ridge, c, i, of_mesh);
+  }
+
+  /// A corner of a box apart from a ridge, to which it is nearest between the ridge's ends.
+  GONOGO_HD void beside_ridge(const Edge& ridge, const Vec3& middle, int i, int of_mesh) {
+    const Vec3 side{i & 1 ? Real(1) : Real(-1), i & 2 ? Real(1) : Real(-1), i & 4 ? Real(1) : Real(-1)};
+    if (!is_near(middle, side, Real(0.5) * length(ridge.along) + tol.envelope)) return;
+    const Vec3 p = solid.centre + solid.out_of(scale(side, solid.size));
+    const Real at = dot(p - ridge.start, ridge.along) / dot(ridge.along, ridge.along);
+    if (at <= 0 || at >= 1) return;
+    const Vec3 d = p - (ridge.start + ridge.along * at);
+    const Real gap = length(d), most = Real(1e-4) * gap;
+    if (gap <= tol.slack || gap >= tol.envelope || dot(d, ridge.inward) > most || dot(d, ridge.beyond) > most) return;
+    const Vec3 n = d * (1 / gap);
+    if (pressed(p, -n, kLean)) emit(beside, i, of_mesh, gap, n, p - d * Real(0.5));
+  }
+
+  /// The line along a cylinder's side that is nearest to the ridge's line.
+  GONOGO_HD void across_side(const Edge& ridge, int of_mesh) {
+    const Vec3& axis = solid.axis[1];
+    Vec3 out = cross(ridge.along, axis);
+    const Real size = length(out);
+    if (size < Real(0.03) * length(ridge.along)) return;
+    out = out * ((dot(out, ridge.start - solid.centre) < 0 ? Real(-1) : Real(1)) / size);
+    const Vec3 tangent = cross(axis, out), along = axis * (2 * solid.size.y);
+    const Edge own{solid.centre + out * solid.size.x - along * Real(0.5), along, tangent, -tangent};
+    Crossing c;
+    if (edges_cross(own, ridge, tol, c)) crossing(own, ridge, c, 16, of_mesh);
+  }
+
+  /// Tangent of a rim beside a point.
+  GONOGO_HD Edge rim_beside(const Vec3& p, int cap) const {
+    const Vec3 x = solid.into(p - solid.centre), top = solid.axis[1] * (cap == 0 ? Real(-1) : Real(1));
+    const Real r = std::fmax(std::sqrt(x.x * x.x + x.z * x.z), Real(1e-3) * solid.size.x);
+    const Vec3 out = solid.out_of({x.x / r, 0, x.z / r});
+    return {solid.centre + out * solid.size.x + top * solid.size.y, cross(top, out) * solid.size.x, -out, -top};
+  }
+
+  /// A ridge crosses a rim where it crosses the tangent there; `at`: first guess along the ridge, a point that is level
+  /// with the rim or as far from the axis. Of two guesses that end at one place, the one is taken that suits the
+  /// normal.
+  GONOGO_HD void at_rim(const Edge& ridge, Real at, int cap, bool level, int of_solid, int of_mesh) {
+    if (!(at >= Real(-0.5) && at <= Real(1.5))) return;
+    Crossing c;
+    Real s = 0;
+    Edge rim = rim_beside(ridge.start + ridge.along * at, cap);
+    for (int i = 0; i < 4; ++i) {
+      if (!lines_cross(rim, ridge, c, s, at) || std::fabs(s) > 1) return;
+      if (i < 3) rim = rim_beside(c.on_a, cap);
+    }
+    if (level != (std::fabs(dot(c.normal, rim.inward)) > std::fabs(dot(c.normal, rim.beyond)))) return;
+    if (is_between_ends(ridge, at, tol.slack) && may_touch(rim, ridge, c, tol))
+      crossing(rim, ridge, c, of_solid, of_mesh);
+  }
+
+  GONOGO_HD void rims(const Edge& ridge, int of_mesh) {
+    const Vec3 s = solid.into(ridge.start - solid.centre), u = solid.into(ridge.along);
+    const Real a = u.x * u.x + u.z * u.z, b = s.x * u.x + s.z * u.z;
+    const Real root = b * b - a * (s.x * s.x + s.z * s.z - solid.size.x * solid.size.x);
+    for (int cap = 0; cap < 2; ++cap) {
+      if (std::fabs(u.y) > 0)
+        at_rim(ridge, ((cap == 0 ? -solid.size.y : solid.size.y) - s.y) / u.y, cap, true, 17 + cap, of_mesh);
+      if (!(root >= 0 && a > 0)) continue;
+      at_rim(ridge, (-b - std::sqrt(root)) / a, cap, false, 19 + cap, of_mesh);
+      at_rim(ridge, (-b + std::sqrt(root)) / a, cap, false, 21 + cap, of_mesh);
+    }
+  }
+
+  GONOGO_HD void on_ridge(Index t, int k) {
+    const Edge ridge = mesh_edge(from, t, k);
+    const int name = int(3 * t + k);
+    if (solid.type == ShapeType::box) {
+      const Vec3 middle = solid.into(ridge.start + ridge.along * Real(0.5) - solid.centre);
+      for (int i = 0; i < 12; ++i) box_edge(ridge, middle, i, name);
+      for (int i = 0; i < 8; ++i) beside_ridge(ridge, middle, i, name);
+    } else {
+      across_side(ridge, name);
+      rims(ridge, name);
+    }
+  }
+
+  GONOGO_HD void run() {
+    const Vec3 half = Vec3{extent(solid, {1, 0, 0}), extent(solid, {0, 1, 0}), extent(solid, {0, 0, 1})} +
+                      Vec3{tol.envelope, tol.envelope, tol.envelope};
+    from.surface.visit_near(solid.centre - half, solid.centre + half, [&](Index t) {
+      on_face(t);
+      for (int k = 0; k < 3; ++k) {
+        if (from.surface.has(MeshMark::sharp, t, k)) on_solid(t, k);
+        if (from.surface.has(MeshMark::ridge, t, k)) on_ridge(t, k);
+      }
+    });
+  }
+};
+
+/// Calls visit(feature, touch) for the contacts of a part of a solid; the touch is owned by the solid and its point
+/// counts from the origin of `from`.
+template <class Visit>
+GONOGO_HD inline void visit_solid_mesh_touches(const MeshFrom& from, const Convex& solid, int part, Real hidden,
+                                               const Tolerance& tol, Visit&& visit) {
+  SolidOnMesh<Visit>{from, solid, part, hidden, tol, visit}.run();
+}
+
+}  // namespace gonogo::sim
