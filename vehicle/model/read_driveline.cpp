@@ -1,0 +1,92 @@
+// Driveline and track.
+#include "vehicle/model/read.h"
+
+namespace gonogo::vehicle {
+namespace {
+
+Part read_turning(const Config& c, const std::string& name, double& radius) {
+  Part part = read_part(c, name, true);
+  radius = c.number("radius_m", kLength);
+  return part;
+}
+
+void read_shoe(const Config& c, Track& t) {
+  t.shoe_mass = c.number("mass_kg", kMass);
+  t.shoe_pitch = c.number("pitch_m", kLength);
+  t.shoe_width = c.number("width_m", kLength);
+  t.shoe_height = c.number("height_m", kLength);
+  t.pad_above_pin = c.number("pad_above_pin_m", {0, 1});
+  t.pad_below_pin = c.number("pad_below_pin_m", {0, 1});
+  t.grouser_height = c.number_or("grouser_height_m", 0, {0, 1});
+  t.left_shoes = int(c.integer("left_count", {3, 1000}));
+  t.right_shoes = int(c.integer("right_count", {3, 1000}));
+  c.finish();
+}
+
+void read_road_wheels(const Config& c, Track& t) {
+  t.wheel = c.text("wheel");
+  t.suspension[0] = c.text("suspension_with_damper");
+  t.suspension[1] = c.text("suspension");
+  t.road_wheel_x = c.numbers("left_x_m", {-50, 50});
+  t.right_road_wheel_x = c.numbers("right_x_m", {-50, 50});
+  t.road_wheel_z = c.number("z_m", {-20, 20});
+  if (t.road_wheel_x.size() < 2) c.fail("left_x_m", "a track needs at least 2 road wheels");
+  if (t.road_wheel_x.size() != t.right_road_wheel_x.size())
+    c.fail("right_x_m", "needs as many road wheels as the left");
+  for (const double index : c.numbers("damped", {0, double(t.road_wheel_x.size() - 1)})) t.damped.push_back(int(index));
+  c.finish();
+}
+
+void read_engine(const Config& c, Driveline& d) {
+  const Config engine = c.object("engine");
+  d.engine = read_curve(engine, "speed_rad_s", "torque_N_m");
+  d.cut_speed = engine.number("cut_speed_rad_s", {1e-3, 1e4});
+  engine.finish();
+  if (const auto converter = c.object_if("torque_converter")) {
+    d.converter = read_curve(*converter, "speed_ratio", "torque_ratio", {0, 10});
+    converter->finish();
+  }
+  d.gears = c.numbers("gears_output_per_input", {1e-3, 100});
+  if (d.gears.empty()) c.fail("gears_output_per_input", "needs at least one gear");
+  d.reverse = c.number_or("reverse_output_per_input", 0, {0, 100});
+  d.final_drive = c.number("final_drive_output_per_input", {1e-3, 100});
+  d.centre = read_differential(c, "centre_differential", d.centre_bias);
+  d.front_share = c.number_or("front_share", 0.5, {0, 1});
+}
+
+}  // namespace
+
+Driveline read_driveline(const Config& c) {
+  Driveline d;
+  d.wheel_motors = c.choice("type", {"engine", "wheel_motors"}) == "wheel_motors";
+  d.efficiency = c.number_or("efficiency", 1, {0.01, 1});
+  if (d.wheel_motors) {
+    const Config motor = c.object("motor");
+    d.engine = read_curve(motor, "speed_rad_s", "torque_N_m");
+    d.cut_speed = motor.number("cut_speed_rad_s", {1e-3, 1e4});
+    motor.finish();
+    d.gears = {1};
+  } else {
+    read_engine(c, d);
+  }
+  c.finish();
+  return d;
+}
+
+Track read_track(const Config& c) {
+  Track t;
+  t.offset = c.number("offset_m", {0.01, 20});
+  const Config sprocket = c.object("sprocket"), idler = c.object("idler");
+  t.sprocket = read_turning(sprocket, "sprocket", t.sprocket_radius);
+  sprocket.finish();
+  t.idler = read_turning(idler, "idler", t.idler_radius);
+  t.idler_travel = read_vector(idler, "tensioned_to_m");
+  idler.finish();
+  read_road_wheels(c.object("road_wheels"), t);
+  read_shoe(c.object("shoe"), t);
+  t.brake_torque = c.number("brake_torque_N_m", {0, 1e7});
+  c.finish();
+  return t;
+}
+
+}  // namespace gonogo::vehicle

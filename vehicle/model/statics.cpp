@@ -1,0 +1,120 @@
+#include "vehicle/model/statics.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <limits>
+
+namespace gonogo::vehicle {
+namespace {
+
+/// Bottom of a wheel: the tread, of a road wheel the track under it [m].
+double bottom(const Vehicle& v, const Station& s) {
+  const double below = v.kind == VehicleKind::tracked ? v.track[0].pad_above_pin + v.track[0].pad_below_pin : 0;
+  return s.centre.z - s.wheel->radius - below;
+}
+
+double unsprung_mass(const Vehicle& v) {
+  double sum = 0;
+  for (const Station& s : stations(v)) {
+    sum += s.wheel->part.mass + 0.5 * s.suspension->tie_rod_mass;
+    for (const auto& [name, part] : s.suspension->part) sum += (name == "upright" ? 1 : 0.5) * part.mass;
+  }
+  for (const Track& t : v.track) sum += t.shoe_mass * (t.left_shoes + t.right_shoes);
+  return sum;
+}
+
+/// Speed at which a torque curve falls to zero, or its last [rad/s].
+double balance_speed(const Curve& torque) {
+  for (std::size_t i = torque.at.size() - 1; i > 0; --i)
+    if (torque.value[i - 1] > 0 && torque.value[i] <= 0)
+      return torque.at[i - 1] +
+             (torque.at[i] - torque.at[i - 1]) * torque.value[i - 1] / (torque.value[i - 1] - torque.value[i]);
+  return torque.at.back();
+}
+
+int driven_wheels(const Vehicle& v) {
+  if (v.kind == VehicleKind::tracked) return 2;
+  int count = 0;
+  for (const Station& s : stations(v)) count += s.driven;
+  return count;
+}
+
+double gear_ratio(const Driveline& d, double gear) { return 1 / (gear * d.final_drive); }
+
+double engine_torque(const Driveline& d) {
+  const double peak = *std::max_element(d.engine.value.begin(), d.engine.value.end());
+  return d.converter.empty() ? peak : peak * *std::max_element(d.converter.value.begin(), d.converter.value.end());
+}
+
+}  // namespace
+
+Weights weigh(const Vehicle& v) {
+  Weights w;
+  for (const Part& p : assemble(v).body) {
+    w.total += p.mass;
+    w.centre += p.mass * p.centre;
+  }
+  w.centre *= 1 / w.total;
+  w.unsprung = unsprung_mass(v);
+  w.ground = std::numeric_limits<double>::infinity();
+  for (const Station& s : stations(v)) w.ground = std::min(w.ground, bottom(v, s));
+  return w;
+}
+
+std::vector<double> static_loads(const Vehicle& v) {
+  const auto wheels = stations(v);
+  const Weights w = weigh(v);
+  Eigen::MatrixXd balance(3, wheels.size());
+  for (std::size_t i = 0; i < wheels.size(); ++i)
+    balance.col(Eigen::Index(i)) << 1, wheels[i].centre.x - w.centre.x, wheels[i].centre.y - w.centre.y;
+  const Eigen::VectorXd weight = w.total * kGravity * Eigen::VectorXd::Unit(3, 0);
+  const Eigen::VectorXd load = balance.completeOrthogonalDecomposition().solve(weight);
+  return {load.begin(), load.end()};
+}
+
+double track_contact_length(const Vehicle& v) {
+  const auto& x = v.track[0].road_wheel_x;
+  return *std::max_element(x.begin(), x.end()) - *std::min_element(x.begin(), x.end());
+}
+
+std::vector<double> contact_pressures(const Vehicle& v) {
+  const auto wheels = stations(v);
+  std::vector<double> result = static_loads(v);
+  for (std::size_t i = 0; i < wheels.size(); ++i)
+    result[i] /= v.kind == VehicleKind::tracked
+                     ? v.track[0].shoe_width * track_contact_length(v) / double(wheels.size() / 2)
+                     : wheels[i].wheel->width * wheels[i].wheel->radius;
+  return result;
+}
+
+double drive_radius(const Vehicle& v) {
+  if (v.kind == VehicleKind::tracked) return v.track[0].sprocket_radius;
+  for (const Station& s : stations(v))
+    if (s.driven) return s.wheel->radius;
+  return 0;
+}
+
+double largest_drive_torque(const Vehicle& v) {
+  const Driveline& d = v.driveline;
+  if (d.wheel_motors) return d.efficiency * engine_torque(d) * driven_wheels(v);
+  return d.efficiency * engine_torque(d) * gear_ratio(d, *std::min_element(d.gears.begin(), d.gears.end()));
+}
+
+std::vector<GearSpeed> gear_speeds(const Vehicle& v) {
+  const Driveline& d = v.driveline;
+  const double radius = drive_radius(v);
+  std::vector<double> gears = d.gears;
+  std::sort(gears.begin(), gears.end());
+  std::vector<GearSpeed> result;
+  for (const double gear : gears) {
+    GearSpeed g;
+    g.ratio = d.wheel_motors ? 1 : gear_ratio(d, gear);
+    g.cut = d.cut_speed / g.ratio * radius;
+    g.balanced = std::min(balance_speed(d.engine), d.cut_speed) / g.ratio * radius;
+    g.tractive_force = largest_drive_torque(v) / radius * g.ratio / (d.wheel_motors ? 1 : gear_ratio(d, gears[0]));
+    result.push_back(g);
+  }
+  return result;
+}
+
+}  // namespace gonogo::vehicle

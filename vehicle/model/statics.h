@@ -1,0 +1,45 @@
+// Weights, wheel loads and speeds that follow from a vehicle's file by closed forms.
+#pragma once
+#include "vehicle/model/assembly.h"
+
+namespace gonogo::vehicle {
+
+inline constexpr double kGravity = 9.81;  // [m/s^2]
+
+struct Weights {
+  double total = 0;     // [kg]
+  double unsprung = 0;  // wheels, uprights and half of the arms; tracks [kg]
+  Vec3d centre;         // of mass, in the vehicle's frame [m]
+  double ground = 0;    // z of the ground under the wheels in the design position [m]
+};
+
+Weights weigh(const Vehicle& v);
+
+/// Normal loads of the stations' wheels on level ground [N]. Wheels beyond three are statically indeterminate: equal
+/// springs under a rigid vehicle share the weight, so the loads are the least-squares ones, linear in x and y.
+std::vector<double> static_loads(const Vehicle& v);
+
+/// Length of ground contact of a track, first to last road wheel [m].
+double track_contact_length(const Vehicle& v);
+
+/// Load over nominal contact area: tyre width times radius (NRMM's contact pressure factor), shoe width times the
+/// share of the contact length [Pa].
+std::vector<double> contact_pressures(const Vehicle& v);
+
+struct GearSpeed {
+  double ratio = 0;           // engine speed over wheel speed
+  double cut = 0;             // speed at the engine's limit [m/s]
+  double balanced = 0;        // speed at which full throttle gives no torque any more [m/s]
+  double tractive_force = 0;  // largest, at the driven wheels' radius, stalled converter [N]
+};
+
+/// Forward gears, lowest first.
+std::vector<GearSpeed> gear_speeds(const Vehicle& v);
+
+/// Largest sum of drive torques at all driven wheels or sprockets, in the lowest gear [N m].
+double largest_drive_torque(const Vehicle& v);
+
+/// Distance from the driven axle to the line of the ground force: wheel or sprocket radius [m].
+double drive_radius(const Vehicle& v);
+
+}  // namespace gonogo::vehicle

@@ -1,0 +1,162 @@
+// A vehicle as its file describes it (configs/vehicles/*.json, docs/vehicles.md): masses, geometry, suspension, wheels
+// or tracks, driveline, brakes, driver. Frame of the file: x forward, y left, z up, origin and design position as the
+// file says; everything is given in the design position. Points of a suspension and of a track are those of the left
+// side; the right side is its mirror image.
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace gonogo::vehicle {
+
+/// Linear between points, constant beyond the ends.
+struct Curve {
+  std::vector<double> at, value;  // `at` ascends
+  bool empty() const { return at.empty(); }
+  double operator()(double x) const;
+};
+
+/// A rigid body. Moments and products are the entries of its inertia matrix about its centre of mass, in the vehicle's
+/// axes: (xx, yy, zz) and (xy, xz, yz) [kg m^2].
+struct Part {
+  std::string name;
+  double mass = 0;  // [kg]
+  Vec3d centre;     // [m]
+  Vec3d moments, products;
+};
+
+/// Spring between two points: force that pushes them apart [N] over their distance [m].
+struct Spring {
+  Curve force;                       // never rises with the length
+  double shortest = 0, longest = 0;  // between the stops [m]; 0: no stops
+  Curve stop;                        // force over how far a stop is pressed in [m]
+  /// Push at a length, stops included [N].
+  double push(double length) const;
+};
+
+/// Damper between two points: force that pushes them apart [N] over the speed at which they part [m/s].
+struct Damper {
+  Curve force;                       // falls with the speed
+  double shortest = 0, longest = 0;  // outside them the hydraulic bump acts instead [m]; 0: none
+  Curve bump;
+};
+
+/// About the axis of an arm: torque on the arm [N m], positive turns the wheel down.
+struct TorsionSpring {
+  double stiffness = 0;  // [N m/rad]
+  double damping = 0;    // [N m s/rad]
+  double preload = 0;    // in the design position [N m]
+};
+
+enum class SuspensionType { double_wishbone, trailing_arm, rigid };
+
+/// How a wheel is held, for the left side; points relative to the place where it is mounted [m].
+///   double_wishbone  upper and lower arm turn about their chassis points (upper_front - upper_rear, ...), hold the
+///   upright
+///                    at ball joints; the tie rod holds its steering
+///   trailing_arm     an arm turns about the y axis through `pivot`
+///   rigid            the wheel turns in the chassis
+struct Suspension {
+  std::string name;
+  SuspensionType type = SuspensionType::rigid;
+  std::map<std::string, Vec3d> point;
+  std::map<std::string, Part> part;  // centres relative to the mounting place too
+  double tie_rod_mass = 0;           // shared by its two ends [kg]
+  Spring spring;
+  Damper damper;
+  TorsionSpring torsion;
+};
+
+/// Everything that turns with a wheel, and what touches the ground.
+struct Wheel {
+  std::string name;
+  Part part;                                 // spindle, rim and tyre together, about the wheel's centre
+  double radius = 0, width = 0;              // of the tread, without lugs [m]
+  int lug_count = 0;                         // lugs or grousers
+  double lug_height = 0, lug_thickness = 0;  // [m]
+  double friction = 0;                       // tyre on hard ground
+  double stiffness = 0, damping = 0;         // of a compliant tyre [N/m, N s/m]; 0: rigid
+  // Nominal size of the tyre, as in mobility indices; 0: not given [m].
+  double size_diameter = 0, size_section_width = 0, size_section_height = 0, size_deflection = 0;
+};
+
+enum class Differential { open, limited_slip, locked };
+
+struct Axle {
+  std::string name, suspension, wheel;
+  Vec3d position;       // where the suspension is mounted [m]
+  bool single = false;  // one wheel in the middle, no right side
+  bool driven = false, steered = false;
+  double brake_torque = 0;  // per wheel [N m]
+  Differential differential = Differential::open;
+  double torque_bias = 1;  // limited slip: largest ratio of the two torques
+};
+
+/// Track of the left side; x and z relative to the vehicle's origin.
+struct Track {
+  double offset = 0;  // y of the track's middle plane [m]
+  Part sprocket, idler;
+  double sprocket_radius = 0;  // of the pins [m]
+  double idler_radius = 0;     // [m]
+  Vec3d idler_travel;          // along which the tensioner may move the idler, from its position to here [m]
+  std::string suspension[2];   // of the road wheels with and without damper
+  std::string wheel;
+  std::vector<double> road_wheel_x, right_road_wheel_x;  // [m]
+  double road_wheel_z = 0;
+  std::vector<int> damped;  // which road wheels have a damper
+  double shoe_mass = 0, shoe_pitch = 0, shoe_width = 0, shoe_height = 0, pad_above_pin = 0, pad_below_pin = 0;
+  double grouser_height = 0;
+  int left_shoes = 0, right_shoes = 0;
+  double brake_torque = 0;  // per sprocket [N m]
+};
+
+struct Driveline {
+  bool wheel_motors = false;
+  Curve engine;               // full-throttle torque [N m] over engine speed [rad/s]; of a wheel motor over wheel speed
+  double cut_speed = 0;       // engine's limit [rad/s]
+  Curve converter;            // torque ratio over speed ratio; empty: clutch
+  std::vector<double> gears;  // output over input speed
+  double reverse = 0, final_drive = 1;
+  double efficiency = 1;
+  Differential centre = Differential::open;
+  double front_share = 0.5;  // of an open centre differential: torque to the first driven axle
+  double centre_bias = 1;
+};
+
+struct Driver {
+  double throttle_start = 0, throttle_ramp = 0;  // [s]
+  double speed = 0;                              // commanded [m/s]; 0: full throttle
+  double look_ahead = 0, steering_gain = 0;      // straight-line steering [m], [rad/m]
+};
+
+enum class VehicleKind { wheeled, tracked, single_wheel };
+
+struct Vehicle {
+  std::string name, about;
+  VehicleKind kind = VehicleKind::wheeled;
+  std::vector<std::string> sources, unsourced;
+  Part chassis;
+  std::vector<Part> fixed_parts;  // to the chassis
+  double length = 0, width = 0;   // [m]
+  double clearance = 0;           // belly over the ground in the design position [m]
+  double power = 0;               // of the engine [W]
+  bool automatic = true;          // transmission
+  double max_steering_angle = 0;  // [rad]
+  std::vector<Suspension> suspension;
+  std::vector<Wheel> wheel;
+  std::vector<Axle> axle;
+  std::vector<Track> track;  // none or one
+  Driveline driveline;
+  Driver driver;
+};
+
+/// Reads and checks a vehicle file.
+Vehicle read_vehicle(const std::filesystem::path& path);
+
+const Suspension& find_suspension(const Vehicle& v, const std::string& name);
+const Wheel& find_wheel(const Vehicle& v, const std::string& name);
+
+}  // namespace gonogo::vehicle

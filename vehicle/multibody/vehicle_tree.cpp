@@ -1,0 +1,76 @@
+#include "vehicle/multibody/vehicle_tree.h"
+
+namespace gonogo::vehicle::multibody {
+namespace {
+
+Matrix3 rotational_inertia(const Part& p) {
+  Matrix3 m;
+  m << p.moments.x, p.products.x, p.products.y, p.products.x, p.moments.y, p.products.z, p.products.y, p.products.z,
+      p.moments.z;
+  return m;
+}
+
+JointType joint_of(LinkType type) {
+  if (type == LinkType::spherical) return JointType::spherical;
+  return type == LinkType::prismatic ? JointType::prismatic : JointType::revolute;
+}
+
+/// The link that carries a body in the tree; none for the chassis.
+const Link* carrier(const Assembly& a, int body) {
+  for (const Link& link : a.link)
+    if (!link.loop && link.child == body) return &link;
+  return nullptr;
+}
+
+}  // namespace
+
+VehicleTree vehicle_tree(const Assembly& assembly) {
+  VehicleTree v;
+  for (std::size_t i = 0; i < assembly.body.size(); ++i) {
+    const Part& part = assembly.body[i];
+    const Link* link = carrier(assembly, int(i));
+    TreeBody body;
+    body.type = JointType::floating;
+    v.origin.push_back(Vector3::Zero());
+    if (link) {
+      v.origin.back() = vector(link->point);
+      body.parent = link->parent;
+      body.type = joint_of(link->type);
+      if (body.type != JointType::spherical) body.axis = vector(link->axis);
+      body.from_parent.r = v.local(link->parent, link->point);
+    }
+    body.inertia = spatial_inertia(part.mass, v.local(int(i), part.centre), rotational_inertia(part));
+    v.tree.add(body);
+  }
+  for (const Link& link : assembly.link) {
+    if (!link.loop) continue;
+    const bool rod = link.type == LinkType::distance;
+    const Vec3d& at_parent = rod ? link.parent_point : link.point;
+    v.loop.push_back({link.parent, link.child, v.local(link.parent, at_parent), v.local(link.child, link.point),
+                      rod ? length(link.point - link.parent_point) : 0});
+  }
+  for (const int wheel : assembly.wheel) v.axle.push_back(v.tree.body(wheel).first_velocity);
+  return v;
+}
+
+std::vector<Vector6> strut_forces(const VehicleTree& v, const std::vector<Strut>& struts, const Kinematics& k) {
+  std::vector<Vector6> force(std::size_t(v.tree.body_count()), Vector6::Zero());
+  for (const Strut& s : struts) {
+    const Vector3 parent_point = v.local(s.parent, s.parent_point), child_point = v.local(s.child, s.child_point);
+    const Vector3 apart = point_position(k, s.child, child_point) - point_position(k, s.parent, parent_point);
+    const double length = apart.norm();
+    const Vector3 along = apart / length;
+    double push = s.spring ? s.spring->push(length) : 0;
+    if (s.damper && !s.damper->force.empty()) {
+      const double speed =
+          along.dot(point_velocity(k, s.child, child_point) - point_velocity(k, s.parent, parent_point));
+      const bool bump = !s.damper->bump.empty() && (length < s.damper->shortest || length > s.damper->longest);
+      push += (bump ? s.damper->bump : s.damper->force)(speed);
+    }
+    force[std::size_t(s.child)] += force_at(child_point, k.from_world[s.child].E * (push * along));
+    force[std::size_t(s.parent)] -= force_at(parent_point, k.from_world[s.parent].E * (push * along));
+  }
+  return force;
+}
+
+}  // namespace gonogo::vehicle::multibody
