@@ -11,10 +11,10 @@ namespace gonogo::sim {
 inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
 
 /// All iterations of a step.
-template <bool turning, bool resident>
+template <bool turning, bool resident, bool parts>
 GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismWork& work) {
   GridBarrier grid(views.barrier);
-  SolveKernel<turning, resident> kernel(views, team, work);
+  SolveKernel<turning, resident, parts> kernel(views, team, work);
   kernel.prepare();
   grid.wait();
   kernel.hold_bodies();
@@ -38,7 +38,7 @@ GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismW
 
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step. `may_reside`:
 /// the blocks have been given the memory for it.
-template <bool turning>
+template <bool turning, bool parts>
 __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant__ SolveViews views, bool may_reside) {
   __shared__ double scratch[kTeamsPerBlock][kTileSize / 32];
   __shared__ __align__(16) std::uint8_t work_bytes[kTeamsPerBlock][sizeof(MechanismWork)];
@@ -50,9 +50,9 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
   const bool all_fit = views.tiles.count() <= team.count && kLanesPerBody * views.mass.size <= team.count * kTileSize &&
                        views.projection.mechanism.size <= Index(gridDim.x);
   if (may_reside && all_fit)
-    iterate<turning, true>(views, team, work);
+    iterate<turning, true, parts>(views, team, work);
   else
-    iterate<turning, false>(views, team, work);
+    iterate<turning, false, parts>(views, team, work);
 }
 
 inline void reserve_solver(State<Cuda>& s, const StepSettings& settings) {
@@ -144,7 +144,7 @@ inline Index grid_size(const State<Cuda>& s) {
   return std::min<Index>(work, device_attribute(cudaDevAttrMultiProcessorCount));
 }
 
-template <bool turning>
+template <bool turning, bool parts>
 void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
   SolveViews views = solve_views(exec, s, settings);
   constexpr std::size_t room = sizeof(Residence);
@@ -153,17 +153,22 @@ void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
   bool may_reside = kLanesPerBody * s.body_count <= kBlockSize * grid_size(s) &&
                     offered >= room + kTeamsPerBlock * sizeof(MechanismWork) + 1024;
   if (may_reside)
-    check_cuda(cudaFuncSetAttribute(solve_kernel<turning>, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room)),
-               "shared memory of the solver");
+    check_cuda(
+        cudaFuncSetAttribute(solve_kernel<turning, parts>, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room)),
+        "shared memory of the solver");
   void* arguments[] = {&views, &may_reside};
-  check_cuda(cudaLaunchCooperativeKernel(solve_kernel<turning>, dim3(grid_size(s)), dim3(kBlockSize), arguments,
+  check_cuda(cudaLaunchCooperativeKernel(solve_kernel<turning, parts>, dim3(grid_size(s)), dim3(kBlockSize), arguments,
                                          may_reside ? room : 0, stream_of(exec)),
              "solver launch");
 }
 
 inline void solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
   clear(exec, s.solver.counter.view());
-  s.turning ? launch_solve<true>(exec, s, settings) : launch_solve<false>(exec, s, settings);
+  const bool parts = settings.substeps > 1;
+  if (s.turning)
+    parts ? launch_solve<true, true>(exec, s, settings) : launch_solve<true, false>(exec, s, settings);
+  else
+    parts ? launch_solve<false, true>(exec, s, settings) : launch_solve<false, false>(exec, s, settings);
 }
 
 }  // namespace gonogo::sim

@@ -8,7 +8,9 @@ namespace gonogo::sim {
 /// Bodies with more contacts than this are summed by a warp.
 inline constexpr Index kHubContacts = 48;
 
-template <bool turning, bool resident>
+/// `turning`: some contact resists rolling or spinning; `resident`: see residence.cuh; `parts`: a step may have
+/// several.
+template <bool turning, bool resident, bool parts>
 class SolveKernel {
  public:
   GONOGO_DEVICE SolveKernel(const SolveViews& views, const Team& team, MechanismWork& work)
@@ -96,7 +98,7 @@ class SolveKernel {
     Real* held = resident ? residence().projection : nullptr;
     for (Index m = team_.count - 1 - team_.index; m < s.projection.mechanism.size; m += team_.count) {
       if (!resident || k < 0) mover.load(m, held);
-      mover.move(k, held);
+      mover.template move<parts>(k, held);
     }
   }
 
@@ -173,7 +175,7 @@ class SolveKernel {
     cone(i) = {c.step.n, c.step.t, c.mu, c.cohesion};
     if (turning) turn(i) = {c.rho, c.sigma, c.step.r, c.softness};
     pair(i) = {c.body_a, c.body_b};
-    if (s.rules.parts > 1) s.gap[i] = {c.gap, c.gap_rate};
+    if (parts) s.gap[i] = {c.gap, c.gap_rate};
     CentralArms along;
     const bool central_a = is_central(c.arm_a, c.normal, c.body_a, along.a);
     const bool central_b = is_central(c.arm_b, c.normal, c.body_b, along.b);
@@ -232,7 +234,7 @@ class SolveKernel {
     if (mine) bodies = pair(i);
     Velocity a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
     if (m.done) return;
-    if (m.begins && mine) {
+    if (parts && m.begins && mine) {
       advance_contact(i, bodies, m);
       // Again, so that nothing keeps them meanwhile.
       a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
@@ -340,7 +342,7 @@ class SolveKernel {
     if (k < 0) free = begin_body(s, b);
     const Velocity before = now;
     now = driven(s, b, free, mass, linear, angular);
-    const bool carries = k >= 0 && m.ends;
+    const bool carries = parts && k >= 0 && m.ends;
     if (carries) now = sum(now, carry_body(s, b, now, free));
     s.velocity[b] = now;
     s.extrapolated_velocity[b] = k < 0 || carries ? now : extrapolated<Real>(now, before, m.next_beta);

@@ -41,6 +41,7 @@ class MechanismMover {
   }
 
   /// After update number `k`; -1: of the warm start.
+  template <bool parts>
   GONOGO_DEVICE void move(Index k, const Real* held) {
     const Mechanism& m = work_.mechanism;
     if (m.body_count == 0) return;
@@ -68,7 +69,7 @@ class MechanismMover {
       const Real next = projected(m, map, number);
       set_velocity(number, next, k < 0 ? next : multiply_add(now.next_beta, next - before, next));
     }
-    if (k >= 0 && now.ends) carry(m, map, free);
+    if (parts && k >= 0 && now.ends) carry(m, map, free);
   }
 
  private:
