@@ -1,4 +1,5 @@
-// Contacts in the order of their owning shape, found twice (to count, then to write) by the same code.
+// Contacts in the order of their owning shape, counted, then written. The count notes down most pairs of spheres; the
+// others are found a second time by the same code.
 #pragma once
 #include "base/beside.h"
 #include "base/words.h"

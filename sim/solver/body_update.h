@@ -13,6 +13,24 @@ GONOGO_HD_INLINED Velocity driven_velocity(const Velocity& free, const BodyMass&
   return v;
 }
 
+/// What a body has without impulses in the first part of a step. `change`: by gravity, spin and forces in a part.
+GONOGO_HD_INLINED Velocity begin_body(const Velocity& v, const Velocity& change, Velocity& free, Velocity& earlier) {
+  earlier.linear = earlier.angular = {};
+  return free = sum(v, change);
+}
+
+/// A body has moved with `v` through a part of the step and another follows: `free` goes on to that, `part` keeps `v`
+/// for the gaps and `earlier` for the way. Returns by how much the velocity goes on.
+GONOGO_HD_INLINED Velocity carry_body(const Velocity& v, const Velocity& change, Velocity& free, Velocity& part,
+                                      Velocity& earlier) {
+  const Velocity next = sum(v, change), more = difference(next, free);
+  earlier.linear += v.linear;
+  earlier.angular += v.angular;
+  part = v;
+  free = next;
+  return more;
+}
+
 /// Energy of a body and gravity's power on it; velocities are those of the end of the step.
 GONOGO_HD inline WorldSums energy_of_body(const BodyMass& m, const Quat& orientation, const Velocity& velocity,
                                           const Vec3& g) {

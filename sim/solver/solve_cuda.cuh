@@ -97,7 +97,6 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           s.first_body_tile.view(),
           projection(s.mechanisms),
           motor_moment(s.mechanisms),
-          s.mechanisms.element.view(),
           s.mechanisms.gathered.view(),
           s.mechanisms.motor.view(),
           s.mechanisms.drive.view(),

@@ -18,10 +18,7 @@ struct BeginBody {
   View<const Velocity> velocity, change;
   View<Velocity> free_velocity, earlier_velocity;
 
-  void operator()(BodyIndex b) const {
-    free_velocity[b] = sum(velocity[b], change[b]);
-    earlier_velocity[b] = {};
-  }
+  void operator()(BodyIndex b) const { begin_body(velocity[b], change[b], free_velocity[b], earlier_velocity[b]); }
 };
 
 /// A body that has moved through a part of the step, in worlds where another part follows. The velocities of jointed
@@ -35,17 +32,12 @@ struct CarryBody {
 
   void operator()(BodyIndex b) const {
     if (!momentum[world_of_body[b]].ends) return;
-    const Velocity v = velocity[b], free = free_velocity[b];
-    part_velocity[b] = v;
-    earlier_velocity[b] = sum(earlier_velocity[b], v);
-    free_velocity[b] = sum(v, change[b]);
-    const Velocity more = difference(free_velocity[b], free);
+    const Velocity more = carry_body(velocity[b], change[b], free_velocity[b], part_velocity[b], earlier_velocity[b]);
     if (const Index slot = mass[b].slot; slot >= 0) {
       gathered[slot] = sum(gathered[slot], more);
       return;
     }
-    velocity[b] = sum(v, more);
-    extrapolated_velocity[b] = velocity[b];
+    velocity[b] = extrapolated_velocity[b] = sum(velocity[b], more);
   }
 };
 

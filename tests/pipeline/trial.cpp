@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "tests/support/catch.h"
+#include "tests/support/short_trial.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -24,19 +25,7 @@ TrialSetup demo_setup(const std::filesystem::path& cache) {
   return s;
 }
 
-DesignPoint point(double slope, double friction_angle) {
-  DesignPoint p;
-  p.seed = 5;
-  p.variables.assign(contract().variables.size(), 0);
-  const auto set = [&](const char* name, double x) { p.variables[contract().variable_index(name)] = x; };
-  set("slope_along", slope);
-  set("friction_angle", friction_angle);
-  set("relative_density", 0.5);
-  set("tyre_friction", 0.8);
-  set("bed_depth", 0.25);
-  set("commanded_speed", 1.5);
-  return p;
-}
+DesignPoint point(double slope, double friction_angle) { return design_point(slope, friction_angle, 0.25); }
 
 std::filesystem::path cache() { return std::filesystem::temp_directory_path() / "gonogo-test-beds"; }
 

@@ -106,4 +106,22 @@ inline double signed_distance(const Body& a, const Body& b) {
   return best;
 }
 
+/// The convex parts of a sphere, capsule, cylinder, box or lugged wheel.
+inline std::vector<Body> parts(const sim::Shape& s, const Vec3d& centre, const Quat& q) {
+  const Axes axes(q);
+  const auto size = static_cast<Vec3d>(s.size);
+  if (s.type != sim::ShapeType::wheel) return {{s.type, size, centre, axes}};
+  std::vector<Body> list{{sim::ShapeType::cylinder, size, centre, axes}};
+  for (int k = 0; k < s.lug_count; ++k) {
+    const double angle = 2 * 3.14159265358979323846 * k / s.lug_count;
+    Body lug{sim::ShapeType::box, {size.z, size.y, 0.5 * s.lug_thickness}, centre, axes};
+    const Vec3d out = axes.x * std::cos(angle) + axes.z * std::sin(angle);
+    lug.axes.z = axes.z * std::cos(angle) - axes.x * std::sin(angle);
+    lug.axes.x = out;
+    lug.centre += out * size.x;
+    list.push_back(lug);
+  }
+  return list;
+}
+
 }  // namespace gonogo::test

@@ -50,23 +50,6 @@ struct Shapes {
   }
 };
 
-/// The convex parts of a box, a cylinder or a wheel.
-std::vector<Body> parts(const Shape& s, const Vec3d& centre, const Quat& q) {
-  const Axes axes(q);
-  const auto size = static_cast<Vec3d>(s.size);
-  if (s.type != ShapeType::wheel) return {{s.type, size, centre, axes}};
-  std::vector<Body> list{{ShapeType::cylinder, size, centre, axes}};
-  for (int k = 0; k < s.lug_count; ++k) {
-    const double angle = 2 * kPi * k / s.lug_count, c = std::cos(angle), si = std::sin(angle);
-    Body lug{ShapeType::box, {size.z, size.y, 0.5 * s.lug_thickness}, centre, axes};
-    lug.axes.x = axes.x * c + axes.z * si;
-    lug.axes.z = axes.z * c - axes.x * si;
-    lug.centre += lug.axes.x * size.x;
-    list.push_back(lug);
-  }
-  return list;
-}
-
 double distance_of_parts(const std::vector<Body>& a, const std::vector<Body>& b) {
   double best = 1e300;
   for (const Body& p : a)

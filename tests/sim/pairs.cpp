@@ -40,24 +40,6 @@ Shape random_shape(ShapeType type, Draw& draw) {
   return s;
 }
 
-/// The convex parts of a shape.
-std::vector<Body> parts(const Shape& s, const Vec3d& centre, const Quat& q) {
-  const Axes axes(q);
-  const auto size = static_cast<Vec3d>(s.size);
-  if (s.type != ShapeType::wheel) return {{s.type, size, centre, axes}};
-  std::vector<Body> list{{ShapeType::cylinder, size, centre, axes}};
-  for (int k = 0; k < s.lug_count; ++k) {
-    const double angle = 2 * kPi * k / s.lug_count;
-    Body lug{ShapeType::box, {size.z, size.y, 0.5 * s.lug_thickness}, centre, axes};
-    const Vec3d out = axes.x * std::cos(angle) + axes.z * std::sin(angle);
-    lug.axes.z = axes.z * std::cos(angle) - axes.x * std::sin(angle);
-    lug.axes.x = out;
-    lug.centre += out * size.x;
-    list.push_back(lug);
-  }
-  return list;
-}
-
 double distance_of_parts(const std::vector<Body>& a, const std::vector<Body>& b) {
   double best = 1e300;
   for (const Body& p : a)

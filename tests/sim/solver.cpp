@@ -116,9 +116,8 @@ SceneWorld random_scene(Kind kind, std::uint64_t seed, bool fixed_grains) {
   return w;
 }
 
-StepSettings settings_with(Index iterations) {
-  StepSettings s;
-  s.iterations = iterations;
+StepSettings cohesive_settings(Index iterations) {
+  StepSettings s = settings_with(iterations);
   s.cohesion_range = 1e-3f;
   return s;
 }
@@ -131,7 +130,7 @@ struct Comparison {
 };
 
 Comparison compare(Backend backend, const SceneWorld& w, Index iterations) {
-  const auto simulation = simulate(backend, w, settings_with(iterations));
+  const auto simulation = simulate(backend, w, cohesive_settings(iterations));
   simulation->advance(1);
   const DenseProblem problem = dense_problem(w, w.body, simulation->contacts(0), simulation->settings().step);
   const DenseSolution oracle = solve(problem, 1e-10, 40000);
@@ -184,7 +183,7 @@ TEST_CASE("mass splitting bounds the Hessian: the largest eigenvalue of S^1/2 N 
     double largest = 0;
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
       const SceneWorld w = random_scene(kind, 100 + seed, true);
-      const auto simulation = simulate(Backend::cpu, w, settings_with(1));
+      const auto simulation = simulate(Backend::cpu, w, cohesive_settings(1));
       simulation->advance(1);
       const auto contacts = simulation->contacts(0);
       DenseProblem problem = dense_problem(w, w.body, contacts, simulation->settings().step);

@@ -50,6 +50,21 @@ inline Vec3 tilted_gravity(double angle) {
   return {Real(-kGravity * std::sin(angle)), 0, Real(-kGravity * std::cos(angle))};
 }
 
+inline sim::StepSettings settings_with(Index iterations) {
+  sim::StepSettings s;
+  s.iterations = iterations;
+  return s;
+}
+
+/// Nothing yet, within 5 m of the origin.
+inline sim::SceneWorld open_world(const sim::PairLaw& law) {
+  sim::SceneWorld w;
+  w.origin = {-5, -5, -5};
+  w.size = {10, 10, 10};
+  w.set_law(0, 0, law);
+  return w;
+}
+
 inline constexpr double kBlockHalf = 0.1;  // half edge of the block on a slope [m]
 
 /// Gravity leans by `angle` over a level plane; the block is body 1 and stands on it.

@@ -14,20 +14,6 @@ using namespace gonogo::test;
 
 namespace {
 
-StepSettings settings_with(Index iterations) {
-  StepSettings s;
-  s.iterations = iterations;
-  return s;
-}
-
-SceneWorld empty_world(double mu) {
-  SceneWorld w;
-  w.origin = {-5, -5, -5};
-  w.size = {10, 10, 10};
-  w.set_law(0, 0, {Real(mu), 0, 0});
-  return w;
-}
-
 /// A box, or the mesh of one with so many squares along a side.
 BodyIndex add_block(SceneWorld& w, const Vec3d& at, const Vec3& half, double mass, int cells) {
   const BodyIndex b = add_box(w, {at, {}, {}, {}}, half, mass);
@@ -70,7 +56,7 @@ TEST_CASE(
     for (const Pair& p : kPairs)
       for (const double share : {0.0, 0.97, 1.2}) {
         const double angle = std::atan(share * mu);
-        SceneWorld w = empty_world(mu);
+        SceneWorld w = open_world({Real(mu)});
         w.gravity = tilted_gravity(angle);
         fix(w, add_block(w, {0, 0, -0.2}, {1, 0.5f, 0.2f}, 1, p.low));
         const BodyIndex b = add_block(w, {0.013, 0.021, half.z}, half, mass, p.top);
@@ -92,7 +78,7 @@ TEST_CASE("a tower of five mesh blocks turned against each other stands, and eac
   const Vec3 half{0.1f, 0.1f, 0.05f};
   const double mass = 2;
   for (const Backend backend : backends()) {
-    SceneWorld w = empty_world(0.5);
+    SceneWorld w = open_world({Real(0.5)});
     fix(w, add_block(w, {0, 0, -0.05}, half, 1, 2));
     for (int k = 0; k < 5; ++k) {
       const BodyIndex b = add_block(w, {0.01 * k, -0.005 * k, 0.05 + 0.1 * k}, half, mass, 1 + k % 3);
@@ -119,7 +105,7 @@ TEST_CASE("an upright cylinder or wheel stands on mesh blocks larger and smaller
   for (const Backend backend : backends())
     for (const bool lugs : {false, true})
       for (const Place& p : {Place{0.5, 0}, Place{0.05, 0.01}, Place{0.5, 0.45}}) {
-        SceneWorld w = empty_world(0.5);
+        SceneWorld w = open_world({Real(0.5)});
         fix(w, add_block(w, {0, 0, -0.1}, {Real(p.half), Real(p.half), 0.1f}, 1, 4));
         Shape s = lugged_wheel();
         s.type = lugs ? ShapeType::wheel : ShapeType::cylinder;
@@ -141,7 +127,7 @@ TEST_CASE("a lugged wheel and a tyre of triangles roll over mesh ground as the w
   for (const Backend backend : backends()) {
     double travelled[3], load[3];
     for (const int way : {0, 1, 2}) {  // wheel on a plane, wheel on a mesh, tyre on a mesh
-      SceneWorld w = empty_world(0.8);
+      SceneWorld w = open_world({Real(0.8)});
       if (way == 0) {
         add_plane(w);
       } else {
@@ -187,7 +173,7 @@ TEST_CASE(
   for (const Backend backend : backends())
     for (const ShapeType type : {ShapeType::cylinder, ShapeType::wheel, ShapeType::mesh})
       for (const double share : {0.96, 1.04}) {
-        SceneWorld w = empty_world(0);
+        SceneWorld w = open_world({Real(0)});
         w.gravity = {Real(share * threshold * kGravity), 0, Real(-kGravity)};
         fix(w, add_block(w, {-1, 0, -0.1}, {1, 1, 0.1f}, 1, 3));
         fix(w, add_block(w, {1, 0, -0.1 + step}, {1, 1, 0.1f}, 1, 7));

@@ -25,12 +25,6 @@ SceneWorld free_world() {
 
 BodyMass ball(double mass, double inertia) { return solid(Real(mass), {Real(inertia), Real(inertia), Real(inertia)}); }
 
-StepSettings settings_with(Index iterations) {
-  StepSettings s;
-  s.iterations = iterations;
-  return s;
-}
-
 double spin(const BodyState& s, const Vec3d& axis) { return dot(static_cast<Vec3d>(s.angular_velocity), axis); }
 
 struct Momentum3 {

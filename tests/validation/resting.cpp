@@ -14,12 +14,6 @@ using namespace gonogo::test;
 
 namespace {
 
-StepSettings settings_with(Index iterations) {
-  StepSettings s;
-  s.iterations = iterations;
-  return s;
-}
-
 SceneWorld ground(double mu) {
   SceneWorld w;
   w.origin = {-5, -5, -1};

@@ -14,20 +14,6 @@ using namespace gonogo::test;
 
 namespace {
 
-StepSettings settings_with(Index iterations) {
-  StepSettings s;
-  s.iterations = iterations;
-  return s;
-}
-
-SceneWorld empty_world(double mu) {
-  SceneWorld w;
-  w.origin = {-5, -5, -5};
-  w.size = {10, 10, 10};
-  w.set_law(0, 0, {Real(mu), Real(0.02), 0});
-  return w;
-}
-
 Heightfield level_field(Index nx, Index ny, double spacing, double slope = 0) {
   Heightfield f;
   f.name = "level";
@@ -99,7 +85,7 @@ TEST_CASE("a ball and a block that cross the edges of flat ground feel none of t
     for (const Case& c : cases) {
       Ride on[3];
       for (const Ground ground : {Ground::plane, Ground::mesh, Ground::field}) {
-        SceneWorld w = empty_world(0.2);
+        SceneWorld w = open_world({Real(0.2), 0.02f});
         add_ground(w, ground);
         // Capsule and cylinder along y are pushed along their axis, so that they slide.
         const bool rolls = c.type == ShapeType::sphere || c.type == ShapeType::box;
@@ -124,7 +110,7 @@ TEST_CASE("a box made of triangles slides, rests and carries as the box") {
   for (const Backend backend : backends()) {
     double speed[2];
     for (const bool mesh : {false, true}) {
-      SceneWorld w = empty_world(mu);
+      SceneWorld w = open_world({Real(mu), 0.02f});
       w.set_law(0, 0, {Real(mu), 0, 0});
       w.gravity = tilted_gravity(angle);
       add_plane(w);
@@ -147,7 +133,7 @@ TEST_CASE("balls dropped on a box made of triangles move as on the box") {
   for (const Backend backend : backends()) {
     std::vector<BodyState> end[2];
     for (const bool mesh : {false, true}) {
-      SceneWorld w = empty_world(0.4);
+      SceneWorld w = open_world({Real(0.4), 0.02f});
       Shape s;
       s.type = mesh ? ShapeType::mesh : ShapeType::box;
       s.size = {0.5f, 0.4f, 0.3f};
@@ -171,7 +157,7 @@ TEST_CASE("a ball in a corner of mesh walls is held by the forces of plane walls
   for (const Backend backend : backends()) {
     Vec3d force[2][3];
     for (const bool mesh : {false, true}) {
-      SceneWorld w = empty_world(0.0);
+      SceneWorld w = open_world({Real(0.0), 0.02f});
       w.gravity = {-3, -2, Real(-kGravity)};
       // Walls facing +x, +y, +z: planes turned so that their z axis is the normal.
       const Quat turn[3] = {about_y(kPi / 2), about_x(-kPi / 2), {}};
@@ -216,7 +202,7 @@ TEST_CASE("bodies stay and slide on a slope of a heightfield as on a tilted plan
       for (const double mu : {0.2, 0.8}) {
         double along[2];
         for (const bool field : {false, true}) {
-          SceneWorld w = empty_world(mu);
+          SceneWorld w = open_world({Real(mu), 0.02f});
           w.set_law(0, 0, {Real(mu), 0, 0});
           if (field) {
             Shape s;
@@ -241,7 +227,7 @@ TEST_CASE("bodies stay and slide on a slope of a heightfield as on a tilted plan
 
 TEST_CASE("a wheel straddling a ridge of a heightfield stands on the ridge") {
   for (const Backend backend : backends()) {
-    SceneWorld w = empty_world(0.8);
+    SceneWorld w = open_world({Real(0.8), 0.02f});
     w.set_law(0, 0, {Real(0.8), 0, 0});
     Heightfield f = level_field(21, 11, 0.2);
     for (Index i = 0; i < f.nx; ++i) f.height[5 * f.nx + i] = 0.1f;  // a ridge along x, at y = 0

@@ -71,12 +71,6 @@ std::vector<double> static_loads(const Vehicle& v, const std::vector<BodyState>&
   return load;
 }
 
-StepSettings settings_with(Index iterations) {
-  StepSettings s;
-  s.iterations = iterations;
-  return s;
-}
-
 void check_loads(Simulation& simulation, const Vehicle& v, double slope, const std::string& name) {
   const auto expected = static_loads(v, simulation.bodies(0), slope);
   simulation.advance(1);

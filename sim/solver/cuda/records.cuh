@@ -78,7 +78,6 @@ struct SolveViews {
   View<const Index> first_body_tile;
   Projection projection;
   MotorMoment motor_moment;
-  View<const Element> element;
   View<Velocity> gathered;  // [mechanism body]
   View<const Motor> motor;
   View<const MotorDrive> drive;
@@ -108,21 +107,13 @@ struct SolveViews {
 
 /// Body b at the beginning of the step: its velocity without impulses.
 GONOGO_DEVICE Velocity begin_body(const SolveViews& s, BodyIndex b) {
-  const Velocity free = sum(s.velocity[b], s.velocity_change[b]);
-  s.earlier_velocity[b].linear = s.earlier_velocity[b].angular = {};
-  s.free_velocity[b] = free;
-  return free;
+  return begin_body(s.velocity[b], s.velocity_change[b], s.free_velocity[b], s.earlier_velocity[b]);
 }
 
-/// Body b has moved with `v` through a part of the step and another follows: `free` goes on to that. Returns by how
-/// much.
+/// Body b has moved with `v`; `free`: at hand, and goes on. See carry_body in body_update.h.
 GONOGO_DEVICE Velocity carry_body(const SolveViews& s, BodyIndex b, const Velocity& v, Velocity& free) {
-  const Velocity next = sum(v, s.velocity_change[b]), more = difference(next, free);
-  Velocity& earlier = s.earlier_velocity[b];
-  earlier.linear += v.linear;
-  earlier.angular += v.angular;
-  s.part_velocity[b] = v;
-  s.free_velocity[b] = free = next;
+  const Velocity more = carry_body(v, s.velocity_change[b], free, s.part_velocity[b], s.earlier_velocity[b]);
+  s.free_velocity[b] = free;
   return more;
 }
 
