@@ -37,6 +37,7 @@ struct SceneWorld {
   std::vector<Motor> motor;
   std::vector<ForceElement> force;
   std::vector<Controller> controller;
+  std::vector<Driveline> driveline;
   std::vector<Monitor> monitor;
 
   /// Adds a body without shapes; returns its index in this world.

@@ -61,6 +61,9 @@ class Simulation {
 
   virtual BodyState body(WorldIndex world, BodyIndex b) = 0;
   virtual void set_body(WorldIndex world, BodyIndex b, const BodyState& state) = 0;
+  /// Many at once: `states` in the order of `which`.
+  virtual void set_bodies(WorldIndex world, const std::vector<BodyIndex>& which,
+                          const std::vector<BodyState>& states) = 0;
   /// All bodies of a world in order.
   virtual std::vector<BodyState> bodies(WorldIndex world) = 0;
 

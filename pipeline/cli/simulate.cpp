@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -9,12 +10,14 @@
 #include "base/file.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/film/film.h"
+#include "pipeline/vehicle/locate.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
 
 struct Options {
-  std::string study, csv;
+  std::string study, vehicle, soil, csv;
+  std::optional<double> slope_along, slope_across;  // [deg]
   std::vector<std::string> settings;
   std::uint64_t seed = 0;
   FilmRequest film;
@@ -22,8 +25,8 @@ struct Options {
   std::string size = "1280x720", colour = "speed";
 };
 
-/// Variables from --set; those not set take the study's fixed value or the middle of its range.
-std::vector<double> variables_of(const Study& study, const std::vector<std::string>& settings) {
+/// A variable of a study: its fixed value or the middle of its range.
+std::vector<double> variables_of(const Study& study) {
   std::vector<double> values(contract().variables.size(), std::nan(""));
   const Config design = study.section("design");
   const auto fixed = design.object_if("fixed"), ranges = design.object_if("ranges");
@@ -32,6 +35,28 @@ std::vector<double> variables_of(const Study& study, const std::vector<std::stri
     if (fixed && fixed->has(name)) values[v] = fixed->number(name);
     if (ranges && ranges->has(name)) values[v] = 0.5 * (ranges->numbers(name).at(0) + ranges->numbers(name).at(1));
   }
+  return values;
+}
+
+/// Of a vehicle without a study: level ground of dry sand in the middle of what the grains reach, moderate speed.
+std::vector<double> variables_of(const TrialSetup& setup) {
+  const terrain::AngleRange reach = terrain::reachable_angles(setup.calibration);
+  std::vector<double> values(contract().variables.size(), 0);
+  const auto set = [&](const char* name, double x) { values[contract().variable_index(name)] = x; };
+  set("friction_angle", 0.5 * (reach.lowest + reach.highest));
+  set("relative_density", 0.5);
+  set("tyre_friction", setup.whole ? setup.whole->wheel.front().friction : 0.8);
+  set("bed_depth", 0.3);
+  set("commanded_speed", 1.5);
+  return values;
+}
+
+/// Values from --slope, --cross-slope and --set in the place of the others.
+std::vector<double> with_settings(std::vector<double> values, const Options& options) {
+  std::vector<std::string> settings;
+  if (options.slope_along) settings.push_back("slope_along=" + std::to_string(*options.slope_along));
+  if (options.slope_across) settings.push_back("slope_across=" + std::to_string(*options.slope_across));
+  settings.insert(settings.end(), options.settings.begin(), options.settings.end());
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
     if (equals == std::string::npos) throw InputError("--set " + setting + ": write it as name=value");
@@ -93,12 +118,56 @@ TrialRecord watched_trial(const Globals& globals, const Options& options, const 
   return record;
 }
 
-void simulate(const Globals& globals, const Options& options) {
-  const Study study = read_study(options.study);
-  const TrialSetup setup = read_trial_setup(study);
+struct Request {
+  TrialSetup setup;
   DesignPoint point;
-  point.seed = options.seed;
-  point.variables = variables_of(study, options.settings);
+};
+
+/// From a study, or from a vehicle and a soil.
+Request request_of(const Options& options) {
+  if (options.study.empty() == options.vehicle.empty())
+    throw InputError("name a study, or --vehicle and --soil; one of the two");
+  Request r;
+  r.point.seed = options.seed;
+  if (options.vehicle.empty()) {
+    const Study study = read_study(options.study);
+    r.setup = read_trial_setup(study);
+    r.point.variables = with_settings(variables_of(study), options);
+    return r;
+  }
+  if (options.soil.empty())
+    throw InputError("--vehicle needs --soil: a calibration, such as configs/soils/calibration_90mm.json");
+  r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), options.soil);
+  r.point.variables = with_settings(variables_of(r.setup), options);
+  return r;
+}
+
+/// Wheels of a whole vehicle, and whether the label obeys the scale rule.
+void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json, std::string& text) {
+  const double grains = grains_per_tyre(setup);
+  json["grains_per_tyre"] = grains;
+  json["label"] = grains >= kGrainsPerTyre ? "fine" : "coarse";
+  char line[160];
+  if (grains < kGrainsPerTyre) {
+    std::snprintf(line, sizeof line, "coarse label: a tyre is %.1f grains wide, %.0f are needed for one to publish\n",
+                  grains, kGrainsPerTyre);
+    text += line;
+  }
+  for (const WheelRecord& w : record.wheels) {
+    Json wheel;
+    wheel["name"] = w.name;
+    wheel["slip"] = w.slip;
+    wheel["sinkage_m"] = w.sinkage;
+    wheel["torque_N_m"] = w.torque;
+    json["wheels"].push_back(std::move(wheel));
+    std::snprintf(line, sizeof line, "%-18s slip %6.3f  sinkage %6.1f mm  torque %7.0f N m\n", w.name.c_str(), w.slip,
+                  1e3 * w.sinkage, w.torque);
+    text += line;
+  }
+}
+
+void simulate(const Globals& globals, const Options& options) {
+  const auto [setup, point] = request_of(options);
   const TrialRecord record = watched_trial(globals, options, setup, point);
   Json json;
   json["verdict"] = contract().info(record.verdict).name;
@@ -115,6 +184,7 @@ void simulate(const Globals& globals, const Options& options) {
                   measure.unit.c_str());
     text += line;
   }
+  add_vehicle(setup, record, json, text);
   print_result(globals, json, text);
 }
 
@@ -123,7 +193,11 @@ void simulate(const Globals& globals, const Options& options) {
 void add_simulate_command(CLI::App& app, const Globals& globals) {
   CLI::App* command = app.add_subcommand("simulate", "Run one trial and say how it ended");
   auto options = std::make_shared<Options>();
-  command->add_option("study", options->study, "Study JSON")->required();
+  command->add_option("study", options->study, "Study JSON; or --vehicle and --soil");
+  command->add_option("--vehicle", options->vehicle, "Vehicle file, or the name of one in configs/vehicles");
+  command->add_option("--soil", options->soil, "Calibration JSON of the grains, with --vehicle");
+  command->add_option("--slope", options->slope_along, "Slope along, uphill positive [deg]");
+  command->add_option("--cross-slope", options->slope_across, "Slope across, left side higher positive [deg]");
   command->add_option("--set", options->settings,
                       "Value of a variable, name=value; others: the study's fixed value or mid-range");
   command->add_option("--seed", options->seed, "Seed of the bed");
@@ -143,6 +217,7 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
       ->check(CLI::IsMember({"speed", "height"}));
   command->footer(
       "Examples:\n  gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30\n"
+      "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --slope 12 --video out/climb.mp4\n"
       "  gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05");
   command->callback([&globals, options] { simulate(globals, *options); });
 }

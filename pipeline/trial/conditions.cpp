@@ -41,7 +41,8 @@ terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point) 
 }
 
 terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) {
-  return terrain::shifted(terrain::cached_packing(bed_spec_of(setup, point), setup.packing_folder, 1), point.seed);
+  const terrain::Packing tile = terrain::cached_packing(bed_spec_of(setup, point), setup.packing_folder, 1);
+  return terrain::shifted(terrain::tiled(tile, setup.tiles_along, setup.tiles_across), point.seed);
 }
 
 TrialNumerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt) {

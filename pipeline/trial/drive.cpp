@@ -3,12 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <tuple>
+
+#include "vehicle/model/engine_vehicle.h"
+#include "vehicle/model/statics.h"
 
 namespace gonogo::pipeline {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kHeadroom = 2;  // over a standing vehicle's origin [m]
 
 /// The wheel is let down with its brake on, its rim speed grows from zero to the commanded one, and stays there.
 sim::Controller driver(const TrialSetup& setup, const TrialConditions& conditions, Index motor) {
@@ -19,36 +24,104 @@ sim::Controller driver(const TrialSetup& setup, const TrialConditions& condition
   return c;
 }
 
-/// Watches the wheel. Its drop below the height at which the rim would touch the `surface` is the sinkage [m].
-sim::Monitor wheel_monitor(const TrialSetup& setup, const vehicle::RigBodies& bodies, double surface) {
+/// Watches what the trial is judged by: the wheel of a quarter vehicle, the chassis of a whole one.
+sim::Monitor stopping_monitor(const TrialSetup& setup, sim::BodyIndex body) {
   const Thresholds& t = setup.thresholds;
   sim::Monitor m;
-  m.body = bodies.wheel;
-  m.motor = bodies.motor;
-  m.height = surface + setup.rig.radius;
+  m.body = body;
   m.start = setup.park_time;
   m.time_limit = setup.time_limit;
   m.earliest = setup.ramp_time + setup.minimum_drive_time;
   m.distance = setup.run_in_distance + setup.test_distance;
-  m.slid_back = t.slid_back_share * setup.rig.vehicle_length;
+  m.slid_back = t.slid_back_share * setup.vehicle_length();
   m.immobile_window = t.immobile_time;
   m.immobile_from = setup.ramp_time;
   m.immobile_speed = t.immobile_speed;
   return m;
 }
 
-/// Height of the axle at which the wheel just clears every grain.
-double resting_axle_height(const TrialSetup& setup, const terrain::Packing& packing, double x, double y) {
-  const double reach = setup.rig.radius + setup.rig.lug_height;
+/// Height of the axle at which a wheel just clears every grain. `reach`: its radius with lugs [m].
+double resting_axle_height(const terrain::Packing& packing, double reach, double width, double x, double y) {
   double height = packing.surface + reach;
   for (const terrain::Grain& g : packing.grain) {
-    const double dx = std::remainder(g.position.x - x, setup.bed_length),
-                 dy = std::remainder(g.position.y - y, setup.bed_width);
+    const double dx = std::remainder(g.position.x - x, packing.spec.length),
+                 dy = std::remainder(g.position.y - y, packing.spec.width);
     const double free = reach + g.radius;
-    if (std::fabs(dx) >= free || std::fabs(dy) >= setup.rig.width / 2 + g.radius) continue;
+    if (std::fabs(dx) >= free || std::fabs(dy) >= width / 2 + g.radius) continue;
     height = std::max(height, g.position.z + std::sqrt(free * free - dx * dx));
   }
   return height;
+}
+
+double surface_of(const terrain::Packing& packing) {
+  return terrain::surface_height(packing.grain, packing.spec.length, packing.spec.width, packing.spec.grain_diameter);
+}
+
+/// The wheel of a quarter vehicle. Its drop below the height at which the rim would touch the surface is the sinkage.
+void add_rig(const TrialSetup& setup, const TrialConditions& conditions, const terrain::Packing& packing,
+             sim::SceneWorld& world) {
+  const vehicle::WheelRig& rig = setup.rig;
+  const double x = 0.15 * packing.spec.length, y = 0.5 * packing.spec.width;
+  const double height = resting_axle_height(packing, rig.radius + rig.lug_height, rig.width, x, y);
+  const auto bodies = vehicle::add_wheel_rig(world, rig, {x, y, height}, conditions.payload, terrain::tool_material);
+  world.controller.push_back(driver(setup, conditions, bodies.motor));
+  sim::Monitor m = stopping_monitor(setup, bodies.wheel);
+  m.motor = bodies.motor;
+  m.height = surface_of(packing) + rig.radius;
+  world.monitor.push_back(m);
+}
+
+/// Height of the vehicle's origin at which none of its wheels touches a grain and one almost does.
+double resting_height(const vehicle::Vehicle& v, const terrain::Packing& packing, double x, double y) {
+  double height = -1e9;
+  for (const vehicle::Station& s : vehicle::stations(v)) {
+    const double reach = s.wheel->radius + s.wheel->lug_height;
+    const double axle = resting_axle_height(packing, reach, s.wheel->width, x + s.centre.x, y + s.centre.y);
+    height = std::max(height, axle - s.centre.z);
+  }
+  return height;
+}
+
+/// A whole vehicle with its brakes on, its chassis watched first and its wheels after it.
+void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const terrain::Packing& packing,
+               sim::SceneWorld& world) {
+  const vehicle::Vehicle v = vehicle::loaded(*setup.whole, conditions.payload);
+  const double x = 0.5 * packing.spec.length, y = 0.5 * packing.spec.width;
+  auto e = vehicle::add_vehicle(world, v, {x, y, resting_height(v, packing, x, y)}, terrain::tool_material);
+  vehicle::DriverOrders orders;
+  orders.release = setup.park_time;
+  orders.throttle_ramp = setup.ramp_time;
+  orders.speed = conditions.speed;
+  vehicle::add_drive(world, v, e, orders);
+  sim::Monitor chassis = stopping_monitor(setup, e.chassis);
+  chassis.least_up = std::cos(setup.thresholds.tilt_deg * std::numbers::pi / 180);
+  world.monitor.push_back(chassis);
+  const double surface = surface_of(packing);
+  for (std::size_t i = 0; i < e.wheel.size(); ++i) {
+    sim::Monitor m;
+    m.body = e.wheel[i];
+    m.motor = e.drive_motor[i];
+    m.height = surface + e.station[i].wheel->radius;
+    m.start = setup.park_time;
+    m.time_limit = setup.time_limit;
+    world.monitor.push_back(m);
+  }
+}
+
+/// A wheel of the vehicle and the monitor that watches it.
+struct WatchedWheel {
+  std::string name;
+  Index monitor = 0;
+  double radius = 0;  // [m]
+  bool driven = true;
+};
+
+std::vector<WatchedWheel> watched_wheels(const TrialSetup& setup) {
+  if (!setup.whole) return {{"wheel", 0, setup.rig.radius, true}};
+  std::vector<WatchedWheel> wheels;
+  for (const vehicle::Station& s : vehicle::stations(*setup.whole))
+    wheels.push_back({s.name, Index(wheels.size()) + 1, s.wheel->radius, s.driven});
+  return wheels;
 }
 
 /// A drive that is over, read from its monitor.
@@ -61,6 +134,7 @@ class Judge {
         step_(step),
         simulation_(simulation),
         world_(world),
+        wheels_(watched_wheels(setup)),
         cause_(simulation.stop(world).cause),
         end_(simulation.monitor(world, 0)) {}
 
@@ -74,6 +148,7 @@ class Judge {
   /// First true line of the contract's verdict table wins.
   std::pair<Verdict, Reason> verdict(const DriveOutcome& o) {
     const Thresholds& t = setup_.thresholds;
+    if (cause_ == sim::StopCause::overturned) return {Verdict::no_go, Reason::rollover};
     if (cause_ == sim::StopCause::slid_back) return {Verdict::no_go, Reason::slid_back};
     if (cause_ == sim::StopCause::distance) {
       const bool fast = o.mean_speed >= t.go_speed_share * conditions_.speed && o.slip <= t.go_slip;
@@ -82,7 +157,7 @@ class Judge {
     if (cause_ == sim::StopCause::immobile) {
       const bool turning = rolled_in_window() > 0.5 * conditions_.speed * t.immobile_time;
       if (!turning) return {Verdict::no_go, Reason::power};
-      if (o.sinkage > setup_.rig.ground_clearance) return {Verdict::no_go, Reason::sinkage};
+      if (o.sinkage > setup_.clearance()) return {Verdict::no_go, Reason::sinkage};
       return {Verdict::no_go, Reason::traction};
     }
     return {Verdict::no_go, Reason::timeout};
@@ -90,10 +165,22 @@ class Judge {
 
   double rolled_in_window() {
     const auto back = Index(std::lround(setup_.thresholds.immobile_time / step_));
-    return (end_.now.turned - sample(end_.sample_count - 1 - back).turned) * setup_.rig.radius;
+    return mean_over_driven([&](const WatchedWheel& w) {
+      return (now(w).turned - sample(w.monitor, end_.sample_count - 1 - back).turned) * w.radius;
+    });
   }
 
-  sim::MonitorSample sample(Index i) { return simulation_.samples(world_, 0, i, 1).front(); }
+  template <class Value>
+  double mean_over_driven(Value&& value) const {
+    double sum = 0;
+    int count = 0;
+    for (const WatchedWheel& w : wheels_)
+      if (w.driven) sum += value(w), ++count;
+    return sum / count;
+  }
+
+  sim::MonitorSample now(const WatchedWheel& w) const { return simulation_.monitor(world_, w.monitor).now; }
+  sim::MonitorSample sample(Index monitor, Index i) const { return simulation_.samples(world_, monitor, i, 1).front(); }
 
   DriveOutcome measures() {
     DriveOutcome o{};
@@ -107,14 +194,27 @@ class Judge {
     const Index first = std::max<Index>(0, parked - 1), driven = end_.sample_count - first;
     if (driven < 4) return o;
     o.drive_time = (end_.now.step - parked) * step_;
-    const sim::MonitorMeans half = sim::means_between(sample(first + driven / 2), end_.now, step_);
-    const double rolled = half.turned * setup_.rig.radius;
+    const sim::MonitorMeans half = sim::means_between(sample(0, first + driven / 2), end_.now, step_);
+    double rolled = 0, work = 0, drop = 0, torque = 0, driven_wheels = 0;
+    for (const WatchedWheel& w : wheels_) {
+      const sim::MonitorMeans of = sim::means_between(sample(w.monitor, first + driven / 2), now(w), step_);
+      drop += of.drop / double(wheels_.size());
+      if (setup_.whole) o.wheels.push_back(record_of(w, of, half.x));
+      if (!w.driven) continue;
+      rolled += of.turned * w.radius, work += of.work, torque += of.torque, ++driven_wheels;
+    }
+    rolled /= driven_wheels;
     o.mean_speed = half.x / half.time;
     o.slip = rolled > 0 ? 1 - half.x / rolled : kNaN;
-    o.sinkage = half.drop;
-    o.mean_torque = half.torque;
-    o.energy_per_metre = half.x > 0 ? half.work / half.x : kNaN;
+    o.sinkage = drop;
+    o.mean_torque = torque / driven_wheels;
+    o.energy_per_metre = half.x > 0 ? work / half.x : kNaN;
     return o;
+  }
+
+  static WheelRecord record_of(const WatchedWheel& w, const sim::MonitorMeans& of, double travelled) {
+    const double rolled = of.turned * w.radius;
+    return {w.name, w.driven && rolled > 0 ? 1 - travelled / rolled : kNaN, of.drop, of.torque};
   }
 
   const TrialSetup& setup_;
@@ -122,6 +222,7 @@ class Judge {
   double step_;  // [s]
   sim::Simulation& simulation_;
   sim::WorldIndex world_;
+  std::vector<WatchedWheel> wheels_;
   sim::StopCause cause_;
   sim::MonitorState end_;
 };
@@ -167,20 +268,46 @@ DriveOutcome outcome_of_failed_bed(const TiltedBed& bed) {
   return o;
 }
 
-sim::SceneWorld wheel_on_bed(const TrialSetup& setup, const terrain::Packing& settled, const TiltedBed& bed,
-                             const TrialConditions& conditions) {
+sim::SceneWorld vehicle_on_bed(const TrialSetup& setup, const terrain::Packing& settled, const TiltedBed& bed,
+                               const TrialConditions& conditions) {
   terrain::Packing packing = settled;
   for (std::size_t i = 0; i < bed.grain.size(); ++i) packing.grain[i].position = bed.grain[i];
-  const double x = 0.15 * setup.bed_length, y = 0.5 * setup.bed_width;
-  sim::SceneWorld world = terrain::bed_world(packing, conditions.laws, 3 * (setup.rig.radius + setup.rig.lug_height));
+  const double headroom =
+      setup.whole ? kHeadroom + vehicle::standing_height(*setup.whole) : 3 * (setup.rig.radius + setup.rig.lug_height);
+  sim::SceneWorld world = terrain::bed_world(packing, conditions.laws, headroom);
   world.gravity = conditions.gravity;
-  const auto bodies = vehicle::add_wheel_rig(world, setup.rig, {x, y, resting_axle_height(setup, packing, x, y)},
-                                             conditions.payload, terrain::tool_material);
-  const double surface =
-      terrain::surface_height(packing.grain, setup.bed_length, setup.bed_width, packing.spec.grain_diameter);
-  world.controller.push_back(driver(setup, conditions, bodies.motor));
-  world.monitor.push_back(wheel_monitor(setup, bodies, surface));
+  if (setup.whole)
+    add_whole(setup, conditions, packing, world);
+  else
+    add_rig(setup, conditions, packing, world);
   return world;
+}
+
+namespace {
+
+template <class SampleOf>
+SeenWheels mean_of_wheels(const TrialSetup& setup, SampleOf&& sample_of) {
+  SeenWheels seen;
+  double driven = 0;
+  const auto wheels = watched_wheels(setup);
+  for (const WatchedWheel& w : wheels) {
+    const sim::MonitorSample now = sample_of(w.monitor);
+    seen.sinkage += now.drop / double(wheels.size());
+    if (!w.driven) continue;
+    seen.rolled += now.turned * w.radius, seen.torque += now.torque, ++driven;
+  }
+  seen.rolled /= driven, seen.torque /= driven;
+  return seen;
+}
+
+}  // namespace
+
+SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world) {
+  return mean_of_wheels(setup, [&](Index m) { return simulation.monitor(world, m).now; });
+}
+
+SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world, Index sample) {
+  return mean_of_wheels(setup, [&](Index m) { return simulation.samples(world, m, sample, 1).front(); });
 }
 
 DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditions, const TiltedBed& bed, double step,

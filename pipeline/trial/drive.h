@@ -12,6 +12,7 @@ struct DriveOutcome {
   double distance, drive_time, mean_speed, slip, sinkage, drift, mean_torque, energy_per_metre;
   double bed_creep = 0, worst_residual = 0, energy_error = 0;
   Index flags = 0;
+  std::vector<WheelRecord> wheels;  // of a whole vehicle
 };
 
 /// First phase: the settled bed alone under the trial's gravity with its own laws.
@@ -33,9 +34,18 @@ TiltedBed tilted_bed(sim::Simulation& simulation, sim::WorldIndex world, std::si
 bool fails(const TrialSetup& setup, const TiltedBed& bed);
 DriveOutcome outcome_of_failed_bed(const TiltedBed& bed);
 
-/// Second phase: the wheel parked just above the tilted bed, with its driver and the monitor that ends the trial.
-sim::SceneWorld wheel_on_bed(const TrialSetup& setup, const terrain::Packing& settled, const TiltedBed& bed,
-                             const TrialConditions& conditions);
+/// Second phase: quarter or whole vehicle parked just above the tilted bed, with its driver and the monitor that ends
+/// the trial, which is the first.
+sim::SceneWorld vehicle_on_bed(const TrialSetup& setup, const terrain::Packing& settled, const TiltedBed& bed,
+                               const TrialConditions& conditions);
+
+/// Means over the driven wheels now; sinkage over all.
+struct SeenWheels {
+  double rolled = 0, sinkage = 0, torque = 0;  // [m], [m], [N m]
+};
+SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world);
+/// The same at a recorded sample.
+SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world, Index sample);
 
 /// Measures and verdict of a drive whose monitor has stopped the world.
 DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditions, const TiltedBed& bed, double step,

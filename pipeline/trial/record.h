@@ -1,6 +1,7 @@
 // What goes into a trial and what comes out: the row of the dataset.
 #pragma once
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "pipeline/study/contract.h"
@@ -16,12 +17,21 @@ struct DesignPoint {
   std::vector<double> variables;   // [contract().variables.size()], in the units of the contract
 };
 
+/// What one wheel did over the last half of the driving.
+struct WheelRecord {
+  std::string name;    // "front left"
+  double slip = 0;     // 1 - travelled / rolled distance [-]
+  double sinkage = 0;  // [m]
+  double torque = 0;   // driving [N m]
+};
+
 struct TrialRecord {
   DesignPoint point;
   Verdict verdict = Verdict::unknown;
   Reason reason = Reason::simulation_failed;
-  std::vector<double> measures;  // [contract().measures.size()]; NaN where a failed trial has none
-  std::uint64_t attempts = 1;    // 2 when the first attempt failed a check and the smaller step was used
+  std::vector<double> measures;     // [contract().measures.size()]; NaN where a failed trial has none
+  std::vector<WheelRecord> wheels;  // of a whole vehicle whose drive was judged; not part of the dataset
+  std::uint64_t attempts = 1;       // 2 when the first attempt failed a check and the smaller step was used
 };
 
 }  // namespace gonogo::pipeline

@@ -1,9 +1,12 @@
 #include "pipeline/trial/setup.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 
 #include "base/error.h"
 #include "pipeline/study/contract.h"
+#include "vehicle/model/assembly.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -11,6 +14,9 @@ namespace {
 void read_bed(const Config& bed, TrialSetup& s) {
   s.bed_length = bed.number_or("length_m", s.bed_length, {0.1, 100});
   s.bed_width = bed.number_or("width_m", s.bed_width, {0.05, 100});
+  s.tiles_along = int(bed.integer_or("tiles_along", s.tiles_along, {1, 100}));
+  s.tiles_across = int(bed.integer_or("tiles_across", s.tiles_across, {1, 100}));
+  s.moving_patch = bed.boolean_or("moving_patch", s.moving_patch);
   s.packing_seeds = int(bed.integer_or("packing_seeds", s.packing_seeds, {1, 1000}));
   s.bed_settle_time = bed.number_or("settle_s", s.bed_settle_time, {0, 10});
   bed.finish();
@@ -39,6 +45,7 @@ void read_thresholds(const Config& c, Thresholds& t) {
   t.immobile_speed = c.number_or("immobile_speed_m_per_s", t.immobile_speed, {0, 10});
   t.immobile_time = c.number_or("immobile_s", t.immobile_time, {0.01, 100});
   t.slid_back_share = c.number_or("slid_back_vehicle_lengths", t.slid_back_share, {0.01, 10});
+  t.tilt_deg = c.number_or("tilt_deg", t.tilt_deg, {1, 180});
   t.creep_speed = c.number_or("creep_m_per_s", t.creep_speed, {1e-3, 10});
   t.residual = c.number_or("residual_m_per_s", t.residual, {1e-6, 10});
   t.energy_error = c.number_or("energy_error", t.energy_error, {1e-6, 10});
@@ -59,7 +66,43 @@ void check_reach(const Study& study, const TrialSetup& s) {
                                       " deg; narrow the range to that");
 }
 
+/// A quarter vehicle or a whole one.
+void read_mover(TrialSetup& s) {
+  if (Config::read(s.vehicle_file).text("kind") == "quarter")
+    s.rig = vehicle::read_wheel_rig(s.vehicle_file);
+  else
+    s.whole = vehicle::read_vehicle(s.vehicle_file);
+}
+
+/// Axles' distance and largest wheel, with lugs [m].
+struct Extent {
+  double base = 0, wheel = 0, width = 0;
+};
+
+Extent extent_of(const TrialSetup& s) {
+  if (!s.whole) return {0, s.rig.radius + s.rig.lug_height, s.rig.width};
+  Extent e;
+  double front = -1e9, rear = 1e9;
+  for (const vehicle::Station& w : vehicle::stations(*s.whole)) {
+    front = std::max(front, w.centre.x), rear = std::min(rear, w.centre.x);
+    e.wheel = std::max(e.wheel, w.wheel->radius + w.wheel->lug_height);
+    e.width = std::max(e.width, 2 * std::fabs(w.centre.y) + w.wheel->width);
+  }
+  e.base = front - rear;
+  return e;
+}
+
 }  // namespace
+
+double grains_per_tyre(const TrialSetup& s) {
+  const double width = s.whole ? s.whole->wheel.front().width : s.rig.width;
+  return width / s.calibration.grain_diameter;
+}
+
+terrain::MovingPatch TrialSetup::patch() const {
+  const Extent e = extent_of(*this);
+  return {tiles_along * bed_length, e.base / 2 + 2.5 * e.wheel};
+}
 
 terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density, std::uint64_t bed_seed) const {
   terrain::BedSpec spec;
@@ -87,7 +130,7 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
   if (study.vehicle.empty())
     study.config.fail("vehicle", "missing; name a vehicle file, for example ../vehicles/hmmwv_quarter.json");
   s.vehicle_file = study.vehicle;
-  s.rig = vehicle::read_wheel_rig(study.vehicle);
+  read_mover(s);
   const Config soil = study.section("soil");
   s.calibration_file = soil.path("calibration");
   s.calibration = terrain::read_calibration(s.calibration_file);
@@ -99,7 +142,33 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
     if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
     trial->finish();
   }
+  if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);
   check_reach(study, s);
+  return s;
+}
+
+TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
+                               const std::filesystem::path& packing_folder) {
+  TrialSetup s;
+  s.packing_folder = packing_folder;
+  s.vehicle_file = vehicle;
+  read_mover(s);
+  s.name = s.whole ? s.whole->name : s.rig.name;
+  s.calibration_file = calibration;
+  s.calibration = terrain::read_calibration(calibration);
+  if (!s.whole) return s;
+  // Tiles as long as a wheel's influence is wide; as many as the vehicle with its patch and the slab ahead need.
+  const Extent e = extent_of(s);
+  const double d = s.calibration.grain_diameter, tile = std::max(12 * d, 2 * e.wheel);
+  s.bed_length = s.bed_width = tile;
+  s.moving_patch = true;
+  s.tiles_along = int(std::ceil((2 * s.patch().reach + 2 * e.wheel) / tile));
+  s.tiles_across = int(std::ceil((e.width + 2 * e.wheel) / tile));
+  s.park_time = 0.5;
+  s.run_in_distance = 0.5 * s.whole->length;
+  s.test_distance = 2 * s.whole->length;
+  s.time_limit = 15;
+  terrain::check_patch(s.patch(), d);
   return s;
 }
 

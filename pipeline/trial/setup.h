@@ -1,11 +1,14 @@
 // What every trial of a study shares: vehicle, soil calibration, beds, numerics and thresholds.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/study/study.h"
+#include "terrain/bed/moving_patch.h"
 #include "terrain/soil/calibration.h"
+#include "vehicle/model/vehicle.h"
 #include "vehicle/wheel_rig.h"
 
 namespace gonogo::pipeline {
@@ -17,6 +20,7 @@ struct Thresholds {
   double immobile_speed = 0.05;  // below it for `immobile_time` the vehicle is stuck [m/s]
   double immobile_time = 1.0;    // [s]
   double slid_back_share = 0.5;  // of the vehicle's length [-]
+  double tilt_deg = 60;          // roll or pitch against the bed: rolled over [deg]
   double creep_speed = 0.1;      // of the bed before the vehicle acts: the slope fails [m/s]
   double residual = 0.1;         // largest root-mean-square residual of a valid trial [m/s]
   double energy_error = 0.1;     // largest energy gain without a motor, over the motor's work, of a valid trial [-]
@@ -31,10 +35,13 @@ struct TrialNumerics {
 struct TrialSetup {
   std::string name;
   std::uint64_t seed = 0;
-  vehicle::WheelRig rig;
+  vehicle::WheelRig rig;  // drives when there is no whole vehicle
+  std::optional<vehicle::Vehicle> whole;
   terrain::Calibration calibration;
   std::filesystem::path vehicle_file, calibration_file;
   double bed_length = 4, bed_width = 0.8;  // [m]
+  int tiles_along = 1, tiles_across = 1;   // copies of the settled bed side by side
+  bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
   int packing_seeds = 2;                   // beds per packing level
   double bed_settle_time = 0.25;           // of the tilted bed before the vehicle acts [s]
   double park_time = 0.2;                  // the wheel is let down with its brake on [s]
@@ -47,12 +54,26 @@ struct TrialSetup {
   Thresholds thresholds;
   std::filesystem::path packing_folder;  // cache of settled beds
 
+  double vehicle_length() const { return whole ? whole->length : rig.vehicle_length; }  // [m]
+  double clearance() const { return whole ? whole->clearance : rig.ground_clearance; }  // [m]
+  terrain::MovingPatch patch() const;
+
   /// Bed that a trial of these variables drives on: level of the packing and its seed.
   terrain::BedSpec bed_spec(double bed_depth, double relative_density, std::uint64_t seed) const;
 };
 
 /// $GONOGO_CACHE/beds, or gonogo/beds in the user's cache folder: settled beds are shared between runs.
 std::filesystem::path default_packing_folder();
+
+/// A trial of the vehicle of a file on the soil of a calibration, without a study: a whole vehicle gets a bed of tiles
+/// that is wide and long enough, a moving patch, and two of its lengths to cover.
+TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
+                               const std::filesystem::path& packing_folder = default_packing_folder());
+
+/// Least share of tyre width in grain diameters for a label that may be published (the scale rule).
+inline constexpr double kGrainsPerTyre = 8;
+/// Tyre width over grain diameter.
+double grains_per_tyre(const TrialSetup& setup);
 
 /// Reads the study's vehicle and its sections "soil" and "trial"; throws InputError for anything out of range, also
 /// when the ranges of "design" leave what the calibration reaches. Packings are cached in `packing_folder`.

@@ -14,6 +14,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRenewEvery = 0.1;  // of the moving patch [s]
 constexpr Index kNever = std::numeric_limits<Index>::max();
 
 Clock::time_point in_seconds(double seconds) {
@@ -123,7 +124,7 @@ void TrialRun::begin_bed(const sim::Snapshot* from) {
 }
 
 std::shared_ptr<const sim::SceneWorld> TrialRun::drive_world() const {
-  return std::make_shared<const sim::SceneWorld>(wheel_on_bed(setup_, packing_, bed_, conditions_));
+  return std::make_shared<const sim::SceneWorld>(vehicle_on_bed(setup_, packing_, bed_, conditions_));
 }
 
 void TrialRun::begin_drive(const std::shared_ptr<const sim::SceneWorld>& world, const sim::Snapshot* from) {
@@ -141,7 +142,16 @@ void TrialRun::begin_drive(const std::shared_ptr<const sim::SceneWorld>& world, 
 Index TrialRun::due() const {
   if (phase_ == Phase::bed) return bed_steps(setup_, settings_) - step_;
   if (replay_to_ > 0) return replay_to_ - step_;
-  return std::max<Index>(1, next_frame() - step_);
+  const Index frame = std::max<Index>(1, next_frame() - step_);
+  return setup_.moving_patch ? std::min(frame, renewal_steps() - step_ % renewal_steps()) : frame;
+}
+
+/// Steps between two renewals of the ground: fixed in the trial's own time, whatever the batch's looks are.
+Index TrialRun::renewal_steps() const { return std::max<Index>(1, Index(std::lround(kRenewEvery / numerics_.step))); }
+
+void TrialRun::renew_when_due() {
+  if (!setup_.moving_patch || step_ % renewal_steps() != 0) return;
+  terrain::renew_ground(simulation(), place_, setup_.patch(), bed_.grain, simulation().monitor(place_, 0).position.x);
 }
 
 void TrialRun::look(Index steps, const sim::WorldStop& stop) {
@@ -172,6 +182,7 @@ void TrialRun::look_at_drive(const sim::WorldStop& stop) {
     replay_to_ = stop.step;
     return;
   }
+  if (!stopped) renew_when_due();
   show_samples();
   if (stopped || step_ >= next_frame()) show_frame();
   if (stopped)
@@ -183,6 +194,7 @@ void TrialRun::look_at_drive(const sim::WorldStop& stop) {
 void TrialRun::end_attempt(const DriveOutcome& outcome) {
   next_ = Next::leave;
   store_measures(outcome, record_);
+  record_.wheels = outcome.wheels;
   if (is_valid(setup_, outcome)) {
     record_.verdict = outcome.verdict;
     record_.reason = outcome.reason;
@@ -235,17 +247,31 @@ TrialSample TrialRun::seen(const sim::MonitorSample& s) const {
           rolled > 0 ? 1 - s.x / rolled : 0, s.torque, s.residual, s.contact_count, s.iterations};
 }
 
+/// Of a whole vehicle: slip, sinkage and torque are means of its wheels now.
+TrialSample TrialRun::seen_whole(const sim::MonitorSample& s, const SeenWheels& wheels) const {
+  TrialSample sample = seen(s);
+  sample.slip = wheels.rolled > 0 ? 1 - s.x / wheels.rolled : 0;
+  sample.sinkage = wheels.sinkage;
+  sample.torque = wheels.torque;
+  return sample;
+}
+
 /// Gives the observer the samples that it has not seen.
 void TrialRun::show_samples() {
   if (!watch_.sample) return;
   const Index count = simulation().monitor(place_, 0).sample_count - shown_samples_;
-  for (const sim::MonitorSample& s : simulation().samples(place_, 0, shown_samples_, count)) watch_.sample(seen(s));
+  const auto samples = simulation().samples(place_, 0, shown_samples_, count);
+  for (Index k = 0; k < count; ++k)
+    watch_.sample(setup_.whole ? seen_whole(samples[std::size_t(k)],
+                                            seen_wheels(setup_, simulation(), place_, shown_samples_ + k))
+                               : seen(samples[std::size_t(k)]));
   shown_samples_ += count;
 }
 
 void TrialRun::show_frame() {
   if (!watch_.frame) return;
-  const TrialSample sample = seen(simulation().monitor(place_, 0).now);
+  const sim::MonitorSample now = simulation().monitor(place_, 0).now;
+  const TrialSample sample = setup_.whole ? seen_whole(now, seen_wheels(setup_, simulation(), place_)) : seen(now);
   watch_.frame({sample, *world_, simulation(), place_, world_->monitor.front().body});
   pass_due_frames();
 }

@@ -55,10 +55,14 @@ class TrialRun {
   void end_attempt(const DriveOutcome& outcome);
   std::string scene_of(const sim::SceneWorld& world) const;
 
+  Index renewal_steps() const;
+  void renew_when_due();
+
   Index next_frame() const;
   void pass_due_frames();
   void remember_for_replay();
   TrialSample seen(const sim::MonitorSample& s) const;
+  TrialSample seen_whole(const sim::MonitorSample& s, const SeenWheels& wheels) const;
   void show_samples();
   void show_frame();
 

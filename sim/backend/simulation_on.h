@@ -83,6 +83,22 @@ class SimulationOn final : public Simulation {
     s_.velocity.write(i, Velocity{state.velocity, 0, state.angular_velocity, 0});
   }
 
+  void set_bodies(WorldIndex w, const std::vector<BodyIndex>& which, const std::vector<BodyState>& states) override {
+    const Index first = place_[w].body, count = Index(flat_[w].body.size());
+    auto position = s_.position.download(first, count);
+    auto orientation = s_.orientation.download(first, count);
+    auto velocity = s_.velocity.download(first, count);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      const BodyIndex i = flat_[w].place_of_body[which[k]];
+      position[i] = states[k].position;
+      orientation[i] = states[k].orientation;
+      velocity[i] = {states[k].velocity, 0, states[k].angular_velocity, 0};
+    }
+    s_.position.write(first, position);
+    s_.orientation.write(first, orientation);
+    s_.velocity.write(first, velocity);
+  }
+
   std::vector<BodyState> bodies(WorldIndex w) override {
     const Index first = place_[w].body, count = Index(flat_[w].body.size());
     const auto position = s_.position.download(first, count);
@@ -106,10 +122,9 @@ class SimulationOn final : public Simulation {
   }
 
   void set_motor(WorldIndex w, Index m, Real target, Real max_torque) override {
-    for (const ControllerPlan& c : flat_[w].element.controller)
-      if (c.motor == m)
-        throw InputError("world " + std::to_string(w) + ": motor " + std::to_string(m) +
-                         " is set by a controller in every step");
+    if (sets_motor(flat_[w].element, m))
+      throw InputError("world " + std::to_string(w) + ": motor " + std::to_string(m) +
+                       " is set by a controller in every step");
     Motor& motor = flat_[w].mechanisms.motor[m];
     motor.target = target;
     motor.max_torque = max_torque;
@@ -319,6 +334,7 @@ class SimulationOn final : public Simulation {
         {"bodies with forces", {size.elements.loaded, room.elements.loaded}},
         {"forces", {size.elements.forces, room.elements.forces}},
         {"controllers", {size.elements.controllers, room.elements.controllers}},
+        {"drivelines", {size.elements.drivelines, room.elements.drivelines}},
         {"table points", {size.elements.table_points, room.elements.table_points}},
         {"monitors", {size.elements.monitors, room.elements.monitors}},
         {"samples of monitors", {size.elements.samples, room.elements.samples}}};

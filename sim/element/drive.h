@@ -34,6 +34,60 @@ struct ApplyController {
   }
 };
 
+/// Sets the motors that a driveline drives and brakes.
+struct ApplyDriveline {
+  View<const DrivelinePlan> driveline;
+  View<const TablePoint> table;
+  View<const Index> steps;  // [world] taken
+  View<const Velocity> velocity;
+  View<const Quat> orientation;
+  View<DrivelineState> state;
+  View<Motor> motor;
+  Real step;
+
+  GONOGO_HD void operator()(Index i) const {
+    const DrivelinePlan& d = driveline[i];
+    if (d.world < 0) return;
+    DrivelineState& own = state[i];
+    const double time = double(steps[d.world]) * double(step);
+    const double forward = dot(velocity[d.body].linear, rotate(orientation[d.body], d.axis_B));
+    const Pedals p = pedals(table, d, time, forward, step, own);
+    const double torque = gearbox_torque(table, d, p.throttle, shaft_speed(d), step, own);
+    shift(d, time, own);
+    for (Index a = 0; a < d.axle_count; ++a) drive(d.axle[a], d.axle[a].share * torque);
+    for (Index b = 0; b < d.brake_count; ++b) set(d.brake[b].motor, {0, p.brake * d.brake[b].torque});
+  }
+
+  GONOGO_HD void set(Index m, const MotorCommand& command) const {
+    motor[m].target = Real(command.speed);
+    motor[m].max_torque = Real(command.max_torque);
+  }
+
+  GONOGO_HD double speed_of(Index m) const {
+    return motor_speed(motor[m], motor_axis(motor[m], orientation), velocity);
+  }
+
+  /// Of an axle: the mean of its wheels. Behind the gearbox: in the shares in which torque is given, as power demands.
+  GONOGO_HD double shaft_speed(const DrivelinePlan& d) const {
+    double sum = 0;
+    for (Index a = 0; a < d.axle_count; ++a) {
+      const DrivenAxle& axle = d.axle[a];
+      const double first = speed_of(axle.wheel[0]);
+      sum += axle.share * (axle.wheel[1] < 0 ? first : 0.5 * (first + speed_of(axle.wheel[1])));
+    }
+    return sum;
+  }
+
+  GONOGO_HD void drive(const DrivenAxle& axle, double torque) const {
+    if (axle.wheel[1] < 0) {
+      set(axle.wheel[0], torque_command(torque));
+      return;
+    }
+    for (const Index wheel : axle.wheel) set(wheel, torque_command(0.5 * torque));
+    if (axle.lock >= 0) set(axle.lock, {0, lock_limit(axle, torque)});
+  }
+};
+
 /// Adds the sum of a body's forces to its free velocity.
 struct ApplyForces {
   View<const LoadedBody> loaded;
@@ -73,7 +127,8 @@ struct ApplyForces {
   }
 };
 
-/// Sets the motors for the step that begins. Call when the step is sure to be completed: integrals go on.
+/// Controllers and drivelines set the motors for the step that begins. Call when the step is sure to be completed:
+/// integrals go on.
 template <class Exec>
 void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
@@ -81,6 +136,10 @@ void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) 
       exec, e.controller.size(),
       ApplyController{e.controller.view(), e.table.view(), s.steps.view(), s.velocity.view(), s.orientation.view(),
                       e.controller_state.view(), s.mechanisms.motor.view(), settings.step});
+  for_each_index(
+      exec, e.driveline.size(),
+      ApplyDriveline{e.driveline.view(), e.table.view(), s.steps.view(), s.velocity.view(), s.orientation.view(),
+                     e.driveline_state.view(), s.mechanisms.motor.view(), settings.step});
 }
 
 /// Forces are those of the step's start, implicit where they resist. Call when the change by gravity and the inertia of

@@ -9,7 +9,7 @@
 namespace gonogo::sim {
 
 /// Why a world stopped. Where several rules hold in the same step, the first of this list is the cause.
-enum class StopCause : std::int32_t { none, flags, slid_back, distance, immobile, time_limit };
+enum class StopCause : std::int32_t { none, flags, overturned, slid_back, distance, immobile, time_limit };
 
 /// Times are rounded to whole steps. x and y are travelled from the first step on, through periodic sides.
 struct Monitor {
@@ -27,6 +27,8 @@ struct Monitor {
   double immobile_window = 0;  // mean speed along x over this time below `immobile_speed`; 0: no such rule [s]
   double immobile_from = 0;    // where the first such window begins [s]
   double immobile_speed = 0;   // [m/s]
+  Vec3 up{0, 0, 1};            // unit vector of the world at the start, which turns with the body
+  double least_up = -2;        // z that this vector may fall to: cosine of the largest roll or pitch
 };
 
 /// A monitor with the batch's indices; times in steps of the world.
@@ -38,6 +40,8 @@ struct MonitorPlan {
   Index immobile_samples = 0;                                        // window in samples, 0: no such rule
   double height = 0, distance = 0, slid_back = 0;
   double immobile_travel = 0;  // [m]
+  Vec3 up_B{0, 0, 1};
+  double least_up = -2;
 };
 
 /// A world after one step, with sums since its beginning.
@@ -92,6 +96,7 @@ struct WatchedStep {
   double supplied = 0;     // by gravity, motors and forces [J]
   double driven = 0;       // by motors [J]
   Real speed = 0;          // along x [m/s]
+  double up = 1;           // z of the body's upward vector
   double residual = 0;     // [m/s]
   Index step = 0, contact_count = 0, iterations = 0, flags = 0;
 };
@@ -133,9 +138,11 @@ GONOGO_HD inline bool is_immobile(const MonitorPlan& p, const MonitorState& m, V
   return m.now.x - then.x < p.immobile_travel;
 }
 
-GONOGO_HD inline StopCause stop_cause(const MonitorPlan& p, const MonitorState& m, View<const MonitorSample> sample) {
+GONOGO_HD inline StopCause stop_cause(const MonitorPlan& p, const MonitorState& m, double up,
+                                      View<const MonitorSample> sample) {
   if (m.now.flags != 0) return StopCause::flags;
   if (m.now.step < p.start) return StopCause::none;
+  if (up < p.least_up) return StopCause::overturned;
   if (m.now.x < -p.slid_back) return StopCause::slid_back;
   if (m.now.step >= p.earliest && m.now.x >= p.distance) return StopCause::distance;
   if (m.now.step >= p.earliest && is_immobile(p, m, sample)) return StopCause::immobile;

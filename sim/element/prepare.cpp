@@ -73,6 +73,69 @@ void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) 
     refuse.unless(is_positive(c.top_speed), "needs a top speed above zero");
 }
 
+/// Motors of a driveline, each of which nobody else may set.
+std::vector<Index> motors_of(const Driveline& d) {
+  std::vector<Index> motors;
+  for (Index a = 0; a < d.axle_count; ++a)
+    for (const Index m : {d.axle[a].wheel[0], d.axle[a].wheel[1], d.axle[a].lock})
+      if (m >= 0) motors.push_back(m);
+  for (Index b = 0; b < d.brake_count; ++b) motors.push_back(d.brake[b].motor);
+  return motors;
+}
+
+void check_tables(const Driveline& d, const Refusal& refuse) {
+  constexpr double most = 1e9;
+  check_table(d.torque, "torque", -most, most, refuse);
+  check_table(d.throttle, "throttle", 0, 1, refuse);
+  check_table(d.braking, "braking", 0, 1, refuse);
+  if (!d.speed.empty()) check_table(d.speed, "speed", -most, most, refuse);
+  if (d.coupling != Coupling::converter) return;
+  check_table(d.torque_ratio, "torque ratio", 0, 10, refuse);
+  check_table(d.capacity, "capacity", 0, most, refuse);
+}
+
+void check_axles(const Driveline& d, const Refusal& refuse) {
+  double share = 0;
+  for (Index a = 0; a < d.axle_count; ++a) {
+    const DrivenAxle& axle = d.axle[a];
+    refuse.unless(axle.wheel[0] >= 0, "has an axle without a wheel");
+    refuse.unless(axle.lock < 0 || axle.wheel[1] >= 0, "has a differential between one wheel and none");
+    refuse.unless(axle.bias >= 1 && std::isfinite(axle.bias), "has a torque bias below 1");
+    refuse.unless(is_not_negative(axle.share) && is_not_negative(axle.lock_torque),
+                  "has an axle whose share or locking torque is below zero");
+    share += axle.share;
+  }
+  refuse.unless(std::fabs(share - 1) < 1e-6,
+                "gives its axles shares that add up to " + std::to_string(share) + "; they must add up to 1");
+}
+
+void check(const SceneWorld& world, const Driveline& d, const Refusal& refuse) {
+  refuse.unless(d.axle_count >= 1 && d.axle_count <= kMostDrivenAxles,
+                "has " + std::to_string(d.axle_count) + " axles; allowed are 1 to " + std::to_string(kMostDrivenAxles));
+  refuse.unless(d.gear_count >= 1 && d.gear_count <= kMostGears && d.first_gear >= 0 && d.first_gear < d.gear_count,
+                "has " + std::to_string(d.gear_count) + " gears; allowed are 1 to " + std::to_string(kMostGears) +
+                    ", the first one among them");
+  refuse.unless(d.brake_count >= 0 && d.brake_count <= kMostBrakes,
+                "has " + std::to_string(d.brake_count) + " brakes; the most is " + std::to_string(kMostBrakes));
+  for (Index g = 0; g < d.gear_count; ++g)
+    refuse.unless(is_positive(d.ratio[g]) && (g == 0 || d.ratio[g] < d.ratio[g - 1]),
+                  "has gears whose ratios do not fall from above zero");
+  check_axles(d, refuse);
+  check_tables(d, refuse);
+  refuse.unless(d.coupling == Coupling::direct || (is_positive(d.engine_inertia) && is_not_negative(d.idle_speed)),
+                "has a converter or clutch and needs an engine inertia above zero");
+  refuse.unless(d.efficiency > 0 && d.efficiency <= 1, "has an efficiency that is not between 0 and 1");
+  refuse.unless(exists(world, d.body),
+                "follows body " + std::to_string(d.body) + ", not one of the " + bodies_of(world));
+  for (const Index m : motors_of(d)) {
+    refuse.unless(m >= 0 && m < Index(world.motor.size()), "drives motor " + std::to_string(m) + ", not one of the " +
+                                                               std::to_string(world.motor.size()) +
+                                                               " motors of the world");
+    refuse.unless(world.motor[m].kind == MotorKind::speed,
+                  "drives motor " + std::to_string(m) + ", a torque motor; drivelines drive speed motors");
+  }
+}
+
 void check(const SceneWorld& world, const Monitor& m, double step, const Refusal& refuse) {
   refuse.unless(exists(world, m.body),
                 "watches body " + std::to_string(m.body) + ", not one of the " + bodies_of(world));
@@ -121,7 +184,19 @@ ControllerPlan plan(const Controller& c, FlatElements& flat) {
   return p;
 }
 
-MonitorPlan plan(const Monitor& m, double step) {
+DrivelinePlan plan(const Driveline& d, FlatElements& flat) {
+  DrivelinePlan p;
+  static_cast<DrivelineNumbers&>(p) = d;
+  p.torque = append_table(d.torque, flat);
+  p.torque_ratio = append_table(d.torque_ratio, flat);
+  p.capacity = append_table(d.capacity, flat);
+  p.throttle = append_table(d.throttle, flat);
+  p.braking = append_table(d.braking, flat);
+  p.speed = append_table(d.speed, flat);
+  return p;
+}
+
+MonitorPlan plan(const SceneWorld& world, const Monitor& m, double step) {
   const auto steps = [&](double time) { return Index(std::lround(std::min(time / step, 2e9))); };
   MonitorPlan p;
   p.body = m.body;
@@ -134,6 +209,8 @@ MonitorPlan plan(const Monitor& m, double step) {
   p.height = m.height;
   p.distance = m.distance;
   p.slid_back = m.slid_back;
+  p.up_B = rotate_back(world.body[m.body].orientation, m.up);
+  p.least_up = m.least_up;
   if (m.immobile_window > 0) {
     p.immobile_samples = std::max<Index>(1, steps(m.immobile_window / m.stride));
     p.immobile_from = steps(m.start + m.immobile_from + m.immobile_window);
@@ -173,6 +250,14 @@ void check_elements(const SceneWorld& world, std::size_t w, const StepSettings& 
     refuse.unless(!driven[c.motor], "drives motor " + std::to_string(c.motor) + ", which has a controller already");
     driven[c.motor] = true;
   }
+  for (std::size_t i = 0; i < world.driveline.size(); ++i) {
+    const Refusal refuse(w, "driveline", i);
+    check(world, world.driveline[i], refuse);
+    for (const Index m : motors_of(world.driveline[i])) {
+      refuse.unless(!driven[m], "drives motor " + std::to_string(m) + ", which is driven already");
+      driven[m] = true;
+    }
+  }
   for (std::size_t i = 0; i < world.monitor.size(); ++i)
     check(world, world.monitor[i], settings.step, {w, "monitor", i});
 }
@@ -181,9 +266,13 @@ FlatElements flat_elements(const SceneWorld& world, const StepSettings& settings
   FlatElements flat;
   flatten_forces(world, flat);
   for (const Controller& c : world.controller) flat.controller.push_back(plan(c, flat));
+  for (const Driveline& d : world.driveline) {
+    flat.driveline.push_back(plan(d, flat));
+    flat.driveline_state.push_back({0, d.idle_speed, 0, double(d.first_gear)});
+  }
   ElementSize next;
   for (const Monitor& m : world.monitor) {
-    flat.monitor.push_back(plan(m, settings.step));
+    flat.monitor.push_back(plan(world, m, settings.step));
     flat.monitor.back().first_sample = next.samples;
     next = after(next, {0, 0, 0, 0, 1, flat.monitor.back().capacity});
     MonitorState start;

@@ -52,6 +52,7 @@ struct UpdateMonitors {
   View<const MotorDrive> drive;
   View<const Real> motor_impulse;
   View<const Vec3d> position;
+  View<const Quat> orientation;
   View<const Velocity> velocity;
   View<const MonitorPlan> monitor;
   View<const Index> steps;  // [world] taken before this one
@@ -66,10 +67,11 @@ struct UpdateMonitors {
     StopCause cause = StopCause::none;
     const WorldElements& of = element[w];
     for (Index i = of.first_monitor; i < of.monitor_end; ++i) {
-      add_step(state[i], watched(i, w, of_world), step);
+      const WatchedStep now = watched(i, w, of_world);
+      add_step(state[i], now, step);
       record(monitor[i], state[i]);
       if (cause != StopCause::none) continue;
-      cause = stop_cause(monitor[i], state[i], sample);
+      cause = stop_cause(monitor[i], state[i], now.up, sample);
       if (cause != StopCause::none) stop[w] = {cause, i - of.first_monitor, of_world.step};
     }
   }
@@ -94,6 +96,7 @@ struct UpdateMonitors {
     s.moved = nearest_image(moved, world[w].period);
     s.drop = p.height - x.z;
     s.speed = velocity[p.body].linear.x;
+    s.up = rotate(orientation[p.body], p.up_B).z;
     if (p.motor >= 0) {
       s.motor_speed = motor_speed(motor[p.motor], drive[p.motor].axis_W, velocity);
       s.torque = double(motor_impulse[p.motor]) / substep;
@@ -130,10 +133,11 @@ void update_monitors(Exec exec, State<Exec>& s, const StepSettings& settings) {
                                 m.motor_impulse.view(), m.spring.view(),      e.loaded.view(),   e.applied.view(),
                                 s.position.view(),      s.orientation.view(), s.velocity.view(), e.energy.view(),
                                 settings.substep()};
-  const UpdateMonitors monitors{
-      e.world.view(), s.world.view(),         s.world_sums.view(), e.energy.view(),   s.flags.view(),    m.motor.view(),
-      m.drive.view(), m.motor_impulse.view(), s.position.view(),   s.velocity.view(), e.monitor.view(),  s.steps.view(),
-      e.stop.view(),  e.monitor_state.view(), e.sample.view(),     settings.step,     settings.substep()};
+  const UpdateMonitors monitors{e.world.view(),    s.world.view(),       s.world_sums.view(),    e.energy.view(),
+                                s.flags.view(),    m.motor.view(),       m.drive.view(),         m.motor_impulse.view(),
+                                s.position.view(), s.orientation.view(), s.velocity.view(),      e.monitor.view(),
+                                s.steps.view(),    e.stop.view(),        e.monitor_state.view(), e.sample.view(),
+                                settings.step,     settings.substep()};
   for_each_index(exec, s.world_count, FinishStep{measure, monitors});
 }
 

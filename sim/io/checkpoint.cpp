@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kGroup = "snapshot";
 constexpr const char* kFormat = "gonogo snapshot";
-constexpr std::int64_t kVersion = 2;
+constexpr std::int64_t kVersion = 3;
 
 /// Concatenated bytes of numbers, and of records that consist of numbers of one size.
 class Bytes {
@@ -34,12 +34,12 @@ class Bytes {
 
 // A record that grows must grow here too.
 static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 40 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
-                  sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 184 &&
-                  sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
-                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
-                  sizeof(SceneWorld) == 720,
+                  sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 376 &&
+                  sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
+                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 112 &&
+                  sizeof(Driveline) == 656 && sizeof(SceneWorld) == 744,
               "list the new fields in scene_hash");
-static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 824,
+static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 848,
               "store the new fields, load them and raise kVersion");
 
 void add(Bytes& b, const PairLaw& l) {
@@ -73,7 +73,7 @@ void add(Bytes& b, const ForceElement& f) {
 }
 void add(Bytes& b, const Monitor& m) {
   b << m.body << m.motor << m.height << m.start << m.stride << m.time_limit << m.earliest << m.distance << m.slid_back
-    << m.immobile_window << m.immobile_from << m.immobile_speed;
+    << m.immobile_window << m.immobile_from << m.immobile_speed << m.up << m.least_up;
 }
 
 template <class T>
@@ -87,6 +87,17 @@ void add(Bytes& b, const Controller& c) {
   add_all(b, c.command);
   add_all(b, c.limit);
   b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed;
+}
+
+void add(Bytes& b, const Driveline& d) {
+  b << d.coupling << d.axle_count << d.gear_count << d.brake_count;
+  for (const DrivenAxle& a : d.axle) b << a.wheel[0] << a.wheel[1] << a.lock << a.share << a.bias << a.lock_torque;
+  for (const double ratio : d.ratio) b << ratio;
+  for (const Brake& brake : d.brake) b << brake.motor << brake.torque;
+  b << d.first_gear << d.up_speed << d.down_speed << d.shift_time << d.efficiency << d.wheel_inertia << d.engine_inertia
+    << d.idle_speed << d.clutch_torque << d.engaged_speed << d.body << d.axis_B << d.proportional << d.integral;
+  for (const auto* table : {&d.torque, &d.torque_ratio, &d.capacity, &d.throttle, &d.braking, &d.speed})
+    add_all(b, *table);
 }
 
 void add(Bytes& b, const std::shared_ptr<const TriangleMesh>& m) {
@@ -112,6 +123,7 @@ void add(Bytes& b, const SceneWorld& w) {
   add_all(b, w.motor);
   add_all(b, w.force);
   add_all(b, w.controller);
+  add_all(b, w.driveline);
   add_all(b, w.monitor);
   add_all(b, w.mesh);
   add_all(b, w.heightfield);
@@ -205,6 +217,7 @@ void exchange_arrays(Io& io, Snap& s) {
   io.template rows<float>("impulse", s.impulse);
   io.template rows<float>("motor_impulse", s.motor_impulse);
   io.template rows<double>("controller", s.element.controller);
+  io.template rows<double>("driveline", s.element.driveline);
 }
 
 /// Records of mixed numbers, byte by byte.

@@ -55,7 +55,7 @@ GONOGO_HD inline Index row_count(JointType type) {
 /// from b's side to a's side, in (-pi, pi].
 enum class SpringKind : std::int32_t { linear, axial, torsional };
 
-inline constexpr int kMostTablePoints = 8;
+inline constexpr int kMostTablePoints = 32;  // a nonlinear spring and its stops
 
 /// Force over stretch, linear between the points and beyond the ends; stretches ascend, forces never fall.
 struct ForceTable {

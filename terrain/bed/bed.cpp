@@ -190,4 +190,19 @@ Packing shifted(const Packing& packing, std::uint64_t seed) {
   return result;
 }
 
+Packing tiled(const Packing& tile, int nx, int ny) {
+  if (nx < 1 || ny < 1) throw InputError("a bed needs at least one tile along and across");
+  Packing bed = tile;
+  bed.spec.length *= nx, bed.spec.width *= ny;
+  bed.grain.clear(), bed.base.clear();
+  const auto copy = [&](const std::vector<Grain>& from, std::vector<Grain>& to) {
+    for (int i = 0; i < nx; ++i)
+      for (int j = 0; j < ny; ++j)
+        for (const Grain& g : from)
+          to.push_back({g.position + Vec3d{i * tile.spec.length, j * tile.spec.width, 0}, g.radius});
+  };
+  copy(tile.grain, bed.grain), copy(tile.base, bed.base);
+  return bed;
+}
+
 }  // namespace gonogo::terrain

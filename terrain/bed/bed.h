@@ -61,6 +61,9 @@ Packing read_packing(const std::filesystem::path& path);
 /// The same bed as seen after a shift along the periodic axes and an optional mirror image in y: a free variation.
 Packing shifted(const Packing& packing, std::uint64_t seed);
 
+/// `nx` by `ny` copies of a periodic tile side by side: one larger periodic bed.
+Packing tiled(const Packing& tile, int nx, int ny);
+
 /// A world with this bed: bodies 0..n-1 are the grains in the packing's order, body n is the base. `headroom` is left
 /// free above the surface [m].
 sim::SceneWorld bed_world(const Packing& packing, const BedLaws& laws, double headroom);

@@ -46,12 +46,6 @@ VectorX tree_position(const VehicleTree& v, const std::vector<Vector3>& centre,
   return q;
 }
 
-/// The engine's springs have no stops.
-Vehicle without_stops(Vehicle v) {
-  for (Suspension& s : v.suspension) s.spring.stop = {};
-  return v;
-}
-
 struct Model {
   Vehicle vehicle;
   Assembly assembly;
@@ -59,7 +53,7 @@ struct Model {
   std::vector<Vector3> centre;  // of mass, in the bodies' frames
 
   explicit Model(const std::string& name)
-      : vehicle(without_stops(shipped_vehicle(name))), assembly(assemble(vehicle)), reduced(vehicle_tree(assembly)) {
+      : vehicle(shipped_vehicle(name)), assembly(assemble(vehicle)), reduced(vehicle_tree(assembly)) {
     for (std::size_t i = 0; i < assembly.body.size(); ++i)
       centre.push_back(reduced.local(int(i), assembly.body[i].centre));
   }

@@ -24,14 +24,28 @@ sim::BodyIndex add_part(sim::SceneWorld& world, const Part& p, const Vec3d& orig
   return world.add_body(state, sim::solid(Real(p.mass), {Real(moment(0)), Real(moment(1)), Real(moment(2))}));
 }
 
-/// Pull of a spring over its stretch beyond `free`: the points of its table around the length it has now.
+/// Lengths at which a spring's push has a corner, those of its stops included: outside of the stops' tables nothing is
+/// known but that the stop goes on.
+std::vector<double> corners(const Spring& s) {
+  std::vector<double> at = s.force.at;
+  if (!s.stop.empty()) {
+    const double reach = s.stop.at.back();
+    std::erase_if(at, [&](double x) { return x < s.shortest - reach || x > s.longest + reach; });
+    for (const double pressed : s.stop.at) at.insert(at.end(), {s.shortest - pressed, s.longest + pressed});
+  }
+  std::sort(at.begin(), at.end());
+  at.erase(std::unique(at.begin(), at.end(), [](double a, double b) { return b - a < 1e-6; }), at.end());
+  return at;
+}
+
+/// Pull of a spring over its stretch beyond `free`: all corners of its push, or those around the length it has now.
 sim::ForceTable stretch_table(const Spring& s, double now, double free) {
-  const auto& at = s.force.at;
+  const std::vector<double> at = corners(s);
   const int count = std::min<int>(int(at.size()), sim::kMostTablePoints);
   const int above = int(std::upper_bound(at.begin(), at.end(), now) - at.begin());
   const int first = std::clamp(above - count / 2, 0, int(at.size()) - count);
   std::vector<std::pair<double, double>> points;
-  for (int i = first; i < first + count; ++i) points.emplace_back(at[i] - free, -s.force.value[i]);
+  for (int i = first; i < first + count; ++i) points.emplace_back(at[i] - free, -s.push(at[i]));
   return sim::force_table(points);
 }
 

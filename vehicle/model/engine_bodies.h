@@ -14,8 +14,8 @@ struct EngineBodies {
 /// A body's axes become the principal axes of its inertia.
 EngineBodies add_bodies(sim::SceneWorld& world, const Assembly& assembly, const Vec3d& origin);
 
-/// Adds the struts as springs of the engine: of a spring the table's points next to the design length, as many as the
-/// engine takes; of a damper its slope at rest, the mean of compression and rebound.
+/// Adds the struts as springs of the engine: of a spring its table and its stops, where they have more points than the
+/// engine takes those next to the design length; of a damper its slope at rest, the mean of compression and rebound.
 void add_struts(sim::SceneWorld& world, const Assembly& assembly, const EngineBodies& bodies, const Vec3d& origin);
 
 }  // namespace gonogo::vehicle

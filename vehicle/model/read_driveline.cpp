@@ -37,6 +37,17 @@ void read_road_wheels(const Config& c, Track& t) {
   c.finish();
 }
 
+void read_shifts(const Config& c, Driveline& d) {
+  d.engine_inertia = c.number_or("engine_inertia_kg_m2", 0, {0, 1e4});
+  d.idle_speed = c.number_or("idle_rad_s", 0, {0, 1e4});
+  if ((d.clutch_torque > 0 || !d.converter_capacity.empty()) && !(d.engine_inertia > 0))
+    c.fail("engine_inertia_kg_m2", "missing; an engine before a clutch or converter needs it");
+  if (!c.has("upshift_rad_s")) return;
+  d.up_speed = c.number("upshift_rad_s", {1e-3, 1e4});
+  d.down_speed = c.number("downshift_rad_s", {0, d.up_speed});
+  d.shift_time = c.number_or("shift_time_s", 0.5, {0, 100});
+}
+
 void read_engine(const Config& c, Driveline& d) {
   const Config engine = c.object("engine");
   d.engine = read_curve(engine, "speed_rad_s", "torque_N_m");
@@ -44,8 +55,17 @@ void read_engine(const Config& c, Driveline& d) {
   engine.finish();
   if (const auto converter = c.object_if("torque_converter")) {
     d.converter = read_curve(*converter, "speed_ratio", "torque_ratio", {0, 10});
+    if (converter->has("capacity_N_m_s2"))
+      d.converter_capacity = read_curve(*converter, "speed_ratio", "capacity_N_m_s2", {0, 1e3});
     converter->finish();
   }
+  if (const auto clutch = c.object_if("clutch")) {
+    d.clutch_torque = clutch->number("torque_N_m", {1e-3, 1e6});
+    d.engaged_speed = clutch->number("engaged_at_rad_s", {1e-3, 1e4});
+    clutch->finish();
+    if (!d.converter.empty()) c.fail("clutch", "there is a torque converter too; give one of them");
+  }
+  read_shifts(c, d);
   d.gears = c.numbers("gears_output_per_input", {1e-3, 100});
   if (d.gears.empty()) c.fail("gears_output_per_input", "needs at least one gear");
   d.reverse = c.number_or("reverse_output_per_input", 0, {0, 100});

@@ -117,8 +117,15 @@ struct Driveline {
   bool wheel_motors = false;
   Curve engine;               // full-throttle torque [N m] over engine speed [rad/s]; of a wheel motor over wheel speed
   double cut_speed = 0;       // engine's limit [rad/s]
-  Curve converter;            // torque ratio over speed ratio; empty: clutch
-  std::vector<double> gears;  // output over input speed
+  Curve converter;            // torque ratio over speed ratio; empty: none
+  Curve converter_capacity;   // input torque over the engine's speed squared [N m s^2] over speed ratio; empty: unknown
+  double clutch_torque = 0;   // of a dry clutch [N m]; 0: none
+  double engaged_speed = 0;   // engine speed at which the clutch is closed; open at the idle speed [rad/s]
+  double engine_inertia = 0;  // [kg m^2]
+  double idle_speed = 0;      // [rad/s]
+  double up_speed = 0, down_speed = 0;  // engine speeds at which it shifts [rad/s]; 0: never
+  double shift_time = 0;                // between two shifts at least [s]
+  std::vector<double> gears;            // output over input speed
   double reverse = 0, final_drive = 1;
   double efficiency = 1;
   Differential centre = Differential::open;

@@ -1,0 +1,32 @@
+#include "terrain/bed/moving_patch.h"
+
+#include <cmath>
+
+#include "base/error.h"
+
+namespace gonogo::terrain {
+
+void check_patch(const MovingPatch& patch, double grain_diameter) {
+  const double slab = patch.length - 2 * patch.reach;
+  if (!(slab >= 4 * grain_diameter))
+    throw InputError("a bed of " + std::to_string(patch.length) +
+                     " m is too short for a moving patch: the vehicle needs " + std::to_string(2 * patch.reach) +
+                     " m and a slab of four grains; make the bed longer");
+}
+
+std::vector<sim::BodyIndex> virgin_grains(const MovingPatch& patch, const std::vector<Vec3d>& start, double x) {
+  std::vector<sim::BodyIndex> virgin;
+  for (std::size_t i = 0; i < start.size(); ++i)
+    if (std::fabs(std::remainder(start[i].x - x, patch.length)) > patch.reach) virgin.push_back(sim::BodyIndex(i));
+  return virgin;
+}
+
+void renew_ground(sim::Simulation& simulation, sim::WorldIndex world, const MovingPatch& patch,
+                  const std::vector<Vec3d>& start, double x) {
+  const std::vector<sim::BodyIndex> virgin = virgin_grains(patch, start, x);
+  std::vector<sim::BodyState> states;
+  for (const sim::BodyIndex i : virgin) states.push_back({start[std::size_t(i)], {}, {}, {}});
+  simulation.set_bodies(world, virgin, states);
+}
+
+}  // namespace gonogo::terrain

@@ -1,0 +1,111 @@
+// Whole vehicles on granular beds through the same trial as the quarter vehicle, and trials on a moving patch.
+#include <cmath>
+#include <cstring>
+
+#include "pipeline/trial/batch.h"
+#include "tests/support/backends.h"
+#include "tests/support/catch.h"
+#include "tests/support/measure.h"
+#include "tests/support/short_trial.h"
+#include "tests/support/temporary_folder.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+using test::agrees;
+
+/// The HMMWV on grains far too coarse for a label, so that a test is short.
+TrialSetup coarse_hmmwv() {
+  const fs::path root = GONOGO_SOURCE_DIR;
+  TrialSetup s = vehicle_trial_setup(root / "configs/vehicles/hmmwv.json", root / "configs/soils/calibration_90mm.json",
+                                     fs::temp_directory_path() / "gonogo-test-beds");
+  s.calibration.grain_diameter = 0.2;
+  s.bed_length = 2.2, s.bed_width = 1.6;
+  s.tiles_along = 4, s.tiles_across = 2;
+  s.bed_settle_time = 0.05;
+  s.park_time = 0.3;
+  s.ramp_time = 0.2;
+  s.minimum_drive_time = 0.2;
+  s.run_in_distance = 0.1;
+  s.test_distance = 0.4;
+  s.time_limit = 1.2;
+  s.numerics.step = 4e-3;
+  s.numerics.iterations = 100;
+  s.thresholds.energy_error = 0.5;  // of the work of so short a run
+  return s;
+}
+
+double measure(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
+
+bool same(const TrialRecord& a, const TrialRecord& b) {
+  return a.verdict == b.verdict && a.reason == b.reason &&
+         std::memcmp(a.measures.data(), b.measures.data(), a.measures.size() * sizeof(double)) == 0;
+}
+
+/// A quarter vehicle on a moving patch.
+TrialSetup moving_rig() {
+  TrialSetup s = short_setup(0.5);
+  s.bed_length = 3;
+  s.moving_patch = true;
+  return s;
+}
+
+}  // namespace
+
+TEST_CASE("a HMMWV drives over a bed of tiles, and each of its wheels has its record") {
+  const TrialSetup setup = coarse_hmmwv();
+  const DesignPoint p = design_point(0, 36, 0.4);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialRecord r = run_trial(setup, p);
+  INFO(contract().info(r.reason).name);
+  CHECK(r.verdict != Verdict::unknown);
+  REQUIRE(r.wheels.size() == 4);
+  CHECK(r.wheels[0].name == "front left");
+  double torque = 0;
+  for (const WheelRecord& w : r.wheels) {
+    CHECK(std::isfinite(w.slip));
+    CHECK(std::fabs(w.sinkage) < 0.3);
+    torque += w.torque / 4;
+  }
+  CHECK(agrees("mean torque of the wheels [N m]", measure(r, "mean_torque"), torque, 1e-6 * std::fabs(torque)));
+  CHECK(measure(r, "distance") > 0);
+  CHECK(grains_per_tyre(setup) < kGrainsPerTyre);
+}
+
+TEST_CASE("on a moving patch a trial has the same bits alone, in company, and cut off and gone on") {
+  const TemporaryFolder folder;
+  const TrialSetup setup = moving_rig();
+  std::vector<DesignPoint> points{design_point(0, 34, 0.2), design_point(20, 22, 0.2)};
+  points[1].index = 1;
+  prepare_trials(setup, points, 1);
+  for (const sim::Backend backend : test::backends()) {
+    const auto all = [&](int places) {
+      TrialBatch batch(setup, {backend, places, 1});
+      std::vector<TrialRecord> records;
+      std::size_t next = 0;
+      while (records.size() < points.size()) {
+        for (; batch.free_places() > 0 && next < points.size(); ++next) batch.start(points[next]);
+        for (TrialRecord& r : batch.advance()) records.push_back(std::move(r));
+      }
+      if (records[0].point.index != 0) std::swap(records[0], records[1]);
+      return records;
+    };
+    const auto alone = all(1), together = all(2);
+    for (int i = 0; i < 2; ++i) CHECK(same(alone[std::size_t(i)], together[std::size_t(i)]));
+    const TrialCheckpoint saved{folder / "trial.h5", 0, false};
+    fs::remove(saved.path);
+    {
+      TrialBatch batch(setup, {backend, 1, 1});
+      batch.start(points[0], {}, saved);
+      for (int k = 0; k < 9; ++k) REQUIRE(batch.advance().empty());
+    }
+    TrialBatch batch(setup, {backend, 1, 1});
+    batch.start(points[0], {}, saved);
+    std::vector<TrialRecord> ended;
+    while (ended.empty()) ended = batch.advance();
+    CHECK(same(ended.front(), alone[0]));
+  }
+}
+
+}  // namespace gonogo::pipeline

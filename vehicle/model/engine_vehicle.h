@@ -1,0 +1,42 @@
+// A whole vehicle in a world of the contact engine: bodies, joints, struts, wheels, and what drives and brakes them.
+#pragma once
+#include "vehicle/model/engine_bodies.h"
+
+namespace gonogo::vehicle {
+
+/// What the driver is told; times in the world's time.
+struct DriverOrders {
+  double release = 0;        // the brakes are on until then [s]
+  double throttle_ramp = 0;  // of the throttle, or of the commanded speed, from zero on [s]
+  double speed = 0;          // to hold [m/s]; 0: full throttle
+  double brake_from = 1e9;   // throttle off and brakes fully on from then [s]
+  int gear = 0;              // to stay in, 1 the lowest; 0: shifts by itself from the lowest one on
+};
+
+struct EngineVehicle {
+  std::vector<Station> station;
+  EngineBodies bodies;
+  std::vector<sim::BodyIndex> wheel;  // [station]
+  std::vector<Index> drive_motor;     // [station] of the wheel against what carries it, -1: not driven
+  std::vector<Index> brake_motor;     // [station] -1: none
+  sim::BodyIndex chassis = 0;
+};
+
+/// The same vehicle with a payload in the chassis's centre of mass [kg].
+Vehicle loaded(Vehicle v, double payload);
+
+/// Height of the vehicle's origin over flat ground when its wheels, lugs included, just touch [m].
+double standing_height(const Vehicle& v);
+
+/// Adds the vehicle in its design position, origin at `origin`, axes along the world's. Throws InputError for tracks,
+/// which have no belt in the engine. `v` must outlive the result.
+EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d& origin, int tool_material);
+
+/// Adds drivelines or controllers, brakes and differentials. Throws InputError for what the engine cannot drive: a
+/// converter without capacity, a centre differential that locks between axles with open ones.
+void add_drive(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const DriverOrders& orders);
+
+/// Moments of inertia about the axle of everything that turns with the driven wheels [kg m^2].
+double driven_wheel_inertia(const Vehicle& v);
+
+}  // namespace gonogo::vehicle
