@@ -83,15 +83,18 @@ std::vector<double> Predictor::outcome_probabilities(std::span<const double> var
   return marginal(variables).probability;
 }
 
-learning::PosteriorAnswer Predictor::marginal(std::span<const double> variables) const {
+learning::PosteriorAnswer Predictor::marginal(std::span<const double> variables,
+                                              const learning::MarginalOptions& options) const {
   if (variables.size() != model_->layout.variable_count())
     throw InputError("predictor: " + std::to_string(variables.size()) + " variables given, " +
                      std::to_string(model_->layout.variable_count()) + " needed");
-  return posterior_.marginal(variables);
+  return posterior_.marginal(variables, options);
 }
 
-double Predictor::p_go(std::span<const double> variables) const {
-  const std::vector<double> p = outcome_probabilities(variables);
+double Predictor::p_go(std::span<const double> variables) const { return p_go(variables, {}); }
+
+double Predictor::p_go(std::span<const double> variables, const learning::MarginalOptions& options) const {
+  const std::vector<double> p = marginal(variables, options).probability;
   double sum = 0;
   for (std::size_t y = 0; y < p.size(); ++y) sum += go_weight_[y] * p[y];
   return sum;

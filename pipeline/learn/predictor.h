@@ -26,9 +26,11 @@ class Predictor {
   /// [contract().outcomes.size()], in that order; sums to 1.
   std::vector<double> outcome_probabilities(std::span<const double> variables) const;
   /// The same with its standard error, which is above 0 when so many variables are unknown that they had to be sampled.
-  learning::PosteriorAnswer marginal(std::span<const double> variables) const;
+  learning::PosteriorAnswer marginal(std::span<const double> variables,
+                                     const learning::MarginalOptions& options = {}) const;
   /// P(go or slow_go | a valid trial).
   double p_go(std::span<const double> variables) const;
+  double p_go(std::span<const double> variables, const learning::MarginalOptions& options) const;
 
   /// Many points at once, on all threads. points: [point_count x variable count], row by row; result: [point_count] and
   /// [point_count x outcome count].

@@ -6,6 +6,12 @@
 //   batch          trials of a minibatch                            learning_rate  of Adam
 //   weight_decay   strength of the Gaussian prior on weights [nat]  generative     share of the joint likelihood
 //   chains, sweeps persistent chains and their sweeps per update    folds          of the cross-validation
+//   optimizer      "adam" (default) or "sgd"                        momentum       of sgd
+//   final_learning_rate  share of the learning rate at the last epoch (default 1)
+//   discriminative share of the conditional likelihood (default 1)  centred        gradients in centred units (default
+//   no) negative       "persistent" (default), "contrastive", "tempering" or "trajectory": how the chains of the
+//   negative
+//                  phase start; the last two have "rungs" machines on a ladder
 //   bins           "range" (default) or "quantile"
 //   encoders       { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }, default: the contract's
 //

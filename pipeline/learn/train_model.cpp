@@ -9,6 +9,7 @@
 #include "base/version.h"
 #include "learning/model/model.h"
 #include "learning/rbm/logistic.h"
+#include "learning/rbm/network.h"
 #include "learning/rbm/train.h"
 #include "learning/sampler/sampler.h"
 #include "learning/score/score.h"
@@ -40,6 +41,7 @@ Json cross_validation_scores(const TrainingData& data, const learning::CrossVali
     forecasts.happened.push_back(passable[table.outcome[n]]);
   }
   forecasts.logistic = learning::cross_validate_logistic(table, forecasts.happened, fold, fold_count);
+  forecasts.network = learning::cross_validate_network(table, forecasts.happened, fold, fold_count);
   for (std::size_t n = 0; n < table.row_count(); ++n) {
     double go = 0.5, count = 1;  // half a trial of each kind: never exactly 0 or 1
     for (std::size_t other = 0; other < table.row_count(); ++other) {

@@ -1,6 +1,7 @@
 // From trials to a model file and back: training, prediction, and what is refused.
 #include <omp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -199,6 +200,31 @@ TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
   CHECK(scores.at("model").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
   CHECK(scores.at("model").at("brier").number() < scores.at("logistic_regression").at("brier").number() + 0.02);
   CHECK(scores.at("model").at("floor_brier_mean").number() > 0);
+  const Json& model = scores.at("model");
+  CHECK(model.at("brier_low").number() < model.at("brier").number());
+  CHECK(model.at("brier_high").number() > model.at("brier").number());
+  CHECK(model.at("calibration_slope").number() == Approx(1).margin(4 * model.at("calibration_slope_error").number()));
+  CHECK(scores.at("neural_network").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
+  const Json& rest = scores.at("model_minus_best");
+  CHECK(rest.at("brier").at("value").number() ==
+        Approx(model.at("brier").number() - scores.at(rest.at("baseline").string()).at("brier").number()));
+
+  // Nothing hidden: the scores on the same rows; all hidden: every forecaster knows the base rate at most.
+  const auto& curve = report.at("missing").items();
+  REQUIRE(curve.size() == 8);  // seven variables vary
+  const double hidden_all = curve.back().at("brier").at("model").number(),
+               base = curve.back().at("brier").at("base_rate").number();
+  CHECK(curve.front().at("brier").at("model").number() < 0.7 * base);
+  CHECK(hidden_all == Approx(base).margin(0.03));
+  for (std::size_t k = 0; k + 1 < curve.size(); ++k)
+    CHECK(curve[k].at("brier").at("model").number() < curve[k + 1].at("brier").at("model").number() + 0.02);
+  std::printf("%s", missing_text(report.at("missing")).c_str());
+
+  const auto files = write_evaluation(kFolder / "scores", report, scores);
+  CHECK(Json::read(files[0]).dump() == report.dump());
+  const std::string csv = read_file(files[1]);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 4 * 10);
+  for (const auto& file : files) CHECK(fs::file_size(file) > 100);
   refused([] { evaluate_model(model_file(), kFolder / "dataset.h5"); }, "trained on");
 }
 
