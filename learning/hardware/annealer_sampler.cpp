@@ -11,8 +11,9 @@ namespace {
 
 enum Stream : std::uint64_t { kGauge = 11, kDevice = 12, kBroken = 13, kThermometer = 14 };
 
-constexpr double kSecondScale = 0.75;  // of the two scales of a reading
-constexpr double kMostChange = 1.5;    // of the scale in one epoch
+constexpr double kSecondScale = 0.75;   // of the two scales of a reading
+constexpr double kWidestReading = 0.5;  // interval over estimate: less certain ones do not move the scale
+constexpr double kMostChange = 1.5;     // of the scale in one epoch
 
 std::size_t cut_to_ranges(Problem& problem, const CoefficientRanges& ranges) {
   std::size_t cut = 0;
@@ -124,7 +125,8 @@ void TemperatureControl::update(std::size_t epoch, const Problem& problem) {
     }
   }
   log_.push_back(reading);
-  if (!(wanted > 0) || !std::isfinite(wanted)) return;
+  // A machine without structure says nothing about the temperature of its rows.
+  if (!(wanted > 0) || !std::isfinite(wanted) || reading.high - reading.low > kWidestReading * reading.beta) return;
   sampler_.set_scale(std::clamp(wanted, scale / kMostChange, scale * kMostChange));
 }
 

@@ -35,7 +35,8 @@ std::vector<double> comparable(std::span<const double> point) {
 }
 
 /// Thousands of answers with many unknowns are asked for: sums stay short and chains few.
-constexpr learning::MarginalOptions kQuickMarginal = {.most_terms = 3000, .chains = 32, .sweeps = 100, .burn_in = 20};
+constexpr learning::MarginalOptions kQuickMarginal = {
+    .most_terms = 20'000, .chains = 32, .sweeps = 100, .burn_in = 20, .rungs = 1};
 
 /// Variables that trials had at more than one value.
 std::vector<std::size_t> varying(const learning::Model& model) {

@@ -118,6 +118,11 @@ std::string report_text(const Json& report) {
   text += line("\nsampler %s, %lld epochs; scores by %lld-fold cross-validation:\n",
                report.at("sampler").string().c_str(), static_cast<long long>(report.at("epochs").integer()),
                static_cast<long long>(report.at("cross_validation").at("folds").integer()));
+  if (report.at("stand_in").boolean())
+    text += "the sampler " + report.at("sampler_wanted").string() + " could not be used, " +
+            report.at("sampler").string() + " stood in: " + report.at("stand_in_reason").string() + "\n";
+  if (const double power = report.at("calibration_power").number(); power != 1)
+    text += line("probabilities are calibrated: raised to %.3f\n", power);
   return text + scores_text(report.at("cross_validation"));
 }
 

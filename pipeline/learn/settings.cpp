@@ -26,7 +26,11 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
     return std::size_t(section->integer_or(key, std::int64_t(fallback), {.minimum = least, .maximum = most}));
   };
   if (section->has("sampler"))
-    settings.sampler = section->choice("sampler", {"block_gibbs", "anneal", "tempering", "population", "exact"});
+    settings.sampler =
+        section->choice("sampler", {"block_gibbs", "anneal", "tempering", "population", "exact", "command"});
+  if (settings.sampler == "command") settings.command = section->texts("command");
+  if (section->has("stand_in"))
+    settings.stand_in = section->choice("stand_in", {"block_gibbs", "anneal", "tempering", "exact"});
   training.hidden = count("hidden", training.hidden, 1, 1024);
   training.epochs = count("epochs", training.epochs, 1, 1e6);
   training.batch = count("batch", training.batch, 1, 1e6);
@@ -50,6 +54,7 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
         section->choice("negative", {"persistent", "contrastive", "tempering", "trajectory"}));
   if (training.negative != learning::NegativePhaseKind::persistent && settings.sampler != "block_gibbs")
     section->fail("negative", "only persistent chains can come from the sampler " + settings.sampler);
+  settings.calibrate = section->boolean_or("calibrate", settings.calibrate);
   if (section->has("bins")) settings.quantile_bins = section->choice("bins", {"range", "quantile"}) == "quantile";
   if (const auto encoders = section->object_if("encoders")) settings.encoders = read_encoders(*encoders);
   section->finish();
@@ -76,6 +81,11 @@ Json to_json(const LearningSettings& settings) {
   json["chains"] = Json(std::uint64_t(training.chains));
   json["sweeps"] = Json(std::uint64_t(training.sweeps));
   json["folds"] = Json(std::uint64_t(settings.folds));
+  json["calibrate"] = settings.calibrate;
+  if (settings.sampler == "command") {
+    json["command"] = Json(settings.command);
+    json["stand_in"] = settings.stand_in;
+  }
   json["bins"] = settings.quantile_bins ? "quantile" : "range";
   for (const auto& [name, spec] : settings.encoders) {
     Json entry;
