@@ -66,7 +66,7 @@ ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSett
     simulation->advance(sample_every);
     const sim::StepReport report = simulation->report(0);
     if (report.flags != 0)
-      throw DeviceError("shear test: the simulation failed (flags " + std::to_string(report.flags) + ")");
+      throw DeviceError("shear test: the simulation failed: " + sim::description(report.fault, settings.step));
     worst = std::max(worst, report.rms_residual);
     if (k < first) continue;
     const Vec3d force = simulation->contact_force(0, plate);

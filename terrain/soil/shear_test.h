@@ -1,7 +1,7 @@
 // Virtual simple-shear test in a doubly periodic cell: a rough plate of glued grains, loaded from above, is dragged
 // across a settled packing at constant speed. Shear stress over normal stress gives the friction angle and cohesion.
 #pragma once
-#include "terrain/soil/bed.h"
+#include "terrain/bed/bed.h"
 
 namespace gonogo::terrain {
 
