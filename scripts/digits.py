@@ -34,6 +34,15 @@ def write_machine(path, rbm):
             file.write(" ".join(repr(float(x)) for x in values) + "\n")
 
 
+def shifted(rows, labels):
+    """The rows and their shifts by one pixel in four directions, as scikit-learn's RBM example does, training rows only."""
+    images = rows.reshape(-1, 8, 8)
+    padded = numpy.pad(images, ((0, 0), (1, 1), (1, 1)))
+    moves = [(1, 1), (0, 1), (2, 1), (1, 0), (1, 2)]
+    return (numpy.concatenate([padded[:, i:i + 8, j:j + 8] for i, j in moves]).reshape(-1, 64),
+            numpy.tile(labels, len(moves)))
+
+
 def best_bernoulli_rbm(train, hidden, epochs):
     """Of several learning rates, the one with the best pseudo-likelihood of a tenth of the rows, trained on the others."""
     fit, check = train_test_split(train, test_size=0.1, random_state=1)
@@ -52,6 +61,7 @@ def main():
     parser.add_argument("folder", help="where data and weights are put")
     parser.add_argument("--hidden", type=int, default=64)
     parser.add_argument("--epochs", type=int, default=200)
+    parser.add_argument("setting", nargs="*", help="of the hybrid machine: hidden=400 ...")
     arguments = parser.parse_args()
     digits = load_digits()
     pixels = (digits.data >= 8).astype(int)
@@ -67,7 +77,16 @@ def main():
     print("label accuracy of BernoulliRBM and logistic regression: %.4f" % features.score(rbm.transform(test), test_label))
     write_machine(path("sklearn.txt"), rbm)
     sys.stdout.flush()
-    return subprocess.call([arguments.program, path("train.txt"), path("test.txt"), path("sklearn.txt")])
+    run = lambda *rest: subprocess.run([arguments.program, *rest], check=True)
+    run("density", path("train.txt"), path("test.txt"), path("sklearn.txt"))
+    gray_train, gray_test, _, _ = train_test_split(digits.data, digits.target, test_size=0.2, random_state=0)
+    for name, levels in (("one bit a pixel", [8]), ("thermometer of three bits a pixel", [4, 8, 12])):
+        coded = lambda rows: numpy.concatenate([(rows >= level).astype(int) for level in levels], axis=1)
+        moved, moved_label = shifted(gray_train, train_label)
+        write_rows(path("train_labels.txt"), coded(moved), moved_label)
+        write_rows(path("test_labels.txt"), coded(gray_test), test_label)
+        run("labels", path("train_labels.txt"), path("test_labels.txt"), name, *arguments.setting)
+    return 0
 
 
 if __name__ == "__main__":

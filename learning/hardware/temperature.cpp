@@ -107,10 +107,10 @@ BetaEstimate pseudo_likelihood_beta(const Problem& problem, const SampleSet& row
     }
     return sum;
   };
+  if (*std::min_element(g.begin(), g.end()) >= 0) return {INFINITY, INFINITY, INFINITY};  // no spin would gain
   double low = -1, high = 1;
   while (total(low).score < 0 && low > -1e9) low *= 2;
   while (total(high).score > 0 && high < 1e9) high *= 2;
-  if (high >= 1e9) return {INFINITY, INFINITY, INFINITY};
   for (int step = 0; step < 200 && high - low > 1e-15 * std::abs(high); ++step) {
     const double middle = (low + high) / 2;
     (total(middle).score > 0 ? low : high) = middle;

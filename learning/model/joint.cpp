@@ -103,8 +103,8 @@ JointAnswer Posterior::joint_sum(const Question& asked) const {
   return finish(asked, std::move(answer));
 }
 
-/// One chain of replicas with what is known clamped. A state is the bins of the unknown variables and the outcome; the
-/// hidden units couple to it with strength beta and are summed out in exchanges.
+/// One chain of replicas at inverse temperatures 0 ... 1 with what is known clamped. A state is the bins of the unknown
+/// variables and the outcome; hidden units are summed out in exchanges.
 class Posterior::TemperedChain {
  public:
   TemperedChain(const Posterior& posterior, const Question& asked, const MarginalOptions& options, std::size_t chain)
@@ -150,7 +150,8 @@ class Posterior::TemperedChain {
     const auto draw_from = [&](std::vector<double>& p, std::span<const double> bias, std::span<const double> weight) {
       p.assign(bias.begin(), bias.end());
       for (std::size_t k = 0; k < p.size(); ++k)
-        for (std::size_t j = 0; j < hidden_; ++j) p[k] += strength * h[j] * weight[k * hidden_ + j];
+        for (std::size_t j = 0; j < hidden_; ++j) p[k] += h[j] * weight[k * hidden_ + j];
+      for (double& x : p) x *= strength;
       normalise(p);
       return draw(p, uniform());
     };
@@ -163,8 +164,10 @@ class Posterior::TemperedChain {
     state.outcome = draw_from(conditional.back(), posterior_.outcome_bias_, posterior_.outcome_weight_);
   }
 
-  double log_weight(const State& state, double strength) const {  // biases are the same on all rungs and cancel
-    double sum = 0;
+  double log_weight(const State& state, double strength) const {
+    double sum = strength * posterior_.outcome_bias_[state.outcome];
+    for (std::size_t k = 0; k < state.bin.size(); ++k)
+      sum += strength * posterior_.nodes_[asked_.unknown[k]].bias[state.bin[k]];
     for (double f : field_of(state)) sum += softplus(strength * f);
     return sum;
   }

@@ -23,8 +23,8 @@ struct PosteriorAnswer {
 
 struct MarginalOptions {
   std::size_t most_terms = 200'000;  // sum exactly up to this many combinations of code words of the unknown variables
-  // Beyond that: block Gibbs with what is known clamped, tempered by replicas whose hidden units couple with strength
-  // 0 ... 1 and that exchange states (1: no tempering).
+  // Beyond that: block Gibbs with what is known clamped, tempered by replicas at inverse temperatures 0 ... 1 that
+  // exchange states (one rung: no tempering).
   std::size_t chains = 64, sweeps = 400, burn_in = 50, rungs = 4;
   std::uint64_t seed = 1;
 };

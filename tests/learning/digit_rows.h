@@ -2,6 +2,8 @@
 #pragma once
 #include <algorithm>
 #include <fstream>
+#include <iterator>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -10,25 +12,26 @@
 
 namespace gonogo::learning {
 
-inline constexpr std::size_t kPixels = 64;
-
 struct Digits {
-  std::vector<double> pixels;  // [row x 64] of {0, 1}
+  std::size_t width = 0;       // bits of a row
+  std::vector<double> pixels;  // [row x width] of {0, 1}
   std::vector<std::size_t> label;
 };
 
+/// Lines of bits and a label.
 inline Digits read_digits(const std::string& path) {
   std::ifstream in(path);
   Digits digits;
-  std::vector<double> row(kPixels);
-  for (;;) {
-    for (double& x : row) in >> x;
-    std::size_t label;
-    if (!(in >> label)) break;
-    digits.pixels.insert(digits.pixels.end(), row.begin(), row.end());
-    digits.label.push_back(label);
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream cells(line);
+    std::vector<double> row{std::istream_iterator<double>(cells), std::istream_iterator<double>()};
+    if (row.size() < 2 || (digits.width > 0 && row.size() != digits.width + 1))
+      throw InputError(path + ": a line that is not bits and a label");
+    digits.width = row.size() - 1;
+    digits.label.push_back(std::size_t(row.back()));
+    digits.pixels.insert(digits.pixels.end(), row.begin(), row.end() - 1);
   }
-  if (digits.label.empty()) throw InputError(path + ": no rows of 64 pixels and a label");
+  if (digits.label.empty()) throw InputError(path + ": no rows of bits and a label");
   return digits;
 }
 
@@ -40,13 +43,13 @@ inline RbmWeights read_machine(const std::string& path) {
   RbmWeights machine = RbmWeights::zeros(visible, hidden);
   for (auto* part : {&machine.visible_bias, &machine.hidden_bias, &machine.weight})
     for (double& x : *part) in >> x;
-  if (!in || visible != kPixels) throw InputError(path + ": not a machine over 64 pixels");
+  if (!in) throw InputError(path + ": not a machine");
   return machine;
 }
 
-inline VisibleLayout pixel_layout(bool labels) {
+inline VisibleLayout pixel_layout(std::size_t width, bool labels) {
   std::vector<Encoder> encoders;
-  for (std::size_t i = 0; i < kPixels; ++i)
+  for (std::size_t i = 0; i < width; ++i)
     encoders.push_back(Encoder::by_range("pixel" + std::to_string(i), "-", Code::thermometer, 2, 0, 1));
   std::vector<std::string> outcomes;
   for (int y = 0; labels && y < 10; ++y) outcomes.push_back(std::to_string(y));
@@ -55,7 +58,7 @@ inline VisibleLayout pixel_layout(bool labels) {
 
 inline TrainingTable digit_table(const Digits& digits, bool labels) {
   TrainingTable table;
-  table.variable_count = kPixels;
+  table.variable_count = digits.width;
   for (double x : digits.pixels) table.variables.push_back(0.25 + 0.5 * x);
   for (std::size_t n = 0; n < digits.label.size(); ++n) {
     table.outcome.push_back(labels ? digits.label[n] : 0);
@@ -97,7 +100,7 @@ inline TrainingSettings hybrid_settings() {
 }
 
 inline double label_accuracy(const RbmWeights& machine, const Digits& digits) {
-  const Posterior posterior(pixel_layout(true), machine);
+  const Posterior posterior(pixel_layout(digits.width, true), machine);
   const TrainingTable table = digit_table(digits, true);
   std::vector<double> p(10);
   double right = 0;

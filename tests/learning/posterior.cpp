@@ -111,7 +111,8 @@ TEST_CASE("all unknown variables at once: enumeration of the machine, with and w
   CHECK(free.variables[2].probability.empty());
   for (std::size_t y = 0; y < 3; ++y)
     CHECK(free.outcome.probability[y] == Approx(brute_force(layout, machine, x)[y]).epsilon(1e-9));
-  CHECK(given.outcome.probability == std::vector<double>{0, 0, 1});
+  CHECK(given.outcome.probability[2] == Approx(1));
+  CHECK(given.outcome.probability[0] == 0);
 
   MarginalOptions sampled;
   sampled.most_terms = 1;

@@ -64,19 +64,20 @@ std::vector<std::string> names(std::size_t count) {
 /// Rows follow exp(-E / (offset + slope)), E the problem as programmed.
 class WarmDevice final : public Sampler {
  public:
-  WarmDevice(double offset, double slope) : offset_(offset), slope_(slope) {}
+  WarmDevice(double offset, double slope, std::size_t sweeps = 300) : offset_(offset), slope_(slope), sweeps_(sweeps) {}
   std::string name() const override { return "warm"; }
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override {
     SamplerSettings settings;
     settings.beta_end = 1 / (offset_ + slope_);
     settings.beta_start = 0.1;
     SampleRequest longer = request;
-    longer.sweeps = 300;
+    longer.sweeps = sweeps_;
     return make_sampler("anneal", settings)->sample(problem, longer);
   }
 
  private:
   double offset_, slope_;
+  std::size_t sweeps_;
 };
 
 class Unreachable final : public Sampler {
@@ -157,14 +158,15 @@ TEST_CASE("rows through chains and gauges have the moments of the problem itself
   const Problem problem = to_qubo(random_machine(8, 4, 1.0, 6), names(8));
   AnnealerSettings settings;
   settings.scale = 0.25;
+  settings.chain_coupling = 0.75;
   settings.ranges.h_low = -4, settings.ranges.h_high = 4;
-  AnnealerSampler sampler(std::make_shared<WarmDevice>(0, 0.25), graph_named("chimera:3"), 8, 4, settings);
-  const SampleSet rows = sampler.sample(problem, {.reads = 4000, .seed = 3, .sweeps = 300});
+  AnnealerSampler sampler(std::make_shared<WarmDevice>(0, 0.25, 4000), graph_named("chimera:3"), 8, 4, settings);
+  const SampleSet rows = sampler.sample(problem, {.reads = 1500, .seed = 3});
   const ExactMoments exact = exact_moments(problem);
   for (std::size_t i = 0; i < problem.variable_count(); ++i) {
     double mean = 0;
-    for (std::size_t r = 0; r < rows.row_count(); ++r) mean += rows.row(r)[i] / 4000.0;
-    CHECK(mean == Approx(exact.mean[i]).margin(0.05));
+    for (std::size_t r = 0; r < rows.row_count(); ++r) mean += rows.row(r)[i] / 1500.0;
+    CHECK(mean == Approx(exact.mean[i]).margin(0.06));
   }
   CHECK(rows.info.at("cut_coefficients").integer() == 0);
   refused([&] { sampler.sample(toy_ising(), {}); }, "12 variables");
