@@ -13,6 +13,7 @@ enum Stream : std::uint64_t { kGauge = 11, kDevice = 12, kBroken = 13, kThermome
 
 constexpr double kSecondScale = 0.75;   // of the two scales of a reading
 constexpr double kWidestReading = 0.5;  // interval over estimate: less certain ones do not move the scale
+constexpr double kFurthest = 4;         // of the scale from the first one
 constexpr double kMostChange = 1.5;     // of the scale in one epoch
 
 std::size_t cut_to_ranges(Problem& problem, const CoefficientRanges& ranges) {
@@ -42,6 +43,13 @@ AnnealerSampler::AnnealerSampler(std::shared_ptr<const Sampler> device, const Ha
       embedding_(embed_biclique(graph, visible, hidden)),
       variables_(visible + hidden),
       settings_(settings) {}
+
+double AnnealerSampler::largest_scale(const Problem& problem) const {
+  CoefficientRanges ranges = settings_.ranges;
+  ranges.j_high = std::min(ranges.j_high, settings_.chain_coupling / 2);
+  ranges.j_low = std::max(ranges.j_low, -settings_.chain_coupling / 2);
+  return auto_scale_factor(embed_problem(to_ising(problem), graph_, embedding_, 0).problem, ranges);
+}
 
 SampleSet AnnealerSampler::sample(const Problem& problem, const SampleRequest& request) const {
   if (problem.variable_count() != variables_)
@@ -127,7 +135,9 @@ void TemperatureControl::update(std::size_t epoch, const Problem& problem) {
   log_.push_back(reading);
   // A machine without structure says nothing about the temperature of its rows.
   if (!(wanted > 0) || !std::isfinite(wanted) || reading.high - reading.low > kWidestReading * reading.beta) return;
-  sampler_.set_scale(std::clamp(wanted, scale / kMostChange, scale * kMostChange));
+  wanted = std::clamp(wanted, scale / kMostChange, scale * kMostChange);
+  wanted = std::clamp(wanted, first_scale_ / kFurthest, first_scale_ * kFurthest);
+  sampler_.set_scale(std::min(wanted, sampler_.largest_scale(problem)));
 }
 
 }  // namespace gonogo::learning

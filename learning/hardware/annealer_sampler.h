@@ -29,6 +29,9 @@ class AnnealerSampler final : public Sampler {
   /// A coefficient that the scale would take out of range is cut to the range's end, as info.cut_coefficients says.
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
 
+  /// The largest scale at which every coefficient is in range and no coupling exceeds half of those inside chains, so
+  /// that chains still decide.
+  double largest_scale(const Problem& problem) const;
   double scale() const { return settings_.scale; }
   void set_scale(double scale) { settings_.scale = scale; }
   const Embedding& embedding() const { return embedding_; }
@@ -55,12 +58,18 @@ struct ThermometerReading {
   double scale = 0, beta = 0, low = 0, high = 0;  // beta of rows at this scale, before the scale was set anew
 };
 
-/// Sets the sampler's scale once per epoch so that rows have beta = 1.
+/// Sets the sampler's scale once per epoch so that rows have beta = 1, within its largest scale and a factor of four
+/// around the first one: where broken chains make rows hotter as the scale grows, no scale may be right.
 class TemperatureControl {
  public:
   TemperatureControl(AnnealerSampler& sampler, Thermometer thermometer, std::size_t reads, std::size_t sweeps,
                      std::uint64_t seed)
-      : sampler_(sampler), thermometer_(thermometer), reads_(reads), sweeps_(sweeps), seed_(seed) {}
+      : sampler_(sampler),
+        thermometer_(thermometer),
+        reads_(reads),
+        sweeps_(sweeps),
+        seed_(seed),
+        first_scale_(sampler.scale()) {}
   void update(std::size_t epoch, const Problem& problem);
   const std::vector<ThermometerReading>& log() const { return log_; }
 
@@ -70,6 +79,7 @@ class TemperatureControl {
   Thermometer thermometer_;
   std::size_t reads_, sweeps_;
   std::uint64_t seed_;
+  double first_scale_;
   std::vector<ThermometerReading> log_;
   std::vector<double> scales_, temperatures_, errors_;
 };

@@ -1,10 +1,11 @@
 // Training a machine of 48 visible and 20 hidden units through the emulated annealer, scored by exact log-likelihood of
 // fresh rows as the share of what exact samples gain over independent units (docs/learning.md).
 //
-//   learning_annealer [line ...]      all lines of the table, or those named
+//   learning_annealer [line ...] [chains=, sweeps=, gauges=, reads=, chain_coupling=]   all lines of the table, or some
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,8 +23,15 @@ using namespace gonogo::learning;
 
 namespace {
 
-constexpr std::size_t kVisible = 48, kHidden = 20, kRows = 1000, kEpochs = 60, kBatch = 250, kChains = 200,
-                      kDeviceSweeps = 100;
+constexpr std::size_t kVisible = 48, kHidden = 20, kRows = 1000, kEpochs = 60, kBatch = 250;
+
+/// What the device is asked for; "name=value" on the command line.
+struct DeviceUse {
+  std::size_t chains = 100, sweeps = 200, gauges = 4, reads = 250;  // rows of an update, of a reading
+  double chain_coupling = 0.6;
+};
+DeviceUse use;
+
 constexpr double kNominal = 0.2;  // temperature of the emulator in units of h: the scale that a naive user programs
 
 VisibleLayout layout_of_bits() {
@@ -73,7 +81,7 @@ TrainingSettings training_settings() {
   settings.learning_rate = 0.03;
   settings.final_learning_rate = 0.2;
   settings.centred = true;
-  settings.chains = kChains;
+  settings.chains = use.chains;
   settings.sweeps = 20;
   return settings;
 }
@@ -88,9 +96,11 @@ RbmWeights trained_through_device(const Line& line, const TrainingTable& table, 
   const Device device = d_wave_2x(0, 1);
   AnnealerSettings annealer;
   annealer.scale = line.scale;
-  annealer.sweeps = kDeviceSweeps;
+  annealer.sweeps = use.sweeps;
+  annealer.chain_coupling = use.chain_coupling;
+  annealer.gauges = use.gauges;
   AnnealerSampler sampler(std::make_shared<Emulator>(device), device.graph, kVisible, kHidden, annealer);
-  TemperatureControl control(sampler, thermometer_named(line.thermometer), 500, kDeviceSweeps, 1);
+  TemperatureControl control(sampler, thermometer_named(line.thermometer), use.reads, use.sweeps, 1);
   const VisibleLayout layout = layout_of_bits();
   const auto labels = layout.unit_labels();
   const auto hook = [&](std::size_t epoch, const RbmWeights& weights) {
@@ -100,7 +110,7 @@ RbmWeights trained_through_device(const Line& line, const TrainingTable& table, 
   const RbmWeights machine = train_rbm(layout, table, training_settings(), sampler, hook).weights;
   last_scale = sampler.scale();
   for (const ThermometerReading& r : control.log())
-    if (r.epoch % 20 == 0)
+    if (r.epoch % 10 == 0)
       std::printf("    epoch %zu: scale %.3f, beta %.3f [%.3f, %.3f]\n", r.epoch, r.scale, r.beta, r.low, r.high);
   return machine;
 }
@@ -108,9 +118,10 @@ RbmWeights trained_through_device(const Line& line, const TrainingTable& table, 
 RbmWeights gray_box(const std::vector<double>& rows) {
   const Device device = d_wave_2x(0, 1);
   GrayBoxSettings settings;
-  settings.reads = kChains;
-  settings.gauges = 4;
-  settings.sweeps = kDeviceSweeps;
+  settings.reads = use.chains;
+  settings.chain_coupling = use.chain_coupling;
+  settings.gauges = use.gauges;
+  settings.sweeps = use.sweeps;
   settings.rate = 0.03;
   GrayBox box(std::make_shared<Emulator>(device), device.graph, kVisible, kHidden, settings);
   std::uint64_t step = 0;
@@ -136,9 +147,26 @@ RbmWeights independent_units(const std::vector<double>& rows) {
   return machine;
 }
 
+/// Takes "name=value" off the arguments; true when it was one.
+bool set_use(const std::string& word) {
+  const std::size_t equals = word.find('=');
+  if (equals == std::string::npos) return false;
+  const std::string name = word.substr(0, equals);
+  const double value = std::atof(word.c_str() + equals + 1);
+  if (name == "chains") use.chains = std::size_t(value);
+  if (name == "sweeps") use.sweeps = std::size_t(value);
+  if (name == "gauges") use.gauges = std::size_t(value);
+  if (name == "reads") use.reads = std::size_t(value);
+  if (name == "chain_coupling") use.chain_coupling = value;
+  return true;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  std::vector<std::string> wanted;
+  for (int k = 1; k < argc; ++k)
+    if (!set_use(argv[k])) wanted.push_back(argv[k]);
   const std::vector<Line> lines = {{"independent", "", 0},
                                    {"exact", "", 0},
                                    {"block_gibbs", "", 0},
@@ -153,7 +181,7 @@ int main(int argc, char** argv) {
   const double base = mean_log_likelihood(independent_units(rows), fresh);
   for (const Line& line : lines) {
     const std::string name = line.name;
-    if (argc > 1 && std::find(argv + 1, argv + argc, name) == argv + argc) continue;
+    if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
     double scale = 0;
     RbmWeights machine;
     if (name == "independent")
