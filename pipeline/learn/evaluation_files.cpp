@@ -47,7 +47,7 @@ std::string in_words(std::string name) {
 }
 
 Chart reliability_chart(const Json& scores) {
-  Chart chart{.title = "Reliability: how often trials passed that were given so much",
+  Chart chart{.title = "Reliability: forecast and what happened",
               .x_label = "forecast P(go)",
               .y_label = "share that passed, 95 % interval",
               .diagonal = true,
