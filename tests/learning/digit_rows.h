@@ -86,12 +86,12 @@ inline TrainingSettings density_settings(std::size_t hidden) {
 
 inline TrainingSettings hybrid_settings() {
   TrainingSettings settings;
-  settings.hidden = 200;
+  settings.hidden = 300;
   settings.generative = 0.01;
-  settings.weight_decay = 3;
+  settings.weight_decay = 0.3;
   settings.batch = 50;
-  settings.epochs = settings.report_every = 100;
-  settings.learning_rate = 0.005;
+  settings.epochs = settings.report_every = 12;
+  settings.learning_rate = 0.01;
   settings.final_learning_rate = 0.02;
   settings.centred = true;
   settings.chains = 50;
