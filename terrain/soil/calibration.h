@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/json/json.h"
-#include "terrain/soil/shear_test.h"
+#include "terrain/soil/bed.h"
 
 namespace gonogo::terrain {
 
@@ -48,9 +48,6 @@ AngleRange reachable_angles(const Calibration& calibration);
 
 /// The packing level nearest to a relative density.
 std::size_t packing_level(const Calibration& calibration, double relative_density);
-
-/// Runs all tests for a grain size; `threads` tests at a time. Deterministic.
-Calibration calibrate(double grain_diameter, int threads);
 
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 Calibration read_calibration(const std::filesystem::path& path);

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "terrain/soil/calibration.h"
+#include "terrain/soil_test/shear.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {
