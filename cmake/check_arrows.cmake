@@ -38,7 +38,7 @@ set(owner_eigen sim vehicle tests)
 set(owner_xxhash base)
 set(owner_catch2 tests/support)
 
-set(compute_node base sim vehicle terrain/soil pipeline/study pipeline/trial pipeline/campaign pipeline/dataset)
+set(compute_node base sim vehicle terrain/bed terrain/soil pipeline/study pipeline/trial pipeline/campaign pipeline/dataset)
 set(not_on_compute_node "(terrain/raster|learning/rbm)/")
 
 set(violations 0)

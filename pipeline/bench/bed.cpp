@@ -2,7 +2,7 @@
 
 #include "base/progress.h"
 #include "pipeline/bench/timing.h"
-#include "terrain/soil/bed.h"
+#include "terrain/bed/bed.h"
 
 namespace gonogo::pipeline {
 namespace {

@@ -8,7 +8,7 @@
 #include "base/json/config.h"
 #include "base/progress.h"
 #include "pipeline/bench/timing.h"
-#include "terrain/soil/bed.h"
+#include "terrain/bed/bed.h"
 #include "vehicle/wheel_rig.h"
 
 namespace gonogo::pipeline {

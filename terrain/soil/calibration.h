@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/json/json.h"
-#include "terrain/soil/bed.h"
+#include "terrain/bed/bed.h"
 
 namespace gonogo::terrain {
 

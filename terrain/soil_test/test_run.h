@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/io/capture.h"
-#include "terrain/soil/bed.h"
+#include "terrain/bed/bed.h"
 
 namespace gonogo::terrain {
 

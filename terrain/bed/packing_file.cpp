@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "base/hdf5/hdf5.h"
 #include "base/progress.h"
-#include "terrain/soil/bed.h"
+#include "terrain/bed/bed.h"
 
 namespace gonogo::terrain {
 namespace {

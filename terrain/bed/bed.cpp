@@ -1,4 +1,4 @@
-#include "terrain/soil/bed.h"
+#include "terrain/bed/bed.h"
 
 #include <algorithm>
 #include <cmath>
