@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "pipeline/cli/command.h"
+#include "pipeline/soil/library.h"
 #include "pipeline/soil/soil_tests.h"
 #include "pipeline/trial/setup.h"
 #include "terrain/calibration/calibrate.h"
@@ -58,15 +59,16 @@ void add_test(CLI::App& parent, const Globals& globals, const std::string& name,
   const auto stresses = std::make_shared<std::vector<double>>();
   add_soil_options(*command, *request);
   if (name == "shear" || name == "triaxial")
-    command->add_option("--stress", *stresses, name == "shear" ? "Normal stresses [kPa] (5 10 20)"
-                                                               : "Confining stresses [kPa] (5 10 20)");
+    command->add_option("--stress", *stresses,
+                        name == "shear" ? "Normal stresses [kPa] (5 10 20)" : "Confining stresses [kPa] (5 10 20)");
   if (name == "plate")
     command->add_option("--widths", request->plate_widths, "Plate widths [grain diameters]")->capture_default_str();
   if (name == "cone")
     command->add_option("--cone", request->cone_diameter, "Diameter of the cone's base [grain diameters]")
         ->capture_default_str();
   command->add_option("--out", *out, "Folder for curves (CSV, PNG), a picture of the grains, and the numbers (JSON)");
-  command->footer("Example:\n  gonogo soil test " + name + " --grain 0.032 --friction 0.5 --rolling 0.1 --out out/" + name);
+  command->footer("Example:\n  gonogo soil test " + name + " --grain 0.032 --friction 0.5 --rolling 0.1 --out out/" +
+                  name);
   command->callback([&globals, name, request, out, stresses] {
     request->threads = thread_count(globals);
     request->soil.packing_folder = default_packing_folder();
@@ -91,21 +93,59 @@ void add_tests(CLI::App& soil, const Globals& globals) {
 
 void add_calibrate(CLI::App& soil, const Globals& globals) {
   CLI::App* command = soil.add_subcommand(
-      "calibrate", "Measure friction angle, cohesion and density for a grain size by virtual shear tests");
-  auto grain = std::make_shared<double>(0.08);
-  auto out = std::make_shared<std::string>();
-  command->add_option("--grain", *grain, "Grain diameter [m]")->check(CLI::Range(0.001, 0.5));
-  command->add_option("--out", *out, "Table to write (JSON)")->required();
-  command->footer("Example:\n  gonogo soil calibrate --grain 0.08 --out configs/soils/calibration_80mm.json");
-  command->callback([&globals, grain, out] {
-    const terrain::Calibration c = terrain::calibrate(*grain, thread_count(globals));
+      "calibrate", "Measure friction angle, cohesion, density and sinkage modulus of a grain size by virtual tests");
+  const auto run = std::make_shared<terrain::CalibrationRun>();
+  const auto out = std::make_shared<std::string>();
+  command->add_option("--grain", run->grain_diameter, "Grain diameter [m]")
+      ->check(CLI::Range(0.001, 0.5))
+      ->capture_default_str();
+  command->add_option("--seeds", run->seeds, "Packings of each density")
+      ->check(CLI::Range(1, 50))
+      ->capture_default_str();
+  command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
+      ->required();
+  command->footer("Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json");
+  command->callback([&globals, run, out] {
+    run->threads = thread_count(globals);
+    run->journal = *out + ".tests";
+    const terrain::Calibration c = terrain::calibrate(*run);
     terrain::write_calibration(*out, c);
+    std::filesystem::remove(run->journal);
     Json json;
     json["table"] = *out;
-    json["grain_diameter_m"] = *grain;
+    json["grain_diameter_m"] = run->grain_diameter;
     json["lowest_friction_angle_deg"] = terrain::reachable_angles(c).lowest;
     json["highest_friction_angle_deg"] = terrain::reachable_angles(c).highest;
     print_result(globals, json, table(c) + "written to " + *out + "\n");
+  });
+}
+
+void add_library(CLI::App& soil, const Globals& globals) {
+  CLI::App* list = soil.add_subcommand("list", "Soils in configs/soils and their states");
+  list->footer("Example:\n  gonogo soil list");
+  list->callback([&globals] {
+    const SoilReport r = list_soils();
+    print_result(globals, r.json, r.text);
+  });
+  CLI::App* show = soil.add_subcommand("show", "Numbers of a soil with their sources, and how far grains come to it");
+  const auto name = std::make_shared<std::string>(), calibration = std::make_shared<std::string>();
+  show->add_option("soil", *name, "Soil file, or the name of one in configs/soils")->required();
+  show->add_option("--calibration", *calibration, "Table of a grain size: contact laws and mismatch for this soil");
+  show->footer("Example:\n  gonogo soil show sandy_loam --calibration configs/soils/calibration_90mm.json");
+  show->callback([&globals, name, calibration] {
+    const SoilReport r = show_soil(soil_file(*name), *calibration);
+    print_result(globals, r.json, r.text);
+  });
+  CLI::App* fit = soil.add_subcommand("fit", "Keep in a soil's file how far the grains of a table come to it");
+  const auto file = std::make_shared<std::string>(), with = std::make_shared<std::string>();
+  fit->add_option("soil", *file, "Soil file, or the name of one in configs/soils")->required();
+  fit->add_option("--calibration", *with, "Table of a grain size")->required();
+  fit->footer("Example:\n  gonogo soil fit sandy_loam --calibration configs/soils/calibration_32mm.json");
+  fit->callback([&globals, file, with] {
+    const std::filesystem::path path = soil_file(*file);
+    terrain::write_fits(path, std::filesystem::path(*with).filename().string(), terrain::read_calibration(*with));
+    const SoilReport r = show_soil(path, *with);
+    print_result(globals, r.json, r.text + "written to " + path.string() + "\n");
   });
 }
 
@@ -117,6 +157,7 @@ void add_soil_command(CLI::App& app, const Globals& globals) {
   soil->footer("Example:\n  gonogo soil test shear --grain 0.032 --friction 0.5 --rolling 0.1");
   add_tests(*soil, globals);
   add_calibrate(*soil, globals);
+  add_library(*soil, globals);
 }
 
 }  // namespace gonogo::pipeline::cli

@@ -145,12 +145,12 @@ void report_shear(SoilTestOutcome& o, const terrain::ShearStrength& s) {
   o.json["peak_cohesion_Pa"] = s.peak_cohesion;
   o.json["peak_cohesion_error_Pa"] = s.peak_cohesion_error;
   o.json["peak_r2"] = s.peak_r2;
-  const std::string steady = line("steady: friction angle %.1f +- %.1f deg, cohesion %.0f +- %.0f Pa, R2 %.4f",
-                                  s.steady_angle.degrees, s.steady_angle.error, s.steady_cohesion,
-                                  s.steady_cohesion_error, s.steady_r2);
-  const std::string peak = line("peak:   friction angle %.1f +- %.1f deg, cohesion %.0f +- %.0f Pa, R2 %.4f",
-                                s.peak_angle.degrees, s.peak_angle.error, s.peak_cohesion, s.peak_cohesion_error,
-                                s.peak_r2);
+  const std::string steady =
+      line("steady: friction angle %.1f +- %.1f deg, cohesion %.0f +- %.0f Pa, R2 %.4f", s.steady_angle.degrees,
+           s.steady_angle.error, s.steady_cohesion, s.steady_cohesion_error, s.steady_r2);
+  const std::string peak =
+      line("peak:   friction angle %.1f +- %.1f deg, cohesion %.0f +- %.0f Pa, R2 %.4f", s.peak_angle.degrees,
+           s.peak_angle.error, s.peak_cohesion, s.peak_cohesion_error, s.peak_r2);
   o.text = steady + "\n" + peak + "\n";
   o.plot.notes = {steady, peak};
 }
@@ -176,8 +176,8 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
     worst = std::max(worst, results[k].worst_residual);
     PlotLine curve{loads[k].seed == 0 ? line("%g kPa", loads[k].stress / 1e3) : "", {}, {}, false};
     for (const auto& s : results[k].curve) {
-      o.csv += line("%g,%zu,%.4f,%.2f,%.2f,%.5f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed,
-                    s.travel, s.shear_stress, s.normal_stress, s.rise);
+      o.csv += line("%g,%zu,%.4f,%.2f,%.2f,%.5f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed, s.travel,
+                    s.shear_stress, s.normal_stress, s.rise);
       curve.x.push_back(s.travel), curve.y.push_back(s.shear_stress / 1e3);
     }
     o.plot.lines.push_back(curve);
@@ -207,8 +207,8 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
     fraction += results[k].solid_fraction / double(loads.size());
     PlotLine curve{loads[k].seed == 0 ? line("%g kPa", loads[k].stress / 1e3) : "", {}, {}, false};
     for (const auto& s : results[k].curve) {
-      o.csv += line("%g,%zu,%.5f,%.2f,%.2f,%.6f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed,
-                    s.strain, s.axial_stress, s.lateral_stress, s.volume_strain);
+      o.csv += line("%g,%zu,%.5f,%.2f,%.2f,%.6f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed, s.strain,
+                    s.axial_stress, s.lateral_stress, s.volume_strain);
       curve.x.push_back(s.strain), curve.y.push_back(s.axial_stress / s.lateral_stress - 1);
     }
     o.plot.lines.push_back(curve);
@@ -219,10 +219,11 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
   o.json["peak_friction_angle"] = angle_json(strength.peak_angle);
   o.json["peak_cohesion_Pa"] = strength.peak_cohesion;
   o.json["solid_fraction"] = fraction;
-  o.text = line("steady: friction angle %.1f +- %.1f deg, cohesion %.0f Pa\npeak:   friction angle %.1f +- %.1f deg, "
-                "cohesion %.0f Pa\nsolid fraction before shear %.3f\n",
-                strength.steady_angle.degrees, strength.steady_angle.error, strength.steady_cohesion,
-                strength.peak_angle.degrees, strength.peak_angle.error, strength.peak_cohesion, fraction);
+  o.text = line(
+      "steady: friction angle %.1f +- %.1f deg, cohesion %.0f Pa\npeak:   friction angle %.1f +- %.1f deg, "
+      "cohesion %.0f Pa\nsolid fraction before shear %.3f\n",
+      strength.steady_angle.degrees, strength.steady_angle.error, strength.steady_cohesion, strength.peak_angle.degrees,
+      strength.peak_angle.error, strength.peak_cohesion, fraction);
   o.plot.notes = {line("Friction angle: steady %.1f +- %.1f, peak %.1f +- %.1f degrees.", strength.steady_angle.degrees,
                        strength.steady_angle.error, strength.peak_angle.degrees, strength.peak_angle.error)};
   finish(o, worst);
@@ -230,7 +231,8 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
 }
 
 SoilTestOutcome plate(const SoilTestRequest& r) {
-  if (r.plate_widths.size() < 2) throw InputError("soil test plate: two plate widths or more are needed for k_c and k_phi");
+  if (r.plate_widths.size() < 2)
+    throw InputError("soil test plate: two plate widths or more are needed for k_c and k_phi");
   std::vector<terrain::PlateSettings> settings(r.plate_widths.size());
   Index steps = 0;
   for (std::size_t k = 0; k < settings.size(); ++k) {

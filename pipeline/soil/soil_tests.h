@@ -13,18 +13,18 @@ namespace gonogo::pipeline {
 
 struct SoilTestRequest {
   terrain::TestSoil soil;
-  int seeds = 2;                                   // packings, from soil.seed on
-  std::vector<double> stresses{5e3, 10e3, 20e3};   // shear: normal, triaxial: confining [Pa]
-  std::vector<double> plate_widths{4, 8};          // in grain diameters
-  double cone_diameter = 4;                        // in grain diameters
-  bool quick = false;                              // half the travel and smaller beds: for a first look
+  int seeds = 2;                                  // packings, from soil.seed on
+  std::vector<double> stresses{5e3, 10e3, 20e3};  // shear: normal, triaxial: confining [Pa]
+  std::vector<double> plate_widths{4, 8};         // in grain diameters
+  double cone_diameter = 4;                       // in grain diameters
+  bool quick = false;                             // half the travel and smaller beds: for a first look
   int threads = 1;
 };
 
 struct SoilTestOutcome {
-  Json json;                 // derived numbers; keys carry their units
-  std::string text;          // the same for people
-  std::string csv;           // all curves, one row per sample
+  Json json;         // derived numbers; keys carry their units
+  std::string text;  // the same for people
+  std::string csv;   // all curves, one row per sample
   LinePlot plot;
   terrain::TestScene scene;  // of the last run, to be drawn
 };

@@ -22,7 +22,10 @@ void draw_scene(const std::filesystem::path& path, const std::string& title, con
     const double z = sim::centre_of(s, scene.end.body[std::size_t(s.body)]).z + double(s.size.x);
     low = std::min(low, z), high = std::max(high, z);
   }
-  const Model model = model_of(scene.world, scene.end, {GrainColour::height, low, high, -1});
+  // Walls would hide the grains.
+  sim::SceneWorld shown = scene.world;
+  std::erase_if(shown.shape, [](const sim::Shape& s) { return s.type == sim::ShapeType::plane; });
+  const Model model = model_of(shown, scene.end, {GrainColour::height, low, high, -1});
   constexpr double degree = std::numbers::pi / 180;
   const Camera camera =
       frame_model(model, 16 * degree, 16 * degree, double(kWidth) / kHeight, {0.03, 0.12, 0.12, 0.15});

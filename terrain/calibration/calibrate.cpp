@@ -4,9 +4,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/cancel.h"
 #include "base/error.h"
+#include "base/line.h"
 #include "base/progress.h"
+#include "terrain/calibration/journal.h"
+#include "terrain/soil_test/plate.h"
 #include "terrain/soil_test/shear.h"
 
 namespace gonogo::terrain {
@@ -21,53 +23,131 @@ struct ContactPoint {
 constexpr ContactPoint kContactLine[] = {{0.1, 0}, {0.3, 0}, {0.5, 0.05}, {0.7, 0.3}, {0.9, 1.5}, {1.5, 3}, {3, 6}};
 /// Settling friction of the packing library, from loose to dense.
 constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};
-constexpr double kNormalStress[] = {5e3, 15e3, 40e3};  // [Pa]
-constexpr double kCohesionPressure = 10e3;             // between grains, of the cohesive tests [Pa]
-constexpr std::uint64_t kSeeds[] = {1, 2};
+constexpr double kNormalStress = 10e3;          // [Pa]; without gravity only the ratios below matter
+constexpr double kCohesionRatio[] = {0, 1, 3};  // cohesion pressure between grains over normal stress
+constexpr double kPlateWidth = 4;               // in grain diameters
 
-double angle_deg(double ratio) { return std::atan(ratio) / kDegree; }
+enum class Kind { shear, plate };
 
 struct Job {
-  std::size_t contact, packing, seed, stress;
-  bool cohesive;
-  ShearResult result;
+  Kind kind;
+  std::size_t contact, packing, seed, ratio;
+  std::string name;
+  std::vector<double> result;  // shear: steady and peak stress ratio, residual, solid fraction; plate: k, n, residual
 };
 
-std::vector<Job> all_jobs() {
+std::vector<Job> all_jobs(int seeds) {
   std::vector<Job> jobs;
-  for (std::size_t c = 0; c < std::size(kContactLine); ++c)
-    for (std::size_t p = 0; p < std::size(kSettleFriction); ++p)
-      for (std::size_t s = 0; s < std::size(kSeeds); ++s)
-        for (std::size_t n = 0; n < std::size(kNormalStress); ++n) {
-          jobs.push_back({c, p, s, n, false, {}});
-          jobs.push_back({c, p, s, n, true, {}});
-        }
+  for (std::size_t s = 0; s < std::size_t(seeds); ++s)
+    for (std::size_t c = 0; c < std::size(kContactLine); ++c)
+      for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
+        const std::string at = line("friction %g rolling %g settled at %g seed %zu", kContactLine[c].friction,
+                                    kContactLine[c].rolling_friction, kSettleFriction[p], s + 1);
+        for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
+          jobs.push_back({Kind::shear, c, p, s, r, line("shear %s cohesion %g", at.c_str(), kCohesionRatio[r]), {}});
+        jobs.push_back({Kind::plate, c, p, s, 0, "plate " + at, {}});
+      }
   return jobs;
 }
 
-/// Friction angle from the ratio of shear to normal stress in the tests without cohesion.
-void friction_of(const std::vector<Job>& jobs, std::size_t c, ContactLevel& level) {
-  std::vector<double> ratio;
-  for (const Job& j : jobs)
-    if (j.contact == c && !j.cohesive) ratio.push_back(j.result.shear_stress / j.result.normal_stress);
-  const MeanError r = mean_error(ratio);
-  level.friction_angle = angle_deg(r.mean);
-  level.friction_angle_error = angle_deg(r.mean + r.error) - angle_deg(r.mean);
+sim::PairLaw law_of(const Job& job) {
+  const ContactPoint& point = kContactLine[job.contact];
+  return {Real(point.friction), Real(point.rolling_friction), Real(kCohesionRatio[job.ratio] * kNormalStress)};
 }
 
-/// Cohesion: the shear stress that contact cohesion adds at equal normal stress.
-void cohesion_of(const std::vector<Job>& jobs, std::size_t c, ContactLevel& level) {
-  std::vector<double> gain;
-  // Tests come in pairs: without and with cohesion, everything else equal (all_jobs).
-  for (std::size_t k = 0; k + 1 < jobs.size(); k += 2) {
-    const ShearResult &dry = jobs[k].result, &sticky = jobs[k + 1].result;
-    if (jobs[k].contact == c)
-      gain.push_back((sticky.shear_stress - dry.shear_stress / dry.normal_stress * sticky.normal_stress) /
-                     kCohesionPressure);
+void run_shear(Job& job, const CalibrationRun& run) {
+  const Packing cell = settle_packing(shear_cell(run.grain_diameter, kSettleFriction[job.packing], job.seed + 1), 1);
+  ShearSettings settings;
+  settings.normal_stress = kNormalStress, settings.travel = run.travel;
+  const ShearResult r = shear_test(cell, {law_of(job), law_of(job)}, settings);
+  job.result = {r.shear_stress / r.normal_stress, r.peak_stress / r.normal_stress, r.worst_residual,
+                cell.solid_fraction};
+}
+
+void run_plate(Job& job, double grain_diameter) {
+  TestSoil soil;
+  soil.grain_diameter = grain_diameter;
+  soil.grain = law_of(job);
+  soil.tool_friction = kContactLine[job.contact].friction;
+  soil.relative_density = relative_density_of(kSettleFriction[job.packing]);
+  soil.seed = job.seed + 1;
+  PlateSettings settings;
+  settings.width_grains = kPlateWidth;
+  settings.speed = 0.2;
+  const PlateResult r = plate_test(soil, settings, {});
+  const PowerLaw law = fit_power_law(r);
+  job.result = {law.k, law.n, r.worst_residual};
+}
+
+void run_all(std::vector<Job>& jobs, const CalibrationRun& run, TestJournal& journal) {
+  std::vector<std::size_t> open;
+  for (std::size_t k = 0; k < jobs.size(); ++k)
+    if (const auto known = journal.find(jobs[k].name))
+      jobs[k].result = *known;
+    else
+      open.push_back(k);
+  Progress progress("soil calibrate", "tests", jobs.size());
+  const std::size_t reused = jobs.size() - open.size();
+  std::size_t done = reused;
+  progress.update(done, "", reused);
+  run_jobs(open.size(), run.threads, [&](std::size_t i) {
+    Job& job = jobs[open[i]];
+    if (job.kind == Kind::shear)
+      run_shear(job, run);
+    else
+      run_plate(job, run.grain_diameter);
+    journal.add(job.name, job.result);
+#pragma omp critical(calibration_progress)
+    progress.update(++done, "", reused);
+  });
+}
+
+/// Numbers `index` of all results of one kind at a contact level and packing (or all packings) and cohesion ratio.
+struct Selection {
+  const std::vector<Job>& jobs;
+
+  std::vector<double> operator()(Kind kind, std::size_t contact, std::ptrdiff_t packing, std::size_t ratio,
+                                 std::size_t index) const {
+    std::vector<double> values;
+    for (const Job& j : jobs)
+      if (j.kind == kind && j.contact == contact && j.ratio == ratio &&
+          (packing < 0 || j.packing == std::size_t(packing)))
+        values.push_back(j.result[index]);
+    return values;
   }
-  const MeanError g = mean_error(gain);
-  level.cohesion_gain = g.mean;
-  level.cohesion_gain_error = g.error;
+};
+
+/// Cohesion per contact cohesion pressure: what cohesion adds to the stress ratio, over the cohesion ratio; the shear
+/// tests with and without stand in the same order.
+MeanError cohesion_gain(const Selection& of, std::size_t contact, std::ptrdiff_t packing) {
+  std::vector<double> gain;
+  const auto dry = of(Kind::shear, contact, packing, 0, 0);
+  for (std::size_t r = 1; r < std::size(kCohesionRatio); ++r) {
+    const auto sticky = of(Kind::shear, contact, packing, r, 0);
+    for (std::size_t i = 0; i < dry.size(); ++i) gain.push_back((sticky[i] - dry[i]) / kCohesionRatio[r]);
+  }
+  return mean_error(gain);
+}
+
+ContactLevel contact_level(const Selection& of, std::size_t c) {
+  const MeanError ratio = mean_error(of(Kind::shear, c, -1, 0, 0)), gain = cohesion_gain(of, c, -1);
+  const Angle angle = angle_of_tangent(ratio.mean, ratio.error);
+  return {
+      kContactLine[c].friction, kContactLine[c].rolling_friction, angle.degrees, angle.error, gain.mean, gain.error};
+}
+
+SoilResponse response(const Selection& of, std::size_t c, std::size_t p) {
+  const auto packing = std::ptrdiff_t(p);
+  const MeanError steady = mean_error(of(Kind::shear, c, packing, 0, 0)),
+                  peak = mean_error(of(Kind::shear, c, packing, 0, 1));
+  const MeanError gain = cohesion_gain(of, c, packing);
+  const MeanError k = mean_error(of(Kind::plate, c, packing, 0, 0)), n = mean_error(of(Kind::plate, c, packing, 0, 1));
+  SoilResponse r;
+  r.contact = c, r.packing = p;
+  r.friction_angle = std::atan(steady.mean) / kDegree, r.peak_friction_angle = std::atan(peak.mean) / kDegree;
+  r.cohesion_gain = gain.mean;
+  r.sinkage_modulus = k.mean, r.sinkage_modulus_error = k.error, r.sinkage_exponent = n.mean;
+  return r;
 }
 
 /// Least-squares fit that never falls along the line (pool adjacent violators; Ayer et al. 1955): stronger contacts do
@@ -88,86 +168,68 @@ void make_monotone(std::vector<ContactLevel>& levels) {
     for (int i = 0; i < count; ++i) levels[k++].friction_angle = mean;
 }
 
-/// One cohesion gain for the whole line, weighted by the inverse squares of the errors: the levels agree within them.
+/// One cohesion gain for the whole line, weighted by the inverse squares of the errors: for readers that know no other.
 void pool_cohesion(Calibration& c) {
   double weight = 0, sum = 0;
   for (const ContactLevel& l : c.contact) {
-    const double w = 1 / (l.cohesion_gain_error * l.cohesion_gain_error);
-    weight += w;
-    sum += w * l.cohesion_gain;
+    const double w = 1 / std::max(1e-12, l.cohesion_gain_error * l.cohesion_gain_error);
+    weight += w, sum += w * l.cohesion_gain;
   }
-  c.cohesion_gain = sum / weight;
-  c.cohesion_gain_error = std::sqrt(1 / weight);
+  c.cohesion_gain = sum / weight, c.cohesion_gain_error = std::sqrt(1 / weight);
 }
 
-std::vector<PackingLevel> packing_levels(const std::vector<Packing>& cells) {
+std::vector<PackingLevel> packing_levels(const Selection& of) {
   std::vector<PackingLevel> levels;
-  for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
-    double fraction = 0;
-    for (std::size_t s = 0; s < std::size(kSeeds); ++s)
-      fraction += cells[p * std::size(kSeeds) + s].solid_fraction / double(std::size(kSeeds));
-    levels.push_back({kSettleFriction[p], fraction, 0});
-  }
+  for (std::size_t p = 0; p < std::size(kSettleFriction); ++p)
+    levels.push_back({kSettleFriction[p], mean_error(of(Kind::shear, 0, std::ptrdiff_t(p), 0, 3)).mean, 0});
   const double loosest = 1 / levels.front().solid_fraction, densest = 1 / levels.back().solid_fraction;
   for (PackingLevel& l : levels) l.relative_density = (loosest - 1 / l.solid_fraction) / (loosest - densest);
   return levels;
 }
 
+Json provenance(const std::vector<Job>& jobs, const CalibrationRun& run) {
+  double worst = 0;
+  for (const Job& j : jobs) worst = std::max(worst, j.result[2]);
+  Json p;
+  p["test"] =
+      "simple shear without gravity of a doubly periodic cell, 10 x 6 grains, 8 deep, "
+      "inertial number 0.006; plate 4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity";
+  p["travel_grain_diameters"] = run.travel;
+  p["normal_stress_Pa"] = kNormalStress;
+  p["cohesion_pressure_over_normal_stress"] = std::vector<double>(std::begin(kCohesionRatio), std::end(kCohesionRatio));
+  p["seeds"] = run.seeds;
+  p["worst_rms_residual_m_per_s"] = worst;
+  return p;
+}
+
 }  // namespace
 
-Calibration calibrate(double grain_diameter, int threads) {
-  std::vector<Packing> cells;
-  Progress settling("soil", "packings", std::size(kSettleFriction) * std::size(kSeeds));
-  for (const double friction : kSettleFriction)
-    for (const std::uint64_t seed : kSeeds) {
-      cells.push_back(settle_packing(shear_cell(grain_diameter, friction, seed), 1));
-      settling.update(cells.size());
-    }
-  settling.finish();
+std::string journal_maker(const CalibrationRun& run) {
+  return line("calibrate/2 grain %g m, travel %g", run.grain_diameter, run.travel);
+}
 
-  std::vector<Job> jobs = all_jobs();
-  Progress progress("soil", "shear tests", jobs.size());
-  std::size_t done = 0;
-  std::string failure;
-#pragma omp parallel for schedule(dynamic) num_threads(std::max(1, threads))
-  for (std::size_t k = 0; k < jobs.size(); ++k) {
-    if (cancel_requested() || !failure.empty()) continue;
-    Job& j = jobs[k];
-    const ContactPoint& point = kContactLine[j.contact];
-    const sim::PairLaw law{Real(point.friction), Real(point.rolling_friction),
-                           Real(j.cohesive ? kCohesionPressure : 0)};
-    ShearSettings settings;
-    settings.normal_stress = kNormalStress[j.stress];
-    try {
-      j.result = shear_test(cells[j.packing * std::size(kSeeds) + j.seed], {law, law}, settings);
-    } catch (const std::exception& e) {
-#pragma omp critical
-      failure = e.what();
-    }
-#pragma omp critical
-    progress.update(++done);
-  }
-  stop_if_cancelled();
-  if (!failure.empty()) throw DeviceError(failure);
+std::vector<std::string> calibration_tests(const CalibrationRun& run) {
+  std::vector<std::string> names;
+  for (const Job& job : all_jobs(run.seeds)) names.push_back(job.name);
+  return names;
+}
 
+Calibration calibrate(const CalibrationRun& run) {
+  if (!(run.grain_diameter > 0)) throw InputError("soil calibrate: the grain diameter must be above zero");
+  TestJournal journal(run.journal, journal_maker(run));
+  std::vector<Job> jobs = all_jobs(run.seeds);
+  run_all(jobs, run, journal);
+  const Selection of{jobs};
   Calibration c;
-  c.grain_diameter = grain_diameter;
-  c.packing = packing_levels(cells);
+  c.grain_diameter = run.grain_diameter;
+  c.packing = packing_levels(of);
   for (std::size_t k = 0; k < std::size(kContactLine); ++k) {
-    ContactLevel level{kContactLine[k].friction, kContactLine[k].rolling_friction, 0, 0, 0, 0};
-    friction_of(jobs, k, level);
-    cohesion_of(jobs, k, level);
-    c.contact.push_back(level);
+    c.contact.push_back(contact_level(of, k));
+    for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) c.response.push_back(response(of, k, p));
   }
   make_monotone(c.contact);
   pool_cohesion(c);
-  double worst = 0;
-  for (const Job& j : jobs) worst = std::max(worst, j.result.worst_residual);
-  c.provenance["test"] = "simple shear of a doubly periodic cell, 10 x 6 grains, 8 deep, 4 diameters of travel";
-  c.provenance["normal_stress_Pa"] = std::vector<double>(std::begin(kNormalStress), std::end(kNormalStress));
-  c.provenance["cohesion_pressure_Pa"] = kCohesionPressure;
-  c.provenance["seeds"] = int(std::size(kSeeds));
-  c.provenance["worst_rms_residual_m_per_s"] = worst;
+  c.provenance = provenance(jobs, run);
   return c;
 }
 

@@ -91,7 +91,7 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
   world.add_shape(shape);
 
   const double h = gravity_time(d) / kStepsPerTime, speed = settings.speed * std::sqrt(9.81 * d);
-  TestRun run("cone test", std::move(world), test_settings(d, h, pace), pace);
+  TestRun run("cone test", std::move(world), test_settings(d, h, speed, pace), pace);
   run.advance(kRestSteps);
   run.set_velocity(cone, {0, 0, Real(-speed)});
   const Index stride = std::max<Index>(1, (cone_steps(settings) - kRestSteps) / kSamples);

@@ -21,7 +21,7 @@ struct ConeSample {
 struct ConeResult {
   double diameter = 0;  // [m]
   std::vector<ConeSample> curve;
-  double index = 0;                        // mean pressure from the surface to the end [Pa]
+  double index = 0;                         // mean pressure from the surface to the end [Pa]
   double gradient = 0, gradient_error = 0;  // of pressure over depth, same range [Pa/m]
   double r2 = 0;
   double bulk_density = 0, worst_residual = 0;  // [kg/m^3], [m/s]

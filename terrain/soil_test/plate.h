@@ -40,7 +40,7 @@ PowerLaw fit_power_law(const PlateResult& plate);
 struct BekkerFit {
   double k_c = 0, k_phi = 0, n = 0;  // [N/m^(n+1)], [N/m^(n+2)], [-]
   double k_c_error = 0, k_phi_error = 0, n_error = 0;
-  double r2 = 0;                     // of ln p
+  double r2 = 0;  // of ln p
 };
 BekkerFit fit_bekker(const std::vector<PlateResult>& plates);
 

@@ -105,7 +105,8 @@ void fit_slope(ReposeResult& r, double diameter) {
     if (r.profile[k].height > 6.0 / 7 * highest) crest = k;
   std::vector<double> x, z;
   for (std::size_t k = crest; k < r.profile.size(); ++k)
-    if (r.profile[k].height > std::max(highest / 7, 1.5 * diameter)) x.push_back(r.profile[k].x), z.push_back(r.profile[k].height);
+    if (r.profile[k].height > std::max(highest / 7, 1.5 * diameter))
+      x.push_back(r.profile[k].x), z.push_back(r.profile[k].height);
   if (x.size() < 4) {
     // Steeper than four columns: the bed stands as a cliff.
     r.angle = {90, 0};
@@ -122,16 +123,15 @@ Index repose_steps(const ReposeSettings& s) {
   return Index((100 / kStepsPerTime + (s.height + 2) / s.gate_speed + kRestTime * std::sqrt(s.height)) * kStepsPerTime);
 }
 
-ReposeResult repose_test(const TestSoil& soil, const ReposeSettings& settings, const TestPace& pace,
-                         TestScene* scene) {
+ReposeResult repose_test(const TestSoil& soil, const ReposeSettings& settings, const TestPace& pace, TestScene* scene) {
   const double d = soil.grain_diameter, h = gravity_time(d) / kStepsPerTime, unit = std::sqrt(9.81 * d);
   const Packing bed = test_bed(soil, settings.length, settings.width, settings.height, pace.threads);
   const Place place = place_of(bed);
   sim::BodyIndex gate = 0;
   sim::SceneWorld world = repose_world(soil, bed, place, gate);
-  TestRun run("repose test", std::move(world), test_settings(d, h, pace), pace);
-  run.advance(100);
   const double speed = settings.gate_speed * unit, way = bed.surface + 2 * d;
+  TestRun run("repose test", std::move(world), test_settings(d, h, speed, pace), pace);
+  run.advance(100);
   run.set_velocity(gate, {0, 0, Real(-speed)});
   const auto sinking = Index(way / speed / h);
   for (Index k = 0; k < sinking; k += 50) run.advance(std::min<Index>(50, sinking - k));

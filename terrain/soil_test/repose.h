@@ -17,7 +17,7 @@ struct ReposeSample {
 };
 
 struct ReposeResult {
-  Angle angle;                       // of the slope; the error is that of the straight line
+  Angle angle;                        // of the slope; the error is that of the straight line
   std::vector<ReposeSample> profile;  // at rest, one per grain diameter
   double r2 = 0;
   double spilled = 0;         // share of the grains

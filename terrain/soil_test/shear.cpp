@@ -8,7 +8,8 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr double kSample = 0.05;  // travel between samples, in grain diameters
+constexpr double kSample = 0.05;    // travel between samples, in grain diameters
+constexpr double kRecovery = 0.03;  // speed at which overlaps are pushed out, in diameters per stress time
 constexpr double kPressTimes = 12;  // stress times under load before the plate moves
 
 /// Time in which the stress moves a grain by half its diameter, d sqrt(rho / sigma) [s].
@@ -93,7 +94,9 @@ ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSett
   sim::SceneWorld world = bed_world(cell, laws, 4 * s.grain_diameter);
   world.gravity = {};
   const sim::BodyIndex plate = add_plate(world, cell, settings);
-  TestRun run("shear test", std::move(world), test_settings(s.grain_diameter, h, pace), pace);
+  sim::StepSettings numerics = test_settings(s.grain_diameter, h, speed, pace);
+  numerics.recovery_speed = Real(kRecovery * s.grain_diameter / time);
+  TestRun run("shear test", std::move(world), numerics, pace);
   run.advance(Index(kPressTimes * settings.steps_per_time));
   run.set_velocity(plate, {Real(speed), 0, 0});
   const double start = run.body(plate).position.z, area = s.length * s.width;

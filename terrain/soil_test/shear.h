@@ -8,10 +8,10 @@
 namespace gonogo::terrain {
 
 struct ShearSettings {
-  double normal_stress = 10e3;     // [Pa]
-  double inertial_number = 3e-3;   // shear rate times d sqrt(solid density / stress); below 1e-2: quasi-static [-]
-  double travel = 4;               // of the plate, in grain diameters
-  double steps_per_time = 16;      // in d sqrt(solid density / stress), the time that the stress moves a grain in
+  double normal_stress = 10e3;    // [Pa]
+  double inertial_number = 6e-3;  // shear rate times d sqrt(solid density / stress); below 1e-2: quasi-static [-]
+  double travel = 4;              // of the plate, in grain diameters
+  double steps_per_time = 10;     // in d sqrt(solid density / stress), the time that the stress moves a grain in
 };
 
 struct ShearSample {

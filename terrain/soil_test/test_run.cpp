@@ -11,6 +11,10 @@
 namespace gonogo::terrain {
 namespace {
 
+// Measured on beds of 10 x 6 x 8 grains (configs/soils/calibration_90mm.json): between the levels the logarithm of the
+// settling friction is taken as linear in relative density.
+constexpr double kLevelDensity[] = {0, 0.463, 1}, kLevelFriction[] = {0.8, 0.25, 0.02};
+
 void require(bool good, const char* name, double value, const char* allowed) {
   if (!good) throw InputError(std::string("soil test: ") + name + " " + std::to_string(value) + " must be " + allowed);
 }
@@ -26,16 +30,20 @@ void check(const TestSoil& s) {
           s.grain.cohesion_pressure, "0 to 1e7 Pa");
   require(s.tool_friction >= 0 && s.tool_friction <= 10, "tool friction", s.tool_friction, "0 to 10");
   require(s.relative_density >= 0 && s.relative_density <= 1, "relative density", s.relative_density, "0 to 1");
-  require(s.grain_density > 0 && s.grain_density <= 3e4, "grain density", s.grain_density, "above 0, at most 30000 kg/m3");
+  require(s.grain_density > 0 && s.grain_density <= 3e4, "grain density", s.grain_density,
+          "above 0, at most 30000 kg/m3");
 }
 
 double settle_friction(double relative_density) {
-  // Measured on beds of 10 x 6 x 8 grains (configs/soils/calibration_90mm.json): between the levels the logarithm of
-  // the friction is taken as linear in relative density.
-  constexpr double density[] = {0, 0.463, 1}, friction[] = {0.8, 0.25, 0.02};
-  const int k = relative_density < density[1] ? 0 : 1;
-  const double share = (relative_density - density[k]) / (density[k + 1] - density[k]);
-  return friction[k] * std::pow(friction[k + 1] / friction[k], std::clamp(share, 0.0, 1.0));
+  const int k = relative_density < kLevelDensity[1] ? 0 : 1;
+  const double share = (relative_density - kLevelDensity[k]) / (kLevelDensity[k + 1] - kLevelDensity[k]);
+  return kLevelFriction[k] * std::pow(kLevelFriction[k + 1] / kLevelFriction[k], std::clamp(share, 0.0, 1.0));
+}
+
+double relative_density_of(double friction) {
+  const int k = friction > kLevelFriction[1] ? 0 : 1;
+  const double share = std::log(friction / kLevelFriction[k]) / std::log(kLevelFriction[k + 1] / kLevelFriction[k]);
+  return kLevelDensity[k] + std::clamp(share, 0.0, 1.0) * (kLevelDensity[k + 1] - kLevelDensity[k]);
 }
 
 Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, double grains_deep, int threads) {
@@ -51,8 +59,8 @@ Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, d
   return soil.packing_folder.empty() ? settle_packing(s, threads) : cached_packing(s, soil.packing_folder, threads);
 }
 
-sim::StepSettings test_settings(double grain_diameter, double step, const TestPace& pace) {
-  sim::StepSettings s = bed_step_settings(grain_diameter, step, pace.iterations);
+sim::StepSettings test_settings(double grain_diameter, double step, double speed, const TestPace& pace) {
+  sim::StepSettings s = bed_step_settings(grain_diameter, step, pace.iterations, pace.tolerance * speed);
   s.substeps = pace.substeps;
   return s;
 }

@@ -28,6 +28,8 @@ void check(const TestSoil& soil);
 
 /// Friction while settling that gives about this relative density; measured, see the source.
 double settle_friction(double relative_density);
+/// Its inverse.
+double relative_density_of(double settle_friction);
 
 /// Settled bed of this soil, `grains_*` diameters long, wide and deep.
 Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, double grains_deep, int threads);
@@ -36,11 +38,13 @@ Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, d
 struct TestPace {
   int threads = 1;
   std::function<void(Index)> on_steps;  // called with the number of steps just taken, from the test's thread
-  int substeps = 20, iterations = 2;    // of the solver in each step, and in each substep
+  int substeps = 1, iterations = 200;   // of the solver in each step, and at most in each substep
+  double tolerance = 0.01;              // residual at which it stops, in speeds of the test
 };
 
-/// Numerical parameters of the tests: bed_step_settings with substeps.
-sim::StepSettings test_settings(double grain_diameter, double step, const TestPace& pace);
+/// Numerical parameters of the tests: bed_step_settings with a tolerance that follows the speed of the test [m/s].
+/// Whole steps: in slow shear few updates in many substeps let the bed sink into itself (docs/soils.md).
+sim::StepSettings test_settings(double grain_diameter, double step, double speed, const TestPace& pace);
 
 /// Time in which gravity moves a grain by half its diameter, sqrt(d / g) [s].
 double gravity_time(double grain_diameter);

@@ -9,9 +9,9 @@ namespace gonogo::terrain {
 
 struct TriaxialSettings {
   double confining_stress = 10e3;  // [Pa]
-  double inertial_number = 3e-3;   // strain rate times d sqrt(solid density / stress); below 1e-2: quasi-static [-]
+  double inertial_number = 6e-3;   // strain rate times d sqrt(solid density / stress); below 1e-2: quasi-static [-]
   double strain = 0.3;             // of the height at the end, compression positive [-]
-  double steps_per_time = 16;      // in d sqrt(solid density / stress)
+  double steps_per_time = 10;      // in d sqrt(solid density / stress)
   int grains_wide = 9, grains_high = 16;
 };
 

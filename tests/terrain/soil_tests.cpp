@@ -1,0 +1,122 @@
+// Virtual soil tests on coarse, small beds: trends and bounds.
+#include <cmath>
+
+#include "base/error.h"
+#include "terrain/soil_test/cone.h"
+#include "terrain/soil_test/plate.h"
+#include "terrain/soil_test/repose.h"
+#include "terrain/soil_test/shear.h"
+#include "terrain/soil_test/triaxial.h"
+#include "tests/support/catch.h"
+
+namespace gonogo::terrain {
+namespace {
+
+TestSoil coarse_soil(double friction, double rolling, double relative_density) {
+  TestSoil soil;
+  soil.grain_diameter = 0.09;
+  soil.grain = {Real(friction), Real(rolling), 0};
+  soil.relative_density = relative_density;
+  return soil;
+}
+
+ShearResult sheared(const TestSoil& soil, double travel, const TestPace& pace = {}) {
+  ShearSettings settings;
+  settings.travel = travel;
+  return shear_test(test_bed(soil, 10, 6, 8, 1), soil.laws(), settings, pace);
+}
+
+}  // namespace
+
+TEST_CASE("without gravity a shear test knows no length but the grain and no stress but the load") {
+  // A quarter of the size and four times the stress change every number by a power of two: the ratio keeps its bits.
+  const TestSoil soil = coarse_soil(0.5, 0.1, 0.5);
+  const Packing cell = test_bed(soil, 10, 6, 8, 1);
+  Packing small = cell;
+  for (double* length : {&small.spec.length, &small.spec.width, &small.spec.depth, &small.spec.grain_diameter})
+    *length /= 4;
+  for (auto* grains : {&small.grain, &small.base})
+    for (Grain& g : *grains) g.position = g.position * 0.25, g.radius /= 4;
+  small.surface /= 4;
+  ShearSettings settings;
+  settings.travel = 0.5;
+  const ShearResult reference = shear_test(cell, soil.laws(), settings);
+  const ShearResult fine = shear_test(small, soil.laws(), settings);
+  settings.normal_stress *= 4;
+  const ShearResult loaded = shear_test(cell, soil.laws(), settings);
+  CHECK(reference.normal_stress == Approx(10e3).epsilon(0.05));
+  CHECK(fine.shear_stress == reference.shear_stress);
+  CHECK(fine.dilation == reference.dilation);
+  CHECK(loaded.shear_stress == 4 * reference.shear_stress);
+}
+
+TEST_CASE("a shear test has the same bits for any number of threads") {
+  TestPace two;
+  two.threads = 2;
+  const TestSoil soil = coarse_soil(0.3, 0, 0.5);
+  CHECK(sheared(soil, 0.2).shear_stress == sheared(soil, 0.2, two).shear_stress);
+}
+
+TEST_CASE("a dense bed is stronger at its peak than a loose one, and rises when sheared") {
+  const ShearResult loose = sheared(coarse_soil(0.5, 0, 0), 0.8), dense = sheared(coarse_soil(0.5, 0, 1), 0.8);
+  CHECK(dense.peak_stress > 1.05 * loose.peak_stress);
+  CHECK(dense.dilation > loose.dilation);
+}
+
+TEST_CASE("the triaxial friction angle is within three degrees of that of shear") {
+  TestSoil soil = coarse_soil(0.5, 0, 0.5);
+  TriaxialSettings settings;
+  settings.grains_wide = 7, settings.grains_high = 12, settings.strain = 0.2;
+  const TriaxialResult t = triaxial_test(soil, settings, {});
+  const ShearResult s = sheared(soil, 1);
+  const double triaxial = triaxial_strength({t}, false).peak_angle.degrees;
+  const double shear = std::atan(s.peak_stress / s.normal_stress) * 180 / 3.14159265358979;
+  CAPTURE(triaxial, shear);
+  CHECK(std::fabs(triaxial - shear) < 3);
+}
+
+TEST_CASE("a plate sinks against a pressure that rises, with an exponent of the order of one") {
+  PlateSettings settings;
+  settings.width_grains = 4, settings.speed = 0.2, settings.sinkage = 0.4;
+  const PlateResult r = plate_test(coarse_soil(0.5, 0.1, 0.5), settings, {});
+  const PowerLaw law = fit_power_law(r);
+  CAPTURE(law.k, law.n);
+  CHECK(law.n > 0.3);
+  CHECK(law.n < 1.5);
+  CHECK(r.curve.back().pressure > 2 * r.curve[r.curve.size() / 4].pressure);
+}
+
+TEST_CASE("a heap of grains that resist rolling is steeper than one of grains that roll") {
+  ReposeSettings settings;
+  settings.length = 16, settings.width = 5, settings.height = 7, settings.gate_speed = 0.4;
+  const ReposeResult rolls = repose_test(coarse_soil(0.5, 0, 0.5), settings, {});
+  const ReposeResult resists = repose_test(coarse_soil(0.5, 0.3, 0.5), settings, {});
+  CAPTURE(rolls.angle.degrees, resists.angle.degrees);
+  CHECK(rolls.angle.degrees > 12);
+  CHECK(rolls.angle.degrees < 30);
+  CHECK(resists.angle.degrees > rolls.angle.degrees + 2);
+  CHECK(rolls.spilled > resists.spilled);
+}
+
+TEST_CASE("a dense bed resists the cone more than a loose one") {
+  ConeSettings settings;
+  settings.diameter_grains = 2.5, settings.depth = 1, settings.speed = 0.3;
+  const ConeResult loose = cone_test(coarse_soil(0.5, 0, 0), settings, {});
+  const ConeResult dense = cone_test(coarse_soil(0.5, 0, 1), settings, {});
+  CAPTURE(loose.index, dense.index, loose.gradient, dense.gradient);
+  CHECK(dense.bulk_density > loose.bulk_density);
+  CHECK(dense.index > 1.2 * loose.index);
+  CHECK(loose.gradient > 0);
+}
+
+TEST_CASE("soil tests refuse what cannot be tested") {
+  CHECK_THROWS_AS(check(coarse_soil(-0.1, 0, 0.5)), InputError);
+  CHECK_THROWS_AS(check(coarse_soil(0.5, 0, 1.1)), InputError);
+  CHECK_THROWS_AS(check(coarse_soil(std::nan(""), 0, 0.5)), InputError);
+  ShearSettings none;
+  none.normal_stress = 0;
+  const TestSoil soil = coarse_soil(0.5, 0, 0.5);
+  CHECK_THROWS_AS(shear_test(test_bed(soil, 5, 5, 4, 1), soil.laws(), none), InputError);
+}
+
+}  // namespace gonogo::terrain
