@@ -41,6 +41,34 @@ GONOGO_HD inline void atomic_raise(Index& word, Index bits) {
 #endif
 }
 
+/// Keeps the smaller value; safe from many threads.
+GONOGO_HD inline void atomic_least(std::uint64_t& word, std::uint64_t value) {
+#ifdef __CUDA_ARCH__
+  static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
+  atomicMin(reinterpret_cast<unsigned long long*>(&word), static_cast<unsigned long long>(value));
+#else
+  std::uint64_t now = __atomic_load_n(&word, __ATOMIC_RELAXED);
+  while (value < now && !__atomic_compare_exchange_n(&word, &now, value, true, __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
+  }
+#endif
+}
+
+/// Reads and writes of a word that other threads write or read meanwhile, without any order.
+GONOGO_HD inline Index load_relaxed(const Index& word) {
+#ifdef __CUDA_ARCH__
+  return *static_cast<const volatile Index*>(&word);
+#else
+  return __atomic_load_n(&word, __ATOMIC_RELAXED);
+#endif
+}
+GONOGO_HD inline void store_relaxed(Index& word, Index value) {
+#ifdef __CUDA_ARCH__
+  *static_cast<volatile Index*>(&word) = value;
+#else
+  __atomic_store_n(&word, value, __ATOMIC_RELAXED);
+#endif
+}
+
 /// A number of things that only the execution space knows, and the most it can be.
 struct Counted {
   Index capacity = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numeric>
 
@@ -158,6 +159,23 @@ FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& set
 
 void require_backend(Backend backend) {
   if (backend == Backend::cuda) require_cuda_device();
+}
+
+std::string description(const Fault& fault, double step) {
+  if (fault.flags == 0) return {};
+  char at[64];
+  std::snprintf(at, sizeof at, "body %d in step %d (at %g s)", fault.body, fault.step, fault.step * step);
+  std::string text = at;
+  const char* joint = " ";
+  for (const auto& [flag, what] : {std::pair{flag_not_finite, "has a velocity or place that is no number"},
+                                   {flag_too_fast, "crosses more than a bin in a step"},
+                                   {flag_left_domain, "has left the domain"}}) {
+    if ((fault.flags & flag) == 0) continue;
+    text += joint;
+    text += what;
+    joint = ", ";
+  }
+  return text;
 }
 
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,

@@ -167,7 +167,7 @@ class Drive {
       r.residual_rms += report.rms_residual * share / request_.worlds;
       r.residual_max = std::max(r.residual_max, report.max_residual);
       r.contacts += report.contact_count;
-      r.flags |= report.flags;
+      if (r.fault.flags == 0) r.fault = report.fault;
     }
   }
 
@@ -228,7 +228,7 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
   WheelBenchResult r = drive.drive();
   r.start_up = start_up;
   r.bodies = Index(worlds.front().body.size());
-  if (r.flags != 0) throw DeviceError("the wheel scene failed: step flags " + std::to_string(r.flags));
+  if (r.fault.flags != 0) throw DeviceError("the wheel scene failed: " + sim::description(r.fault, request.step));
   return r;
 }
 

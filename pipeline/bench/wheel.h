@@ -34,7 +34,7 @@ struct WheelBenchResult {
   double sinkage = 0;             // mean over the last half of the drive [m]
   double residual_rms = 0;        // mean over the drive [m/s]
   double residual_max = 0;        // largest seen [m/s]
-  Index flags = 0;
+  sim::Fault fault;  // the first one of a world that failed
 };
 
 /// Reads the scene, settles the tilted bed, lets the wheel down, ramps its speed up and drives.

@@ -12,7 +12,10 @@ namespace gonogo::pipeline::cli {
 namespace {
 
 const std::map<std::string, sim::Backend> kBackends{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
-const std::map<std::string, sim::Solver> kSolvers{{"apgd", sim::Solver::apgd}, {"jacobi", sim::Solver::jacobi}};
+const std::map<std::string, sim::Solver> kSolvers{{"apgd", sim::Solver::apgd},
+                                                  {"jacobi", sim::Solver::jacobi},
+                                                  {"gauss_seidel", sim::Solver::gauss_seidel},
+                                                  {"bb", sim::Solver::bb}};
 const std::map<std::string, sim::Target> kTargets{{"ccp", sim::Target::ccp}, {"coulomb", sim::Target::coulomb}};
 
 template <class Value>

@@ -1,5 +1,7 @@
 // Simulation on an execution space: uploads, steps, downloads. Instantiated once in cpu.cpp and once in cuda.cu.
 #pragma once
+#include <algorithm>
+
 #include "sim/joint/store.h"
 #include "sim/simulation.h"
 #include "sim/world/step.h"
@@ -50,6 +52,8 @@ class SimulationOn final : public Simulation {
     r.contact_count = sums.contact_count;
     r.iterations = sums.iterations;
     r.flags = s_.flags.read(w);
+    r.fault = unpacked(s_.fault.read(w));
+    if (r.fault.flags != 0) r.fault.body = body_in_scene(w, r.fault.body);
     return r;
   }
 
@@ -166,6 +170,7 @@ class SimulationOn final : public Simulation {
     p.world = flat_[w].world;
     p.steps = s_.steps.read(w);
     p.flags = s_.flags.read(w);
+    p.fault = unpacked(s_.fault.read(w));
     p.position = s_.position.download(at.body, size.bodies);
     p.orientation = s_.orientation.download(at.body, size.bodies);
     p.velocity = s_.velocity.download(at.body, size.bodies);
@@ -204,6 +209,7 @@ class SimulationOn final : public Simulation {
     s_.mechanisms.motor_impulse.write(at.mechanisms.motors, from.motor_impulse);
     s_.steps.write(w, from.steps);
     s_.flags.write(w, from.flags);
+    s_.fault.write(w, packed(from.fault));
     s_.world_sums.write(w, WorldSums{});
     s_.element.restore(from.element, element_place(w));
     write_contacts(w, from);
@@ -222,6 +228,12 @@ class SimulationOn final : public Simulation {
 
  private:
   BodyIndex in_batch(WorldIndex w, BodyIndex b) const { return place_[w].body + flat_[w].place_of_body[b]; }
+
+  /// `place`: of a body in its world's arrays.
+  BodyIndex body_in_scene(WorldIndex w, Index place) const {
+    const auto& places = flat_[w].place_of_body;
+    return BodyIndex(std::find(places.begin(), places.end(), place) - places.begin());
+  }
 
   FlatMechanisms in_batch(WorldIndex w) const {
     return moved(flat_[w].mechanisms, place_[w].mechanisms, w, place_[w].body);
@@ -362,6 +374,7 @@ class SimulationOn final : public Simulation {
     s_.element.write(flat_[w].element, element_place(w));
     s_.steps.write(w, 0);
     s_.flags.write(w, 0);
+    s_.fault.write(w, kNoFault);
     s_.world_sums.write(w, WorldSums{});
     stepped_[w] = false;
   }
@@ -444,6 +457,7 @@ class SimulationOn final : public Simulation {
     s_.momentum.fill_zero(s_.world_count);
     for (auto* of_world : {&s_.flags, &s_.steps, &s_.tiles_of_world}) of_world->fill_zero(s_.world_count);
     s_.first_tile.fill_zero(s_.world_count + 1);
+    s_.fault.fill_zero(s_.world_count);
     gonogo::sim::allocate(s_.mechanisms, mechanism_total_);
     s_.element.allocate(s_.world_count, element_total_);
     s_.progress.fill_zero(1);

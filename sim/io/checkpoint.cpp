@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kGroup = "snapshot";
 constexpr const char* kFormat = "gonogo snapshot";
-constexpr std::int64_t kVersion = 2;
+constexpr std::int64_t kVersion = 3;
 
 /// Concatenated bytes of numbers, and of records that consist of numbers of one size.
 class Bytes {
@@ -39,7 +39,7 @@ static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 40 && sizeof(Shap
                   sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
                   sizeof(SceneWorld) == 720,
               "list the new fields in scene_hash");
-static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 824,
+static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 840,
               "store the new fields, load them and raise kVersion");
 
 void add(Bytes& b, const PairLaw& l) {
@@ -118,7 +118,7 @@ void add(Bytes& b, const SceneWorld& w) {
 }
 
 /// Everything about a world that is not a list of bodies or contacts; gravity and laws may change during a run.
-constexpr std::size_t kWorldNumbers = 12 + 6 * kMaxMaterials * kMaxMaterials, kWorldIntegers = 14;
+constexpr std::size_t kWorldNumbers = 12 + 6 * kMaxMaterials * kMaxMaterials, kWorldIntegers = 17;
 
 template <class Visit>
 void visit_numbers(WorldParameters& p, Visit&& visit) {
@@ -135,7 +135,8 @@ template <class Visit>
 void visit_integers(Snapshot& s, Visit&& visit) {
   WorldParameters& p = s.world;
   for (Index* i : {&s.steps, &s.flags, &p.bins[0], &p.bins[1], &p.bins[2], &p.first_bin, &p.first_body, &p.body_count,
-                   &p.first_shape, &p.shape_count, &p.first_large, &p.large_count, &p.first_motor, &p.motor_count})
+                   &p.first_shape, &p.shape_count, &p.first_large, &p.large_count, &p.first_motor, &p.motor_count,
+                   &s.fault.flags, &s.fault.step, &s.fault.body})
     visit(*i);
 }
 

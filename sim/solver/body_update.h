@@ -1,6 +1,6 @@
 // Velocities of bodies in an iteration.
 #pragma once
-#include "sim/solver/incidence.h"
+#include "sim/solver/colour.h"
 
 namespace gonogo::sim {
 
@@ -12,6 +12,20 @@ GONOGO_HD_INLINED Velocity driven_velocity(const Velocity& free, const BodyMass&
   v.angular = free.angular + (m.isotropic ? angular * m.inverse_inertia_B.x : inverse_inertia_W * angular);
   return v;
 }
+
+/// What a contact's change of impulse does at once to a body that the sweep moves.
+struct SweptBodies {
+  Incidence incidence;
+  View<const BodyMass> mass;
+  View<const SymMat3> inverse_inertia_W;
+  View<Velocity> velocity;
+
+  GONOGO_HD void move(BodyIndex b, const Vec3& arm, const Impulse& change, Real sign) const {
+    if (!is_swept(b, mass[b], incidence)) return;
+    const SymMat3 inertia = mass[b].isotropic ? SymMat3{} : inverse_inertia_W[b];
+    velocity[b] = driven_velocity(velocity[b], mass[b], inertia, change.linear * sign, moment(arm, change) * sign);
+  }
+};
 
 /// What a body has without impulses in the first part of a step. `change`: by gravity, spin and forces in a part.
 GONOGO_HD_INLINED Velocity begin_body(const Velocity& v, const Velocity& change, Velocity& free, Velocity& earlier) {

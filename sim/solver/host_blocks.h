@@ -1,5 +1,6 @@
 // Contacts as the host updates them: eight at once, field by field, each tile starting a new block.
 #pragma once
+#include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
 #include "sim/solver/tiles.h"
 
@@ -24,6 +25,12 @@ struct SolverStorage<Cpu> {
   Buffer<UpdateSums, Cpu> tile_sums;       // [tile]
   Buffer<WorldSums, Cpu> tile_measures;    // [tile]
   Buffer<Real, Cpu> motor_before;          // [motor] impulses of the update before [N m s]
+  Buffer<Index, Cpu> colour;               // [contact] for Gauss-Seidel, as many as `colours`
+  Index colours = 0;
+  Buffer<Velocity, Cpu> velocity_before;    // [body] of the update before, for spectral gradients
+  Buffer<SpectralStep, Cpu> length;         // [world]
+  Buffer<Momentum, Cpu> momentum_before;    // [world]
+  Buffer<SpectralSums, Cpu> spectral_sums;  // [tile]
 };
 
 /// Enlarges the buffers in the middle of the step that needs it.
@@ -44,6 +51,12 @@ inline void load_fields(const Record* const (&record)[kPackWidth], Fields& field
   transpose(m);
   auto* field = reinterpret_cast<PackInMemory*>(&fields);
   for (int f = 0; f < kPackWidth; ++f) field[f] = m[f];
+}
+
+inline void load_velocities(View<const Velocity> velocity, const BodyIndex (&body)[kPackWidth], VelocityT<Pack>& v) {
+  const Velocity* of_lane[kPackWidth];
+  for (int lane = 0; lane < kPackWidth; ++lane) of_lane[lane] = &velocity[body[lane]];
+  load_fields(of_lane, v);
 }
 
 /// From the contacts and their warm start to the blocks of one tile.
@@ -114,19 +127,23 @@ inline void scatter_wrenches(const ContactBlock& b, const ImpulseT<Pack>& p, Con
   for (Index lane = 0; lane < count; ++lane) *reinterpret_cast<PackInMemory*>(&wrench_b[b.slot_b[lane]]) = row[lane];
 }
 
-/// Wrenches of the warm start.
+/// Wrenches of a tile's impulses.
+inline void scatter_tile(const Tiles& tiles, View<const ContactBlock> block, Index tile, Index parity,
+                         View<Wrench> wrench_a, View<Wrench> wrench_b) {
+  const ContactRange range = tiles.contacts(tile);
+  for (Index first = range.begin; first < range.end; first += kPackWidth) {
+    const ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
+    scatter_wrenches(b, b.impulse[parity], first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
+  }
+}
+
+/// Of the warm start.
 struct ScatterTile {
   Tiles tiles;
   View<const ContactBlock> block;
   View<Wrench> wrench_a, wrench_b;
 
-  void operator()(Index tile) const {
-    const ContactRange range = tiles.contacts(tile);
-    for (Index first = range.begin; first < range.end; first += kPackWidth) {
-      const ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
-      scatter_wrenches(b, b.impulse[0], first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
-    }
-  }
+  void operator()(Index tile) const { scatter_tile(tiles, block, tile, 0, wrench_a, wrench_b); }
 };
 
 inline Real sum_lanes(const Pack& p) { return ((p[0] + p[1]) + (p[2] + p[3])) + ((p[4] + p[5]) + (p[6] + p[7])); }
@@ -160,14 +177,9 @@ struct UpdateTile {
   }
 
   ContactUpdate<Pack> update(ContactBlock& b, const Pack& beta, bool renew_slip) const {
-    const Velocity *of_a[kPackWidth], *of_b[kPackWidth];
-    for (int lane = 0; lane < kPackWidth; ++lane) {
-      of_a[lane] = &velocity[b.body_a[lane]];
-      of_b[lane] = &velocity[b.body_b[lane]];
-    }
     VelocityT<Pack> a, c;
-    load_fields(of_a, a);
-    load_fields(of_b, c);
+    load_velocities(velocity, b.body_a, a);
+    load_velocities(velocity, b.body_b, c);
     if (renew_slip) b.numbers.bias = b.gap_bias + b.numbers.mu * slip_speed(b.numbers, a, c);
     return accelerated_update<turning>(b.numbers, a, c, b.impulse[parity], b.impulse[1 - parity], beta);
   }

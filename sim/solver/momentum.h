@@ -5,7 +5,9 @@
 
 namespace gonogo::sim {
 
-enum class Solver : std::int32_t { apgd, jacobi };
+/// `apgd`: accelerated projected gradients; `jacobi`: plain ones; `gauss_seidel`: contact by contact, in colours
+/// (colour.h); `bb`: projected gradients of spectral length (spectral.h).
+enum class Solver : std::int32_t { apgd, jacobi, gauss_seidel, bb };
 
 /// What a solution satisfies: the convex relaxation of Anitescu, in which a sliding contact opens at mu |v_t|, or
 /// Coulomb's law, reached by iterating on that term (De Saxce & Feng 1998).

@@ -2,8 +2,7 @@
 #pragma once
 #include "sim/joint/motor.h"
 #include "sim/joint/project.h"
-#include "sim/solver/body_update.h"
-#include "sim/solver/host_blocks.h"
+#include "sim/solver/host_methods.h"
 #include "sim/solver/split.h"
 
 namespace gonogo::sim {
@@ -53,6 +52,7 @@ struct GatherVelocity {
   View<const Momentum> momentum;
   View<Velocity> velocity, extrapolated_velocity;
   View<Velocity> gathered;  // [mechanism body]; their velocities follow from ProjectMechanism
+  View<Velocity> before;    // of all bodies, or empty where the method needs none
   bool first;
 
   void operator()(BodyIndex b) const {
@@ -64,6 +64,7 @@ struct GatherVelocity {
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_a[i]);
     for (Index k = incidence.first_second[b]; k < incidence.first_second[b + 1]; ++k)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_b[k]);
+    if (before.size > 0) before[b] = velocity[b];
     Vec3 angular{sum[4], sum[5], sum[6]};
     const Index slot = mass[b].slot;
     if (slot >= 0) angular += motor_moment(slot);
@@ -200,11 +201,12 @@ inline void project_mechanisms(Cpu exec, State<Cpu>& s, bool first, bool carried
 }
 
 inline void gather(Cpu exec, State<Cpu>& s, bool first) {
-  for_each_index(exec, s.body_count,
-                 GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
-                                s.inverse_inertia_W.view(), motor_moment(s.mechanisms), s.free_velocity.view(),
-                                s.world_of_body.view(), s.momentum.view(), s.velocity.view(),
-                                s.extrapolated_velocity.view(), s.mechanisms.gathered.view(), first});
+  for_each_index(
+      exec, s.body_count,
+      GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
+                     s.inverse_inertia_W.view(), motor_moment(s.mechanisms), s.free_velocity.view(),
+                     s.world_of_body.view(), s.momentum.view(), s.velocity.view(), s.extrapolated_velocity.view(),
+                     s.mechanisms.gathered.view(), s.solver.velocity_before.view(), first});
   project_mechanisms(exec, s, first, false);
 }
 
@@ -233,6 +235,83 @@ void update_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
                  kTilesInParallel);
 }
 
+/// Each contact waits for those before it; see Colouring.
+inline void colour_contacts(Cpu exec, State<Cpu>& s, Index contacts) {
+  SolverStorage<Cpu>& own = s.solver;
+  own.colour.resize(s.contact_capacity);
+  std::fill_n(own.colour.view().begin(), contacts, kNoColour);
+  const Colouring all = colouring(s, own.colour.view());
+  bool waiting = true;
+  while (waiting) {
+    for_each_index(exec, contacts, [&](ContactIndex i) { all.try_colour(i); });
+    waiting = std::count(own.colour.view().begin(), own.colour.view().begin() + contacts, kNoColour) > 0;
+  }
+  own.colours =
+      contacts > 0 ? 1 + *std::max_element(own.colour.view().begin(), own.colour.view().begin() + contacts) : 0;
+}
+
+template <bool turning>
+void sweep_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
+  SolverStorage<Cpu>& own = s.solver;
+  const SweptBodies bodies{incidence(s), s.mass.view(), s.inverse_inertia_W.view(), s.extrapolated_velocity.view()};
+  for (Index colour = 0; colour < std::max<Index>(1, own.colours); ++colour)
+    for_each_index(exec, tile_count,
+                   SweepTile<turning>{tiles(s), own.block.view(), own.colour.view(), bodies, s.momentum.view(),
+                                      own.tile_sums.view(), parity, colour},
+                   kTilesInParallel);
+  for_each_index(
+      exec, tile_count,
+      ScatterSweep{tiles(s), own.block.view(), s.momentum.view(), own.wrench_a.view(), own.wrench_b.view(), 1 - parity},
+      kTilesInParallel);
+}
+
+template <bool turning>
+void spectral_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
+  SolverStorage<Cpu>& own = s.solver;
+  for_each_index(exec, tile_count,
+                 SpectralTile<turning>{tiles(s), own.block.view(), s.velocity.view(), own.velocity_before.view(),
+                                       s.momentum.view(), own.length.view(), own.wrench_a.view(), own.wrench_b.view(),
+                                       own.tile_sums.view(), own.spectral_sums.view(), parity},
+                 kTilesInParallel);
+}
+
+/// Update number `k` of all contacts.
+template <bool turning>
+void update_contacts(Cpu exec, State<Cpu>& s, Index tile_count, Index k, Solver solver) {
+  switch (solver) {
+    case Solver::apgd:
+    case Solver::jacobi:
+      return update_tiles<turning>(exec, s, tile_count, k & 1);
+    case Solver::gauss_seidel:
+      return sweep_tiles<turning>(exec, s, tile_count, k & 1);
+    case Solver::bb:
+      return spectral_tiles<turning>(exec, s, tile_count, k & 1);
+  }
+}
+
+inline void prepare_method(Cpu exec, State<Cpu>& s, Index tile_count, Solver solver) {
+  SolverStorage<Cpu>& own = s.solver;
+  if (solver == Solver::gauss_seidel) colour_contacts(exec, s, *contact_count(s).count);
+  if (solver != Solver::bb) return;
+  own.velocity_before.resize(s.body_count);
+  own.spectral_sums.resize(tile_count);
+  own.length.upload(std::vector<SpectralStep>(std::size_t(s.world_count)));
+}
+
+/// What the next update will do.
+inline void decide(Cpu exec, State<Cpu>& s, const IterationRules& rules) {
+  SolverStorage<Cpu>& own = s.solver;
+  if (rules.solver == Solver::bb) own.momentum_before.upload(s.momentum.download());
+  for_each_index(exec, s.world_count,
+                 DecideNextUpdate{s.first_tile.view(), own.tile_sums.view(), tiles(s), s.momentum.view(), rules},
+                 kTilesInParallel);
+  if (rules.solver == Solver::bb)
+    for_each_index(exec, s.world_count,
+                   DecideNextLength{s.first_tile.view(), own.spectral_sums.view(), own.momentum_before.view(),
+                                    s.momentum.view(), own.length.view(), rules},
+                   kTilesInParallel);
+}
+
 inline void measure(Cpu exec, State<Cpu>& s, Index tile_count, const StepSettings& settings) {
   View<Impulse> impulse = s.store[s.parity].impulse.view();
   for_each_index(exec, tile_count, StoreImpulses{tiles(s), s.solver.block.view(), s.momentum.view(), impulse},
@@ -254,6 +333,7 @@ inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
   const bool turning = s.turning;
   fill_blocks(exec, s, tile_count);
   for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
+  prepare_method(exec, s, tile_count, rules.solver);
   s.solver.motor_before.upload(s.mechanisms.motor_impulse.download());
   for_each_index(
       exec, s.body_count,
@@ -261,16 +341,15 @@ inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
   gather(exec, s, true);
   for (Index k = 0; !all_done(s, s.momentum.view()); ++k) {
     if (any_world(s, &Momentum::begins)) advance_tiles(exec, s, tile_count, settings);
-    turning ? update_tiles<true>(exec, s, tile_count, k & 1) : update_tiles<false>(exec, s, tile_count, k & 1);
+    turning ? update_contacts<true>(exec, s, tile_count, k, rules.solver)
+            : update_contacts<false>(exec, s, tile_count, k, rules.solver);
     for_each_index(exec, s.mechanisms.motor.size(),
                    UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
                                s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
                                s.solver.motor_before.view(), settings.substep()});
     gather(exec, s, false);
     if (any_world(s, &Momentum::ends)) carry_bodies(exec, s);
-    for_each_index(exec, s.world_count,
-                   DecideNextUpdate{s.first_tile.view(), s.solver.tile_sums.view(), tiles(s), s.momentum.view(), rules},
-                   kTilesInParallel);
+    decide(exec, s, rules);
   }
   measure(exec, s, tile_count, settings);
 }

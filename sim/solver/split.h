@@ -6,7 +6,7 @@
 // needed. A wheel a thousand times heavier than a grain adds little to S^-1 although it has hundreds of contacts: it
 // slows nobody down.
 #pragma once
-#include "sim/solver/incidence.h"
+#include "sim/solver/colour.h"
 
 namespace gonogo::sim {
 
@@ -56,12 +56,15 @@ struct SplitMasses {
   View<const Index> weight;  // [body] sum over its contacts
   View<const Impulse> impulse;
   View<Contact> contact;
+  Incidence incidence;
   Target target;
+  bool sweeps;  // Gauss-Seidel: a contact has all of a body that is updated contact by contact
 
   /// The motors of a mechanism take half of its bodies' masses, the contacts share the rest.
-  GONOGO_HD Real share(BodyIndex b) const {
+  GONOGO_HD Real share(BodyIndex b, Real own) const {
+    if (sweeps && is_swept(b, mass[b], incidence)) return 1;
     const bool driven = mass[b].slot >= 0 && jointed[mass[b].slot].driven != 0;
-    return Real(weight[b]) * (driven ? Real(2) : Real(1));
+    return Real(weight[b]) * (driven ? Real(2) : Real(1)) / own;
   }
 
   GONOGO_HD void operator()(ContactIndex i) const {
@@ -70,7 +73,7 @@ struct SplitMasses {
     const ConeStep a = inverse_mass_bound(c.arm_a, c.normal, mass[c.body_a], orientation[c.body_a], turning);
     const ConeStep b = inverse_mass_bound(c.arm_b, c.normal, mass[c.body_b], orientation[c.body_b], turning);
     const auto own = Real(contact_weight(c, impulse[i]));
-    const Real share_a = share(c.body_a) / own, share_b = share(c.body_b) / own;
+    const Real share_a = share(c.body_a, own), share_b = share(c.body_b, own);
     c.step.n = 1 / (share_a * a.n + share_b * b.n + c.softness);
     c.step.t = 1 / (share_a * a.t + share_b * b.t);
     c.step.r = turning ? 1 / (share_a * a.r + share_b * b.r) : Real(1);
@@ -100,10 +103,10 @@ GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, con
 
 template <class Exec>
 void split_masses(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  for_each_counted(
-      exec, contact_count(s),
-      SplitMasses{s.mass.view(), s.mechanisms.body.view(), s.orientation.view(), s.velocity.view(),
-                  s.contact_weight.view(), s.store[s.parity].impulse.view(), s.contact.view(), settings.target});
+  for_each_counted(exec, contact_count(s),
+                   SplitMasses{s.mass.view(), s.mechanisms.body.view(), s.orientation.view(), s.velocity.view(),
+                               s.contact_weight.view(), s.store[s.parity].impulse.view(), s.contact.view(),
+                               incidence(s), settings.target, settings.solver == Solver::gauss_seidel});
 }
 
 }  // namespace gonogo::sim

@@ -7,6 +7,7 @@
 #include "sim/joint/mechanism.h"
 #include "sim/shape/surface_store.h"
 #include "sim/solver/momentum.h"
+#include "sim/world/fault.h"
 
 namespace gonogo::sim {
 
@@ -77,13 +78,6 @@ GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
   const Vec3 &m = mass.inverse_mass, &i = mass.inverse_inertia_B;
   return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
 }
-
-/// Bits of the flag word of a world.
-enum StepFlag : Index {
-  flag_not_finite = 1,   // a velocity or place is not a number: smaller step or more iterations
-  flag_too_fast = 2,     // a body moves more than a bin in a step: smaller step
-  flag_left_domain = 4,  // a body fell out of the domain: deeper domain or rougher base
-};
 
 /// Sums over a world in one step.
 struct WorldSums {
@@ -211,6 +205,7 @@ struct State {
   Buffer<Momentum, Exec> momentum;                              // [world]
   Buffer<WorldSums, Exec> world_sums;
   Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
+  Buffer<PackedFault, Exec> fault;  // [world] the first one
   Buffer<Progress, Exec> progress;  // one
   ScanScratch<Exec> scratch, tile_scratch;
 

@@ -48,7 +48,9 @@ struct Integrate {
   View<const Velocity> velocity, earlier_velocity;
   View<Vec3d> position;
   View<Quat> orientation;
+  View<const Index> steps;
   View<Index> flags;
+  View<PackedFault> fault;
   StepSettings settings;
 
   GONOGO_HD void operator()(BodyIndex b) const {
@@ -73,7 +75,9 @@ struct Integrate {
     const Real reach = world[w].bin_size.x / settings.step;
     if (mass[b].inverse_mass.x > 0 && !(speed_square < reach * reach)) raised |= flag_too_fast;
     if (mass[b].inverse_mass.z > 0 && x.z < world[w].origin.z) raised |= flag_left_domain;
-    if (raised != 0) atomic_raise(flags[w], raised);
+    if (raised == 0) return;
+    atomic_raise(flags[w], raised);
+    atomic_least(fault[w], packed(Fault{raised, steps[w] + 1, b - world[w].first_body}));
   }
 };
 
@@ -117,7 +121,7 @@ void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(
       exec, s.body_count,
       Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.earlier_velocity.view(),
-                s.position.view(), s.orientation.view(), s.flags.view(), settings});
+                s.position.view(), s.orientation.view(), s.steps.view(), s.flags.view(), s.fault.view(), settings});
   update_monitors(exec, s, settings);
   for_each_index(exec, s.world_count, CountStep{s.steps.view(), s.progress.view()});
 }

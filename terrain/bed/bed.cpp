@@ -147,7 +147,8 @@ Packing settle_packing(const BedSpec& spec, int threads) {
   constexpr int batch = 100, most_batches = 100;
   for (int k = 0; k < most_batches; ++k) {
     simulation->advance(batch);
-    if (simulation->report(0).flags != 0) throw DeviceError("bed: a grain left the domain while settling");
+    if (const sim::StepReport report = simulation->report(0); report.flags != 0)
+      throw DeviceError("bed: settling failed: " + sim::description(report.fault, simulation->settings().step));
     packing.residual_speed = rms_speed(simulation->bodies(0), poured.size());
     if (k >= 4 && packing.residual_speed < quiet) break;
   }

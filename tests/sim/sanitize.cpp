@@ -283,7 +283,8 @@ TEST_CASE("all that the engine does gives the same bits again, and on the GPU wh
     Index substeps;
   };
   for (const Case& c : {Case{Solver::apgd, Target::ccp, 1}, Case{Solver::apgd, Target::coulomb, 2},
-                        Case{Solver::jacobi, Target::ccp, 1}}) {
+                        Case{Solver::jacobi, Target::ccp, 1}, Case{Solver::gauss_seidel, Target::coulomb, 2},
+                        Case{Solver::bb, Target::coulomb, 2}}) {
     const StepSettings settings = settings_with(c.solver, c.target, c.substeps);
     const Bodies on_cpu = exercised(Backend::cpu, settings);
     for (const Backend backend : backends()) {

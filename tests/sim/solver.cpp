@@ -116,8 +116,9 @@ SceneWorld random_scene(Kind kind, std::uint64_t seed, bool fixed_grains) {
   return w;
 }
 
-StepSettings cohesive_settings(Index iterations) {
+StepSettings cohesive_settings(Index iterations, Solver solver = Solver::apgd) {
   StepSettings s = settings_with(iterations);
+  s.solver = solver;
   s.cohesion_range = 1e-3f;
   return s;
 }
@@ -129,8 +130,8 @@ struct Comparison {
   std::size_t contacts = 0;
 };
 
-Comparison compare(Backend backend, const SceneWorld& w, Index iterations) {
-  const auto simulation = simulate(backend, w, cohesive_settings(iterations));
+Comparison compare(Backend backend, const SceneWorld& w, const StepSettings& settings) {
+  const auto simulation = simulate(backend, w, settings);
   simulation->advance(1);
   const DenseProblem problem = dense_problem(w, w.body, simulation->contacts(0), simulation->settings().step);
   const DenseSolution oracle = solve(problem, 1e-10, 40000);
@@ -152,30 +153,44 @@ Comparison compare(Backend backend, const SceneWorld& w, Index iterations) {
   return c;
 }
 
+/// `tolerance`: of a velocity, in parts of the largest kick.
+void check_velocities(Backend backend, Kind kind, const StepSettings& settings, const char* solver, double tolerance) {
+  double worst = 0;
+  std::size_t fewest = 1000, most = 0;
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    const Comparison c = compare(backend, random_scene(kind, seed, kind != Kind::wheel_on_rails), settings);
+    INFO(name_of(backend) << ", " << solver << ", " << kNames[int(kind)] << ", seed " << seed << ": " << c.contacts
+                          << " contacts, velocity error " << c.error << " m/s, largest kick " << c.kick
+                          << " m/s, residual of the oracle " << c.oracle_residual << ", of the engine "
+                          << c.engine_residual << " m/s");
+    REQUIRE(c.oracle_residual < 1e-9);
+    // A body's velocity is a sum of kicks that cancel: each is rounded to 6e-8, and stacked contacts amplify that
+    // some tens of times.
+    CHECK(c.error < tolerance * c.kick);
+    worst = std::max(worst, c.error);
+    fewest = std::min(fewest, c.contacts), most = std::max(most, c.contacts);
+  }
+  WARN(name_of(backend) << ", " << solver << ", " << kNames[int(kind)] << ": largest velocity error " << worst
+                        << " m/s over 8 scenes of " << fewest << " to " << most << " contacts");
+  CHECK(fewest >= 10);
+}
+
 }  // namespace
 
-TEST_CASE("the solver's velocities agree with a dense solution in double") {
+TEST_CASE("the velocities of every solver agree with a dense solution in double") {
+  const std::pair<const char*, StepSettings> methods[] = {
+      {"apgd", cohesive_settings(2000)},
+      {"gauss_seidel", cohesive_settings(2000, Solver::gauss_seidel)},
+      {"bb", cohesive_settings(2000, Solver::bb)},
+      {"jacobi", cohesive_settings(20000, Solver::jacobi)}};
   for (const Backend backend : backends())
-    for (const Kind kind : kKinds) {
-      double worst = 0;
-      std::size_t fewest = 1000, most = 0;
-      for (std::uint64_t seed = 0; seed < 8; ++seed) {
-        const Comparison c = compare(backend, random_scene(kind, seed, kind != Kind::wheel_on_rails), 2000);
-        INFO(name_of(backend) << ", " << kNames[int(kind)] << ", seed " << seed << ": " << c.contacts
-                              << " contacts, velocity error " << c.error << " m/s, largest kick " << c.kick
-                              << " m/s, residual of the oracle " << c.oracle_residual << ", of the engine "
-                              << c.engine_residual << " m/s");
-        REQUIRE(c.oracle_residual < 1e-9);
-        // A body's velocity is a sum of kicks that cancel: each is rounded to 6e-8, and stacked contacts amplify that
-        // some tens of times.
-        CHECK(c.error < 5e-6 * c.kick);
-        worst = std::max(worst, c.error);
-        fewest = std::min(fewest, c.contacts), most = std::max(most, c.contacts);
+    for (const auto& [name, settings] : methods)
+      for (const Kind kind : kKinds) {
+        // A grain wedged between fixed ones is pushed by thousands of m/s; only momentum settles that in so many
+        // iterations.
+        const bool wedged = kind == Kind::grains && settings.solver != Solver::apgd;
+        check_velocities(backend, kind, settings, name, wedged ? 5e-5 : 5e-6);
       }
-      WARN(name_of(backend) << ", " << kNames[int(kind)] << ": largest velocity error " << worst
-                            << " m/s over 8 scenes of " << fewest << " to " << most << " contacts");
-      CHECK(fewest >= 10);
-    }
 }
 
 TEST_CASE("mass splitting bounds the Hessian: the largest eigenvalue of S^1/2 N S^1/2 is at most one") {

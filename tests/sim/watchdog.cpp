@@ -94,6 +94,36 @@ TEST_CASE("a body that falls out of the domain is flagged, for good") {
   }
 }
 
+TEST_CASE("the first fault names its body and step, also after a restore") {
+  for (const Backend backend : backends()) {
+    const auto simulation = make_simulation(backend, two_worlds(), {}, 1);
+    simulation->advance(7);
+    CHECK(simulation->report(1).fault.flags == 0);
+    CHECK(description(simulation->report(1).fault, 1e-3).empty());
+    BodyState s = simulation->body(1, 2);
+    s.position.z = -0.2;
+    simulation->set_body(1, 2, s);
+    simulation->advance(3);
+    s = simulation->body(1, 1);
+    s.velocity.z = std::numeric_limits<Real>::quiet_NaN();
+    simulation->set_body(1, 1, s);
+    simulation->advance(2);
+    const Fault fault = simulation->report(1).fault;
+    INFO(name_of(backend));
+    CHECK(fault.body == 2);
+    CHECK(fault.step == 8);
+    CHECK(fault.flags == flag_left_domain);
+    CHECK(description(fault, 1e-3) == "body 2 in step 8 (at 0.008 s) has left the domain");
+    CHECK(simulation->report(0).fault.flags == 0);
+    const auto other = make_simulation(backend, two_worlds(), {}, 1);
+    other->restore(1, simulation->snapshot(1));
+    CHECK(other->report(1).fault.step == 8);
+    CHECK(other->report(1).fault.body == 2);
+    other->replace(1, two_worlds()[1]);
+    CHECK(other->report(1).fault.flags == 0);
+  }
+}
+
 TEST_CASE("a scene that cannot run is refused with a reason") {
   const StepSettings settings;
   CHECK_THROWS_AS(make_simulation(Backend::cpu, {}, settings, 1), InputError);

@@ -9,9 +9,12 @@ namespace gonogo::sim {
 inline constexpr Index kHubContacts = 48;
 
 /// `turning`: some contact resists rolling or spinning; `resident`: see residence.cuh; `parts`: a step may have
-/// several.
-template <bool turning, bool resident, bool parts>
+/// several; `method`: `apgd` stands for `jacobi` too, whose momentum is zero.
+template <bool turning, bool resident, bool parts, Solver method>
 class SolveKernel {
+  static constexpr bool sweeps = method == Solver::gauss_seidel, spectral = method == Solver::bb;
+  static_assert(!resident || method == Solver::apgd);
+
  public:
   GONOGO_DEVICE SolveKernel(const SolveViews& views, const Team& team, MechanismWork& work)
       : s(views), team_(team), work_(work) {
@@ -32,8 +35,10 @@ class SolveKernel {
       for (Index i = first_index(); i < *s.contact_total; i += stride()) pack(i);
     }
     for (Index b = first_index(); b < s.mass.size; b += stride()) prepare_body(b);
-    for (Index w = first_index(); w < s.momentum[0].size; w += stride())
+    for (Index w = first_index(); w < s.momentum[0].size; w += stride()) {
       store_words(s.momentum[0][w], first_momentum(s.rules));
+      if (spectral) s.length[w] = SpectralStep{};
+    }
     for (Index m = first_index(); m < s.motor.size; m += stride()) s.motor_before[m] = s.motor_impulse[m];
   }
 
@@ -55,9 +60,27 @@ class SolveKernel {
     }
   }
 
+  /// Once all blocks have prepared: each contact waits for those before it, all blocks being at work. See Colouring.
+  GONOGO_DEVICE void colour_contacts() {
+    if constexpr (sweeps) {
+      const Colouring all{s.incidence, s.mass, s.tiles.world, s.contact, s.colour};
+      for (bool waiting = true; waiting;) {
+        waiting = false;
+        for (Index i = first_index(); i < *s.contact_total; i += stride()) waiting = !all.try_colour(i) || waiting;
+      }
+      for (Index i = first_index(); i < *s.contact_total; i += stride()) atomicMax(s.colours, s.colour[i] + 1);
+    }
+  }
+
   /// Update number `k` of all tiles.
-  GONOGO_DEVICE void update_contacts(Index k) {
-    if constexpr (resident) {
+  GONOGO_DEVICE void update_contacts(Index k, GridBarrier& grid) {
+    if constexpr (sweeps) {
+      for (Index colour = 0; colour == 0 || colour < *s.colours; ++colour) {
+        if (colour > 0) grid.wait();
+        for (Index tile = team_.index; tile < s.tiles.count(); tile += team_.count)
+          sweep_tile(s.tiles.tile[tile], tile, k, colour);
+      }
+    } else if constexpr (resident) {
       if (tile().world >= 0) update_tile(tile(), team_.index, k);
     } else {
       for (Index tile = team_.index; tile < s.tiles.count(); tile += team_.count)
@@ -189,6 +212,7 @@ class SolveKernel {
     const Impulse start = s.impulse[i];
     store_impulse(0, i, start);
     store_impulse(1, i, start);
+    if (sweeps) s.colour[i] = kNoColour;
   }
 
   GONOGO_DEVICE void prepare_body(BodyIndex b) {
@@ -240,10 +264,43 @@ class SolveKernel {
       a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
     }
     UpdateSums sums;
-    if (mine) sums = update_contact(i, a, b, m, k & 1);
-    sums.uphill = team_.sum(sums.uphill);
+    if constexpr (spectral) {
+      SpectralSums spectral_sums;
+      if (mine) spectral_sums = update_spectrally(i, a, b, m, k & 1, sums);
+      spectral_sums = team_.sum(spectral_sums);
+      if (team_.rank == 0) s.spectral_sums[tile] = spectral_sums;
+    } else {
+      if (mine) sums = update_contact(i, a, b, m, k & 1);
+      sums.uphill = team_.sum(sums.uphill);
+    }
     if (m.test) sums.residual_square = team_.sum(sums.residual_square);
     if (team_.rank == 0) s.tile_sums[tile] = sums;
+  }
+
+  /// The contacts of one colour. What they do to bodies counts at once.
+  GONOGO_DEVICE void sweep_tile(const Tile& t, Index tile, Index k, Index colour) {
+    const Momentum m = s.momentum[k & 1][t.world];
+    if (m.done) return;
+    const ContactIndex i = t.contacts.begin + team_.rank;
+    const bool mine = i < t.contacts.end && s.colour[i] == colour;
+    double residual = 0;
+    if (mine) {
+      const PairRecord bodies = pair(i);
+      if (parts && m.begins) advance_contact(i, bodies, m);
+      const Impulse before = own_impulse(k & 1, i);
+      residual = update_contact(i, s.extrapolated_velocity[bodies.a], s.extrapolated_velocity[bodies.b], m, k & 1)
+                     .residual_square;
+      const Impulse after = own_impulse(1 - (k & 1), i);
+      const Impulse change{after.linear - before.linear, 0, after.angular - before.angular, 0};
+      const ContactNumbers<Real> c = unpack(i);
+      const SweptBodies swept{s.incidence, s.mass, s.inverse_inertia_W, s.extrapolated_velocity};
+      swept.move(bodies.a, c.arm_a, change, 1);
+      swept.move(bodies.b, c.arm_b, change, -1);
+    }
+    if (m.test) residual = team_.sum(residual);
+    if (team_.rank == 0)
+      s.tile_sums[tile].residual_square = residual + (colour > 0 ? s.tile_sums[tile].residual_square : 0);
+    if (team_.rank == 0) s.tile_sums[tile].uphill = 0;
   }
 
   GONOGO_DEVICE Velocity extrapolated_velocity(BodyIndex b) const {
@@ -268,10 +325,28 @@ class SolveKernel {
       c.bias = s.contact[i].gap_bias + c.mu * slip_speed<Real>(c, a, b);
       frame(i).bias = c.bias;
     }
-    const ContactUpdate<Real> u =
-        accelerated_update<turning, Real>(c, a, b, own_impulse(now, i), own_impulse(1 - now, i), m.beta);
+    // A sweep has no momentum, and its velocities move on under way.
+    const ContactUpdate<Real> u = accelerated_update<turning, Real>(c, a, b, own_impulse(now, i),
+                                                                    own_impulse(1 - now, i), sweeps ? Real(0) : m.beta);
     store_impulse(1 - now, i, u.impulse);
     return {u.uphill, m.test ? residual_square<turning, Real>(c, u) : Real(0)};
+  }
+
+  GONOGO_DEVICE SpectralSums update_spectrally(ContactIndex i, const Velocity& a, const Velocity& b, const Momentum& m,
+                                               Index now, UpdateSums& sums) {
+    ContactNumbers<Real> c = unpack(i);
+    if (m.renew_slip) {
+      c.bias = s.contact[i].gap_bias + c.mu * slip_speed<Real>(c, a, b);
+      frame(i).bias = c.bias;
+    }
+    const PairRecord bodies = pair(i);
+    const Real length = Real(s.length[s.contact[i].world].length);
+    const SpectralUpdate<Real> u =
+        spectral_update<turning, Real>(c, a, b, s.velocity_before[bodies.a], s.velocity_before[bodies.b],
+                                       own_impulse(now, i), own_impulse(1 - now, i), length);
+    store_impulse(1 - now, i, u.update.impulse);
+    if (m.test) sums.residual_square = residual_square<turning, Real>(c, u.update);
+    return {u.sums.change_square, u.sums.curvature, u.sums.gradient_square, u.sums.rise};
   }
 
   GONOGO_DEVICE void add_contact(const HalfContact& half, Index store, Vec3& linear, Vec3& angular) const {
@@ -341,6 +416,7 @@ class SolveKernel {
                                   const Momentum& m, Index k, Velocity& free, Velocity& now) {
     if (k < 0) free = begin_body(s, b);
     const Velocity before = now;
+    if (spectral) s.velocity_before[b] = before;
     now = driven(s, b, free, mass, linear, angular);
     const bool carries = parts && k >= 0 && m.ends;
     if (carries) now = sum(now, carry_body(s, b, now, free));
@@ -359,10 +435,20 @@ class SolveKernel {
       sums.uphill = team_.sum(sums.uphill);
       if (m.test) sums.residual_square = team_.sum(sums.residual_square);
       const ContactRange r = contacts_of_world(s.tiles.world[w], s.tiles.first_contact);
+      const Momentum present = m;
       decide_next_update(m, sums, r.end - r.begin, s.rules);
+      if constexpr (spectral) decide_length(w, present, m);
       if (m.done && team_.rank == 0) atomicAdd(s.barrier, GridBarrier::kWorldDone);
     }
     if (team_.rank == 0) store_words(s.momentum[(k + 1) & 1][w], m);
+  }
+
+  GONOGO_DEVICE void decide_length(WorldIndex w, const Momentum& present, const Momentum& next) {
+    SpectralSums sums;
+    for (Index t = s.tiles.first_tile[w] + team_.rank; t < s.tiles.first_tile[w + 1]; t += kTileSize)
+      sums += s.spectral_sums[t];
+    sums = team_.sum(sums);
+    if (team_.rank == 0) decide_next_length(s.length[w], sums, present, next, s.rules);
   }
 
   GONOGO_DEVICE void measure_tile(Index tile, Index k) {

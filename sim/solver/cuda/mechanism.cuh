@@ -68,6 +68,7 @@ class MechanismMover {
     if (number < 6 * m.body_count) {
       const Real next = projected(m, map, number);
       set_velocity(number, next, k < 0 ? next : multiply_add(now.next_beta, next - before, next));
+      if (s.velocity_before.size > 0) component(s.velocity_before[work_.body[number / 6]], number % 6) = before;
     }
     if (parts && k >= 0 && now.ends) carry(m, map, free);
   }

@@ -4,6 +4,7 @@
 #include "sim/joint/motor.h"
 #include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
+#include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
 #include "sim/solver/tiles.h"
 
@@ -54,11 +55,15 @@ struct SolverStorage<Cuda> {
   Buffer<HalfContact, Cuda> half;            // [contact * 2]
   Buffer<HalfRange, Cuda> of_body;           // into half
   Buffer<BodyIndex, Cuda> hub;               // bodies with so many contacts that a warp sums them
-  Buffer<unsigned long long, Cuda> counter;  // of the barrier, and of hubs
+  Buffer<unsigned long long, Cuda> counter;  // of the barrier, of hubs and of colours
   Buffer<UpdateSums, Cuda> tile_sums;
   Buffer<WorldSums, Cuda> tile_measures, body_tile_measures;
   Buffer<Momentum, Cuda> other_momentum;  // [world]
   Buffer<Real, Cuda> motor_before;
+  Buffer<Index, Cuda> colour;              // [contact] for Gauss-Seidel
+  Buffer<Velocity, Cuda> velocity_before;  // [body] of the update before, for spectral gradients
+  Buffer<SpectralStep, Cuda> length;       // [world]
+  Buffer<SpectralSums, Cuda> spectral_sums;
 };
 
 /// What the kernel works on.
@@ -103,6 +108,13 @@ struct SolveViews {
   Index* hub_count;
   View<UpdateSums> tile_sums;
   View<WorldSums> tile_measures, body_tile_measures;
+
+  // Of the methods that use them; empty otherwise.
+  View<Index> colour;
+  Index* colours;  // how many
+  View<Velocity> velocity_before;
+  View<SpectralStep> length;
+  View<SpectralSums> spectral_sums;
 };
 
 /// Body b at the beginning of the step: its velocity without impulses.

@@ -1,6 +1,7 @@
 // Threads that work on one tile.
 #pragma once
 #include "base/words.h"
+#include "sim/solver/spectral.h"
 #include "sim/solver/tiles.h"
 #include "sim/world/state.h"
 
@@ -34,6 +35,9 @@ struct Team {
   }
   GONOGO_DEVICE double most(double value) const {
     return reduce(value, [](double a, double b) { return std::fmax(a, b); });
+  }
+  GONOGO_DEVICE SpectralSums sum(const SpectralSums& value) const {
+    return {sum(value.change_square), sum(value.curvature), sum(value.gradient_square), sum(value.rise)};
   }
   GONOGO_DEVICE WorldSums sum(const WorldSums& value) const {
     WorldSums total;

@@ -1,0 +1,180 @@
+// The iteration on the GPU: all updates of a step in one cooperative kernel, so that nothing waits for launches or for
+// the host. One block per multiprocessor keeps the grid-wide barriers cheap, which stand where the stages of
+// solve_host.h end; its threads work in teams of one tile each. Where all contacts have threads of their own, they stay
+// on the multiprocessors (residence.cuh).
+#pragma once
+#include "sim/solver/cuda/kernel.cuh"
+
+namespace gonogo::sim {
+
+/// On the device a step that lacks room is given up and taken again; see Progress.
+inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
+
+/// All iterations of a step.
+template <bool turning, bool resident, bool parts, Solver method>
+GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismWork& work) {
+  GridBarrier grid(views.barrier);
+  SolveKernel<turning, resident, parts, method> kernel(views, team, work);
+  kernel.prepare();
+  grid.wait();
+  kernel.hold_bodies();
+  kernel.colour_contacts();
+  kernel.move_bodies(-1);
+  kernel.move_mechanisms(-1);
+  grid.wait();
+  Index k = 0;
+  for (Index worlds_done = 0; worlds_done < views.momentum[0].size; ++k) {
+    kernel.update_contacts(k, grid);
+    kernel.update_motors(k);
+    grid.wait();
+    kernel.move_mechanisms(k);
+    kernel.move_bodies(k);
+    kernel.decide(k);
+    worlds_done = grid.wait();
+  }
+  kernel.measure(k);
+  grid.wait();
+  kernel.add_measures(k);
+}
+
+/// From the warm start in the step's contact store to the velocities and impulses at the end of the step. `may_reside`:
+/// the blocks have been given the memory for it.
+template <bool turning, bool parts, Solver method>
+__global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant__ SolveViews views, bool may_reside) {
+  __shared__ double scratch[kTeamsPerBlock][kTileSize / 32];
+  __shared__ __align__(16) std::uint8_t work_bytes[kTeamsPerBlock][sizeof(MechanismWork)];
+  if (*views.halted != 0) return;
+  const Index in_block = threadIdx.x / kTileSize;
+  const Team team{in_block, Index(threadIdx.x % kTileSize), Index(in_block * gridDim.x + blockIdx.x),
+                  Index(kTeamsPerBlock * gridDim.x), scratch[in_block]};
+  MechanismWork& work = *reinterpret_cast<MechanismWork*>(work_bytes[in_block]);
+  const bool all_fit = views.tiles.count() <= team.count && kLanesPerBody * views.mass.size <= team.count * kTileSize &&
+                       views.projection.mechanism.size <= Index(gridDim.x);
+  if constexpr (method == Solver::apgd) {
+    if (may_reside && all_fit) return iterate<turning, true, parts, method>(views, team, work);
+  }
+  iterate<turning, false, parts, method>(views, team, work);
+}
+
+inline bool is_accelerated(Solver solver) { return solver == Solver::apgd || solver == Solver::jacobi; }
+
+inline void reserve_solver(State<Cuda>& s, const StepSettings& settings) {
+  SolverStorage<Cuda>& own = s.solver;
+  own.frame.resize(s.contact_capacity);
+  own.cone.resize(s.contact_capacity);
+  own.central.resize(s.contact_capacity);
+  own.arms.resize(s.contact_capacity);
+  own.pair.resize(s.contact_capacity);
+  if (settings.substeps > 1 || !is_accelerated(settings.solver)) own.gap.resize(s.contact_capacity);
+  for (auto& of_contact : own.linear) of_contact.resize(s.contact_capacity);
+  if (s.turning || !is_accelerated(settings.solver)) {
+    own.turn.resize(s.contact_capacity);
+    for (auto& of_contact : own.angular) of_contact.resize(s.contact_capacity);
+  }
+  own.half.resize(2 * std::size_t(s.contact_capacity));
+  own.of_body.resize(s.body_count);
+  own.hub.resize(s.body_count);
+  own.counter.resize(3);
+  own.tile_sums.resize(tile_capacity(s));
+  own.tile_measures.resize(tile_capacity(s));
+  own.body_tile_measures.resize(s.world_of_body_tile.size());
+  own.other_momentum.resize(s.world_count);
+  own.motor_before.resize(s.mechanisms.motor.size());
+  if (settings.solver == Solver::gauss_seidel) own.colour.resize(s.contact_capacity);
+  if (settings.solver != Solver::bb) return;
+  own.velocity_before.resize(s.body_count);
+  own.length.resize(s.world_count);
+  own.spectral_sums.resize(tile_capacity(s));
+}
+
+inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
+  SolverStorage<Cuda>& own = s.solver;
+  return {tiles(s),
+          incidence(s),
+          settings,
+          settings.rules(),
+          exec.halted,
+          contact_count(s).count,
+          s.contact.view(),
+          s.mass.view(),
+          s.orientation.view(),
+          s.inverse_inertia_W.view(),
+          s.velocity_change.view(),
+          s.world_of_body.view(),
+          s.world_of_body_tile.view(),
+          s.first_body_tile.view(),
+          projection(s.mechanisms),
+          motor_moment(s.mechanisms),
+          s.mechanisms.gathered.view(),
+          s.mechanisms.motor.view(),
+          s.mechanisms.drive.view(),
+          s.mechanisms.motor_impulse.view(),
+          own.motor_before.view(),
+          s.free_velocity.view(),
+          s.velocity.view(),
+          s.extrapolated_velocity.view(),
+          s.part_velocity.view(),
+          s.earlier_velocity.view(),
+          {s.momentum.view(), own.other_momentum.view()},
+          s.store[s.parity].impulse.view(),
+          s.world_sums.view(),
+          own.frame.view(),
+          own.cone.view(),
+          own.turn.view(),
+          own.central.view(),
+          own.arms.view(),
+          own.pair.view(),
+          own.gap.view(),
+          {own.linear[0].view(), own.linear[1].view()},
+          {own.angular[0].view(), own.angular[1].view()},
+          s.second_slot.view(),
+          own.half.view(),
+          own.of_body.view(),
+          own.hub.view(),
+          own.counter.data(),
+          reinterpret_cast<Index*>(own.counter.data() + 1),
+          own.tile_sums.view(),
+          own.tile_measures.view(),
+          own.body_tile_measures.view(),
+          own.colour.view(),
+          reinterpret_cast<Index*>(own.counter.data() + 2),
+          own.velocity_before.view(),
+          own.length.view(),
+          own.spectral_sums.view()};
+}
+
+inline int device_attribute(cudaDeviceAttr attribute) {
+  int device = 0, value = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  check_cuda(cudaDeviceGetAttribute(&value, attribute, device), "device attribute");
+  return value;
+}
+
+/// One block per multiprocessor, and no more than there is work for: a barrier costs less with fewer.
+inline Index grid_size(const State<Cuda>& s) {
+  const Index work = std::max(tile_capacity(s), (s.body_count + kTileSize - 1) / kTileSize);
+  return std::min<Index>(work, device_attribute(cudaDevAttrMultiProcessorCount));
+}
+
+template <bool turning, bool parts, Solver method = Solver::apgd>
+void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
+  const auto kernel = solve_kernel<turning, parts, method>;
+  SolveViews views = solve_views(exec, s, settings);
+  constexpr std::size_t room = sizeof(Residence);
+  const std::size_t offered = device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
+  // Whether the contacts fit too is known on the device only.
+  bool may_reside = is_accelerated(method) && kLanesPerBody * s.body_count <= kBlockSize * grid_size(s) &&
+                    offered >= room + kTeamsPerBlock * sizeof(MechanismWork) + 1024;
+  if (may_reside)
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room)),
+               "shared memory of the solver");
+  void* arguments[] = {&views, &may_reside};
+  check_cuda(cudaLaunchCooperativeKernel(kernel, dim3(grid_size(s)), dim3(kBlockSize), arguments, may_reside ? room : 0,
+                                         stream_of(exec)),
+             "solver launch");
+}
+
+/// By Gauss-Seidel or spectral gradients; compiled apart, in methods.cu.
+void solve_otherwise(Cuda exec, State<Cuda>& s, const StepSettings& settings);
+
+}  // namespace gonogo::sim

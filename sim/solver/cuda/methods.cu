@@ -1,0 +1,13 @@
+// The methods that are there for comparison on the GPU: one kernel each, for contacts of every kind and steps in parts.
+#include "sim/solver/cuda/launch.cuh"
+
+namespace gonogo::sim {
+
+void solve_otherwise(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
+  if (settings.solver == Solver::gauss_seidel)
+    launch_solve<true, true, Solver::gauss_seidel>(exec, s, settings);
+  else
+    launch_solve<true, true, Solver::bb>(exec, s, settings);
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,141 @@
+// Updates of the host's tiles by the methods that are not accelerated: Gauss-Seidel and spectral gradients.
+#pragma once
+#include "sim/solver/body_update.h"
+#include "sim/solver/host_blocks.h"
+
+namespace gonogo::sim {
+
+inline ContactNumbers<Real> lane_of(const ContactNumbers<Pack>& numbers, Index lane) {
+  constexpr int count = sizeof(ContactNumbers<Real>) / sizeof(Real);
+  Real field[count];
+  const auto* packed = reinterpret_cast<const Real*>(&numbers);
+  for (int f = 0; f < count; ++f) field[f] = packed[f * kPackWidth + lane];
+  ContactNumbers<Real> result;
+  std::memcpy(static_cast<void*>(&result), field, sizeof field);
+  return result;
+}
+
+inline Impulse lane_of(const ImpulseT<Pack>& p, Index lane) {
+  return {{p.linear.x[lane], p.linear.y[lane], p.linear.z[lane]},
+          0,
+          {p.angular.x[lane], p.angular.y[lane], p.angular.z[lane]},
+          0};
+}
+
+inline void set_lane(ImpulseT<Pack>& p, Index lane, const Impulse& to) {
+  p.linear.x[lane] = to.linear.x, p.linear.y[lane] = to.linear.y, p.linear.z[lane] = to.linear.z;
+  p.angular.x[lane] = to.angular.x, p.angular.y[lane] = to.angular.y, p.angular.z[lane] = to.angular.z;
+}
+
+/// The contacts of one colour in a tile. What they do to bodies counts at once.
+template <bool turning>
+struct SweepTile {
+  Tiles tiles;
+  View<ContactBlock> block;
+  View<const Index> colour;  // [contact]
+  SweptBodies bodies;
+  View<const Momentum> momentum;
+  View<UpdateSums> sums;  // [tile] over all colours
+  Index parity, present;  // colour
+
+  void operator()(Index tile) const {
+    const Momentum& m = momentum[tiles.tile[tile].world];
+    if (m.done) return;
+    const ContactRange range = tiles.contacts(tile);
+    if (present == 0) sums[tile] = {};
+    for (ContactIndex i = range.begin; i < range.end; ++i)
+      if (colour[i] == present) update(tile, i - range.begin, m);
+  }
+
+  void update(Index tile, Index in_tile, const Momentum& m) const {
+    const Index lane = in_tile % kPackWidth;
+    ContactBlock& block_of = block[tile * kBlocksPerTile + in_tile / kPackWidth];
+    const BodyIndex body_a = block_of.body_a[lane], body_b = block_of.body_b[lane];
+    const Velocity a = bodies.velocity[body_a], b = bodies.velocity[body_b];
+    ContactNumbers<Real> c = lane_of(block_of.numbers, lane);
+    if (m.renew_slip) block_of.numbers.bias[lane] = c.bias = block_of.gap_bias[lane] + c.mu * slip_speed<Real>(c, a, b);
+    const Impulse now = lane_of(block_of.impulse[parity], lane);
+    const ContactUpdate<Real> u = accelerated_update<turning, Real>(c, a, b, now, now, Real(0));
+    if (m.test) sums[tile].residual_square += residual_square<turning, Real>(c, u);
+    set_lane(block_of.impulse[1 - parity], lane, u.impulse);
+    const Impulse change{u.impulse.linear - now.linear, 0, u.impulse.angular - now.angular, 0};
+    bodies.move(body_a, c.arm_a, change, 1);
+    bodies.move(body_b, c.arm_b, change, -1);
+  }
+};
+
+/// Wrenches of the latest impulses.
+struct ScatterSweep {
+  Tiles tiles;
+  View<const ContactBlock> block;
+  View<const Momentum> momentum;
+  View<Wrench> wrench_a, wrench_b;
+  Index latest;
+
+  void operator()(Index tile) const {
+    if (!momentum[tiles.tile[tile].world].done) scatter_tile(tiles, block, tile, latest, wrench_a, wrench_b);
+  }
+};
+
+/// One spectral update of all contacts of a tile.
+template <bool turning>
+struct SpectralTile {
+  Tiles tiles;
+  View<ContactBlock> block;
+  View<const Velocity> velocity, velocity_before;
+  View<const Momentum> momentum;
+  View<const SpectralStep> length;  // [world]
+  View<Wrench> wrench_a, wrench_b;
+  View<UpdateSums> sums;
+  View<SpectralSums> spectral_sums;  // [tile]
+  Index parity;
+
+  void operator()(Index tile) const {
+    const WorldIndex w = tiles.tile[tile].world;
+    const Momentum& m = momentum[w];
+    if (m.done) return;
+    const ContactRange range = tiles.contacts(tile);
+    const Pack step = constant<Pack>(Real(length[w].length));
+    UpdateSums s;
+    SpectralSums spectral;
+    for (Index first = range.begin; first < range.end; first += kPackWidth) {
+      ContactBlock& b = block[tile * kBlocksPerTile + (first - range.begin) / kPackWidth];
+      const SpectralUpdate<Pack> u = update(b, step, m.renew_slip != 0);
+      if (m.test) s.residual_square += sum_lanes(residual_square<turning>(b.numbers, u.update));
+      b.impulse[1 - parity] = u.update.impulse;
+      scatter_wrenches(b, u.update.impulse, first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
+      spectral += SpectralSums{sum_lanes(u.sums.change_square), sum_lanes(u.sums.curvature),
+                               sum_lanes(u.sums.gradient_square), sum_lanes(u.sums.rise)};
+    }
+    sums[tile] = s;
+    spectral_sums[tile] = spectral;
+  }
+
+  SpectralUpdate<Pack> update(ContactBlock& b, const Pack& step, bool renew_slip) const {
+    VelocityT<Pack> a, c, a0, c0;
+    load_velocities(velocity, b.body_a, a);
+    load_velocities(velocity, b.body_b, c);
+    load_velocities(velocity_before, b.body_a, a0);
+    load_velocities(velocity_before, b.body_b, c0);
+    if (renew_slip) b.numbers.bias = b.gap_bias + b.numbers.mu * slip_speed(b.numbers, a, c);
+    return spectral_update<turning, Pack>(b.numbers, a, c, a0, c0, b.impulse[parity], b.impulse[1 - parity], step);
+  }
+};
+
+/// Adds a world's tiles in order and decides the length of its next step, once its next update is decided.
+struct DecideNextLength {
+  View<const Index> first_tile;
+  View<const SpectralSums> sums;
+  View<const Momentum> before, next;
+  View<SpectralStep> length;
+  IterationRules rules;
+
+  void operator()(WorldIndex w) const {
+    if (before[w].done) return;
+    SpectralSums total;
+    for (Index t = first_tile[w]; t < first_tile[w + 1]; ++t) total += sums[t];
+    decide_next_length(length[w], total, before[w], next[w], rules);
+  }
+};
+
+}  // namespace gonogo::sim

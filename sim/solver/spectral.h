@@ -1,0 +1,110 @@
+// The spectral projected gradient method (`bb`): projected steps of a length taken from how the gradient changed along
+// the step before (Barzilai & Borwein 1988; projected: Birgin, Martinez, Raydan 2000). Lengths count in steps of mass
+// splitting, of which one never overshoots, so there is no line search: when the objective has risen above its running
+// mean (Zhang & Hager 2004), steps of length one follow until it is below. A length serves one update late, because its
+// sums come at the end of an update (gradient method with retards, Friedlander et al. 1999).
+#pragma once
+#include "sim/contact/contact.h"
+#include "sim/solver/momentum.h"
+
+namespace gonogo::sim {
+
+/// Longest step, in steps of mass splitting.
+inline constexpr double kLongestStep = 100;
+/// Weight of the past in the mean that the objective is held against.
+inline constexpr double kMemory = 0.85;
+
+/// How an iterate differs from the one before, summed over the contacts of a world. s: change of the impulses, y: of
+/// the gradient, S: step sizes of mass splitting.
+template <class T>
+struct SpectralSumsT {
+  T change_square{};    // s . S^-1 s [J]
+  T curvature{};        // s . y [J]
+  T gradient_square{};  // y . S y [J]
+  T rise{};             // of the objective [J]
+};
+using SpectralSums = SpectralSumsT<double>;
+
+GONOGO_HD inline SpectralSums& operator+=(SpectralSums& a, const SpectralSums& b) {
+  a.change_square += b.change_square;
+  a.curvature += b.curvature;
+  a.gradient_square += b.gradient_square;
+  a.rise += b.rise;
+  return a;
+}
+
+/// State of a world's iteration in one step.
+struct alignas(16) SpectralStep {
+  double length = 1;  // of the present update
+  double objective = 0, mean = 0, weight = 1;
+};
+
+/// From the sums of update number `m.updates` to the length of the next. `m`: before the update is counted; `next`:
+/// after.
+GONOGO_HD inline void decide_next_length(SpectralStep& step, const SpectralSums& sums, const Momentum& m,
+                                         const Momentum& next, const IterationRules& rules) {
+  const bool first = m.iterations == 0;  // of a part: the iterate before belongs to another objective
+  if (first) {
+    step.objective = step.mean = 0;
+    step.weight = 1;
+  }
+  bool rose = false;
+  if (!first && sums.curvature > 0) {
+    step.objective += sums.rise;
+    rose = step.objective > step.mean;
+    step.mean = (kMemory * step.weight * step.mean + step.objective) / (kMemory * step.weight + 1);
+    step.weight = kMemory * step.weight + 1;
+    const double length =
+        m.updates % 2 == 0 ? sums.change_square / sums.curvature : sums.curvature / sums.gradient_square;
+    step.length = std::fmin(std::fmax(length, 1.0), kLongestStep);
+  }
+  // A test measures the unscaled step, and the last update leaves no overshoot behind.
+  const bool last = next.iterations + 1 >= rules.most_iterations;
+  if (rose || last || next.test != 0 || !(step.length >= 1)) step.length = 1;
+}
+
+/// One update and what it tells of the iterate it starts from. `a0`, `b0`: velocities of the iterate before.
+template <class T>
+struct SpectralUpdate {
+  ContactUpdate<T> update;
+  SpectralSumsT<T> sums;
+};
+
+template <bool turning, class T>
+GONOGO_HD_INLINED SpectralSumsT<T> spectral_sums(const ContactNumbers<T>& c, const ContactGradient<T>& now,
+                                                 const ContactGradient<T>& before, const ImpulseT<T>& p,
+                                                 const ImpulseT<T>& p0) {
+  const Vec3T<T> s = p.linear - p0.linear, y = now.linear - before.linear;
+  const T s_n = dot(s, c.normal), y_n = dot(y, c.normal);
+  const Vec3T<T> s_t = s - c.normal * s_n, y_t = y - c.normal * y_n;
+  SpectralSumsT<T> sums;
+  sums.change_square = s_n * s_n / c.step.n + dot(s_t, s_t) / c.step.t;
+  sums.gradient_square = y_n * y_n * c.step.n + dot(y_t, y_t) * c.step.t;
+  sums.curvature = dot(s, y);
+  T slope = dot(s, now.linear);
+  if constexpr (turning) {
+    const Vec3T<T> turn = p.angular - p0.angular, turned = now.angular - before.angular;
+    sums.change_square += dot(turn, turn) / c.step.r;
+    sums.gradient_square += dot(turned, turned) * c.step.r;
+    sums.curvature += dot(turn, turned);
+    slope += dot(turn, now.angular);
+  }
+  sums.rise = slope - constant<T>(Real(0.5)) * sums.curvature;
+  return sums;
+}
+
+template <bool turning, class T>
+GONOGO_HD_INLINED SpectralUpdate<T> spectral_update(const ContactNumbers<T>& c, const VelocityT<T>& a,
+                                                    const VelocityT<T>& b, const VelocityT<T>& a0,
+                                                    const VelocityT<T>& b0, const ImpulseT<T>& now,
+                                                    const ImpulseT<T>& before, const T& length) {
+  const ContactGradient<T> gradient = contact_gradient(c, a, b, now);
+  SpectralUpdate<T> u;
+  u.sums = spectral_sums<turning, T>(c, gradient, contact_gradient(c, a0, b0, before), now, before);
+  u.update.from = now;
+  const ConeStepT<T> step{c.step.n * length, c.step.t * length, c.step.r * length};
+  u.update.impulse = projected_step<turning, T>(c, now, gradient, step);
+  return u;
+}
+
+}  // namespace gonogo::sim
