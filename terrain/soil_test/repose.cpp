@@ -8,9 +8,10 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr double kStepsPerTime = 50;    // in sqrt(d / g)
-constexpr double kRestTime = 10;        // waited at most so many times the height's own time sqrt(h / g)
-constexpr std::int32_t kWallGroup = 1;  // walls, gate, base and pit never touch each other
+constexpr double kStepsPerTime = 50;        // in sqrt(d / g)
+constexpr double kRestTime = 10;            // waited at most so many times the height's own time sqrt(h / g)
+constexpr int kSmooth = tool_material + 1;  // walls and gate: a rough gate would drag grains into the gap at the base
+constexpr std::int32_t kWallGroup = 1;      // walls, gate, base and pit never touch each other
 
 struct Place {
   double end;    // of the bed: the gate's face [m]
@@ -51,7 +52,7 @@ sim::BodyIndex add_gate(sim::SceneWorld& world, const Packing& bed, const Place&
   sim::Shape box;
   box.type = sim::ShapeType::box;
   box.body = world.add_body(state, sim::fixed_body());
-  box.material = tool_material;
+  box.material = kSmooth;
   box.group = kWallGroup;
   box.size = {Real(d / 2), Real(s.width / 2), Real(high / 2)};
   world.add_shape(box);
@@ -62,13 +63,14 @@ sim::SceneWorld repose_world(const TestSoil& soil, const Packing& bed, const Pla
   const BedSpec& s = bed.spec;
   const double d = s.grain_diameter, wall = -d / 2 * (1 + s.size_spread);
   sim::SceneWorld world = bed_world(bed, soil.laws(), 2 * d);
+  world.set_law(grain_material, kSmooth, {});
   for (sim::Shape& shape : world.shape)
     if (shape.material == base_material) shape.group = kWallGroup;
   world.periodic_x = false;
   world.origin = {wall - d, 0, place.pit - 2 * d};
   world.size = {place.reach + d - world.origin.x, s.width, bed.surface + 2 * d - world.origin.z};
-  add_wall(world, {wall, 0, 0}, z_to_x(1), tool_material);
-  add_wall(world, {place.reach, 0, 0}, z_to_x(-1), tool_material);
+  add_wall(world, {wall, 0, 0}, z_to_x(1), kSmooth);
+  add_wall(world, {place.reach, 0, 0}, z_to_x(-1), kSmooth);
   add_wall(world, {0, 0, place.pit}, {}, tool_material);
   gate = add_gate(world, bed, place);
   return world;

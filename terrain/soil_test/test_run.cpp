@@ -78,8 +78,8 @@ void TestRun::advance(Index steps) {
   simulation_->advance(steps);
   const sim::StepReport report = simulation_->report(0);
   if (report.flags != 0)
-    throw DeviceError(test_ + ": the simulation failed: " +
-                      sim::description(report.fault, simulation_->settings().step));
+    throw DeviceError(test_ +
+                      ": the simulation failed: " + sim::description(report.fault, simulation_->settings().step));
   worst_residual_ = std::max(worst_residual_, report.rms_residual);
   if (pace_.on_steps) pace_.on_steps(steps);
 }
