@@ -75,7 +75,7 @@ PlateResult plate_test(const TestSoil& soil, const PlateSettings& settings, cons
   const double d = soil.grain_diameter, width = settings.width_grains * d;
   if (!(settings.width_grains >= 2)) throw InputError("plate test: the plate must be at least two grains wide");
   const Packing bed = test_bed(soil, 6 * settings.width_grains, 6,
-                               std::max(12.0, settings.bed_depth * settings.width_grains), pace.threads);
+                               std::max(8.0, settings.bed_depth * settings.width_grains), pace.threads);
   sim::SceneWorld world = bed_world(bed, soil.laws(), 3 * d);
   const sim::BodyIndex plate = add_plate(world, bed, width);
   const double h = gravity_time(d) / kStepsPerTime, speed = settings.speed * std::sqrt(9.81 * d);

@@ -10,7 +10,7 @@ struct PlateSettings {
   double width_grains = 6;  // of the plate, in grain diameters
   double sinkage = 0.5;     // of the plate at the end, in plate widths
   double speed = 0.1;       // in sqrt(g d)
-  double bed_depth = 3;     // in plate widths, at least 12 grains
+  double bed_depth = 3;     // in plate widths, at least 8 grains
   double datum = 1e3;       // pressure at which sinkage is counted from zero [Pa]
 };
 

@@ -43,10 +43,11 @@ Quat z_to_x(double sign) {
   return {Real(half), 0, Real(sign * half), 0};
 }
 
-/// The gate: a slab one grain thick, as high as the bed, whose body is prescribed to sink.
+/// The gate: a slab one grain thick from the pit's floor to above the bed, whose body is prescribed to sink through
+/// that floor, so that no grain gets under it.
 sim::BodyIndex add_gate(sim::SceneWorld& world, const Packing& bed, const Place& place) {
   const BedSpec& s = bed.spec;
-  const double d = s.grain_diameter, high = bed.surface + 2 * d;
+  const double d = s.grain_diameter, high = bed.surface + d - place.pit;
   sim::BodyState state;
   state.position = {place.end + d / 2, s.width / 2, bed.surface + d - high / 2};
   sim::Shape box;
@@ -67,7 +68,7 @@ sim::SceneWorld repose_world(const TestSoil& soil, const Packing& bed, const Pla
   for (sim::Shape& shape : world.shape)
     if (shape.material == base_material) shape.group = kWallGroup;
   world.periodic_x = false;
-  world.origin = {wall - d, 0, place.pit - 2 * d};
+  world.origin = {wall - d, 0, place.pit - bed.surface - 4 * d};
   world.size = {place.reach + d - world.origin.x, s.width, bed.surface + 2 * d - world.origin.z};
   add_wall(world, {wall, 0, 0}, z_to_x(1), kSmooth);
   add_wall(world, {place.reach, 0, 0}, z_to_x(-1), kSmooth);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPressTimes = 120;     // stress times of compression from all sides
 constexpr double kRestTimes = 10;       // in which the grains take up their contact laws
-constexpr double kSample = 0.0025;      // strain between samples
+constexpr double kSample = 0.005;       // strain between samples
 constexpr std::int32_t kWallGroup = 1;  // platens never touch each other
 constexpr double kSizeSpread = 0.1;
 enum Stream : std::uint64_t { radius_stream = 101, speed_stream };
@@ -137,7 +137,7 @@ Specimen compressed(const TestSoil& soil, const TriaxialSettings& settings, cons
 
 /// Stresses where the axial one is largest over the lateral one, and at the end.
 void summarise(TriaxialResult& r, double strain) {
-  const auto window = std::size_t(std::lround(0.01 / kSample));
+  const auto window = std::size_t(std::lround(0.03 / kSample));
   double best = 0;
   for (std::size_t k = 0; k + window <= r.curve.size(); ++k) {
     double axial = 0, lateral = 0;

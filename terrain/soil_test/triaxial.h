@@ -24,7 +24,7 @@ struct TriaxialSample {
 
 struct TriaxialResult {
   std::vector<TriaxialSample> curve;
-  double peak_axial = 0, peak_lateral = 0;      // mean over one per cent of strain where their ratio is largest [Pa]
+  double peak_axial = 0, peak_lateral = 0;      // mean over three per cent of strain where their ratio is largest [Pa]
   double steady_axial = 0, steady_lateral = 0;  // mean over the last third of the strain [Pa]
   double solid_fraction = 0;                    // before shear, whole box [-]
   double worst_residual = 0;                    // [m/s]
