@@ -230,6 +230,19 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
   return o;
 }
 
+void report_bekker(SoilTestOutcome& o, const terrain::BekkerFit& fit) {
+  o.json["k_c_kN_per_m_n_plus_1"] = fit.k_c / 1e3;
+  o.json["k_c_error"] = fit.k_c_error / 1e3;
+  o.json["k_phi_kN_per_m_n_plus_2"] = fit.k_phi / 1e3;
+  o.json["k_phi_error"] = fit.k_phi_error / 1e3;
+  o.json["n"] = fit.n;
+  o.json["n_error"] = fit.n_error;
+  o.json["r2"] = fit.r2;
+  o.text = line("Bekker: k_c %.2f +- %.2f kN/m^(n+1), k_phi %.0f +- %.0f kN/m^(n+2), n %.2f +- %.2f\n", fit.k_c / 1e3,
+                fit.k_c_error / 1e3, fit.k_phi / 1e3, fit.k_phi_error / 1e3, fit.n, fit.n_error);
+  o.plot.notes = {o.text.substr(0, o.text.size() - 1)};
+}
+
 SoilTestOutcome plate(const SoilTestRequest& r) {
   if (r.plate_widths.size() < 2)
     throw InputError("soil test plate: two plate widths or more are needed for k_c and k_phi");
@@ -267,18 +280,30 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
     o.plot.lines.push_back(curve);
     if (k < settings.size()) o.plot.lines.push_back(fitted);
   }
-  o.json["k_c_kN_per_m_n_plus_1"] = fit.k_c / 1e3;
-  o.json["k_c_error"] = fit.k_c_error / 1e3;
-  o.json["k_phi_kN_per_m_n_plus_2"] = fit.k_phi / 1e3;
-  o.json["k_phi_error"] = fit.k_phi_error / 1e3;
-  o.json["n"] = fit.n;
-  o.json["n_error"] = fit.n_error;
-  o.json["r2"] = fit.r2;
-  o.text = line("Bekker: k_c %.2f +- %.2f kN/m^(n+1), k_phi %.0f +- %.0f kN/m^(n+2), n %.2f +- %.2f\n", fit.k_c / 1e3,
-                fit.k_c_error / 1e3, fit.k_phi / 1e3, fit.k_phi_error / 1e3, fit.n, fit.n_error);
-  o.plot.notes = {o.text.substr(0, o.text.size() - 1)};
+  report_bekker(o, fit);
   finish(o, worst);
   return o;
+}
+
+void report_cone(SoilTestOutcome& o, const std::vector<terrain::ConeResult>& results, double depth_mm) {
+  std::vector<double> index, gradient;
+  double density = 0;
+  for (const terrain::ConeResult& one : results) {
+    index.push_back(one.index), gradient.push_back(one.gradient);
+    density += one.bulk_density / double(results.size());
+  }
+  const terrain::MeanError ci = terrain::mean_error(index), g = terrain::mean_error(gradient);
+  const double g_error = gradient.size() > 1 ? g.error : results[0].gradient_error;
+  o.json["cone_diameter_m"] = results[0].diameter;
+  o.json["cone_index_kPa"] = ci.mean / 1e3;
+  o.json["cone_index_error_kPa"] = ci.error / 1e3;
+  o.json["gradient_MPa_per_m"] = g.mean / 1e6;
+  o.json["gradient_error_MPa_per_m"] = g_error / 1e6;
+  o.json["r2"] = results[0].r2;
+  o.json["bulk_density_kg_per_m3"] = density;
+  o.text = line("cone of %.0f mm: index %.1f +- %.1f kPa to a depth of %.0f mm, gradient %.3f +- %.3f MPa/m\n",
+                1e3 * results[0].diameter, ci.mean / 1e3, ci.error / 1e3, depth_mm, g.mean / 1e6, g_error / 1e6);
+  o.plot.notes = {o.text.substr(0, o.text.size() - 1)};
 }
 
 SoilTestOutcome cone(const SoilTestRequest& r) {
@@ -293,12 +318,9 @@ SoilTestOutcome cone(const SoilTestRequest& r) {
   });
   o.csv = "cone_diameter_m,seed,depth_m,pressure_Pa\n";
   o.plot.x_label = "depth of the cone's base [mm]", o.plot.y_label = "force over base area [kPa]";
-  std::vector<double> index, gradient;
-  double worst = 0, density = 0;
+  double worst = 0;
   for (std::size_t k = 0; k < results.size(); ++k) {
-    index.push_back(results[k].index), gradient.push_back(results[k].gradient);
     worst = std::max(worst, results[k].worst_residual);
-    density += results[k].bulk_density / double(results.size());
     PlotLine curve{line("seed %zu", std::size_t(r.soil.seed) + k), {}, {}, false};
     for (const auto& s : results[k].curve) {
       o.csv += line("%.4f,%zu,%.6f,%.2f\n", results[k].diameter, std::size_t(r.soil.seed) + k, s.depth, s.pressure);
@@ -306,19 +328,7 @@ SoilTestOutcome cone(const SoilTestRequest& r) {
     }
     o.plot.lines.push_back(curve);
   }
-  const terrain::MeanError ci = terrain::mean_error(index), g = terrain::mean_error(gradient);
-  const double g_error = gradient.size() > 1 ? g.error : results[0].gradient_error;
-  o.json["cone_diameter_m"] = results[0].diameter;
-  o.json["cone_index_kPa"] = ci.mean / 1e3;
-  o.json["cone_index_error_kPa"] = ci.error / 1e3;
-  o.json["gradient_MPa_per_m"] = g.mean / 1e6;
-  o.json["gradient_error_MPa_per_m"] = g_error / 1e6;
-  o.json["r2"] = results[0].r2;
-  o.json["bulk_density_kg_per_m3"] = density;
-  o.text = line("cone of %.0f mm: index %.1f +- %.1f kPa to a depth of %.0f mm, gradient %.3f +- %.3f MPa/m\n",
-                1e3 * results[0].diameter, ci.mean / 1e3, ci.error / 1e3, 1e3 * settings.depth * results[0].diameter,
-                g.mean / 1e6, g_error / 1e6);
-  o.plot.notes = {o.text.substr(0, o.text.size() - 1)};
+  report_cone(o, results, 1e3 * settings.depth * results[0].diameter);
   finish(o, worst);
   return o;
 }
