@@ -8,6 +8,7 @@
 #include "pipeline/soil/soil_tests.h"
 #include "pipeline/trial/setup.h"
 #include "terrain/calibration/calibrate.h"
+#include "terrain/soil/soil_file.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
