@@ -20,7 +20,7 @@ TestSoil coarse_soil(double friction, double rolling, double relative_density) {
   return soil;
 }
 
-/// Coarser than the tests' own numerics: these ask for trends.
+/// Coarser than the tests' own numerics, for trends. Not for plates: theirs need the bed to be solved.
 TestPace rough_pace() {
   TestPace pace;
   pace.iterations = 60, pace.tolerance = 0.05;
@@ -92,8 +92,8 @@ TEST_CASE("the triaxial friction angle is within three degrees of that of shear"
 
 TEST_CASE("a plate sinks against a pressure that rises, with an exponent of the order of one") {
   PlateSettings settings;
-  settings.width_grains = 3, settings.speed = 0.3, settings.bed_depth = 2;
-  const PlateResult r = plate_test(coarse_soil(0.5, 0.1, 0.5), settings, rough_pace());
+  settings.width_grains = 3, settings.speed = 0.3, settings.bed_depth = 4;
+  const PlateResult r = plate_test(coarse_soil(0.5, 0.1, 0.5), settings, {});
   const PowerLaw law = fit_power_law(r);
   CAPTURE(law.k, law.n);
   CHECK(law.n > 0.3);
