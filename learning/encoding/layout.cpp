@@ -9,7 +9,7 @@ namespace gonogo::learning {
 
 VisibleLayout::VisibleLayout(std::vector<Encoder> encoders, std::vector<std::string> outcomes)
     : encoders_(std::move(encoders)), outcomes_(std::move(outcomes)) {
-  if (outcomes_.size() < 2) throw InputError("a model needs at least two outcomes");
+  if (outcomes_.size() == 1) throw InputError("a model needs at least two outcomes, or none to be a plain density");
   for (const Encoder& encoder : encoders_) offsets_.push_back(offsets_.back() + encoder.unit_count());
 }
 

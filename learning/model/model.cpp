@@ -9,7 +9,7 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr const char* kFormat = "gonogo/model/1";
+constexpr const char* kFormat = "gonogo/model/2";
 
 std::vector<double> log_column(const std::vector<EpochLog>& log, double EpochLog::*member) {
   std::vector<double> column;
@@ -67,6 +67,8 @@ void write_model(const std::filesystem::path& path, const Model& model) {
   describe(out, "log/training_loss", "nat", "mean -log P(outcome | variables) of training rows");
   out.array("log/held_out_loss", log_column(model.log, &EpochLog::held_out_loss));
   describe(out, "log/held_out_loss", "nat", "the same of held-out rows");
+  out.array("calibration/power", std::vector<double>{model.calibration_power});
+  describe(out, "calibration/power", "-", "probabilities of outcomes are raised to it and normalised again");
   out.text("provenance", model.provenance.dump());
   out.save(path);
 }
@@ -93,6 +95,8 @@ Model read_model(const std::filesystem::path& path) {
   const auto training = in.array<double>("log/training_loss", Shape{epoch.size()});
   const auto held_out = in.array<double>("log/held_out_loss", Shape{epoch.size()});
   for (std::size_t k = 0; k < epoch.size(); ++k) model.log.push_back({epoch[k], training[k], held_out[k]});
+  model.calibration_power = finite_array(in, "calibration/power", {1})[0];
+  if (!(model.calibration_power > 0)) in.fail("calibration/power", "must be above 0");
   model.provenance = Json::parse(in.text("provenance"), path.string() + ": provenance");
   check_parts(in, model);
   return model;

@@ -25,6 +25,7 @@ struct Model {
   std::vector<double> training_points;               // [point count x variable count], not-a-number where unknown
   std::vector<std::int32_t> training_outcomes;       // [point count]
   std::vector<EpochLog> log;
+  double calibration_power = 1;      // probabilities are raised to it and normalised again (score/calibration.h)
   Json provenance = Json::object();  // data_hash, contract_hash, sampler, seed, settings, counts, scores
 };
 

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/random.h"
 
 namespace gonogo::learning {
 namespace {
@@ -16,14 +15,6 @@ constexpr std::size_t kMostHidden = 1024;  // hidden units whose fields fit on t
 void normalise(std::span<double> log_weight) {
   const double total = log_sum_exp(log_weight);
   for (double& x : log_weight) x = std::exp(x - total);
-}
-
-/// Draws an index with probability proportional to exp(log_weight).
-std::size_t draw(std::vector<double>& log_weight, double u) {
-  normalise(log_weight);
-  std::size_t k = 0;
-  for (double sum = log_weight[0]; k + 1 < log_weight.size() && u >= sum;) sum += log_weight[++k];
-  return k;
 }
 
 }  // namespace
@@ -128,7 +119,8 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
       terms *= double(nodes_[v].middle.size());
     }
   }
-  return terms <= double(options.most_terms) ? sum_out(std::move(field), unknown) : sample_out(field, unknown, options);
+  if (terms <= double(options.most_terms)) return sum_out(std::move(field), unknown);
+  return joint(variables, std::nullopt, options).outcome;
 }
 
 PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
@@ -163,57 +155,6 @@ PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<
   for (std::size_t y = 0; y < sum.size(); ++y) answer.probability.push_back(highest[y] + std::log(sum[y]));
   normalise(answer.probability);
   answer.standard_error.assign(sum.size(), 0.0);
-  return answer;
-}
-
-std::vector<double> Posterior::chain_mean(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
-                                          const MarginalOptions& options, std::size_t chain) const {
-  const std::size_t hidden = field.size();
-  std::uint64_t counter = 0;
-  const auto uniform = [&] { return random_unit(options.seed, chain, counter++); };
-  std::vector<double> h(hidden), mean(outcome_count(), 0.0), now, log_weight, score(outcome_count());
-  for (double& unit : h) unit = uniform() < 0.5;
-  for (std::size_t sweep = 0; sweep < options.burn_in + options.sweeps; ++sweep) {
-    now = field;  // fields of the hidden units from the variables, outcome left out
-    for (std::size_t v : unknown) {
-      const Nodes& nodes = nodes_[v];
-      log_weight = nodes.bias;
-      for (std::size_t bin = 0; bin < log_weight.size(); ++bin)
-        for (std::size_t j = 0; j < hidden; ++j) log_weight[bin] += h[j] * nodes.field[bin * hidden + j];
-      const std::size_t bin = draw(log_weight, uniform());
-      for (std::size_t j = 0; j < hidden; ++j) now[j] += nodes.field[bin * hidden + j];
-    }
-    scores(now, score);
-    normalise(score);
-    if (sweep >= options.burn_in)
-      for (std::size_t y = 0; y < mean.size(); ++y) mean[y] += score[y] / double(options.sweeps);
-    // The outcome given the variables with the hidden units summed out, then the hidden units: an exact block draw.
-    for (double& p : score) p = std::log(p);
-    const std::size_t y = draw(score, uniform());
-    for (std::size_t j = 0; j < hidden; ++j) {
-      const double f = now[j] + outcome_weight_[y * hidden + j];
-      h[j] = uniform() * (1 + std::exp(-f)) < 1;
-    }
-  }
-  return mean;
-}
-
-PosteriorAnswer Posterior::sample_out(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
-                                      const MarginalOptions& options) const {
-  std::vector<std::vector<double>> means(options.chains);
-#pragma omp parallel for schedule(static)
-  for (std::size_t chain = 0; chain < options.chains; ++chain)
-    means[chain] = chain_mean(field, unknown, options, chain);
-  PosteriorAnswer answer;
-  answer.exact = false;
-  const double n = double(options.chains);
-  for (std::size_t y = 0; y < outcome_count(); ++y) {
-    double mean = 0, square = 0;
-    for (const auto& chain : means) mean += chain[y] / n;
-    for (const auto& chain : means) square += (chain[y] - mean) * (chain[y] - mean) / (n - 1);
-    answer.probability.push_back(mean);
-    answer.standard_error.push_back(std::sqrt(square / n));
-  }
   return answer;
 }
 

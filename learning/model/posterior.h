@@ -6,6 +6,7 @@
 // Unknown variables are summed out over their valid code words, under the machine's own joint distribution.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -22,8 +23,22 @@ struct PosteriorAnswer {
 
 struct MarginalOptions {
   std::size_t most_terms = 200'000;  // sum exactly up to this many combinations of code words of the unknown variables
-  std::size_t chains = 64, sweeps = 400, burn_in = 50;  // beyond that: block Gibbs with the known variables clamped
+  // Beyond that: block Gibbs with what is known clamped, tempered by replicas at inverse temperatures 0 ... 1 that
+  // exchange states (one rung: no tempering).
+  std::size_t chains = 64, sweeps = 400, burn_in = 50, rungs = 4;
   std::uint64_t seed = 1;
+};
+
+/// What is known about one variable or the outcome, given what was asked.
+struct UnknownVariable {
+  std::vector<double> probability, standard_error;  // [bin]; standard errors 0 when exact
+  double mean = 0, deviation = 0;                   // [unit of the variable] over the middles of bins
+  double low = 0, high = 0;                         // [unit] middles of the bins that hold the 5 and 95 % points
+};
+struct JointAnswer {
+  std::vector<UnknownVariable> variables;  // [variable count]; empty for known ones and those held fixed
+  PosteriorAnswer outcome;                 // 1 for a given one
+  bool exact = true;
 };
 
 class Posterior {
@@ -35,6 +50,10 @@ class Posterior {
 
   /// Unknown variables are not-a-number.
   PosteriorAnswer marginal(std::span<const double> variables, const MarginalOptions& options = {}) const;
+
+  /// P(every unknown variable and the outcome | what is known), the outcome being known or not.
+  JointAnswer joint(std::span<const double> variables, std::optional<std::size_t> outcome,
+                    const MarginalOptions& options = {}) const;
 
   std::size_t outcome_count() const { return outcome_bias_.size(); }
 
@@ -50,10 +69,12 @@ class Posterior {
   /// log of the unnormalised probability of every outcome, hidden units summed out.
   void scores(std::span<const double> field, std::span<double> result) const;
   PosteriorAnswer sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
-  PosteriorAnswer sample_out(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
-                             const MarginalOptions& options) const;
-  std::vector<double> chain_mean(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
-                                 const MarginalOptions& options, std::size_t chain) const;
+  struct Question;  // joint.cpp: fields of what is known, which variables are not, and the outcome if it is given
+  Question question(std::span<const double> variables, std::optional<std::size_t> outcome) const;
+  JointAnswer joint_sum(const Question& asked) const;
+  JointAnswer joint_sample(const Question& asked, const MarginalOptions& options) const;
+  class TemperedChain;
+  JointAnswer finish(const Question& asked, JointAnswer answer) const;
 
   std::vector<Nodes> nodes_;
   std::vector<double> hidden_bias_;

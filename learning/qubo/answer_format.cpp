@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 
 #include "base/error.h"
@@ -90,6 +91,24 @@ SampleSet samples_from_csv(const std::string& text, const Problem& problem, cons
   return samples;
 }
 
+/// SAPI serves energies without the problem's offset, which D-Wave's client adds on its side; saved answers may be of
+/// either kind. The first row tells which; check_answer() verifies all.
+SampleSet with_offset(SampleSet answer, const Problem& problem) {
+  if (answer.row_count() == 0 || problem.offset == 0) return answer;
+  std::map<Label, std::int8_t> value;
+  for (std::size_t k = 0; k < answer.variable_count(); ++k) value[answer.labels[k]] = answer.row(0)[k];
+  std::vector<std::int8_t> row;
+  for (const Label& label : problem.labels) {
+    const auto found = value.find(label);
+    if (found == value.end()) return answer;  // another problem's: check_answer() says so
+    row.push_back(found->second);
+  }
+  const double gap = energy(problem, row) - answer.energies.front();
+  if (std::abs(gap - problem.offset) < std::abs(gap))
+    for (double& e : answer.energies) e += problem.offset;
+  return answer;
+}
+
 }  // namespace
 
 std::string answer_format_names() {
@@ -121,7 +140,7 @@ SampleSet read_answer(const std::string& text, AnswerFormat format, const Proble
     case AnswerFormat::dimod_json:
       return samples_from_dimod_json(text, source);
     case AnswerFormat::sapi:
-      return samples_from_sapi(text, source);
+      return with_offset(samples_from_sapi(text, source), problem);
     case AnswerFormat::qbsolv:
       return samples_from_qbsolv(text, problem, source);
     default:

@@ -4,13 +4,12 @@
 #include <span>
 #include <vector>
 
-#include "learning/table.h"
+#include "learning/rbm/standardise.h"
 
 namespace gonogo::learning {
 
-struct LogisticModel {
-  std::vector<double> mean, scale;  // [variable count]
-  std::vector<double> weight;       // [variable count + 1], the constant last
+struct LogisticModel : Standardisation {
+  std::vector<double> weight;  // [variable count + 1], the constant last
   double operator()(std::span<const double> variables) const;
 };
 

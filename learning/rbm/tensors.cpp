@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/random.h"
 
 namespace gonogo::learning {
 namespace {
@@ -47,13 +48,15 @@ std::vector<double> values_of(const torch::Tensor& tensor) {
   return std::vector<double>(flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel());
 }
 
-/// -F(v, y) for every row of code units and every outcome: [row x outcome].
+/// -F(v, y) for every row of code units and every outcome: [row x outcome]; one column in a machine without outcomes.
 torch::Tensor negative_free_energy(const Machine& m, const torch::Tensor& inputs) {
   const std::int64_t n = m.input_units, visible = m.weight.size(0);
-  const torch::Tensor field = torch::matmul(inputs, m.weight.slice(0, 0, n)) + m.hidden_bias;
+  const torch::Tensor bias = m.visible_bias();
+  const torch::Tensor field = torch::matmul(inputs, m.weight.slice(0, 0, n)) + m.hidden_bias();
+  const torch::Tensor of_inputs = torch::matmul(inputs, bias.slice(0, 0, n)).unsqueeze(1);
+  if (visible == n) return torch::softplus(field).sum(1, true) + of_inputs;
   const torch::Tensor all = field.unsqueeze(1) + m.weight.slice(0, n, visible).unsqueeze(0);
-  return torch::softplus(all).sum(2) + m.visible_bias.slice(0, n, visible) +
-         torch::matmul(inputs, m.visible_bias.slice(0, 0, n)).unsqueeze(1);
+  return torch::softplus(all).sum(2) + bias.slice(0, n, visible) + of_inputs;
 }
 
 /// log of the sum over each row's completions: [row x outcome]. Rows without unknown variables pass through.
@@ -89,29 +92,64 @@ RowTensors make_rows(const VisibleLayout& layout, const TrainingTable& table, co
   return result;
 }
 
+torch::Tensor RowTensors::visible(std::int64_t outcome_count) const {
+  if (outcome_count == 0) return hard;
+  std::vector<std::int64_t> row;
+  for (std::size_t n = 0; n + 1 < first.size(); ++n) row.insert(row.end(), std::size_t(first[n + 1] - first[n]), n);
+  const torch::Tensor label = outcome.index_select(0, torch::tensor(row, torch::kInt64)).unsqueeze(1);
+  const torch::Tensor units = torch::zeros({hard.size(0), outcome_count}, torch::kFloat64).scatter(1, label, 1.0);
+  return torch::cat({hard, units}, 1);
+}
+
 Machine::Machine(const RbmWeights& weights, std::size_t input_unit_count)
     : weight(matrix(weights.weight, std::int64_t(weights.visible_count), std::int64_t(weights.hidden_count))),
-      visible_bias(torch::tensor(weights.visible_bias, torch::kFloat64)),
-      hidden_bias(torch::tensor(weights.hidden_bias, torch::kFloat64)),
+      centred_visible(torch::tensor(weights.visible_bias, torch::kFloat64)),
+      centred_hidden(torch::tensor(weights.hidden_bias, torch::kFloat64)),
+      visible_mean(torch::zeros({std::int64_t(weights.visible_count)}, torch::kFloat64)),
+      hidden_mean(torch::zeros({std::int64_t(weights.hidden_count)}, torch::kFloat64)),
       input_units(std::int64_t(input_unit_count)) {
-  for (torch::Tensor* parameter : {&weight, &visible_bias, &hidden_bias}) parameter->set_requires_grad(true);
+  for (torch::Tensor* parameter : {&weight, &centred_visible, &centred_hidden}) parameter->set_requires_grad(true);
+}
+
+void Machine::move_means(const torch::Tensor& new_visible_mean, const torch::Tensor& new_hidden_mean) {
+  const torch::NoGradGuard constants;
+  centred_visible += torch::matmul(weight, new_hidden_mean - hidden_mean);
+  centred_hidden += torch::matmul(new_visible_mean - visible_mean, weight);
+  visible_mean = new_visible_mean.clone();
+  hidden_mean = new_hidden_mean.clone();
 }
 
 RbmWeights Machine::weights() const {
-  return {std::size_t(weight.size(0)), std::size_t(weight.size(1)), values_of(weight), values_of(visible_bias),
-          values_of(hidden_bias)};
+  return {std::size_t(weight.size(0)), std::size_t(weight.size(1)), values_of(weight), values_of(visible_bias()),
+          values_of(hidden_bias())};
 }
 
 RbmWeights Machine::gradient() const {
   return {std::size_t(weight.size(0)), std::size_t(weight.size(1)), values_of(weight.grad()),
-          values_of(visible_bias.grad()), values_of(hidden_bias.grad())};
+          values_of(centred_visible.grad()), values_of(centred_hidden.grad())};
+}
+
+torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std::uint64_t seed, std::uint64_t update) {
+  const torch::NoGradGuard constants;
+  const torch::Tensor visible = rows.visible(machine.weight.size(0) - machine.input_units);
+  if (visible.size(0) + 1 == std::int64_t(rows.first.size())) return visible;
+  const torch::Tensor score = torch::softplus(torch::matmul(visible, machine.weight) + machine.hidden_bias()).sum(1) +
+                              torch::matmul(visible, machine.visible_bias());
+  std::vector<std::int64_t> chosen;
+  for (std::size_t n = 0; n + 1 < rows.first.size(); ++n) {
+    const std::vector<double> p = values_of(torch::softmax(score.slice(0, rows.first[n], rows.first[n + 1]), 0));
+    std::size_t k = 0;
+    for (double u = random_unit(seed, update, n) - p[0]; u >= 0 && k + 1 < p.size();) u -= p[++k];
+    chosen.push_back(rows.first[n] + std::int64_t(k));
+  }
+  return visible.index_select(0, torch::tensor(chosen, torch::kInt64));
 }
 
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
                         const TrainingSettings& settings, std::size_t table_rows) {
   const torch::Tensor label = rows.outcome.unsqueeze(1);
   const double count = double(rows.outcome.size(0));
-  torch::Tensor loss = (machine.weight.square().sum() + machine.hidden_bias.square().sum()) *
+  torch::Tensor loss = (machine.weight.square().sum() + machine.hidden_bias().square().sum()) *
                        (settings.weight_decay / (2 * double(table_rows)));
   if (settings.discriminative > 0) {
     const torch::Tensor scores = sum_completions(negative_free_energy(machine, rows.smooth), rows.first);
@@ -121,8 +159,9 @@ torch::Tensor objective(const Machine& machine, const RowTensors& rows, const to
   if (settings.generative > 0) {
     const torch::Tensor scores = sum_completions(negative_free_energy(machine, rows.hard), rows.first);
     const torch::Tensor data = (rows.weight * scores.gather(1, label).squeeze(1)).sum() / count;
-    const torch::Tensor field = torch::matmul(negative, machine.weight) + machine.hidden_bias;
-    const torch::Tensor model = (torch::softplus(field).sum(1) + torch::matmul(negative, machine.visible_bias)).mean();
+    const torch::Tensor field = torch::matmul(negative, machine.weight) + machine.hidden_bias();
+    const torch::Tensor model =
+        (torch::softplus(field).sum(1) + torch::matmul(negative, machine.visible_bias())).mean();
     loss = loss - settings.generative * (data - model);
   }
   return loss;

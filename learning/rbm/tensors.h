@@ -23,23 +23,37 @@ class OneTorchThread {
 /// Rows with their unknown variables filled by every combination of code words: the completions of row n are
 /// first[n] .. first[n + 1] - 1, one when all is known.
 struct RowTensors {
+  /// Completed rows with their outcome's unit, [completion x visible]. Rows of `hard`.
+  torch::Tensor visible(std::int64_t outcome_count) const;
   torch::Tensor smooth, hard;       // [completion x input unit]
   torch::Tensor outcome, weight;    // [row]
   std::vector<std::int64_t> first;  // [row + 1]
 };
 RowTensors make_rows(const VisibleLayout& layout, const TrainingTable& table, const std::vector<std::size_t>& rows);
 
+/// The machine in centred units: E = -A.(v - mu) - B.(h - lambda) - (v - mu)' W (h - lambda), which is the machine with
+/// biases a = A - W lambda and b = B - W' mu. With mu = lambda = 0 these are the usual parameters.
 struct Machine {
-  torch::Tensor weight;        // W [visible x hidden]
-  torch::Tensor visible_bias;  // [visible]
-  torch::Tensor hidden_bias;   // [hidden]
+  torch::Tensor weight;           // W [visible x hidden]
+  torch::Tensor centred_visible;  // A [visible]
+  torch::Tensor centred_hidden;   // B [hidden]
+  torch::Tensor visible_mean;     // mu, a constant
+  torch::Tensor hidden_mean;      // lambda, a constant
   std::int64_t input_units = 0;
+
+  torch::Tensor visible_bias() const { return centred_visible - torch::matmul(weight, hidden_mean); }
+  torch::Tensor hidden_bias() const { return centred_hidden - torch::matmul(visible_mean, weight); }
+  /// New constants, same machine.
+  void move_means(const torch::Tensor& new_visible_mean, const torch::Tensor& new_hidden_mean);
 
   Machine(const RbmWeights& weights, std::size_t input_unit_count);
   RbmWeights weights() const;
   RbmWeights gradient() const;
-  std::vector<torch::Tensor> parameters() const { return {weight, visible_bias, hidden_bias}; }
+  std::vector<torch::Tensor> parameters() const { return {weight, centred_visible, centred_hidden}; }
 };
+
+/// One completion of each row, drawn as the machine finds them probable: [row x visible].
+torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std::uint64_t seed, std::uint64_t update);
 
 /// L of train.h; negative: [row x visible], or undefined without a generative term. table_rows is N.
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,

@@ -2,32 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <numeric>
 
 #include "base/cancel.h"
 #include "base/error.h"
 #include "base/random.h"
-#include "learning/rbm/tensors.h"
+#include "learning/rbm/negative.h"
 
 namespace gonogo::learning {
 namespace {
 
 /// Streams of random numbers under one seed.
-enum Stream : std::uint64_t { kInitial = 1, kChains = 2, kBatches = 1000 };
+enum Stream : std::uint64_t { kInitial = 1, kCompletions = 3, kBatches = 1000 };  // 2: the negative phase
 
 double normal_draw(std::uint64_t seed, std::uint64_t index) {
   const double u = 1 - random_unit(seed, kInitial, 2 * index), v = random_unit(seed, kInitial, 2 * index + 1);
   return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
 }
 
-void check_table(const VisibleLayout& layout, const TrainingTable& table) {
+void check_table(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings) {
   if (table.row_count() == 0) throw InputError("training table: no valid trial to train on");
   if (table.variable_count != layout.variable_count())
     throw InputError("training table: " + std::to_string(table.variable_count) + " variables where the layout has " +
                      std::to_string(layout.variable_count()));
+  if (layout.outcome_count() == 0 && settings.discriminative > 0)
+    throw InputError("training table: a layout without outcomes can only be trained with discriminative 0");
   for (std::size_t y : table.outcome)
-    if (y >= layout.outcome_count())
+    if (y >= std::max<std::size_t>(layout.outcome_count(), 1))
       throw InputError("training table: outcome " + std::to_string(y) + " does not exist");
 }
 
@@ -49,44 +52,88 @@ RbmWeights initial_weights(const VisibleLayout& layout, const TrainingTable& tab
         known[i] += 1;
       }
     }
-    on[inputs + table.outcome[n]] += 1;
+    if (inputs < on.size()) on[inputs + table.outcome[n]] += 1;
   }
   for (std::size_t i = 0; i < inputs; ++i) weights.visible_bias[i] = std::log((on[i] + 0.5) / (known[i] - on[i] + 0.5));
   for (std::size_t i = inputs; i < on.size(); ++i) weights.visible_bias[i] = std::log(on[i] + 0.5);
   return weights;
 }
 
-torch::Tensor rows_tensor(const SampleSet& samples, std::size_t visible) {
-  const std::size_t rows = samples.row_count();
-  torch::Tensor result = torch::empty({std::int64_t(rows), std::int64_t(visible)}, torch::kFloat64);
-  double* out = result.data_ptr<double>();
-  for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t i = 0; i < visible; ++i) *out++ = samples.row(r)[i];
-  return result;
+std::unique_ptr<torch::optim::Optimizer> make_optimizer(const Machine& machine, const TrainingSettings& settings) {
+  if (settings.optimizer == Optimizer::adam)
+    return std::make_unique<torch::optim::Adam>(machine.parameters(),
+                                                torch::optim::AdamOptions(settings.learning_rate));
+  return std::make_unique<torch::optim::SGD>(
+      machine.parameters(), torch::optim::SGDOptions(settings.learning_rate).momentum(settings.momentum));
 }
 
-/// The negative phase: rows of the machine as it is now, from chains that persist.
-class NegativePhase {
- public:
-  NegativePhase(const VisibleLayout& layout, const TrainingSettings& settings, const Sampler& sampler)
-      : labels_(layout.unit_labels()), settings_(settings), sampler_(sampler) {}
+/// The learning rate falls in equal steps from epoch to epoch to its final share.
+void set_learning_rate(torch::optim::Optimizer& optimizer, const TrainingSettings& settings, std::size_t epoch) {
+  const double part = settings.epochs > 1 ? double(epoch - 1) / double(settings.epochs - 1) : 0;
+  const double rate = settings.learning_rate * (1 + part * (settings.final_learning_rate - 1));
+  for (auto& group : optimizer.param_groups()) group.options().set_lr(rate);
+}
 
-  torch::Tensor draw(const RbmWeights& weights) {
-    SampleRequest request;
-    request.reads = settings_.chains;
-    request.seed = random_bits(settings_.seed, kChains, update_++);
-    request.sweeps = settings_.sweeps;
-    if (rows_.row_count() > 0) request.start = &rows_;
-    rows_ = sampler_.sample(to_qubo(weights, labels_), request);
-    return rows_tensor(rows_, weights.visible_count);
+/// Mean of the hidden units over rows of visible units.
+torch::Tensor hidden_means(const Machine& machine, const torch::Tensor& visible) {
+  const torch::NoGradGuard constants;
+  return torch::sigmoid(torch::matmul(visible, machine.weight) + machine.hidden_bias()).mean(0);
+}
+
+/// One training run: the machine, its optimiser and its negative phase.
+class Run {
+ public:
+  Run(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings, const Sampler& sampler,
+      const RbmWeights& start)
+      : layout_(layout),
+        table_(table),
+        settings_(settings),
+        machine_(start, layout.input_unit_count()),
+        optimizer_(make_optimizer(machine_, settings)),
+        negative_(layout, settings, sampler, start.visible_bias) {
+    if (settings.centred) centre_on_table();
   }
 
+  void epoch(std::size_t number) {
+    set_learning_rate(*optimizer_, settings_, number);
+    const std::size_t count = table_.row_count(), batches = std::max<std::size_t>(1, count / settings_.batch);
+    const std::vector<std::size_t> order = permutation(count, settings_.seed, kBatches + number);
+    for (std::size_t b = 0; b < batches; ++b)
+      update({order.begin() + std::ptrdiff_t(count * b / batches),
+              order.begin() + std::ptrdiff_t(count * (b + 1) / batches)});
+    negative_.end_epoch(machine_.weights());
+  }
+  RbmWeights weights() const { return machine_.weights(); }
+
  private:
-  std::vector<std::string> labels_;
+  void update(const std::vector<std::size_t>& row_numbers) {
+    const RowTensors rows = make_rows(layout_, table_, row_numbers);
+    const torch::Tensor data = completed_rows(machine_, rows, random_bits(settings_.seed, kCompletions, 0), ++updates_);
+    const torch::Tensor drawn = settings_.generative > 0 ? negative_.draw(machine_.weights(), data) : torch::Tensor();
+    optimizer_->zero_grad();
+    objective(machine_, rows, drawn, settings_, table_.row_count()).backward();
+    optimizer_->step();
+    if (!settings_.centred) return;
+    const torch::Tensor mean = hidden_means(machine_, data);
+    machine_.move_means(machine_.visible_mean, (1 - kSlide) * machine_.hidden_mean + kSlide * mean);
+  }
+
+  void centre_on_table() {
+    std::vector<std::size_t> all(table_.row_count());
+    std::iota(all.begin(), all.end(), std::size_t(0));
+    const RowTensors rows = make_rows(layout_, table_, all);
+    const torch::Tensor data = completed_rows(machine_, rows, random_bits(settings_.seed, kCompletions, 0), 0);
+    machine_.move_means(data.mean(0), hidden_means(machine_, data));
+  }
+
+  static constexpr double kSlide = 0.01;  // share of the minibatch in the sliding mean of the hidden units
+  const VisibleLayout& layout_;
+  const TrainingTable& table_;
   const TrainingSettings& settings_;
-  const Sampler& sampler_;
-  SampleSet rows_;
-  std::uint64_t update_ = 0;
+  Machine machine_;
+  std::unique_ptr<torch::optim::Optimizer> optimizer_;
+  NegativePhase negative_;
+  std::uint64_t updates_ = 0;
 };
 
 }  // namespace
@@ -101,31 +148,21 @@ double conditional_loss(const Posterior& posterior, const TrainingTable& table) 
 }
 
 TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
-                         const Sampler& sampler, const EpochHook& hook) {
-  check_table(layout, table);
+                         const Sampler& sampler, const EpochHook& hook, const RbmWeights* start) {
+  check_table(layout, table, settings);
   const OneTorchThread one_thread;
-  Machine machine(initial_weights(layout, table, settings), layout.input_unit_count());
-  torch::optim::Adam adam(machine.parameters(), torch::optim::AdamOptions(settings.learning_rate));
-  NegativePhase negative(layout, settings, sampler);
+  Run run(layout, table, settings, sampler, start ? *start : initial_weights(layout, table, settings));
   TrainingResult result;
-  const std::size_t count = table.row_count(), batches = std::max<std::size_t>(1, count / settings.batch);
   for (std::size_t epoch = 1; epoch <= settings.epochs; ++epoch) {
     stop_if_cancelled();
-    const std::vector<std::size_t> order = permutation(count, settings.seed, kBatches + epoch);
-    for (std::size_t b = 0; b < batches; ++b) {
-      const std::vector<std::size_t> rows(order.begin() + std::ptrdiff_t(count * b / batches),
-                                          order.begin() + std::ptrdiff_t(count * (b + 1) / batches));
-      const torch::Tensor drawn = settings.generative > 0 ? negative.draw(machine.weights()) : torch::Tensor();
-      adam.zero_grad();
-      objective(machine, make_rows(layout, table, rows), drawn, settings, count).backward();
-      adam.step();
-    }
+    run.epoch(epoch);
     if (epoch % settings.report_every != 0 && epoch != settings.epochs) continue;
-    const RbmWeights now = machine.weights();
-    result.log.push_back({double(epoch), conditional_loss(Posterior(layout, now), table), NAN});
+    const RbmWeights now = run.weights();
+    const double loss = layout.outcome_count() > 0 ? conditional_loss(Posterior(layout, now), table) : NAN;
+    result.log.push_back({double(epoch), loss, NAN});
     if (hook && !hook(epoch, now)) break;
   }
-  result.weights = machine.weights();
+  result.weights = run.weights();
   return result;
 }
 
@@ -144,7 +181,7 @@ Objective training_objective(const RbmWeights& weights, const VisibleLayout& lay
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
                                const std::function<void(std::size_t)>& progress) {
-  check_table(layout, table);
+  check_table(layout, table, settings);
   const std::size_t outcomes = layout.outcome_count();
   const std::vector<std::size_t> fold = assign_folds(table, fold_count, settings.seed);
   CrossValidation result;

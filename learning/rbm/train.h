@@ -5,8 +5,10 @@
 //
 // The first term is exact by free energy over the outcomes. The second's gradient needs rows drawn from the machine,
 // which come from a Sampler whose chains persist from update to update (Tieleman 2008). x_n is the smooth code, v_n the
-// code word. Unknown variables of a row are summed out over their code words. Same seed, same bits for any number of
-// threads. No type of LibTorch appears in this header.
+// code word. Unknown variables of a row are summed out over their code words. In centred units the gradient is that of
+// W, A, B in E = -A.(v - mu) - B.(h - lambda) - (v - mu)' W (h - lambda), with mu the mean of the rows and lambda a
+// sliding mean of the hidden units given rows, so that training a row or its complement is the same. Same seed, same
+// bits for any number of threads. No type of LibTorch appears in this header.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -31,9 +33,11 @@ struct TrainingResult {
 /// Called at every report epoch with the machine so far; return false to stop.
 using EpochHook = std::function<bool(std::size_t epoch, const RbmWeights& weights)>;
 
-/// Trains on all rows. Throws InputError for an empty table or one that does not fit the layout.
+/// Trains on all rows, from small random weights or from `start`. A layout without outcomes gives a density of the
+/// variables (discriminative 0, outcomes 0 in the table). Throws InputError for an empty table or one that does not
+/// fit.
 TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
-                         const Sampler& sampler, const EpochHook& hook = {});
+                         const Sampler& sampler, const EpochHook& hook = {}, const RbmWeights* start = nullptr);
 
 /// L at fixed negative-phase rows and its gradient by automatic differentiation; for tests against finite differences.
 struct Objective {

@@ -1,5 +1,8 @@
 #include "learning/sampler/bipartite.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.h"
 
 namespace gonogo::learning {
@@ -57,6 +60,24 @@ std::optional<Bipartite> split_in_two(const Problem& qubo) {
     result.weight_transpose[r * left + l] = -c.value;
   }
   return result;
+}
+
+void side_field(std::span<const std::uint8_t> from, std::span<const double> weight, std::span<const double> bias,
+                std::span<double> field) {
+  std::copy(bias.begin(), bias.end(), field.begin());
+  const std::size_t width = field.size();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!from[i]) continue;
+    const double* row = weight.data() + i * width;
+    for (std::size_t j = 0; j < width; ++j) field[j] += row[j];
+  }
+}
+
+void draw_bits(std::span<const double> field, ChainRandom& random, std::size_t first_unit, std::span<std::uint8_t> to) {
+  for (std::size_t j = 0; j < to.size(); ++j) {
+    const double u = random(first_unit + j);
+    to[j] = u * (1 + std::exp(-field[j])) < 1;
+  }
 }
 
 }  // namespace gonogo::learning

@@ -3,9 +3,11 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "learning/qubo/problem.h"
+#include "learning/sampler/chain_random.h"
 
 namespace gonogo::learning {
 
@@ -21,5 +23,12 @@ struct Bipartite {
 /// Two-colours a problem in {0, 1}; nothing when it has an odd cycle. In each connected part the lowest variable goes
 /// left, except that a variable without couplings goes right.
 std::optional<Bipartite> split_in_two(const Problem& qubo);
+
+/// bias + from' weight: the fields of one side given the bits of the other. weight: [from x field].
+void side_field(std::span<const std::uint8_t> from, std::span<const double> weight, std::span<const double> bias,
+                std::span<double> field);
+
+/// Bits that are 1 with probability 1 / (1 + exp(-field)); bit j uses unit first_unit + j.
+void draw_bits(std::span<const double> field, ChainRandom& random, std::size_t first_unit, std::span<std::uint8_t> to);
 
 }  // namespace gonogo::learning

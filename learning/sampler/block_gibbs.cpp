@@ -1,7 +1,5 @@
 #include "learning/sampler/block_gibbs.h"
 
-#include <cmath>
-
 #include "base/cancel.h"
 #include "base/error.h"
 #include "learning/encoding/encoder.h"
@@ -11,25 +9,9 @@
 namespace gonogo::learning {
 namespace {
 
-/// Draws `to` given `from`; weight: [from x to]. Bits of `to` use units first_unit, first_unit + 1, ...
-void draw_side(const std::vector<Bit>& from, const std::vector<double>& weight, const std::vector<double>& bias,
-               ChainRandom& random, std::size_t first_unit, std::vector<double>& field, std::vector<Bit>& to) {
-  field = bias;
-  const std::size_t width = to.size();
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    if (!from[i]) continue;
-    const double* row = weight.data() + i * width;
-    for (std::size_t j = 0; j < width; ++j) field[j] += row[j];
-  }
-  for (std::size_t j = 0; j < width; ++j) {
-    const double u = random(first_unit + j);
-    to[j] = u * (1 + std::exp(-field[j])) < 1;
-  }
-}
-
 void run_chain(const Bipartite& sides, const SampleRequest& request, std::size_t chain, std::span<std::int8_t> row) {
   std::vector<Bit> left(sides.left.size()), right(sides.right.size());
-  std::vector<double> field;
+  std::vector<double> left_field(left.size()), right_field(right.size());
   ChainRandom random(request.seed, chain, left.size() + right.size());
   if (request.start) {
     for (std::size_t i = 0; i < left.size(); ++i) left[i] = row[sides.left[i]] > 0;
@@ -41,8 +23,10 @@ void run_chain(const Bipartite& sides, const SampleRequest& request, std::size_t
   }
   for (std::uint64_t sweep = 0; sweep < request.sweeps; ++sweep) {
     random.begin(request.first_sweep + sweep + 1);
-    draw_side(left, sides.weight, sides.bias_right, random, 0, field, right);
-    draw_side(right, sides.weight_transpose, sides.bias_left, random, right.size(), field, left);
+    side_field(left, sides.weight, sides.bias_right, right_field);
+    draw_bits(right_field, random, 0, right);
+    side_field(right, sides.weight_transpose, sides.bias_left, left_field);
+    draw_bits(left_field, random, right.size(), left);
   }
   for (std::size_t i = 0; i < left.size(); ++i) row[sides.left[i]] = std::int8_t(left[i]);
   for (std::size_t j = 0; j < right.size(); ++j) row[sides.right[j]] = std::int8_t(right[j]);

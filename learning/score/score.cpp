@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "learning/score/calibration.h"
 
 namespace gonogo::learning {
 namespace {
@@ -96,6 +97,23 @@ Json score_report(std::span<const double> p, std::span<const int> happened, std:
   json["log_loss_nat"] = log_loss(p, happened);
   json["accuracy"] = accuracy(p, happened);
   json["calibration_error"] = calibration_error(curve);
+  const Interval brier = bootstrap_mean(brier_terms(p, happened), seed);
+  const Interval loss = bootstrap_mean(log_loss_terms(p, happened), seed);
+  json["brier_low"] = brier.low;
+  json["brier_high"] = brier.high;
+  json["log_loss_low"] = loss.low;
+  json["log_loss_high"] = loss.high;
+  const BrierParts parts = brier_parts(p, happened, bins);
+  json["brier_reliability"] = parts.reliability;
+  json["brier_resolution"] = parts.resolution;
+  json["brier_uncertainty"] = parts.uncertainty;
+  json["brier_within_bins"] = parts.within_bins;
+  const CalibrationLine line = calibration_line(p, happened);
+  const bool told = std::isfinite(line.slope_error);  // not where all forecasts are alike
+  json["calibration_slope"] = told ? Json(line.slope) : Json();
+  json["calibration_slope_error"] = told ? Json(line.slope_error) : Json();
+  json["calibration_offset"] = told ? Json(line.offset) : Json();
+  json["calibration_offset_error"] = told ? Json(line.offset_error) : Json();
   json["floor_brier_mean"] = floor.brier_mean;
   json["floor_brier_95"] = floor.brier_high;
   json["floor_calibration_error_mean"] = floor.calibration_mean;

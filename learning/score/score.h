@@ -30,7 +30,7 @@ struct ScoreFloor {
 };
 ScoreFloor score_floor(std::span<const double> p, std::size_t bins, std::uint64_t seed, std::size_t draws = 1000);
 
-/// All of the above as one JSON object.
+/// All of the above, and what calibration.h adds, as one JSON object.
 Json score_report(std::span<const double> p, std::span<const int> happened, std::size_t bins, std::uint64_t seed);
 
 }  // namespace gonogo::learning

@@ -13,7 +13,8 @@ struct WheelBench {
   sim::Solver solver = sim::Solver::apgd;
   sim::Target target = sim::Target::ccp;
   double step = 1e-3;     // [s]
-  int substeps = 20;      // per step; with two iterations each the best of the table in docs/benchmarks
+  int substeps = 15;      // per step; with two iterations each the cheapest of the table in docs/benchmarks that
+                          // holds the slip
   int iterations = 2;     // most per substep
   double tolerance = 0;   // [m/s]
   int worlds = 1;         // in one batch; their wheels start at different places of the same bed
@@ -34,7 +35,7 @@ struct WheelBenchResult {
   double sinkage = 0;             // mean over the last half of the drive [m]
   double residual_rms = 0;        // mean over the drive [m/s]
   double residual_max = 0;        // largest seen [m/s]
-  sim::Fault fault;  // the first one of a world that failed
+  sim::Fault fault;               // the first one of a world that failed
 };
 
 /// Reads the scene, settles the tilted bed, lets the wheel down, ramps its speed up and drives.

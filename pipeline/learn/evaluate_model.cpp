@@ -6,7 +6,9 @@
 
 #include "base/error.h"
 #include "learning/rbm/logistic.h"
+#include "learning/rbm/network.h"
 #include "pipeline/dataset/dataset.h"
+#include "pipeline/learn/missing_curve.h"
 #include "pipeline/learn/predictor.h"
 #include "pipeline/learn/score_report.h"
 #include "pipeline/learn/training_data.h"
@@ -32,6 +34,18 @@ std::vector<double> comparable(std::span<const double> point) {
   return key;
 }
 
+/// Thousands of answers with many unknowns are asked for: sums stay short and chains few.
+constexpr learning::MarginalOptions kQuickMarginal = {
+    .most_terms = 20'000, .chains = 32, .sweeps = 100, .burn_in = 20, .rungs = 1};
+
+/// Variables that trials had at more than one value.
+std::vector<std::size_t> varying(const learning::Model& model) {
+  std::vector<std::size_t> result;
+  for (std::size_t v = 0; v < model.layout.variable_count(); ++v)
+    if (model.layout.encoders()[v].unit_count() > 0) result.push_back(v);
+  return result;
+}
+
 }  // namespace
 
 Json evaluate_model(const std::filesystem::path& model_file, const std::filesystem::path& dataset) {
@@ -45,10 +59,12 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
   for (int y : label) base += y;
   base /= double(label.size()) + 1;
   const learning::LogisticModel logistic = learning::fit_logistic(trained, label);
+  const learning::NetworkModel network = learning::fit_network(trained, label);
   std::set<std::vector<double>> seen;
   for (std::size_t n = 0; n < trained.row_count(); ++n) seen.insert(comparable(trained.row(n)));
 
   Forecasts forecasts;
+  std::vector<std::size_t> unseen;
   std::size_t trained_on = 0;
   double outcome_loss = 0;
   for (std::size_t n = 0; n < data.table.row_count(); ++n) {
@@ -60,7 +76,9 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
     const std::vector<double> p = predictor.outcome_probabilities(row);
     forecasts.model.push_back(std::min(1.0, predictor.p_go(row)));
     forecasts.logistic.push_back(logistic(row));
+    forecasts.network.push_back(network(row));
     forecasts.base_rate.push_back(base);
+    unseen.push_back(n);
     forecasts.happened.push_back(passable[data.table.outcome[n]]);
     outcome_loss -= std::log(p[data.table.outcome[n]]);
   }
@@ -73,6 +91,12 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
   json["left_out_trained_on"] = Json(std::uint64_t(trained_on));
   json["outcome_log_loss_nat"] = outcome_loss / double(forecasts.happened.size());
   json["scores"] = score_forecasts(forecasts, 1);
+  json["missing"] =
+      missing_curve({{"model", [&](std::span<const double> x) { return predictor.p_go(x, kQuickMarginal); }},
+                     {"logistic_regression", [&](std::span<const double> x) { return logistic(x); }},
+                     {"neural_network", [&](std::span<const double> x) { return network(x); }},
+                     {"base_rate", [&](std::span<const double>) { return base; }}},
+                    data.table.subset(unseen), forecasts.happened, varying(predictor.model()));
   return json;
 }
 

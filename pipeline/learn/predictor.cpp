@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "learning/model/posterior.h"
+#include "learning/score/calibration.h"
 #include "pipeline/learn/training_data.h"
 #include "pipeline/study/contract.h"
 
@@ -83,15 +84,36 @@ std::vector<double> Predictor::outcome_probabilities(std::span<const double> var
   return marginal(variables).probability;
 }
 
-learning::PosteriorAnswer Predictor::marginal(std::span<const double> variables) const {
+learning::PosteriorAnswer Predictor::marginal(std::span<const double> variables,
+                                              const learning::MarginalOptions& options) const {
   if (variables.size() != model_->layout.variable_count())
     throw InputError("predictor: " + std::to_string(variables.size()) + " variables given, " +
                      std::to_string(model_->layout.variable_count()) + " needed");
-  return posterior_.marginal(variables);
+  return calibrated(posterior_.marginal(variables, options));
 }
 
-double Predictor::p_go(std::span<const double> variables) const {
-  const std::vector<double> p = outcome_probabilities(variables);
+learning::PosteriorAnswer Predictor::calibrated(learning::PosteriorAnswer answer) const {
+  if (model_->calibration_power == 1) return answer;
+  const std::vector<double> before = answer.probability;
+  learning::sharpen(answer.probability, model_->calibration_power);
+  for (std::size_t y = 0; y < before.size(); ++y) {  // first order, the other outcomes taken together
+    const double q = answer.probability[y], spread = before[y] * (1 - before[y]);
+    if (spread > 0) answer.standard_error[y] *= model_->calibration_power * q * (1 - q) / spread;
+  }
+  return answer;
+}
+
+learning::JointAnswer Predictor::reconstruct(std::span<const double> variables,
+                                             std::optional<std::size_t> outcome) const {
+  learning::JointAnswer answer = posterior_.joint(variables, outcome);
+  if (!outcome) answer.outcome = calibrated(std::move(answer.outcome));
+  return answer;
+}
+
+double Predictor::p_go(std::span<const double> variables) const { return p_go(variables, learning::MarginalOptions()); }
+
+double Predictor::p_go(std::span<const double> variables, const learning::MarginalOptions& options) const {
+  const std::vector<double> p = marginal(variables, options).probability;
   double sum = 0;
   for (std::size_t y = 0; y < p.size(); ++y) sum += go_weight_[y] * p[y];
   return sum;
@@ -112,6 +134,7 @@ void Predictor::for_each_point(std::span<const double> points, Store store) cons
         p = posterior_.marginal(point).probability;
       else
         posterior_(point, p);
+      if (model_->calibration_power != 1) learning::sharpen(p, model_->calibration_power);
       store(n, p);
     }
   }

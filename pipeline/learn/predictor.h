@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -26,9 +27,14 @@ class Predictor {
   /// [contract().outcomes.size()], in that order; sums to 1.
   std::vector<double> outcome_probabilities(std::span<const double> variables) const;
   /// The same with its standard error, which is above 0 when so many variables are unknown that they had to be sampled.
-  learning::PosteriorAnswer marginal(std::span<const double> variables) const;
+  learning::PosteriorAnswer marginal(std::span<const double> variables,
+                                     const learning::MarginalOptions& options = {}) const;
+  /// What every unknown variable may be, and the outcome, which may be given: P(any | any subset). Variables are told
+  /// by the machine alone; a calibration of outcomes does not touch them.
+  learning::JointAnswer reconstruct(std::span<const double> variables, std::optional<std::size_t> outcome) const;
   /// P(go or slow_go | a valid trial).
   double p_go(std::span<const double> variables) const;
+  double p_go(std::span<const double> variables, const learning::MarginalOptions& options) const;
 
   /// Many points at once, on all threads. points: [point_count x variable count], row by row; result: [point_count] and
   /// [point_count x outcome count].
@@ -49,6 +55,7 @@ class Predictor {
   template <class Store>
   void for_each_point(std::span<const double> points, Store store) const;
   bool needs_summation(std::span<const double> point) const;
+  learning::PosteriorAnswer calibrated(learning::PosteriorAnswer answer) const;
 
   std::shared_ptr<const learning::Model> model_;
   learning::Posterior posterior_;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
-#include "learning/score/score.h"
+#include "learning/score/calibration.h"
 #include "pipeline/learn/train_model.h"
 
 namespace gonogo::pipeline {
@@ -16,6 +17,39 @@ std::string line(const char* format, Values... values) {
   return text;
 }
 
+Json interval_json(const learning::Interval& interval) {
+  Json json;
+  json["value"] = interval.value;
+  json["low"] = interval.low;
+  json["high"] = interval.high;
+  return json;
+}
+
+/// Differences on the same trials; their interval is narrower than those of the two scores.
+learning::Interval difference(const std::vector<double>& terms, const std::vector<double>& others, std::uint64_t seed) {
+  std::vector<double> difference;
+  for (std::size_t k = 0; k < terms.size(); ++k) difference.push_back(terms[k] - others[k]);
+  return learning::bootstrap_mean(difference, seed);
+}
+
+Json comparison(const Forecasts& forecasts, const Json& scores, std::uint64_t seed) {
+  const std::vector<std::pair<std::string, const std::vector<double>*>> baselines = {
+      {"logistic_regression", &forecasts.logistic},
+      {"neural_network", &forecasts.network},
+      {"base_rate", &forecasts.base_rate}};
+  auto best = baselines.front();
+  for (const auto& baseline : baselines)
+    if (scores.at(baseline.first).at("brier").number() < scores.at(best.first).at("brier").number()) best = baseline;
+  const auto& happened = forecasts.happened;
+  Json json;
+  json["baseline"] = best.first;
+  json["brier"] = interval_json(difference(learning::brier_terms(forecasts.model, happened),
+                                           learning::brier_terms(*best.second, happened), seed));
+  json["log_loss_nat"] = interval_json(difference(learning::log_loss_terms(forecasts.model, happened),
+                                                  learning::log_loss_terms(*best.second, happened), seed));
+  return json;
+}
+
 }  // namespace
 
 Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed) {
@@ -23,18 +57,41 @@ Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed) {
   Json json;
   json["model"] = learning::score_report(forecasts.model, forecasts.happened, bins, seed);
   json["logistic_regression"] = learning::score_report(forecasts.logistic, forecasts.happened, bins, seed);
+  json["neural_network"] = learning::score_report(forecasts.network, forecasts.happened, bins, seed);
   json["base_rate"] = learning::score_report(forecasts.base_rate, forecasts.happened, bins, seed);
+  json["model_minus_best"] = comparison(forecasts, json, seed);
   return json;
 }
 
+std::vector<std::string> forecaster_names(const Json& scores) {
+  std::vector<std::string> names;
+  for (const char* who : {"model", "logistic_regression", "neural_network", "base_rate"})
+    if (scores.find(who)) names.push_back(who);
+  return names;
+}
+
 std::string scores_text(const Json& scores) {
-  std::string text = line("%-20s %8s %9s %9s %12s\n", "P(go) of", "Brier", "log loss", "accuracy", "calibration");
-  for (const char* who : {"model", "logistic_regression", "base_rate"}) {
+  std::string text = line("%-20s %-24s %-24s %8s %11s %s\n", "P(go) of", "Brier [95 %]", "log loss [95 %]", "accuracy",
+                          "calibration", "slope of calibration");
+  for (const std::string& who : forecaster_names(scores)) {
     const Json& s = scores.at(who);
-    text += line("%-20s %8.4f %9.4f %9.3f %12.4f\n", who, s.at("brier").number(), s.at("log_loss_nat").number(),
-                 s.at("accuracy").number(), s.at("calibration_error").number());
+    text += line("%-20s %6.4f [%6.4f, %6.4f]  %6.4f [%6.4f, %6.4f]  %8.3f %11.4f", who.c_str(), s.at("brier").number(),
+                 s.at("brier_low").number(), s.at("brier_high").number(), s.at("log_loss_nat").number(),
+                 s.at("log_loss_low").number(), s.at("log_loss_high").number(), s.at("accuracy").number(),
+                 s.at("calibration_error").number());
+    text += s.at("calibration_slope").is_number()
+                ? line(" %.2f +- %.2f\n", s.at("calibration_slope").number(), s.at("calibration_slope_error").number())
+                : "\n";
   }
-  const Json& model = scores.at("model");
+  const Json &model = scores.at("model"), &rest = scores.at("model_minus_best");
+  text += line("model minus %s: Brier %+.4f [%+.4f, %+.4f], log loss %+.4f [%+.4f, %+.4f]\n",
+               rest.at("baseline").string().c_str(), rest.at("brier").at("value").number(),
+               rest.at("brier").at("low").number(), rest.at("brier").at("high").number(),
+               rest.at("log_loss_nat").at("value").number(), rest.at("log_loss_nat").at("low").number(),
+               rest.at("log_loss_nat").at("high").number());
+  text += line("Brier of the model = reliability %.4f - resolution %.4f + uncertainty %.4f + within bins %.4f\n",
+               model.at("brier_reliability").number(), model.at("brier_resolution").number(),
+               model.at("brier_uncertainty").number(), model.at("brier_within_bins").number());
   text += line(
       "a perfectly calibrated forecaster with the model's forecasts: Brier %.4f (95 %% below %.4f), calibration "
       "error %.4f (95 %% below %.4f)\n",
@@ -61,6 +118,11 @@ std::string report_text(const Json& report) {
   text += line("\nsampler %s, %lld epochs; scores by %lld-fold cross-validation:\n",
                report.at("sampler").string().c_str(), static_cast<long long>(report.at("epochs").integer()),
                static_cast<long long>(report.at("cross_validation").at("folds").integer()));
+  if (report.at("stand_in").boolean())
+    text += "the sampler " + report.at("sampler_wanted").string() + " could not be used, " +
+            report.at("sampler").string() + " stood in: " + report.at("stand_in_reason").string() + "\n";
+  if (const double power = report.at("calibration_power").number(); power != 1)
+    text += line("probabilities are calibrated: raised to %.3f\n", power);
   return text + scores_text(report.at("cross_validation"));
 }
 

@@ -26,7 +26,11 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
     return std::size_t(section->integer_or(key, std::int64_t(fallback), {.minimum = least, .maximum = most}));
   };
   if (section->has("sampler"))
-    settings.sampler = section->choice("sampler", {"block_gibbs", "anneal", "tempering", "population", "exact"});
+    settings.sampler =
+        section->choice("sampler", {"block_gibbs", "anneal", "tempering", "population", "exact", "command"});
+  if (settings.sampler == "command") settings.command = section->texts("command");
+  if (section->has("stand_in"))
+    settings.stand_in = section->choice("stand_in", {"block_gibbs", "anneal", "tempering", "exact"});
   training.hidden = count("hidden", training.hidden, 1, 1024);
   training.epochs = count("epochs", training.epochs, 1, 1e6);
   training.batch = count("batch", training.batch, 1, 1e6);
@@ -36,6 +40,21 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   training.learning_rate = section->number_or("learning_rate", training.learning_rate, {.minimum = 1e-6, .maximum = 1});
   training.weight_decay = section->number_or("weight_decay", training.weight_decay, {.minimum = 0, .maximum = 1e6});
   training.generative = section->number_or("generative", training.generative, {.minimum = 0, .maximum = 100});
+  training.discriminative =
+      section->number_or("discriminative", training.discriminative, {.minimum = 0, .maximum = 100});
+  training.final_learning_rate =
+      section->number_or("final_learning_rate", training.final_learning_rate, {.minimum = 0, .maximum = 1});
+  training.momentum = section->number_or("momentum", training.momentum, {.minimum = 0, .maximum = 0.999});
+  training.rungs = count("rungs", training.rungs, 2, 64);
+  training.centred = section->boolean_or("centred", training.centred);
+  if (section->has("optimizer"))
+    training.optimizer = learning::optimizer_named(section->choice("optimizer", {"adam", "sgd"}));
+  if (section->has("negative"))
+    training.negative = learning::negative_phase_named(
+        section->choice("negative", {"persistent", "contrastive", "tempering", "trajectory"}));
+  if (training.negative != learning::NegativePhaseKind::persistent && settings.sampler != "block_gibbs")
+    section->fail("negative", "only persistent chains can come from the sampler " + settings.sampler);
+  settings.calibrate = section->boolean_or("calibrate", settings.calibrate);
   if (section->has("bins")) settings.quantile_bins = section->choice("bins", {"range", "quantile"}) == "quantile";
   if (const auto encoders = section->object_if("encoders")) settings.encoders = read_encoders(*encoders);
   section->finish();
@@ -52,9 +71,21 @@ Json to_json(const LearningSettings& settings) {
   json["learning_rate"] = training.learning_rate;
   json["weight_decay"] = training.weight_decay;
   json["generative"] = training.generative;
+  json["discriminative"] = training.discriminative;
+  json["final_learning_rate"] = training.final_learning_rate;
+  json["momentum"] = training.momentum;
+  json["rungs"] = Json(std::uint64_t(training.rungs));
+  json["centred"] = training.centred;
+  json["optimizer"] = learning::optimizer_name(training.optimizer);
+  json["negative"] = learning::negative_phase_name(training.negative);
   json["chains"] = Json(std::uint64_t(training.chains));
   json["sweeps"] = Json(std::uint64_t(training.sweeps));
   json["folds"] = Json(std::uint64_t(settings.folds));
+  json["calibrate"] = settings.calibrate;
+  if (settings.sampler == "command") {
+    json["command"] = Json(settings.command);
+    json["stand_in"] = settings.stand_in;
+  }
   json["bins"] = settings.quantile_bins ? "quantile" : "range";
   for (const auto& [name, spec] : settings.encoders) {
     Json entry;

@@ -1,11 +1,20 @@
 // The "learning" section of a study:
 //
-//   sampler        "block_gibbs" (default), "anneal", "tempering", "population" or "exact": where the
+//   sampler        "block_gibbs" (default), "anneal", "tempering", "population", "exact" or "command": where the
 //                  negative phase comes from
+//   command        of the sampler "command": list of program and arguments with {problem} {answer} {reads} {seed}
+//   stand_in       sampler that takes over when "command" fails (default "block_gibbs"); log, model and report say so
 //   hidden         hidden units                                     epochs         most passes over the trials
 //   batch          trials of a minibatch                            learning_rate  of Adam
 //   weight_decay   strength of the Gaussian prior on weights [nat]  generative     share of the joint likelihood
 //   chains, sweeps persistent chains and their sweeps per update    folds          of the cross-validation
+//   optimizer      "adam" (default) or "sgd"                        momentum       of sgd
+//   final_learning_rate  share of the learning rate at the last epoch (default 1)
+//   discriminative share of the conditional likelihood (default 1)  centred        gradients in centred units (default
+//   no) negative       "persistent" (default), "contrastive", "tempering" or "trajectory": how the chains of the
+//   negative
+//                  phase start; the last two have "rungs" machines on a ladder
+//   calibrate      whether a power that the held-out folds choose sharpens or blunts all probabilities (default no)
 //   bins           "range" (default) or "quantile"
 //   encoders       { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }, default: the contract's
 //
@@ -14,6 +23,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/json/config.h"
 #include "learning/training_settings.h"
@@ -26,6 +36,9 @@ struct LearningSettings {
   std::size_t folds = 5;
   learning::TrainingSettings training;  // its seed is the study's and is set when training
   bool quantile_bins = false;
+  bool calibrate = false;
+  std::vector<std::string> command;             // of the sampler "command"
+  std::string stand_in = "block_gibbs";         // for a sampler that cannot be reached
   std::map<std::string, EncoderSpec> encoders;  // by variable, where the study overrides the contract
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -9,9 +10,10 @@
 #include "base/version.h"
 #include "learning/model/model.h"
 #include "learning/rbm/logistic.h"
+#include "learning/rbm/network.h"
 #include "learning/rbm/train.h"
-#include "learning/sampler/sampler.h"
-#include "learning/score/score.h"
+#include "learning/sampler/stand_in.h"
+#include "learning/score/calibration.h"
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/learn/score_report.h"
 
@@ -40,6 +42,7 @@ Json cross_validation_scores(const TrainingData& data, const learning::CrossVali
     forecasts.happened.push_back(passable[table.outcome[n]]);
   }
   forecasts.logistic = learning::cross_validate_logistic(table, forecasts.happened, fold, fold_count);
+  forecasts.network = learning::cross_validate_network(table, forecasts.happened, fold, fold_count);
   for (std::size_t n = 0; n < table.row_count(); ++n) {
     double go = 0.5, count = 1;  // half a trial of each kind: never exactly 0 or 1
     for (std::size_t other = 0; other < table.row_count(); ++other) {
@@ -50,6 +53,53 @@ Json cross_validation_scores(const TrainingData& data, const learning::CrossVali
     forecasts.base_rate.push_back(go / count);
   }
   return score_forecasts(forecasts, seed);
+}
+
+/// The power that calibrates best on rows that their machines did not see; nothing is known about fold `without` then.
+double fitted_power(const TrainingData& data, const std::vector<double>& probability,
+                    const std::vector<std::size_t>& fold, std::size_t without) {
+  const std::size_t outcomes = probability.size() / fold.size();
+  std::vector<double> rows, weight;
+  std::vector<std::size_t> outcome;
+  for (std::size_t n = 0; n < fold.size(); ++n) {
+    if (fold[n] == without) continue;
+    rows.insert(rows.end(), probability.begin() + std::ptrdiff_t(n * outcomes),
+                probability.begin() + std::ptrdiff_t((n + 1) * outcomes));
+    outcome.push_back(data.table.outcome[n]);
+    weight.push_back(data.table.weight[n]);
+  }
+  return learning::fit_power(rows, outcome, weight);
+}
+
+/// Sharpens every fold's forecasts by the power that the other folds choose, and returns the power that all choose.
+double calibrate(const TrainingData& data, learning::CrossValidation& folds, std::size_t fold_count,
+                 std::uint64_t seed) {
+  const std::vector<std::size_t> fold = learning::assign_folds(data.table, fold_count, seed);
+  const std::vector<double> before = folds.probability;
+  const std::size_t outcomes = before.size() / fold.size();
+  std::vector<double> power;
+  for (std::size_t f = 0; f < fold_count; ++f) power.push_back(fitted_power(data, before, fold, f));
+  for (std::size_t n = 0; n < fold.size(); ++n)
+    learning::sharpen(std::span(folds.probability).subspan(n * outcomes, outcomes), power[fold[n]]);
+  return fitted_power(data, before, fold, fold_count);
+}
+
+std::unique_ptr<learning::Sampler> training_sampler(const LearningSettings& settings) {
+  if (settings.sampler != "command") return learning::make_sampler(settings.sampler);
+  learning::SamplerSettings outside;
+  outside.command = settings.command;
+  return std::make_unique<learning::WithStandIn>(learning::make_sampler("command", outside),
+                                                 learning::make_sampler(settings.stand_in));
+}
+
+/// Which sampler the rows came from in the end, and why not from the one that was asked for.
+void report_sampler(const learning::Sampler& sampler, const LearningSettings& settings, Json& report) {
+  const auto* chosen = dynamic_cast<const learning::WithStandIn*>(&sampler);
+  report["sampler"] = sampler.name();
+  report["stand_in"] = chosen && chosen->stood_in();
+  if (!chosen || !chosen->stood_in()) return;
+  report["sampler_wanted"] = settings.sampler;
+  report["stand_in_reason"] = chosen->reason();
 }
 
 /// The rate of failed simulations, modelled apart from the outcomes: overall with its interval, and by a logistic
@@ -96,7 +146,7 @@ Json train_model(const TrainRequest& request) {
   const LearningSettings settings = read_learning_settings(request.learning);
   const Dataset dataset = read_dataset(request.dataset);
   const TrainingData data = make_training_data(dataset.records, request.design);
-  const auto sampler = learning::make_sampler(settings.sampler);
+  const auto sampler = training_sampler(settings);
   learning::Model model;
   model.layout = make_layout(data, settings);
   learning::TrainingSettings training = settings.training;
@@ -105,9 +155,10 @@ Json train_model(const TrainRequest& request) {
   if (folds < 2) throw InputError(request.dataset.string() + ": trials at two points or more are needed to train");
 
   Progress progress("train", "machines", folds + 1);
-  const learning::CrossValidation validation = cross_validate(model.layout, data.table, training, *sampler, folds,
-                                                              [&](std::size_t done) { progress.update(done); });
+  learning::CrossValidation validation = cross_validate(model.layout, data.table, training, *sampler, folds,
+                                                        [&](std::size_t done) { progress.update(done); });
   training.epochs = validation.best_epoch;
+  if (settings.calibrate) model.calibration_power = calibrate(data, validation, folds, training.seed);
   model.weights = train_rbm(model.layout, data.table, training, *sampler).weights;
   progress.update(folds + 1);
   model.log = validation.log;
@@ -120,8 +171,8 @@ Json train_model(const TrainRequest& request) {
   report["data_hash"] = file_hash(request.dataset);
   report["contract_hash"] = content_hash(contract_text());
   report["program_version"] = program_version();
-  report["sampler"] = sampler->name();
-  report["stand_in"] = false;
+  report_sampler(*sampler, settings, report);
+  report["calibration_power"] = model.calibration_power;
   report["seed"] = Json(request.seed);
   report["settings"] = to_json(settings);
   report["epochs"] = Json(std::uint64_t(validation.best_epoch));

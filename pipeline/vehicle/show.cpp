@@ -1,6 +1,5 @@
 #include "pipeline/vehicle/show.h"
 
-#include <cstdarg>
 #include <cstdio>
 
 #include "vehicle/model/belt.h"
@@ -87,15 +86,6 @@ void notes(const Vehicle& v, Report& r) {
 }
 
 }  // namespace
-
-std::string line(const char* format, ...) {
-  char text[400];
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(text, sizeof text, format, arguments);
-  va_end(arguments);
-  return text;
-}
 
 Report show_vehicle(const Vehicle& v) {
   Report r;

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/json/json.h"
+#include "base/line.h"
 #include "vehicle/model/vehicle.h"
 
 namespace gonogo::pipeline {
@@ -13,8 +14,5 @@ struct Report {
 };
 
 Report show_vehicle(const vehicle::Vehicle& v);
-
-/// printf into a string, at most 400 characters.
-std::string line(const char* format, ...) __attribute__((format(printf, 1, 2)));
 
 }  // namespace gonogo::pipeline

@@ -113,20 +113,24 @@ struct UpdateMonitors {
   }
 };
 
-/// What a world's elements and monitors do at the end of a step, in one kernel.
+/// What a world's elements and monitors do at the end of a step; then its clock goes on.
 struct FinishStep {
   MeasureElements measure;
   UpdateMonitors monitors;
+  View<Index> steps;  // [world]
+  View<Progress> progress;
 
   GONOGO_HD void operator()(WorldIndex w) const {
     measure(w);
     monitors(w);
+    ++steps[w];
+    if (w == 0) ++progress[0].steps;
   }
 };
 
-/// Call after integrate, before the clock goes on.
+/// Call after integrate.
 template <class Exec>
-void update_monitors(Exec exec, State<Exec>& s, const StepSettings& settings) {
+void finish_step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
   MechanismStore<Exec>& m = s.mechanisms;
   const MeasureElements measure{e.world.view(),         s.world.view(),       m.motor.view(),    m.drive.view(),
@@ -138,7 +142,7 @@ void update_monitors(Exec exec, State<Exec>& s, const StepSettings& settings) {
                                 s.position.view(), s.orientation.view(), s.velocity.view(),      e.monitor.view(),
                                 s.steps.view(),    e.stop.view(),        e.monitor_state.view(), e.sample.view(),
                                 settings.step,     settings.substep()};
-  for_each_index(exec, s.world_count, FinishStep{measure, monitors});
+  for_each_index(exec, s.world_count, FinishStep{measure, monitors, s.steps.view(), s.progress.view()});
 }
 
 }  // namespace gonogo::sim

@@ -104,8 +104,7 @@ struct SpectralTile {
       if (m.test) s.residual_square += sum_lanes(residual_square<turning>(b.numbers, u.update));
       b.impulse[1 - parity] = u.update.impulse;
       scatter_wrenches(b, u.update.impulse, first, std::min(range.end - first, kPackWidth), wrench_a, wrench_b);
-      spectral += SpectralSums{sum_lanes(u.sums.change_square), sum_lanes(u.sums.curvature),
-                               sum_lanes(u.sums.gradient_square), sum_lanes(u.sums.rise)};
+      spectral += SpectralSums{sum_lanes(u.sums.change_square), sum_lanes(u.sums.curvature), sum_lanes(u.sums.rise)};
     }
     sums[tile] = s;
     spectral_sums[tile] = spectral;

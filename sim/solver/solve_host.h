@@ -331,6 +331,7 @@ inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
   const IterationRules rules = settings.rules();
   const Index tile_count = tiles(s).count();
   const bool turning = s.turning;
+  for_each_counted(exec, contact_count(s), mass_splitting(s, settings));
   fill_blocks(exec, s, tile_count);
   for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
   prepare_method(exec, s, tile_count, rules.solver);

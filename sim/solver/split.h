@@ -67,12 +67,14 @@ struct SplitMasses {
     return Real(weight[b]) * (driven ? Real(2) : Real(1)) / own;
   }
 
-  GONOGO_HD void operator()(ContactIndex i) const {
-    Contact& c = contact[i];
+  GONOGO_HD void operator()(ContactIndex i) const { split(contact[i], impulse[i]); }
+
+  /// `start`: the contact's warm start.
+  GONOGO_HD_INLINED void split(Contact& c, const Impulse& start) const {
     const bool turning = c.rho > 0 || c.sigma > 0;
     const ConeStep a = inverse_mass_bound(c.arm_a, c.normal, mass[c.body_a], orientation[c.body_a], turning);
     const ConeStep b = inverse_mass_bound(c.arm_b, c.normal, mass[c.body_b], orientation[c.body_b], turning);
-    const auto own = Real(contact_weight(c, impulse[i]));
+    const auto own = Real(contact_weight(c, start));
     const Real share_a = share(c.body_a, own), share_b = share(c.body_b, own);
     c.step.n = 1 / (share_a * a.n + share_b * b.n + c.softness);
     c.step.t = 1 / (share_a * a.t + share_b * b.t);
@@ -102,11 +104,12 @@ GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, con
 }
 
 template <class Exec>
-void split_masses(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  for_each_counted(exec, contact_count(s),
-                   SplitMasses{s.mass.view(), s.mechanisms.body.view(), s.orientation.view(), s.velocity.view(),
-                               s.contact_weight.view(), s.store[s.parity].impulse.view(), s.contact.view(),
-                               incidence(s), settings.target, settings.solver == Solver::gauss_seidel});
+SplitMasses mass_splitting(State<Exec>& s, const StepSettings& settings) {
+  return {s.mass.view(),           s.mechanisms.body.view(),
+          s.orientation.view(),    s.velocity.view(),
+          s.contact_weight.view(), s.store[s.parity].impulse.view(),
+          s.contact.view(),        incidence(s),
+          settings.target,         settings.solver == Solver::gauss_seidel};
 }
 
 }  // namespace gonogo::sim

@@ -8,7 +8,7 @@
 #include "sim/element/drive.h"
 #include "sim/element/watch.h"
 #include "sim/joint/prepare.h"
-#include "sim/solver/split.h"
+#include "sim/solver/tiles.h"
 #include "sim/world/spin.h"
 
 namespace gonogo::sim {
@@ -81,16 +81,6 @@ struct Integrate {
   }
 };
 
-/// The step is complete: the worlds' clocks go on.
-struct CountStep {
-  View<Index> steps;  // [world]
-  View<Progress> progress;
-  GONOGO_HD void operator()(WorldIndex w) const {
-    ++steps[w];
-    if (w == 0) ++progress[0].steps;
-  }
-};
-
 /// What is known of the bodies' motion before the contacts are.
 template <class Exec>
 void prepare_motion(Exec exec, State<Exec>& s, const StepSettings& settings) {
@@ -107,7 +97,6 @@ void prepare_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   find_contacts(exec, s, settings);
   beside(
       exec, [&](Exec main) { build_incidence(main, s); }, [&](Exec side) { cut_into_tiles(side, s); });
-  split_masses(exec, s, settings);
 }
 
 template <class Exec>
@@ -122,8 +111,7 @@ void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
       exec, s.body_count,
       Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.earlier_velocity.view(),
                 s.position.view(), s.orientation.view(), s.steps.view(), s.flags.view(), s.fault.view(), settings});
-  update_monitors(exec, s, settings);
-  for_each_index(exec, s.world_count, CountStep{s.steps.view(), s.progress.view()});
+  finish_step(exec, s, settings);
 }
 
 }  // namespace gonogo::sim

@@ -2,187 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 
-#include "base/cancel.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/json/config.h"
-#include "base/progress.h"
 
 namespace gonogo::terrain {
-namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
-/// The line of contact parameters: sliding friction first, rolling friction joins where spheres alone saturate.
-struct ContactPoint {
-  double friction, rolling_friction;
-};
-constexpr ContactPoint kContactLine[] = {{0.1, 0}, {0.3, 0}, {0.5, 0.05}, {0.7, 0.3}, {0.9, 1.5}, {1.5, 3}, {3, 6}};
-/// Settling friction of the packing library, from loose to dense.
-constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};
-constexpr double kNormalStress[] = {5e3, 15e3, 40e3};  // [Pa]
-constexpr double kCohesionPressure = 10e3;             // between grains, of the cohesive tests [Pa]
-constexpr std::uint64_t kSeeds[] = {1, 2};
-
-double angle_deg(double ratio) { return std::atan(ratio) / kDegree; }
-
-struct Job {
-  std::size_t contact, packing, seed, stress;
-  bool cohesive;
-  ShearResult result;
-};
-
-std::vector<Job> all_jobs() {
-  std::vector<Job> jobs;
-  for (std::size_t c = 0; c < std::size(kContactLine); ++c)
-    for (std::size_t p = 0; p < std::size(kSettleFriction); ++p)
-      for (std::size_t s = 0; s < std::size(kSeeds); ++s)
-        for (std::size_t n = 0; n < std::size(kNormalStress); ++n) {
-          jobs.push_back({c, p, s, n, false, {}});
-          jobs.push_back({c, p, s, n, true, {}});
-        }
-  return jobs;
-}
-
-struct MeanError {
-  double mean, error;
-};
-
-MeanError mean_error(const std::vector<double>& values) {
-  double mean = 0, square = 0;
-  for (const double v : values) mean += v / double(values.size());
-  for (const double v : values) square += (v - mean) * (v - mean);
-  return {mean, std::sqrt(square / double(values.size() - 1) / double(values.size()))};
-}
-
-/// Friction angle from the ratio of shear to normal stress in the tests without cohesion.
-void friction_of(const std::vector<Job>& jobs, std::size_t c, ContactLevel& level) {
-  std::vector<double> ratio;
-  for (const Job& j : jobs)
-    if (j.contact == c && !j.cohesive) ratio.push_back(j.result.shear_stress / j.result.normal_stress);
-  const MeanError r = mean_error(ratio);
-  level.friction_angle = angle_deg(r.mean);
-  level.friction_angle_error = angle_deg(r.mean + r.error) - angle_deg(r.mean);
-}
-
-/// Cohesion: the shear stress that contact cohesion adds at equal normal stress.
-void cohesion_of(const std::vector<Job>& jobs, std::size_t c, ContactLevel& level) {
-  std::vector<double> gain;
-  // Tests come in pairs: without and with cohesion, everything else equal (all_jobs).
-  for (std::size_t k = 0; k + 1 < jobs.size(); k += 2) {
-    const ShearResult &dry = jobs[k].result, &sticky = jobs[k + 1].result;
-    if (jobs[k].contact == c)
-      gain.push_back((sticky.shear_stress - dry.shear_stress / dry.normal_stress * sticky.normal_stress) /
-                     kCohesionPressure);
-  }
-  const MeanError g = mean_error(gain);
-  level.cohesion_gain = g.mean;
-  level.cohesion_gain_error = g.error;
-}
-
-/// Least-squares fit that never falls along the line (pool adjacent violators; Ayer et al. 1955): stronger contacts do
-/// not make weaker soil, and where the measured scatter says so, neighbours share their mean.
-void make_monotone(std::vector<ContactLevel>& levels) {
-  std::vector<std::pair<double, int>> pools;  // mean, count
-  for (const ContactLevel& l : levels) {
-    pools.emplace_back(l.friction_angle, 1);
-    while (pools.size() > 1 && pools[pools.size() - 2].first > pools.back().first) {
-      const auto [mean, count] = pools.back();
-      pools.pop_back();
-      auto& last = pools.back();
-      last = {(last.first * last.second + mean * count) / (last.second + count), last.second + count};
-    }
-  }
-  std::size_t k = 0;
-  for (const auto& [mean, count] : pools)
-    for (int i = 0; i < count; ++i) levels[k++].friction_angle = mean;
-}
-
-/// One cohesion gain for the whole line, weighted by the inverse squares of the errors: the levels agree within them.
-void pool_cohesion(Calibration& c) {
-  double weight = 0, sum = 0;
-  for (const ContactLevel& l : c.contact) {
-    const double w = 1 / (l.cohesion_gain_error * l.cohesion_gain_error);
-    weight += w;
-    sum += w * l.cohesion_gain;
-  }
-  c.cohesion_gain = sum / weight;
-  c.cohesion_gain_error = std::sqrt(1 / weight);
-}
-
-std::vector<PackingLevel> packing_levels(const std::vector<Packing>& cells) {
-  std::vector<PackingLevel> levels;
-  for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
-    double fraction = 0;
-    for (std::size_t s = 0; s < std::size(kSeeds); ++s)
-      fraction += cells[p * std::size(kSeeds) + s].solid_fraction / double(std::size(kSeeds));
-    levels.push_back({kSettleFriction[p], fraction, 0});
-  }
-  const double loosest = 1 / levels.front().solid_fraction, densest = 1 / levels.back().solid_fraction;
-  for (PackingLevel& l : levels) l.relative_density = (loosest - 1 / l.solid_fraction) / (loosest - densest);
-  return levels;
-}
-
-}  // namespace
-
-Calibration calibrate(double grain_diameter, int threads) {
-  std::vector<Packing> cells;
-  Progress settling("soil", "packings", std::size(kSettleFriction) * std::size(kSeeds));
-  for (const double friction : kSettleFriction)
-    for (const std::uint64_t seed : kSeeds) {
-      cells.push_back(settle_packing(shear_cell(grain_diameter, friction, seed), 1));
-      settling.update(cells.size());
-    }
-  settling.finish();
-
-  std::vector<Job> jobs = all_jobs();
-  Progress progress("soil", "shear tests", jobs.size());
-  std::size_t done = 0;
-  std::string failure;
-#pragma omp parallel for schedule(dynamic) num_threads(std::max(1, threads))
-  for (std::size_t k = 0; k < jobs.size(); ++k) {
-    if (cancel_requested() || !failure.empty()) continue;
-    Job& j = jobs[k];
-    const ContactPoint& point = kContactLine[j.contact];
-    const sim::PairLaw law{Real(point.friction), Real(point.rolling_friction),
-                           Real(j.cohesive ? kCohesionPressure : 0)};
-    ShearSettings settings;
-    settings.normal_stress = kNormalStress[j.stress];
-    try {
-      j.result = shear_test(cells[j.packing * std::size(kSeeds) + j.seed], {law, law}, settings);
-    } catch (const std::exception& e) {
-#pragma omp critical
-      failure = e.what();
-    }
-#pragma omp critical
-    progress.update(++done);
-  }
-  stop_if_cancelled();
-  if (!failure.empty()) throw DeviceError(failure);
-
-  Calibration c;
-  c.grain_diameter = grain_diameter;
-  c.packing = packing_levels(cells);
-  for (std::size_t k = 0; k < std::size(kContactLine); ++k) {
-    ContactLevel level{kContactLine[k].friction, kContactLine[k].rolling_friction, 0, 0, 0, 0};
-    friction_of(jobs, k, level);
-    cohesion_of(jobs, k, level);
-    c.contact.push_back(level);
-  }
-  make_monotone(c.contact);
-  pool_cohesion(c);
-  double worst = 0;
-  for (const Job& j : jobs) worst = std::max(worst, j.result.worst_residual);
-  c.provenance["test"] = "simple shear of a doubly periodic cell, 10 x 6 grains, 8 deep, 4 diameters of travel";
-  c.provenance["normal_stress_Pa"] = std::vector<double>(std::begin(kNormalStress), std::end(kNormalStress));
-  c.provenance["cohesion_pressure_Pa"] = kCohesionPressure;
-  c.provenance["seeds"] = int(std::size(kSeeds));
-  c.provenance["worst_rms_residual_m_per_s"] = worst;
-  return c;
-}
 
 AngleRange reachable_angles(const Calibration& c) {
   return {c.contact.front().friction_angle, c.contact.back().friction_angle};
@@ -196,26 +22,102 @@ std::size_t packing_level(const Calibration& c, double density) {
   return best;
 }
 
-sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil) {
+namespace {
+
+/// Where a friction angle lies on the line of contact levels: between `level` - 1 and `level`.
+struct PlaceOnLine {
+  std::size_t level;
+  double share;
+  double between(double low, double high) const { return (1 - share) * low + share * high; }
+};
+
+PlaceOnLine place_on_line(const Calibration& c, double friction_angle) {
   const AngleRange range = reachable_angles(c);
-  if (!(soil.friction_angle >= range.lowest && soil.friction_angle <= range.highest)) {
+  if (!(friction_angle >= range.lowest && friction_angle <= range.highest)) {
     std::ostringstream text;
-    text << "soil: friction angle " << soil.friction_angle << " deg is outside what grains of " << c.grain_diameter
+    text << "soil: friction angle " << friction_angle << " deg is outside what grains of " << c.grain_diameter
          << " m reach; choose one between " << range.lowest << " and " << range.highest << " deg";
     throw InputError(text.str());
   }
   std::size_t k = 1;
-  while (k + 1 < c.contact.size() && c.contact[k].friction_angle < soil.friction_angle) ++k;
+  while (k + 1 < c.contact.size() && c.contact[k].friction_angle < friction_angle) ++k;
   const ContactLevel &a = c.contact[k - 1], &b = c.contact[k];
-  const double share = (soil.friction_angle - a.friction_angle) / std::max(1e-9, b.friction_angle - a.friction_angle);
-  const auto between = [&](double low, double high) { return (1 - share) * low + share * high; };
-  return {Real(between(a.friction, b.friction)), Real(between(a.rolling_friction, b.rolling_friction)),
-          Real(soil.cohesion / c.cohesion_gain)};
+  return {k, (friction_angle - a.friction_angle) / std::max(1e-9, b.friction_angle - a.friction_angle)};
+}
+
+/// Cohesion per contact cohesion pressure: along the line where the table has it for each level, else pooled.
+double gain_at(const Calibration& c, const PlaceOnLine& at) {
+  if (c.response.empty()) return c.cohesion_gain;
+  return at.between(c.contact[at.level - 1].cohesion_gain, c.contact[at.level].cohesion_gain);
+}
+
+double gain_error_at(const Calibration& c, const PlaceOnLine& at) {
+  if (c.response.empty()) return c.cohesion_gain_error;
+  return at.between(c.contact[at.level - 1].cohesion_gain_error, c.contact[at.level].cohesion_gain_error);
+}
+
+constexpr double kQuartz = 2650;                                // [kg/m^3]
+constexpr double kLightestSolid = 1000, kHeaviestSolid = 5000;  // [kg/m^3]
+constexpr double kCohesionTolerance = 0.2;
+
+void refuse_density(const Calibration& c, const MacroscopicSoil& soil, double solid_fraction) {
+  std::ostringstream text;
+  text << "soil: bulk density " << soil.bulk_density << " kg/m3 cannot be reached at relative density "
+       << soil.relative_density << ": grains of " << c.grain_diameter << " m fill " << solid_fraction
+       << " of the space; choose one between " << kLightestSolid * solid_fraction << " and "
+       << kHeaviestSolid * solid_fraction << " kg/m3";
+  throw InputError(text.str());
+}
+
+void check_cohesion(const Calibration& c, const MacroscopicSoil& soil, const PlaceOnLine& at) {
+  const double gain = gain_at(c, at), error = gain_error_at(c, at);
+  if (soil.cohesion == 0 || (gain > 0 && error <= kCohesionTolerance * gain)) return;
+  std::ostringstream text;
+  text << "soil: cohesion " << soil.cohesion << " Pa at friction angle " << soil.friction_angle
+       << " deg: the table knows cohesion there to " << (gain > 0 ? 100 * error / gain : 100)
+       << " per cent only, 20 are allowed; calibrate with more seeds or choose another friction angle";
+  throw InputError(text.str());
+}
+
+}  // namespace
+
+sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil) {
+  const PlaceOnLine at = place_on_line(c, soil.friction_angle);
+  const ContactLevel &a = c.contact[at.level - 1], &b = c.contact[at.level];
+  return {Real(at.between(a.friction, b.friction)), Real(at.between(a.rolling_friction, b.rolling_friction)),
+          Real(soil.cohesion / gain_at(c, at))};
+}
+
+SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
+  const PlaceOnLine at = place_on_line(c, soil.friction_angle);
+  check_cohesion(c, soil, at);
+  const ContactLevel &a = c.contact[at.level - 1], &b = c.contact[at.level];
+  SoilFit f;
+  f.law = contact_law(c, soil);
+  f.packing = packing_level(c, soil.relative_density);
+  const PackingLevel& packing = c.packing[f.packing];
+  f.relative_density = packing.relative_density;
+  f.grain_density = soil.bulk_density > 0 ? soil.bulk_density / packing.solid_fraction : kQuartz;
+  if (!(f.grain_density >= kLightestSolid && f.grain_density <= kHeaviestSolid))
+    refuse_density(c, soil, packing.solid_fraction);
+  f.bulk_density = f.grain_density * packing.solid_fraction;
+  f.friction_angle = at.between(a.friction_angle, b.friction_angle);
+  f.friction_angle_error = at.between(a.friction_angle_error, b.friction_angle_error);
+  f.cohesion = double(f.law.cohesion_pressure) * gain_at(c, at);
+  f.cohesion_error = double(f.law.cohesion_pressure) * gain_error_at(c, at);
+  if (!c.response.empty()) {
+    const SoilResponse& low = c.response[(at.level - 1) * c.packing.size() + f.packing];
+    const SoilResponse& high = c.response[at.level * c.packing.size() + f.packing];
+    // Rigid grains: pressure goes with the density of the solid, that of the table being quartz.
+    f.sinkage_modulus = at.between(low.sinkage_modulus, high.sinkage_modulus) * f.grain_density / kQuartz;
+    f.sinkage_exponent = at.between(low.sinkage_exponent, high.sinkage_exponent);
+  }
+  return f;
 }
 
 void write_calibration(const std::filesystem::path& path, const Calibration& c) {
   Json j;
-  j["schema"] = "gonogo/calibration/1";
+  j["schema"] = c.response.empty() ? "gonogo/calibration/1" : "gonogo/calibration/2";
   j["grain_diameter_m"] = c.grain_diameter;
   for (const PackingLevel& p : c.packing) {
     Json row;
@@ -234,15 +136,55 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
     row["cohesion_gain_error"] = l.cohesion_gain_error;
     j["contact"].push_back(row);
   }
+  for (const SoilResponse& r : c.response) {
+    Json row;
+    row["contact"] = std::uint64_t(r.contact);
+    row["packing"] = std::uint64_t(r.packing);
+    row["friction_angle_deg"] = r.friction_angle;
+    row["peak_friction_angle_deg"] = r.peak_friction_angle;
+    row["cohesion_gain"] = r.cohesion_gain;
+    row["sinkage_modulus_N_per_m_n_plus_2"] = r.sinkage_modulus;
+    row["sinkage_modulus_error"] = r.sinkage_modulus_error;
+    row["sinkage_exponent"] = r.sinkage_exponent;
+    j["response"].push_back(row);
+  }
   j["cohesion_gain"] = c.cohesion_gain;
   j["cohesion_gain_error"] = c.cohesion_gain_error;
   j["provenance"] = c.provenance;
   write_file_atomically(path, j.dump(2) + "\n");
 }
 
+namespace {
+
+/// One row for each contact level and packing, in that order.
+std::vector<SoilResponse> read_responses(const Config& file, const Calibration& c) {
+  if (c.packing.empty()) file.fail("packing", "needs at least two packings");
+  std::vector<SoilResponse> rows;
+  for (const Config& row : file.objects("response")) {
+    SoilResponse r;
+    r.contact = rows.size() / c.packing.size(), r.packing = rows.size() % c.packing.size();
+    if (row.integer("contact") != std::int64_t(r.contact) || row.integer("packing") != std::int64_t(r.packing))
+      row.fail("", "rows must go through the packings of each contact level in turn");
+    r.friction_angle = row.number("friction_angle_deg", {0, 89});
+    r.peak_friction_angle = row.number("peak_friction_angle_deg", {0, 89});
+    r.cohesion_gain = row.number("cohesion_gain", {-100, 100});
+    r.sinkage_modulus = row.number("sinkage_modulus_N_per_m_n_plus_2", {0, 1e15});
+    r.sinkage_modulus_error = row.number("sinkage_modulus_error", {0, 1e15});
+    r.sinkage_exponent = row.number("sinkage_exponent", {-10, 10});
+    row.finish();
+    rows.push_back(r);
+  }
+  if (rows.empty() || rows.size() != c.packing.size() * c.contact.size())
+    file.fail("response", "needs one row for each contact level and packing");
+  return rows;
+}
+
+}  // namespace
+
 Calibration read_calibration(const std::filesystem::path& path) {
   const Config file = Config::read(path);
-  file.choice("schema", {"gonogo/calibration/1"});
+  const bool responses =
+      file.choice("schema", {"gonogo/calibration/1", "gonogo/calibration/2"}) == "gonogo/calibration/2";
   Calibration c;
   c.grain_diameter = file.number("grain_diameter_m", {1e-5, 1});
   if (file.has("provenance")) c.provenance = file.json().at("provenance");
@@ -253,6 +195,7 @@ Calibration read_calibration(const std::filesystem::path& path) {
     c.contact.push_back({row.number("friction", {0, 10}), row.number("rolling_friction", {0, 10}),
                          row.number("friction_angle_deg", {0, 89}), row.number("friction_angle_error_deg", {0, 89}),
                          row.number("cohesion_gain", {-100, 100}), row.number("cohesion_gain_error", {0, 100})});
+  if (responses) c.response = read_responses(file, c);
   c.cohesion_gain = file.number("cohesion_gain", {1e-6, 100});
   c.cohesion_gain_error = file.number("cohesion_gain_error", {0, 100});
   file.finish();

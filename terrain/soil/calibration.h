@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "base/json/json.h"
-#include "terrain/soil/shear_test.h"
+#include "terrain/bed/bed.h"
 
 namespace gonogo::terrain {
 
@@ -23,22 +23,50 @@ struct ContactLevel {
   double cohesion_gain, cohesion_gain_error;    // cohesion per contact cohesion pressure [-]
 };
 
+/// What a contact level measured in one packing. Tables of version 1 have none of these.
+struct SoilResponse {
+  std::size_t contact = 0, packing = 0;                   // levels
+  double friction_angle = 0, peak_friction_angle = 0;     // of steady shear, of the peak [deg]
+  double cohesion_gain = 0;                               // [-]
+  double sinkage_modulus = 0, sinkage_modulus_error = 0;  // k of p = k z^n, plate four grains wide [N/m^(n+2)]
+  double sinkage_exponent = 0;                            // n [-]
+};
+
 struct Calibration {
   double grain_diameter;                              // [m]
   std::vector<PackingLevel> packing;                  // ascending relative density
   std::vector<ContactLevel> contact;                  // ascending strength
+  std::vector<SoilResponse> response;                 // [contact][packing], or empty
   double cohesion_gain = 0, cohesion_gain_error = 0;  // pooled over the contact levels [-]
   Json provenance;
 };
 
 struct MacroscopicSoil {
-  double friction_angle;  // [deg]
-  double cohesion;        // [Pa]
+  double friction_angle;        // [deg]
+  double cohesion;              // [Pa]
+  double bulk_density = 0;      // [kg/m^3]; 0: not given
+  double relative_density = 0;  // [-]
 };
 
 /// Contact law whose bed has this soil's friction angle and cohesion. Throws InputError that states the reachable range
 /// when the table does not contain the soil.
 sim::PairLaw contact_law(const Calibration& calibration, const MacroscopicSoil& soil);
+
+/// How far grains of the table's size come to a soil: contact law, packing and density of the solid, and what a bed of
+/// these measures by the table.
+struct SoilFit {
+  sim::PairLaw law;
+  std::size_t packing = 0;   // level
+  double grain_density = 0;  // that gives the bulk density; quartz where none is asked [kg/m^3]
+  double friction_angle = 0, friction_angle_error = 0;  // [deg]
+  double cohesion = 0, cohesion_error = 0;              // [Pa]
+  double bulk_density = 0, relative_density = 0;        // [kg/m^3], [-]
+  double sinkage_modulus = 0, sinkage_exponent = 0;     // not asked for: what follows; 0 in tables of version 1
+};
+
+/// Throws InputError as contact_law does, and for a bulk density that no solid of 1000 to 5000 kg/m^3 gives in these
+/// packings, or a cohesion that the table knows to no better than 20 per cent. The text says how close it comes.
+SoilFit fit_soil(const Calibration& calibration, const MacroscopicSoil& soil);
 
 /// Friction angles that the table can reach [deg].
 struct AngleRange {
@@ -48,9 +76,6 @@ AngleRange reachable_angles(const Calibration& calibration);
 
 /// The packing level nearest to a relative density.
 std::size_t packing_level(const Calibration& calibration, double relative_density);
-
-/// Runs all tests for a grain size; `threads` tests at a time. Deterministic.
-Calibration calibrate(double grain_diameter, int threads);
 
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 Calibration read_calibration(const std::filesystem::path& path);

@@ -16,9 +16,13 @@ import bqpjson
 import dimod
 import dwave_networkx
 from dimod.serialization import coo
+from dwave.cloud import Client
 from dwave.cloud.coders import decode_qp, decode_qp_numpy, encode_problem_as_qp
 from dwave.cloud.solver import StructuredSolver
 from dwave.cloud.testing.mocks import qpu_chimera_solver_data
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from sapi_server import SapiServer
 
 GONOGO, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 checks = 0
@@ -128,7 +132,7 @@ def sapi():
     check("20 reads, energies verified" in report, "a SAPI answer is imported through gauge and embedding")
 
 
-def encode_answer(rows, bqm):
+def encode_answer(rows, bqm, chip_size=128):
     qubits = sorted(bqm.variables)
     order = [list(rows.variables).index(q) for q in qubits]
     solutions = b""
@@ -138,7 +142,7 @@ def encode_answer(rows, bqm):
         solutions += int(bits, 2).to_bytes(len(bits) // 8, "big")
     pack = lambda kind, values: base64.b64encode(struct.pack("<%d%s" % (len(values), kind), *values)).decode()
     return {"type": "ising", "status": "COMPLETED", "answer": {
-        "format": "qp", "num_variables": 128, "active_variables": pack("i", qubits),
+        "format": "qp", "num_variables": chip_size, "active_variables": pack("i", qubits),
         "energies": pack("d", list(rows.record.energy)), "solutions": base64.b64encode(solutions).decode(), "timing": {}}}
 
 
@@ -154,6 +158,58 @@ def bridge():
         check(len(rows) == 50 and rows.info["ocean_sampler"] == sampler, "dwave-samplers solves our problem: " + sampler)
 
 
+def emulated(body):
+    """What the loopback server does with a posted problem: the program's emulator of a D-Wave 2X."""
+    write("posted.sapi.json", json.dumps([body]))
+    gonogo("qubo", "sample", "posted.sapi.json", "--from", "sapi", "--solver", "c12.json", "--sampler", "emulator",
+           "--dead-share", "0", "--reads", str(body["params"]["num_reads"]), "--sweeps", "100", "--out", "emulated.json")
+    rows = dimod.SampleSet.from_serializable(json.loads(read("emulated.json")))
+    gonogo("qubo", "convert", "posted.sapi.json", "--from", "sapi", "--solver", "c12.json", "--out", "posted.json")
+    posted = dimod.BinaryQuadraticModel.from_serializable(json.loads(read("posted.json")))
+    posted.offset = 0  # SAPI serves energies without it, the client adds it
+    rows = dimod.SampleSet.from_samples_bqm((rows.record.sample, rows.variables), posted)
+    return encode_answer(rows, posted, 1152)["answer"]
+
+
+def loopback():
+    """The real client submits our problem over HTTP, the emulator answers behind the server, we decode the answer."""
+    data = qpu_chimera_solver_data(12)
+    data["properties"]["topology"] = {"type": "chimera", "shape": [12, 12, 4]}
+    data["properties"]["parameters"].update({"answer_mode": "raw or histogram", "auto_scale": "scale to the full range"})
+    write("c12.json", json.dumps(data))
+    bqm = random_problem("SPIN", 8, lambda i: "v%d" % i)
+    bqm.scale(0.2)
+    write("small.bqm", bqm.to_file().read())
+    gonogo("qubo", "embed", "small.bqm", "--on-solver", "c12.json", "--out", "on_chip.json", "--gauge", "5", "--chain-strength", "0.9")
+    on_chip = dimod.BinaryQuadraticModel.from_serializable(json.loads(read("on_chip.json")))
+    with SapiServer(data, emulated) as server:
+        with Client(endpoint=server.endpoint, token=server.token, config_file=False) as client:
+            solver = client.get_solver(refresh=True)
+            check(solver.num_active_qubits == 1152, "the client reads the solver that the loopback server serves")
+            future = solver.sample_ising(dict(on_chip.linear), dict(on_chip.quadratic), offset=on_chip.offset,
+                                         num_reads=40, answer_mode="raw", auto_scale=False, label="go or no go")
+            rows = future.sampleset
+            check(len(rows) == 40 and server.polls > 0, "the client polls until the answer is there")
+            check((abs(rows.record.energy - on_chip.energies(rows)) < 1e-9).all(), "the client decodes rows and energies")
+            wanted = json.loads(read_after("qubo", "convert", "on_chip.json", "--to", "sapi", "--to-solver", "c12.json"))[0]
+            posted = server.posted[0]
+            check(posted["data"] == wanted["data"] and posted["type"] == wanted["type"], "it posts what the program writes")
+            write("served.json", json.dumps(next(iter(server.problems.values()))))
+            report = gonogo("qubo", "import", "--problem", "on_chip.json", "--answer", "served.json", "--answer-format", "sapi")
+            check("40 reads, energies verified" in report, "the served answer is decoded through gauge and embedding")
+        with Client(endpoint=server.endpoint, token="wrong", config_file=False) as client:
+            try:
+                client.get_solvers(refresh=True)
+                check(False, "a wrong token is refused")
+            except Exception as error:
+                check("token" in str(error).lower() or "Auth" in type(error).__name__, "a wrong token is refused")
+
+
+def read_after(*arguments):
+    gonogo(*arguments, "--out", "converted.sapi.json")
+    return read("converted.sapi.json")
+
+
 def main():
     random.seed(3)
     with tempfile.TemporaryDirectory() as folder:
@@ -162,6 +218,7 @@ def main():
         bqpjson_files()
         sapi()
         bridge()
+        loopback()
         os.chdir("/")
     print("interop: %d facts hold" % checks)
 

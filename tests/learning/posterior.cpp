@@ -84,6 +84,73 @@ TEST_CASE("P(outcome | any subset of variables) equals enumeration of the machin
   }
 }
 
+TEST_CASE("all unknown variables at once: enumeration of the machine, with and without a known outcome") {
+  const VisibleLayout layout = small_layout();
+  const RbmWeights machine = random_machine(layout.unit_count(), 5, 2.0, 11);
+  const Posterior posterior(layout, machine);
+  const std::vector<double> x = {kUnknown, kUnknown, 1, 1};
+  // P(a = bin, outcome) by asking the outcome of every bin of a, weighted by P(a = bin).
+  const JointAnswer free = posterior.joint(x, std::nullopt), given = posterior.joint(x, 2);
+  CHECK(free.exact);
+  double total = 0, of_given = 0, mean = 0;
+  for (int bin = 0; bin < 4; ++bin) {
+    std::vector<double> known = x;
+    known[0] = bin + 0.5;
+    const double p_bin = free.variables[0].probability[std::size_t(bin)];
+    const double joint = p_bin * brute_force(layout, machine, known)[2];
+    total += p_bin;
+    of_given += joint;
+    mean += p_bin * (bin + 0.5);
+    CHECK(joint / brute_force(layout, machine, x)[2] ==
+          Approx(given.variables[0].probability[std::size_t(bin)]).epsilon(1e-9));
+  }
+  CHECK(total == Approx(1));
+  CHECK(of_given == Approx(free.outcome.probability[2]).epsilon(1e-9));
+  CHECK(free.variables[0].mean == Approx(mean));
+  CHECK(free.variables[0].low <= free.variables[0].mean);
+  CHECK(free.variables[2].probability.empty());
+  for (std::size_t y = 0; y < 3; ++y)
+    CHECK(free.outcome.probability[y] == Approx(brute_force(layout, machine, x)[y]).epsilon(1e-9));
+  CHECK(given.outcome.probability[2] == Approx(1));
+  CHECK(given.outcome.probability[0] == 0);
+
+  MarginalOptions sampled;
+  sampled.most_terms = 1;
+  for (const auto& outcome : {std::optional<std::size_t>(), std::optional<std::size_t>(2)}) {
+    const JointAnswer exact = posterior.joint(x, outcome), estimate = posterior.joint(x, outcome, sampled);
+    CHECK_FALSE(estimate.exact);
+    for (std::size_t v : {0, 1})
+      for (std::size_t bin = 0; bin < 4; ++bin) {
+        const double error = estimate.variables[v].standard_error[bin];
+        CHECK(error < 0.02);
+        CHECK(std::abs(estimate.variables[v].probability[bin] - exact.variables[v].probability[bin]) <
+              4.5 * error + 1e-9);
+      }
+  }
+}
+
+TEST_CASE("tempering answers where clamped chains without it stay in the mode they start in") {
+  // Outcome and variable agree in one of two modes that are held by strong weights: P = 1/2 each by symmetry.
+  const VisibleLayout layout({Encoder::by_range("a", "-", Code::thermometer, 9, 0, 9)}, {"go", "no_go"});
+  RbmWeights machine = RbmWeights::zeros(10, 3);
+  for (std::size_t j = 0; j < 3; ++j) {
+    for (std::size_t i = 0; i < 8; ++i) machine.weight[i * 3 + j] = 3;
+    machine.weight[8 * 3 + j] = 8;
+    machine.hidden_bias[j] = -16;
+  }
+  for (std::size_t i = 0; i < 8; ++i) machine.visible_bias[i] = -4.5;
+  machine.visible_bias[8] = -12;
+  const Posterior posterior(layout, machine);
+  MarginalOptions options{.most_terms = 1, .chains = 64, .sweeps = 300, .burn_in = 50, .rungs = 10, .seed = 3};
+  const std::vector<double> x = {kUnknown};
+  const double exact = posterior.joint(x, std::nullopt).outcome.probability[0];
+  const PosteriorAnswer tempered = posterior.joint(x, std::nullopt, options).outcome;
+  std::printf("two modes: exact %.3f, tempered %.3f +- %.3f\n", exact, tempered.probability[0],
+              tempered.standard_error[0]);
+  CHECK(std::abs(tempered.probability[0] - exact) < 4 * tempered.standard_error[0] + 0.01);
+  CHECK(tempered.standard_error[0] < 0.03);
+}
+
 TEST_CASE("clamped Gibbs agrees with summation within its stated error, for any number of threads") {
   const VisibleLayout layout = small_layout();
   const RbmWeights machine = random_machine(layout.unit_count(), 6, 1.5, 3);

@@ -149,6 +149,31 @@ TEST_CASE("ten variables take two bytes, the first variable in the highest bit")
   refused([&] { to_sapi_answer(rows, 16, true, Json::object()); }, "ordered");
 }
 
+TEST_CASE("energies without the problem's offset, as SAPI serves them, are completed; others are left alone") {
+  Problem problem;
+  problem.vartype = Vartype::spin;
+  problem.labels = {std::int64_t(30), std::int64_t(31)};
+  problem.linear = {0.5, 0};
+  problem.couplings = {{0, 1, -1}};
+  problem.offset = 3;
+  SampleSet rows;
+  rows.vartype = Vartype::spin;
+  rows.labels = problem.labels;
+  rows.values = {-1, -1, 1, 1};
+  rows.occurrences = {1, 1};
+  for (double shift : {0.0, -3.0}) {
+    rows.energies = {1.5 + shift, 2.5 + shift};
+    const SampleSet found =
+        read_answer(to_sapi_answer(rows, 64, true, Json::object()), AnswerFormat::sapi, problem, "a");
+    CHECK(found.energies == std::vector<double>{1.5, 2.5});
+  }
+  rows.energies = {0.7, 2.5};  // neither: refused when checked
+  CHECK_THROWS_AS(
+      check_answer(problem,
+                   read_answer(to_sapi_answer(rows, 64, true, Json::object()), AnswerFormat::sapi, problem, "a"), "a"),
+      InputError);
+}
+
 TEST_CASE("answers that do not fit together are refused") {
   const auto read = [](const std::string& members) {
     return [members] { samples_from_sapi(answer(members), "a.json"); };

@@ -1,16 +1,19 @@
 // From trials to a model file and back: training, prediction, and what is refused.
 #include <omp.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <sstream>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
-#include "learning/score/score.h"
+#include "learning/score/calibration.h"
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/learn/evaluate_model.h"
+#include "pipeline/learn/infer.h"
 #include "pipeline/learn/predictor.h"
 #include "pipeline/learn/train_model.h"
 #include "tests/pipeline/synthetic_trials.h"
@@ -199,7 +202,116 @@ TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
   CHECK(scores.at("model").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
   CHECK(scores.at("model").at("brier").number() < scores.at("logistic_regression").at("brier").number() + 0.02);
   CHECK(scores.at("model").at("floor_brier_mean").number() > 0);
+  const Json& model = scores.at("model");
+  CHECK(model.at("brier_low").number() < model.at("brier").number());
+  CHECK(model.at("brier_high").number() > model.at("brier").number());
+  CHECK(model.at("calibration_slope").number() == Approx(1).margin(4 * model.at("calibration_slope_error").number()));
+  CHECK(scores.at("neural_network").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
+  const Json& rest = scores.at("model_minus_best");
+  CHECK(rest.at("brier").at("value").number() ==
+        Approx(model.at("brier").number() - scores.at(rest.at("baseline").string()).at("brier").number()));
+
+  // Nothing hidden: the scores on the same rows; all hidden: every forecaster knows the base rate at most.
+  const auto& curve = report.at("missing").items();
+  REQUIRE(curve.size() == 8);  // seven variables vary
+  const double hidden_all = curve.back().at("brier").at("model").number(),
+               base = curve.back().at("brier").at("base_rate").number();
+  CHECK(curve.front().at("brier").at("model").number() < 0.7 * base);
+  CHECK(hidden_all == Approx(base).margin(0.03));
+  for (std::size_t k = 0; k + 1 < curve.size(); ++k)
+    CHECK(curve[k].at("brier").at("model").number() < curve[k + 1].at("brier").at("model").number() + 0.02);
+  std::printf("%s", missing_text(report.at("missing")).c_str());
+
+  const auto files = write_evaluation(kFolder / "scores", report, scores);
+  CHECK(Json::read(files[0]).dump() == report.dump());
+  const std::string csv = read_file(files[1]);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 4 * 10);
+  for (const auto& file : files) CHECK(fs::file_size(file) > 100);
   refused([] { evaluate_model(model_file(), kFolder / "dataset.h5"); }, "trained on");
+}
+
+TEST_CASE("a table of points gets the answers of single points; bad cells are refused by line and name") {
+  const Predictor predictor = Predictor::read(model_file());
+  const fs::path in = kFolder / "points.csv", out = kFolder / "answers.csv";
+  write_file_atomically(in, "friction_angle,slope_along\n33,12\n,20\r\n30,\n");
+  CHECK(infer_csv(predictor, in, out) == 3);
+  std::istringstream lines(read_file(out));
+  std::string text;
+  std::getline(lines, text);
+  CHECK(text.rfind("friction_angle,slope_along,p_go,", 0) == 0);
+  for (const auto& [angle, slope] :
+       {std::pair(33.0, 12.0), std::pair(double(NAN), 20.0), std::pair(30.0, double(NAN))}) {
+    std::getline(lines, text);
+    std::vector<double> x(contract().variables.size(), NAN);
+    x[0] = slope, x[2] = angle;
+    const std::size_t cell = text.find(',', text.find(',') + 1) + 1;
+    CHECK(std::stod(text.substr(cell)) == Approx(predictor.p_go(x)).margin(1e-6));
+  }
+  const auto bad = [&](const std::string& content, const std::string& said) {
+    write_file_atomically(in, content);
+    refused([&] { infer_csv(predictor, in, out); }, said);
+  };
+  bad("slope_alon\n1\n", "slope_along");
+  bad("slope_along\nsteep\n", "line 2: slope_along: \"steep\"");
+  bad("slope_along\n1,2\n", "line 2");
+  bad("slope_along\n400\n", "outside");
+  bad("slope_along,slope_along\n1,2\n", "twice");
+}
+
+TEST_CASE("a conversation keeps what was said, forgets on demand, explains mistakes, and tells the unknown variables") {
+  const Predictor predictor = Predictor::read(model_file());
+  std::istringstream in(
+      "slope_along=12 friction_angle=33\nslope_alog=3\nfriction_angle=?\noutcome=no_go/traction\nquit\n");
+  std::ostringstream out;
+  converse(predictor, in, out);
+  std::vector<double> x(contract().variables.size(), NAN);
+  x[0] = 12;
+  char said[60];
+  std::snprintf(said, sizeof said, "P(go or slow-go)         %.4f", predictor.p_go(x));
+  CHECK(out.str().find(said) != std::string::npos);
+  CHECK(out.str().find("slope_along") != std::string::npos);
+  CHECK(out.str().find("given that it ended no_go/traction") != std::string::npos);
+
+  // No-go trials lie on steeper ground than go trials; the truth is logistic in the slope.
+  Question question{std::vector<double>(contract().variables.size(), NAN), outcome_named("go"), true};
+  const double easy = answer_question(predictor, question).at("reconstruction").at("slope_along").at("mean").number();
+  question.outcome = outcome_named("no_go/slid_back");
+  const Json steep = answer_question(predictor, question).at("reconstruction").at("slope_along");
+  std::printf("mean slope of go %.1f, of slid back %.1f degrees\n", easy, steep.at("mean").number());
+  CHECK(steep.at("mean").number() > easy + 5);
+  CHECK(steep.at("deviation").number() > 1);
+  refused([] { outcome_named("maybe"); }, "slow_go");
+}
+
+TEST_CASE("calibration by a power is learned on held-out folds, kept in the model and applied everywhere") {
+  const fs::path dataset = dataset_file("calibrate.h5", 120, 2), file = kFolder / "calibrated.h5";
+  const Config learning = Config::parse(R"({"epochs": 60, "folds": 3, "calibrate": true})", "study");
+  const Json report = train_model({.dataset = dataset, .model = file, .seed = 5, .learning = learning, .design = {}});
+  const double power = report.at("calibration_power").number();
+  CHECK(power != 1);
+  const Predictor predictor = Predictor::read(file);
+  CHECK(predictor.model().calibration_power == power);
+  learning::Model plain = predictor.model();
+  plain.calibration_power = 1;
+  auto expected = Predictor(plain).outcome_probabilities(middle_point());
+  learning::sharpen(expected, power);
+  const auto found = predictor.outcome_probabilities(middle_point());
+  for (std::size_t y = 0; y < found.size(); ++y) CHECK(found[y] == Approx(expected[y]).epsilon(1e-12));
+  std::vector<double> batch(found.size());
+  predictor.outcome_probabilities(middle_point(), batch);
+  CHECK(batch == found);
+}
+
+TEST_CASE("a command that fails while training is stood in for, and the model says so") {
+  const fs::path dataset = dataset_file("stand_in.h5", 50, 2), file = kFolder / "stood_in.h5";
+  const Config learning = Config::parse(
+      R"({"epochs": 10, "folds": 2, "sampler": "command", "command": ["false"], "stand_in": "block_gibbs"})", "study");
+  const Json report = train_model({.dataset = dataset, .model = file, .seed = 5, .learning = learning, .design = {}});
+  CHECK(report.at("stand_in").boolean());
+  CHECK(report.at("sampler").string() == "block_gibbs");
+  CHECK(report.at("sampler_wanted").string() == "command");
+  CHECK(learning::read_model(file).provenance.at("stand_in_reason").string() == report.at("stand_in_reason").string());
+  CHECK(report_text(report).find("block_gibbs stood in") != std::string::npos);
 }
 
 TEST_CASE("settings are read strictly") {
@@ -211,6 +323,11 @@ TEST_CASE("settings are read strictly") {
   refused([&] { read(R"({"sampler": "annealer"})"); }, "block_gibbs");
   refused([&] { read(R"({"encoders": {"slope_alon": {"code": "gray", "bits": 3}}})"); }, "slope_along");
   refused([&] { read(R"({"weight_decay": -1})"); }, "weight_decay");
+  refused([&] { read(R"({"negative": "tempring"})"); }, "tempering");
+  refused([&] { read(R"({"negative": "tempering", "sampler": "anneal"})"); }, "persistent");
+  refused([&] { read(R"({"sampler": "command"})"); }, "command");
+  CHECK(to_json(read(R"({"negative": "trajectory", "optimizer": "sgd", "centred": true})")).at("negative").string() ==
+        "trajectory");
 }
 
 TEST_CASE("datasets without anything to learn are refused") {

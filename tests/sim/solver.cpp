@@ -181,7 +181,7 @@ TEST_CASE("the velocities of every solver agree with a dense solution in double"
   const std::pair<const char*, StepSettings> methods[] = {
       {"apgd", cohesive_settings(2000)},
       {"gauss_seidel", cohesive_settings(2000, Solver::gauss_seidel)},
-      {"bb", cohesive_settings(2000, Solver::bb)},
+      {"bb", cohesive_settings(6000, Solver::bb)},
       {"jacobi", cohesive_settings(20000, Solver::jacobi)}};
   for (const Backend backend : backends())
     for (const auto& [name, settings] : methods)

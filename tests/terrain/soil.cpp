@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "terrain/soil/calibration.h"
+#include "terrain/soil_test/shear.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {
@@ -124,7 +125,7 @@ TEST_CASE("the calibration that ships is monotone and comes back from its file")
 TEST_CASE("grains with friction resist shear more than slippery ones, and cohesion adds strength") {
   const Packing cell = settle_packing(shear_cell(0.09, 0.25, 1), 1);
   ShearSettings settings;
-  settings.travel = 2;
+  settings.travel = 1;
   const auto shear = [&](float friction, float cohesion) {
     const sim::PairLaw law{friction, 0, cohesion};
     return shear_test(cell, {law, law}, settings);

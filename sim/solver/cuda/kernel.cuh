@@ -193,7 +193,12 @@ class SolveKernel {
   }
 
   GONOGO_DEVICE void pack(ContactIndex i) {
-    const Contact c = s.contact[i];
+    Contact c = s.contact[i];
+    const Impulse start = s.impulse[i];
+    s.split.split(c, start);
+    s.contact[i].step = c.step;
+    s.contact[i].unsplit = c.unsplit;
+    s.contact[i].bias = c.bias;
     frame(i) = {c.normal, c.bias};
     cone(i) = {c.step.n, c.step.t, c.mu, c.cohesion};
     if (turning) turn(i) = {c.rho, c.sigma, c.step.r, c.softness};
@@ -209,7 +214,6 @@ class SolveKernel {
     central(i) = along;
     s.half[i + s.incidence.first_second[c.body_a]] = {c.arm_a, i};
     if (s.second_slot[i] >= 0) s.half[s.incidence.owned_end(c.body_b) + s.second_slot[i]] = {c.arm_b, ~i};
-    const Impulse start = s.impulse[i];
     store_impulse(0, i, start);
     store_impulse(1, i, start);
     if (sweeps) s.colour[i] = kNoColour;
@@ -346,7 +350,7 @@ class SolveKernel {
                                        own_impulse(now, i), own_impulse(1 - now, i), length);
     store_impulse(1 - now, i, u.update.impulse);
     if (m.test) sums.residual_square = residual_square<turning, Real>(c, u.update);
-    return {u.sums.change_square, u.sums.curvature, u.sums.gradient_square, u.sums.rise};
+    return {u.sums.change_square, u.sums.curvature, u.sums.rise};
   }
 
   GONOGO_DEVICE void add_contact(const HalfContact& half, Index store, Vec3& linear, Vec3& angular) const {

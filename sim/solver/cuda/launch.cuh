@@ -91,6 +91,7 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
   SolverStorage<Cuda>& own = s.solver;
   return {tiles(s),
           incidence(s),
+          mass_splitting(s, settings),
           settings,
           settings.rules(),
           exec.halted,

@@ -70,6 +70,7 @@ struct SolverStorage<Cuda> {
 struct SolveViews {
   Tiles tiles;
   Incidence incidence;
+  SplitMasses split;
   StepSettings settings;
   IterationRules rules;
   const Index* halted;

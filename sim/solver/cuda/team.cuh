@@ -37,7 +37,7 @@ struct Team {
     return reduce(value, [](double a, double b) { return std::fmax(a, b); });
   }
   GONOGO_DEVICE SpectralSums sum(const SpectralSums& value) const {
-    return {sum(value.change_square), sum(value.curvature), sum(value.gradient_square), sum(value.rise)};
+    return {sum(value.change_square), sum(value.curvature), sum(value.rise)};
   }
   GONOGO_DEVICE WorldSums sum(const WorldSums& value) const {
     WorldSums total;

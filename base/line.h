@@ -1,0 +1,19 @@
+// printf into a string: lines of reports and tables.
+#pragma once
+#include <cstdarg>
+#include <cstdio>
+#include <string>
+
+namespace gonogo {
+
+/// At most 400 characters; the rest is cut off.
+__attribute__((format(printf, 1, 2))) inline std::string line(const char* format, ...) {
+  char text[400];
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+}  // namespace gonogo

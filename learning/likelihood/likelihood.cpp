@@ -1,0 +1,132 @@
+#include "learning/likelihood/likelihood.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/cancel.h"
+#include "base/error.h"
+#include "learning/likelihood/annealed_machine.h"
+
+namespace gonogo::learning {
+namespace {
+
+/// Chains of RAISE have numbers from here on, those of AIS lie below.
+constexpr std::uint64_t kRaiseChains = std::uint64_t(1) << 40;
+
+double beta_of(std::size_t step, const AnnealingSettings& settings) { return double(step) / double(settings.steps); }
+
+/// One walk up from independent units; returns log of its weight without log Z_0.
+double walk_up(const AnnealedMachine& machine, const AnnealingSettings& settings, std::uint64_t chain) {
+  AnnealedChain walker(machine, settings.seed, chain);
+  walker.start_independent();
+  double log_weight = 0;
+  for (std::size_t k = 1; k <= settings.steps; ++k) {
+    const double from = beta_of(k - 1, settings), to = beta_of(k, settings);
+    log_weight += walker.log_ratio(from, to);
+    if (k < settings.steps) walker.sweep(to, k);
+  }
+  return log_weight;
+}
+
+/// One walk down from a row; returns log of its weight without log f_1(v) - log Z_0.
+double walk_down(const AnnealedMachine& machine, const AnnealingSettings& settings, std::span<const double> row,
+                 std::uint64_t chain) {
+  AnnealedChain walker(machine, settings.seed, chain);
+  walker.start_at(row);
+  double log_weight = 0;
+  for (std::size_t k = settings.steps; k >= 1; --k) {
+    const double from = beta_of(k, settings), to = beta_of(k - 1, settings);
+    walker.sweep(from, k);
+    log_weight += walker.log_ratio(from, to);
+  }
+  return log_weight;
+}
+
+void check_settings(const AnnealingSettings& settings) {
+  if (settings.steps < 1 || settings.chains < 2 || settings.row_chains < 1)
+    throw InputError("annealed likelihood: at least one step, two chains and one chain a row are needed");
+}
+
+}  // namespace
+
+LogZEstimate annealed_log_z(const RbmWeights& weights, std::span<const double> base_bias,
+                            const AnnealingSettings& settings) {
+  check_settings(settings);
+  const AnnealedMachine machine(weights, base_bias);
+  std::vector<double> log_weight(settings.chains);
+#pragma omp parallel for schedule(static)
+  for (std::size_t chain = 0; chain < settings.chains; ++chain)
+    if (!cancel_requested()) log_weight[chain] = walk_up(machine, settings, chain);
+  stop_if_cancelled();
+  const double highest = *std::max_element(log_weight.begin(), log_weight.end()), n = double(settings.chains);
+  double sum = 0, square = 0;
+  for (double x : log_weight) {
+    const double w = std::exp(x - highest);
+    sum += w;
+    square += w * w;
+  }
+  const double mean = sum / n, variance = std::max(0.0, square / n - mean * mean) * n / (n - 1);
+  const double error = 3 * std::sqrt(variance / n), base = machine.log_z_independent() + highest;
+  return {base + std::log(mean), mean > error ? base + std::log(mean - error) : -INFINITY,
+          base + std::log(mean + error), sum * sum / square};
+}
+
+RaiseEstimate raise_log_likelihood(const RbmWeights& weights, std::span<const double> base_bias,
+                                   std::span<const double> rows, const AnnealingSettings& settings) {
+  check_settings(settings);
+  const AnnealedMachine machine(weights, base_bias);
+  const std::size_t width = weights.visible_count, count = rows.size() / width;
+  if (count == 0) throw InputError("annealed likelihood: there are no rows");
+  std::vector<double> value(count);
+#pragma omp parallel for schedule(static)
+  for (std::size_t r = 0; r < count; ++r) {
+    if (cancel_requested()) continue;
+    const auto row = rows.subspan(r * width, width);
+    std::vector<double> walks;
+    for (std::size_t k = 0; k < settings.row_chains; ++k)
+      walks.push_back(walk_down(machine, settings, row, kRaiseChains + r * settings.row_chains + k));
+    value[r] =
+        log_sum_exp(walks) - std::log(double(walks.size())) - free_energy(weights, row) - machine.log_z_independent();
+  }
+  stop_if_cancelled();
+  RaiseEstimate estimate;
+  double square = 0;
+  for (double x : value) estimate.mean += x / double(count);
+  for (double x : value) square += (x - estimate.mean) * (x - estimate.mean);
+  estimate.standard_error = count > 1 ? std::sqrt(square / double(count - 1) / double(count)) : INFINITY;
+  return estimate;
+}
+
+std::vector<double> independent_bias(std::span<const double> rows, std::size_t visible_count) {
+  const double count = double(rows.size() / visible_count);
+  std::vector<double> bias(visible_count, 0.0);
+  for (std::size_t k = 0; k < rows.size(); ++k) bias[k % visible_count] += rows[k];
+  for (double& x : bias) x = std::log((x + 0.5) / (count - x + 0.5));
+  return bias;
+}
+
+LikelihoodBracket bracket_log_likelihood(const RbmWeights& weights, std::span<const double> rows,
+                                         const AnnealingSettings& settings) {
+  LikelihoodBracket bracket;
+  if (std::min(weights.visible_count, weights.hidden_count) <= kMostExact) {
+    bracket.exact = true;
+    bracket.mean = bracket.low = bracket.high = bracket.raise = mean_log_likelihood(weights, rows);
+    return bracket;
+  }
+  const std::size_t width = weights.visible_count, count = rows.size() / width;
+  const std::vector<double> base = independent_bias(rows, width);
+  const LogZEstimate z = annealed_log_z(weights, base, settings);
+  double energy = 0;
+  for (std::size_t r = 0; r < count; ++r)
+    energy += free_energy(weights, rows.subspan(r * width, width)) / double(count);
+  const RaiseEstimate raise = raise_log_likelihood(weights, base, rows, settings);
+  bracket.mean = -energy - z.log_z;
+  bracket.low = -energy - z.high;
+  bracket.high = -energy - z.low;
+  bracket.raise = raise.mean;
+  bracket.raise_error = raise.standard_error;
+  bracket.effective_chains = z.effective_chains;
+  return bracket;
+}
+
+}  // namespace gonogo::learning

@@ -1,0 +1,40 @@
+// Inside learning/rbm only: rows of the machine for the second term of the objective (train.h).
+#pragma once
+#include <optional>
+
+#include "learning/rbm/tensors.h"
+#include "learning/sampler/ladder.h"
+
+namespace gonogo::learning {
+
+/// Visible rows as a tensor of 0 and 1: [row x visible].
+torch::Tensor rows_tensor(const SampleSet& samples, std::size_t visible);
+
+class NegativePhase {
+ public:
+  /// Throws InputError where the settings need chains of their own and the sampler is not block_gibbs. The last three
+  /// arguments must outlive this. base: the foot of a ladder of temperatures.
+  NegativePhase(const VisibleLayout& layout, const TrainingSettings& settings, const Sampler& sampler,
+                std::vector<double> base);
+  /// Rows of `weights`; data: the minibatch [row x visible], of {0, 1}.
+  torch::Tensor draw(const RbmWeights& weights, const torch::Tensor& data);
+  /// trajectory: keeps the machine as a rung when exchanges with the last one kept have become rare.
+  void end_epoch(const RbmWeights& weights);
+  std::size_t rungs() const { return ladder_ ? ladder_->rungs() : 1; }
+
+ private:
+  torch::Tensor from_sampler(const RbmWeights& weights, const torch::Tensor& data);
+  torch::Tensor from_ladder(const RbmWeights& weights);
+
+  std::vector<std::string> labels_;
+  const TrainingSettings& settings_;
+  const Sampler& sampler_;
+  std::vector<double> base_;
+  SampleSet rows_;
+  std::optional<LadderChains> ladder_;
+  std::vector<RbmWeights> kept_;  // trajectory: earlier machines, the first one first
+  double acceptance_ = 1;         // between the last one kept and the present one, running mean
+  std::uint64_t update_ = 0;
+};
+
+}  // namespace gonogo::learning

@@ -1,0 +1,48 @@
+// Parallel tempering on a ladder of machines of one size: every chain holds a visible row on each rung, swept by block
+// Gibbs and exchanged with its neighbours, so that rows which mix well at the foot carry over to the machine at the
+// top. Rungs may be temperatures (Hukushima, Nemoto 1996) or earlier states of a training run (Bereux, Decelle,
+// Furtlehner, Rosset, Seoane, arXiv:2405.15376). Hidden units are summed out in exchanges.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "learning/encoding/encoder.h"
+#include "learning/model/weights.h"
+
+namespace gonogo::learning {
+
+/// The machine at inverse temperature beta over independent units: (1 - beta) base + beta machine.
+RbmWeights interpolated(const RbmWeights& machine, std::span<const double> base_bias, double beta);
+
+class LadderChains {
+ public:
+  static constexpr std::size_t kMostRungs = 64;
+  /// Chains start from fair bits. Draws depend on (seed, chain, sweep) alone.
+  LadderChains(std::size_t chains, std::size_t visible_count, std::size_t hidden_count, std::uint64_t seed);
+
+  /// Sweeps all rungs and exchanges neighbours after each sweep; ladder: foot first, as many machines as rungs().
+  void run(std::span<const RbmWeights> ladder, std::size_t sweeps);
+  /// A new top rung, whose rows are copies of the old one's.
+  void add_rung();
+  std::size_t rungs() const { return rungs_; }
+  std::size_t chains() const { return chains_; }
+  std::span<const Bit> top(std::size_t chain) const { return row(chain, rungs_ - 1); }
+  /// [rungs - 1] share of proposed exchanges that took place in the last run; 1 where none was proposed.
+  const std::vector<double>& acceptance() const { return acceptance_; }
+
+ private:
+  std::span<const Bit> row(std::size_t chain, std::size_t rung) const {
+    return std::span(rows_).subspan((chain * kMostRungs + rung) * visible_, visible_);
+  }
+  struct Tally;
+  void run_chain(std::span<const RbmWeights> ladder, std::span<const std::vector<double>> transposed,
+                 std::size_t sweeps, std::size_t chain, Tally& tally);
+
+  std::size_t chains_, visible_, hidden_, rungs_ = 1;
+  std::uint64_t seed_, sweeps_done_ = 0;
+  std::vector<Bit> rows_;  // [chain x kMostRungs x visible]
+  std::vector<double> acceptance_;
+};
+
+}  // namespace gonogo::learning

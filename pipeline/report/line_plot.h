@@ -1,0 +1,29 @@
+// Curves and points over one pair of axes, as PNG: the picture of a test. Knows nothing of what it draws.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace gonogo::pipeline {
+
+struct PlotLine {
+  std::string label;
+  std::vector<double> x, y;  // a not-a-number breaks the line
+  bool points = false;       // dots instead of a line
+};
+
+struct LinePlot {
+  std::string title, x_label, y_label;
+  std::vector<PlotLine> lines;
+  std::vector<std::string> notes;  // below the axes, one line each
+  bool from_zero = true;           // the axes begin at zero where all values are at or above it
+};
+
+/// Round numbers that cover [low, high] in about `count` steps.
+std::vector<double> axis_ticks(double low, double high, int count);
+
+/// Writes a PNG 1500 pixels wide. Throws InputError for a plot without a finite point, DeviceError when it cannot be
+/// written.
+void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot);
+
+}  // namespace gonogo::pipeline

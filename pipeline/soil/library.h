@@ -1,0 +1,24 @@
+// `gonogo soil list|show`: the soils that ship, for people and for programs.
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "base/json/json.h"
+
+namespace gonogo::pipeline {
+
+struct SoilReport {
+  Json json;         // keys carry their units
+  std::string text;  // tables
+};
+
+/// A soil's file: the path itself, or a name in configs/soils here or beside the program's source tree. Throws
+/// InputError that lists the names there are.
+std::filesystem::path soil_file(const std::string& name);
+
+SoilReport list_soils();
+
+/// `calibration`: a table, or empty.
+SoilReport show_soil(const std::filesystem::path& file, const std::filesystem::path& calibration);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,236 @@
+#include "terrain/calibration/calibrate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "base/line.h"
+#include "base/progress.h"
+#include "terrain/calibration/journal.h"
+#include "terrain/soil_test/plate.h"
+#include "terrain/soil_test/shear.h"
+
+namespace gonogo::terrain {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// The line of contact parameters: sliding friction first, rolling friction joins where spheres alone saturate.
+struct ContactPoint {
+  double friction, rolling_friction;
+};
+constexpr ContactPoint kContactLine[] = {{0.1, 0}, {0.3, 0}, {0.5, 0.05}, {0.7, 0.3}, {0.9, 1.5}, {1.5, 3}, {3, 6}};
+/// Settling friction of the packing library, from loose to dense.
+constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};
+constexpr double kNormalStress = 10e3;          // [Pa]; without gravity only the ratios below matter
+constexpr double kCohesionRatio[] = {0, 1, 3};  // cohesion pressure between grains over normal stress
+constexpr double kPlateWidth = 4;               // in grain diameters
+
+enum class Kind { shear, plate };
+
+struct Job {
+  Kind kind;
+  std::size_t contact, packing, seed, ratio;
+  std::string name;
+  std::vector<double> result;  // shear: steady and peak stress ratio, residual, solid fraction; plate: k, n, residual
+};
+
+std::vector<Job> all_jobs(int seeds) {
+  std::vector<Job> jobs;
+  for (std::size_t s = 0; s < std::size_t(seeds); ++s)
+    for (std::size_t c = 0; c < std::size(kContactLine); ++c)
+      for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
+        const std::string at = line("friction %g rolling %g settled at %g seed %zu", kContactLine[c].friction,
+                                    kContactLine[c].rolling_friction, kSettleFriction[p], s + 1);
+        for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
+          jobs.push_back({Kind::shear, c, p, s, r, line("shear %s cohesion %g", at.c_str(), kCohesionRatio[r]), {}});
+        jobs.push_back({Kind::plate, c, p, s, 0, "plate " + at, {}});
+      }
+  return jobs;
+}
+
+sim::PairLaw law_of(const Job& job) {
+  const ContactPoint& point = kContactLine[job.contact];
+  return {Real(point.friction), Real(point.rolling_friction), Real(kCohesionRatio[job.ratio] * kNormalStress)};
+}
+
+void run_shear(Job& job, const CalibrationRun& run) {
+  const Packing cell = settle_packing(shear_cell(run.grain_diameter, kSettleFriction[job.packing], job.seed + 1), 1);
+  ShearSettings settings;
+  settings.normal_stress = kNormalStress, settings.travel = run.travel;
+  const ShearResult r = shear_test(cell, {law_of(job), law_of(job)}, settings);
+  job.result = {r.shear_stress / r.normal_stress, r.peak_stress / r.normal_stress, r.worst_residual,
+                cell.solid_fraction};
+}
+
+void run_plate(Job& job, double grain_diameter) {
+  TestSoil soil;
+  soil.grain_diameter = grain_diameter;
+  soil.grain = law_of(job);
+  soil.tool_friction = kContactLine[job.contact].friction;
+  soil.relative_density = relative_density_of(kSettleFriction[job.packing]);
+  soil.seed = job.seed + 1;
+  PlateSettings settings;
+  settings.width_grains = kPlateWidth;
+  settings.speed = 0.2;
+  const PlateResult r = plate_test(soil, settings, {});
+  const PowerLaw law = fit_power_law(r);
+  job.result = {law.k, law.n, r.worst_residual};
+}
+
+void run_all(std::vector<Job>& jobs, const CalibrationRun& run, TestJournal& journal) {
+  std::vector<std::size_t> open;
+  for (std::size_t k = 0; k < jobs.size(); ++k)
+    if (const auto known = journal.find(jobs[k].name))
+      jobs[k].result = *known;
+    else
+      open.push_back(k);
+  Progress progress("soil calibrate", "tests", jobs.size());
+  const std::size_t reused = jobs.size() - open.size();
+  std::size_t done = reused;
+  progress.update(done, "", reused);
+  run_jobs(open.size(), run.threads, [&](std::size_t i) {
+    Job& job = jobs[open[i]];
+    if (job.kind == Kind::shear)
+      run_shear(job, run);
+    else
+      run_plate(job, run.grain_diameter);
+    journal.add(job.name, job.result);
+#pragma omp critical(calibration_progress)
+    progress.update(++done, "", reused);
+  });
+}
+
+/// Numbers `index` of all results of one kind at a contact level and packing (or all packings) and cohesion ratio.
+struct Selection {
+  const std::vector<Job>& jobs;
+
+  std::vector<double> operator()(Kind kind, std::size_t contact, std::ptrdiff_t packing, std::size_t ratio,
+                                 std::size_t index) const {
+    std::vector<double> values;
+    for (const Job& j : jobs)
+      if (j.kind == kind && j.contact == contact && j.ratio == ratio &&
+          (packing < 0 || j.packing == std::size_t(packing)))
+        values.push_back(j.result[index]);
+    return values;
+  }
+};
+
+/// Cohesion per contact cohesion pressure: what cohesion adds to the stress ratio, over the cohesion ratio; the shear
+/// tests with and without stand in the same order.
+MeanError cohesion_gain(const Selection& of, std::size_t contact, std::ptrdiff_t packing) {
+  std::vector<double> gain;
+  const auto dry = of(Kind::shear, contact, packing, 0, 0);
+  for (std::size_t r = 1; r < std::size(kCohesionRatio); ++r) {
+    const auto sticky = of(Kind::shear, contact, packing, r, 0);
+    for (std::size_t i = 0; i < dry.size(); ++i) gain.push_back((sticky[i] - dry[i]) / kCohesionRatio[r]);
+  }
+  return mean_error(gain);
+}
+
+ContactLevel contact_level(const Selection& of, std::size_t c) {
+  const MeanError ratio = mean_error(of(Kind::shear, c, -1, 0, 0)), gain = cohesion_gain(of, c, -1);
+  const Angle angle = angle_of_tangent(ratio.mean, ratio.error);
+  return {
+      kContactLine[c].friction, kContactLine[c].rolling_friction, angle.degrees, angle.error, gain.mean, gain.error};
+}
+
+SoilResponse response(const Selection& of, std::size_t c, std::size_t p) {
+  const auto packing = std::ptrdiff_t(p);
+  const MeanError steady = mean_error(of(Kind::shear, c, packing, 0, 0)),
+                  peak = mean_error(of(Kind::shear, c, packing, 0, 1));
+  const MeanError gain = cohesion_gain(of, c, packing);
+  const MeanError k = mean_error(of(Kind::plate, c, packing, 0, 0)), n = mean_error(of(Kind::plate, c, packing, 0, 1));
+  SoilResponse r;
+  r.contact = c, r.packing = p;
+  r.friction_angle = std::atan(steady.mean) / kDegree, r.peak_friction_angle = std::atan(peak.mean) / kDegree;
+  r.cohesion_gain = gain.mean;
+  r.sinkage_modulus = k.mean, r.sinkage_modulus_error = k.error, r.sinkage_exponent = n.mean;
+  return r;
+}
+
+/// Least-squares fit that never falls along the line (pool adjacent violators; Ayer et al. 1955): stronger contacts do
+/// not make weaker soil, and where the measured scatter says so, neighbours share their mean.
+void make_monotone(std::vector<ContactLevel>& levels) {
+  std::vector<std::pair<double, int>> pools;  // mean, count
+  for (const ContactLevel& l : levels) {
+    pools.emplace_back(l.friction_angle, 1);
+    while (pools.size() > 1 && pools[pools.size() - 2].first > pools.back().first) {
+      const auto [mean, count] = pools.back();
+      pools.pop_back();
+      auto& last = pools.back();
+      last = {(last.first * last.second + mean * count) / (last.second + count), last.second + count};
+    }
+  }
+  std::size_t k = 0;
+  for (const auto& [mean, count] : pools)
+    for (int i = 0; i < count; ++i) levels[k++].friction_angle = mean;
+}
+
+/// One cohesion gain for the whole line, weighted by the inverse squares of the errors: for readers that know no other.
+void pool_cohesion(Calibration& c) {
+  double weight = 0, sum = 0;
+  for (const ContactLevel& l : c.contact) {
+    const double w = 1 / std::max(1e-12, l.cohesion_gain_error * l.cohesion_gain_error);
+    weight += w, sum += w * l.cohesion_gain;
+  }
+  c.cohesion_gain = sum / weight, c.cohesion_gain_error = std::sqrt(1 / weight);
+}
+
+std::vector<PackingLevel> packing_levels(const Selection& of) {
+  std::vector<PackingLevel> levels;
+  for (std::size_t p = 0; p < std::size(kSettleFriction); ++p)
+    levels.push_back({kSettleFriction[p], mean_error(of(Kind::shear, 0, std::ptrdiff_t(p), 0, 3)).mean, 0});
+  const double loosest = 1 / levels.front().solid_fraction, densest = 1 / levels.back().solid_fraction;
+  for (PackingLevel& l : levels) l.relative_density = (loosest - 1 / l.solid_fraction) / (loosest - densest);
+  return levels;
+}
+
+Json provenance(const std::vector<Job>& jobs, const CalibrationRun& run) {
+  double worst = 0;
+  for (const Job& j : jobs) worst = std::max(worst, j.result[2]);
+  Json p;
+  p["test"] =
+      "simple shear without gravity of a doubly periodic cell, 10 x 6 grains, 8 deep, "
+      "inertial number 0.006; plate 4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity";
+  p["travel_grain_diameters"] = run.travel;
+  p["normal_stress_Pa"] = kNormalStress;
+  p["cohesion_pressure_over_normal_stress"] = std::vector<double>(std::begin(kCohesionRatio), std::end(kCohesionRatio));
+  p["seeds"] = run.seeds;
+  p["worst_rms_residual_m_per_s"] = worst;
+  return p;
+}
+
+}  // namespace
+
+std::string journal_maker(const CalibrationRun& run) {
+  return line("calibrate/2 grain %g m, travel %g", run.grain_diameter, run.travel);
+}
+
+std::vector<std::string> calibration_tests(const CalibrationRun& run) {
+  std::vector<std::string> names;
+  for (const Job& job : all_jobs(run.seeds)) names.push_back(job.name);
+  return names;
+}
+
+Calibration calibrate(const CalibrationRun& run) {
+  if (!(run.grain_diameter > 0)) throw InputError("soil calibrate: the grain diameter must be above zero");
+  TestJournal journal(run.journal, journal_maker(run));
+  std::vector<Job> jobs = all_jobs(run.seeds);
+  run_all(jobs, run, journal);
+  const Selection of{jobs};
+  Calibration c;
+  c.grain_diameter = run.grain_diameter;
+  c.packing = packing_levels(of);
+  for (std::size_t k = 0; k < std::size(kContactLine); ++k) {
+    c.contact.push_back(contact_level(of, k));
+    for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) c.response.push_back(response(of, k, p));
+  }
+  make_monotone(c.contact);
+  pool_cohesion(c);
+  c.provenance = provenance(jobs, run);
+  return c;
+}
+
+}  // namespace gonogo::terrain

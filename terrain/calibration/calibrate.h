@@ -1,0 +1,26 @@
+// Measures a calibration table by virtual tests: simple shear without and with contact cohesion, and plate sinkage,
+// over a line of contact parameters and the packings of the library.
+#pragma once
+#include "terrain/soil/calibration.h"
+
+namespace gonogo::terrain {
+
+struct CalibrationRun {
+  double grain_diameter = 0.032;  // [m]
+  int threads = 1;                // tests at a time
+  int seeds = 2;                  // packings of each density
+  double travel = 4;              // of the plate in a shear test, in grain diameters
+  /// Finished tests are kept in this file, and a run that finds it goes on from there; empty: nothing is kept.
+  std::filesystem::path journal;
+};
+
+/// What the journal of such a run calls its maker.
+std::string journal_maker(const CalibrationRun& run);
+/// Names of the tests of a run, as the journal has them.
+std::vector<std::string> calibration_tests(const CalibrationRun& run);
+
+/// Runs what the journal lacks. Deterministic: the same table for any number of threads and interruptions. Throws
+/// Cancelled on Ctrl-C, InputError for a journal of another run.
+Calibration calibrate(const CalibrationRun& run);
+
+}  // namespace gonogo::terrain

@@ -1,0 +1,29 @@
+// Straight lines through measured points by weighted least squares, with the standard errors of their numbers.
+#pragma once
+#include <vector>
+
+namespace gonogo::terrain {
+
+struct LineFit {
+  double intercept = 0, slope = 0;
+  double intercept_error = 0, slope_error = 0;  // standard errors, from the scatter about the line
+  double r2 = 0;                                // share of the scatter of y that the line explains
+};
+
+/// y = intercept + slope x; `weight` empty: all alike. At least three points at two places. Errors as in Press et al.,
+/// Numerical Recipes, section 15.2, with the scatter estimated from the residuals.
+LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& weight = {});
+
+struct MeanError {
+  double mean = 0, error = 0;  // standard error of the mean; 0 for one value
+};
+MeanError mean_error(const std::vector<double>& values);
+
+/// An angle from its tangent or sine, with its standard error [deg].
+struct Angle {
+  double degrees = 0, error = 0;
+};
+Angle angle_of_tangent(double tangent, double error);
+Angle angle_of_sine(double sine, double error);
+
+}  // namespace gonogo::terrain

@@ -1,0 +1,47 @@
+// Virtual plate sinkage test: a plate as long as the periodic bed is wide is pressed into it at constant speed. Two
+// plate widths b give Bekker's p = (k_c / b + k_phi) z^n (Bekker, Introduction to Terrain-Vehicle Systems, 1969).
+#pragma once
+#include "terrain/soil_test/line_fit.h"
+#include "terrain/soil_test/test_run.h"
+
+namespace gonogo::terrain {
+
+struct PlateSettings {
+  double width_grains = 6;  // of the plate, in grain diameters
+  double sinkage = 0.5;     // of the plate at the end, in plate widths
+  double speed = 0.1;       // in sqrt(g d)
+  double bed_depth = 3;     // in plate widths, at least 8 grains
+  double datum = 1e3;       // pressure at which sinkage is counted from zero [Pa]
+};
+
+struct PlateSample {
+  double sinkage;   // [m]
+  double pressure;  // mean since the sample before [Pa]
+};
+
+struct PlateResult {
+  double width = 0;  // of the plate [m]
+  std::vector<PlateSample> curve;
+  double solid_fraction = 0, worst_residual = 0;
+};
+
+PlateResult plate_test(const TestSoil& soil, const PlateSettings& settings, const TestPace& pace,
+                       TestScene* scene = nullptr);
+Index plate_steps(const PlateSettings& settings);
+
+/// p = k z^n of one plate; weights p^2, which make the fit one of pressures, not of their logarithms (Wong, Journal of
+/// Terramechanics 17 (1980) 5-21). k in [N/m^(n+2)], its error relative.
+struct PowerLaw {
+  double k = 0, n = 0, k_error = 0, n_error = 0, r2 = 0;
+};
+PowerLaw fit_power_law(const PlateResult& plate);
+
+/// Bekker's numbers from several plates with an exponent in common.
+struct BekkerFit {
+  double k_c = 0, k_phi = 0, n = 0;  // [N/m^(n+1)], [N/m^(n+2)], [-]
+  double k_c_error = 0, k_phi_error = 0, n_error = 0;
+  double r2 = 0;  // of ln p
+};
+BekkerFit fit_bekker(const std::vector<PlateResult>& plates);
+
+}  // namespace gonogo::terrain

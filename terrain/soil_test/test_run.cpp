@@ -1,0 +1,134 @@
+#include "terrain/soil_test/test_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+#include "base/cancel.h"
+#include "base/error.h"
+
+namespace gonogo::terrain {
+namespace {
+
+// Measured on beds of 10 x 6 x 8 grains (configs/soils/calibration_90mm.json): between the levels the logarithm of the
+// settling friction is taken as linear in relative density.
+constexpr double kLevelDensity[] = {0, 0.463, 1}, kLevelFriction[] = {0.8, 0.25, 0.02};
+
+void require(bool good, const char* name, double value, const char* allowed) {
+  if (!good) throw InputError(std::string("soil test: ") + name + " " + std::to_string(value) + " must be " + allowed);
+}
+
+}  // namespace
+
+void check(const TestSoil& s) {
+  require(s.grain_diameter >= 1e-4 && s.grain_diameter <= 1, "grain diameter", s.grain_diameter, "0.0001 to 1 m");
+  require(s.grain.friction >= 0 && s.grain.friction <= 10, "sliding friction", s.grain.friction, "0 to 10");
+  require(s.grain.rolling_friction >= 0 && s.grain.rolling_friction <= 10, "rolling friction", s.grain.rolling_friction,
+          "0 to 10");
+  require(s.grain.cohesion_pressure >= 0 && s.grain.cohesion_pressure <= 1e7, "cohesion pressure",
+          s.grain.cohesion_pressure, "0 to 1e7 Pa");
+  require(s.tool_friction >= 0 && s.tool_friction <= 10, "tool friction", s.tool_friction, "0 to 10");
+  require(s.relative_density >= 0 && s.relative_density <= 1, "relative density", s.relative_density, "0 to 1");
+  require(s.grain_density > 0 && s.grain_density <= 3e4, "grain density", s.grain_density,
+          "above 0, at most 30000 kg/m3");
+}
+
+double settle_friction(double relative_density) {
+  const int k = relative_density < kLevelDensity[1] ? 0 : 1;
+  const double share = (relative_density - kLevelDensity[k]) / (kLevelDensity[k + 1] - kLevelDensity[k]);
+  return kLevelFriction[k] * std::pow(kLevelFriction[k + 1] / kLevelFriction[k], std::clamp(share, 0.0, 1.0));
+}
+
+double relative_density_of(double friction) {
+  const int k = friction > kLevelFriction[1] ? 0 : 1;
+  const double share = std::log(friction / kLevelFriction[k]) / std::log(kLevelFriction[k + 1] / kLevelFriction[k]);
+  return kLevelDensity[k] + std::clamp(share, 0.0, 1.0) * (kLevelDensity[k + 1] - kLevelDensity[k]);
+}
+
+Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, double grains_deep, int threads) {
+  check(soil);
+  BedSpec s;
+  s.grain_diameter = soil.grain_diameter;
+  s.length = grains_long * soil.grain_diameter;
+  s.width = grains_wide * soil.grain_diameter;
+  s.depth = grains_deep * soil.grain_diameter;
+  s.grain_density = soil.grain_density;
+  s.settle_friction = settle_friction(soil.relative_density);
+  s.seed = soil.seed;
+  return soil.packing_folder.empty() ? settle_packing(s, threads) : cached_packing(s, soil.packing_folder, threads);
+}
+
+sim::StepSettings test_settings(double grain_diameter, double step, double speed, const TestPace& pace) {
+  sim::StepSettings s = bed_step_settings(grain_diameter, step, pace.iterations, pace.tolerance * speed);
+  s.substeps = pace.substeps;
+  return s;
+}
+
+double gravity_time(double grain_diameter) { return std::sqrt(grain_diameter / 9.81); }
+
+TestRun::TestRun(std::string test, sim::SceneWorld world, const sim::StepSettings& settings, const TestPace& pace)
+    : test_(std::move(test)),
+      world_(std::move(world)),
+      pace_(pace),
+      simulation_(sim::make_simulation(sim::Backend::cpu, {world_}, settings, pace.threads)) {}
+
+void TestRun::advance(Index steps) {
+  stop_if_cancelled();
+  simulation_->advance(steps);
+  const sim::StepReport report = simulation_->report(0);
+  if (report.flags != 0)
+    throw DeviceError(test_ +
+                      ": the simulation failed: " + sim::description(report.fault, simulation_->settings().step));
+  worst_residual_ = std::max(worst_residual_, report.rms_residual);
+  if (pace_.on_steps) pace_.on_steps(steps);
+}
+
+std::vector<Vec3d> TestRun::mean_forces(const std::vector<sim::BodyIndex>& bodies, Index steps) {
+  std::vector<Vec3d> mean(bodies.size());
+  for (Index k = 0; k < steps; ++k) {
+    advance(1);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      mean[i] = mean[i] + simulation_->contact_force(0, bodies[i]) * (1.0 / double(steps));
+  }
+  return mean;
+}
+
+Vec3d TestRun::mean_force(sim::BodyIndex body, Index steps) { return mean_forces({body}, steps)[0]; }
+
+void TestRun::set_velocity(sim::BodyIndex b, const Vec3& velocity) {
+  sim::BodyState state = simulation_->body(0, b);
+  state.velocity = velocity;
+  simulation_->set_body(0, b, state);
+}
+
+double TestRun::rms_speed(std::size_t count) {
+  const auto bodies = simulation_->bodies(0);
+  double sum = 0;
+  for (std::size_t i = 0; i < count; ++i) sum += dot(bodies[i].velocity, bodies[i].velocity);
+  return std::sqrt(sum / double(std::max<std::size_t>(1, count)));
+}
+
+void run_jobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job) {
+  std::exception_ptr failure;
+  bool failed = false;
+#pragma omp parallel for schedule(dynamic) num_threads(std::max(1, threads))
+  for (std::size_t k = 0; k < count; ++k) {
+    bool skip;
+#pragma omp critical(soil_test_jobs)
+    skip = failed;
+    if (skip) continue;
+    try {
+      job(k);
+    } catch (...) {
+#pragma omp critical(soil_test_jobs)
+      {
+        if (!failed) failure = std::current_exception();
+        failed = true;
+      }
+    }
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+}  // namespace gonogo::terrain

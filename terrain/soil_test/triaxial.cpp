@@ -1,0 +1,222 @@
+#include "terrain/soil_test/triaxial.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "base/random.h"
+
+namespace gonogo::terrain {
+namespace {
+
+constexpr double kPressTimes = 120;     // stress times of compression from all sides
+constexpr double kRestTimes = 10;       // in which the grains take up their contact laws
+constexpr double kSample = 0.005;       // strain between samples
+constexpr std::int32_t kWallGroup = 1;  // platens never touch each other
+constexpr double kSizeSpread = 0.1;
+enum Stream : std::uint64_t { radius_stream = 101, speed_stream };
+
+struct Specimen {
+  std::vector<Grain> grain;
+  Vec3d size;           // inside of the box, one corner at the origin [m]
+  double solid_volume;  // [m^3]
+};
+
+double stress_time(const TestSoil& soil, double stress) {
+  return soil.grain_diameter * std::sqrt(soil.grain_density / stress);
+}
+
+/// Grains on a lattice, so far apart that it is lost on the way together.
+Specimen loose_specimen(const TestSoil& soil, const TriaxialSettings& settings) {
+  const double d = soil.grain_diameter, pitch = 1.3 * d * (1 + kSizeSpread);
+  Specimen s{{}, {}, 0};
+  for (int k = 0; k < settings.grains_high; ++k)
+    for (int j = 0; j < settings.grains_wide; ++j)
+      for (int i = 0; i < settings.grains_wide; ++i) {
+        const double u = random_unit(soil.seed, radius_stream, s.grain.size());
+        const double radius = d / 2 * (1 + kSizeSpread * (2 * u - 1));
+        s.grain.push_back({{(i + 0.5) * pitch, (j + 0.5) * pitch, (k + 0.5) * pitch}, radius});
+        s.solid_volume += 4 * std::numbers::pi / 3 * std::pow(radius, 3);
+      }
+  s.size = {settings.grains_wide * pitch, settings.grains_wide * pitch, settings.grains_high * pitch};
+  return s;
+}
+
+/// Turns z to -x, -y, -z: inward normals of the platens that move.
+constexpr double kHalf = std::numbers::sqrt2 / 2;
+const std::array<Quat, 3> kInward = {Quat{Real(kHalf), 0, Real(-kHalf), 0}, Quat{Real(kHalf), Real(kHalf), 0, 0},
+                                     Quat{0, 1, 0, 0}};
+/// Turns z to x, y, z: of those that do not.
+const std::array<Quat, 3> kOutward = {Quat{Real(kHalf), 0, Real(kHalf), 0}, Quat{Real(kHalf), Real(-kHalf), 0, 0},
+                                      Quat{}};
+
+double& part(Vec3d& v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
+
+sim::Shape platen(sim::BodyIndex body, const Quat& turn) {
+  sim::Shape plane;
+  plane.type = sim::ShapeType::plane;
+  plane.body = body;
+  plane.material = tool_material;
+  plane.group = kWallGroup;
+  plane.turn_B = turn;
+  return plane;
+}
+
+struct Box {
+  sim::SceneWorld world;
+  std::array<sim::BodyIndex, 3> moving;  // platens at the far x, y, z
+};
+
+/// The specimen between three fixed and three moving platens. Lateral ones are pushed by stress times their areas; the
+/// top too, or it is held still, for its speed to be set.
+Box boxed(const TestSoil& soil, const Specimen& s, const sim::PairLaw& law, double stress, bool push_top) {
+  Box b;
+  const double d = soil.grain_diameter;
+  b.world.gravity = {};
+  b.world.origin = {-2 * d, -2 * d, -2 * d};
+  b.world.size = s.size * 1.6 + Vec3d{4 * d, 4 * d, 4 * d};
+  b.world.set_law(grain_material, grain_material, law);
+  b.world.set_law(grain_material, tool_material, {});
+  for (const Grain& g : s.grain)
+    b.world.add_sphere(g.position, Real(g.radius), Real(soil.grain_density), grain_material);
+  const sim::BodyIndex base = b.world.add_body({}, sim::fixed_body());
+  for (const Quat& turn : kOutward) b.world.add_shape(platen(base, turn));
+  const double mass = s.solid_volume * soil.grain_density;
+  const std::array<double, 3> area = {s.size.y * s.size.z, s.size.x * s.size.z, s.size.x * s.size.y};
+  for (int axis = 0; axis < 3; ++axis) {
+    const bool pushed = axis < 2 || push_top;
+    Vec3d place, inverse, force;
+    part(place, axis) = axis == 0 ? s.size.x : axis == 1 ? s.size.y : s.size.z;
+    part(inverse, axis) = pushed ? 1 / mass : 0;
+    part(force, axis) = -stress * area[std::size_t(axis)];
+    sim::BodyMass on_rails;
+    on_rails.inverse_mass = static_cast<Vec3>(inverse);
+    sim::BodyState state;
+    state.position = place;
+    const sim::BodyIndex body = b.world.add_body(state, on_rails);
+    b.moving[std::size_t(axis)] = body;
+    b.world.add_shape(platen(body, kInward[std::size_t(axis)]));
+    if (!pushed) continue;
+    sim::ForceElement load;
+    load.body = body;
+    load.force = static_cast<Vec3>(force);
+    b.world.force.push_back(load);
+  }
+  return b;
+}
+
+void read_back(TestRun& run, const Box& box, Specimen& s) {
+  const auto bodies = run.simulation().bodies(0);
+  for (std::size_t i = 0; i < s.grain.size(); ++i) s.grain[i].position = bodies[i].position;
+  s.size = {bodies[std::size_t(box.moving[0])].position.x, bodies[std::size_t(box.moving[1])].position.y,
+            bodies[std::size_t(box.moving[2])].position.z};
+}
+
+/// Compressed equally from all sides to the density that the settling friction gives. The loads follow the areas of the
+/// final box, guessed at a solid fraction of 0.6 and corrected on the way.
+Specimen compressed(const TestSoil& soil, const TriaxialSettings& settings, const TestPace& pace, double h) {
+  Specimen s = loose_specimen(soil, settings);
+  const sim::PairLaw slippery{Real(settle_friction(soil.relative_density)), 0, 0};
+  const double pace_of_grains = 2 * soil.grain_diameter / stress_time(soil, settings.confining_stress);
+  const double speed = 0.05 * pace_of_grains;  // of the solver's tolerance
+  constexpr int rounds = 4;
+  for (int round = 0; round < rounds; ++round) {
+    Box box = boxed(soil, s, slippery, settings.confining_stress, true);
+    for (std::size_t i = 0; round == 0 && i < s.grain.size(); ++i)
+      box.world.body[i].velocity = {Real(pace_of_grains * (2 * random_unit(soil.seed, speed_stream, 3 * i) - 1)),
+                                    Real(pace_of_grains * (2 * random_unit(soil.seed, speed_stream, 3 * i + 1) - 1)),
+                                    Real(pace_of_grains * (2 * random_unit(soil.seed, speed_stream, 3 * i + 2) - 1))};
+    TestRun run("triaxial test", box.world, test_settings(soil.grain_diameter, h, speed, pace), pace);
+    run.advance(Index(kPressTimes / rounds * settings.steps_per_time));
+    read_back(run, box, s);
+  }
+  return s;
+}
+
+/// Stresses where the axial one is largest over the lateral one, and at the end.
+void summarise(TriaxialResult& r, double strain) {
+  const auto window = std::size_t(std::lround(0.03 / kSample));
+  double best = 0;
+  for (std::size_t k = 0; k + window <= r.curve.size(); ++k) {
+    double axial = 0, lateral = 0;
+    for (std::size_t i = k; i < k + window; ++i) {
+      axial += r.curve[i].axial_stress / double(window);
+      lateral += r.curve[i].lateral_stress / double(window);
+    }
+    if (axial / lateral > best) best = axial / lateral, r.peak_axial = axial, r.peak_lateral = lateral;
+  }
+  double count = 0;
+  for (const TriaxialSample& s : r.curve)
+    if (s.strain > strain * 2 / 3) r.steady_axial += s.axial_stress, r.steady_lateral += s.lateral_stress, ++count;
+  r.steady_axial /= count, r.steady_lateral /= count;
+}
+
+struct MohrCoulomb {
+  Angle angle;
+  double cohesion;
+};
+
+MohrCoulomb mohr_coulomb(const std::vector<double>& axial, const std::vector<double>& lateral, bool cohesive) {
+  std::vector<double> middle, half, ratio;
+  for (std::size_t i = 0; i < axial.size(); ++i) {
+    middle.push_back((axial[i] + lateral[i]) / 2), half.push_back((axial[i] - lateral[i]) / 2);
+    ratio.push_back(half.back() / middle.back());
+  }
+  const MeanError mean = mean_error(ratio);
+  const bool two_stresses =
+      *std::max_element(lateral.begin(), lateral.end()) > 1.5 * *std::min_element(lateral.begin(), lateral.end());
+  if (!cohesive || !two_stresses) return {angle_of_sine(mean.mean, mean.error), 0};
+  const LineFit f = fit_line(middle, half);
+  const Angle angle = angle_of_sine(f.slope, f.slope_error);
+  return {angle, f.intercept / std::cos(angle.degrees * std::numbers::pi / 180)};
+}
+
+}  // namespace
+
+Index triaxial_steps(const TriaxialSettings& s) {
+  return Index((kPressTimes + kRestTimes + s.strain / s.inertial_number) * s.steps_per_time);
+}
+
+TriaxialResult triaxial_test(const TestSoil& soil, const TriaxialSettings& settings, const TestPace& pace,
+                             TestScene* scene) {
+  check(soil);
+  if (!(settings.confining_stress > 0)) throw InputError("triaxial test: the confining stress must be above zero");
+  const double time = stress_time(soil, settings.confining_stress), h = time / settings.steps_per_time;
+  const Specimen s = compressed(soil, settings, pace, h);
+  const Box box = boxed(soil, s, soil.grain, settings.confining_stress, false);
+  const double rate = settings.inertial_number / time, speed = rate * s.size.z;
+  TestRun run("triaxial test", box.world, test_settings(soil.grain_diameter, h, speed, pace), pace);
+  run.advance(Index(kRestTimes * settings.steps_per_time));
+  run.set_velocity(box.moving[2], {0, 0, Real(-speed)});
+  const double volume = s.size.x * s.size.y * s.size.z;
+  const Index stride = std::max<Index>(1, Index(std::lround(kSample / rate / h)));
+  TriaxialResult r;
+  r.solid_fraction = s.solid_volume / volume;
+  const auto samples = std::size_t(std::lround(settings.strain / kSample));
+  for (std::size_t k = 0; k < samples; ++k) {
+    const auto force = run.mean_forces({box.moving[0], box.moving[1], box.moving[2]}, stride);
+    const double x = run.body(box.moving[0]).position.x, y = run.body(box.moving[1]).position.y,
+                 z = run.body(box.moving[2]).position.z;
+    const double lateral = (force[0].x / (y * z) + force[1].y / (x * z)) / 2;
+    r.curve.push_back({1 - z / s.size.z, force[2].z / (x * y), lateral, x * y * z / volume - 1});
+  }
+  summarise(r, settings.strain);
+  r.worst_residual = run.worst_residual();
+  if (scene) *scene = {run.world(), run.capture()};
+  return r;
+}
+
+TriaxialStrength triaxial_strength(const std::vector<TriaxialResult>& results, bool cohesive) {
+  std::vector<double> peak_axial, peak_lateral, axial, lateral;
+  for (const TriaxialResult& r : results) {
+    peak_axial.push_back(r.peak_axial), peak_lateral.push_back(r.peak_lateral);
+    axial.push_back(r.steady_axial), lateral.push_back(r.steady_lateral);
+  }
+  const MohrCoulomb peak = mohr_coulomb(peak_axial, peak_lateral, cohesive);
+  const MohrCoulomb steady = mohr_coulomb(axial, lateral, cohesive);
+  return {peak.angle, steady.angle, peak.cohesion, steady.cohesion};
+}
+
+}  // namespace gonogo::terrain

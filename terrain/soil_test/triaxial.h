@@ -1,0 +1,45 @@
+// Virtual drained triaxial test: a box of six smooth platens. Grains are compressed equally from all sides with the
+// friction that gives the density asked for, then take up their contact laws; the top platen comes down at constant
+// speed while the lateral ones are pushed by constant forces. Gravity is off.
+#pragma once
+#include "terrain/soil_test/line_fit.h"
+#include "terrain/soil_test/test_run.h"
+
+namespace gonogo::terrain {
+
+struct TriaxialSettings {
+  double confining_stress = 10e3;  // [Pa]
+  double inertial_number = 6e-3;   // strain rate times d sqrt(solid density / stress); below 1e-2: quasi-static [-]
+  double strain = 0.3;             // of the height at the end, compression positive [-]
+  double steps_per_time = 10;      // in d sqrt(solid density / stress)
+  int grains_wide = 9, grains_high = 16;
+};
+
+struct TriaxialSample {
+  double strain;          // of the height, compression positive
+  double axial_stress;    // mean since the sample before [Pa]
+  double lateral_stress;  // the same, of both lateral platens that move [Pa]
+  double volume_strain;   // dilation positive
+};
+
+struct TriaxialResult {
+  std::vector<TriaxialSample> curve;
+  double peak_axial = 0, peak_lateral = 0;      // mean over three per cent of strain where their ratio is largest [Pa]
+  double steady_axial = 0, steady_lateral = 0;  // mean over the last third of the strain [Pa]
+  double solid_fraction = 0;                    // before shear, whole box [-]
+  double worst_residual = 0;                    // [m/s]
+};
+
+TriaxialResult triaxial_test(const TestSoil& soil, const TriaxialSettings& settings, const TestPace& pace,
+                             TestScene* scene = nullptr);
+Index triaxial_steps(const TriaxialSettings& settings);
+
+/// Mohr-Coulomb through several tests: (s1 - s3) / 2 = (s1 + s3) / 2 sin(phi) + c cos(phi). With one test, or without
+/// contact cohesion and a negative intercept, through the origin.
+struct TriaxialStrength {
+  Angle peak_angle, steady_angle;
+  double peak_cohesion = 0, steady_cohesion = 0;  // [Pa]
+};
+TriaxialStrength triaxial_strength(const std::vector<TriaxialResult>& results, bool cohesive);
+
+}  // namespace gonogo::terrain

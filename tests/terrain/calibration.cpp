@@ -1,0 +1,123 @@
+// The calibration run: its journal, its table, and what it says of soils.
+#include "terrain/calibration/calibrate.h"
+
+#include <cmath>
+#include <filesystem>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "terrain/calibration/journal.h"
+#include "tests/support/catch.h"
+
+namespace gonogo::terrain {
+namespace {
+
+std::filesystem::path scratch(const std::string& name) {
+  const auto folder = std::filesystem::temp_directory_path() / ("gonogo-test-" + name);
+  std::filesystem::remove_all(folder);
+  return folder;
+}
+
+CalibrationRun coarse_run(const std::filesystem::path& folder) {
+  CalibrationRun run;
+  run.grain_diameter = 0.1, run.seeds = 1, run.travel = 0.3, run.journal = folder / "journal.json";
+  return run;
+}
+
+/// Made-up results: the stress ratio is the sliding friction of the test's name, cohesion adds a tenth of its ratio.
+std::vector<double> made_up(const std::string& test) {
+  const auto number_after = [&](const std::string& word) {
+    return std::stod(test.substr(test.find(word) + word.size()));
+  };
+  const double friction = number_after("friction "), settled = number_after("settled at ");
+  if (test.rfind("plate", 0) == 0) return {1e6 * friction, 0.8, 1e-4};
+  return {friction / 4 + 0.1 * number_after("cohesion "), friction / 3, 1e-4, 0.64 - 0.07 * settled};
+}
+
+void fill(const CalibrationRun& run, const std::string& but) {
+  TestJournal journal(run.journal, journal_maker(run));
+  for (const std::string& name : calibration_tests(run))
+    if (name != but) journal.add(name, made_up(name));
+}
+
+/// What a refused request says; empty when it is not refused.
+template <class Request>
+std::string refusal(Request request) {
+  try {
+    request();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST_CASE("a table is what its tests measured") {
+  const auto folder = scratch("calibrate-table");
+  const CalibrationRun run = coarse_run(folder);
+  fill(run, "");
+  const Calibration c = calibrate(run);
+  REQUIRE(c.contact.size() == 7);
+  CHECK(c.packing.front().solid_fraction == Approx(0.64 - 0.07 * 0.8));
+  CHECK(c.packing.front().relative_density == Approx(0).margin(1e-12));
+  CHECK(c.packing.back().relative_density == Approx(1));
+  CHECK(c.contact[2].friction_angle == Approx(std::atan(0.5 / 4) * 180 / 3.14159265358979));
+  CHECK(c.contact[2].cohesion_gain == Approx(0.1));
+  CHECK(c.response[2 * 3 + 1].peak_friction_angle == Approx(std::atan(0.5 / 3) * 180 / 3.14159265358979));
+  CHECK(c.response[2 * 3 + 1].sinkage_modulus == Approx(0.5e6));
+  write_calibration(folder / "table.json", c);
+  const Calibration again = read_calibration(folder / "table.json");
+  CHECK(again.response[5].sinkage_modulus == c.response[5].sinkage_modulus);
+  CHECK(again.contact[6].friction_angle == c.contact[6].friction_angle);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("a run that goes on does only what its journal lacks, and has the bits of one that was never interrupted") {
+  const auto folder = scratch("calibrate-resume");
+  const CalibrationRun run = coarse_run(folder);
+  const std::string lacking = calibration_tests(run).front();
+  fill(run, lacking);
+  calibrate(run);
+  const TestJournal first(run.journal, journal_maker(run));
+  const auto measured = first.find(lacking);
+  REQUIRE(measured.has_value());
+  CHECK(measured->at(0) > 0.1);  // a real test of slippery grains, not a made-up one
+  CHECK(measured->at(0) < 0.5);
+  std::filesystem::remove(run.journal);
+  fill(run, lacking);
+  calibrate(run);
+  CHECK(TestJournal(run.journal, journal_maker(run)).find(lacking) == measured);
+  const std::string before = read_file(run.journal);
+  calibrate(run);  // nothing left to do
+  CHECK(read_file(run.journal) == before);
+  CalibrationRun other = run;
+  other.grain_diameter = 0.2;
+  CHECK_THROWS_AS(calibrate(other), InputError);
+  std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("a soil within reach is met in friction angle, cohesion and density; others are refused with the reach") {
+  const auto folder = scratch("calibrate-fit");
+  const CalibrationRun run = coarse_run(folder);
+  fill(run, "");
+  const Calibration c = calibrate(run);
+  const SoilFit f = fit_soil(c, {10, 2e3, 1500, 1});
+  CHECK(f.friction_angle == Approx(10));
+  CHECK(f.cohesion == Approx(2e3));
+  CHECK(double(f.law.cohesion_pressure) == Approx(2e4));
+  CHECK(f.bulk_density == Approx(1500));
+  CHECK(f.grain_density == Approx(1500 / (0.64 - 0.07 * 0.02)));
+  CHECK(f.packing == 2);
+  CHECK(f.sinkage_exponent == Approx(0.8));
+  CHECK(fit_soil(c, {10, 2e3}).grain_density == Approx(2650));
+  CHECK(refusal([&] { fit_soil(c, {50, 0}); }).find("outside what grains") != std::string::npos);
+  CHECK(refusal([&] { fit_soil(c, {10, 0, 400, 0}); }).find("choose one between") != std::string::npos);
+  Calibration unsure = c;
+  for (ContactLevel& l : unsure.contact) l.cohesion_gain_error = 0.05;
+  CHECK(refusal([&] { fit_soil(unsure, {10, 2e3}); }).find("50 per cent") != std::string::npos);
+  CHECK_NOTHROW(fit_soil(unsure, {10, 0}));
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace gonogo::terrain

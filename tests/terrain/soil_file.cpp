@@ -1,0 +1,82 @@
+// Soil files: those that ship, what is refused, and the fits kept in them.
+#include "terrain/soil/soil_file.h"
+
+#include <filesystem>
+#include <set>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "tests/support/catch.h"
+
+namespace gonogo::terrain {
+namespace {
+
+const std::filesystem::path kSoils = std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils";
+
+/// The dry sand that ships with one text exchanged for another, as a file.
+std::filesystem::path altered(const std::string& from, const std::string& to) {
+  std::string text = read_file(kSoils / "dry_sand.json");
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  const auto path = std::filesystem::temp_directory_path() / "gonogo-test-soil.json";
+  write_file_atomically(path, text.replace(at, from.size(), to));
+  return path;
+}
+
+}  // namespace
+
+TEST_CASE("every soil that ships is read, and every number in it has a source or says that it has none") {
+  int soils = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(kSoils)) {
+    if (entry.path().filename().string().rfind("calibration_", 0) == 0 || entry.path().extension() != ".json") continue;
+    CAPTURE(entry.path().string());
+    const SoilFile soil = read_soil(entry.path());
+    for (const SoilState& s : soil.states)
+      for (const SoilValue* v : {&s.friction_angle, &s.cohesion, &s.bulk_density, &s.relative_density})
+        CHECK((v->source.empty() != v->no_source.empty() && v->low <= v->high));
+    ++soils;
+  }
+  CHECK(soils == 7);
+}
+
+TEST_CASE("the USDA file has each of the twelve textures dry, moist and wet, and weaker clay when wet") {
+  const SoilFile usda = read_soil(kSoils / "usda.json");
+  std::set<std::string> textures;
+  for (const SoilState& s : usda.states) textures.insert(s.texture + ", " + s.moisture);
+  CHECK(usda.states.size() == 36);
+  CHECK(textures.size() == 36);
+  const auto cohesion = [&](const std::string& name) {
+    for (const SoilState& s : usda.states)
+      if (s.name == name) return s.cohesion.middle();
+    return -1.0;
+  };
+  CHECK(cohesion("clay, wet") < cohesion("clay, moist"));
+  CHECK(cohesion("clay, moist") < cohesion("clay, dry"));
+}
+
+TEST_CASE("a soil file with a number out of range, without a source, or with an unknown key is refused") {
+  CHECK_NOTHROW(read_soil(altered("28", "29")));
+  CHECK_THROWS_AS(read_soil(altered("28", "88")), InputError);
+  CHECK_THROWS_AS(read_soil(altered("\"fixed\": 28", "\"range\": [30, 28]")), InputError);
+  CHECK_THROWS_AS(read_soil(altered("\"no_source\": \"no", "\"note\": \"no")), InputError);
+  CHECK_THROWS_AS(read_soil(altered("\"water_percent\"", "\"water\"")), InputError);
+  CHECK_THROWS_AS(read_soil(altered("gonogo/soil/1", "gonogo/soil/9")), InputError);
+}
+
+TEST_CASE("a fit keeps contact law and mismatch in the soil's file, and says why a soil is refused") {
+  const auto path = altered("28", "28");
+  const Calibration c = read_calibration(kSoils / "calibration_90mm.json");
+  write_fits(path, "calibration_90mm.json", c);
+  write_fits(path, "calibration_90mm.json", c);  // in place of the first
+  const SoilFile soil = read_soil(path);
+  REQUIRE(soil.fits.members().size() == 1);
+  const Json& fit = soil.fits.at("calibration_90mm.json").items().at(0);
+  CHECK(fit.at("mismatch").at("friction_angle_deg").number() == Approx(0).margin(1e-6));
+  CHECK(fit.at("cohesion_pressure_Pa").number() == Approx(1040 / c.cohesion_gain).epsilon(1e-4));
+  SoilState steep = soil.states.at(0);
+  steep.friction_angle.low = steep.friction_angle.high = 55;
+  CHECK(fit_record(c, steep).at("refused").string().find("choose one between") != std::string::npos);
+  std::filesystem::remove(path);
+}
+
+}  // namespace gonogo::terrain

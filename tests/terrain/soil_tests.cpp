@@ -1,0 +1,137 @@
+// Virtual soil tests on coarse, small beds: trends and bounds.
+#include <cmath>
+
+#include "base/error.h"
+#include "terrain/soil_test/cone.h"
+#include "terrain/soil_test/plate.h"
+#include "terrain/soil_test/repose.h"
+#include "terrain/soil_test/shear.h"
+#include "terrain/soil_test/triaxial.h"
+#include "tests/support/catch.h"
+
+namespace gonogo::terrain {
+namespace {
+
+TestSoil coarse_soil(double friction, double rolling, double relative_density) {
+  TestSoil soil;
+  soil.grain_diameter = 0.09;
+  soil.grain = {Real(friction), Real(rolling), 0};
+  soil.relative_density = relative_density;
+  return soil;
+}
+
+/// Coarser than the tests' own numerics, for trends. Not for plates: theirs need the bed to be solved.
+TestPace rough_pace() {
+  TestPace pace;
+  pace.iterations = 60, pace.tolerance = 0.05;
+  return pace;
+}
+
+/// Settled once for all tests that do not care about density.
+const Packing& shared_cell() {
+  static const Packing cell = test_bed(coarse_soil(0.5, 0, 0.5), 10, 6, 8, 1);
+  return cell;
+}
+
+ShearResult sheared(const TestSoil& soil, const Packing& cell, double travel, const TestPace& pace = {}) {
+  ShearSettings settings;
+  settings.travel = travel;
+  return shear_test(cell, soil.laws(), settings, pace);
+}
+
+}  // namespace
+
+TEST_CASE("without gravity a shear test knows no length but the grain and no stress but the load") {
+  // A quarter of the size and four times the stress change every number by a power of two: the ratio keeps its bits.
+  const TestSoil soil = coarse_soil(0.5, 0.1, 0.5);
+  const Packing& cell = shared_cell();
+  Packing small = cell;
+  for (double* length : {&small.spec.length, &small.spec.width, &small.spec.depth, &small.spec.grain_diameter})
+    *length /= 4;
+  for (auto* grains : {&small.grain, &small.base})
+    for (Grain& g : *grains) g.position = g.position * 0.25, g.radius /= 4;
+  small.surface /= 4;
+  ShearSettings settings;
+  settings.travel = 0.3;
+  const ShearResult reference = shear_test(cell, soil.laws(), settings);
+  const ShearResult fine = shear_test(small, soil.laws(), settings);
+  settings.normal_stress *= 4;
+  const ShearResult loaded = shear_test(cell, soil.laws(), settings);
+  CHECK(reference.normal_stress == Approx(10e3).epsilon(0.05));
+  CHECK(fine.shear_stress == reference.shear_stress);
+  CHECK(fine.dilation == reference.dilation);
+  CHECK(loaded.shear_stress == 4 * reference.shear_stress);
+}
+
+TEST_CASE("a shear test has the same bits for any number of threads") {
+  TestPace two;
+  two.threads = 2;
+  const TestSoil soil = coarse_soil(0.3, 0, 0.5);
+  CHECK(sheared(soil, shared_cell(), 0.1).shear_stress == sheared(soil, shared_cell(), 0.1, two).shear_stress);
+}
+
+TEST_CASE("a dense bed is stronger at its peak than a loose one, and rises when sheared") {
+  const TestSoil soft = coarse_soil(0.5, 0, 0), hard = coarse_soil(0.5, 0, 1);
+  const ShearResult loose = sheared(soft, test_bed(soft, 10, 6, 8, 1), 0.8);
+  const ShearResult dense = sheared(hard, test_bed(hard, 10, 6, 8, 1), 0.8);
+  CHECK(dense.peak_stress > 1.05 * loose.peak_stress);
+  CHECK(dense.dilation > loose.dilation);
+}
+
+TEST_CASE("the triaxial friction angle is within three degrees of that of shear") {
+  const TestSoil soil = coarse_soil(0.3, 0, 0);
+  TriaxialSettings settings;
+  settings.grains_wide = 7, settings.grains_high = 12, settings.strain = 0.2;
+  const TriaxialResult t = triaxial_test(soil, settings, rough_pace());
+  const ShearResult s = sheared(soil, shared_cell(), 1.5);
+  const double triaxial = triaxial_strength({t}, false).steady_angle.degrees;
+  const double shear = std::atan(s.shear_stress / s.normal_stress) * 180 / 3.14159265358979;
+  CAPTURE(triaxial, shear);
+  CHECK(std::fabs(triaxial - shear) < 3);
+}
+
+TEST_CASE("a plate sinks against a pressure that rises, with an exponent of the order of one") {
+  PlateSettings settings;
+  settings.width_grains = 3, settings.speed = 0.3, settings.bed_depth = 4;
+  const PlateResult r = plate_test(coarse_soil(0.5, 0.1, 0.5), settings, {});
+  const PowerLaw law = fit_power_law(r);
+  CAPTURE(law.k, law.n);
+  CHECK(law.n > 0.3);
+  CHECK(law.n < 1.5);
+  CHECK(r.curve.back().pressure > 2 * r.curve[r.curve.size() / 4].pressure);
+}
+
+TEST_CASE("a heap of grains that resist rolling is steeper than one of grains that roll") {
+  ReposeSettings settings;
+  settings.length = 12, settings.width = 5, settings.height = 6, settings.gate_speed = 0.5;
+  const ReposeResult rolls = repose_test(coarse_soil(0.5, 0, 0.5), settings, rough_pace());
+  const ReposeResult resists = repose_test(coarse_soil(0.5, 0.3, 0.5), settings, rough_pace());
+  CAPTURE(rolls.angle.degrees, resists.angle.degrees);
+  CHECK(rolls.angle.degrees > 12);
+  CHECK(rolls.angle.degrees < 30);
+  CHECK(resists.angle.degrees > rolls.angle.degrees + 2);
+  CHECK(rolls.spilled > resists.spilled);
+}
+
+TEST_CASE("a dense bed resists the cone more than a loose one") {
+  ConeSettings settings;
+  settings.diameter_grains = 2, settings.depth = 1, settings.speed = 0.5;
+  const ConeResult loose = cone_test(coarse_soil(0.5, 0, 0), settings, rough_pace());
+  const ConeResult dense = cone_test(coarse_soil(0.5, 0, 1), settings, rough_pace());
+  CAPTURE(loose.index, dense.index, loose.gradient, dense.gradient);
+  CHECK(dense.bulk_density > loose.bulk_density);
+  CHECK(dense.index > 1.2 * loose.index);
+  CHECK(loose.gradient > 0);
+}
+
+TEST_CASE("soil tests refuse what cannot be tested") {
+  CHECK_THROWS_AS(check(coarse_soil(-0.1, 0, 0.5)), InputError);
+  CHECK_THROWS_AS(check(coarse_soil(0.5, 0, 1.1)), InputError);
+  CHECK_THROWS_AS(check(coarse_soil(std::nan(""), 0, 0.5)), InputError);
+  ShearSettings none;
+  none.normal_stress = 0;
+  const TestSoil soil = coarse_soil(0.5, 0, 0.5);
+  CHECK_THROWS_AS(shear_test(shared_cell(), soil.laws(), none), InputError);
+}
+
+}  // namespace gonogo::terrain
