@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "base/line.h"
 #include "pipeline/campaign/design.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/dataset/row.h"
@@ -13,13 +14,6 @@ struct Options {
   std::string study;
   bool csv = false;
 };
-
-template <class... Values>
-std::string line(const char* pattern, Values... values) {
-  char text[200];
-  std::snprintf(text, sizeof text, pattern, values...);
-  return text;
-}
 
 std::string as_csv(const std::vector<DesignPoint>& design) {
   std::string text = point_header_row() + "\n";

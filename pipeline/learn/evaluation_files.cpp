@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/file.h"
+#include "base/line.h"
 #include "pipeline/learn/evaluate_model.h"
 #include "pipeline/learn/score_report.h"
 #ifdef GONOGO_WITH_PICTURES
@@ -11,13 +12,6 @@
 
 namespace gonogo::pipeline {
 namespace {
-
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  char text[320];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 std::string reliability_csv(const Json& scores) {
   std::string text = "forecaster,trials,mean_forecast,frequency,frequency_low,frequency_high\n";

@@ -11,18 +11,12 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/line.h"
 #include "pipeline/learn/named_values.h"
 #include "pipeline/study/contract.h"
 
 namespace gonogo::pipeline {
 namespace {
-
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  char text[320];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 Json reconstruction_json(const Predictor& predictor, const learning::JointAnswer& joint) {
   Json json = Json::object();

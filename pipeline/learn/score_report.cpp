@@ -4,18 +4,12 @@
 #include <cstdio>
 #include <utility>
 
+#include "base/line.h"
 #include "learning/score/calibration.h"
 #include "pipeline/learn/train_model.h"
 
 namespace gonogo::pipeline {
 namespace {
-
-template <class... Values>
-std::string line(const char* format, Values... values) {
-  char text[256];
-  std::snprintf(text, sizeof text, format, values...);
-  return text;
-}
 
 Json interval_json(const learning::Interval& interval) {
   Json json;

@@ -1,12 +1,10 @@
 #include "pipeline/soil/library.h"
 
-#include <algorithm>
-#include <system_error>
 #include <vector>
 
 #include "base/error.h"
 #include "base/line.h"
-#include "base/nearest.h"
+#include "base/shipped.h"
 #include "terrain/soil/soil_file.h"
 
 namespace gonogo::pipeline {
@@ -17,27 +15,8 @@ using terrain::SoilFile;
 using terrain::SoilState;
 using terrain::SoilValue;
 
-/// configs/soils here, or beside the source tree that the program was built in.
-std::vector<fs::path> folders() {
-  std::vector<fs::path> result{fs::path("configs") / "soils"};
-  std::error_code none;
-  fs::path at = fs::read_symlink("/proc/self/exe", none).parent_path();
-  for (int up = 0; !none && up < 5 && at.has_relative_path(); ++up, at = at.parent_path())
-    result.push_back(at / "configs" / "soils");
-  result.erase(std::remove_if(result.begin(), result.end(), [](const fs::path& p) { return !fs::is_directory(p); }),
-               result.end());
-  return result;
-}
-
-/// Names of the soils in a folder; calibration tables lie there too.
-std::vector<std::string> names_in(const fs::path& folder) {
-  std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".json" && entry.path().stem().string().rfind("calibration_", 0) != 0)
-      names.push_back(entry.path().stem().string());
-  std::sort(names.begin(), names.end());
-  return names;
-}
+/// Calibration tables lie in the soils' folder too.
+constexpr const char* kNoSoils = "calibration_";
 
 std::string text_of(const SoilValue& v) { return v.fixed() ? line("%g", v.low) : line("%g to %g", v.low, v.high); }
 
@@ -108,23 +87,14 @@ std::string fit_text(const Json& fit) {
 
 }  // namespace
 
-fs::path soil_file(const std::string& name) {
-  if (fs::is_regular_file(name)) return name;
-  const bool plain = name.find('/') == std::string::npos && fs::path(name).extension() != ".json";
-  const auto places = folders();
-  if (plain)
-    for (const fs::path& folder : places)
-      if (fs::is_regular_file(folder / (name + ".json"))) return folder / (name + ".json");
-  if (!plain || places.empty()) throw InputError(name + ": no such soil file");
-  throw InputError(name + ": no such soil file; " + places[0].string() + " has: " + join_words(names_in(places[0])));
-}
+fs::path soil_file(const std::string& name) { return shipped_file("soils", "soil", name, kNoSoils); }
 
 SoilReport list_soils() {
-  const auto places = folders();
+  const auto places = shipped_folders("soils");
   if (places.empty()) throw InputError("no folder configs/soils here or beside the program's sources");
   SoilReport r;
   r.json["soils"] = Json::array();
-  for (const std::string& name : names_in(places[0])) {
+  for (const std::string& name : shipped_names(places[0], kNoSoils)) {
     const SoilFile soil = terrain::read_soil(places[0] / (name + ".json"));
     Json entry;
     entry["file"] = name;
