@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -6,6 +7,8 @@
 #include "base/error.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/validate/fclib.h"
+#include "pipeline/validate/vehicles.h"
+#include "pipeline/vehicle/locate.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -64,12 +67,49 @@ void validate_fclib(const Globals& globals, FclibRequest request) {
   if (above > 0) throw DeviceError(sentence);
 }
 
+struct VehiclesRequest {
+  std::vector<std::string> vehicles{"hmmwv"};
+  std::string folder;
+  bool gpu = false;
+};
+
+void validate_vehicles(const Globals& globals, const VehiclesRequest& request) {
+  const vehicle::HardGroundRun run{request.gpu ? sim::Backend::cuda : sim::Backend::cpu, std::max(1, globals.threads)};
+  Json json;
+  std::string text;
+  int failed = 0;
+  for (const std::string& name : request.vehicles) {
+    const vehicle::Vehicle v = vehicle::read_vehicle(vehicle_file(name));
+    const auto reports = check_on_hard_ground(v, run);
+    if (!request.folder.empty()) write_reports(request.folder, v.name, reports);
+    json[v.name] = as_json(reports);
+    text += v.name + "\n" + as_text(reports);
+    failed += failures(reports);
+  }
+  json["failed"] = failed;
+  print_result(globals, json, text);
+  if (failed > 0) throw DeviceError(std::to_string(failed) + " checks of vehicles on hard ground do not hold");
+}
+
+void add_vehicles(CLI::App& command, const Globals& globals) {
+  CLI::App* vehicles = command.add_subcommand(
+      "vehicles", "Whole vehicles on hard ground against closed forms; fails when one does not hold");
+  auto request = std::make_shared<VehiclesRequest>();
+  vehicles->add_option("vehicles", request->vehicles, "Vehicle files, or names of ones in configs/vehicles")
+      ->capture_default_str();
+  vehicles->add_option("--out", request->folder, "Folder for a figure and a table of every kind of check");
+  vehicles->add_flag("--gpu", request->gpu, "On the GPU");
+  vehicles->footer("Example:\n  gonogo validate vehicles --out docs/validation --json");
+  vehicles->callback([&globals, request] { validate_vehicles(globals, *request); });
+}
+
 }  // namespace
 
 void add_validate_command(CLI::App& app, const Globals& globals) {
-  CLI::App* command = app.add_subcommand("validate", "Checks against what others published");
+  CLI::App* command = app.add_subcommand("validate", "Checks against what others published and closed forms");
   command->require_subcommand(1);
   const char* const example = "Example:\n  gonogo validate fclib tests/data/fclib";
+  add_vehicles(*command, globals);
   command->footer(example);
   CLI::App* fclib = command->add_subcommand(
       "fclib", "Frictional contact problems in the formats of FCLib and Siconos; fails when one is not solved");

@@ -1,0 +1,176 @@
+#include "vehicle/hard_ground/hard_ground.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "vehicle/hard_ground/drive_for.h"
+#include "vehicle/model/statics.h"
+
+namespace gonogo::vehicle {
+namespace {
+
+constexpr int kTyre = 1;          // material
+constexpr double kClosed = 0.02;  // tolerance, relative
+constexpr double kPeriod = 40;    // of the plane along x [m]
+
+void add_plane(sim::SceneWorld& world) {
+  sim::Shape s;
+  s.type = sim::ShapeType::plane;
+  s.body = world.add_body({}, sim::fixed_body());
+  world.add_shape(s);
+}
+
+std::string per_cent(double x) { return std::to_string(int(std::lround(100 * x))); }
+
+/// Slope that full throttle in the lowest gear would just hold, by what is left for acceleration on `slope` [-].
+/// In the lowest gear, because a driver who shifts up ends where the engine, not the ground, is the limit.
+double held_slope(const Vehicle& v, double mu, double slope, const HardGroundRun& run, Trace& trace) {
+  DriverOrders orders;
+  orders.release = 0.5;
+  orders.gear = 1;
+  const HardGround ground(v, orders, mu, slope);
+  const double settled = 2.5, time = 2;  // until the chassis has stopped to rock; of the measurement [s]
+  const auto s = start(ground, run, 2e-3);
+  drive_for(*s, settled);
+  const double before = forward_speed(*s, ground);
+  for (int k = 0; k < 20; ++k) {
+    drive_for(*s, time / 20);
+    trace.x.push_back(settled + (k + 1) * time / 20);
+    trace.y.push_back(forward_speed(*s, ground));
+  }
+  return std::tan(slope) + (forward_speed(*s, ground) - before) / time / (kGravity * std::cos(slope));
+}
+
+}  // namespace
+
+HardGround::HardGround(const Vehicle& v, const DriverOrders& orders, double mu, double slope, double speed) {
+  world.origin = {-kPeriod / 2, -10, -2};
+  world.size = {Real(kPeriod), 20, 8};
+  world.periodic_x = true;
+  world.gravity = {Real(-kGravity * std::sin(slope)), 0, Real(-kGravity * std::cos(slope))};
+  world.set_law(0, kTyre, {Real(mu), 0, 0});
+  down = standing_height(v);
+  e = add_vehicle(world, v, {0, 0, down}, kTyre);
+  add_drive(world, v, e, orders);
+  for (sim::BodyState& b : world.body) b.velocity = {Real(speed), 0, 0};
+  for (std::size_t i = 0; i < e.wheel.size(); ++i)
+    world.body[std::size_t(e.wheel[i])].angular_velocity = {0, Real(speed / e.station[i].wheel->radius), 0};
+  add_plane(world);
+}
+
+Vehicle smooth(Vehicle v) {
+  for (Wheel& w : v.wheel) w.lug_count = 0, w.lug_height = 0;
+  return v;
+}
+
+Vehicle all_locked(Vehicle v) {
+  for (Axle& a : v.axle) a.differential = Differential::locked;
+  v.driveline.centre = Differential::locked;
+  return v;
+}
+
+bool HardGroundCheck::holds() const { return std::fabs(measured - expected) <= tolerance; }
+
+HardGroundReport check_wheel_loads(const Vehicle& vehicle, const HardGroundRun& run) {
+  const Vehicle v = smooth(vehicle);
+  DriverOrders parked;
+  parked.release = 100;
+  const HardGround ground(v, parked, 0.8);
+  const auto s = start(ground, run, 1e-3);
+  drive_for(*s, 3);
+  HardGroundReport r{"wheel_loads", v.name + ": wheel loads on level ground", "wheel", "load [N]", {}, {}};
+  const auto expected = static_loads(v);
+  Trace balance{"balance of forces and moments", {}, {}, true}, engine{"engine", {}, {}, true};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    double load = 0;
+    const int samples = 50;
+    for (int k = 0; k < samples; ++k) s->advance(2), load += s->contact_force(0, ground.e.wheel[i]).z / samples;
+    std::string key = ground.e.station[i].name;
+    std::replace(key.begin(), key.end(), ' ', '_');
+    r.check.push_back({"wheel_load_" + key + "_N", "load of the wheel " + ground.e.station[i].name + " [N]",
+                       expected[i], load, kClosed * expected[i]});
+    balance.x.push_back(double(i + 1)), balance.y.push_back(expected[i]);
+    engine.x.push_back(double(i + 1)), engine.y.push_back(load);
+  }
+  r.trace = {balance, engine};
+  return r;
+}
+
+HardGroundReport check_gradeability(const Vehicle& vehicle, double mu, const HardGroundRun& run) {
+  Vehicle v = all_locked(smooth(vehicle));
+  HardGroundReport r{"gradeability",
+                     v.name + ": speed at full throttle on the slope that friction just allows",
+                     "time [s]",
+                     "speed [m/s]",
+                     {},
+                     {}};
+  r.trace = {{"all differentials locked", {}, {}}, {"open centre", {}, {}}};
+  r.check.push_back({"gradeability_locked", "steepest slope with all differentials locked: tan = mu", mu,
+                     held_slope(v, mu, std::atan(mu), run, r.trace[0]), kClosed * mu});
+  v.driveline.centre = Differential::open;
+  const Weights w = weigh(v);
+  const auto wheels = stations(v);
+  const double base = wheels.front().centre.x - wheels.back().centre.x, height = w.centre.z + standing_height(v);
+  // Balanced torques T = mu N r of both axles, N that of the front one: N L = m g (b cos - h sin).
+  const double limit = 2 * mu * (w.centre.x - wheels.back().centre.x) / base / (1 + 2 * mu * height / base);
+  r.check.push_back({"gradeability_open_centre", "steepest slope with an open centre: tan = 2 mu b / (L + 2 mu h)",
+                     limit, held_slope(v, mu, std::atan(limit), run, r.trace[1]), kClosed * limit});
+  return r;
+}
+
+HardGroundReport check_top_speeds(const Vehicle& vehicle, const std::vector<int>& gears, const HardGroundRun& run) {
+  const Vehicle v = smooth(vehicle);
+  HardGroundReport r{"top_speed", v.name + ": full throttle in each gear", "time [s]", "speed [m/s]", {}, {}};
+  const auto speeds = gear_speeds(v);
+  for (const int gear : gears) {
+    const double expected = speeds[std::size_t(gear - 1)].balanced;
+    DriverOrders orders;
+    orders.gear = gear;
+    const HardGround ground(v, orders, 0.9, 0, 0.96 * expected);
+    const auto s = start(ground, run, 2e-3);
+    Trace trace{"gear " + std::to_string(gear), {0}, {0.96 * expected}};
+    for (int k = 0; k < 16; ++k) {
+      drive_for(*s, 0.25);
+      trace.x.push_back(0.25 * (k + 1)), trace.y.push_back(forward_speed(*s, ground));
+    }
+    r.check.push_back({"top_speed_gear_" + std::to_string(gear) + "_m_per_s",
+                       "top speed in gear " + std::to_string(gear) + ": the engine's torque vanishes [m/s]", expected,
+                       trace.y.back(), kClosed * expected});
+    r.trace.push_back(trace);
+  }
+  return r;
+}
+
+HardGroundReport check_stopping(const Vehicle& vehicle, double speed, double mu, const HardGroundRun& run) {
+  const Vehicle v = smooth(vehicle);
+  DriverOrders orders;
+  orders.brake_from = 0.2;
+  orders.speed = speed;  // held until then
+  orders.gear = int(v.driveline.gears.size()) > 4 ? 5 : 0;
+  HardGround ground(v, orders, mu, 0, speed);
+  sim::Monitor m;
+  m.body = ground.e.chassis;
+  m.time_limit = 20;
+  ground.world.monitor.push_back(m);
+  const auto s = start(ground, run, 1e-3);
+  drive_for(*s, orders.brake_from);
+  const double from = s->monitor(0, 0).now.x, before = forward_speed(*s, ground);
+  const double expected = before * before / (2 * mu * kGravity), time = before / (mu * kGravity) + 0.5;
+  Trace trace{"engine", {0}, {before}}, closed{"v - mu g t", {0, before / (mu * kGravity)}, {before, 0}};
+  for (int k = 0; k < 50; ++k) {
+    drive_for(*s, time / 50);
+    trace.x.push_back((k + 1) * time / 50), trace.y.push_back(forward_speed(*s, ground));
+  }
+  HardGroundReport r{
+      "stopping",     v.name + ": locked wheels, mu " + per_cent(mu) + " %", "time from braking [s]", "speed [m/s]", {},
+      {closed, trace}};
+  r.check.push_back({"stopping_distance_m", "stopping distance: v^2 / (2 mu g) [m]", expected,
+                     s->monitor(0, 0).now.x - from, kClosed * expected});
+  r.check.push_back({"stopped_speed_m_per_s", "speed half a second after it should have stopped [m/s]", 0,
+                     std::fabs(trace.y.back()), 0.02});
+  return r;
+}
+
+}  // namespace gonogo::vehicle
