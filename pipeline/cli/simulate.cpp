@@ -16,7 +16,7 @@ namespace gonogo::pipeline::cli {
 namespace {
 
 struct Options {
-  std::string study, vehicle, soil, csv;
+  std::string study, vehicle, soil, task, csv;
   std::optional<double> slope_along, slope_across;  // [deg]
   std::vector<std::string> settings;
   std::uint64_t seed = 0;
@@ -130,6 +130,7 @@ Request request_of(const Options& options) {
   Request r;
   r.point.seed = options.seed;
   if (options.vehicle.empty()) {
+    if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
     const Study study = read_study(options.study);
     r.setup = read_trial_setup(study);
     r.point.variables = with_settings(variables_of(study), options);
@@ -137,7 +138,8 @@ Request request_of(const Options& options) {
   }
   if (options.soil.empty())
     throw InputError("--vehicle needs --soil: a calibration, such as configs/soils/calibration_90mm.json");
-  r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), options.soil);
+  r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), options.soil,
+                                options.task.empty() ? default_task() : parse_task(options.task));
   r.point.variables = with_settings(variables_of(r.setup), options);
   return r;
 }
@@ -166,10 +168,27 @@ void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json,
   }
 }
 
+/// The curve of a drawbar sweep.
+void add_pull(const TrialRecord& record, Json& json, std::string& text) {
+  if (record.pull.empty()) return;
+  text += "pull/weight    slip  speed [m/s]  sinkage [mm]  torque [N m]\n";
+  char line[120];
+  for (const PullPoint& p : record.pull) {
+    Json point;
+    point["pull_per_weight"] = p.pull, point["slip"] = p.slip, point["speed_m_per_s"] = p.speed;
+    point["sinkage_m"] = p.sinkage, point["torque_N_m"] = p.torque;
+    json["pull"].push_back(std::move(point));
+    std::snprintf(line, sizeof line, "%11.3f  %6.3f  %11.3f  %12.1f  %12.0f\n", p.pull, p.slip, p.speed,
+                  1e3 * p.sinkage, p.torque);
+    text += line;
+  }
+}
+
 void simulate(const Globals& globals, const Options& options) {
   const auto [setup, point] = request_of(options);
   const TrialRecord record = watched_trial(globals, options, setup, point);
   Json json;
+  json["trial"] = setup.task->name();
   json["verdict"] = contract().info(record.verdict).name;
   json["reason"] = contract().info(record.reason).name;
   std::string text =
@@ -185,6 +204,7 @@ void simulate(const Globals& globals, const Options& options) {
     text += line;
   }
   add_vehicle(setup, record, json, text);
+  add_pull(record, json, text);
   print_result(globals, json, text);
 }
 
@@ -196,6 +216,10 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   command->add_option("study", options->study, "Study JSON; or --vehicle and --soil");
   command->add_option("--vehicle", options->vehicle, "Vehicle file, or the name of one in configs/vehicles");
   command->add_option("--soil", options->soil, "Calibration JSON of the grains, with --vehicle");
+  command->add_option("--trial", options->task,
+                      "Type of trial with its numbers, with --vehicle: climb, side_slope, drawbar, "
+                      "single_wheel:slip=0.2, step:height_m=0.2, "
+                      "ditch:width_m=1,depth_m=0.2, crossing:length_m=2,friction_angle_deg=18");
   command->add_option("--slope", options->slope_along, "Slope along, uphill positive [deg]");
   command->add_option("--cross-slope", options->slope_across, "Slope across, left side higher positive [deg]");
   command->add_option("--set", options->settings,
@@ -218,6 +242,7 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   command->footer(
       "Examples:\n  gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30\n"
       "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --slope 12 --video out/climb.mp4\n"
+      "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --trial drawbar\n"
       "  gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05");
   command->callback([&globals, options] { simulate(globals, *options); });
 }

@@ -31,6 +31,7 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
       terrain::contact_law(setup.calibration, {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
+  if (const auto strip = setup.task->strip({})) c.soft = terrain::contact_law(setup.calibration, strip->soil);
   c.payload = value(point, "payload");
   c.speed = value(point, "commanded_speed");
   return c;
@@ -42,7 +43,9 @@ terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point) 
 
 terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) {
   const terrain::Packing tile = terrain::cached_packing(bed_spec_of(setup, point), setup.packing_folder, 1);
-  return terrain::shifted(terrain::tiled(tile, setup.tiles_along, setup.tiles_across), point.seed);
+  terrain::Packing bed = terrain::shifted(terrain::tiled(tile, setup.tiles_along, setup.tiles_across), point.seed);
+  setup.task->shape(setup.course(bed.surface), bed);
+  return bed;
 }
 
 TrialNumerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt) {

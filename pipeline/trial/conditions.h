@@ -8,8 +8,9 @@ namespace gonogo::pipeline {
 struct TrialConditions {
   Vec3 gravity;  // in the frame of the bed [m/s^2]
   terrain::BedLaws laws;
-  double payload = 0;  // of the whole vehicle [kg]
-  double speed = 1;    // commanded rim speed [m/s]
+  std::optional<sim::PairLaw> soft;  // between grains of a strip of softer soil
+  double payload = 0;                // of the whole vehicle [kg]
+  double speed = 1;                  // commanded rim speed [m/s]
 };
 
 /// Throws InputError for a soil that the calibration does not reach.

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <tuple>
 
+#include "sim/joint/build.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
@@ -32,7 +32,7 @@ sim::Monitor stopping_monitor(const TrialSetup& setup, sim::BodyIndex body) {
   m.start = setup.park_time;
   m.time_limit = setup.time_limit;
   m.earliest = setup.ramp_time + setup.minimum_drive_time;
-  m.distance = setup.run_in_distance + setup.test_distance;
+  if (!(setup.task->tow().share > 0)) m.distance = setup.run_in_distance + setup.test_distance;
   m.slid_back = t.slid_back_share * setup.vehicle_length();
   m.immobile_window = t.immobile_time;
   m.immobile_from = setup.ramp_time;
@@ -53,21 +53,54 @@ double resting_axle_height(const terrain::Packing& packing, double reach, double
   return height;
 }
 
-double surface_of(const terrain::Packing& packing) {
+/// Of the ground from which sinkage is counted; what a task has dug or built is left out.
+double surface_of(const TrialSetup& setup, const terrain::Packing& packing) {
+  if (setup.task->obstacle_end() > 0) return packing.surface;
   return terrain::surface_height(packing.grain, packing.spec.length, packing.spec.width, packing.spec.grain_diameter);
+}
+
+/// Load of a drawbar sweep, along the bed.
+void add_tow(const TrialSetup& setup, const TrialConditions& conditions, sim::BodyIndex body, const Vec3& point_B,
+             sim::SceneWorld& world) {
+  const TowPlan tow = setup.task->tow();
+  if (!(tow.share > 0)) return;
+  sim::ForceElement load =
+      sim::tow_load(body, sim::ReferenceFrame::world, {1, 0, 0}, tow.share * setup.weight(conditions.payload), point_B);
+  load.start = setup.tow_start();
+  load.ramp = tow.ramp;
+  world.force.push_back(load);
+}
+
+/// A carriage that moves at the speed of the given slip and leads the wheel, which turns at the commanded speed from
+/// the beginning, by a damped spring along its way.
+void add_carriage(double slip, double rim_speed, double radius, double mass, const vehicle::RigBodies& bodies,
+                  sim::SceneWorld& world) {
+  const Vec3 velocity{Real(rim_speed * (1 - slip)), 0, 0};
+  sim::BodyState& wheel = world.body[std::size_t(bodies.wheel)];
+  wheel.velocity = velocity;
+  wheel.angular_velocity = {0, Real(rim_speed / radius), 0};
+  const Vec3d at = wheel.position;
+  const sim::BodyIndex carriage = world.add_body({at, {}, velocity, {}}, sim::fixed_body());
+  const double damping = std::sqrt(kCarriageStiffness * mass);  // half of critical
+  world.spring.push_back(
+      sim::spring_along(world, bodies.wheel, carriage, at, at, {1, 0, 0}, kCarriageStiffness, damping));
+  world.controller.back().command = {{0, rim_speed / radius}};
 }
 
 /// The wheel of a quarter vehicle. Its drop below the height at which the rim would touch the surface is the sinkage.
 void add_rig(const TrialSetup& setup, const TrialConditions& conditions, const terrain::Packing& packing,
              sim::SceneWorld& world) {
   const vehicle::WheelRig& rig = setup.rig;
-  const double x = 0.15 * packing.spec.length, y = 0.5 * packing.spec.width;
+  const double x = setup.course(0).start, y = 0.5 * packing.spec.width;
   const double height = resting_axle_height(packing, rig.radius + rig.lug_height, rig.width, x, y);
   const auto bodies = vehicle::add_wheel_rig(world, rig, {x, y, height}, conditions.payload, terrain::tool_material);
   world.controller.push_back(driver(setup, conditions, bodies.motor));
+  add_tow(setup, conditions, bodies.wheel, {}, world);
+  if (const auto slip = setup.task->given_slip())
+    add_carriage(*slip, conditions.speed, rig.radius, vehicle::rig_mass(rig, conditions.payload), bodies, world);
   sim::Monitor m = stopping_monitor(setup, bodies.wheel);
   m.motor = bodies.motor;
-  m.height = surface_of(packing) + rig.radius;
+  m.height = surface_of(setup, packing) + rig.radius;
   world.monitor.push_back(m);
 }
 
@@ -86,17 +119,23 @@ double resting_height(const vehicle::Vehicle& v, const terrain::Packing& packing
 void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const terrain::Packing& packing,
                sim::SceneWorld& world) {
   const vehicle::Vehicle v = vehicle::loaded(*setup.whole, conditions.payload);
-  const double x = 0.5 * packing.spec.length, y = 0.5 * packing.spec.width;
+  const double x = setup.course(0).start, y = 0.5 * packing.spec.width;
   auto e = vehicle::add_vehicle(world, v, {x, y, resting_height(v, packing, x, y)}, terrain::tool_material);
   vehicle::DriverOrders orders;
   orders.release = setup.park_time;
   orders.throttle_ramp = setup.ramp_time;
   orders.speed = conditions.speed;
   vehicle::add_drive(world, v, e, orders);
+  // The hitch: at the rear, as high as the axles, so that the pull turns the vehicle as its wheels' forces do.
+  const Vec3d hitch{-v.length / 2, 0, e.station.front().centre.z};
+  add_tow(setup, conditions, e.chassis,
+          rotate_back(world.body[std::size_t(e.chassis)].orientation,
+                      static_cast<Vec3>(hitch - vehicle::assemble(v).body[0].centre)),
+          world);
   sim::Monitor chassis = stopping_monitor(setup, e.chassis);
   chassis.least_up = std::cos(setup.thresholds.tilt_deg * std::numbers::pi / 180);
   world.monitor.push_back(chassis);
-  const double surface = surface_of(packing);
+  const double surface = surface_of(setup, packing);
   for (std::size_t i = 0; i < e.wheel.size(); ++i) {
     sim::Monitor m;
     m.body = e.wheel[i];
@@ -108,131 +147,31 @@ void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const
   }
 }
 
-/// A wheel of the vehicle and the monitor that watches it.
-struct WatchedWheel {
-  std::string name;
-  Index monitor = 0;
-  double radius = 0;  // [m]
-  bool driven = true;
-};
-
-std::vector<WatchedWheel> watched_wheels(const TrialSetup& setup) {
-  if (!setup.whole) return {{"wheel", 0, setup.rig.radius, true}};
-  std::vector<WatchedWheel> wheels;
-  for (const vehicle::Station& s : vehicle::stations(*setup.whole))
-    wheels.push_back({s.name, Index(wheels.size()) + 1, s.wheel->radius, s.driven});
-  return wheels;
+/// The bed with the strip of other soil and the fixed bodies of the task.
+sim::SceneWorld ground_world(const TrialSetup& setup, const terrain::Packing& packing,
+                             const TrialConditions& conditions, double headroom) {
+  constexpr int soft_material = terrain::tool_material + 1;
+  sim::SceneWorld world = terrain::bed_world(packing, conditions.laws, headroom + setup.task->rise());
+  world.gravity = conditions.gravity;
+  const Course course = setup.course(packing.surface);
+  if (const auto strip = setup.task->strip(course); strip && conditions.soft) {
+    // Between the two soils the softer one gives way.
+    for (const int other : {int(terrain::grain_material), int(terrain::base_material), soft_material})
+      world.set_law(soft_material, other, *conditions.soft);
+    world.set_law(soft_material, terrain::tool_material, conditions.laws.tool);
+    for (sim::Shape& s : world.shape)
+      if (s.material == terrain::grain_material &&
+          beyond(strip->from, world.body[std::size_t(s.body)].position.x, course.length) < strip->length)
+        s.material = soft_material;
+  }
+  setup.task->furnish(course, world);
+  return world;
 }
-
-/// A drive that is over, read from its monitor.
-class Judge {
- public:
-  Judge(const TrialSetup& setup, const TrialConditions& conditions, double step, sim::Simulation& simulation,
-        sim::WorldIndex world)
-      : setup_(setup),
-        conditions_(conditions),
-        step_(step),
-        simulation_(simulation),
-        world_(world),
-        wheels_(watched_wheels(setup)),
-        cause_(simulation.stop(world).cause),
-        end_(simulation.monitor(world, 0)) {}
-
-  DriveOutcome outcome() {
-    DriveOutcome o = measures();
-    std::tie(o.verdict, o.reason) = verdict(o);
-    return o;
-  }
-
- private:
-  /// First true line of the contract's verdict table wins.
-  std::pair<Verdict, Reason> verdict(const DriveOutcome& o) {
-    const Thresholds& t = setup_.thresholds;
-    if (cause_ == sim::StopCause::overturned) return {Verdict::no_go, Reason::rollover};
-    if (cause_ == sim::StopCause::slid_back) return {Verdict::no_go, Reason::slid_back};
-    if (cause_ == sim::StopCause::distance) {
-      const bool fast = o.mean_speed >= t.go_speed_share * conditions_.speed && o.slip <= t.go_slip;
-      return {fast ? Verdict::go : Verdict::slow_go, Reason::none};
-    }
-    if (cause_ == sim::StopCause::immobile) {
-      const bool turning = rolled_in_window() > 0.5 * conditions_.speed * t.immobile_time;
-      if (!turning) return {Verdict::no_go, Reason::power};
-      if (o.sinkage > setup_.clearance()) return {Verdict::no_go, Reason::sinkage};
-      return {Verdict::no_go, Reason::traction};
-    }
-    return {Verdict::no_go, Reason::timeout};
-  }
-
-  double rolled_in_window() {
-    const auto back = Index(std::lround(setup_.thresholds.immobile_time / step_));
-    return mean_over_driven([&](const WatchedWheel& w) {
-      return (now(w).turned - sample(w.monitor, end_.sample_count - 1 - back).turned) * w.radius;
-    });
-  }
-
-  template <class Value>
-  double mean_over_driven(Value&& value) const {
-    double sum = 0;
-    int count = 0;
-    for (const WatchedWheel& w : wheels_)
-      if (w.driven) sum += value(w), ++count;
-    return sum / count;
-  }
-
-  sim::MonitorSample now(const WatchedWheel& w) const { return simulation_.monitor(world_, w.monitor).now; }
-  sim::MonitorSample sample(Index monitor, Index i) const { return simulation_.samples(world_, monitor, i, 1).front(); }
-
-  DriveOutcome measures() {
-    DriveOutcome o{};
-    o.flags = end_.now.flags;
-    o.worst_residual = end_.worst_residual;
-    o.energy_error = end_.motor_work > 0 ? end_.energy_gained / end_.motor_work : 0;
-    o.drift = end_.now.y;
-    o.distance = std::max(0.0, end_.now.x - setup_.run_in_distance);
-    // One sample per step; driving begins with the step that ends at park_time.
-    const auto parked = Index(std::lround(setup_.park_time / step_));
-    const Index first = std::max<Index>(0, parked - 1), driven = end_.sample_count - first;
-    if (driven < 4) return o;
-    o.drive_time = (end_.now.step - parked) * step_;
-    const sim::MonitorMeans half = sim::means_between(sample(0, first + driven / 2), end_.now, step_);
-    double rolled = 0, work = 0, drop = 0, torque = 0, driven_wheels = 0;
-    for (const WatchedWheel& w : wheels_) {
-      const sim::MonitorMeans of = sim::means_between(sample(w.monitor, first + driven / 2), now(w), step_);
-      drop += of.drop / double(wheels_.size());
-      if (setup_.whole) o.wheels.push_back(record_of(w, of, half.x));
-      if (!w.driven) continue;
-      rolled += of.turned * w.radius, work += of.work, torque += of.torque, ++driven_wheels;
-    }
-    rolled /= driven_wheels;
-    o.mean_speed = half.x / half.time;
-    o.slip = rolled > 0 ? 1 - half.x / rolled : kNaN;
-    o.sinkage = drop;
-    o.mean_torque = torque / driven_wheels;
-    o.energy_per_metre = half.x > 0 ? work / half.x : kNaN;
-    return o;
-  }
-
-  static WheelRecord record_of(const WatchedWheel& w, const sim::MonitorMeans& of, double travelled) {
-    const double rolled = of.turned * w.radius;
-    return {w.name, w.driven && rolled > 0 ? 1 - travelled / rolled : kNaN, of.drop, of.torque};
-  }
-
-  const TrialSetup& setup_;
-  const TrialConditions& conditions_;
-  double step_;  // [s]
-  sim::Simulation& simulation_;
-  sim::WorldIndex world_;
-  std::vector<WatchedWheel> wheels_;
-  sim::StopCause cause_;
-  sim::MonitorState end_;
-};
 
 }  // namespace
 
-sim::SceneWorld bed_alone(const terrain::Packing& settled, const TrialConditions& conditions) {
-  sim::SceneWorld world = terrain::bed_world(settled, conditions.laws, 2 * settled.spec.grain_diameter);
-  world.gravity = conditions.gravity;
-  return world;
+sim::SceneWorld bed_alone(const TrialSetup& setup, const terrain::Packing& settled, const TrialConditions& conditions) {
+  return ground_world(setup, settled, conditions, 2 * settled.spec.grain_diameter);
 }
 
 Index bed_steps(const TrialSetup& setup, const sim::StepSettings& settings) {
@@ -274,48 +213,12 @@ sim::SceneWorld vehicle_on_bed(const TrialSetup& setup, const terrain::Packing& 
   for (std::size_t i = 0; i < bed.grain.size(); ++i) packing.grain[i].position = bed.grain[i];
   const double headroom =
       setup.whole ? kHeadroom + vehicle::standing_height(*setup.whole) : 3 * (setup.rig.radius + setup.rig.lug_height);
-  sim::SceneWorld world = terrain::bed_world(packing, conditions.laws, headroom);
-  world.gravity = conditions.gravity;
+  sim::SceneWorld world = ground_world(setup, packing, conditions, headroom);
   if (setup.whole)
     add_whole(setup, conditions, packing, world);
   else
     add_rig(setup, conditions, packing, world);
   return world;
-}
-
-namespace {
-
-template <class SampleOf>
-SeenWheels mean_of_wheels(const TrialSetup& setup, SampleOf&& sample_of) {
-  SeenWheels seen;
-  double driven = 0;
-  const auto wheels = watched_wheels(setup);
-  for (const WatchedWheel& w : wheels) {
-    const sim::MonitorSample now = sample_of(w.monitor);
-    seen.sinkage += now.drop / double(wheels.size());
-    if (!w.driven) continue;
-    seen.rolled += now.turned * w.radius, seen.torque += now.torque, ++driven;
-  }
-  seen.rolled /= driven, seen.torque /= driven;
-  return seen;
-}
-
-}  // namespace
-
-SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world) {
-  return mean_of_wheels(setup, [&](Index m) { return simulation.monitor(world, m).now; });
-}
-
-SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world, Index sample) {
-  return mean_of_wheels(setup, [&](Index m) { return simulation.samples(world, m, sample, 1).front(); });
-}
-
-DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditions, const TiltedBed& bed, double step,
-                         sim::Simulation& simulation, sim::WorldIndex world) {
-  DriveOutcome outcome = Judge(setup, conditions, step, simulation, world).outcome();
-  outcome.bed_creep = bed.creep;
-  outcome.worst_residual = std::max(outcome.worst_residual, bed.residual);
-  return outcome;
 }
 
 }  // namespace gonogo::pipeline

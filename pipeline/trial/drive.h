@@ -13,10 +13,15 @@ struct DriveOutcome {
   double bed_creep = 0, worst_residual = 0, energy_error = 0;
   Index flags = 0;
   std::vector<WheelRecord> wheels;  // of a whole vehicle
+  std::vector<PullPoint> pull;      // of a drawbar sweep
 };
 
+/// Of the spring through which a carriage leads a wheel at a given slip: its stretch tells the pull, and is
+/// millimetres.
+inline constexpr double kCarriageStiffness = 2e6;  // [N/m]
+
 /// First phase: the settled bed alone under the trial's gravity with its own laws.
-sim::SceneWorld bed_alone(const terrain::Packing& settled, const TrialConditions& conditions);
+sim::SceneWorld bed_alone(const TrialSetup& setup, const terrain::Packing& settled, const TrialConditions& conditions);
 
 /// Steps of the first phase, at least one.
 Index bed_steps(const TrialSetup& setup, const sim::StepSettings& settings);

@@ -25,12 +25,22 @@ struct WheelRecord {
   double torque = 0;   // driving [N m]
 };
 
+/// Means over a part of a drawbar sweep.
+struct PullPoint {
+  double pull = 0;     // drawbar pull over the vehicle's weight [-]
+  double slip = 0;     // [-]
+  double speed = 0;    // [m/s]
+  double sinkage = 0;  // [m]
+  double torque = 0;   // per driven wheel [N m]
+};
+
 struct TrialRecord {
   DesignPoint point;
   Verdict verdict = Verdict::unknown;
   Reason reason = Reason::simulation_failed;
   std::vector<double> measures;     // [contract().measures.size()]; NaN where a failed trial has none
   std::vector<WheelRecord> wheels;  // of a whole vehicle whose drive was judged; not part of the dataset
+  std::vector<PullPoint> pull;      // of a drawbar sweep, in the order of time; not part of the dataset
   std::uint64_t attempts = 1;       // 2 when the first attempt failed a check and the smaller step was used
 };
 

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <utility>
 
 #include "base/error.h"
 #include "pipeline/study/contract.h"
-#include "vehicle/model/assembly.h"
+#include "vehicle/model/statics.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -77,6 +78,7 @@ void read_mover(TrialSetup& s) {
 /// Axles' distance and largest wheel, with lugs [m].
 struct Extent {
   double base = 0, wheel = 0, width = 0;
+  double ends() const { return base / 2 + wheel; }  // from the middle to the foremost point of a tyre
 };
 
 Extent extent_of(const TrialSetup& s) {
@@ -92,6 +94,23 @@ Extent extent_of(const TrialSetup& s) {
   return e;
 }
 
+/// A sweep gets the time that it takes. The vehicle and what it has to cross must lie side by side on the periodic bed;
+/// the run ends behind the obstacle.
+void fit_to_task(TrialSetup& s) {
+  const double end = s.task->obstacle_end(), sweep = s.task->tow().ramp;
+  if (sweep > 0) s.time_limit = s.ramp_time + s.minimum_drive_time + sweep + s.thresholds.immobile_time;
+  if (s.whole && s.task->given_slip())
+    throw InputError("a trial of type " + s.task->name() + " leads one wheel; name a vehicle of kind quarter");
+  if (!(end > 0)) return;
+  const Course c = s.course(0);
+  const double needed = c.front + c.rear + end;
+  if (needed > c.length)
+    throw InputError("a trial of type " + s.task->name() + " needs a bed of " + std::to_string(needed) +
+                     " m for vehicle and obstacle; it is " + std::to_string(c.length) + " m long");
+  s.run_in_distance = 0;
+  s.test_distance = needed;
+}
+
 }  // namespace
 
 double grains_per_tyre(const TrialSetup& s) {
@@ -102,6 +121,16 @@ double grains_per_tyre(const TrialSetup& s) {
 terrain::MovingPatch TrialSetup::patch() const {
   const Extent e = extent_of(*this);
   return {tiles_along * bed_length, e.base / 2 + 2.5 * e.wheel};
+}
+
+double TrialSetup::weight(double payload) const {
+  const double mass = whole ? vehicle::weigh(*whole).total + payload : vehicle::rig_mass(rig, payload);
+  return mass * vehicle::kGravity;
+}
+
+Course TrialSetup::course(double surface) const {
+  const double ends = extent_of(*this).ends(), length = tiles_along * bed_length;
+  return {whole ? 0.5 * length : 0.15 * length, ends, ends, length, tiles_across * bed_width, surface};
 }
 
 terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density, std::uint64_t bed_seed) const {
@@ -140,34 +169,43 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
     if (const auto c = trial->object_if("drive")) read_drive(*c, s);
     if (const auto c = trial->object_if("numerics")) read_numerics(*c, s.numerics);
     if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
+    if (const auto c = trial->object_if("task")) s.task = read_task(*c);
     trial->finish();
   }
   if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);
+  fit_to_task(s);
   check_reach(study, s);
   return s;
 }
 
 TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
-                               const std::filesystem::path& packing_folder) {
+                               std::shared_ptr<const TrialTask> task, const std::filesystem::path& packing_folder) {
   TrialSetup s;
   s.packing_folder = packing_folder;
+  s.task = std::move(task);
   s.vehicle_file = vehicle;
   read_mover(s);
   s.name = s.whole ? s.whole->name : s.rig.name;
   s.calibration_file = calibration;
   s.calibration = terrain::read_calibration(calibration);
-  if (!s.whole) return s;
+  if (!s.whole) {
+    if (s.task->obstacle_end() > 0) s.bed_length = std::ceil(2 * s.course(0).front + s.task->obstacle_end() + 1);
+    fit_to_task(s);
+    return s;
+  }
   // Tiles as long as a wheel's influence is wide; as many as the vehicle with its patch and the slab ahead need.
   const Extent e = extent_of(s);
   const double d = s.calibration.grain_diameter, tile = std::max(12 * d, 2 * e.wheel);
   s.bed_length = s.bed_width = tile;
   s.moving_patch = true;
-  s.tiles_along = int(std::ceil((2 * s.patch().reach + 2 * e.wheel) / tile));
+  const double alone = 2 * s.patch().reach, crossing = 2 * e.ends() + s.task->obstacle_end();
+  s.tiles_along = int(std::ceil((std::max(alone, crossing) + 2 * e.wheel) / tile));
   s.tiles_across = int(std::ceil((e.width + 2 * e.wheel) / tile));
   s.park_time = 0.5;
   s.run_in_distance = 0.5 * s.whole->length;
   s.test_distance = 2 * s.whole->length;
   s.time_limit = 15;
+  fit_to_task(s);
   terrain::check_patch(s.patch(), d);
   return s;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/study/study.h"
+#include "pipeline/trial/task.h"
 #include "terrain/bed/moving_patch.h"
 #include "terrain/soil/calibration.h"
 #include "vehicle/model/vehicle.h"
@@ -53,7 +54,15 @@ struct TrialSetup {
   TrialNumerics numerics;
   Thresholds thresholds;
   std::filesystem::path packing_folder;  // cache of settled beds
+  std::shared_ptr<const TrialTask> task = default_task();
 
+  /// That a drawbar pull is a share of [N].
+  double weight(double payload) const;
+  /// When the load of a drawbar sweep begins to grow: the vehicle has reached its speed [s].
+  double tow_start() const { return park_time + ramp_time + minimum_drive_time; }
+
+  /// Of a bed with this surface [m]: a quarter vehicle starts near its beginning, a whole one in its middle.
+  Course course(double surface) const;
   double vehicle_length() const { return whole ? whole->length : rig.vehicle_length; }  // [m]
   double clearance() const { return whole ? whole->clearance : rig.ground_clearance; }  // [m]
   terrain::MovingPatch patch() const;
@@ -66,8 +75,9 @@ struct TrialSetup {
 std::filesystem::path default_packing_folder();
 
 /// A trial of the vehicle of a file on the soil of a calibration, without a study: a whole vehicle gets a bed of tiles
-/// that is wide and long enough, a moving patch, and two of its lengths to cover.
+/// that is wide and long enough, a moving patch, and two of its lengths or what the task asks for to cover.
 TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
+                               std::shared_ptr<const TrialTask> task = default_task(),
                                const std::filesystem::path& packing_folder = default_packing_folder());
 
 /// Least share of tyre width in grain diameters for a label that may be published (the scale rule).

@@ -90,7 +90,7 @@ void TrialRun::enter(Places& places) {
 
 /// Everything is read and checked before the place is touched.
 void TrialRun::resume(const SavedRun& saved) {
-  bed_scene_ = scene_of(bed_alone(packing_, conditions_));
+  bed_scene_ = scene_of(bed_alone(setup_, packing_, conditions_));
   if (!saved.driving()) {
     const sim::Snapshot from = saved.world(bed_scene_);
     begin_bed(&from);
@@ -116,7 +116,7 @@ void TrialRun::set_aside(const std::string& why) {
 }
 
 void TrialRun::begin_bed(const sim::Snapshot* from) {
-  world_ = std::make_shared<const sim::SceneWorld>(bed_alone(packing_, conditions_));
+  world_ = std::make_shared<const sim::SceneWorld>(bed_alone(setup_, packing_, conditions_));
   places_->put(place_, world_, from);
   phase_ = Phase::bed;
   scene_.clear();
@@ -195,6 +195,7 @@ void TrialRun::end_attempt(const DriveOutcome& outcome) {
   next_ = Next::leave;
   store_measures(outcome, record_);
   record_.wheels = outcome.wheels;
+  record_.pull = outcome.pull;
   if (is_valid(setup_, outcome)) {
     record_.verdict = outcome.verdict;
     record_.reason = outcome.reason;
@@ -220,7 +221,7 @@ std::string TrialRun::scene_of(const sim::SceneWorld& world) const { return sim:
 
 void TrialRun::save_when_due(bool at_once) {
   if (!saves() || !in_place() || (!at_once && Clock::now() < next_save_)) return;
-  if (bed_scene_.empty()) bed_scene_ = scene_of(bed_alone(packing_, conditions_));
+  if (bed_scene_.empty()) bed_scene_ = scene_of(bed_alone(setup_, packing_, conditions_));
   if (scene_.empty()) scene_ = scene_of(*world_);
   const TiltedBed* bed = phase_ == Phase::drive ? &bed_ : nullptr;
   save_run(checkpoint_.path, {attempt(), bed_scene_, scene_, bed, simulation().snapshot(place_)});

@@ -19,7 +19,7 @@ using test::agrees;
 TrialSetup coarse_hmmwv() {
   const fs::path root = GONOGO_SOURCE_DIR;
   TrialSetup s = vehicle_trial_setup(root / "configs/vehicles/hmmwv.json", root / "configs/soils/calibration_90mm.json",
-                                     fs::temp_directory_path() / "gonogo-test-beds");
+                                     default_task(), fs::temp_directory_path() / "gonogo-test-beds");
   s.calibration.grain_diameter = 0.2;
   s.bed_length = 2.2, s.bed_width = 1.6;
   s.tiles_along = 4, s.tiles_across = 2;

@@ -20,7 +20,7 @@ namespace {
 const Packing& tile() {
   static const Packing packing = [] {
     BedSpec s;
-    s.length = 0.9, s.width = 0.9, s.depth = 0.36, s.grain_diameter = 0.12;
+    s.length = 0.9, s.width = 0.72, s.depth = 0.36, s.grain_diameter = 0.12;
     return settle_packing(s, 1);
   }();
   return packing;
@@ -70,25 +70,27 @@ TEST_CASE("on 25 degrees along and across the ground ahead is unchanged within 1
     sim::SceneWorld w = bed_world(bed, {law, law}, 1);
     w.gravity = gravity_on_slope(heading);
     const auto s = test::simulate(sim::Backend::cpu, w, bed_step_settings(0.12, 2e-3, 60));
-    s->advance(100);
+    s->advance(60);
     const std::vector<Vec3d> start = places(*s, bed.grain.size());
     const double slab = patch.length - 2 * patch.reach;
     double x = 0.5 * patch.length, travelled = 0;
     double worst = 0, ploughed = 0;
     for (int k = 0; travelled < 10 * slab; ++k) {
-      // What a vehicle does: it throws the grains under it about.
+      // What a vehicle does: it throws the upper grains under it back and aside. (It digs no trench: uphill of one that
+      // goes down to the base a slope of 25 degrees comes down for many depths, ahead of any patch.)
       std::vector<sim::BodyIndex> under;
       std::vector<sim::BodyState> thrown;
       const auto bodies = s->bodies(0);
       for (std::size_t i = 0; i < start.size(); ++i)
-        if (std::fabs(std::remainder(bodies[i].position.x - x, patch.length)) < 0.4) {
+        if (std::fabs(std::remainder(bodies[i].position.x - x, patch.length)) < 0.3 &&
+            bodies[i].position.z > bed.surface - 0.18) {
           under.push_back(sim::BodyIndex(i));
           thrown.push_back(bodies[i]);
-          thrown.back().velocity = {Real(-0.5), Real(i % 2 ? 0.5 : -0.5), Real(1)};
+          thrown.back().velocity = {Real(-0.5), Real(i % 2 ? 0.5 : -0.5), Real(0.5)};
         }
       s->set_bodies(0, under, thrown);
-      s->advance(25);
-      x += 0.15, travelled += 0.15;
+      s->advance(20);
+      x += 0.2, travelled += 0.2;
       const auto now = places(*s, start.size());
       double ahead = 0, count = 0;
       for (std::size_t i = 0; i < start.size(); ++i) {
@@ -96,7 +98,7 @@ TEST_CASE("on 25 degrees along and across the ground ahead is unchanged within 1
         const double moved = std::hypot(std::remainder(now[i].x - start[i].x, patch.length),
                                         std::remainder(now[i].y - start[i].y, bed.spec.width), now[i].z - start[i].z);
         if (from > patch.reach) ahead += moved, ++count;
-        if (std::fabs(from) < 0.4) ploughed = std::max(ploughed, moved);
+        if (std::fabs(from) < 0.6) ploughed = std::max(ploughed, moved);
       }
       worst = std::max(worst, ahead / count);
       renew_ground(*s, 0, patch, start, x);
