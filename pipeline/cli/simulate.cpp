@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/line.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/film/film.h"
 #include "pipeline/vehicle/locate.h"
@@ -149,11 +150,9 @@ void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json,
   const double grains = grains_per_tyre(setup);
   json["grains_per_tyre"] = grains;
   json["label"] = grains >= kGrainsPerTyre ? "fine" : "coarse";
-  char line[160];
   if (grains < kGrainsPerTyre) {
-    std::snprintf(line, sizeof line, "coarse label: a tyre is %.1f grains wide, %.0f are needed for one to publish\n",
-                  grains, kGrainsPerTyre);
-    text += line;
+    text +=
+        line("coarse label: a tyre is %.1f grains wide, %.0f are needed for one to publish\n", grains, kGrainsPerTyre);
   }
   for (const WheelRecord& w : record.wheels) {
     Json wheel;
@@ -162,9 +161,8 @@ void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json,
     wheel["sinkage_m"] = w.sinkage;
     wheel["torque_N_m"] = w.torque;
     json["wheels"].push_back(std::move(wheel));
-    std::snprintf(line, sizeof line, "%-18s slip %6.3f  sinkage %6.1f mm  torque %7.0f N m\n", w.name.c_str(), w.slip,
-                  1e3 * w.sinkage, w.torque);
-    text += line;
+    text += line("%-18s slip %6.3f  sinkage %6.1f mm  torque %7.0f N m\n", w.name.c_str(), w.slip, 1e3 * w.sinkage,
+                 w.torque);
   }
 }
 
@@ -172,15 +170,12 @@ void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json,
 void add_pull(const TrialRecord& record, Json& json, std::string& text) {
   if (record.pull.empty()) return;
   text += "pull/weight    slip  speed [m/s]  sinkage [mm]  torque [N m]\n";
-  char line[120];
   for (const PullPoint& p : record.pull) {
     Json point;
     point["pull_per_weight"] = p.pull, point["slip"] = p.slip, point["speed_m_per_s"] = p.speed;
     point["sinkage_m"] = p.sinkage, point["torque_N_m"] = p.torque;
     json["pull"].push_back(std::move(point));
-    std::snprintf(line, sizeof line, "%11.3f  %6.3f  %11.3f  %12.1f  %12.0f\n", p.pull, p.slip, p.speed,
-                  1e3 * p.sinkage, p.torque);
-    text += line;
+    text += line("%11.3f  %6.3f  %11.3f  %12.1f  %12.0f\n", p.pull, p.slip, p.speed, 1e3 * p.sinkage, p.torque);
   }
 }
 
@@ -198,10 +193,7 @@ void simulate(const Globals& globals, const Options& options) {
   for (std::size_t m = 0; m < record.measures.size(); ++m) {
     const Measure& measure = contract().measures[m];
     json["measures"][measure.name] = record.measures[m];
-    char line[128];
-    std::snprintf(line, sizeof line, "%-18s %10.4g %s\n", measure.name.c_str(), record.measures[m],
-                  measure.unit.c_str());
-    text += line;
+    text += line("%-18s %10.4g %s\n", measure.name.c_str(), record.measures[m], measure.unit.c_str());
   }
   add_vehicle(setup, record, json, text);
   add_pull(record, json, text);

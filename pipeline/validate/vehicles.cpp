@@ -1,10 +1,10 @@
 #include "pipeline/validate/vehicles.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "base/cancel.h"
 #include "base/file.h"
+#include "base/line.h"
 #include "pipeline/report/line_plot.h"
 
 namespace gonogo::pipeline {
@@ -18,11 +18,9 @@ constexpr int kGears = 4;  // higher ones need minutes to reach their speed
 
 std::string csv_of(const HardGroundReport& r) {
   std::string csv = "line," + r.x_label + "," + r.y_label + "\n";
-  char row[80];
   for (const vehicle::Trace& t : r.trace)
     for (std::size_t i = 0; i < t.x.size(); ++i) {
-      std::snprintf(row, sizeof row, ",%.6g,%.6g\n", t.x[i], t.y[i]);
-      csv += t.label + row;
+      csv += t.label + line(",%.6g,%.6g\n", t.x[i], t.y[i]);
     }
   return csv;
 }
@@ -32,11 +30,9 @@ LinePlot plot_of(const HardGroundReport& r) {
   LinePlot plot;
   plot.title = r.title, plot.x_label = r.x_label, plot.y_label = r.y_label;
   for (const vehicle::Trace& t : r.trace) plot.lines.push_back({t.label, t.x, t.y, t.points});
-  char note[200];
   for (const HardGroundCheck& c : r.check) {
-    std::snprintf(note, sizeof note, "%s: expected %.5g, measured %.5g, tolerance %.2g", c.claim.c_str(), c.expected,
-                  c.measured, c.tolerance);
-    plot.notes.push_back(note);
+    plot.notes.push_back(
+        line("%s: expected %.5g, measured %.5g, tolerance %.2g", c.claim.c_str(), c.expected, c.measured, c.tolerance));
   }
   return plot;
 }
@@ -74,12 +70,10 @@ Json as_json(const std::vector<HardGroundReport>& reports) {
 
 std::string as_text(const std::vector<HardGroundReport>& reports) {
   std::string text;
-  char line[200];
   for (const HardGroundReport& r : reports)
     for (const HardGroundCheck& c : r.check) {
-      std::snprintf(line, sizeof line, "%-72s expected %10.5g measured %10.5g tolerance %8.2g%s\n", c.claim.c_str(),
-                    c.expected, c.measured, c.tolerance, c.holds() ? "" : "  DIFFERS");
-      text += line;
+      text += line("%-72s expected %10.5g measured %10.5g tolerance %8.2g%s\n", c.claim.c_str(), c.expected, c.measured,
+                   c.tolerance, c.holds() ? "" : "  DIFFERS");
     }
   return text;
 }
