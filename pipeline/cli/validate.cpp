@@ -82,7 +82,7 @@ void validate_vehicles(const Globals& globals, const VehiclesRequest& request) {
     const vehicle::Vehicle v = vehicle::read_vehicle(vehicle_file(name));
     const auto reports = check_on_hard_ground(v, run);
     if (!request.folder.empty()) write_reports(request.folder, v.name, reports);
-    json[v.name] = as_json(reports);
+    json[v.name] = pipeline::as_json(reports);
     text += v.name + "\n" + as_text(reports);
     failed += failures(reports);
   }

@@ -15,7 +15,6 @@ namespace gonogo::pipeline {
 namespace {
 
 using test::agrees;
-using test::refused;
 
 /// The quarter vehicle of the demo on a bed that is long enough for a task of this text.
 TrialSetup rig_setup(const std::string& task) {
