@@ -336,10 +336,13 @@ class SolveKernel {
     const Velocity before = now;
     if (spectral) s.velocity_before[b] = before;
     now = driven(s, b, free, mass, linear, angular);
-    const bool carries = parts && k >= 0 && m.ends;
-    if (carries) now = sum(now, carry_body(s, b, now, free));
+    Velocity ahead = k < 0 ? now : extrapolated<Real>(now, before, m.next_beta);
+    if (parts && k >= 0 && m.ends) {
+      const Velocity more = carry_body(s, b, now, free);
+      now = sum(now, more), ahead = sum(ahead, more);
+    }
     s.velocity[b] = now;
-    s.extrapolated_velocity[b] = k < 0 || carries ? now : extrapolated<Real>(now, before, m.next_beta);
+    s.extrapolated_velocity[b] = ahead;
   }
 
   GONOGO_DEVICE void decide(WorldIndex w, Index k) {
