@@ -145,12 +145,11 @@ class Judge {
             o.mean_torque};
   }
 
-  /// Between two samples. The pull is what the wheels have left over: the load, and what accelerates the vehicle.
+  /// Between two samples, under a mean load.
   PullPoint pull_point(Index from, Index to, double load) const {
-    const sim::MonitorSample a = sample(0, from), b = sample(0, to);
-    const sim::MonitorMeans of = sim::means_between(a, b, step_);
+    const sim::MonitorMeans of = sim::means_between(sample(0, from), sample(0, to), step_);
     PullPoint p;
-    p.pull = load + (double(b.speed) - double(a.speed)) / of.time / vehicle::kGravity;
+    p.pull = load;
     p.speed = of.x / of.time;
     double rolled = 0, driven = 0;
     for (const WatchedWheel& w : wheels_) {

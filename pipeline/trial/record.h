@@ -27,7 +27,7 @@ struct WheelRecord {
 
 /// Means over a part of a drawbar sweep.
 struct PullPoint {
-  double pull = 0;     // drawbar pull over the vehicle's weight [-]
+  double pull = 0;     // load at the hitch over the vehicle's weight [-]
   double slip = 0;     // [-]
   double speed = 0;    // [m/s]
   double sinkage = 0;  // [m]
