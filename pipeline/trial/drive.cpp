@@ -81,9 +81,8 @@ void add_carriage(double slip, double rim_speed, double radius, double mass, con
   wheel.angular_velocity = {0, Real(rim_speed / radius), 0};
   const Vec3d at = wheel.position;
   const sim::BodyIndex carriage = world.add_body({at, {}, velocity, {}}, sim::fixed_body());
-  const double damping = std::sqrt(kCarriageStiffness * mass);  // half of critical
   world.spring.push_back(
-      sim::spring_along(world, bodies.wheel, carriage, at, at, {1, 0, 0}, kCarriageStiffness, damping));
+      sim::spring_along(world, bodies.wheel, carriage, at, at, {1, 0, 0}, kCarriageStiffness, carriage_damping(mass)));
   world.controller.back().command = {{0, rim_speed / radius}};
 }
 
@@ -173,6 +172,8 @@ sim::SceneWorld ground_world(const TrialSetup& setup, const terrain::Packing& pa
 sim::SceneWorld bed_alone(const TrialSetup& setup, const terrain::Packing& settled, const TrialConditions& conditions) {
   return ground_world(setup, settled, conditions, 2 * settled.spec.grain_diameter);
 }
+
+double carriage_damping(double mass) { return std::sqrt(kCarriageStiffness * mass); }
 
 Index bed_steps(const TrialSetup& setup, const sim::StepSettings& settings) {
   return std::max(1, int(std::lround(setup.bed_settle_time / settings.step)));

@@ -19,6 +19,8 @@ struct DriveOutcome {
 /// Of the spring through which a carriage leads a wheel at a given slip: its stretch tells the pull, and is
 /// millimetres.
 inline constexpr double kCarriageStiffness = 2e6;  // [N/m]
+/// Half of critical for a wheel that moves this mass along [N s/m].
+double carriage_damping(double mass);
 
 /// First phase: the settled bed alone under the trial's gravity with its own laws.
 sim::SceneWorld bed_alone(const TrialSetup& setup, const terrain::Packing& settled, const TrialConditions& conditions);

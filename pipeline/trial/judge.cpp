@@ -134,15 +134,17 @@ class Judge {
     return points;
   }
 
-  /// Of a wheel that a carriage leads: the mean pull on the carriage's spring over the last half.
+  /// Of a wheel that a carriage leads: the mean force of the carriage's spring and damper over the last half.
   PullPoint led_point(const DriveOutcome& o, double slip) const {
-    const double speed = conditions_.speed * (1 - slip);
+    const double speed = conditions_.speed * (1 - slip), weight = setup_.weight(conditions_.payload);
+    const auto ahead = [&](const sim::MonitorSample& s) { return s.x - speed * s.step * step_; };
     const Index first = end_.sample_count / 2, count = end_.sample_count - first;
-    double ahead = 0;
-    for (const sim::MonitorSample& s : simulation_.samples(world_, 0, first, count))
-      ahead += (s.x - speed * s.step * step_) / count;
-    return {kCarriageStiffness * ahead / setup_.weight(conditions_.payload), o.slip, o.mean_speed, o.sinkage,
-            o.mean_torque};
+    const auto samples = simulation_.samples(world_, 0, first, count);
+    double mean = 0;
+    for (const sim::MonitorSample& s : samples) mean += ahead(s) / count;
+    const double rate = (ahead(samples.back()) - ahead(samples.front())) / ((count - 1) * step_);
+    const double force = kCarriageStiffness * mean + carriage_damping(weight / vehicle::kGravity) * rate;
+    return {force / weight, o.slip, o.mean_speed, o.sinkage, o.mean_torque};
   }
 
   /// Between two samples, under a mean load.

@@ -248,8 +248,8 @@ TrialSample TrialRun::seen(const sim::MonitorSample& s) const {
           rolled > 0 ? 1 - s.x / rolled : 0, s.torque, s.residual, s.contact_count, s.iterations};
 }
 
-/// Of a whole vehicle: slip, sinkage and torque are means of its wheels now. What little its wheels roll while it is let
-/// down with its brakes on is no slip.
+/// Of a whole vehicle: slip, sinkage and torque are means of its wheels now. What little its wheels roll while it is
+/// let down with its brakes on is no slip.
 TrialSample TrialRun::seen_whole(const sim::MonitorSample& s, const SeenWheels& wheels) const {
   constexpr double rolling = 0.02;  // [m]
   TrialSample sample = seen(s);

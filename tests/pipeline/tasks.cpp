@@ -152,7 +152,7 @@ TEST_CASE("a wheel that is led has the slip it is given, and the carriage carrie
     CHECK(agrees("slip", slip, r.pull[0].slip, 0.02));
     const double weight = s.weight(0);
     CHECK(agrees("pull of the carriage over that of the contacts, per weight", force / frames / weight, r.pull[0].pull,
-                 0.05));
+                 0.02));
     pull[k] = r.pull[0].pull;
   }
   CHECK(pull[0] < pull[1]);
