@@ -53,7 +53,8 @@ void add_map_command(CLI::App& app, const Globals& globals) {
   command->add_option("--out", files->out, "Folder of the map")->required();
   command->add_flag("--colour-blind-safe", files->colour_blind_safe, "Class colours that do not rely on red and green");
   command->footer(
-      "Writes index.html, a page that opens from disk; go.tif (class), p_go.tif, reason.tif and more layers, each with a\n"
+      "Writes index.html, a page that opens from disk; go.tif (class), p_go.tif, reason.tif and more layers, each with "
+      "a\n"
       "QGIS style; map.png, area.csv and map.json. Quarter vehicle; docs/map.md says what the numbers mean.\n\n"
       "Example:\n  gonogo map --model out/demo/model.h5 --region configs/regions/sagehen.json --out out/map");
   command->callback([files, &globals] {

@@ -30,14 +30,17 @@ int soil_of(const SoilTable& table, const Tile* codes, int column, int row) {
 CellState in_heading(const SoilResponse& soil, const MapRules& rules, float slope, float aspect) {
   const CellAnswer& answer = soil.at(slope);
   switch (rules.heading_mode) {
-    case HeadingMode::worst: return {answer.headings.worst, answer.headings.p_worst, &answer};
-    case HeadingMode::best: return {answer.headings.best, answer.headings.p_best, &answer};
+    case HeadingMode::worst:
+      return {answer.headings.worst, answer.headings.p_worst, &answer};
+    case HeadingMode::best:
+      return {answer.headings.best, answer.headings.p_best, &answer};
     case HeadingMode::set: {
       const double falls_towards = std::isnan(aspect) ? 0 : rounded_aspect(aspect);
       const HeadingAnswer& set = soil.at(slope, fall_line_angle(rules.heading, falls_towards));
       return {set.result, set.p_go, &answer};
     }
-    default: return {answer.result, answer.p_go, &answer};
+    default:
+      return {answer.result, answer.p_go, &answer};
   }
 }
 
@@ -64,8 +67,7 @@ SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const
     table.soils.push_back({.code = 0, .name = "all soils", .note = "", .samples = {}, .values = {}});
   for (const Soil& soil : table.soils) {
     table.index_of_code[soil.code] = int(table.responses.size());
-    table.responses.emplace_back(model, rules, soil_points(region, soil, rules.values, rules.draws),
-                                 error_of_gradient);
+    table.responses.emplace_back(model, rules, soil_points(region, soil, rules.values, rules.draws), error_of_gradient);
   }
   table.cells.assign(table.soils.size(), 0);
   return table;

@@ -105,14 +105,15 @@ std::vector<MapLayer> map_layers(const MapRules& rules, bool has_measures, bool 
                               ramp(0, 4, "0: on a trial", "4: far from every trial"), metadata),
                       of_answer(&CellAnswer::novelty)});
   if (!has_measures) return layers;
-  layers.push_back({"speed", numbers("expected speed made good of trials that pass, uphill", "m/s",
-                                     ramp(0, 2, "0 m/s", "2 m/s"), metadata),
-                    of_answer(&CellAnswer::speed)});
+  layers.push_back(
+      {"speed",
+       numbers("expected speed made good of trials that pass, uphill", "m/s", ramp(0, 2, "0 m/s", "2 m/s"), metadata),
+       of_answer(&CellAnswer::speed)});
   layers.push_back({"slip", numbers("expected slip of trials that pass, uphill", "1", ramp(0, 1, "0", "1"), metadata),
                     of_answer(&CellAnswer::slip)});
-  layers.push_back({"sinkage", numbers("expected sinkage of trials that pass, uphill", "m",
-                                       ramp(0, 0.3, "0 m", "0.3 m"), metadata),
-                    of_answer(&CellAnswer::sinkage)});
+  layers.push_back(
+      {"sinkage", numbers("expected sinkage of trials that pass, uphill", "m", ramp(0, 0.3, "0 m", "0.3 m"), metadata),
+       of_answer(&CellAnswer::sinkage)});
   return layers;
 }
 

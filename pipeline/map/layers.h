@@ -15,8 +15,8 @@ using Metadata = std::vector<std::pair<std::string, std::string>>;
 
 /// Everything a map says about one cell.
 struct CellState {
-  CellClass result;            // in the heading of the map
-  float p_go = 0;              // likewise
+  CellClass result;                    // in the heading of the map
+  float p_go = 0;                      // likewise
   const CellAnswer* answer = nullptr;  // null where the soil is not known or a rule of the land decides
 };
 

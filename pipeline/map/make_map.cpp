@@ -87,8 +87,8 @@ MapSummary make_map(const MapRequest& request) {
   if (auto finished = find_finished_map(request, origin)) return *finished;
   const MapGrid& grid = sources.elevation.grid();
   create_folder(request.out);
-  SoilTable table = make_soil_table(request.model, request.region, request.rules,
-                                    gradient_error(request.region.elevation, grid));
+  SoilTable table =
+      make_soil_table(request.model, request.region, request.rules, gradient_error(request.region.elevation, grid));
   const Metadata metadata = map_metadata(request, origin);
   const std::vector<MapLayer> layers = map_layers(request.rules, !request.model.measures.empty(),
                                                   bool(request.model.novelty), request.colour_blind_safe, metadata);

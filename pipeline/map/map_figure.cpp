@@ -72,8 +72,8 @@ void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, c
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path) {
   MapFigure figure;
   figure.title = "Go/NoGo map: " + request.region.name;
-  figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) +
-                    ", " + heading_text(request.rules) + ", " + request.rules.fidelity;
+  figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) + ", " +
+                    heading_text(request.rules) + ", " + request.rules.fidelity;
   figure.grid = grid;
   figure.shade = picture.shade;
   figure.verdict = picture.verdict;

@@ -122,12 +122,14 @@ Json notes_json(const MapRequest& request, const MapSummary& summary, const Page
                              rules.no_go),
                         "unknown: the soil is not known, or nothing like it was simulated; never a guess"}));
   std::vector<std::string> limits = summary.remarks;
-  limits.push_back("Slopes are rounded to 1/64 degree uphill and to 1/2 degree for other headings; azimuths are from "
-                   "grid north");
+  limits.push_back(
+      "Slopes are rounded to 1/64 degree uphill and to 1/2 degree for other headings; azimuths are from "
+      "grid north");
   if (cells.step > 1)
-    limits.push_back(line("This page shows every %d. cell of the map in both directions; the GeoTIFF files beside it "
-                          "hold all of them",
-                          cells.step));
+    limits.push_back(
+        line("This page shows every %d. cell of the map in both directions; the GeoTIFF files beside it "
+             "hold all of them",
+             cells.step));
   notes.push_back(note("Limits", limits));
   if (request.model.measures.empty()) return notes;
   std::vector<std::string> fits;
@@ -194,8 +196,7 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   Json meta = Json::object(), reduced = Json::object(), height = Json::object(), soils = Json::array();
   meta["title"] = request.region.name;
   meta["subtitle"] = "Go/NoGo map, quarter vehicle" +
-                     (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) + ", " +
-                     request.rules.fidelity;
+                     (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) + ", " + request.rules.fidelity;
   meta["about"] = request.region.about.empty() ? request.region.name : request.region.about;
   meta["grid"] = grid_json(grid);
   reduced["columns"] = cells.columns;

@@ -1,5 +1,5 @@
-// What the page of a map holds: the cells' slope, aspect, elevation and soil, and each soil's tables, from which the page
-// works out every layer, heading and threshold by itself. The page is pipeline/page.
+// What the page of a map holds: the cells' slope, aspect, elevation and soil, and each soil's tables, from which the
+// page works out every layer, heading and threshold by itself. The page is pipeline/page.
 #pragma once
 #include <filesystem>
 

@@ -61,8 +61,8 @@ Json map_inputs(const MapRequest& request) {
 Metadata map_metadata(const MapRequest& request, const Json& inputs) {
   Metadata metadata;
   metadata.emplace_back("TIFFTAG_SOFTWARE", std::string("gonogo ") + program_version());
-  for (const char* key :
-       {"version", "revision", "region", "region_hash", "model_hash", "dataset_hash", "elevation_hash", "soil_class_hash"})
+  for (const char* key : {"version", "revision", "region", "region_hash", "model_hash", "dataset_hash",
+                          "elevation_hash", "soil_class_hash"})
     if (const Json* value = inputs.find(key)) metadata.emplace_back(std::string("GONOGO_") + key, value->string());
   metadata.emplace_back("GONOGO_rules", inputs.at("rules").dump());
   metadata.emplace_back("GONOGO_heading", heading_text(request.rules));

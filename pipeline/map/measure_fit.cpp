@@ -36,8 +36,8 @@ Normal inverse_of(Normal a) {
 
 struct Rows {
   std::size_t count = 0, features = 0;
-  std::vector<double> feature;  // [count x features], the first one is 1
-  std::vector<double> value;    // [count]
+  std::vector<double> feature;        // [count x features], the first one is 1
+  std::vector<double> value;          // [count]
   std::vector<std::size_t> variable;  // that vary, in the order of their pairs of features
   const double* row(std::size_t i) const { return &feature[i * features]; }
 };

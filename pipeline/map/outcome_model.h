@@ -21,8 +21,8 @@ struct OutcomeModel {
   std::function<double(std::span<const double> point)> novelty;
   std::vector<MeasureFit> measures;  // of trials that passed; empty when no dataset was given
   std::string dataset_hash;          // of the file that they come from
-  std::string hash;     // of the model's file
-  std::string vehicle;  // name for titles, may be empty
+  std::string hash;                  // of the model's file
+  std::string vehicle;               // name for titles, may be empty
 };
 
 }  // namespace gonogo::pipeline

@@ -38,8 +38,8 @@ std::vector<std::string> unknown_of(const MapRequest& request, const SoilRespons
     if (variables[v].name == "slope_along" || variables[v].name == "slope_across") continue;
     const Range sampled = request.model.sampled[v];
     if (sampled.minimum == sampled.maximum)
-      lines.push_back(line("%s: all trials had %g %s", variables[v].label.c_str(), sampled.minimum,
-                           variables[v].unit.c_str()));
+      lines.push_back(
+          line("%s: all trials had %g %s", variables[v].label.c_str(), sampled.minimum, variables[v].unit.c_str()));
     else if (std::any_of(response.points().all().begin(), response.points().all().end(),
                          [v](const std::vector<double>& point) { return std::isnan(point[v]); }))
       lines.push_back(line("%s: not known, summed out over %g to %g %s", variables[v].label.c_str(), sampled.minimum,
@@ -89,9 +89,7 @@ void add_heading_blobs(const SoilResponse& response, int index, std::vector<Blob
   const HeadingTable& table = response.headings();
   const std::size_t width = std::size_t(std::max(1, table.across_count()));
   const std::size_t count = std::size_t(table.along_count()) * std::size_t(table.across_count());
-  const auto node = [&](std::size_t i) -> const HeadingAnswer& {
-    return table.node(int(i / width), int(i % width));
-  };
+  const auto node = [&](std::size_t i) -> const HeadingAnswer& { return table.node(int(i / width), int(i % width)); };
   Blob go{"heading_go_" + std::to_string(index), 16, width, {}};
   Blob slow{"heading_slow_" + std::to_string(index), 16, width, {}};
   for (std::size_t i = 0; i < count; ++i) {
@@ -100,9 +98,12 @@ void add_heading_blobs(const SoilResponse& response, int index, std::vector<Blob
   }
   blobs.push_back(std::move(go));
   blobs.push_back(std::move(slow));
-  add_reasons("heading", index, count, width, [&](std::size_t i, std::size_t o) {
-    return node(i).prospect.outcome.empty() ? 0.0 : node(i).prospect.outcome[o];
-  }, blobs);
+  add_reasons(
+      "heading", index, count, width,
+      [&](std::size_t i, std::size_t o) {
+        return node(i).prospect.outcome.empty() ? 0.0 : node(i).prospect.outcome[o];
+      },
+      blobs);
 }
 
 }  // namespace
@@ -143,13 +144,13 @@ void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& 
     slow.value.push_back(stored(answer.p_slow));
     low.value.push_back(stored(answer.p_low));
     high.value.push_back(stored(answer.p_high));
-    novelty.value.push_back(std::isnan(answer.novelty)
-                                ? kNone
-                                : std::uint16_t(std::lround(std::min(60.0, double(answer.novelty)) * 1000)));
+    novelty.value.push_back(
+        std::isnan(answer.novelty) ? kNone : std::uint16_t(std::lround(std::min(60.0, double(answer.novelty)) * 1000)));
   }
   for (Blob* blob : {&go, &slow, &low, &high, &novelty}) blobs.push_back(std::move(*blob));
-  add_reasons("uphill", index, count, count,
-              [&](std::size_t i, std::size_t o) { return response.uphill_outcome(i, o); }, blobs);
+  add_reasons(
+      "uphill", index, count, count, [&](std::size_t i, std::size_t o) { return response.uphill_outcome(i, o); },
+      blobs);
 }
 
 }  // namespace gonogo::pipeline

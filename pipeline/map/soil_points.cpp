@@ -59,8 +59,7 @@ Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double sl
   if (inside_count_ == 0 || !sampled) return prospect;
   const std::vector<double> result = answers(model, slope_along, slope_across);
   for (std::size_t i = 0; i < inside_count_; ++i)
-    for (std::size_t o = 0; o < outcomes; ++o)
-      prospect.outcome[o] += result[i * outcomes + o] / double(inside_count_);
+    for (std::size_t o = 0; o < outcomes; ++o) prospect.outcome[o] += result[i * outcomes + o] / double(inside_count_);
   prospect.outside_share = 1 - double(inside_count_) / double(all_.size());
   return prospect;
 }

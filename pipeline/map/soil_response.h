@@ -19,12 +19,12 @@ double rounded_slope(double slope_deg);
 
 /// Everything a map says about a cell whatever its aspect.
 struct CellAnswer {
-  CellClass result;                      // uphill heading
-  float p_go = 0;                        // not-a-number where nothing sampled is near, or only steeper than sampled
-  float p_slow = 0;                      // of it slow_go
-  float outside_share = 1;               // share of what the soil may be, at this slope, that was never sampled
-  float p_low = 0, p_high = 0;           // 5 % and 95 % points of P(go), uphill heading
-  float novelty = 0;                     // of the inputs, uphill heading; not-a-number when the model does not tell
+  CellClass result;                        // uphill heading
+  float p_go = 0;                          // not-a-number where nothing sampled is near, or only steeper than sampled
+  float p_slow = 0;                        // of it slow_go
+  float outside_share = 1;                 // share of what the soil may be, at this slope, that was never sampled
+  float p_low = 0, p_high = 0;             // 5 % and 95 % points of P(go), uphill heading
+  float novelty = 0;                       // of the inputs, uphill heading; not-a-number when the model does not tell
   float speed = 0, slip = 0, sinkage = 0;  // expected, uphill heading; not-a-number when the model does not tell
   HeadingRange headings;
 };
@@ -67,9 +67,9 @@ class SoilResponse {
   HeadingTable headings_;
   std::map<std::string, SlopeMeasure> measures_;
   Range sampled_slope_;
-  std::vector<CellAnswer> table_;             // by slope x kSlopeSteps, to 90 degrees
+  std::vector<CellAnswer> table_;                     // by slope x kSlopeSteps, to 90 degrees
   std::vector<std::vector<double>> uphill_outcomes_;  // [step][outcome]; empty where nothing was sampled
-  std::vector<std::vector<double>> p_each_;   // [step][sampled point], only while the tables are made
+  std::vector<std::vector<double>> p_each_;           // [step][sampled point], only while the tables are made
 };
 
 }  // namespace gonogo::pipeline

@@ -11,9 +11,9 @@ enum class BlobFilter { none = 0, left = 1, plane = 2, mean = 3 };  // 0, left, 
 
 struct Blob {
   std::string name;
-  int bits = 8;                       // of a value: 8 or 16
-  std::size_t width = 1;              // values in a row
-  std::vector<std::uint16_t> value;   // below 2^bits
+  int bits = 8;                      // of a value: 8 or 16
+  std::size_t width = 1;             // values in a row
+  std::vector<std::uint16_t> value;  // below 2^bits
 };
 
 /// value - expected, modulo 2^bits.

@@ -8,7 +8,8 @@
 
 namespace gonogo::pipeline {
 
-/// `meta` is what data.js calls meta. Any text in it is shown as text: nothing of it can end the script or become markup.
+/// `meta` is what data.js calls meta. Any text in it is shown as text: nothing of it can end the script or become
+/// markup.
 std::string page_file(const Json& meta, const std::vector<Blob>& blobs);
 
 /// JSON that can stand inside a <script> element.

@@ -1,4 +1,5 @@
-// The parts of the page as they stand in this folder; {{css}}, {{js}}, {{meta}} and {{blobs}} in the HTML are filled in.
+// The parts of the page as they stand in this folder; {{css}}, {{js}}, {{meta}} and {{blobs}} in the HTML are filled
+// in.
 #pragma once
 #include <string>
 

@@ -27,9 +27,12 @@ double cost_per_metre(const SoilResponse& soil, const HeadingAnswer& answer, Bed
   switch (cost) {
     case RouteCost::time:
       return length / std::max(kSlowestSpeed, require_measure(soil, "mean_speed").at(slopes));
-    case RouteCost::risk: return -std::log(std::min(1.0, double(answer.p_go))) * length / correlation_length;
-    case RouteCost::energy: return length * std::max(0.0, require_measure(soil, "energy_per_metre").at(slopes));
-    default: return length;
+    case RouteCost::risk:
+      return -std::log(std::min(1.0, double(answer.p_go))) * length / correlation_length;
+    case RouteCost::energy:
+      return length * std::max(0.0, require_measure(soil, "energy_per_metre").at(slopes));
+    default:
+      return length;
   }
 }
 

@@ -9,8 +9,8 @@
 //   risk     -ln P(go) length / correlation length   [-]     minus the log of the chance to get through
 //   energy   length x energy per metre               [J]     of one wheel
 //
-// The chances of passing are the same within the correlation length and independent beyond it, so that the risk of a way
-// does not depend on the size of the cells. A node that is not go or slow-go cannot be passed in that heading.
+// The chances of passing are the same within the correlation length and independent beyond it, so that the risk of a
+// way does not depend on the size of the cells. A node that is not go or slow-go cannot be passed in that heading.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -35,7 +35,7 @@ struct RouteCells {
   double cell_width = 1, cell_height = 1;  // [m]
   std::vector<std::uint16_t> slope;        // [1 / kSlopeSteps deg]
   std::vector<std::uint16_t> aspect;       // whole degrees, downslope
-  std::vector<std::uint8_t> soil;          // position in the soil table; kNowhere: no elevation, soil not known, water, ...
+  std::vector<std::uint8_t> soil;  // position in the soil table; kNowhere: no elevation, soil not known, water, ...
   static constexpr std::uint8_t kNowhere = 255;
 };
 

@@ -21,7 +21,10 @@ class StepGraph {
   };
 
   StepGraph(const RouteCells& cells, const RouteCosts& costs, bool backwards)
-      : cells_(&cells), costs_(&costs), steps_(route_steps(cells.cell_width, cells.cell_height)), backwards_(backwards) {
+      : cells_(&cells),
+        costs_(&costs),
+        steps_(route_steps(cells.cell_width, cells.cell_height)),
+        backwards_(backwards) {
     passable_.resize(cells.soil.size());
     for (std::size_t c = 0; c < passable_.size(); ++c) passable_[c] = costs.ever_passable(cells, c);
   }
@@ -41,7 +44,8 @@ class StepGraph {
     const auto open = [&](int c, int r) { return passable_[std::size_t(r) * std::size_t(cells_->columns) + c] != 0; };
     return open(x, y) && (e.step % 2 == 0 || (open(x, row) && open(column, y)));
   }
-  /// Infinity where one of the two cells cannot be passed in this heading. Backwards: of the step from target to source.
+  /// Infinity where one of the two cells cannot be passed in this heading. Backwards: of the step from target to
+  /// source.
   float cost(const Edge& e) const {
     const RouteStep& step = steps_[std::size_t(e.step)];
     const int heading = backwards_ ? (step.heading + 180) % 360 : step.heading;

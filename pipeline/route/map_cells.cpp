@@ -29,7 +29,8 @@ void take(const BlockLayers& block, RouteCells& cells) {
 RouteCells read_route_cells(const MapSources& sources, const SoilTable& table, int threads) {
   const terrain::MapGrid& grid = sources.elevation.grid();
   if (table.soils.size() >= RouteCells::kNowhere)
-    throw InputError("route: the region lists " + std::to_string(table.soils.size()) + " soils; at most 254 can be used");
+    throw InputError("route: the region lists " + std::to_string(table.soils.size()) +
+                     " soils; at most 254 can be used");
   RouteCells cells;
   cells.columns = grid.columns;
   cells.rows = grid.rows;

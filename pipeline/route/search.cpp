@@ -40,8 +40,8 @@ Tree search(const StepGraph& graph, std::size_t start, std::size_t end) {
     boost::dijkstra_shortest_paths_no_color_map_no_init(
         graph, start, boost::make_iterator_property_map(tree.before.begin(), index),
         boost::make_iterator_property_map(tree.cost.begin(), index), StepCost{&graph}, index, std::less<float>(),
-        boost::closed_plus<float>(std::numeric_limits<float>::infinity()), std::numeric_limits<float>::infinity(),
-        0.0f, StopAt(end));
+        boost::closed_plus<float>(std::numeric_limits<float>::infinity()), std::numeric_limits<float>::infinity(), 0.0f,
+        StopAt(end));
   } catch (const EndReached&) {
   }
   return tree;
@@ -55,7 +55,7 @@ std::optional<FoundRoute> find_route(const RouteCells& cells, const RouteCosts& 
   if (!std::isfinite(tree.cost[end])) return std::nullopt;
   FoundRoute route;
   route.cost = double(tree.cost[end]);
-  for (std::uint32_t cell = end; ; cell = tree.before[cell]) {
+  for (std::uint32_t cell = end;; cell = tree.before[cell]) {
     route.cell.push_back(cell);
     if (cell == start) break;
   }

@@ -93,8 +93,10 @@ TEST_CASE("worst and best over the headings are those of a search over all of th
     for (int h = 0; h < 36; ++h) {
       const BedSlopes slopes = bed_slopes(slope, h * 10 * kDegree);
       const double along = to_half(slopes.along), across = to_half(slopes.across);
-      if (along > 30 && std::abs(across) <= 15) no_go = true;
-      else if (along < -20 || along > 30 || std::abs(across) > 15) unknown = true;
+      if (along > 30 && std::abs(across) <= 15)
+        no_go = true;
+      else if (along < -20 || along > 30 || std::abs(across) > 15)
+        unknown = true;
       else {
         const double p = made_p_go(along, across);
         worst = std::min(worst, p);
@@ -136,7 +138,9 @@ TEST_CASE("the interval on P(go) holds what the slope's error makes of it") {
 TEST_CASE("a quadratic measure is found again, unknown variables at their mean, and noise is not fitted") {
   const std::size_t width = contract().variables.size(), rows = 120;
   std::vector<double> points(rows * width), value, noise;
-  const auto truth = [](double along, double payload) { return 2 - 0.03 * along - 0.001 * along * along - payload / 4000; };
+  const auto truth = [](double along, double payload) {
+    return 2 - 0.03 * along - 0.001 * along * along - payload / 4000;
+  };
   for (std::size_t i = 0; i < rows; ++i) {
     for (std::size_t v = 0; v < width; ++v) points[i * width + v] = 1;
     const double along = -20 + 50 * random_unit(4, 0, i), payload = 1000 * random_unit(4, 1, i);
@@ -170,5 +174,6 @@ TEST_CASE("a heading of a map is uphill, worst, best or an azimuth, and nothing 
   CHECK(rules.heading_mode == HeadingMode::set);
   CHECK(heading_text(rules) == "heading 45.5 degrees from grid north");
   for (const char* bad : {"", "north", "360", "-1", "nan", "10 "})
-    CHECK(contains(input_error([&] { set_heading(rules, bad, "map: --heading"); }), "is no heading; use uphill, worst"));
+    CHECK(
+        contains(input_error([&] { set_heading(rules, bad, "map: --heading"); }), "is no heading; use uphill, worst"));
 }

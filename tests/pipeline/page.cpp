@@ -30,7 +30,8 @@ OutcomeModel directional_model() {
   OutcomeModel model = test::AnalyticModel{.width_deg = 3, .weaker_deg = 8}.outcome_model();
   const auto uphill = model.probabilities;
   const std::size_t width = contract().variables.size();
-  const std::size_t along = contract().variable_index("slope_along"), across = contract().variable_index("slope_across");
+  const std::size_t along = contract().variable_index("slope_along"),
+                    across = contract().variable_index("slope_across");
   model.sampled[along] = {-25, 35};
   model.sampled[across] = {-25, 25};
   model.probabilities = [=](std::span<const double> points, std::span<double> result) {
@@ -67,7 +68,8 @@ Json code(float value) { return std::isnan(value) ? Json() : Json(int(value)); }
 /// Cells of the GeoTIFFs, corners and random ones.
 Json expected_cells(const MapRequest& request, const terrain::MapGrid& grid) {
   const auto layer = [&](const char* name) {
-    return RasterSource::open_on_grid(request.out / name, grid, RasterKind::classes).read({0, 0, grid.columns, grid.rows});
+    return RasterSource::open_on_grid(request.out / name, grid, RasterKind::classes)
+        .read({0, 0, grid.columns, grid.rows});
   };
   const Tile go = layer("go.tif"), reason = layer("reason.tif"), p = layer("p_go.tif"), worst = layer("p_go_worst.tif"),
              best = layer("p_go_best.tif");
@@ -104,7 +106,8 @@ Json expected_route(const MapRequest& request, const MapSources& sources) {
   return route;
 }
 
-std::vector<std::uint16_t> unfiltered(const std::vector<std::uint16_t>& difference, std::size_t width, int filter, int bits) {
+std::vector<std::uint16_t> unfiltered(const std::vector<std::uint16_t>& difference, std::size_t width, int filter,
+                                      int bits) {
   std::vector<std::uint16_t> v(difference.size());
   for (std::size_t i = 0; i < v.size(); ++i) {
     const int left = i % width ? v[i - 1] : 0, up = i >= width ? v[i - width] : 0;
@@ -121,7 +124,8 @@ TEST_CASE("the filters of the page's arrays can be undone") {
   for (const int bits : {8, 16})
     for (const int filter : {0, 1, 2, 3}) {
       Blob blob{"b", bits, 7, {}};
-      for (std::uint64_t i = 0; i < 7 * 9; ++i) blob.value.push_back(std::uint16_t(random_bits(1, 2, i) & ((1u << bits) - 1)));
+      for (std::uint64_t i = 0; i < 7 * 9; ++i)
+        blob.value.push_back(std::uint16_t(random_bits(1, 2, i) & ((1u << bits) - 1)));
       CHECK(unfiltered(filtered(blob, BlobFilter(filter)), 7, filter, bits) == blob.value);
     }
 }
@@ -137,7 +141,9 @@ TEST_CASE("text of the metadata cannot end the page's script, and marks in it ar
   Json meta = Json::object();
   meta["title"] = kHostile;
   const std::string page = page_file(meta, {});
-  CHECK_FALSE(contains(page, "window.broken"  " = 1</script>"));
+  CHECK_FALSE(contains(page,
+                       "window.broken"
+                       " = 1</script>"));
   CHECK_FALSE(contains(page, "<img src=x"));
   CHECK(contains(page, "& {{js}}") == false);
   CHECK(contains(page, "\\u0026 {{js}}"));
@@ -155,7 +161,8 @@ TEST_CASE("the page of the sample region works in a browser and says what the Ge
   expected["route"] = expected_route(request, sources);
   write_file_atomically(request.out / "expected.json", expected.dump());
   const char* pictures = std::getenv("GONOGO_PAGE_PICTURES");  // folder for screenshots, to look at
-  const std::string command = std::string("python3 '" GONOGO_SOURCE_DIR "/tests/page/check.py' '" GONOGO_BROWSER "' '") +
-                              request.out.string() + "'" + (pictures ? std::string(" '") + pictures + "'" : "");
+  const std::string command =
+      std::string("python3 '" GONOGO_SOURCE_DIR "/tests/page/check.py' '" GONOGO_BROWSER "' '") + request.out.string() +
+      "'" + (pictures ? std::string(" '") + pictures + "'" : "");
   CHECK(std::system(command.c_str()) == 0);
 }
