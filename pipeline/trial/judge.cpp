@@ -122,7 +122,7 @@ class Judge {
 
   /// Means over equal parts of the sweep.
   std::vector<PullPoint> pull_points() {
-    constexpr Index parts = 20;
+    constexpr Index parts = 10;
     const TowPlan tow = setup_.task->tow();
     const auto first = Index(std::lround(setup_.tow_start() / step_)), sweep = Index(std::lround(tow.ramp / step_));
     std::vector<PullPoint> points;
@@ -131,7 +131,18 @@ class Judge {
       if (to > end_.sample_count || to - from < 2) break;
       points.push_back(pull_point(from - 1, to - 1, tow.share * (k + 0.5) / parts));
     }
+    add_inertia(points, double(sweep) / parts * step_);
     return points;
+  }
+
+  /// The wheels have the load left over and what accelerates the vehicle: by the mean speeds of the parts around.
+  static void add_inertia(std::vector<PullPoint>& points, double time) {
+    const std::vector<PullPoint> at = points;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const std::size_t before = k > 0 ? k - 1 : k, after = k + 1 < at.size() ? k + 1 : k;
+      if (after == before) continue;
+      points[k].pull += (at[after].speed - at[before].speed) / (double(after - before) * time) / vehicle::kGravity;
+    }
   }
 
   /// Of a wheel that a carriage leads: the mean force of the carriage's spring and damper over the last half.
