@@ -3,6 +3,7 @@
 #include <gnu/libc-version.h>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/version.h"
 #include "pipeline/campaign/design.h"
@@ -61,8 +62,12 @@ CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& f
   provenance.contract_hash = content_hash(contract_text());
   provenance.program_version = program();
   provenance.backend = backend;
-  if (!study.vehicle.empty()) provenance.inputs.emplace_back("vehicle", file_hash(study.vehicle));
-  for (const auto& [name, path] : inputs) provenance.inputs.emplace_back(name, file_hash(path));
+  const auto add_input = [&](const std::string& name, const std::filesystem::path& path) {
+    provenance.inputs.emplace_back(name, file_hash(path));
+    provenance.files.emplace_back(name, read_file(path));
+  };
+  if (!study.vehicle.empty()) add_input("vehicle", study.vehicle);
+  for (const auto& [name, path] : inputs) add_input(name, path);
   provenance.libraries = {{"compiler", __VERSION__}, {"libc", gnu_get_libc_version()}};
   request.depends_on = dependencies(study, provenance);
   request.workers = workers;

@@ -4,8 +4,7 @@
 #include <iterator>
 
 #include "base/file.h"
-#include "pipeline/campaign/folder.h"
-#include "pipeline/campaign/journal.h"
+#include "pipeline/campaign/campaign.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"
@@ -43,7 +42,10 @@ std::vector<fs::path> saved_trials(const fs::path& out) {
   return files;
 }
 
-std::size_t finished(const fs::path& out) { return pipeline::read_journal(pipeline::journal_path(out)).records.size(); }
+std::size_t finished(const fs::path& out) {
+  std::error_code ec;
+  return fs::exists(out / "campaign.json", ec) ? pipeline::campaign_status(out).done : 0;
+}
 
 /// Workers of the campaign in this folder.
 std::vector<pid_t> workers_of(const fs::path& out) {

@@ -35,7 +35,8 @@ Dataset sample(std::size_t rows) {
                         .program_version = "0.1.0",
                         .backend = "cpu",
                         .inputs = {{"vehicle", "abc"}},
-                        .libraries = {{"compiler", "x"}, {"libc", "y"}}};
+                        .libraries = {{"compiler", "x"}, {"libc", "y"}},
+                        .files = {{"vehicle", "{\"mass\": 1}\n"}}};
   return dataset;
 }
 
