@@ -10,8 +10,8 @@ report=$PWD/$folder/tests.xml
 # Value of an attribute of the report's first element, <testsuite ... name="3" ...>.
 from_report() { sed -n "0,/<testcase/s/^.*[[:space:]]$1=\"\([0-9]*\)\".*$/\1/p" "$report" | head -n 1; }
 
-scripts/setup.sh
-configure cpu-release -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON
+scripts/setup.sh --tests
+configure cpu-release -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON -DGONOGO_MPI=ON
 build cpu-release
 registered=$(ctest --test-dir "$folder" -N | sed -n 's/^Total Tests: //p')
 ((registered > 0)) || fail "no test is registered"

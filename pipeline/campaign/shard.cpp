@@ -99,7 +99,7 @@ std::optional<ShardManifest> read_manifest(const fs::path& folder, std::uint64_t
 }
 
 std::optional<std::vector<TrialRecord>> read_shard(const fs::path& folder, std::uint64_t shard,
-                                                   const Provenance& provenance, const std::string& campaign) {
+                                                   const std::string& campaign) {
   const std::optional<ShardManifest> manifest = read_manifest(folder, shard);
   if (!manifest) return std::nullopt;
   const fs::path file = shard_folder(folder) / manifest->file;

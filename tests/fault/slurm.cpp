@@ -88,11 +88,12 @@ TEST_CASE("a job array computes a campaign; cancelled, it is submitted again: th
   CHECK(contains(shell(words("submit", place, 0)).output, "job  shards 0 tasks 0"));
 }
 
-TEST_CASE("without a Slurm that answers, submitting is one sentence with Slurm's words") {
+TEST_CASE("without Slurm, submitting is one sentence that says where the script is") {
   const TemporaryFolder folder;
-  const ShellEnding refused = shell("SLURM_CONF=/nowhere/slurm.conf " + words("submit", folder / "a", 0));
+  const ShellEnding refused = shell("PATH=/nowhere " + words("submit", folder / "a", 0));
   CHECK(refused.status == 1);
   CHECK(contains(refused.output, "sbatch did not take the job"));
+  CHECK(contains(refused.output, "not found"));
   CHECK(contains(refused.output, "job.sh"));
 }
 
