@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/joint/flatten.h"
+#include "sim/flat_world.h"
 #include "sim/joint/load.h"
 
 namespace gonogo::sim {
@@ -30,24 +30,6 @@ struct [[nodiscard]] StepReport {
 
 /// "body 12 in step 340 (0.34 s): left the domain" for people; empty where nothing went wrong.
 std::string description(const Fault& fault, double step);
-
-/// Everything a world needs to go on with the same bits, in this batch or another.
-struct Snapshot {
-  WorldParameters world;
-  Index steps = 0, flags = 0;
-  Fault fault;                  // its body in the engine's own order
-  std::vector<Vec3d> position;  // bodies, shapes and motors in the engine's own order
-  std::vector<Quat> orientation;
-  std::vector<Velocity> velocity;
-  std::vector<Index> contact_begin, contact_end;  // [shape] into the arrays below
-  std::vector<std::uint64_t> key;
-  std::vector<Impulse> impulse;
-  std::vector<Motor> motor;
-  std::vector<Real> motor_impulse;
-  ElementSnapshot element;
-};
-
-struct FlatWorld;
 
 class Simulation {
  public:
@@ -99,17 +81,6 @@ class Simulation {
   virtual const StepSettings& settings() const = 0;
 };
 
-/// How much of everything a world's place in a batch holds.
-struct WorldSize {
-  Index bodies = 0, shapes = 0, bins = 0, large_shapes = 0;
-  MechanismSize mechanisms;
-  ElementSize elements;
-
-  bool operator==(const WorldSize&) const = default;
-};
-/// The larger of each number.
-WorldSize larger(const WorldSize& a, const WorldSize& b);
-
 /// Throws InputError for a backend that this program was built without or that this machine lacks, so that nobody waits
 /// for a refusal.
 void require_backend(Backend backend);
@@ -120,25 +91,6 @@ void require_backend(Backend backend);
 /// does; DeviceError, naming the bytes, when a GPU's memory does not suffice.
 std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
                                             int threads, const WorldSize& room = {});
-
-/// A checked world as flat arrays; all indices count from zero. Bodies are in spatial order, so that neighbours in
-/// space are neighbours in memory.
-struct FlatWorld {
-  WorldParameters world;
-  std::vector<BodyIndex> place_of_body;  // index in the scene -> index here
-  std::vector<BodyState> body;
-  std::vector<BodyMass> mass;
-  std::vector<Shape> shape;
-  std::vector<Index> first_shape, bin_of_shape;  // [body], [shape]
-  std::vector<LargeShape> large;
-  std::vector<std::shared_ptr<const TriangleMesh>> mesh;
-  std::vector<std::shared_ptr<const Heightfield>> heightfield;
-  FlatMechanisms mechanisms;
-  FlatElements element;
-
-  WorldSize size() const;
-};
-FlatWorld flatten(const SceneWorld& world, WorldIndex w, const StepSettings& settings);
 
 std::unique_ptr<Simulation> make_cpu_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
                                                 const WorldSize& room, int threads);

@@ -13,7 +13,7 @@ struct WheelBench {
   sim::Solver solver = sim::Solver::apgd;
   sim::Target target = sim::Target::ccp;
   double step = 1e-3;     // [s]
-  int substeps = 15;      // per step; with two iterations each the cheapest of the table in docs/benchmarks that
+  int substeps = 14;      // per step; with two iterations each the cheapest of the table in docs/benchmarks that
                           // holds the slip
   int iterations = 2;     // most per substep
   double tolerance = 0;   // [m/s]

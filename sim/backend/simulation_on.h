@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/backend/batch_arrays.h"
+#include "sim/world/order.h"
 #include "sim/world/step.h"
 
 namespace gonogo::sim {
@@ -15,12 +16,21 @@ template <class Exec>
 class SimulationOn final : public Simulation {
  public:
   SimulationOn(Exec exec, std::vector<FlatWorld> worlds, const StepSettings& settings, const WorldSize& room)
-      : settings_(settings), batch_(std::move(worlds), room), stepped_(batch_.flat.size(), false), queue_(exec) {}
+      : settings_(settings),
+        batch_(std::move(worlds), room),
+        stepped_(batch_.flat.size(), false),
+        steps_(batch_.flat.size(), 0),
+        queue_(exec) {}
 
   void advance(Index count) override {
-    if (std::exchange(batch_.changed, false)) queue_.forget();
-    queue_.advance(batch_.state, settings_, count);
-    if (count > 0) restored_contacts_ = 0, stepped_.assign(stepped_.size(), true);
+    for (Index done = 0; done < count;) {
+      const Index next = std::min(count - done, sort_worlds());
+      if (std::exchange(batch_.changed, false)) queue_.forget();
+      queue_.advance(batch_.state, settings_, next);
+      done += next;
+      for (Index& steps : steps_) steps += next;
+      restored_contacts_ = 0, stepped_.assign(stepped_.size(), true);
+    }
   }
 
   StepReport report(WorldIndex w) override {
@@ -157,6 +167,7 @@ class SimulationOn final : public Simulation {
     const ContactRange r = latest_contacts(w);
     Snapshot p;
     p.world = batch_.flat[w].world;
+    p.place_of_body = batch_.flat[w].place_of_body;
     p.steps = batch_.state.steps.read(w);
     p.flags = batch_.state.flags.read(w);
     p.fault = unpacked(batch_.state.fault.read(w));
@@ -187,6 +198,8 @@ class SimulationOn final : public Simulation {
                        " controllers and " + std::to_string(from.element.sample.size()) +
                        " samples of monitors; this one has " + std::to_string(size.elements.controllers) + " and " +
                        std::to_string(size.elements.samples));
+    if (from.place_of_body != batch_.flat[w].place_of_body)
+      batch_.replace(w, rearranged(batch_.flat[w], from.place_of_body, settings_));
     const Place& at = batch_.place[w];
     batch_.flat[w].world = from.world;
     batch_.flat[w].mechanisms.motor = from.motor;
@@ -203,6 +216,7 @@ class SimulationOn final : public Simulation {
     batch_.state.element.restore(from.element, batch_.element_place(w));
     write_contacts(w, from);
     stepped_[w] = false;
+    steps_[w] = from.steps;
   }
 
   void replace(WorldIndex w, const SceneWorld& world) override { replace(w, flatten(world, w, settings_)); }
@@ -210,6 +224,7 @@ class SimulationOn final : public Simulation {
   void replace(WorldIndex w, FlatWorld flat) override {
     batch_.replace(w, std::move(flat));
     stepped_[w] = false;
+    steps_[w] = 0;
   }
 
   const StepSettings& settings() const override { return settings_; }
@@ -219,6 +234,29 @@ class SimulationOn final : public Simulation {
   BodyIndex body_in_scene(WorldIndex w, Index place) const {
     const auto& places = batch_.flat[w].place_of_body;
     return BodyIndex(std::find(places.begin(), places.end(), place) - places.begin());
+  }
+
+  /// Sorts what is due. Returns how many steps follow until the next world is.
+  Index sort_worlds() {
+    Index until_next = settings_.sort_every;
+    for (WorldIndex w = 0; w < batch_.state.world_count; ++w) {
+      const Index since = steps_[w] % settings_.sort_every;
+      if (since == 0 && steps_[w] > 0) sort_bodies(w);
+      until_next = std::min(until_next, settings_.sort_every - since);
+    }
+    return until_next;
+  }
+
+  void sort_bodies(WorldIndex w) {
+    const FlatWorld& flat = batch_.flat[w];
+    const auto position = batch_.state.position.download(batch_.place[w].body, Index(flat.body.size()));
+    const std::vector<BodyIndex> place = spatial_order(position, flat.world);
+    if (!have_mixed(position, place, flat.world)) return;
+    const Snapshot now = snapshot(w);
+    FlatWorld sorted = rearranged(flat, composed(flat.place_of_body, place), settings_);
+    const Snapshot then = rearranged(now, flat, sorted);
+    batch_.replace(w, std::move(sorted));
+    restore(w, then);
   }
 
   /// Sum over rows, counted in their world.
@@ -273,6 +311,7 @@ class SimulationOn final : public Simulation {
   StepSettings settings_;
   BatchArrays<Exec> batch_;
   std::vector<bool> stepped_;    // [world] since it entered or was restored
+  std::vector<Index> steps_;     // [world] taken
   Index restored_contacts_ = 0;  // since the latest step
   StepQueue<Exec> queue_;
 };

@@ -1,6 +1,6 @@
 // What the pairs of a world may not be. Host only.
 #pragma once
-#include "sim/simulation.h"
+#include "sim/flat_world.h"
 
 namespace gonogo::sim {
 

@@ -10,9 +10,11 @@ GONOGO_HD inline std::uint64_t pair_key(ShapeIndex other, int feature) {
   return (std::uint64_t(std::uint32_t(other)) << 32) | std::uint64_t(std::uint32_t(feature));
 }
 
+inline ShapeIndex other_shape(std::uint64_t key) { return ShapeIndex(key >> 32); }
+
 /// The same name when the other shape's index changes by `shapes`.
 inline std::uint64_t shifted_key(std::uint64_t key, ShapeIndex shapes) {
-  return pair_key(ShapeIndex(key >> 32) + shapes, int(std::uint32_t(key)));
+  return pair_key(other_shape(key) + shapes, int(std::uint32_t(key)));
 }
 
 struct ContactFinder {

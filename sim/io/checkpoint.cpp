@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kGroup = "snapshot";
 constexpr const char* kFormat = "gonogo snapshot";
-constexpr std::int64_t kVersion = 3;
+constexpr std::int64_t kVersion = 5;
 
 /// Concatenated bytes of numbers, and of records that consist of numbers of one size.
 class Bytes {
@@ -33,13 +33,13 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 40 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
+static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 44 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
                   sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 184 &&
                   sizeof(ForceTable) == 68 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
                   sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 88 &&
                   sizeof(SceneWorld) == 720,
               "list the new fields in scene_hash");
-static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 840,
+static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 864,
               "store the new fields, load them and raise kVersion");
 
 void add(Bytes& b, const PairLaw& l) {
@@ -64,7 +64,7 @@ void add(Bytes& b, const Shape& s) {
 }
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
-    << s.solver << s.target << s.substeps;
+    << s.solver << s.target << s.substeps << s.sort_every;
 }
 
 void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
@@ -197,6 +197,7 @@ class Load {
 /// Arrays of a snapshot that Store and Load treat alike.
 template <class Io, class Snap>
 void exchange_arrays(Io& io, Snap& s) {
+  io.template rows<std::int32_t>("place_of_body", s.place_of_body);
   io.template rows<double>("position", s.position);
   io.template rows<float>("orientation", s.orientation);
   io.template rows<float>("velocity", s.velocity);

@@ -47,6 +47,10 @@ struct UpdateSums {
 /// = 1.
 inline constexpr Real kFirstMomentum = 4;
 
+/// At most so much momentum goes on from a part of a step to the next: the impulses of a driven wheel keep changing the
+/// same way for many parts, but with few updates in each nothing would hold momentum back.
+inline constexpr Real kCarriedMomentum = 3;
+
 /// Updates that sum their residual, and updates that renew the sliding speeds of the `coulomb` target, come after so
 /// many others.
 inline constexpr Index kTestEvery = 5;
@@ -85,17 +89,16 @@ GONOGO_HD inline void plan_part(Momentum& m, bool converged, const IterationRule
 }
 
 /// From the sums of the present update to the state of the next. An update that went uphill ends the momentum of the
-/// velocities after the next: its sums come too late for those in between. Every part of a step starts anew: momentum
-/// that goes on from part to part piles up where a part has few updates.
+/// velocities after the next: its sums come too late for those in between.
 GONOGO_HD inline void decide_next_update(Momentum& m, const UpdateSums& sums, Index contacts,
                                          const IterationRules& rules) {
   const double limit = double(rules.tolerance) * rules.tolerance * contacts;
   ++m.updates;
   ++m.iterations;
   plan_part(m, m.test != 0 && sums.residual_square <= limit, rules);
-  m.beta = m.begins ? Real(0) : m.next_beta;
+  m.beta = m.next_beta;
   if (sums.uphill > 0) m.t = 1;
-  if (m.begins) m.t = kFirstMomentum;
+  if (m.begins) m.t = std::fmin(m.t, kCarriedMomentum);
   extend_momentum(m, rules);
   plan_update(m, rules);
 }

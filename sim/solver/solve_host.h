@@ -36,7 +36,8 @@ struct CarryBody {
       gathered[slot] = sum(gathered[slot], more);
       return;
     }
-    velocity[b] = extrapolated_velocity[b] = sum(velocity[b], more);
+    velocity[b] = sum(velocity[b], more);
+    extrapolated_velocity[b] = sum(extrapolated_velocity[b], more);
   }
 };
 
@@ -94,7 +95,9 @@ struct ProjectMechanism {
     if (m.done || (carried && !m.ends)) return;
     const Velocity next = projection.velocity(k);
     if (carried) {
-      velocity[b] = extrapolated_velocity[b] = next;
+      const Velocity more = difference(next, velocity[b]);
+      velocity[b] = next;
+      extrapolated_velocity[b] = sum(extrapolated_velocity[b], more);
       return;
     }
     extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);

@@ -96,6 +96,8 @@ void check_settings(const StepSettings& s) {
   require(s.iterations >= 1,
           "the solver's iterations are " + std::to_string(s.iterations) + "; at least one is needed");
   require(s.substeps >= 1, "the substeps are " + std::to_string(s.substeps) + "; at least one is needed");
+  require(s.sort_every >= 1,
+          "bodies are sorted every " + std::to_string(s.sort_every) + " steps; at least one is needed");
   const std::pair<const char*, Real> parts[] = {{"tolerance", s.tolerance},
                                                 {"envelope", s.envelope},
                                                 {"recovery speed", s.recovery_speed},

@@ -32,7 +32,8 @@ struct StepSettings {
   Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
   Solver solver = Solver::apgd;
   Target target = Target::ccp;
-  Index substeps = 1;  // the solver goes through a step in so many parts; see step.h
+  Index substeps = 1;       // the solver goes through a step in so many parts; see step.h
+  Index sort_every = 2000;  // steps of a world after which its bodies are sorted anew in memory, where they have mixed
 
   /// Length of a part [s]; forces and impulses are those of the last one.
   GONOGO_HD Real substep() const { return step / Real(substeps); }

@@ -1,6 +1,7 @@
 // The stages of an iteration as seen by a team. Sums have the same order, and so the same bits, whether contacts are
 // resident or not.
 #pragma once
+#include "sim/solver/cuda/measures.cuh"
 #include "sim/solver/cuda/mechanism.cuh"
 
 namespace gonogo::sim {
@@ -17,7 +18,7 @@ class SolveKernel {
 
  public:
   GONOGO_DEVICE SolveKernel(const SolveViews& views, const Team& team, MechanismWork& work)
-      : s(views), team_(team), work_(work) {
+      : s(views), contact_(views), team_(team), work_(work) {
     if (!resident) return;
     if (team.rank == 0) {
       const bool works = team.index < s.tiles.count();
@@ -30,9 +31,9 @@ class SolveKernel {
   GONOGO_DEVICE void prepare() {
     if constexpr (resident) {
       const ContactRange own = tile().contacts;
-      if (const ContactIndex i = own.begin + team_.rank; i < own.end) pack(i);
+      if (const ContactIndex i = own.begin + team_.rank; i < own.end) begin_contact(i);
     } else {
-      for (Index i = first_index(); i < *s.contact_total; i += stride()) pack(i);
+      for (Index i = first_index(); i < *s.contact_total; i += stride()) begin_contact(i);
     }
     for (Index b = first_index(); b < s.mass.size; b += stride()) prepare_body(b);
     for (Index w = first_index(); w < s.momentum[0].size; w += stride()) {
@@ -135,13 +136,15 @@ class SolveKernel {
 
   /// After `k` updates: impulses back into the order of the contacts, residuals and energies, by tile.
   GONOGO_DEVICE void measure(Index k) {
-    for (Index tile = team_.index; tile < s.tiles.count(); tile += team_.count) measure_tile(tile, k);
-    for (Index tile = team_.index; tile < s.world_of_body_tile.size; tile += team_.count) measure_bodies(tile);
+    Measures<turning> measures(s, team_);
+    for (Index tile = team_.index; tile < s.tiles.count(); tile += team_.count) measures.measure_tile(tile, k);
+    for (Index tile = team_.index; tile < s.world_of_body_tile.size; tile += team_.count) measures.measure_bodies(tile);
   }
 
   /// And by world.
   GONOGO_DEVICE void add_measures(Index k) {
-    for (WorldIndex w = team_.index; w < s.world_sums.size; w += team_.count) add_measures(w, k);
+    Measures<turning> measures(s, team_);
+    for (WorldIndex w = team_.index; w < s.world_sums.size; w += team_.count) measures.add_measures(w, k);
   }
 
  private:
@@ -150,72 +153,8 @@ class SolveKernel {
   GONOGO_DEVICE Index lane() const { return team_.rank % kLanesPerBody; }
   GONOGO_DEVICE const Tile& tile() const { return residence().tile[team_.in_block]; }
 
-  // Where a contact's records are.
-  GONOGO_DEVICE FrameRecord& frame(ContactIndex i) { return resident ? residence().frame[threadIdx.x] : s.frame[i]; }
-  GONOGO_DEVICE ConeRecord& cone(ContactIndex i) { return resident ? residence().cone[threadIdx.x] : s.cone[i]; }
-  GONOGO_DEVICE TurnRecord& turn(ContactIndex i) { return resident ? residence().turn[threadIdx.x] : s.turn[i]; }
-  GONOGO_DEVICE CentralArms& central(ContactIndex i) {
-    return resident ? residence().central[threadIdx.x] : s.central[i];
-  }
-  GONOGO_DEVICE ArmsRecord& arms(ContactIndex i) { return resident ? residence().arms[threadIdx.x] : s.arms[i]; }
-  GONOGO_DEVICE PairRecord& pair(ContactIndex i) { return resident ? residence().pair[threadIdx.x] : s.pair[i]; }
-
-  /// The impulse that the contact's own thread has stored.
-  GONOGO_DEVICE Impulse own_impulse(Index store, ContactIndex i) const {
-    Impulse p;
-    p.linear = resident ? residence().linear[store][threadIdx.x] : s.linear[store][i];
-    if (turning) p.angular = resident ? residence().angular[store][threadIdx.x] : s.angular[store][i];
-    return p;
-  }
-  /// The impulse of any contact.
-  GONOGO_DEVICE Impulse load_impulse(Index store, ContactIndex i) const {
-    Impulse p;
-    p.linear = s.linear[store][i];
-    if (turning) p.angular = s.angular[store][i];
-    return p;
-  }
-  GONOGO_DEVICE void store_impulse(Index store, ContactIndex i, const Impulse& p) {
-    s.linear[store][i] = p.linear;
-    if (turning) s.angular[store][i] = p.angular;
-    if (!resident) return;
-    residence().linear[store][threadIdx.x] = p.linear;
-    if (turning) residence().angular[store][threadIdx.x] = p.angular;
-  }
-
-  /// Whether only the part along the normal matters: the rest is rounding, or the body is fixed and at rest.
-  GONOGO_DEVICE bool is_central(const Vec3& arm, const Vec3& normal, BodyIndex b, Real& along) const {
-    const Velocity& v = s.velocity[b];
-    along = dot(arm, normal);
-    const Vec3 aside = cross(arm, normal);
-    if (dot(aside, aside) <= Real(1e-12) * dot(arm, arm)) return true;
-    along = 0;
-    return is_fixed(s.mass[b]) && dot(v.linear, v.linear) + dot(v.angular, v.angular) == 0;
-  }
-
-  GONOGO_DEVICE void pack(ContactIndex i) {
-    Contact c = s.contact[i];
-    const Impulse start = s.impulse[i];
-    s.split.split(c, start);
-    s.contact[i].step = c.step;
-    s.contact[i].unsplit = c.unsplit;
-    s.contact[i].bias = c.bias;
-    frame(i) = {c.normal, c.bias};
-    cone(i) = {c.step.n, c.step.t, c.mu, c.cohesion};
-    if (turning) turn(i) = {c.rho, c.sigma, c.step.r, c.softness};
-    pair(i) = {c.body_a, c.body_b};
-    if (parts) s.gap[i] = {c.gap, c.gap_rate};
-    CentralArms along;
-    const bool central_a = is_central(c.arm_a, c.normal, c.body_a, along.a);
-    const bool central_b = is_central(c.arm_b, c.normal, c.body_b, along.b);
-    if (!central_a || !central_b) {
-      along.a = NAN;
-      arms(i) = {c.arm_a, c.arm_b};
-    }
-    central(i) = along;
-    s.half[i + s.incidence.first_second[c.body_a]] = {c.arm_a, i};
-    if (s.second_slot[i] >= 0) s.half[s.incidence.owned_end(c.body_b) + s.second_slot[i]] = {c.arm_b, ~i};
-    store_impulse(0, i, start);
-    store_impulse(1, i, start);
+  GONOGO_DEVICE void begin_contact(ContactIndex i) {
+    contact_.pack(i);
     if (sweeps) s.colour[i] = kNoColour;
   }
 
@@ -228,38 +167,13 @@ class SolveKernel {
     if (c.end - c.begin > kHubContacts && s.mass[b].slot < 0) s.hub[atomicAdd(s.hub_count, 1)] = b;
   }
 
-  GONOGO_DEVICE ContactNumbers<Real> unpack(ContactIndex i) {
-    const FrameRecord f = frame(i);
-    const ConeRecord k = cone(i);
-    const CentralArms along = central(i);
-    ContactNumbers<Real> c;
-    c.normal = f.normal;
-    c.bias = f.bias;
-    c.arm_a = f.normal * along.a;
-    c.arm_b = f.normal * along.b;
-    if (isnan(along.a)) {
-      const ArmsRecord both = arms(i);
-      c.arm_a = both.a;
-      c.arm_b = both.b;
-    }
-    c.step = {k.step_n, k.step_t, Real(1)};
-    c.mu = k.mu;
-    c.cohesion = k.cohesion;
-    c.rho = c.sigma = c.softness = 0;
-    if (turning) {
-      const TurnRecord t = turn(i);
-      c.rho = t.rho, c.sigma = t.sigma, c.step.r = t.step_r, c.softness = t.softness;
-    }
-    return c;
-  }
-
   GONOGO_DEVICE void update_tile(const Tile& t, Index tile, Index k) {
     const Momentum m = s.momentum[k & 1][t.world];
     if (!resident && m.done) return;
     const ContactIndex i = t.contacts.begin + team_.rank;
     const bool mine = i < t.contacts.end;
     PairRecord bodies{0, 0};
-    if (mine) bodies = pair(i);
+    if (mine) bodies = contact_.pair(i);
     Velocity a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
     if (m.done) return;
     if (parts && m.begins && mine) {
@@ -289,14 +203,14 @@ class SolveKernel {
     const bool mine = i < t.contacts.end && s.colour[i] == colour;
     double residual = 0;
     if (mine) {
-      const PairRecord bodies = pair(i);
+      const PairRecord bodies = contact_.pair(i);
       if (parts && m.begins) advance_contact(i, bodies, m);
-      const Impulse before = own_impulse(k & 1, i);
+      const Impulse before = contact_.own_impulse(k & 1, i);
       residual = update_contact(i, s.extrapolated_velocity[bodies.a], s.extrapolated_velocity[bodies.b], m, k & 1)
                      .residual_square;
-      const Impulse after = own_impulse(1 - (k & 1), i);
+      const Impulse after = contact_.own_impulse(1 - (k & 1), i);
       const Impulse change{after.linear - before.linear, 0, after.angular - before.angular, 0};
-      const ContactNumbers<Real> c = unpack(i);
+      const ContactNumbers<Real> c = contact_.unpack(i);
       const SweptBodies swept{s.incidence, s.mass, s.inverse_inertia_W, s.extrapolated_velocity};
       swept.move(bodies.a, c.arm_a, change, 1);
       swept.move(bodies.b, c.arm_b, change, -1);
@@ -313,49 +227,49 @@ class SolveKernel {
 
   /// The gap after a part of the step.
   GONOGO_DEVICE void advance_contact(ContactIndex i, const PairRecord& bodies, const Momentum& m) {
-    const ContactNumbers<Real> c = unpack(i);
+    const ContactNumbers<Real> c = contact_.unpack(i);
     GapRecord& own = s.gap[i];
     own.gap = advanced_gap(own.gap, c, s.part_velocity[bodies.a], s.part_velocity[bodies.b], s.settings.substep());
-    frame(i).bias = bias_of_gap(own.gap, own.rate, c.softness, s.settings);
+    contact_.frame(i).bias = bias_of_gap(own.gap, own.rate, c.softness, s.settings);
     if (s.rules.target == Target::ccp && !is_last_part(m, s.rules)) return;
     s.contact[i].gap = own.gap;
-    s.contact[i].gap_bias = frame(i).bias;
+    s.contact[i].gap_bias = contact_.frame(i).bias;
   }
 
   GONOGO_DEVICE UpdateSums update_contact(ContactIndex i, const Velocity& a, const Velocity& b, const Momentum& m,
                                           Index now) {
-    ContactNumbers<Real> c = unpack(i);
+    ContactNumbers<Real> c = contact_.unpack(i);
     if (m.renew_slip) {
       c.bias = s.contact[i].gap_bias + c.mu * slip_speed<Real>(c, a, b);
-      frame(i).bias = c.bias;
+      contact_.frame(i).bias = c.bias;
     }
     // A sweep has no momentum, and its velocities move on under way.
-    const ContactUpdate<Real> u = accelerated_update<turning, Real>(c, a, b, own_impulse(now, i),
-                                                                    own_impulse(1 - now, i), sweeps ? Real(0) : m.beta);
-    store_impulse(1 - now, i, u.impulse);
+    const ContactUpdate<Real> u = accelerated_update<turning, Real>(
+        c, a, b, contact_.own_impulse(now, i), contact_.own_impulse(1 - now, i), sweeps ? Real(0) : m.beta);
+    contact_.store_impulse(1 - now, i, u.impulse);
     return {u.uphill, m.test ? residual_square<turning, Real>(c, u) : Real(0)};
   }
 
   GONOGO_DEVICE SpectralSums update_spectrally(ContactIndex i, const Velocity& a, const Velocity& b, const Momentum& m,
                                                Index now, UpdateSums& sums) {
-    ContactNumbers<Real> c = unpack(i);
+    ContactNumbers<Real> c = contact_.unpack(i);
     if (m.renew_slip) {
       c.bias = s.contact[i].gap_bias + c.mu * slip_speed<Real>(c, a, b);
-      frame(i).bias = c.bias;
+      contact_.frame(i).bias = c.bias;
     }
-    const PairRecord bodies = pair(i);
+    const PairRecord bodies = contact_.pair(i);
     const Real length = Real(s.length[s.contact[i].world].length);
     const SpectralUpdate<Real> u =
         spectral_update<turning, Real>(c, a, b, s.velocity_before[bodies.a], s.velocity_before[bodies.b],
-                                       own_impulse(now, i), own_impulse(1 - now, i), length);
-    store_impulse(1 - now, i, u.update.impulse);
+                                       contact_.own_impulse(now, i), contact_.own_impulse(1 - now, i), length);
+    contact_.store_impulse(1 - now, i, u.update.impulse);
     if (m.test) sums.residual_square = residual_square<turning, Real>(c, u.update);
     return {u.sums.change_square, u.sums.curvature, u.sums.rise};
   }
 
   GONOGO_DEVICE void add_contact(const HalfContact& half, Index store, Vec3& linear, Vec3& angular) const {
     const bool backwards = half.contact < 0;
-    const Impulse p = load_impulse(store, backwards ? ~half.contact : half.contact);
+    const Impulse p = contact_.load_impulse(store, backwards ? ~half.contact : half.contact);
     const Vec3 turn = moment(half.arm, p);
     linear += backwards ? -p.linear : p.linear;
     angular += backwards ? -turn : turn;
@@ -422,10 +336,13 @@ class SolveKernel {
     const Velocity before = now;
     if (spectral) s.velocity_before[b] = before;
     now = driven(s, b, free, mass, linear, angular);
-    const bool carries = parts && k >= 0 && m.ends;
-    if (carries) now = sum(now, carry_body(s, b, now, free));
+    Velocity ahead = k < 0 ? now : extrapolated<Real>(now, before, m.next_beta);
+    if (parts && k >= 0 && m.ends) {
+      const Velocity more = carry_body(s, b, now, free);
+      now = sum(now, more), ahead = sum(ahead, more);
+    }
     s.velocity[b] = now;
-    s.extrapolated_velocity[b] = k < 0 || carries ? now : extrapolated<Real>(now, before, m.next_beta);
+    s.extrapolated_velocity[b] = ahead;
   }
 
   GONOGO_DEVICE void decide(WorldIndex w, Index k) {
@@ -455,49 +372,8 @@ class SolveKernel {
     if (team_.rank == 0) decide_next_length(s.length[w], sums, present, next, s.rules);
   }
 
-  GONOGO_DEVICE void measure_tile(Index tile, Index k) {
-    const Tile t = s.tiles.tile[tile];
-    const ContactIndex i = t.contacts.begin + team_.rank;
-    WorldSums sums;
-    if (i < t.contacts.end) {
-      const Impulse p = load_impulse(s.momentum[k & 1][t.world].updates & 1, i);
-      s.impulse[i] = p;
-      const Contact c = s.contact[i];
-      const double r = contact_residual(c, s.velocity[c.body_a], s.velocity[c.body_b], p, s.rules.target);
-      sums.residual_square = r * r;
-      sums.residual_max = r;
-    }
-    sums = team_.sum(sums);
-    if (team_.rank == 0) s.tile_measures[tile] = sums;
-  }
-
-  GONOGO_DEVICE void measure_bodies(Index tile) {
-    const WorldIndex w = s.world_of_body_tile[tile];
-    const WorldParameters& p = s.tiles.world[w];
-    const Index in_world = (tile - s.first_body_tile[w]) * kTileSize + team_.rank;
-    WorldSums sums;
-    if (in_world < p.body_count) {
-      const BodyIndex b = p.first_body + in_world;
-      sums = energy_of_body(s.mass[b], s.orientation[b], s.velocity[b], p.gravity);
-    }
-    sums = team_.sum(sums);
-    if (team_.rank == 0) s.body_tile_measures[tile] = sums;
-  }
-
-  GONOGO_DEVICE void add_measures(WorldIndex w, Index k) {
-    WorldSums sum;
-    for (Index t = s.tiles.first_tile[w] + team_.rank; t < s.tiles.first_tile[w + 1]; t += kTileSize)
-      sum += s.tile_measures[t];
-    for (Index t = s.first_body_tile[w] + team_.rank; t < s.first_body_tile[w + 1]; t += kTileSize)
-      sum += s.body_tile_measures[t];
-    sum = team_.sum(sum);
-    const ContactRange r = contacts_of_world(s.tiles.world[w], s.tiles.first_contact);
-    sum.contact_count = r.end - r.begin;
-    sum.iterations = s.momentum[k & 1][w].updates;
-    if (team_.rank == 0) s.world_sums[w] = sum;
-  }
-
   const SolveViews& s;
+  ContactRecords<turning, resident, parts> contact_;
   const Team& team_;
   MechanismWork& work_;
 };

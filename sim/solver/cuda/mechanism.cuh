@@ -65,12 +65,14 @@ class MechanismMover {
     team_.sync();
     const bool holds = held != nullptr && m.projection_size() <= kHeldProjection;
     const Real* map = holds ? held : s.projection.projection.data + m.projection;
+    Real ahead = 0;  // of the extrapolated velocity
     if (number < 6 * m.body_count) {
       const Real next = projected(m, map, number);
+      ahead = k < 0 ? Real(0) : now.next_beta * (next - before);
       set_velocity(number, next, k < 0 ? next : multiply_add(now.next_beta, next - before, next));
       if (s.velocity_before.size > 0) component(s.velocity_before[work_.body[number / 6]], number % 6) = before;
     }
-    if (parts && k >= 0 && now.ends) carry(m, map, free);
+    if (parts && k >= 0 && now.ends) carry(m, map, free, ahead);
   }
 
  private:
@@ -102,7 +104,7 @@ class MechanismMover {
   }
 
   /// Into the next part of the step.
-  GONOGO_DEVICE void carry(const Mechanism& m, const Real* map, Velocity& free) {
+  GONOGO_DEVICE void carry(const Mechanism& m, const Real* map, Velocity& free, Real ahead) {
     const Index slot = team_.rank, number = team_.rank;
     team_.sync();
     if (slot < m.body_count) {
@@ -112,7 +114,7 @@ class MechanismMover {
     team_.sync();
     if (number >= 6 * m.body_count) return;
     const Real next = projected(m, map, number);
-    set_velocity(number, next, next);
+    set_velocity(number, next, next + ahead);
   }
 
   /// One number of a body's velocity.

@@ -1,0 +1,110 @@
+// Where the records of a contact are, and how they come from what the narrow phase found.
+#pragma once
+#include "sim/solver/cuda/residence.cuh"
+
+namespace gonogo::sim {
+
+/// `turning`, `resident`, `parts`: see SolveKernel. A resident contact's own records are those of the calling thread.
+template <bool turning, bool resident, bool parts>
+class ContactRecords {
+ public:
+  GONOGO_DEVICE explicit ContactRecords(const SolveViews& views) : s(views) {}
+
+  GONOGO_DEVICE void pack(ContactIndex i) {
+    Contact c = s.contact[i];
+    const Impulse start = s.impulse[i];
+    s.split.split(c, start);
+    s.contact[i].step = c.step;
+    s.contact[i].unsplit = c.unsplit;
+    s.contact[i].bias = c.bias;
+    frame(i) = {c.normal, c.bias};
+    cone(i) = {c.step.n, c.step.t, c.mu, c.cohesion};
+    if (turning) turn(i) = {c.rho, c.sigma, c.step.r, c.softness};
+    pair(i) = {c.body_a, c.body_b};
+    if (parts) s.gap[i] = {c.gap, c.gap_rate};
+    CentralArms along;
+    const bool central_a = is_central(c.arm_a, c.normal, c.body_a, along.a);
+    const bool central_b = is_central(c.arm_b, c.normal, c.body_b, along.b);
+    if (!central_a || !central_b) {
+      along.a = NAN;
+      arms(i) = {c.arm_a, c.arm_b};
+    }
+    central(i) = along;
+    s.half[i + s.incidence.first_second[c.body_a]] = {c.arm_a, i};
+    if (s.second_slot[i] >= 0) s.half[s.incidence.owned_end(c.body_b) + s.second_slot[i]] = {c.arm_b, ~i};
+    store_impulse(0, i, start);
+    store_impulse(1, i, start);
+  }
+
+  GONOGO_DEVICE ContactNumbers<Real> unpack(ContactIndex i) {
+    const FrameRecord f = frame(i);
+    const ConeRecord k = cone(i);
+    const CentralArms along = central(i);
+    ContactNumbers<Real> c;
+    c.normal = f.normal;
+    c.bias = f.bias;
+    c.arm_a = f.normal * along.a;
+    c.arm_b = f.normal * along.b;
+    if (isnan(along.a)) {
+      const ArmsRecord both = arms(i);
+      c.arm_a = both.a;
+      c.arm_b = both.b;
+    }
+    c.step = {k.step_n, k.step_t, Real(1)};
+    c.mu = k.mu;
+    c.cohesion = k.cohesion;
+    c.rho = c.sigma = c.softness = 0;
+    if (turning) {
+      const TurnRecord t = turn(i);
+      c.rho = t.rho, c.sigma = t.sigma, c.step.r = t.step_r, c.softness = t.softness;
+    }
+    return c;
+  }
+
+  // Where a contact's records are.
+  GONOGO_DEVICE FrameRecord& frame(ContactIndex i) { return resident ? residence().frame[threadIdx.x] : s.frame[i]; }
+  GONOGO_DEVICE ConeRecord& cone(ContactIndex i) { return resident ? residence().cone[threadIdx.x] : s.cone[i]; }
+  GONOGO_DEVICE TurnRecord& turn(ContactIndex i) { return resident ? residence().turn[threadIdx.x] : s.turn[i]; }
+  GONOGO_DEVICE CentralArms& central(ContactIndex i) {
+    return resident ? residence().central[threadIdx.x] : s.central[i];
+  }
+  GONOGO_DEVICE ArmsRecord& arms(ContactIndex i) { return resident ? residence().arms[threadIdx.x] : s.arms[i]; }
+  GONOGO_DEVICE PairRecord& pair(ContactIndex i) { return resident ? residence().pair[threadIdx.x] : s.pair[i]; }
+
+  /// The impulse that the contact's own thread has stored.
+  GONOGO_DEVICE Impulse own_impulse(Index store, ContactIndex i) const {
+    Impulse p;
+    p.linear = resident ? residence().linear[store][threadIdx.x] : s.linear[store][i];
+    if (turning) p.angular = resident ? residence().angular[store][threadIdx.x] : s.angular[store][i];
+    return p;
+  }
+  /// The impulse of any contact.
+  GONOGO_DEVICE Impulse load_impulse(Index store, ContactIndex i) const {
+    Impulse p;
+    p.linear = s.linear[store][i];
+    if (turning) p.angular = s.angular[store][i];
+    return p;
+  }
+  GONOGO_DEVICE void store_impulse(Index store, ContactIndex i, const Impulse& p) {
+    s.linear[store][i] = p.linear;
+    if (turning) s.angular[store][i] = p.angular;
+    if (!resident) return;
+    residence().linear[store][threadIdx.x] = p.linear;
+    if (turning) residence().angular[store][threadIdx.x] = p.angular;
+  }
+
+ private:
+  /// Whether only the part along the normal matters: the rest is rounding, or the body is fixed and at rest.
+  GONOGO_DEVICE bool is_central(const Vec3& arm, const Vec3& normal, BodyIndex b, Real& along) const {
+    const Velocity& v = s.velocity[b];
+    along = dot(arm, normal);
+    const Vec3 aside = cross(arm, normal);
+    if (dot(aside, aside) <= Real(1e-12) * dot(arm, arm)) return true;
+    along = 0;
+    return is_fixed(s.mass[b]) && dot(v.linear, v.linear) + dot(v.angular, v.angular) == 0;
+  }
+
+  const SolveViews& s;
+};
+
+}  // namespace gonogo::sim
