@@ -1,6 +1,7 @@
 #include "pipeline/campaign/coordinator.h"
 
 #include <algorithm>
+#include <chrono>
 #include <deque>
 #include <limits>
 #include <map>
@@ -18,6 +19,7 @@ namespace {
 constexpr int kMostCrashes = 2;  // of workers that had one trial alone, by their own code
 constexpr int kMostKills = 5;    // of such workers, from outside
 constexpr int kPollMilliseconds = 200;
+constexpr double kShortTrial = 1;  // [s] of a worker
 
 struct Deaths {
   int crashes = 0, kills = 0, kills_in_company = 0;
@@ -61,8 +63,17 @@ class Pool {
     }
   }
 
+  /// Short trials lie ready at their workers, so that none waits for the coordinator between two of them. Not long
+  /// ones, nor the last ones: they would wait for one worker while another has nothing to do.
+  std::size_t ahead() const {
+    const std::size_t workers = held_.size();
+    if (finished_count_ < 2 * workers || todo_.size() < 4 * workers) return 0;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return seconds * double(workers) / double(finished_count_) < kShortTrial ? 1 : 0;
+  }
+
   bool may_have(const Trials& held, const DesignPoint& next) const {
-    std::size_t most = std::min(std::size_t(std::max(1, request_.places)), most_beside(next));
+    std::size_t most = std::min(std::size_t(std::max(1, request_.places)) + ahead(), most_beside(next));
     if (!company_.empty())
       for (const DesignPoint* trial : held) most = std::min(most, most_beside(*trial));
     return held.size() < most;
@@ -89,6 +100,7 @@ class Pool {
     if (trial == held.end())
       throw DeviceError("campaign: a worker answered with something else than a trial it was given: " + line);
     held.erase(trial);
+    ++finished_count_;
     request_.finished(std::move(*record));
   }
 
@@ -140,7 +152,8 @@ class Pool {
   std::vector<Trials> held_;                      // by worker
   std::map<std::uint64_t, Deaths> deaths_;        // by index of the trial
   std::map<std::uint64_t, std::size_t> company_;  // by index; of trials whose worker crashed, see most_beside
-  std::size_t death_count_ = 0;
+  std::size_t death_count_ = 0, finished_count_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace

@@ -14,8 +14,6 @@ namespace {
 
 constexpr const char* kSections[] = {"soil", "trial", "design"};
 
-std::string program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
-
 /// Leaves of a JSON value by path: {"trial.step_s": "0.001", ...}, so that a change can be named.
 void add_leaves(const std::string& path, const Json& value, Dependencies& leaves) {
   if (!value.is_object()) {
@@ -52,6 +50,8 @@ Dependencies dependencies(const Study& study, const Provenance& provenance) {
 
 }  // namespace
 
+std::string campaign_program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
+
 CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& folder, int workers,
                               const InputFiles& inputs, const std::string& backend) {
   CampaignRequest request;
@@ -60,7 +60,7 @@ CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& f
   Provenance& provenance = request.provenance;
   provenance.study = relevant_study(study).dump(2);
   provenance.contract_hash = content_hash(contract_text());
-  provenance.program_version = program();
+  provenance.program_version = campaign_program();
   provenance.backend = backend;
   const auto add_input = [&](const std::string& name, const std::filesystem::path& path) {
     provenance.inputs.emplace_back(name, file_hash(path));

@@ -128,6 +128,30 @@ TEST_CASE("a saved trial that is damaged is set aside and computed anew, and it 
   CHECK(fs::exists(victim.string() + ".damaged"));
 }
 
+TEST_CASE("a trial replayed from the dataset alone gives its bits, and a dataset that was altered shows") {
+  const StudyFolder s;
+  dataset_of(s, s.out(), 2, 1);
+  const fs::path file = s.path("moved.h5");
+  fs::rename(s.out() / "dataset.h5", file);
+  for (const char* name : {"study.json", "vehicle.json", "calibration.json"}) fs::remove(s.path(name));
+  const Ending same = run_gonogo({"dataset", "replay", file, "--trial", "3"});
+  INFO(same.err);
+  CHECK(same.exit_code == 0);
+  CHECK(contains(same.out, "trial 3: the same bits"));
+  check_refusal(run_gonogo({"dataset", "replay", file, "--trial", "731"}), 2, {"trial 731", "6 trials"});
+
+  pipeline::Dataset altered = pipeline::read_dataset(file);
+  altered.records[3].measures[0] += 1e-9;
+  pipeline::write_dataset(s.path("altered.h5"), altered);
+  const Ending differs = run_gonogo({"dataset", "replay", s.path("altered.h5"), "--trial", "3"});
+  CHECK(differs.exit_code == 1);
+  CHECK(contains(differs.out, pipeline::contract().measures[0].name + ": "));
+  const Ending diff = run_gonogo({"dataset", "diff", file, s.path("altered.h5")});
+  CHECK(diff.exit_code == 1);
+  CHECK(contains(diff.out, "trial 3 " + pipeline::contract().measures[0].name));
+  CHECK(run_gonogo({"dataset", "verify", file}).exit_code == 0);
+}
+
 TEST_CASE("devices and places that do not exist are refused before anything is done") {
   StudyFolder s;
   const auto words = [&](const std::vector<std::string>& more) {
