@@ -5,18 +5,39 @@
 #include "learning/encoding/encoder.h"
 #include "learning/sampler/bipartite.h"
 #include "learning/sampler/chain_random.h"
+#include "learning/sampler/gpu_chains.h"
 
 namespace gonogo::learning {
 namespace {
 
-void run_chain(const Bipartite& sides, const SampleRequest& request, std::size_t chain, std::span<std::int8_t> row) {
-  std::vector<Bit> left(sides.left.size()), right(sides.right.size());
+/// Rows of bits, the left side of each first; see Bipartite.
+struct Rows {
+  const Bipartite& sides;
+  std::vector<Bit> bit;
+
+  std::size_t units() const { return sides.left.size() + sides.right.size(); }
+  std::span<Bit> left(std::size_t chain) { return std::span(bit).subspan(chain * units(), sides.left.size()); }
+  std::span<Bit> right(std::size_t chain) {
+    return std::span(bit).subspan(chain * units() + sides.left.size(), sides.right.size());
+  }
+
+  void take(std::size_t chain, std::span<const std::int8_t> row) {
+    for (std::size_t i = 0; i < sides.left.size(); ++i) left(chain)[i] = row[sides.left[i]] > 0;
+    for (std::size_t j = 0; j < sides.right.size(); ++j) right(chain)[j] = row[sides.right[j]] > 0;
+  }
+  void give(std::size_t chain, std::span<std::int8_t> row, bool spin) {
+    const auto value = [&](Bit on) { return std::int8_t(on ? 1 : spin ? -1 : 0); };
+    for (std::size_t i = 0; i < sides.left.size(); ++i) row[sides.left[i]] = value(left(chain)[i]);
+    for (std::size_t j = 0; j < sides.right.size(); ++j) row[sides.right[j]] = value(right(chain)[j]);
+  }
+};
+
+void run_chain(const SampleRequest& request, std::size_t chain, Rows& rows) {
+  const Bipartite& sides = rows.sides;
+  const std::span<Bit> left = rows.left(chain), right = rows.right(chain);
   std::vector<double> left_field(left.size()), right_field(right.size());
   ChainRandom random(request.seed, chain, left.size() + right.size());
-  if (request.start) {
-    for (std::size_t i = 0; i < left.size(); ++i) left[i] = row[sides.left[i]] > 0;
-    for (std::size_t j = 0; j < right.size(); ++j) right[j] = row[sides.right[j]] > 0;
-  } else {
+  if (!request.start) {
     random.begin(0);
     for (std::size_t i = 0; i < left.size(); ++i) left[i] = random(right.size() + i) < 0.5;
     for (std::size_t j = 0; j < right.size(); ++j) right[j] = random(j) < 0.5;
@@ -28,8 +49,28 @@ void run_chain(const Bipartite& sides, const SampleRequest& request, std::size_t
     side_field(right, sides.weight_transpose, sides.bias_left, left_field);
     draw_bits(left_field, random, right.size(), left);
   }
-  for (std::size_t i = 0; i < left.size(); ++i) row[sides.left[i]] = std::int8_t(left[i]);
-  for (std::size_t j = 0; j < right.size(); ++j) row[sides.right[j]] = std::int8_t(right[j]);
+}
+
+void run_on_cpu(const SampleRequest& request, Rows& rows) {
+#pragma omp parallel for schedule(static)
+  for (std::size_t chain = 0; chain < request.reads; ++chain)
+    if (!cancel_requested()) run_chain(request, chain, rows);
+  stop_if_cancelled();
+}
+
+/// Between two looks at whether the user wants to stop.
+constexpr std::uint64_t kSweepsAtOnce = 10'000;
+
+void run_on_gpu(const SampleRequest& request, Rows& rows) {
+  GpuChains chains(rows.sides, request.reads, request.seed);
+  request.start ? chains.set_rows(rows.bit) : chains.scatter();
+  for (std::uint64_t done = 0; done < request.sweeps;) {
+    const std::uint64_t count = std::min<std::uint64_t>(kSweepsAtOnce, request.sweeps - done);
+    chains.sweep(request.first_sweep + done, count);
+    done += count;
+    stop_if_cancelled();
+  }
+  rows.bit = chains.rows();
 }
 
 }  // namespace
@@ -42,28 +83,25 @@ SampleSet BlockGibbs::sample(const Problem& problem, const SampleRequest& reques
         "sampler block_gibbs: the problem is not bipartite (three or another odd number of variables are "
         "coupled in a ring); use the sampler exact when it is small");
   const std::size_t n = problem.variable_count();
-  const bool spin = problem.vartype == Vartype::spin;
   SampleSet result;
   result.vartype = problem.vartype;
   result.labels = problem.labels;
   result.values.resize(request.reads * n);
   result.energies.resize(request.reads);
   result.occurrences.assign(request.reads, 1);
+  Rows rows{*sides, std::vector<Bit>(request.reads * n)};
   if (request.start) {
     if (request.start->row_count() != request.reads || request.start->labels != problem.labels)
       throw InputError("sampler block_gibbs: the rows to start from do not fit the problem and the number of reads");
-    result.values = request.start->values;
+    for (std::size_t chain = 0; chain < request.reads; ++chain) rows.take(chain, request.start->row(chain));
   }
+  on_gpu_ ? run_on_gpu(request, rows) : run_on_cpu(request, rows);
 #pragma omp parallel for schedule(static)
   for (std::size_t chain = 0; chain < request.reads; ++chain) {
-    if (cancel_requested()) continue;
     const auto row = std::span(result.values).subspan(chain * n, n);
-    run_chain(*sides, request, chain, row);
-    if (spin)
-      for (std::int8_t& value : row) value = value > 0 ? 1 : -1;
+    rows.give(chain, row, problem.vartype == Vartype::spin);
     result.energies[chain] = energy(problem, row);
   }
-  stop_if_cancelled();
   return result;
 }
 

@@ -9,7 +9,7 @@
 namespace gonogo::learning {
 
 std::unique_ptr<Sampler> make_sampler(const std::string& name, const SamplerSettings& settings) {
-  if (name == "block_gibbs") return std::make_unique<BlockGibbs>();
+  if (name == "block_gibbs") return std::make_unique<BlockGibbs>(settings.on_gpu);
   if (name == "anneal") return std::make_unique<Annealer>(settings);
   if (name == "tempering") return std::make_unique<Tempering>(settings);
   if (name == "population") return std::make_unique<PopulationAnnealing>(settings);

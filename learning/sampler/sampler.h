@@ -26,6 +26,7 @@ struct SampleRequest {
 
 /// What only some samplers ask for.
 struct SamplerSettings {
+  bool on_gpu = false;                    // block_gibbs
   double beta_start = 0.1, beta_end = 1;  // anneal, tempering, population: rows follow exp(-beta_end E)
   std::size_t replicas = 10;              // tempering: temperatures
   std::size_t temperatures = 30;          // population: steps of beta

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pipeline/bench/bed.h"
+#include "pipeline/bench/gibbs.h"
 #include "pipeline/bench/wheel.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/trial/setup.h"
@@ -190,6 +191,43 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   });
 }
 
+void print_gibbs(const Globals& globals, const GibbsBench& request) {
+  const GibbsBenchResult r = bench_gibbs(request);
+  Json json;
+  json["scene"] = "gibbs";
+  json["backend"] = request.on_gpu ? "cuda" : "cpu";
+  json["threads"] = request.threads;
+  json["visible"] = Json(std::uint64_t(request.visible));
+  json["hidden"] = Json(std::uint64_t(request.hidden));
+  json["chains"] = Json(std::uint64_t(request.chains));
+  json["sweeps"] = Json(std::uint64_t(request.sweeps));
+  json["seconds"] = r.seconds;
+  json["unit_updates_per_ns"] = r.updates_per_ns;
+  json["mean_visible"] = r.mean_visible;
+  char text[200];
+  std::snprintf(text, sizeof text, "gibbs: %zu x %zu units, %zu chains, %zu sweeps: %.3f s, %.3f unit updates per ns\n",
+                request.visible, request.hidden, request.chains, request.sweeps, r.seconds, r.updates_per_ns);
+  print_result(globals, json, text);
+}
+
+void add_gibbs(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("gibbs", "Block Gibbs sampling of a restricted Boltzmann machine");
+  auto request = std::make_shared<GibbsBench>();
+  auto backend = std::make_shared<sim::Backend>(sim::Backend::cpu);
+  command->add_option("--visible", request->visible, "Visible units")->check(CLI::Range(1, 100000));
+  command->add_option("--hidden", request->hidden, "Hidden units")->check(CLI::Range(1, 100000));
+  command->add_option("--chains", request->chains, "Chains")->check(CLI::Range(1, 100000000));
+  command->add_option("--sweeps", request->sweeps, "Sweeps of every chain")->check(CLI::Range(1, 1000000000));
+  command->add_option("--repeats", request->repeats, "Timed samples")->check(CLI::Range(1, 100000));
+  add_choice(*command, "--backend", *backend, kBackends, "cpu or cuda");
+  command->footer("Example:\n  gonogo bench gibbs --backend cuda --chains 65536 --json");
+  command->callback([&globals, request, backend] {
+    request->threads = globals.threads > 0 ? globals.threads : 1;
+    request->on_gpu = *backend == sim::Backend::cuda;
+    print_gibbs(globals, *request);
+  });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app, const Globals& globals) {
@@ -199,6 +237,7 @@ void add_bench_command(CLI::App& app, const Globals& globals) {
   add_bed(*command, globals);
   add_batch(*command, globals);
   add_wheel(*command, globals);
+  add_gibbs(*command, globals);
 }
 
 }  // namespace gonogo::pipeline::cli

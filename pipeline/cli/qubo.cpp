@@ -165,6 +165,7 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
       ->capture_default_str();
   add_input_options(command, options);
   add_sampler_options(command, options);
+  command->add_flag("--gpu", options->sampling.on_gpu, "Sampler block_gibbs: on a GPU, with weights of 16 bits");
   command->add_option("--reads", options->reads, "Rows")->check(CLI::Range(1, 100000000))->capture_default_str();
   command->add_option("--sweeps", options->sweeps, "Sweeps of every chain")
       ->check(CLI::Range(1, 1000000000))

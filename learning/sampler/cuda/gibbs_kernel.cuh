@@ -1,0 +1,236 @@
+// The fused kernel: a block keeps the weights and the states of its chains on its multiprocessor through all sweeps.
+// Tensor cores add the fields of 16 chains x 16 units at a time; the threads that hold the sums draw the units at once.
+#pragma once
+#include <cuda_fp16.h>
+
+#include "base/random.h"
+
+namespace gonogo::learning {
+
+/// Units of a side come in tiles of 16. Inside a tile they are stored in such an order that a thread of a warp, which
+/// holds the sums of columns 2t, 2t + 1, 8 + 2t and 9 + 2t (PTX ISA, fragments of mma.m16n8k16), draws four units that
+/// follow each other: one block of random numbers.
+inline constexpr int kTile = 16;
+
+/// Unit -> column. Units are counted from `shift`, so that blocks of random numbers do not straddle threads.
+GONOGO_HD inline int column_of_unit(int unit, int shift) {
+  const int at = unit + shift, in_tile = at % kTile, thread = in_tile / 4, number = in_tile % 4;
+  return at - in_tile + number / 2 * 8 + 2 * thread + number % 2;
+}
+
+struct GibbsSide {
+  int units, shift, tiles;
+  const float* field;  // [tiles * 16] -bias / ln 2 in the order of the units; large where there is no unit
+
+  GONOGO_HD int width() const { return tiles * kTile; }
+  /// Rows of halves that eight threads load from different banks.
+  GONOGO_HD int stride() const { return width() + 8; }
+};
+
+struct GibbsMachine {
+  GibbsSide left, right;
+  const __half* weight;  // [left width x right stride], in columns
+  std::uint64_t seed;
+  int chains;
+  std::uint8_t* row;  // [chain x (left + right)]
+
+  GONOGO_HD std::uint64_t blocks_per_sweep() const { return (left.units + right.units + 3) / 4; }
+};
+
+/// Where things lie in a block's shared memory; `chains` of the block.
+struct GibbsRoom {
+  std::size_t left, right, left_field, right_field, bytes;
+
+  GONOGO_HD GibbsRoom(const GibbsSide& l, const GibbsSide& r, int chains) {
+    left = sizeof(__half) * l.width() * r.stride();
+    right = left + sizeof(__half) * chains * l.stride();
+    left_field = right + sizeof(__half) * chains * r.stride();
+    right_field = left_field + sizeof(float) * l.width();
+    bytes = right_field + sizeof(float) * r.width();
+  }
+};
+
+#ifdef __CUDACC__
+
+/// Four 8 x 8 matrices of halves; lane 8 i + r gives the address of row r of matrix i.
+__device__ inline void load_matrices(std::uint32_t (&to)[4], const __half* row) {
+  const auto address = std::uint32_t(__cvta_generic_to_shared(row));
+  asm volatile("ldmatrix.sync.aligned.m8n8.x4.shared.b16 {%0, %1, %2, %3}, [%4];"
+               : "=r"(to[0]), "=r"(to[1]), "=r"(to[2]), "=r"(to[3])
+               : "r"(address));
+}
+__device__ inline void load_transposed(std::uint32_t (&to)[4], const __half* row) {
+  const auto address = std::uint32_t(__cvta_generic_to_shared(row));
+  asm volatile("ldmatrix.sync.aligned.m8n8.x4.trans.shared.b16 {%0, %1, %2, %3}, [%4];"
+               : "=r"(to[0]), "=r"(to[1]), "=r"(to[2]), "=r"(to[3])
+               : "r"(address));
+}
+
+/// sum += a b for 16 x 16 by 16 x 8.
+__device__ inline void multiply_add(float (&sum)[4], const std::uint32_t (&a)[4], std::uint32_t b0, std::uint32_t b1) {
+  asm volatile(
+      "mma.sync.aligned.m16n8k16.row.col.f32.f16.f16.f32 {%0, %1, %2, %3}, {%4, %5, %6, %7}, {%8, %9}, {%0, %1, %2, "
+      "%3};"
+      : "+f"(sum[0]), "+f"(sum[1]), "+f"(sum[2]), "+f"(sum[3])
+      : "r"(a[0]), "r"(a[1]), "r"(a[2]), "r"(a[3]), "r"(b0), "r"(b1));
+}
+
+/// Whether u < 1 / (1 + exp(-field)), u from the upper 23 bits; `exponent`: -field / ln 2.
+__device__ inline bool is_on(std::uint32_t word, float exponent) {
+  const float u = __uint_as_float(0x3f800000u | word >> 9) - 0x1.fffffep-1f;
+  float power;
+  asm("ex2.approx.ftz.f32 %0, %1;" : "=f"(power) : "f"(exponent));
+  return __fmaf_rn(u, power, u) < 1;
+}
+
+/// `kChains`: tiles of 16 chains that a block holds.
+template <int kChains>
+class GibbsBlock {
+ public:
+  __device__ GibbsBlock(const GibbsMachine& machine, std::uint8_t* memory)
+      : m(machine),
+        weight_(reinterpret_cast<__half*>(memory)),
+        lane_(int(threadIdx.x) % 32),
+        warp_(int(threadIdx.x) / 32),
+        warps_(int(blockDim.x) / 32),
+        first_chain_(int(blockIdx.x) * kChains * kTile) {
+    const GibbsRoom room(m.left, m.right, kChains * kTile);
+    left_ = reinterpret_cast<__half*>(memory + room.left);
+    right_ = reinterpret_cast<__half*>(memory + room.right);
+    left_field_ = reinterpret_cast<float*>(memory + room.left_field);
+    right_field_ = reinterpret_cast<float*>(memory + room.right_field);
+  }
+
+  __device__ void load() {
+    const int weights = m.left.width() * m.right.stride() / 8;
+    for (int i = int(threadIdx.x); i < weights; i += int(blockDim.x))
+      reinterpret_cast<uint4*>(weight_)[i] = reinterpret_cast<const uint4*>(m.weight)[i];
+    for (int i = int(threadIdx.x); i < m.left.width(); i += int(blockDim.x)) left_field_[i] = m.left.field[i];
+    for (int i = int(threadIdx.x); i < m.right.width(); i += int(blockDim.x)) right_field_[i] = m.right.field[i];
+    clear(left_, m.left);
+    clear(right_, m.right);
+    __syncthreads();
+    visit_states([&](std::uint8_t& bit, __half& state) { state = __float2half(bit ? 1.0f : 0.0f); });
+    __syncthreads();
+  }
+
+  __device__ void sweep(std::uint64_t sweep) {
+    draw_side<true>(left_, m.left, right_, m.right, right_field_, sweep * m.blocks_per_sweep());
+    __syncthreads();
+    draw_side<false>(right_, m.right, left_, m.left, left_field_,
+                     sweep * m.blocks_per_sweep() + std::uint64_t(m.right.units / 4));
+    __syncthreads();
+  }
+
+  __device__ void store() {
+    visit_states([&](std::uint8_t& bit, const __half& state) { bit = __half2float(state) > 0; });
+  }
+
+ private:
+  __device__ void clear(__half* state, const GibbsSide& side) {
+    for (int i = int(threadIdx.x); i < kChains * kTile * side.stride(); i += int(blockDim.x))
+      state[i] = __float2half(0.0f);
+  }
+
+  /// visit(bit in memory, state of the same unit) for all units of all chains.
+  template <class Visit>
+  __device__ void visit_states(Visit&& visit) {
+    const int units = m.left.units + m.right.units;
+    for (int i = int(threadIdx.x); i < kChains * kTile * units; i += int(blockDim.x)) {
+      const int chain = i / units, unit = i % units;
+      if (first_chain_ + chain >= m.chains) return;
+      const bool left = unit < m.left.units;
+      __half& state = left ? left_[chain * m.left.stride() + column_of_unit(unit, m.left.shift)]
+                           : right_[chain * m.right.stride() + column_of_unit(unit - m.left.units, m.right.shift)];
+      visit(m.row[std::size_t(first_chain_ + chain) * units + unit], state);
+    }
+  }
+
+  /// Draws one side given the other. `first_block`: of random numbers.
+  template <bool to_right>
+  __device__ void draw_side(const __half* from, const GibbsSide& given, __half* to, const GibbsSide& drawn,
+                            const float* field, std::uint64_t first_block) {
+    for (int n = warp_; n < drawn.tiles; n += warps_) {
+      float sum[kChains][2][4] = {};
+      for (int k = 0; k < given.tiles; ++k) add_tile<to_right>(from, given.stride(), n, k, sum);
+      draw_tile(sum, to, drawn.stride(), n, reinterpret_cast<const float4*>(field)[4 * n + lane_ % 4], first_block);
+    }
+  }
+
+  template <bool to_right>
+  __device__ void add_tile(const __half* from, int stride, int n, int k, float (&sum)[kChains][2][4]) {
+    const int row = lane_ % 16, half = lane_ / 16 * 8;
+    std::uint32_t w[4];
+    if constexpr (to_right)
+      load_transposed(w, weight_ + (k * kTile + row) * m.right.stride() + n * kTile + half);
+    else
+      load_matrices(w, weight_ + (n * kTile + half + lane_ % 8) * m.right.stride() + k * kTile + lane_ / 8 % 2 * 8);
+#pragma unroll
+    for (int c = 0; c < kChains; ++c) {
+      std::uint32_t state[4];
+      load_matrices(state, from + (c * kTile + row) * stride + k * kTile + half);
+      multiply_add(sum[c][0], state, w[0], w[1]);
+      multiply_add(sum[c][1], state, w[2], w[3]);
+    }
+  }
+
+  __device__ void draw_tile(const float (&sum)[kChains][2][4], __half* to, int stride, int n, const float4& field,
+                            std::uint64_t first_block) {
+    constexpr float kMinusPerLn2 = -1.44269504f;
+    const int thread = lane_ % 4;
+#pragma unroll
+    for (int c = 0; c < kChains; ++c)
+#pragma unroll
+      for (int r = 0; r < 2; ++r) {
+        const int chain = c * kTile + lane_ / 4 + 8 * r;
+        const RandomBlock random =
+            random_block(m.seed, std::uint64_t(first_chain_ + chain), first_block + std::uint64_t(4 * n + thread));
+        const float(&low)[4] = sum[c][0], (&high)[4] = sum[c][1];
+        const bool on[4] = {is_on(random.word[0], __fmaf_rn(low[2 * r], kMinusPerLn2, field.x)),
+                            is_on(random.word[1], __fmaf_rn(low[2 * r + 1], kMinusPerLn2, field.y)),
+                            is_on(random.word[2], __fmaf_rn(high[2 * r], kMinusPerLn2, field.z)),
+                            is_on(random.word[3], __fmaf_rn(high[2 * r + 1], kMinusPerLn2, field.w))};
+        auto* pair = reinterpret_cast<std::uint32_t*>(to + chain * stride + n * kTile + 2 * thread);
+        pair[0] = two_halves(on[0], on[1]);
+        pair[4] = two_halves(on[2], on[3]);
+      }
+  }
+
+  __device__ static std::uint32_t two_halves(bool low, bool high) {
+    return (low ? 0x3c00u : 0u) | (high ? 0x3c000000u : 0u);
+  }
+
+  const GibbsMachine& m;
+  __half *weight_, *left_, *right_;
+  float *left_field_, *right_field_;
+  int lane_, warp_, warps_, first_chain_;
+};
+
+/// Sweeps number `first` + 1 .. `first` + `count`.
+template <int kChains>
+__global__ void __launch_bounds__(384, 2)
+    gibbs_kernel(const __grid_constant__ GibbsMachine machine, std::uint64_t first, std::uint64_t count) {
+  extern __shared__ __align__(16) std::uint8_t memory[];
+  GibbsBlock<kChains> block(machine, memory);
+  block.load();
+  for (std::uint64_t k = 0; k < count; ++k) block.sweep(first + k + 1);
+  block.store();
+}
+
+/// Independent fair bits: row 0 of the chain's random numbers.
+struct ScatterChain {
+  GibbsMachine m;
+
+  GONOGO_HD void operator()(Index chain) const {
+    const int left = m.left.units, right = m.right.units;
+    for (int unit = 0; unit < left + right; ++unit) {
+      const RandomBlock random = random_block(m.seed, std::uint64_t(chain), std::uint64_t(unit / 4));
+      const int in_row = unit < right ? left + unit : unit - right;  // the right side is drawn first
+      m.row[std::size_t(chain) * (left + right) + in_row] = random.word[unit % 4] < 0x80000000u;
+    }
+  }
+};
+
+#endif
+
+}  // namespace gonogo::learning

@@ -1,0 +1,141 @@
+#include "learning/sampler/gpu_chains.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/buffer.h"
+#include "base/for_each.h"
+#include "learning/sampler/cuda/gibbs_kernel.cuh"
+
+namespace gonogo::learning {
+namespace {
+
+/// Warps of a block at most: two blocks then share a multiprocessor's registers.
+constexpr int kMostWarps = 12;
+
+/// Tiles of chains in a block: many where the batch fills the GPU all the same.
+constexpr int kManyChains = 4, kFewChains = 1;
+
+int device_attribute(cudaDeviceAttr attribute) {
+  int device = 0, value = 0;
+  check_cuda(cudaGetDevice(&device), "device");
+  check_cuda(cudaDeviceGetAttribute(&value, attribute, device), "device attribute");
+  return value;
+}
+
+void require_gpu() {
+  int count = 0;
+  const cudaError_t status = cudaGetDeviceCount(&count);
+  if (status != cudaSuccess || count == 0)
+    throw InputError(std::string("sampler block_gibbs: no GPU answers on this machine (") +
+                     (status != cudaSuccess ? cudaGetErrorString(status) : "there is none") + "); sample on the cpu");
+}
+
+GibbsSide side_of(std::size_t units, int shift) {
+  const int width = int(units) + shift;
+  return {int(units), shift, std::max(1, (width + kTile - 1) / kTile), nullptr};
+}
+
+/// In the order of the units; a place without a unit is never on.
+std::vector<float> fields(const GibbsSide& side, const std::vector<double>& bias) {
+  std::vector<float> field(std::size_t(side.width()), 1e30f);
+  for (std::size_t i = 0; i < bias.size(); ++i) field[i + std::size_t(side.shift)] = float(-bias[i] / std::log(2.0));
+  return field;
+}
+
+__half half_of(double weight) {
+  constexpr double kLargest = 65504;
+  if (!(std::abs(weight) <= kLargest))
+    throw InputError("sampler block_gibbs: a weight is " + std::to_string(weight) +
+                     "; weights of 16 bits end at 65504; sample on the cpu");
+  return __double2half(weight);
+}
+
+std::vector<__half> weights(const Bipartite& machine, const GibbsSide& left, const GibbsSide& right) {
+  std::vector<__half> weight(std::size_t(left.width()) * right.stride(), __double2half(0));
+  for (int i = 0; i < left.units; ++i)
+    for (int j = 0; j < right.units; ++j)
+      weight[std::size_t(column_of_unit(i, left.shift)) * right.stride() + column_of_unit(j, right.shift)] =
+          half_of(machine.weight[std::size_t(i) * right.units + j]);
+  return weight;
+}
+
+}  // namespace
+
+struct GpuChains::Device {
+  GibbsMachine machine;
+  Buffer<__half, Cuda> weight;
+  Buffer<float, Cuda> left_field, right_field;
+  Buffer<Bit, Cuda> row;
+  int chains_per_block = kFewChains;
+
+  void choose_block() {
+    const int offered = device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
+    const int blocks = machine.chains / (kManyChains * kTile);
+    if (blocks >= device_attribute(cudaDevAttrMultiProcessorCount) && room(kManyChains) <= std::size_t(offered))
+      chains_per_block = kManyChains;
+    if (room(chains_per_block) > std::size_t(offered))
+      throw InputError("sampler block_gibbs: a machine of " + std::to_string(machine.left.units) + " and " +
+                       std::to_string(machine.right.units) + " units needs " + std::to_string(room(chains_per_block)) +
+                       " bytes of one multiprocessor, which offers " + std::to_string(offered) + "; sample on the cpu");
+  }
+
+  std::size_t room(int tiles) const { return GibbsRoom(machine.left, machine.right, tiles * kTile).bytes; }
+
+  template <int kChains>
+  void launch(std::uint64_t first, std::uint64_t count) {
+    const int tiles = std::max(machine.left.tiles, machine.right.tiles);
+    const int rounds = (tiles + kMostWarps - 1) / kMostWarps, warps = (tiles + rounds - 1) / rounds;
+    const int blocks = (machine.chains + kChains * kTile - 1) / (kChains * kTile);
+    check_cuda(
+        cudaFuncSetAttribute(gibbs_kernel<kChains>, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room(kChains))),
+        "shared memory of the sampler");
+    gibbs_kernel<kChains><<<blocks, 32 * warps, room(kChains)>>>(machine, first, count);
+    check_cuda(cudaGetLastError(), "sampler launch");
+    check_cuda(cudaDeviceSynchronize(), "sampler");
+  }
+};
+
+GpuChains::GpuChains(const Bipartite& machine, std::size_t chains, std::uint64_t seed) {
+  require_gpu();
+  if (chains > std::size_t(std::numeric_limits<Index>::max()) /
+                   std::max<std::size_t>(1, machine.left.size() + machine.right.size()))
+    throw InputError("sampler block_gibbs: " + std::to_string(chains) + " chains of " +
+                     std::to_string(machine.left.size() + machine.right.size()) + " units are too many at once");
+  device_ = std::make_unique<Device>();
+  GibbsMachine& m = device_->machine;
+  m.left = side_of(machine.left.size(), int(machine.right.size() % 4));
+  m.right = side_of(machine.right.size(), 0);
+  m.seed = seed;
+  m.chains = int(chains);
+  device_->choose_block();
+  device_->weight.upload(weights(machine, m.left, m.right));
+  device_->left_field.upload(fields(m.left, machine.bias_left));
+  device_->right_field.upload(fields(m.right, machine.bias_right));
+  device_->row.fill_zero(chains * (machine.left.size() + machine.right.size()));
+  m.weight = device_->weight.data();
+  m.left.field = device_->left_field.data();
+  m.right.field = device_->right_field.data();
+  m.row = device_->row.data();
+}
+
+GpuChains::~GpuChains() = default;
+
+void GpuChains::scatter() {
+  for_each_index(Cuda{}, device_->machine.chains, ScatterChain{device_->machine});
+  check_cuda(cudaDeviceSynchronize(), "scatter");
+}
+
+void GpuChains::set_rows(const std::vector<Bit>& rows) { device_->row.write(0, rows); }
+
+std::vector<GpuChains::Bit> GpuChains::rows() const { return device_->row.download(); }
+
+void GpuChains::sweep(std::uint64_t first, std::uint64_t count) {
+  if (device_->chains_per_block == kManyChains)
+    device_->launch<kManyChains>(first, count);
+  else
+    device_->launch<kFewChains>(first, count);
+}
+
+}  // namespace gonogo::learning
