@@ -10,7 +10,8 @@
 // sobol            scrambled Sobol' sequence
 // latin_hypercube  Latin hypercubes of "block" points (64 without it), one after the other
 // factorial        every combination of "levels": {"slope_along": 5, ...} values, evenly spaced, ends included
-// csv              rows of "file", whose header names variables
+// csv              rows of "file", whose header names variables; "ranges" are the box they come from, or else the one they
+//                  span
 // original         lines of "file" as the original study wrote them (point_file.h)
 //
 // Every variable of the contract is either ranged or fixed, by the section or else by its preset. After each
@@ -54,6 +55,9 @@ struct DesignSpec {
 /// Reads and checks the section. Throws InputError for unknown variables (with the nearest known one), ranges outside
 /// the contract's, variables that are neither ranged nor fixed or both, and counts out of range.
 DesignSpec read_design(const Config& section, std::uint64_t seed);
+
+/// The same without the points of a file, which need not exist yet: method, ranges and fixed values.
+DesignSpec read_design_box(const Config& section, std::uint64_t seed);
 
 /// Number of trials, replicates included.
 std::uint64_t trial_count(const DesignSpec& spec);

@@ -33,7 +33,7 @@ bool is_point_file(const DesignSpec& spec) { return spec.method == "csv" || spec
 
 /// What the section says of each variable, or else its preset.
 void read_variables(const Config& section, DesignSpec& spec) {
-  const std::optional<Config> ranges = is_point_file(spec) ? std::nullopt : section.object_if("ranges");
+  const std::optional<Config> ranges = spec.method == "original" ? std::nullopt : section.object_if("ranges");
   const std::optional<Config> fixed = section.object_if("fixed");
   const DesignPreset preset = design_preset(section.has("preset") ? section.choice("preset", preset_names()) : "");
   for (std::size_t i = 0; i < contract().variables.size(); ++i) {
@@ -123,10 +123,26 @@ void read_points(const Config& section, DesignSpec& spec) {
   spec.points =
       std::uint64_t(section.integer_or("points", std::int64_t(spec.given.size()), {1, double(spec.given.size())}));
   spec.given.resize(spec.points);
-  span_points(spec);
+  if (spec.ranges.empty()) return span_points(spec);
+  require_all_variables(section, spec);
+  for (const DesignPoint& point : spec.given)
+    for (const SampledVariable& range : spec.ranges)
+      if (point.variables[range.variable] < range.minimum || point.variables[range.variable] > range.maximum)
+        section.fail("file", file.string() + line(" holds a point with %s %g, outside its range",
+                                                  contract().variables[range.variable].name.c_str(),
+                                                  point.variables[range.variable]));
 }
 
 }  // namespace
+
+DesignSpec read_design_box(const Config& section, std::uint64_t seed) {
+  DesignSpec spec;
+  spec.seed = seed;
+  spec.method = section.choice("method", {"sobol", "latin_hypercube", "factorial", "csv"});
+  read_variables(section, spec);
+  require_all_variables(section, spec);
+  return spec;
+}
 
 DesignSpec read_design(const Config& section, std::uint64_t seed) {
   DesignSpec spec;

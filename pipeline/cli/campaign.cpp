@@ -10,6 +10,9 @@
 #ifdef GONOGO_WITH_MPI
 #include "pipeline/campaign/mpi/mpi_crew.h"
 #endif
+#ifdef GONOGO_WITH_TORCH
+#include "pipeline/active/active_run.h"
+#endif
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -22,6 +25,8 @@ struct Options {
   std::size_t trials_per_shard = 256;
   std::uint64_t task = 0, tasks = 1;
   int most_tasks = 0;
+  std::uint64_t seeds = 64, batch = 32, most_points = 1000;  // of an active study
+  double confidence = 0.95, space_filling = 0.25;
   std::vector<std::string> sbatch;
 };
 
@@ -237,6 +242,47 @@ void add_task(CLI::App& parent, const Globals& globals) {
   });
 }
 
+#ifdef GONOGO_WITH_TORCH
+void add_active(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand(
+      "active", "Let a study choose its own trials, batch by batch, until its model is sure enough");
+  auto options = std::make_shared<Options>();
+  add_study_options(*command, *options);
+  add_compute_options(*command, *options);
+  command->add_option("--seeds", options->seeds, "Points of the first batch")
+      ->check(CLI::Range(2, 1000000))
+      ->capture_default_str();
+  command->add_option("--batch", options->batch, "Points of each further batch")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--most-points", options->most_points, "Stop there in any case")->capture_default_str();
+  command->add_option("--confidence", options->confidence, "Stop when the model expects to be right in this share")
+      ->check(CLI::Range(0.5, 1.0))
+      ->capture_default_str();
+  command->add_option("--space-filling", options->space_filling, "Share of a batch that is uniform over the box")
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  command->footer("Example:\n  gonogo campaign active configs/studies/active.json --out out/active --confidence 0.95");
+  command->callback([options, &globals] {
+    const ActiveSummary done = run_active({.study = read_study(options->study),
+                                           .folder = options->folder,
+                                           .compute = compute_of(*options, globals),
+                                           .seeds = options->seeds,
+                                           .batch = options->batch,
+                                           .most_points = options->most_points,
+                                           .confidence = options->confidence,
+                                           .space_filling = options->space_filling});
+    Json result = as_json(done.campaign);
+    result["points"] = done.points;
+    result["confidence"] = done.confidence;
+    result["reached"] = done.reached;
+    print_result(globals, result,
+                 as_text(done.campaign) + line("\n%llu points; the model expects to be right in %.1f %% of the box",
+                                               static_cast<unsigned long long>(done.points), 100 * done.confidence));
+  });
+}
+#endif
+
 void add_collect(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("collect", "Check and merge what the tasks of a job computed");
   auto options = std::make_shared<Options>();
@@ -286,6 +332,9 @@ void add_campaign_command(CLI::App& app, const Globals& globals) {
   add_status(*command, globals);
   add_collect(*command, globals);
   add_task(*command, globals);
+#ifdef GONOGO_WITH_TORCH
+  add_active(*command, globals);
+#endif
   add_worker(*command);
 }
 
