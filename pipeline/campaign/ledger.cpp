@@ -1,13 +1,19 @@
 #include "pipeline/campaign/ledger.h"
 
-#include <numeric>
-
 #include "base/error.h"
 #include "base/progress.h"
-#include "pipeline/dataset/row.h"
 
 namespace gonogo::pipeline {
 namespace fs = std::filesystem;
+
+namespace {
+
+bool is_same(const DesignPoint& a, const DesignPoint& b) {
+  return a.index == b.index && a.seed == b.seed && a.replicate_of == b.replicate_of &&
+         a.proposal_density == b.proposal_density && a.variables == b.variables;
+}
+
+}  // namespace
 
 Ledger::Ledger(fs::path folder, const std::vector<DesignPoint>& design, ShardPlan plan, Provenance provenance,
                std::string campaign, std::vector<std::uint64_t> shards)
@@ -61,7 +67,7 @@ void Ledger::load_journal(const fs::path& journal, bool repair) {
 
 void Ledger::check_point(const TrialRecord& record, const fs::path& file) const {
   const std::uint64_t index = record.point.index;
-  if (index < design_.size() && to_row(record.point) != to_row(design_[index]))
+  if (index < design_.size() && !is_same(record.point, design_[index]))
     throw InputError(file.string() + ": trial " + std::to_string(index) +
                      " was computed at another point than this design's; choose another folder");
 }
