@@ -8,8 +8,8 @@ packages=(
   g++ cmake ninja-build ccache git ca-certificates pkg-config  # build
   libeigen3-dev libhdf5-dev nlohmann-json3-dev libxxhash-dev   # base, sim
   libboost-graph-dev libcli11-dev libcairo2-dev                # pipeline
-  libgdal-dev                                                  # terrain/raster
-  catch2 hdf5-tools                                            # tests
+  libgdal-dev zlib1g-dev                                       # terrain/raster, pipeline/page
+  catch2 hdf5-tools python3                                    # tests
 )
 
 if [[ ${1:-} == --tests ]]; then
@@ -91,6 +91,25 @@ provide_torch() {
   use_torch_at "$prefix"
 }
 
+# The tests of the page need a Chromium that is a package; where there is none (Ubuntu has it as a snap only), they are
+# left out by scripts/test.sh, which says so.
+provide_browser() {
+  local name
+  rm -f .cache/no_browser
+  for name in chromium-headless-shell chromium chromium-browser google-chrome; do
+    command -v "$name" >/dev/null && return
+  done
+  for name in chromium-headless-shell chromium; do
+    if has_candidate "$name"; then
+      apt_install "$name" fonts-dejavu-core
+      return
+    fi
+  done
+  mkdir -p .cache
+  touch .cache/no_browser
+  say "no package of Chromium here: the tests of the page will be left out"
+}
+
 command -v apt-get >/dev/null || fail "needs apt-get (Debian 12, Ubuntu 24.04); elsewhere install by hand: ${packages[*]} libtorch-dev"
 missing=()
 for package in "${packages[@]}"; do is_installed "$package" || missing+=("$package"); done
@@ -99,4 +118,5 @@ if ((${#missing[@]} > 0)); then
   apt_install "${missing[@]}"
 fi
 provide_torch
+provide_browser
 say "everything the build needs is installed"

@@ -42,16 +42,20 @@ Json as_json(const MapSummary& summary) {
 
 void add_map_command(CLI::App& app, const Globals& globals) {
   CLI::App* command =
-      app.add_subcommand("map", "Go/NoGo map of a region: GeoTIFF layers, QGIS styles, figure, area table");
+      app.add_subcommand("map", "Go/NoGo map of a region: a page, GeoTIFF layers, QGIS styles, figure, area table");
   auto files = std::make_shared<MapFiles>();
   command->add_option("--model", files->model, "Trained model (model.h5)")->required();
   command->add_option("--region", files->region, "Region file; by default the one that the study names");
   command->add_option("--study", files->study, "Study file: thresholds and mission values of its section \"map\"");
+  command->add_option("--dataset", files->dataset, "Trials (dataset.h5): adds expected speed, slip and sinkage");
+  command->add_option("--heading", files->heading,
+                      "Of class, P(go) and reason: uphill, worst, best, or degrees clockwise from grid north");
   command->add_option("--out", files->out, "Folder of the map")->required();
   command->add_flag("--colour-blind-safe", files->colour_blind_safe, "Class colours that do not rely on red and green");
   command->footer(
-      "Writes go.tif (class), p_go.tif, reason.tif, outside_share.tif, each with a QGIS style, map.png, area.csv and\n"
-      "map.json. Uphill heading, quarter vehicle; docs/map.md says what the numbers mean.\n\n"
+      "Writes index.html, a page that opens from disk; go.tif (class), p_go.tif, reason.tif and more layers, each with "
+      "a\n"
+      "QGIS style; map.png, area.csv and map.json. Quarter vehicle; docs/map.md says what the numbers mean.\n\n"
       "Example:\n  gonogo map --model out/demo/model.h5 --region configs/regions/sagehen.json --out out/map");
   command->callback([files, &globals] {
     files->threads = globals.threads;

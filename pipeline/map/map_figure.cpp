@@ -17,16 +17,16 @@ std::string number(double x, const char* format = "%g") {
 }
 
 void add_legends(const MapRequest& request, const MapSummary& summary, MapFigure& figure) {
-  for (const auto& entry : class_layer(request.colour_blind_safe, {}).legend)
+  for (const auto& entry : class_legend(request.colour_blind_safe))
     figure.classes.push_back(
         {int(entry.value), entry.label, entry.colour, summary.area.share(Verdict(int(entry.value)))});
-  for (const auto& entry : reason_layer({}).legend) {
+  for (const auto& entry : reason_legend()) {
     double share = 0;
     for (const VerdictInfo& verdict : contract().verdicts)
       share += summary.area.share(Verdict(verdict.code), Reason(int(entry.value)));
     if (share > 0) figure.reasons.push_back({int(entry.value), entry.label, entry.colour, share});
   }
-  for (const auto& stop : p_go_layer({}).legend) figure.p_go_ramp.push_back({stop.value, stop.colour});
+  for (const auto& stop : p_go_legend()) figure.p_go_ramp.push_back({stop.value, stop.colour});
 }
 
 /// One curve per soil that occurs, the most frequent first.
@@ -72,8 +72,8 @@ void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, c
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path) {
   MapFigure figure;
   figure.title = "Go/NoGo map: " + request.region.name;
-  figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) +
-                    ", uphill heading, " + request.rules.fidelity;
+  figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) + ", " +
+                    heading_text(request.rules) + ", " + request.rules.fidelity;
   figure.grid = grid;
   figure.shade = picture.shade;
   figure.verdict = picture.verdict;

@@ -31,6 +31,8 @@ Json rules_json(const MapRules& rules) {
   json["go"] = rules.go;
   json["no_go"] = rules.no_go;
   json["tolerated_outside_share"] = rules.tolerated_outside_share;
+  json["heading"] = heading_text(rules);
+  json["correlation_length_m"] = rules.correlation_length;
   json["draws"] = rules.draws;
   json["fidelity"] = rules.fidelity;
   json["values"] = spreads_json(rules.values);
@@ -45,6 +47,7 @@ Json map_inputs(const MapRequest& request) {
   inputs["revision"] = program_revision();
   inputs["contract_hash"] = content_hash(contract_text());
   inputs["model_hash"] = request.model.hash;
+  if (!request.model.dataset_hash.empty()) inputs["dataset_hash"] = request.model.dataset_hash;
   inputs["vehicle"] = request.model.vehicle;
   inputs["region"] = request.region.name;
   inputs["region_hash"] = file_hash(request.region.file);
@@ -58,11 +61,11 @@ Json map_inputs(const MapRequest& request) {
 Metadata map_metadata(const MapRequest& request, const Json& inputs) {
   Metadata metadata;
   metadata.emplace_back("TIFFTAG_SOFTWARE", std::string("gonogo ") + program_version());
-  for (const char* key :
-       {"version", "revision", "region", "region_hash", "model_hash", "elevation_hash", "soil_class_hash"})
+  for (const char* key : {"version", "revision", "region", "region_hash", "model_hash", "dataset_hash",
+                          "elevation_hash", "soil_class_hash"})
     if (const Json* value = inputs.find(key)) metadata.emplace_back(std::string("GONOGO_") + key, value->string());
   metadata.emplace_back("GONOGO_rules", inputs.at("rules").dump());
-  metadata.emplace_back("GONOGO_heading", "uphill");
+  metadata.emplace_back("GONOGO_heading", heading_text(request.rules));
   metadata.emplace_back("GONOGO_vehicle", "quarter vehicle " + request.model.vehicle);
   return metadata;
 }

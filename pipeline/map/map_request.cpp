@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/json/json.h"
+#include "pipeline/dataset/dataset.h"
 #include "pipeline/learn/predictor.h"
 #include "pipeline/study/study.h"
 
@@ -21,7 +22,25 @@ OutcomeModel read_outcome_model(const std::filesystem::path& file) {
   model.probabilities = [predictor](std::span<const double> points, std::span<double> result) {
     predictor->outcome_probabilities(points, result);
   };
+  model.novelty = [predictor](std::span<const double> point) { return predictor->novelty(point); };
   return model;
+}
+
+/// Measures of the trials that passed, fitted over the variables.
+void add_measures(OutcomeModel& model, const std::filesystem::path& file) {
+  const Dataset dataset = read_dataset(file);
+  model.dataset_hash = file_hash(file);
+  for (const char* name : {"mean_speed", "slip", "sinkage", "energy_per_metre"}) {
+    std::vector<double> points, value;
+    const std::size_t index = contract().measure_index(name);
+    for (const TrialRecord& record : dataset.records) {
+      if (record.verdict != Verdict::go && record.verdict != Verdict::slow_go) continue;
+      points.insert(points.end(), record.point.variables.begin(), record.point.variables.end());
+      value.push_back(record.measures[index]);
+    }
+    model.measures.push_back(fit_measure(name, contract().measures[index].unit, points, value));
+    if (model.measures.back().trials == 0) model.measures.pop_back();
+  }
 }
 
 /// The vehicle's own name; the file's, if it gives none.
@@ -42,6 +61,8 @@ MapRequest read_map_request(const MapFiles& files) {
   request.region = read_region(region);
   request.rules = read_map_rules(study ? study->config.object_if("map") : std::nullopt);
   request.model = read_outcome_model(files.model);
+  if (!files.dataset.empty()) add_measures(request.model, files.dataset);
+  if (!files.heading.empty()) set_heading(request.rules, files.heading, "map: --heading");
   if (study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);
   request.out = files.out;
   request.colour_blind_safe = files.colour_blind_safe;

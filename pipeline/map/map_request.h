@@ -1,16 +1,19 @@
 // From files to a map request: what the commands `map` and `run` share.
 #pragma once
 #include <filesystem>
+#include <string>
 
 #include "pipeline/map/make_map.h"
 
 namespace gonogo::pipeline {
 
 struct MapFiles {
-  std::filesystem::path model;   // model.h5
-  std::filesystem::path region;  // region JSON; empty: the one that the study names
-  std::filesystem::path study;   // study JSON for its sections map, region and vehicle; empty: defaults
-  std::filesystem::path out;     // folder
+  std::filesystem::path model;      // model.h5
+  std::filesystem::path region;     // region JSON; empty: the one that the study names
+  std::filesystem::path study;      // study JSON for its sections map, region and vehicle; empty: defaults
+  std::filesystem::path dataset{};  // trials, for expected speed, slip and sinkage; empty: none
+  std::string heading{};            // as in MapRules; empty: the study's
+  std::filesystem::path out;        // folder
   bool colour_blind_safe = false;
   int threads = 0;  // 0: all cores
 };

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/json/config.h"
+#include "pipeline/map/measure_fit.h"
 
 namespace gonogo::pipeline {
 
@@ -16,8 +17,12 @@ struct OutcomeModel {
   std::function<void(std::span<const double> points, std::span<double> result)> probabilities;
   /// Box in which trials were simulated, [variable count]; a variable held fixed has equal ends.
   std::vector<Range> sampled;
-  std::string hash;     // of the model's file
-  std::string vehicle;  // name for titles, may be empty
+  /// How far a point is from the trials (Predictor::novelty); empty when the model does not tell.
+  std::function<double(std::span<const double> point)> novelty;
+  std::vector<MeasureFit> measures;  // of trials that passed; empty when no dataset was given
+  std::string dataset_hash;          // of the file that they come from
+  std::string hash;                  // of the model's file
+  std::string vehicle;               // name for titles, may be empty
 };
 
 }  // namespace gonogo::pipeline

@@ -24,9 +24,9 @@ void Picture::take(const MapGrid& grid, const BlockLayers& block) {
       const int from_column = int((column + 0.5) * grid.columns / shade.columns) - block.window.column;
       if (from_column < 0 || from_column >= block.window.columns) continue;
       shade.at(column, row) = block.shade.at(from_column, from_row);
-      verdict.at(column, row) = block.verdict.at(from_column, from_row);
-      reason.at(column, row) = block.reason.at(from_column, from_row);
-      p_go.at(column, row) = block.p_go.at(from_column, from_row);
+      verdict.at(column, row) = block.verdict().at(from_column, from_row);
+      reason.at(column, row) = block.reason().at(from_column, from_row);
+      p_go.at(column, row) = block.p_go().at(from_column, from_row);
     }
   }
 }

@@ -1,14 +1,20 @@
 // A reduced copy of the layers for the figure, filled while the map streams by: memory does not grow with the raster.
 #pragma once
+#include <vector>
+
 #include "terrain/raster/grid.h"
 
 namespace gonogo::pipeline {
 
-/// The layers of one block of rows, all of the window's size.
+/// One block of rows, all tiles of the window's size.
 struct BlockLayers {
   terrain::Window window;
-  terrain::Tile shade, verdict, reason, p_go, outside_share;
-  terrain::Tile soil;  // position in the soil table, -1 unknown
+  terrain::Tile elevation, slope, aspect, shade;
+  terrain::Tile soil;                // position in the soil table, -1 unknown
+  std::vector<terrain::Tile> layer;  // as map_layers() lists them
+  const terrain::Tile& verdict() const { return layer[0]; }
+  const terrain::Tile& p_go() const { return layer[1]; }
+  const terrain::Tile& reason() const { return layer[2]; }
 };
 
 struct Picture {

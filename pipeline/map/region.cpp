@@ -5,8 +5,16 @@
 namespace gonogo::pipeline {
 namespace {
 
-RegionRaster read_raster(const Config& config) {
-  RegionRaster raster{config.path("file"), config.text("source"), config.text("licence")};
+RegionRaster read_raster(const Config& config, bool elevation) {
+  RegionRaster raster;
+  raster.file = config.path("file");
+  raster.source = config.text("source");
+  raster.licence = config.text("licence");
+  if (elevation && config.has("error_m")) {
+    raster.error = config.number("error_m", {0, 1000});
+    raster.error_correlation = config.number_or("error_correlation", 0, {0, 0.9999});
+    config.text("error_source");
+  }
   config.text_or("note", "");
   config.finish();
   return raster;
@@ -45,10 +53,10 @@ void read_rasters(const Config& config, Region& region) {
     if (elevation ? has_elevation : region.soil_class.has_value())
       entry.fail("role", "is given twice; keep one raster");
     if (elevation) {
-      region.elevation = read_raster(entry);
+      region.elevation = read_raster(entry, true);
       has_elevation = true;
     } else {
-      region.soil_class = read_raster(entry);
+      region.soil_class = read_raster(entry, false);
     }
   }
   if (!has_elevation) config.fail("rasters", "no raster has the role \"elevation\"; add one");

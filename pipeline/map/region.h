@@ -14,6 +14,8 @@ namespace gonogo::pipeline {
 struct RegionRaster {
   std::filesystem::path file;
   std::string source, licence;
+  double error = 0;              // of elevations: standard error [m], 0 when not stated
+  double error_correlation = 0;  // between neighbouring cells
 };
 
 /// Values measured together on one sample of a soil; the rest of the soil's variables follow its own spreads.

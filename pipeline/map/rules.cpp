@@ -1,6 +1,11 @@
 #include "pipeline/map/rules.h"
 
+#include <charconv>
+#include <cmath>
 #include <limits>
+
+#include "base/error.h"
+#include "base/line.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -41,9 +46,34 @@ MapRules read_map_rules(const std::optional<Config>& section) {
   rules.tolerated_outside_share = section->number_or("tolerated_outside_share", 0, {0, 1});
   rules.draws = int(section->integer_or("draws", rules.draws, {1, 4096}));
   rules.fidelity = section->text_or("fidelity", rules.fidelity);
+  rules.correlation_length = section->number_or("correlation_length_m", rules.correlation_length, {1, 1e6});
+  if (section->has("heading")) set_heading(rules, section->text("heading"), "map.heading");
   if (const auto values = section->object_if("values")) rules.values = read_spreads(*values);
   section->finish();
   return rules;
+}
+
+void set_heading(MapRules& rules, const std::string& text, const std::string& where) {
+  if (text == "uphill" || text == "worst" || text == "best") {
+    rules.heading_mode = text == "uphill"  ? HeadingMode::uphill
+                         : text == "worst" ? HeadingMode::worst
+                                           : HeadingMode::best;
+    return;
+  }
+  double degrees = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), degrees);
+  if (error != std::errc() || end != text.data() + text.size() || !(degrees >= 0 && degrees < 360))
+    throw InputError(where + ": \"" + text +
+                     "\" is no heading; use uphill, worst, best, or degrees clockwise from grid north, 0 to below 360");
+  rules.heading_mode = HeadingMode::set;
+  rules.heading = degrees;
+}
+
+std::string heading_text(const MapRules& rules) {
+  if (rules.heading_mode == HeadingMode::uphill) return "uphill heading";
+  if (rules.heading_mode == HeadingMode::worst) return "worst heading";
+  if (rules.heading_mode == HeadingMode::best) return "best heading";
+  return line("heading %g degrees from grid north", rules.heading);
 }
 
 double Prospect::p_go() const {

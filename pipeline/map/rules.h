@@ -14,8 +14,14 @@
 
 namespace gonogo::pipeline {
 
+/// Which heading class, P(go) and reason of the map are about.
+enum class HeadingMode { uphill, worst, best, set };
+
 /// The section "map" of a study.
 struct MapRules {
+  HeadingMode heading_mode = HeadingMode::uphill;
+  double heading = 0;                  // [deg clockwise from grid north], for HeadingMode::set
+  double correlation_length = 100;     // [m] chances of passing are the same within, independent beyond; for routes
   double go = 0.8;                     // P(go) at or above: go, or slow_go when slow_go is the likelier outcome
   double no_go = 0.5;                  // P(go) below: no_go; between the two: slow_go
   double tolerated_outside_share = 0;  // shares u up to this are taken as if they behaved like the sampled part
@@ -26,6 +32,11 @@ struct MapRules {
 
 /// Throws InputError. Without a section the defaults hold.
 MapRules read_map_rules(const std::optional<Config>& section);
+
+/// "uphill", "worst", "best" or an azimuth in degrees, [0, 360); throws InputError, `where` first, for anything else.
+void set_heading(MapRules& rules, const std::string& text, const std::string& where);
+/// "uphill heading", "heading 45 degrees from grid north", ...
+std::string heading_text(const MapRules& rules);
 
 /// What the model says about a soil at one slope.
 struct Prospect {

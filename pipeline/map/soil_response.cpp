@@ -1,9 +1,9 @@
 #include "pipeline/map/soil_response.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "base/cancel.h"
 
@@ -11,83 +11,118 @@ namespace gonogo::pipeline {
 namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
+constexpr int kLastStep = int(90 * kSlopeSteps);
 
-std::string describe_outside(const Variable& variable, double value, Range sampled) {
-  std::ostringstream text;
-  text << variable.name << " " << value << " " << variable.unit << " is outside " << sampled.minimum << " to "
-       << sampled.maximum << " " << variable.unit;
-  return text.str();
+/// Middles of nine equally likely parts of the standard normal distribution: quantiles at (k + 1/2) / 9.
+constexpr std::array<double, 9> kNormalParts = {-1.59322, -0.967422, -0.589456, -0.282216, 0,
+                                                0.282216, 0.589456,  0.967422,  1.59322};
+
+float p_slow_of(const Prospect& prospect) {
+  double sum = 0;
+  for (std::size_t o = 0; o < prospect.outcome.size(); ++o)
+    if (contract().outcomes[o].verdict == Verdict::slow_go) sum += prospect.outcome[o];
+  return float(sum);
 }
 
-/// Room for the last digit of a range that went through a file.
-bool contains(Range sampled, double value) {
-  const double slack = 1e-9 * std::max(std::abs(sampled.minimum), std::abs(sampled.maximum));
-  return value >= sampled.minimum - slack && value <= sampled.maximum + slack;
+/// Value below which a share of the sorted values lies (nearest rank).
+double quantile(const std::vector<double>& sorted, double share) {
+  const auto rank = std::size_t(share * double(sorted.size()));
+  return sorted[std::min(rank, sorted.size() - 1)];
 }
 
 }  // namespace
 
 double rounded_slope(double slope_deg) { return std::round(slope_deg * kSlopeSteps) / kSlopeSteps; }
 
-SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points) {
+SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
+                           double gradient_error)
+    : points_(model, std::move(points)), headings_(model, rules, points_) {
   sampled_slope_ = model.sampled[contract().variable_index("slope_along")];
-  sort_points(model, std::move(points));
-  const int last = std::max(0, int(std::floor(sampled_slope_.maximum * kSlopeSteps)));
-  table_.resize(std::size_t(last) + 2);
+  tabulate(model, rules);
+  add_interval(gradient_error);
+  p_each_ = {};
+  add_measures(model);
+}
+
+void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
+  table_.resize(kLastStep + 1);
+  p_each_.resize(table_.size());
+  uphill_outcomes_.resize(table_.size());
+  const int steepest = std::clamp(int(std::floor(sampled_slope_.maximum * kSlopeSteps)), 0, kLastStep);
 #pragma omp parallel for schedule(dynamic, 16)
-  for (int i = 0; i <= last; ++i)
-    if (!cancel_requested()) table_[std::size_t(i)] = answer_at(model, rules, i / kSlopeSteps);
+  for (int i = 0; i <= steepest; ++i)
+    if (!cancel_requested()) table_[std::size_t(i)] = answer_at(model, rules, i);
   stop_if_cancelled();
-  CellAnswer steeper = answer_at(model, rules, sampled_slope_.maximum);
+  CellAnswer steeper;
+  steeper.result = classify(points_.at(model, sampled_slope_.maximum, 0), rules);
   if (steeper.result.verdict != Verdict::no_go) steeper.result = {Verdict::unknown, Reason::outside_sampled};
-  steeper.p_go = kNoData;
+  steeper.p_go = steeper.p_slow = steeper.speed = steeper.slip = steeper.sinkage = kNoData;
   steeper.outside_share = 1;
-  table_.back() = steeper;
+  std::fill(table_.begin() + steepest + 1, table_.end(), steeper);
+#pragma omp parallel for schedule(static)
+  for (int i = 0; i <= kLastStep; ++i) {
+    CellAnswer& answer = table_[std::size_t(i)];
+    answer.headings = headings_.over_headings(i / kSlopeSteps);
+    answer.novelty = model.novelty ? float(points_.novelty(model, std::min(i / kSlopeSteps, 89.9), 0)) : kNoData;
+  }
+}
+
+CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& rules, int step) {
+  const double slope = step / kSlopeSteps;
+  const Prospect prospect = points_.at(model, slope, 0);
+  CellAnswer answer;
+  answer.result = classify(prospect, rules);
+  answer.p_go = float(prospect.p_go());
+  answer.outside_share = float(prospect.outside_share);
+  answer.p_slow = answer.outside_share >= 1 ? kNoData : p_slow_of(prospect);
+  if (answer.outside_share < 1) uphill_outcomes_[std::size_t(step)] = prospect.outcome;
+  if (answer.outside_share < 1) p_each_[std::size_t(step)] = points_.p_go_of_each(model, slope, 0);
+  return answer;
+}
+
+/// Between what the soil may be and what the slope may be: every sampled point at nine equally likely slopes. What was
+/// not sampled counts as 0 for the low end and as 1 for the high one.
+void SoilResponse::add_interval(double gradient_error) {
+#pragma omp parallel for schedule(static)
+  for (int i = 0; i <= kLastStep; ++i) {
+    std::vector<double> low, high;
+    const double rise = std::tan(i / kSlopeSteps * std::numbers::pi / 180);
+    for (const double part : kNormalParts) {
+      const double slope = std::atan(std::abs(rise + part * gradient_error)) * 180 / std::numbers::pi;
+      const auto& known = p_each_[std::size_t(std::clamp(int(std::lround(slope * kSlopeSteps)), 0, kLastStep))];
+      low.insert(low.end(), known.begin(), known.end());
+      low.insert(low.end(), points_.all().size() - known.size(), -1.0);
+      if (gradient_error == 0) break;
+    }
+    high = low;
+    std::replace(low.begin(), low.end(), -1.0, 0.0);
+    std::replace(high.begin(), high.end(), -1.0, 1.0);
+    std::sort(low.begin(), low.end());
+    std::sort(high.begin(), high.end());
+    CellAnswer& answer = table_[std::size_t(i)];
+    answer.p_low = float(quantile(low, 0.05));
+    answer.p_high = float(quantile(high, 0.95));
+  }
+}
+
+void SoilResponse::add_measures(const OutcomeModel& model) {
+  for (const MeasureFit& fit : model.measures) measures_[fit.name] = on_soil(fit, points_.all());
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    CellAnswer& answer = table_[i];
+    const auto value = [&](const char* name) {
+      const auto found = measures_.find(name);
+      if (found == measures_.end() || std::isnan(answer.p_go)) return kNoData;
+      return float(found->second.at({double(i) / kSlopeSteps, 0}));
+    };
+    answer.speed = value("mean_speed");
+    answer.slip = value("slip");
+    answer.sinkage = value("sinkage");
+  }
 }
 
 const CellAnswer& SoilResponse::at(double slope_deg) const {
   const double step = std::round(slope_deg * kSlopeSteps);
   return table_[std::size_t(std::clamp(step, 0.0, double(table_.size() - 1)))];
-}
-
-void SoilResponse::sort_points(const OutcomeModel& model, std::vector<std::vector<double>> points) {
-  const auto& variables = contract().variables;
-  const std::size_t across = contract().variable_index("slope_across");
-  point_count_ = points.size();
-  for (std::vector<double>& point : points) {
-    point[across] = 0;
-    bool inside = true;
-    for (std::size_t v = 0; v < variables.size(); ++v) {
-      if (std::isnan(point[v]) || contains(model.sampled[v], point[v])) continue;
-      inside = false;
-      const std::string why = describe_outside(variables[v], point[v], model.sampled[v]);
-      if (std::find(outside_because_.begin(), outside_because_.end(), why) == outside_because_.end())
-        outside_because_.push_back(why);
-    }
-    if (!inside) continue;
-    inside_points_.insert(inside_points_.end(), point.begin(), point.end());
-    ++inside_count_;
-  }
-}
-
-Prospect SoilResponse::prospect_at(const OutcomeModel& model, double slope_deg) const {
-  const std::size_t variable_count = contract().variables.size(), outcome_count = contract().outcomes.size();
-  Prospect prospect{std::vector<double>(outcome_count, 0.0), 1};
-  if (inside_count_ == 0 || !contains(sampled_slope_, slope_deg)) return prospect;
-  std::vector<double> points = inside_points_, result(inside_count_ * outcome_count);
-  const std::size_t along = contract().variable_index("slope_along");
-  for (std::size_t i = 0; i < inside_count_; ++i) points[i * variable_count + along] = slope_deg;
-  model.probabilities(points, result);
-  for (std::size_t i = 0; i < inside_count_; ++i)
-    for (std::size_t o = 0; o < outcome_count; ++o)
-      prospect.outcome[o] += result[i * outcome_count + o] / double(inside_count_);
-  prospect.outside_share = 1 - double(inside_count_) / double(point_count_);
-  return prospect;
-}
-
-CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& rules, double slope_deg) const {
-  const Prospect prospect = prospect_at(model, slope_deg);
-  return {classify(prospect, rules), float(prospect.p_go()), float(prospect.outside_share)};
 }
 
 }  // namespace gonogo::pipeline

@@ -1,11 +1,14 @@
 // How P(go) and the class of one soil depend on slope: the model folded into a table, so that a map costs little more
 // than reading and writing its rasters, however large it is.
 #pragma once
+#include <map>
 #include <string>
 #include <vector>
 
+#include "pipeline/map/heading_table.h"
 #include "pipeline/map/outcome_model.h"
 #include "pipeline/map/rules.h"
+#include "pipeline/map/soil_points.h"
 
 namespace gonogo::pipeline {
 
@@ -14,38 +17,59 @@ namespace gonogo::pipeline {
 inline constexpr double kSlopeSteps = 64;  // per degree
 double rounded_slope(double slope_deg);
 
-/// Everything a map says about a cell.
+/// Everything a map says about a cell whatever its aspect.
 struct CellAnswer {
-  CellClass result;
-  float p_go = 0;           // not-a-number where nothing sampled is near, or only steeper than sampled
-  float outside_share = 1;  // share of what the soil may be, at this slope, that was never sampled
+  CellClass result;                        // uphill heading
+  float p_go = 0;                          // not-a-number where nothing sampled is near, or only steeper than sampled
+  float p_slow = 0;                        // of it slow_go
+  float outside_share = 1;                 // share of what the soil may be, at this slope, that was never sampled
+  float p_low = 0, p_high = 0;             // 5 % and 95 % points of P(go), uphill heading
+  float novelty = 0;                       // of the inputs, uphill heading; not-a-number when the model does not tell
+  float speed = 0, slip = 0, sinkage = 0;  // expected, uphill heading; not-a-number when the model does not tell
+  HeadingRange headings;
 };
 
 class SoilResponse {
  public:
-  /// `points` are those of soil_points(); the heading is uphill (slope_along = slope, slope_across = 0).
-  SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points);
+  /// `points` are those of soil_points(). The heading is uphill (slope_along = slope, slope_across = 0) where nothing
+  /// else is said. `gradient_error`: standard error of the rise per metre that follows from the elevation's error.
+  SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
+               double gradient_error = 0);
 
   /// For a slope in [0, 90] degrees. Steeper than what was sampled a cell is no_go if the steepest sampled slope is,
   /// with its reason, and unknown otherwise.
   const CellAnswer& at(double slope_deg) const;
+  /// Any heading; psi as in bed_slopes().
+  const HeadingAnswer& at(double slope_deg, double psi) const {
+    return headings_.at(bed_slopes(rounded_slope(slope_deg), psi));
+  }
+
+  /// Probability of outcome `o` at slope step i (uphill); 0 where nothing was sampled.
+  double uphill_outcome(std::size_t i, std::size_t o) const {
+    return uphill_outcomes_[i].empty() ? 0.0 : uphill_outcomes_[i][o];
+  }
 
   /// Steepest and gentlest sampled slope [deg].
   Range sampled_slope() const { return sampled_slope_; }
-  /// "cohesion 6.1 kPa is outside 0 to 5 kPa" for each variable that keeps points of this soil out; empty when none
-  /// does.
-  const std::vector<std::string>& outside_because() const { return outside_because_; }
+  const SoilPoints& points() const { return points_; }
+  const HeadingTable& headings() const { return headings_; }
+  /// Expected measures of trials that pass, by name; empty when the model does not tell.
+  const std::map<std::string, SlopeMeasure>& measures() const { return measures_; }
+  const std::vector<std::string>& outside_because() const { return points_.outside_because(); }
 
  private:
-  Prospect prospect_at(const OutcomeModel& model, double slope_deg) const;
-  void sort_points(const OutcomeModel& model, std::vector<std::vector<double>> points);
-  CellAnswer answer_at(const OutcomeModel& model, const MapRules& rules, double slope_deg) const;
+  void tabulate(const OutcomeModel& model, const MapRules& rules);
+  CellAnswer answer_at(const OutcomeModel& model, const MapRules& rules, int step);
+  void add_interval(double gradient_error);
+  void add_measures(const OutcomeModel& model);
 
-  std::vector<double> inside_points_;  // [count x variables], slope filled in per call
-  std::size_t inside_count_ = 0, point_count_ = 0;
+  SoilPoints points_;
+  HeadingTable headings_;
+  std::map<std::string, SlopeMeasure> measures_;
   Range sampled_slope_;
-  std::vector<std::string> outside_because_;
-  std::vector<CellAnswer> table_;  // by slope x kSlopeSteps; the last one holds for everything steeper
+  std::vector<CellAnswer> table_;                     // by slope x kSlopeSteps, to 90 degrees
+  std::vector<std::vector<double>> uphill_outcomes_;  // [step][outcome]; empty where nothing was sampled
+  std::vector<std::vector<double>> p_each_;           // [step][sampled point], only while the tables are made
 };
 
 }  // namespace gonogo::pipeline

@@ -56,6 +56,7 @@ Stage map_stage(const RunPlan& plan) {
   Json inputs = Json::object();
   inputs["program"] = program();
   inputs["model.h5"] = path_hash(plan.model());
+  inputs["dataset.h5"] = path_hash(plan.dataset());
   inputs["region"] = path_hash(plan.region.file);
   inputs["elevation"] = path_hash(plan.region.elevation.file);
   if (plan.region.soil_class) inputs["soil_class"] = path_hash(plan.region.soil_class->file);
@@ -64,6 +65,7 @@ Stage map_stage(const RunPlan& plan) {
             make_map(read_map_request({.model = plan.model(),
                                        .region = {},
                                        .study = plan.study.file,
+                                       .dataset = plan.dataset(),
                                        .out = plan.map_folder(),
                                        .threads = plan.threads}));
           }};
@@ -138,7 +140,7 @@ std::string to_text(const RunSummary& summary) {
   text += "trials  " + trials_line(record.at("trials")) + "\n";
   text += "model   " + score_line(record.at("model")) + "\n";
   text += "area    " + area_line(record.at("map")) + "\n";
-  return text + "map     " + (summary.map_folder / "map.png").string() + "\n";
+  return text + "map     " + (summary.map_folder / "index.html").string() + "\n";
 }
 
 }  // namespace gonogo::pipeline

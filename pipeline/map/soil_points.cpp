@@ -1,0 +1,87 @@
+#include "pipeline/map/soil_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace gonogo::pipeline {
+namespace {
+
+std::string describe_outside(const Variable& variable, double value, Range sampled) {
+  std::ostringstream text;
+  text << variable.name << " " << value << " " << variable.unit << " is outside " << sampled.minimum << " to "
+       << sampled.maximum << " " << variable.unit;
+  return text.str();
+}
+
+}  // namespace
+
+bool contains(Range sampled, double value) {
+  const double slack = 1e-9 * std::max(std::abs(sampled.minimum), std::abs(sampled.maximum));
+  return value >= sampled.minimum - slack && value <= sampled.maximum + slack;
+}
+
+SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points) : all_(std::move(points)) {
+  const auto& variables = contract().variables;
+  for (const std::vector<double>& point : all_) {
+    bool inside = true;
+    for (std::size_t v = 0; v < variables.size(); ++v) {
+      if (std::isnan(point[v]) || contains(model.sampled[v], point[v])) continue;
+      inside = false;
+      const std::string why = describe_outside(variables[v], point[v], model.sampled[v]);
+      if (std::find(outside_because_.begin(), outside_because_.end(), why) == outside_because_.end())
+        outside_because_.push_back(why);
+    }
+    if (!inside) continue;
+    inside_.insert(inside_.end(), point.begin(), point.end());
+    ++inside_count_;
+  }
+}
+
+std::vector<double> SoilPoints::answers(const OutcomeModel& model, double slope_along, double slope_across) const {
+  const std::size_t variables = contract().variables.size();
+  const std::size_t along = contract().variable_index("slope_along");
+  const std::size_t across = contract().variable_index("slope_across");
+  std::vector<double> points = inside_, result(inside_count_ * contract().outcomes.size());
+  for (std::size_t i = 0; i < inside_count_; ++i) {
+    points[i * variables + along] = slope_along;
+    points[i * variables + across] = slope_across;
+  }
+  if (inside_count_ > 0) model.probabilities(points, result);
+  return result;
+}
+
+Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across) const {
+  const std::size_t outcomes = contract().outcomes.size();
+  Prospect prospect{std::vector<double>(outcomes, 0.0), 1};
+  const bool sampled = contains(model.sampled[contract().variable_index("slope_along")], slope_along) &&
+                       contains(model.sampled[contract().variable_index("slope_across")], slope_across);
+  if (inside_count_ == 0 || !sampled) return prospect;
+  const std::vector<double> result = answers(model, slope_along, slope_across);
+  for (std::size_t i = 0; i < inside_count_; ++i)
+    for (std::size_t o = 0; o < outcomes; ++o) prospect.outcome[o] += result[i * outcomes + o] / double(inside_count_);
+  prospect.outside_share = 1 - double(inside_count_) / double(all_.size());
+  return prospect;
+}
+
+std::vector<double> SoilPoints::p_go_of_each(const OutcomeModel& model, double slope_along, double slope_across) const {
+  const auto& outcomes = contract().outcomes;
+  const std::vector<double> result = answers(model, slope_along, slope_across);
+  std::vector<double> p(inside_count_, 0.0);
+  for (std::size_t i = 0; i < inside_count_; ++i)
+    for (std::size_t o = 0; o < outcomes.size(); ++o)
+      if (outcomes[o].verdict != Verdict::no_go) p[i] += result[i * outcomes.size() + o];
+  return p;
+}
+
+double SoilPoints::novelty(const OutcomeModel& model, double slope_along, double slope_across) const {
+  double sum = 0;
+  for (std::vector<double> point : all_) {
+    point[contract().variable_index("slope_along")] = slope_along;
+    point[contract().variable_index("slope_across")] = slope_across;
+    sum += model.novelty(point);
+  }
+  return sum / double(all_.size());
+}
+
+}  // namespace gonogo::pipeline

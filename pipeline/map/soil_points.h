@@ -1,0 +1,42 @@
+// What one soil may be: points over the variables of the contract, those that trials sampled kept for the model and the
+// others counted.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "pipeline/map/outcome_model.h"
+#include "pipeline/map/rules.h"
+
+namespace gonogo::pipeline {
+
+/// Room for the last digit of a range that went through a file.
+bool contains(Range sampled, double value);
+
+class SoilPoints {
+ public:
+  /// `points` are those of soil_points(): equally likely, slopes not-a-number.
+  SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points);
+
+  /// Mean over the sampled points at these slopes [deg]; slopes outside the sampled box give a prospect without any.
+  Prospect at(const OutcomeModel& model, double slope_along, double slope_across) const;
+  /// Mean of the model's novelty over all points.
+  double novelty(const OutcomeModel& model, double slope_along, double slope_across) const;
+
+  std::size_t sampled_count() const { return inside_count_; }
+  /// P(go) of every sampled point at these slopes.
+  std::vector<double> p_go_of_each(const OutcomeModel& model, double slope_along, double slope_across) const;
+  /// Every point, sampled or not.
+  const std::vector<std::vector<double>>& all() const { return all_; }
+  /// "cohesion 6.1 kPa is outside 0 to 5 kPa" for each variable that keeps points of this soil out.
+  const std::vector<std::string>& outside_because() const { return outside_because_; }
+
+ private:
+  std::vector<double> answers(const OutcomeModel& model, double slope_along, double slope_across) const;
+
+  std::vector<std::vector<double>> all_;
+  std::vector<double> inside_;  // [inside_count_ x variables]
+  std::size_t inside_count_ = 0;
+  std::vector<std::string> outside_because_;
+};
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,52 @@
+#include "pipeline/route/map_cells.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/cancel.h"
+#include "base/error.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr int kBlockRows = 256;
+
+void take(const BlockLayers& block, RouteCells& cells) {
+  for (int row = 0; row < block.window.rows; ++row)
+    for (int column = 0; column < block.window.columns; ++column) {
+      const float slope = block.slope.at(column, row), aspect = block.aspect.at(column, row);
+      const float soil = block.soil.at(column, row);
+      if (std::isnan(soil) || soil < 0) continue;
+      const std::size_t i = std::size_t(block.window.row + row) * std::size_t(cells.columns) + std::size_t(column);
+      cells.slope[i] = std::uint16_t(std::lround(slope * kSlopeSteps));
+      cells.aspect[i] = std::isnan(aspect) ? 0 : std::uint16_t(rounded_aspect(aspect));
+      cells.soil[i] = std::uint8_t(soil);
+    }
+}
+
+}  // namespace
+
+RouteCells read_route_cells(const MapSources& sources, const SoilTable& table, int threads) {
+  const terrain::MapGrid& grid = sources.elevation.grid();
+  if (table.soils.size() >= RouteCells::kNowhere)
+    throw InputError("route: the region lists " + std::to_string(table.soils.size()) +
+                     " soils; at most 254 can be used");
+  RouteCells cells;
+  cells.columns = grid.columns;
+  cells.rows = grid.rows;
+  cells.cell_width = grid.cell_width_m();
+  cells.cell_height = grid.cell_height_m();
+  const std::size_t count = std::size_t(grid.columns) * std::size_t(grid.rows);
+  cells.slope.assign(count, 0);
+  cells.aspect.assign(count, 0);
+  cells.soil.assign(count, RouteCells::kNowhere);
+  for (int row = 0; row < grid.rows; row += kBlockRows) {
+    stop_if_cancelled();
+    take(evaluate_block(sources, table, {}, MapRules{}, {0, row, grid.columns, std::min(kBlockRows, grid.rows - row)},
+                        threads),
+         cells);
+  }
+  return cells;
+}
+
+}  // namespace gonogo::pipeline

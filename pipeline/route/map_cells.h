@@ -1,0 +1,11 @@
+// The cells of a region as routes need them.
+#pragma once
+#include "pipeline/map/block.h"
+#include "pipeline/route/cost.h"
+
+namespace gonogo::pipeline {
+
+/// Reads the region's rasters block by block: 5 bytes for each cell stay.
+RouteCells read_route_cells(const MapSources& sources, const SoilTable& table, int threads);
+
+}  // namespace gonogo::pipeline

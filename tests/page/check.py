@@ -1,0 +1,173 @@
+"""Opens a map's page in headless Chromium and checks it: check.py <browser> <map folder> [<folder for pictures>].
+
+The map folder holds index.html and expected.json, written by tests/pipeline/page.cpp from the GeoTIFFs:
+  {"title": text, "cells": [{"column", "row", "verdict", "reason", "p_go": number or null, "p_worst", "p_best"}],
+   "route": {"start": cell, "end": cell, "fastest": cost, "safest": cost, "shortest": cost}}
+"""
+import json
+import os
+import pathlib
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from browser import Browser  # noqa: E402
+
+checks = 0
+
+
+def check(truth, what):
+    global checks
+    checks += 1
+    if not truth:
+        raise SystemExit("FAILED: " + what)
+
+
+def screen_position(browser, cell):
+    return browser.js(f"(() => {{ const [x, y] = to_screen(...centre_of({cell})), b = canvas.getBoundingClientRect();"
+                      f" return [x + b.x, y + b.y]; }})()")
+
+
+def check_cells(browser, expected, columns):
+    for cell in expected["cells"]:
+        number = cell["row"] * columns + cell["column"]
+        got = browser.js(f"(() => {{ const a = answer_of({number}, 'uphill'); return a && {{v: a.verdict, r: a.reason,"
+                         f" p: Number.isNaN(a.p) ? null : a.p, w: answer_of({number}, 'worst').p,"
+                         f" b: answer_of({number}, 'best').p}}; }})()")
+        where = f"cell {cell} shows {got}"
+        if cell["verdict"] is None:
+            check(got is None, where)
+            continue
+        near = lambda a, b: (a is None) == (b is None) and (a is None or abs(a - b) < 2e-5)
+        check(near(got["p"], cell["p_go"]), "P(go): " + where)
+        check(near(got["w"], cell["p_worst"]) and near(got["b"], cell["p_best"]), "worst and best: " + where)
+        at_a_threshold = cell["p_go"] is not None and min(abs(cell["p_go"] - t) for t in (0.5, 0.8)) < 2e-5
+        check(at_a_threshold or (got["v"] == cell["verdict"] and got["r"] == cell["reason"]), "class: " + where)
+
+
+def check_click(browser, expected, columns):
+    cell = next(c for c in expected["cells"] if c["p_go"] is not None)
+    browser.click(*screen_position(browser, cell["row"] * columns + cell["column"]))
+    text = browser.js("document.getElementById('cell').innerText")
+    check(f"{cell['p_go']:.3f}" in text, f"a click shows P(go) {cell['p_go']:.4f}: {text!r}")
+    for part in ("Slope", "Soil", "What the model does not know", "By heading"):
+        check(part in text, f"the panel of a cell says {part}")
+    check(browser.js("document.getElementById('pane-cell').hidden") is False, "a click opens the panel of the cell")
+
+
+def check_layers(browser):
+    seen = set()
+    browser.js("document.getElementById('tab-layers').click()")
+    for name in browser.js("layers.map((l) => l.id)"):
+        browser.js(f"document.querySelector('input[name=layer][value={name}]').click()")
+        browser.settle()
+        seen.add(browser.js("picture.toDataURL()"))
+        check(browser.js("document.getElementById('legend').innerText.length > 3"), f"layer {name} has a legend")
+    check(len(seen) >= 6, f"layers differ: {len(seen)} different pictures")
+    browser.js("document.querySelector('input[name=layer][value=class]').click()")
+    browser.settle()
+
+
+def check_settings(browser):
+    browser.js("document.getElementById('tab-layers').click()")
+    before = browser.js("document.querySelector('.share-list').innerText")
+    browser.js("(() => { const e = document.getElementById('go'); e.value = 99; e.dispatchEvent(new Event('input')); })()")
+    browser.settle()
+    check(browser.js("document.querySelector('.share-list').innerText") != before, "the threshold changes the shares")
+    browser.js("document.getElementById('reset').click()")
+    browser.settle()
+    check(browser.js("document.querySelector('.share-list').innerText") == before, "the study's thresholds come back")
+    uphill = browser.js("picture.toDataURL()")
+    browser.js("document.getElementById('dial').focus()")
+    for _ in range(9):
+        browser.key("ArrowRight")
+    check(browser.js("state.heading") == 45 and browser.js("state.mode") == "set", "arrow keys turn the dial")
+    check(browser.js("picture.toDataURL()") != uphill, "a heading changes the picture")
+    colours = browser.js("getComputedStyle(document.documentElement).getPropertyValue('--v3')")
+    browser.js("document.getElementById('palette').click()")
+    check(browser.js("getComputedStyle(document.documentElement).getPropertyValue('--v3')") != colours, "safe colours")
+    browser.js("document.getElementById('palette').click(); state.mode = 'uphill'; refresh()")
+    browser.settle()
+
+
+def check_keyboard(browser):
+    browser.js("canvas.focus()")
+    browser.key("0", "0")
+    for _ in range(3):
+        browser.key("ArrowRight")
+    browser.key("Enter", "\r")
+    check(browser.js("view.chosen !== null && view.chosen === view.cross"), "Enter asks about the cell at the crosshair")
+    order = browser.js("[...document.querySelectorAll('button, input, canvas, [tabindex]')].filter((e) => e.tabIndex >= 0"
+                       " && e.offsetParent !== null).length")
+    check(order >= 7, "controls are in the order of the Tab key")
+
+
+def check_route(browser, expected):
+    wanted = expected["route"]
+    browser.js("document.getElementById('route-draw').click()")
+    for cell in (wanted["start"], wanted["end"]):
+        browser.click(*screen_position(browser, cell))
+    check(browser.js("route.path[0]") == wanted["start"] and browser.js("route.path.at(-1)") == wanted["end"],
+          "a route runs between the two clicks")
+    for name, kind in (("shortest", "length"), ("safest", "risk"), ("fastest", "time")):
+        if wanted.get(name) is None:
+            continue
+        cost = browser.js(f"(() => {{ route.cost = '{kind}'; return find_route().cost; }})()")
+        # The page stores P(go) in 16 bits, which shows in -ln P(go) near 1.
+        check(abs(cost - wanted[name]) < (1e-2 if kind == "risk" else 1e-5) * wanted[name], f"{name}: page {cost}, program {wanted[name]}")
+    text = browser.js("document.getElementById('route').innerText")
+    check("Length on the ground" in text and "Chance to get through" in text, f"the route tells its totals: {text!r}")
+    check(browser.js("route.path.every((c) => [1, 2].includes(answer_of(c, 'best').verdict))"),
+          "a route keeps to cells that some heading passes")
+
+
+def check_hostile(browser, expected):
+    check(browser.js("document.getElementById('title').textContent") == expected["title"], "the title shows as text")
+    check(browser.js("window.broken === undefined"), "no script of the metadata ran")
+    browser.js("document.getElementById('about').click()")
+    check(browser.js("document.querySelectorAll('#about-text script, #about-text img, #title *').length") == 0,
+          "metadata makes no elements")
+    browser.js("document.getElementById('about-box').close()")
+
+
+def check_phone(browser):
+    check(browser.js("document.documentElement.scrollWidth <= innerWidth"), "nothing is wider than the phone")
+    small = browser.js("[...document.querySelectorAll('button, .layers label, .segments label')].filter((e) =>"
+                       " e.offsetParent && e.offsetHeight < 26).map((e) => e.textContent)")
+    check(not small, f"buttons are large enough for a finger: {small}")
+    check(browser.js("canvas.clientHeight > 0.35 * innerHeight"), "the map keeps room")
+
+
+def main():
+    program, folder = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
+    pictures = pathlib.Path(sys.argv[3]) if len(sys.argv) > 3 else None
+    expected = json.loads((folder / "expected.json").read_text())
+    address = (folder / "index.html").as_uri()
+    browser = Browser(program, 1280, 800)
+    browser.open(address)
+    columns = browser.js("cells.columns")
+    check_hostile(browser, expected)
+    check_cells(browser, expected, columns)
+    if pictures:
+        browser.picture(pictures / "desktop.png")
+    check_layers(browser)
+    check_click(browser, expected, columns)
+    check_settings(browser)
+    check_keyboard(browser)
+    check_route(browser, expected)
+    if pictures:
+        browser.picture(pictures / "route.png")
+    check(not browser.complaints(), f"no error: {browser.complaints()[:2]}")
+    check(browser.requests() == [address], f"nothing but the file itself is fetched: {browser.requests()}")
+    browser.close()
+    phone = Browser(program, 390, 844, mobile=True, dark=True)
+    phone.open(address)
+    check(phone.js("document.documentElement.dataset.theme") == "dark", "a dark screen gets the dark page")
+    check_phone(phone)
+    if pictures:
+        phone.picture(pictures / "phone.png")
+    check(not phone.complaints(), f"no error on the phone: {phone.complaints()[:2]}")
+    phone.close()
+    print(f"{checks} checks passed")
+
+
+main()
