@@ -57,15 +57,16 @@ double share_inside(const Region& region, const DesignSpec& spec) {
     const int rows = std::min(kRowsAtOnce, grid.rows - row);
     const Tile slope = terrain::slope_degrees(elevation.read({-1, row - 1, grid.columns + 2, rows + 2}),
                                               {grid.cell_width_m(), grid.cell_height_m()});
-    const std::optional<Tile> codes = soils ? std::optional(soils->read({0, row, grid.columns, rows})) : std::nullopt;
+    Tile codes;
+    if (soils) codes = soils->read({0, row, grid.columns, rows});
     for (std::size_t i = 0; i < slope.value.size(); ++i) {
       if (std::isnan(slope.value[i])) continue;
       ++cells;
       if (!holds_slope(spec, slope.value[i])) continue;
-      if (!codes) {
+      if (!soils) {
         inside += everywhere;
-      } else if (!std::isnan(codes->value[i])) {
-        const auto found = share_of_code.find(int(std::lround(codes->value[i])));
+      } else if (!std::isnan(codes.value[i])) {
+        const auto found = share_of_code.find(int(std::lround(codes.value[i])));
         if (found != share_of_code.end()) inside += found->second;
       }
     }
