@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 #include "base/line.h"
@@ -45,24 +46,31 @@ double cost_along(const FoundRoute& route, const RouteCells& cells, const RouteC
   return sum;
 }
 
-struct Totals {
-  const SoilTable& table;
-  const RouteCells& cells;
-  double correlation_length;
-  bool has_speed, has_energy;
+/// Every cost that the model tells.
+using AllCosts = std::map<RouteCost, RouteCosts>;
 
-  Json of(const FoundRoute& route) const {
-    const auto total = [&](RouteCost cost) {
-      return cost_along(route, cells, RouteCosts(table, cost, correlation_length));
-    };
-    Json json = Json::object();
-    json["length_m"] = total(RouteCost::length);
-    json["chance"] = std::exp(-total(RouteCost::risk));
-    if (has_speed) json["time_s"] = total(RouteCost::time);
-    if (has_energy) json["energy_j"] = total(RouteCost::energy);
-    return json;
+AllCosts all_costs(const SoilTable& table, const std::vector<RouteCost>& asked, double correlation_length) {
+  const auto& measures = table.responses.front().measures();
+  AllCosts costs;
+  for (const RouteCost cost : kRouteCosts) {
+    const bool told = cost == RouteCost::time     ? measures.count("mean_speed") > 0
+                      : cost == RouteCost::energy ? measures.count("energy_per_metre") > 0
+                                                  : true;
+    const bool wanted = std::find(asked.begin(), asked.end(), cost) != asked.end();
+    if (told || wanted) costs.emplace(cost, RouteCosts(table, cost, correlation_length));  // refuses what is not told
   }
-};
+  return costs;
+}
+
+Json totals_of(const FoundRoute& route, const RouteCells& cells, const AllCosts& costs) {
+  const auto total = [&](RouteCost cost) { return cost_along(route, cells, costs.at(cost)); };
+  Json json = Json::object();
+  json["length_m"] = total(RouteCost::length);
+  json["chance"] = std::exp(-total(RouteCost::risk));
+  if (costs.count(RouteCost::time)) json["time_s"] = total(RouteCost::time);
+  if (costs.count(RouteCost::energy)) json["energy_j"] = total(RouteCost::energy);
+  return json;
+}
 
 terrain::LineFeature line_of(const FoundRoute& route, const terrain::MapGrid& grid, const Json& totals,
                              const std::string& name) {
@@ -122,19 +130,16 @@ Json plan_route(const RouteRequest& request) {
   const RouteCells cells = read_route_cells(sources, table, map.threads);
   const std::uint32_t start = cell_at(request.from, grid, cells, "--from");
   const std::uint32_t end = cell_at(request.to, grid, cells, "--to");
-  const auto& measures = table.responses.front().measures();
-  const Totals totals{table, cells, map.rules.correlation_length, measures.count("mean_speed") > 0,
-                      measures.count("energy_per_metre") > 0};
+  const AllCosts costs = all_costs(table, request.costs, map.rules.correlation_length);
   Json result = Json::object(), routes = Json::array(), files = Json::array();
   std::vector<terrain::LineFeature> lines;
   for (const RouteCost cost : request.costs) {
-    const RouteCosts costs(table, cost, map.rules.correlation_length);
-    const auto found = find_route(cells, costs, start, end);
+    const auto found = find_route(cells, costs.at(cost), start, end);
     Json entry = Json::object();
     entry["cost"] = name_of(cost);
     entry["found"] = bool(found);
     if (found) {
-      const Json sums = totals.of(*found);
+      const Json sums = totals_of(*found, cells, costs);
       for (const auto& [key, value] : sums.members()) entry[key] = value;
       lines.push_back(line_of(*found, grid, sums, name_of(cost)));
     }
@@ -145,8 +150,7 @@ Json plan_route(const RouteRequest& request) {
     files.push_back(request.lines.string());
   }
   if (!request.reach.empty()) {
-    write_reach(request, grid,
-                reach(cells, RouteCosts(table, request.costs.front(), map.rules.correlation_length), start));
+    write_reach(request, grid, reach(cells, costs.at(request.costs.front()), start));
     files.push_back(request.reach.string());
   }
   result["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_code;

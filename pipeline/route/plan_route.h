@@ -25,7 +25,8 @@ struct RouteRequest {
   std::filesystem::path reach;   // .tif of the least cost from `from`, by the first of `costs`; empty: none
 };
 
-/// { crs, cells, routes: [{ cost, found, length_m, time_s, energy_j, chance, least_p_go? }], files }
+/// { crs, cells, routes: [{ cost, found, length_m, chance, time_s, energy_j }], files }; the last two where the model
+/// tells
 Json plan_route(const RouteRequest& request);
 std::string route_text(const Json& result);
 
