@@ -65,7 +65,8 @@ TEST_CASE("one thread and two give the same bits") {
   const StudyFolder one, two;
   REQUIRE(run_gonogo({"run", one.path("study.json"), "--out", one.out(), "--threads", "1"}).exit_code == 0);
   REQUIRE(run_gonogo({"run", two.path("study.json"), "--out", two.out(), "--threads", "2"}).exit_code == 0);
-  for (const char* file : {"dataset.h5", "model.h5", "map/go.tif", "map/p_go.tif", "map/reason.tif", "map/map.png", "map/index.html"}) {
+  for (const char* file :
+       {"dataset.h5", "model.h5", "map/go.tif", "map/p_go.tif", "map/reason.tif", "map/map.png", "map/index.html"}) {
     INFO(file);
     CHECK(file_hash(one.out() / file) == file_hash(two.out() / file));
   }
