@@ -35,6 +35,7 @@ void add_evaluate_command(CLI::App& app, const Globals& globals);
 void add_infer_command(CLI::App& app, const Globals& globals);
 void add_qubo_command(CLI::App& app, const Globals& globals);
 void add_map_command(CLI::App& app, const Globals& globals);
+void add_route_command(CLI::App& app, const Globals& globals);
 void add_bench_command(CLI::App& app, const Globals& globals);
 void add_validate_command(CLI::App& app, const Globals& globals);
 void add_doctor_command(CLI::App& app, const Globals& globals);

@@ -38,7 +38,8 @@ class StepGraph {
   /// none does.
   bool exists(const Edge& e) const {
     const RouteStep& step = steps_[std::size_t(e.step)];
-    const int column = int(e.from % std::size_t(cells_->columns)), row = int(e.from / std::size_t(cells_->columns));
+    const auto from = std::uint32_t(e.from), width = std::uint32_t(cells_->columns);  // divides faster than 64 bits
+    const int row = int(from / width), column = int(from - std::uint32_t(row) * width);
     const int x = column + step.column, y = row + step.row;
     if (x < 0 || y < 0 || x >= cells_->columns || y >= cells_->rows) return false;
     const auto open = [&](int c, int r) { return passable_[std::size_t(r) * std::size_t(cells_->columns) + c] != 0; };

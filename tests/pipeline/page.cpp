@@ -7,12 +7,14 @@
 #include "pipeline/map/make_map.h"
 #include "pipeline/page/page.h"
 #include "pipeline/route/map_cells.h"
+#include "pipeline/route/plan_route.h"
 #include "pipeline/route/search.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/analytic_model.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/terrain/line_reader.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
@@ -165,4 +167,39 @@ TEST_CASE("the page of the sample region works in a browser and says what the Ge
       std::string("python3 '" GONOGO_SOURCE_DIR "/tests/page/check.py' '" GONOGO_BROWSER "' '") + request.out.string() +
       "'" + (pictures ? std::string(" '") + pictures + "'" : "");
   CHECK(std::system(command.c_str()) == 0);
+}
+
+TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GPX that GDAL reads back") {
+  const TemporaryFolder folder;
+  RouteRequest request;
+  request.map = hostile_request(folder);
+  request.from = {216000, 4370500};
+  request.to = {220500, 4369000};
+  request.costs = {RouteCost::time, RouteCost::risk, RouteCost::length};
+  for (const char* name : {"routes.gpkg", "routes.geojson", "routes.gpx"}) {
+    INFO(name);
+    request.lines = folder / name;
+    const Json result = plan_route(request);
+    const Json::Array& routes = result.at("routes").items();
+    REQUIRE(routes.size() == 3);
+    for (const Json& route : routes) REQUIRE(route.at("found").boolean());
+    CHECK(routes[0].at("time_s").number() <= routes[2].at("time_s").number());
+    CHECK(routes[1].at("chance").number() >= routes[0].at("chance").number());
+    CHECK(routes[2].at("length_m").number() <= routes[1].at("length_m").number());
+    const test::ReadLines lines = test::read_lines(folder / name);
+    CHECK(lines.count == 3);
+    CHECK(lines.degrees == (std::string(name) != "routes.gpkg"));
+    CHECK(lines.west == Approx(lines.degrees ? -120.30 : 216000).margin(lines.degrees ? 0.02 : 200));
+  }
+  request.reach = folder / "reach.tif";
+  plan_route(request);
+  const auto dem = RasterSource::open_elevation(request.map.region.elevation.file);
+  const auto cost = RasterSource::open_on_grid(folder / "reach.tif", dem.grid(), RasterKind::continuous);
+  CHECK(cost.read({175, 300, 1, 1}).value[0] < 300);  // the start's surroundings, in seconds
+  request.from = {0, 0};
+  CHECK(contains(input_error([&] { plan_route(request); }), "--from 0,0 lies outside the elevation raster"));
+  request.lines = folder / "routes.shp";
+  request.from = {216000, 4370500};
+  CHECK(contains(input_error([&] { plan_route(request); }), "use .gpkg, .geojson or .gpx"));
+  CHECK(contains(input_error([] { parse_place("12", "route: --from"); }), "easting,northing"));
 }

@@ -1,0 +1,53 @@
+#include <memory>
+
+#include "pipeline/cli/command.h"
+#include "pipeline/map/map_request.h"
+#include "pipeline/route/plan_route.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  MapFiles files;
+  std::string from, to, out, reach;
+  std::vector<std::string> costs;
+};
+
+void route(const Options& options, const Globals& globals) {
+  RouteRequest request;
+  request.from = parse_place(options.from, "route: --from");
+  request.to = parse_place(options.to, "route: --to");
+  for (const std::string& name : options.costs) request.costs.push_back(route_cost_named(name));
+  request.lines = options.out;
+  request.reach = options.reach;
+  MapFiles files = options.files;
+  files.threads = globals.threads;
+  request.map = read_map_request(files);
+  const Json result = plan_route(request);
+  print_result(globals, result, route_text(result));
+}
+
+}  // namespace
+
+void add_route_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand("route", "Ways over a region: fastest, safest, of least energy, shortest");
+  auto options = std::make_shared<Options>();
+  command->add_option("--model", options->files.model, "Trained model (model.h5)")->required();
+  command->add_option("--region", options->files.region, "Region file; by default the one that the study names");
+  command->add_option("--study", options->files.study, "Study file: thresholds and values of its section \"map\"");
+  command->add_option("--dataset", options->files.dataset, "Trials (dataset.h5): speed and energy");
+  command->add_option("--from", options->from, "Start: easting,northing in the region's coordinate system")->required();
+  command->add_option("--to", options->to, "End, likewise")->required();
+  command->add_option("--cost", options->costs, "fastest, safest, least-energy or shortest; several give several lines")
+      ->default_val(std::vector<std::string>{"safest"})
+      ->delimiter(',');
+  command->add_option("--out", options->out, "Lines: .gpkg, .geojson or .gpx");
+  command->add_option("--reach", options->reach, "GeoTIFF of the least cost from the start to every cell");
+  command->footer(
+      "Costs and what a route may cross: docs/map.md.\n\nExample:\n"
+      "  gonogo route --model out/demo/model.h5 --dataset out/demo/dataset.h5 --region configs/regions/sagehen.json\n"
+      "      --from 216000,4368000 --to 221000,4372500 --cost fastest,safest --out routes.gpkg");
+  command->callback([options, &globals] { route(*options, globals); });
+}
+
+}  // namespace gonogo::pipeline::cli

@@ -1,0 +1,24 @@
+// Lines on the ground as files: GeoPackage, GeoJSON (RFC 7946: WGS 84) and GPX tracks, chosen by the file's extension.
+#pragma once
+#include <array>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "terrain/raster/grid.h"
+
+namespace gonogo::terrain {
+
+struct LineFeature {
+  std::string name;
+  std::vector<std::array<double, 2>> point;               // in the grid's coordinate system
+  std::vector<std::pair<std::string, double>> attribute;  // one column each; not kept in GPX
+};
+
+/// Throws InputError for other extensions than .gpkg, .geojson, .json and .gpx, DeviceError when writing fails; the
+/// file is whole or absent.
+void write_lines(const std::filesystem::path& path, const MapGrid& grid, const std::string& layer,
+                 const std::vector<LineFeature>& lines);
+
+}  // namespace gonogo::terrain
