@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what the build needs and is missing, on Debian 12 or Ubuntu 24.04, as root or with sudo.
-#   scripts/setup.sh
+#   scripts/setup.sh [--tests]      with --tests also what only tests use: Slurm and MPI on this machine
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -11,6 +11,10 @@ packages=(
   libgdal-dev zlib1g-dev                                       # terrain/raster, pipeline/page
   catch2 hdf5-tools python3                                    # tests
 )
+
+if [[ ${1:-} == --tests ]]; then
+  packages+=(slurm-wlm munge openmpi-bin libopenmpi-dev)  # engines of campaigns
+fi
 
 is_installed() { [[ $(dpkg-query -W -f='${Status}' "$1" 2>/dev/null) == "install ok installed" ]]; }
 has_candidate() { [[ $(LC_ALL=C apt-cache policy "$1" 2>/dev/null) == *"Candidate: "[0-9]* ]]; }

@@ -10,13 +10,13 @@ report=$PWD/$folder/tests.xml
 # Value of an attribute of the report's first element, <testsuite ... name="3" ...>.
 from_report() { sed -n "0,/<testcase/s/^.*[[:space:]]$1=\"\([0-9]*\)\".*$/\1/p" "$report" | head -n 1; }
 
-scripts/setup.sh
+scripts/setup.sh --tests
 browser_tests=ON
 if [[ -e .cache/no_browser ]]; then
   browser_tests=OFF
   say "the page is not tested: no package of Chromium on this system"
 fi
-configure cpu-release -DGONOGO_BROWSER_TESTS=$browser_tests -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON
+configure cpu-release -DGONOGO_BROWSER_TESTS=$browser_tests -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON -DGONOGO_MPI=ON
 build cpu-release
 registered=$(ctest --test-dir "$folder" -N | sed -n 's/^Total Tests: //p')
 ((registered > 0)) || fail "no test is registered"

@@ -1,9 +1,7 @@
 #include "pipeline/campaign/design.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <limits>
+#include <numeric>
 
 #include "base/random.h"
 #include "pipeline/campaign/sobol.h"
@@ -13,112 +11,137 @@ namespace {
 
 constexpr std::uint64_t kBedStream = 0x6265640000000000;        // bed seeds, by index of the trial
 constexpr std::uint64_t kReplicateStream = 0x7265706c00000000;  // which point of a block is repeated
-constexpr double kMostPoints = 4e9;                             // below 2^32, the length of the sequence
-constexpr std::size_t kMostCompared = 8192;                     // points of a coverage, which compares all pairs
+constexpr std::uint64_t kCubeStream = 0x6c68730000000000;       // cells and places in them of Latin hypercubes
 
-std::string interval_text(const Variable& variable) {
-  char text[80];
-  std::snprintf(text, sizeof text, "[%g, %g] %s", variable.minimum, variable.maximum, variable.unit.c_str());
-  return text;
+/// Position of a value in a random permutation of 0 .. size - 1 that belongs to `key`: rank of its random number.
+std::vector<std::uint64_t> permutation(std::uint64_t seed, std::uint64_t stream, std::uint64_t first,
+                                       std::uint64_t size) {
+  std::vector<std::uint64_t> order(size);
+  std::iota(order.begin(), order.end(), std::uint64_t(0));
+  std::sort(order.begin(), order.end(), [&](std::uint64_t a, std::uint64_t b) {
+    const std::uint64_t x = random_bits(seed, stream, first + a), y = random_bits(seed, stream, first + b);
+    return x != y ? x < y : a < b;
+  });
+  return order;
 }
 
-SampledVariable read_range(const Config& ranges, std::size_t index) {
-  const Variable& variable = contract().variables[index];
-  const std::vector<double> ends = ranges.numbers(variable.name, {variable.minimum, variable.maximum});
-  if (ends.size() != 2 || !(ends[0] < ends[1]))
-    ranges.fail(variable.name, "expected [minimum, maximum] with minimum < maximum inside " + interval_text(variable) +
-                                   ", found " + ranges.json().at(variable.name).dump() +
-                                   "; a single value belongs under \"fixed\"");
-  return {index, ends[0], ends[1]};
-}
+/// Coordinates in (0, 1) of the points of one stratum, one after the other.
+class UnitPoints {
+ public:
+  UnitPoints(const DesignSpec& spec, std::uint64_t stratum) : spec_(spec), seed_(spec.seed + (stratum << 32)) {}
 
-void read_variables(const Config& section, DesignSpec& spec) {
-  const Config ranges = section.object("ranges");
-  const std::optional<Config> fixed = section.object_if("fixed");
-  for (std::size_t i = 0; i < contract().variables.size(); ++i) {
-    const Variable& variable = contract().variables[i];
-    const bool is_ranged = ranges.has(variable.name), is_fixed = fixed && fixed->has(variable.name);
-    spec.fixed.push_back(std::numeric_limits<double>::quiet_NaN());
-    if (is_ranged) spec.ranges.push_back(read_range(ranges, i));
-    if (is_fixed) spec.fixed.back() = fixed->number(variable.name, {variable.minimum, variable.maximum});
-    if (is_ranged && is_fixed) fixed->fail(variable.name, "is under \"ranges\" too; keep one of the two");
+  std::vector<double> next() {
+    const std::uint64_t number = number_++;
+    std::vector<double> unit(spec_.ranges.size());
+    if (spec_.method == "latin_hypercube") {
+      if (number % spec_.block == 0) begin_cube(number);
+      for (std::size_t j = 0; j < unit.size(); ++j)
+        unit[j] = (double(cells_[j][number % spec_.block]) + random_unit(seed_, kCubeStream + 2 * j + 1, number)) /
+                  double(spec_.block);
+    } else {
+      for (std::size_t j = 0; j < unit.size(); ++j) unit[j] = scrambled_sobol(std::uint32_t(number), seed_, int(j));
+    }
+    return unit;
   }
-  ranges.finish();
-  if (fixed) fixed->finish();
-  for (std::size_t i = 0; i < contract().variables.size(); ++i) {
-    const Variable& variable = contract().variables[i];
-    if (!ranges.has(variable.name) && std::isnan(spec.fixed[i]))
-      section.fail("", "variable \"" + variable.name +
-                           "\" is neither under \"ranges\" nor under \"fixed\"; give it a " +
-                           "range or a value inside " + interval_text(variable));
-  }
-  if (spec.ranges.empty()) section.fail("ranges", "no variable is sampled; give at least one a range");
-}
 
-DesignPoint base_point(const DesignSpec& spec, std::uint64_t number) {
+ private:
+  void begin_cube(std::uint64_t first) {
+    cells_.clear();
+    for (std::size_t j = 0; j < spec_.ranges.size(); ++j)
+      cells_.push_back(permutation(seed_, kCubeStream + 2 * j, first, spec_.block));
+  }
+
+  const DesignSpec& spec_;
+  std::uint64_t seed_, number_ = 0;
+  std::vector<std::vector<std::uint64_t>> cells_;  // [variable][point of the cube]
+};
+
+/// The point of number `number` of all combinations, the last variable running fastest.
+DesignPoint combination(const DesignSpec& spec, std::uint64_t number) {
   DesignPoint point;
   point.variables = spec.fixed;
-  for (std::size_t j = 0; j < spec.ranges.size(); ++j) {
+  for (std::size_t j = spec.ranges.size(); j-- > 0;) {
     const SampledVariable& range = spec.ranges[j];
-    const double unit = scrambled_sobol(std::uint32_t(number), spec.seed, int(j));
-    point.variables[range.variable] = range.minimum + (range.maximum - range.minimum) * unit;
+    const std::uint64_t level = number % spec.levels[j];
+    number /= spec.levels[j];
+    point.variables[range.variable] =
+        range.minimum + (range.maximum - range.minimum) * double(level) / double(spec.levels[j] - 1);
   }
   return point;
 }
 
-/// Coordinates of the first points in the unit cube of the sampled box, replicates left out: [points][sampled
-/// variables].
-std::vector<std::vector<double>> unit_points(const DesignSpec& spec, const std::vector<DesignPoint>& design) {
-  std::vector<std::vector<double>> points;
-  for (const DesignPoint& point : design) {
-    if (point.replicate_of >= 0) continue;
-    if (points.size() == kMostCompared) break;
-    std::vector<double>& unit = points.emplace_back();
-    for (const SampledVariable& range : spec.ranges)
-      unit.push_back((point.variables[range.variable] - range.minimum) / (range.maximum - range.minimum));
+/// Sampled ranges of a stratum: its own, or else the design's.
+std::vector<SampledVariable> ranges_of(const DesignSpec& spec, const Stratum& stratum) {
+  std::vector<SampledVariable> ranges = spec.ranges;
+  for (SampledVariable& range : ranges)
+    for (const SampledVariable& own : stratum.ranges)
+      if (own.variable == range.variable) range = own;
+  return ranges;
+}
+
+/// Base points of a design, replicates left out, in order.
+class BasePoints {
+ public:
+  explicit BasePoints(const DesignSpec& spec) : spec_(spec), given_(std::max<std::size_t>(1, spec.strata.size()), 0) {
+    for (std::size_t s = 0; s < given_.size(); ++s) units_.emplace_back(spec, s);
   }
-  return points;
-}
 
-double largest_gap(const std::vector<std::vector<double>>& points, std::size_t dimension) {
-  std::vector<double> values{0, 1};
-  for (const auto& point : points) values.push_back(point[dimension]);
-  std::sort(values.begin(), values.end());
-  double gap = 0;
-  for (std::size_t i = 1; i < values.size(); ++i) gap = std::max(gap, values[i] - values[i - 1]);
-  return gap;
-}
+  DesignPoint next() {
+    const std::uint64_t number = number_++;
+    if (!spec_.given.empty()) return spec_.given[number];
+    if (spec_.method == "factorial") return combination(spec_, number);
+    const std::size_t stratum = next_stratum();
+    const std::vector<SampledVariable> ranges =
+        spec_.strata.empty() ? spec_.ranges : ranges_of(spec_, spec_.strata[stratum]);
+    const std::vector<double> unit = units_[stratum].next();
+    DesignPoint point;
+    point.variables = spec_.fixed;
+    for (std::size_t j = 0; j < ranges.size(); ++j)
+      point.variables[ranges[j].variable] = ranges[j].minimum + (ranges[j].maximum - ranges[j].minimum) * unit[j];
+    point.proposal_density = stratified_density(spec_, point.variables);
+    return point;
+  }
 
-/// T. T. Warnock, "Computational investigations of low-discrepancy point sets" (1972): the square of the L2 norm.
-double squared_discrepancy(const std::vector<std::vector<double>>& points, std::size_t dimensions) {
-  double single = 0, pairs = 0;
-  for (const auto& a : points) {
-    double product = 1;
-    for (const double x : a) product *= (1 - x * x) / 2;
-    single += product;
-    for (const auto& b : points) {
-      double pair = 1;
-      for (std::size_t j = 0; j < dimensions; ++j) pair *= 1 - std::max(a[j], b[j]);
-      pairs += pair;
+ private:
+  /// The one that is furthest behind its share: after every point each has its share within one.
+  std::size_t next_stratum() {
+    if (spec_.strata.empty()) return 0;
+    std::size_t best = 0;
+    double most = -1e300;
+    for (std::size_t s = 0; s < given_.size(); ++s) {
+      const double behind = spec_.strata[s].share * double(number_) - double(given_[s]);
+      if (behind > most) {
+        most = behind;
+        best = s;
+      }
     }
+    ++given_[best];
+    return best;
   }
-  const double n = double(points.size());
-  return std::pow(3.0, -double(dimensions)) - 2 * single / n + pairs / (n * n);
-}
+
+  const DesignSpec& spec_;
+  std::uint64_t number_ = 0;
+  std::vector<std::uint64_t> given_;  // [strata]
+  std::vector<UnitPoints> units_;     // [strata]
+};
 
 }  // namespace
 
-DesignSpec read_design(const Config& section, std::uint64_t seed) {
-  DesignSpec spec;
-  spec.seed = seed;
-  spec.method = section.choice("method", {"sobol"});
-  spec.points = std::uint64_t(section.integer("points", {1, kMostPoints}));
-  spec.replicate_every = std::uint64_t(section.integer_or("replicate_every", 10, {0, kMostPoints}));
-  read_variables(section, spec);
-  if (spec.ranges.size() > std::size_t(kSobolDimensions))
-    section.fail("ranges", "at most " + std::to_string(kSobolDimensions) + " variables can be sampled; fix some");
-  section.finish();
-  return spec;
+double stratified_density(const DesignSpec& spec, const std::vector<double>& variables) {
+  if (spec.strata.empty()) return 1;
+  double density = 0;
+  for (const Stratum& stratum : spec.strata) {
+    double part = stratum.share;
+    for (const SampledVariable& own : stratum.ranges) {
+      const auto whole = std::find_if(spec.ranges.begin(), spec.ranges.end(),
+                                      [&](const SampledVariable& r) { return r.variable == own.variable; });
+      const double x = variables[own.variable];
+      const bool inside = x >= own.minimum && x <= own.maximum;
+      part *= inside ? (whole->maximum - whole->minimum) / (own.maximum - own.minimum) : 0;
+    }
+    density += part;
+  }
+  return density;
 }
 
 std::uint64_t trial_count(const DesignSpec& spec) {
@@ -133,10 +156,11 @@ std::vector<DesignPoint> make_design(const DesignSpec& spec) {
     point.seed = random_bits(spec.seed, kBedStream, point.index);
     design.push_back(std::move(point));
   };
+  BasePoints base(spec);
   std::vector<std::uint64_t> block;  // indices of the points since the last replicate
   for (std::uint64_t number = 0; number < spec.points; ++number) {
     block.push_back(design.size());
-    add(base_point(spec, number));
+    add(base.next());
     if (block.size() != spec.replicate_every) continue;
     DesignPoint replicate = design[block[random_bits(spec.seed, kReplicateStream, number) % block.size()]];
     replicate.replicate_of = std::int64_t(replicate.index);
@@ -144,19 +168,6 @@ std::vector<DesignPoint> make_design(const DesignSpec& spec) {
     block.clear();
   }
   return design;
-}
-
-Coverage coverage(const DesignSpec& spec, const std::vector<DesignPoint>& design) {
-  const std::vector<std::vector<double>> points = unit_points(spec, design);
-  const std::size_t dimensions = spec.ranges.size();
-  Coverage result;
-  result.discrepancy = std::sqrt(std::max(0.0, squared_discrepancy(points, dimensions)));
-  // For independent uniform points the mean of the square is (2^-d - 3^-d) / n.
-  result.expected_random =
-      std::sqrt((std::pow(2.0, -double(dimensions)) - std::pow(3.0, -double(dimensions))) / double(points.size()));
-  for (std::size_t j = 0; j < dimensions; ++j)
-    result.largest_gap = std::max(result.largest_gap, largest_gap(points, j));
-  return result;
 }
 
 }  // namespace gonogo::pipeline

@@ -1,12 +1,6 @@
 #include "pipeline/campaign/folder.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -57,85 +51,114 @@ void require_same(const fs::path& folder, const Json& before, const Dependencies
                    "; undo the change or choose another folder");
 }
 
-Json read_claim(const fs::path& folder) {
+Json read_claim_file(const fs::path& folder) {
   const Json claim = Json::read(claim_path(folder));
   const Json* format = find_text(claim, "format");
-  if (!format || format->string() != kFormat || !claim.find("trials") || !claim.find("depends_on"))
+  if (!format || format->string() != kFormat || !claim.find("trials") || !claim.find("trials_per_shard") ||
+      !claim.find("depends_on"))
     throw InputError(claim_path(folder).string() + ": is no campaign of the format " + kFormat +
                      "; choose another folder");
   return claim;
 }
 
+Claim claim_in(const Json& file) {
+  return {std::size_t(file.at("trials").unsigned_integer()),
+          std::size_t(file.at("trials_per_shard").unsigned_integer())};
+}
+
+void write_claim(const fs::path& folder, const Claim& claim, const Dependencies& depends_on) {
+  Json file = Json::object();
+  file["format"] = kFormat;
+  file["trials"] = std::uint64_t(claim.trials);
+  file["trials_per_shard"] = std::uint64_t(claim.trials_per_shard);
+  Json& entries = file["depends_on"];
+  entries = Json::object();
+  for (const auto& [name, value] : depends_on) entries[name] = value;
+  write_file_atomically(claim_path(folder), file.dump(2) + "\n");
+}
+
 }  // namespace
 
 fs::path journal_path(const fs::path& folder) { return folder / "trials" / "local.csv"; }
+fs::path journal_path(const fs::path& folder, std::uint64_t shard) {
+  return folder / "trials" / ("shard-" + std::to_string(shard) + ".csv");
+}
+std::vector<fs::path> journals_of(const fs::path& folder) {
+  std::vector<fs::path> journals;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(folder / "trials", none))
+    if (entry.path().extension() == ".csv" && entry.path().filename().string()[0] != '.')
+      journals.push_back(entry.path());
+  std::sort(journals.begin(), journals.end());
+  return journals;
+}
 fs::path dataset_path(const fs::path& folder) { return folder / "dataset.h5"; }
 fs::path running_folder(const fs::path& folder) { return folder / "running"; }
 fs::path saved_trial_path(const fs::path& running, std::uint64_t index) {
   return running / ("trial-" + std::to_string(index) + ".h5");
 }
 
-FolderLock::FolderLock(const fs::path& folder) {
+CampaignLock::CampaignLock(const fs::path& folder, FolderUse use) {
   create_folder(folder);
-  const fs::path path = lock_path(folder);
-  fd_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (fd_ < 0)
-    throw InputError(folder.string() + ": cannot write here (" + std::strerror(errno) +
-                     "); fix its permissions or choose another folder");
-  if (::flock(fd_, LOCK_EX | LOCK_NB) == 0) return;
-  const int error = errno;
-  ::close(fd_);
-  if (error == EWOULDBLOCK)
-    throw InputError(folder.string() + ": another campaign is at work in this folder; wait for it to end or choose " +
-                     "another folder");
-  throw DeviceError(path.string() + ": this filesystem has no locks (" + std::strerror(error) +
-                    "), so that two campaigns could mix; choose a folder on another one");
+  const auto kind = use == FolderUse::coordinator ? FileLock::Kind::exclusive : FileLock::Kind::shared;
+  std::optional<FileLock> lock = FileLock::take(lock_path(folder), kind);
+  if (!lock) {
+    const bool tasks = folder_use(folder) == FolderUse::tasks;
+    throw InputError(folder.string() + ": " +
+                     (tasks ? "tasks of this campaign are at work (gonogo campaign status shows how far they are)"
+                            : "another campaign is at work in this folder") +
+                     "; wait for the end or choose another folder");
+  }
+  lock_.emplace(std::move(*lock));
 }
 
-FolderLock::~FolderLock() { ::close(fd_); }
-
-bool is_locked(const fs::path& folder) {
-  const int fd = ::open(lock_path(folder).c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return false;
-  const bool locked = ::flock(fd, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  ::close(fd);
-  return locked;
+FolderUse folder_use(const fs::path& folder) {
+  const auto held = FileLock::held(lock_path(folder));
+  if (!held) return FolderUse::none;
+  return *held == FileLock::Kind::shared ? FolderUse::tasks : FolderUse::coordinator;
 }
 
-void claim_folder(const fs::path& folder, std::size_t trials, const Dependencies& depends_on) {
+Claim claim_folder(const fs::path& folder, const Claim& wanted, const Dependencies& depends_on) {
   std::error_code ec;
+  Claim claim = wanted;
   const bool exists = fs::exists(claim_path(folder), ec);
   if (exists) {
-    const Json claim = read_claim(folder);
-    require_same(folder, claim.at("depends_on"), depends_on);
-    if (claim.at("trials").unsigned_integer() == trials) return;
+    const Json file = read_claim_file(folder);
+    require_same(folder, file.at("depends_on"), depends_on);
+    claim.trials_per_shard = claim_in(file).trials_per_shard;
+    if (claim_in(file).trials == wanted.trials) return claim;
   }
-  if (!exists && fs::exists(journal_path(folder), ec))
+  if (!exists && (!journals_of(folder).empty() || fs::exists(folder / "shards", ec)))
     throw InputError(folder.string() + ": holds trials but no campaign.json that says what they depend on; choose " +
                      "another folder");
-  Json claim = Json::object();
-  claim["format"] = kFormat;
-  claim["trials"] = std::uint64_t(trials);
-  Json& entries = claim["depends_on"];
-  entries = Json::object();
-  for (const auto& [name, value] : depends_on) entries[name] = value;
-  write_file_atomically(claim_path(folder), claim.dump(2) + "\n");
+  write_claim(folder, claim, depends_on);
+  return claim;
 }
 
-std::size_t claimed_trials(const fs::path& folder) {
+Claim require_claim(const fs::path& folder, std::size_t trials, const Dependencies& depends_on) {
+  const Claim claim = read_claim(folder);
+  require_same(folder, read_claim_file(folder).at("depends_on"), depends_on);
+  if (claim.trials != trials)
+    throw InputError(folder.string() + ": this campaign has " + std::to_string(claim.trials) +
+                     " trials, the study's design has " + std::to_string(trials) +
+                     "; the study changed since it was submitted: submit it again");
+  return claim;
+}
+
+Claim read_claim(const fs::path& folder) {
   std::error_code ec;
   if (!fs::exists(claim_path(folder), ec))
     throw InputError(folder.string() + ": holds no campaign; give the folder of gonogo campaign run --out");
-  return std::size_t(read_claim(folder).at("trials").unsigned_integer());
+  return claim_in(read_claim_file(folder));
 }
 
 void remove_partial_files(const fs::path& folder) {
-  for (const fs::path& place : {folder, folder / "trials", running_folder(folder)}) {
+  for (const fs::path& place : {folder, folder / "trials", folder / "shards", running_folder(folder)}) {
     std::error_code ec;
     for (const auto& entry : fs::directory_iterator(place, ec)) {
       const std::string name = entry.path().filename().string();
       bool ours = false;
-      for (const char* start : {".dataset.", ".campaign.", ".local.", ".trial-"})
+      for (const char* start : {".dataset.", ".campaign.", ".local.", ".trial-", ".shard-"})
         ours = ours || name.rfind(start, 0) == 0;
       std::error_code ignored;
       if (ours && name.find(".partial-") != std::string::npos) fs::remove(entry.path(), ignored);

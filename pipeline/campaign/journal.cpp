@@ -76,6 +76,12 @@ JournalContent recover_journal(const fs::path& path) {
   return content;
 }
 
+void write_journal(const fs::path& path, const std::vector<TrialRecord>& records) {
+  std::string text;
+  for (const TrialRecord& record : records) text += seal_line(to_row(record));
+  write_file_atomically(path, text);
+}
+
 Journal::Journal(const fs::path& path) : path_(path), last_flush_(std::chrono::steady_clock::now()) {
   fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (fd_ < 0) fail(path_, "write here", errno);

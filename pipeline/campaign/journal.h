@@ -4,7 +4,7 @@
 //
 // A trial is committed by one append. kill -9 at any instant leaves whole lines and at most one torn last line, which
 // its hash gives away; a power cut can take the lines of the last second. A campaign's folder holds one such file per
-// engine or job in trials/; all of them together are its result.
+// engine or job in trials/; rows stay there until their shard is committed.
 #pragma once
 #include <chrono>
 #include <filesystem>
@@ -12,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "pipeline/trial/record.h"
 
@@ -37,6 +38,9 @@ JournalContent read_journal(const std::filesystem::path& path);
 
 /// As read_journal, and moves damaged lines to "<journal>.damaged", so that their trials are computed again.
 JournalContent recover_journal(const std::filesystem::path& path);
+
+/// Replaces a journal by these rows, whole or not at all.
+void write_journal(const std::filesystem::path& path, const std::vector<TrialRecord>& records);
 
 class Journal {
  public:

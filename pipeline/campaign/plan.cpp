@@ -3,6 +3,7 @@
 #include <gnu/libc-version.h>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "base/version.h"
 #include "pipeline/campaign/design.h"
@@ -12,8 +13,6 @@ namespace gonogo::pipeline {
 namespace {
 
 constexpr const char* kSections[] = {"soil", "trial", "design"};
-
-std::string program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
 
 /// Leaves of a JSON value by path: {"trial.step_s": "0.001", ...}, so that a change can be named.
 void add_leaves(const std::string& path, const Json& value, Dependencies& leaves) {
@@ -51,6 +50,8 @@ Dependencies dependencies(const Study& study, const Provenance& provenance) {
 
 }  // namespace
 
+std::string campaign_program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
+
 CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& folder, int workers,
                               const InputFiles& inputs, const std::string& backend) {
   CampaignRequest request;
@@ -59,10 +60,14 @@ CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& f
   Provenance& provenance = request.provenance;
   provenance.study = relevant_study(study).dump(2);
   provenance.contract_hash = content_hash(contract_text());
-  provenance.program_version = program();
+  provenance.program_version = campaign_program();
   provenance.backend = backend;
-  if (!study.vehicle.empty()) provenance.inputs.emplace_back("vehicle", file_hash(study.vehicle));
-  for (const auto& [name, path] : inputs) provenance.inputs.emplace_back(name, file_hash(path));
+  const auto add_input = [&](const std::string& name, const std::filesystem::path& path) {
+    provenance.inputs.emplace_back(name, file_hash(path));
+    provenance.files.emplace_back(name, read_file(path));
+  };
+  if (!study.vehicle.empty()) add_input("vehicle", study.vehicle);
+  for (const auto& [name, path] : inputs) add_input(name, path);
   provenance.libraries = {{"compiler", __VERSION__}, {"libc", gnu_get_libc_version()}};
   request.depends_on = dependencies(study, provenance);
   request.workers = workers;

@@ -13,6 +13,9 @@ namespace gonogo::pipeline {
 /// Files that trials read, by name ("vehicle" is added by itself when the study has one).
 using InputFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 
+/// Release and revision of this program, as provenance names it.
+std::string campaign_program();
+
 /// Everything of a CampaignRequest but `prepare`. Workers are this very program with "campaign worker <study>". Trials
 /// depend on the study's seed, its sections soil, trial and design (without the number of points, so that a campaign
 /// can grow), on the content of `inputs`, on `backend` ("cpu", or "cuda" and the device's name), and on contract,

@@ -57,4 +57,23 @@ void run_study_worker(const std::filesystem::path& study_file, const WorkerOptio
   run_worker(engine);
 }
 
+void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine& line) {
+  const TrialSetup setup = read_trial_setup(study, default_packing_folder());
+  if (options.device == sim::Backend::cuda) sim::use_cuda_device(options.gpu);
+  BatchEngine engine(setup, options);
+  run_worker(engine, line);
+}
+
+WorkerOptions worker_options(const Study& study, const std::filesystem::path& folder, const ComputeRequest& asked,
+                             int worker) {
+  const ComputeSettings compute = read_compute(study, asked);
+  WorkerOptions options{.device = compute.device,
+                        .places = compute.places,
+                        .gpu = compute.gpus > 0 ? worker % compute.gpus : 0,
+                        .checkpoints = {},
+                        .checkpoint_every = compute.checkpoint_every};
+  if (compute.checkpoint_every > 0) options.checkpoints = running_folder(folder);
+  return options;
+}
+
 }  // namespace gonogo::pipeline

@@ -4,6 +4,7 @@
 
 #include "pipeline/campaign/campaign.h"
 #include "pipeline/campaign/compute.h"
+#include "pipeline/campaign/worker.h"
 #include "pipeline/study/study.h"
 
 namespace gonogo::pipeline {
@@ -22,8 +23,13 @@ struct WorkerOptions {
   double checkpoint_every = 30;       // [s]
 };
 
-/// The worker's half: computes trials of the study until standard input ends. A trial of which a saved state is found
-/// goes on from there; a saved state that cannot be used is set aside.
+/// The worker's half: computes trials of the study until `line` ends, or standard input does. A trial of which a saved
+/// state is found goes on from there; a saved state that cannot be used is set aside.
 void run_study_worker(const std::filesystem::path& study_file, const WorkerOptions& options);
+void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine& line);
+
+/// Options of the `worker`-th worker of a campaign that has not the words of a command line to tell them.
+WorkerOptions worker_options(const Study& study, const std::filesystem::path& folder, const ComputeRequest& compute,
+                             int worker);
 
 }  // namespace gonogo::pipeline

@@ -10,22 +10,22 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <optional>
 
 #include "base/error.h"
+#include "base/hash.h"
+#include "base/version.h"
 #include "pipeline/campaign/journal.h"
 #include "pipeline/dataset/row.h"
 
 namespace gonogo::pipeline {
 namespace {
 
-/// The worker's two ends: points come by standard input, results leave by a descriptor of their own.
-class Line {
+/// Points come by standard input, results leave by a descriptor of their own.
+class StandardLine : public WorkerLine {
  public:
-  explicit Line(int results) : results_(results) {}
+  explicit StandardLine(int results) : results_(results) {}
 
-  /// The next line of standard input, or nothing at its end; without `wait` also when none is there yet.
-  std::optional<std::string> next(bool wait) {
+  std::optional<std::string> next(bool wait) override {
     for (;;) {
       if (const std::size_t end = buffer_.find('\n'); end != std::string::npos) {
         const std::string line = buffer_.substr(0, end);
@@ -38,7 +38,7 @@ class Line {
   }
 
   /// Goes on receiving meanwhile: the coordinator may be writing, too, and neither may wait for the other.
-  void send(const std::string& line) {
+  void send(const std::string& line) override {
     for (std::size_t done = 0; done < line.size();) {
       if (!is_ready(results_, POLLOUT) && !at_end_ && is_ready(STDIN_FILENO, POLLIN)) receive();
       ssize_t count = ::send(results_, line.data() + done, line.size() - done, MSG_DONTWAIT | MSG_NOSIGNAL);
@@ -86,12 +86,13 @@ std::string one_line(std::string sentence) {
 DesignPoint point_in(const std::string& line) {
   const std::optional<std::string_view> row = unseal_line(line);
   const std::optional<DesignPoint> point = row ? parse_point(*row) : std::nullopt;
-  if (!point) throw InputError("campaign worker: standard input holds no design points; it is started by a campaign");
+  if (!point) throw InputError("campaign worker: its input holds no design points; it is started by a campaign");
   return *point;
 }
 
 /// Fills the engine and takes it one step on; false when nothing is left to do.
-bool work(Line& line, TrialEngine& engine) {
+bool work(WorkerLine& line, TrialEngine& engine) {
+  if (line.is_cancelled()) return false;
   while (engine.has_room()) {
     const std::optional<std::string> next = line.next(!engine.is_running());
     if (!next) break;
@@ -121,13 +122,13 @@ class OneAtATime : public TrialEngine {
 
 }  // namespace
 
-void run_worker(TrialEngine& engine) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is the coordinator's to handle
-  std::signal(SIGTERM, SIG_DFL);
-  Line line(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
-  ::dup2(STDERR_FILENO, STDOUT_FILENO);
+std::string worker_program() {
+  return std::string(program_version()) + " (" + program_revision() + "), contract " + content_hash(contract_text());
+}
+
+void run_worker(TrialEngine& engine, WorkerLine& line) {
   try {
+    line.send(kHelloWord + seal_line(worker_program()));
     while (work(line, engine)) {
     }
   } catch (const InputError& error) {
@@ -135,6 +136,20 @@ void run_worker(TrialEngine& engine) {
   } catch (const DeviceError& error) {
     line.send(kFailedWord + seal_line(one_line(error.what())));
   }
+}
+
+void run_worker(TrialEngine& engine) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  std::signal(SIGINT, SIG_IGN);  // Ctrl-C is the coordinator's to handle
+  std::signal(SIGTERM, SIG_DFL);
+  StandardLine line(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
+  ::dup2(STDERR_FILENO, STDOUT_FILENO);
+  run_worker(engine, line);
+}
+
+void run_worker(const TrialFunction& trial, WorkerLine& line) {
+  OneAtATime engine(trial);
+  run_worker(engine, line);
 }
 
 void run_worker(const TrialFunction& trial) {

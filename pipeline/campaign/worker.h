@@ -1,6 +1,7 @@
-// The worker's half of a campaign: points in by standard input, trials out by standard output, one sealed line each.
+// The worker's half of a campaign: points in, trials out, one sealed line each.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,14 +25,32 @@ class TrialEngine {
   virtual std::vector<TrialRecord> advance() = 0;
 };
 
-/// Computes points until standard input ends, keeping the engine full. Whatever a trial prints to standard output goes
-/// to standard error. Ends with the coordinator, however that ends.
-void run_worker(TrialEngine& engine);
+/// The worker's end of its connection to the coordinator.
+class WorkerLine {
+ public:
+  virtual ~WorkerLine() = default;
+  /// The next line, or nothing when there will be none; without `wait` also when none is there yet.
+  virtual std::optional<std::string> next(bool wait) = 0;
+  virtual void send(const std::string& line) = 0;
+  /// The coordinator has no use for what is still running.
+  virtual bool is_cancelled() { return false; }
+};
 
+/// Computes points until `line` ends, keeping the engine full.
+void run_worker(TrialEngine& engine, WorkerLine& line);
+
+/// The same over standard input and output. Whatever a trial prints to standard output goes to standard error. Ends
+/// with the coordinator, however that ends.
+void run_worker(TrialEngine& engine);
 /// The same with one trial at a time.
 void run_worker(const TrialFunction& trial);
+void run_worker(const TrialFunction& trial, WorkerLine& line);
+
+/// Version of program and contract; coordinator and workers must agree in it.
+std::string worker_program();
 
 // Lines from worker to coordinator start with one of these words.
+inline constexpr const char* kHelloWord = "hello ";  // then worker_program(); the first line
 inline constexpr const char* kTrialWord = "trial ";
 inline constexpr const char* kRefusedWord = "refused ";  // then the sentence of an InputError
 inline constexpr const char* kFailedWord = "failed ";    // then the sentence of a DeviceError

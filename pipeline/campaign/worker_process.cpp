@@ -10,8 +10,6 @@
 #include <cstring>
 
 #include "base/error.h"
-#include "pipeline/campaign/journal.h"
-#include "pipeline/dataset/row.h"
 
 extern char** environ;
 
@@ -77,9 +75,7 @@ WorkerProcess::~WorkerProcess() {
   ::close(fd_);
 }
 
-void WorkerProcess::start(const DesignPoint& point) {
-  trials_.push_back(&point);
-  const std::string line = seal_line(to_row(point));
+void WorkerProcess::send(const std::string& line) {
   for (std::size_t done = 0; done < line.size();) {
     const ssize_t count = ::send(fd_, line.data() + done, line.size() - done, MSG_NOSIGNAL);
     if (count < 0 && errno == EINTR) continue;

@@ -2,16 +2,13 @@
 #pragma once
 #include <sys/types.h>
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "pipeline/trial/record.h"
-
 namespace gonogo::pipeline {
 
-/// Owns one child process, its line of communication and the trials it is at. The destructor kills it.
+/// Owns one child process and its line of communication. The destructor kills it.
 class WorkerProcess {
  public:
   /// Starts `command` (program and arguments) with one thread for OpenMP, in a process group of its own, so that Ctrl-C
@@ -22,12 +19,8 @@ class WorkerProcess {
   WorkerProcess& operator=(const WorkerProcess&) = delete;
 
   int fd() const { return fd_; }
-  /// Trials that it has been given and not answered, in the order in which it was given them.
-  const std::vector<const DesignPoint*>& trials() const { return trials_; }
-
-  /// Hands out a trial, which must outlive it. A worker that is dead already shows that when it is read.
-  void start(const DesignPoint& point);
-  void finish(const DesignPoint& point) { std::erase(trials_, &point); }
+  /// A worker that is dead already shows that when it is read.
+  void send(const std::string& line);
 
   /// Reads what has come; false when the worker is gone. Lines are then taken one by one.
   bool receive();
@@ -42,7 +35,6 @@ class WorkerProcess {
 
   pid_t pid_ = -1;
   int fd_ = -1, status_ = 0;
-  std::vector<const DesignPoint*> trials_;
   std::string buffer_;
 };
 

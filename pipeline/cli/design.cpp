@@ -1,11 +1,16 @@
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include "base/line.h"
+#include "pipeline/campaign/coverage.h"
 #include "pipeline/campaign/design.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/dataset/row.h"
 #include "pipeline/study/study.h"
+#ifdef GONOGO_WITH_GDAL
+#include "pipeline/design/region_share.h"
+#endif
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -21,9 +26,10 @@ std::string as_csv(const std::vector<DesignPoint>& design) {
   return text;
 }
 
-std::string as_text(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled) {
-  std::string text = line("%zu trials: %llu points of a scrambled Sobol' sequence, the rest replicates\n",
-                          design.size(), static_cast<unsigned long long>(spec.points));
+std::string as_text(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled,
+                    const std::optional<double>& region_share) {
+  std::string text = line("%zu trials: %llu points (%s), the rest replicates\n", design.size(),
+                          static_cast<unsigned long long>(spec.points), spec.method.c_str());
   for (const SampledVariable& range : spec.ranges) {
     const Variable& variable = contract().variables[range.variable];
     text += line("  %-18s %g to %g %s\n", variable.name.c_str(), range.minimum, range.maximum, variable.unit.c_str());
@@ -33,19 +39,35 @@ std::string as_text(const DesignSpec& spec, const std::vector<DesignPoint>& desi
     if (spec.fixed[i] == spec.fixed[i])
       text += line("  %-18s %g %s\n", variable.name.c_str(), spec.fixed[i], variable.unit.c_str());
   }
+  for (const Stratum& stratum : spec.strata)
+    text += line("  share %-6.3g       %s\n", stratum.share, stratum.name.c_str());
   text +=
       line("L2 star discrepancy %.3g (independent random points: %.3g)\n", filled.discrepancy, filled.expected_random);
-  return text + line("widest gap in any one variable: %.2g of its range\n", filled.largest_gap) + "\n" + as_csv(design);
+  text += line("widest gap in any one variable: %.2g of its range\n", filled.largest_gap);
+  text += line("largest empty ball: radius %.3g of the unit cube's side\n", filled.empty_ball);
+  if (region_share) text += line("%.1f %% of the region lies inside the sampled box\n", 100 * *region_share);
+  return text + "\n" + as_csv(design);
 }
 
-Json as_json(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled) {
+Json as_json(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled,
+             const std::optional<double>& region_share) {
   Json result = Json::object();
   result["trials"] = std::uint64_t(design.size());
   result["points"] = spec.points;
   result["discrepancy"] = filled.discrepancy;
   result["discrepancy_of_random"] = filled.expected_random;
   result["widest_gap_share"] = filled.largest_gap;
+  result["largest_empty_ball"] = filled.empty_ball;
+  if (region_share) result["region_share"] = *region_share;
   return result;
+}
+
+/// Nothing where the study names no region, or this build reads no rasters.
+std::optional<double> share_of_region([[maybe_unused]] const Study& study, [[maybe_unused]] const DesignSpec& spec) {
+#ifdef GONOGO_WITH_GDAL
+  if (!study.region.empty()) return share_inside(read_region(study.region), spec);
+#endif
+  return std::nullopt;
 }
 
 }  // namespace
@@ -61,7 +83,9 @@ void add_design_command(CLI::App& app, const Globals& globals) {
     const DesignSpec spec = read_design(study.section("design"), study.seed);
     const std::vector<DesignPoint> design = make_design(spec);
     const Coverage filled = coverage(spec, design);
-    print_result(globals, as_json(spec, design, filled), options->csv ? as_csv(design) : as_text(spec, design, filled));
+    const std::optional<double> region = share_of_region(study, spec);
+    print_result(globals, as_json(spec, design, filled, region),
+                 options->csv ? as_csv(design) : as_text(spec, design, filled, region));
   });
 }
 

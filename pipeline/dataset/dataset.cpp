@@ -13,56 +13,42 @@ namespace {
 
 constexpr const char* kFormat = "gonogo/dataset/1";
 
-/// One value of every record.
-template <class T, class Get>
-std::vector<T> column(const std::vector<TrialRecord>& records, Get get) {
-  std::vector<T> values;
-  values.reserve(records.size());
-  for (const TrialRecord& record : records) values.push_back(T(get(record)));
-  return values;
-}
-
 /// All not-a-numbers get the same bits: which sign or payload one has depends on compiler and processor.
 double canonical(double x) { return std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : x; }
-
-void require_contract_lengths(const std::vector<TrialRecord>& records) {
-  for (const TrialRecord& record : records)
-    if (record.point.variables.size() != contract().variables.size() ||
-        record.measures.size() != contract().measures.size())
-      throw InputError("dataset: trial " + std::to_string(record.point.index) +
-                       " has another number of variables or measures than the contract");
-}
 
 void describe(Hdf5Writer& out, const std::string& path, const std::string& unit, const std::string& description) {
   out.attribute(path, "unit", unit);
   out.attribute(path, "description", description);
 }
 
-void write_design(Hdf5Writer& out, const std::vector<TrialRecord>& records) {
-  out.array("design/index", column<std::uint64_t>(records, [](const auto& r) { return r.point.index; }));
-  describe(out, "design/index", "-", "position in the design, from 0");
-  out.array("design/seed", column<std::uint64_t>(records, [](const auto& r) { return r.point.seed; }));
-  describe(out, "design/seed", "-", "seed of the bed; replicates differ only here");
-  out.array("design/replicate_of", column<std::int64_t>(records, [](const auto& r) { return r.point.replicate_of; }));
-  describe(out, "design/replicate_of", "-", "index of the point whose variables this one repeats, or -1");
-  out.array("design/proposal_density", column<double>(records, [](const auto& r) { return r.point.proposal_density; }));
-  describe(out, "design/proposal_density", "-",
-           "density of the design at this point, relative to uniform over the sampled box");
+/// Stores a column and lets go of its memory.
+template <class T>
+void store(Hdf5Writer& out, const std::string& path, std::vector<T>& column, const std::string& unit,
+           const std::string& description) {
+  out.array(path, column);
+  std::vector<T>().swap(column);
+  describe(out, path, unit, description);
 }
 
-void write_values(Hdf5Writer& out, const std::vector<TrialRecord>& records) {
+void write_design(Hdf5Writer& out, TrialColumns& columns) {
+  store(out, "design/index", columns.index, "-", "position in the design, from 0");
+  store(out, "design/seed", columns.seed, "-", "seed of the bed; replicates differ only here");
+  store(out, "design/replicate_of", columns.replicate_of, "-",
+        "index of the point whose variables this one repeats, or -1");
+  store(out, "design/proposal_density", columns.proposal_density, "-",
+        "density of the design at this point, relative to uniform over the sampled box");
+}
+
+void write_values(Hdf5Writer& out, TrialColumns& columns) {
   for (std::size_t i = 0; i < contract().variables.size(); ++i) {
     const Variable& variable = contract().variables[i];
     const std::string path = "variables/" + variable.name;
-    out.array(path, column<double>(records, [i](const auto& r) { return canonical(r.point.variables[i]); }));
-    describe(out, path, variable.unit, variable.label);
+    store(out, path, columns.variables[i], variable.unit, variable.label);
     out.attribute(path, "range", std::vector<double>{variable.minimum, variable.maximum});
   }
   for (std::size_t i = 0; i < contract().measures.size(); ++i) {
     const Measure& measure = contract().measures[i];
-    const std::string path = "measures/" + measure.name;
-    out.array(path, column<double>(records, [i](const auto& r) { return canonical(r.measures[i]); }));
-    describe(out, path, measure.unit, measure.about);
+    store(out, "measures/" + measure.name, columns.measures[i], measure.unit, measure.about);
   }
 }
 
@@ -79,15 +65,13 @@ void name_codes(Hdf5Writer& out, const std::string& path, const std::vector<Info
   out.attribute(path, "codes", codes);
 }
 
-void write_outcome(Hdf5Writer& out, const std::vector<TrialRecord>& records) {
-  out.array("outcome/verdict", column<std::int32_t>(records, [](const auto& r) { return int(r.verdict); }));
-  describe(out, "outcome/verdict", "-", "how the trial ended");
+void write_outcome(Hdf5Writer& out, TrialColumns& columns) {
+  store(out, "outcome/verdict", columns.verdict, "-", "how the trial ended");
   name_codes(out, "outcome/verdict", contract().verdicts);
-  out.array("outcome/reason", column<std::int32_t>(records, [](const auto& r) { return int(r.reason); }));
-  describe(out, "outcome/reason", "-", "why the trial ended so");
+  store(out, "outcome/reason", columns.reason, "-", "why the trial ended so");
   name_codes(out, "outcome/reason", contract().reasons);
-  out.array("outcome/attempts", column<std::uint64_t>(records, [](const auto& r) { return r.attempts; }));
-  describe(out, "outcome/attempts", "-", "2 when the first attempt failed a check and a smaller step was used");
+  store(out, "outcome/attempts", columns.attempts, "-",
+        "2 when the first attempt failed a check and a smaller step was used");
 }
 
 void write_pairs(Hdf5Writer& out, const std::string& path, const Provenance::Pairs& pairs) {
@@ -115,6 +99,7 @@ void write_provenance(Hdf5Writer& out, const Provenance& provenance) {
   out.attribute("provenance", "backend", provenance.backend);
   write_pairs(out, "provenance/inputs", provenance.inputs);
   write_pairs(out, "provenance/libraries", provenance.libraries);
+  write_pairs(out, "provenance/files", provenance.files);
 }
 
 Provenance read_provenance(const Hdf5Reader& in) {
@@ -123,7 +108,8 @@ Provenance read_provenance(const Hdf5Reader& in) {
           .program_version = in.text_attribute("provenance", "program_version"),
           .backend = in.text_attribute("provenance", "backend"),
           .inputs = read_pairs(in, "provenance/inputs"),
-          .libraries = read_pairs(in, "provenance/libraries")};
+          .libraries = read_pairs(in, "provenance/libraries"),
+          .files = in.has("provenance/files") ? read_pairs(in, "provenance/files") : Provenance::Pairs{}};
 }
 
 /// The names below `group` must be those of the contract, in any order.
@@ -176,6 +162,10 @@ void read_values(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
   const Shape rows{records.size()};
   require_names(in, "variables", contract().variables);
   require_names(in, "measures", contract().measures);
+  for (TrialRecord& record : records) {
+    record.point.variables.reserve(contract().variables.size());
+    record.measures.reserve(contract().measures.size());
+  }
   for (const Variable& variable : contract().variables) {
     const auto values = in.array<double>("variables/" + variable.name, rows);
     for (std::size_t row = 0; row < records.size(); ++row) records[row].point.variables.push_back(values[row]);
@@ -204,17 +194,46 @@ void read_outcome(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
 
 }  // namespace
 
-std::string dataset_image(const Dataset& dataset) {
-  require_contract_lengths(dataset.records);
+TrialColumns::TrialColumns(std::size_t expected_rows)
+    : variables(contract().variables.size()), measures(contract().measures.size()) {
+  const auto reserve = [expected_rows](auto&... columns) { (columns.reserve(expected_rows), ...); };
+  reserve(index, seed, replicate_of, proposal_density, verdict, reason, attempts);
+  for (auto& column : variables) column.reserve(expected_rows);
+  for (auto& column : measures) column.reserve(expected_rows);
+}
+
+void TrialColumns::append(const TrialRecord& record) {
+  const DesignPoint& point = record.point;
+  if (point.variables.size() != variables.size() || record.measures.size() != measures.size())
+    throw InputError("dataset: trial " + std::to_string(point.index) +
+                     " has another number of variables or measures than the contract");
+  index.push_back(point.index);
+  seed.push_back(point.seed);
+  replicate_of.push_back(point.replicate_of);
+  proposal_density.push_back(point.proposal_density);
+  for (std::size_t i = 0; i < variables.size(); ++i) variables[i].push_back(canonical(point.variables[i]));
+  verdict.push_back(int(record.verdict));
+  reason.push_back(int(record.reason));
+  attempts.push_back(record.attempts);
+  for (std::size_t i = 0; i < measures.size(); ++i) measures[i].push_back(canonical(record.measures[i]));
+}
+
+std::string dataset_image(TrialColumns columns, const Provenance& provenance) {
   Hdf5Writer out;
   out.attribute("", "format", kFormat);
   out.attribute("", "about",
                 "gonogo dataset: one row per simulated trial; see /provenance for what the rows depend on");
-  write_design(out, dataset.records);
-  write_values(out, dataset.records);
-  write_outcome(out, dataset.records);
-  write_provenance(out, dataset.provenance);
+  write_design(out, columns);
+  write_values(out, columns);
+  write_outcome(out, columns);
+  write_provenance(out, provenance);
   return out.image();
+}
+
+std::string dataset_image(const Dataset& dataset) {
+  TrialColumns columns(dataset.records.size());
+  for (const TrialRecord& record : dataset.records) columns.append(record);
+  return dataset_image(std::move(columns), dataset.provenance);
 }
 
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset) {

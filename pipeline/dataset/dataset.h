@@ -2,8 +2,8 @@
 //
 //   /design/{index, seed, replicate_of, proposal_density}     [rows]
 //   /variables/<name>, /measures/<name>                       [rows], in the unit of their attribute "unit"
-//   /outcome/{verdict, reason, attempts}                      [rows]; codes, named by the attributes "names" and
-//   "codes" /provenance/{study, inputs, libraries}                    what the rows depend on, and nothing else
+//   /outcome/{verdict, reason, attempts}                      [rows]; codes, named by attributes "names" and "codes"
+//   /provenance/{study, inputs, files, libraries}             what the rows depend on, and nothing else
 //
 // Rows and provenance decide every byte: no times, hosts or numbers of workers.
 #pragma once
@@ -26,6 +26,8 @@ struct Provenance {
   Pairs inputs;                 // name of a vehicle, soil or bed file -> its content hash
   Pairs libraries;              // compiler or library whose version can change bits -> version
 
+  Pairs files;  // name of such a file -> its text, so that a trial can be repeated from the dataset alone
+
   bool operator==(const Provenance&) const = default;
 };
 
@@ -34,12 +36,27 @@ struct Dataset {
   Provenance provenance;
 };
 
+/// The table column by column: what a million rows are merged in.
+struct TrialColumns {
+  explicit TrialColumns(std::size_t expected_rows = 0);
+  /// Throws InputError for a record whose lengths are not the contract's.
+  void append(const TrialRecord& record);
+
+  std::vector<std::uint64_t> index, seed;
+  std::vector<std::int64_t> replicate_of;
+  std::vector<double> proposal_density;
+  std::vector<std::vector<double>> variables, measures;  // [variable or measure of the contract][row]
+  std::vector<std::int32_t> verdict, reason;             // codes
+  std::vector<std::uint64_t> attempts;
+};
+
 /// Writes the file atomically. Throws InputError for records whose lengths are not the contract's, DeviceError when the
 /// file cannot be written.
 void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 
 /// The bytes that write_dataset writes.
 std::string dataset_image(const Dataset& dataset);
+std::string dataset_image(TrialColumns columns, const Provenance& provenance);
 
 /// Throws InputError, naming file and place, for a missing, truncated or damaged file and for one whose variables,
 /// measures, verdicts or reasons are not those of this program's contract.

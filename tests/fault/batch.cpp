@@ -4,8 +4,7 @@
 #include <iterator>
 
 #include "base/file.h"
-#include "pipeline/campaign/folder.h"
-#include "pipeline/campaign/journal.h"
+#include "pipeline/campaign/campaign.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"
@@ -43,7 +42,10 @@ std::vector<fs::path> saved_trials(const fs::path& out) {
   return files;
 }
 
-std::size_t finished(const fs::path& out) { return pipeline::read_journal(pipeline::journal_path(out)).records.size(); }
+std::size_t finished(const fs::path& out) {
+  std::error_code ec;
+  return fs::exists(out / "campaign.json", ec) ? pipeline::campaign_status(out).done : 0;
+}
 
 /// Workers of the campaign in this folder.
 std::vector<pid_t> workers_of(const fs::path& out) {
@@ -124,6 +126,30 @@ TEST_CASE("a saved trial that is damaged is set aside and computed anew, and it 
   CHECK(contains(ending.err, "set aside as " + victim.filename().string() + ".damaged and the trial starts anew"));
   CHECK(read_file(out / "dataset.h5") == expected);
   CHECK(fs::exists(victim.string() + ".damaged"));
+}
+
+TEST_CASE("a trial replayed from the dataset alone gives its bits, and a dataset that was altered shows") {
+  const StudyFolder s;
+  dataset_of(s, s.out(), 2, 1);
+  const fs::path file = s.path("moved.h5");
+  fs::rename(s.out() / "dataset.h5", file);
+  for (const char* name : {"study.json", "vehicle.json", "calibration.json"}) fs::remove(s.path(name));
+  const Ending same = run_gonogo({"dataset", "replay", file, "--trial", "3"});
+  INFO(same.err);
+  CHECK(same.exit_code == 0);
+  CHECK(contains(same.out, "trial 3: the same bits"));
+  check_refusal(run_gonogo({"dataset", "replay", file, "--trial", "731"}), 2, {"trial 731", "6 trials"});
+
+  pipeline::Dataset altered = pipeline::read_dataset(file);
+  altered.records[3].measures[0] += 1e-9;
+  pipeline::write_dataset(s.path("altered.h5"), altered);
+  const Ending differs = run_gonogo({"dataset", "replay", s.path("altered.h5"), "--trial", "3"});
+  CHECK(differs.exit_code == 1);
+  CHECK(contains(differs.out, pipeline::contract().measures[0].name + ": "));
+  const Ending diff = run_gonogo({"dataset", "diff", file, s.path("altered.h5")});
+  CHECK(diff.exit_code == 1);
+  CHECK(contains(diff.out, "trial 3 " + pipeline::contract().measures[0].name));
+  CHECK(run_gonogo({"dataset", "verify", file}).exit_code == 0);
 }
 
 TEST_CASE("devices and places that do not exist are refused before anything is done") {

@@ -39,11 +39,17 @@ struct Run {
 
   Run(
       const fs::path& folder, int points, int workers, int milliseconds, const std::string& behaviour = "normal",
-      const std::function<void()>& before = [] {}, int places = 1)
+      const std::function<void()>& before = [] {}, int places = 1, const std::string& per_shard = "64")
       : log(folder.string() + ".log") {
-    const std::vector<std::string> words{
-        GONOGO_CAMPAIGN_PROGRAM,      "run",     folder.string(),       std::to_string(points), std::to_string(workers),
-        std::to_string(milliseconds), behaviour, std::to_string(places)};
+    const std::vector<std::string> words{GONOGO_CAMPAIGN_PROGRAM,
+                                         "run",
+                                         folder.string(),
+                                         std::to_string(points),
+                                         std::to_string(workers),
+                                         std::to_string(milliseconds),
+                                         behaviour,
+                                         std::to_string(places),
+                                         per_shard};
     pid = ::fork();
     if (pid != 0) return;
     const int out = ::open(log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
@@ -89,14 +95,6 @@ std::vector<pid_t> children_of(pid_t parent) {
 
 std::string dataset_bytes(const fs::path& folder) { return read_file(folder / "dataset.h5"); }
 
-/// The dataset of an undisturbed campaign, from trials called in a loop: no worker, journal or process involved.
-std::string expected_bytes(int points) {
-  const CampaignRequest request = cheap_campaign("unused", points);
-  Dataset dataset{.records = {}, .provenance = request.provenance};
-  for (const DesignPoint& point : request.design) dataset.records.push_back(closed_form_trial(point));
-  return dataset_image(dataset);
-}
-
 void sleep_ms(int milliseconds) { ::usleep(useconds_t(milliseconds) * 1000); }
 
 bool wait_until(const std::function<bool()>& condition) {
@@ -107,7 +105,31 @@ bool wait_until(const std::function<bool()>& condition) {
   return false;
 }
 
-std::size_t finished_trials(const fs::path& folder) { return read_journal(journal_path(folder)).records.size(); }
+/// Trials that are on disk by now; none before the campaign has begun.
+std::size_t finished_trials(const fs::path& folder) {
+  std::error_code ec;
+  return fs::exists(folder / "campaign.json", ec) ? campaign_status(folder).done : 0;
+}
+
+std::vector<fs::path> shard_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code ec;
+  for (const auto& entry : fs::directory_iterator(shard_folder(folder), ec))
+    if (entry.path().extension() == ".h5" && entry.path().filename().string()[0] != '.') files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// Cuts a shard short, or changes one of its bytes.
+void damage(const fs::path& file, std::uint64_t draw) {
+  std::string bytes = read_file(file);
+  const std::size_t at = std::size_t(double(bytes.size()) * random_unit(9, 1, draw));
+  if (draw % 2 == 0)
+    bytes.resize(at);
+  else
+    bytes[at] = char(bytes[at] ^ 4);
+  std::ofstream(file, std::ios::binary) << bytes;
+}
 
 TEST_CASE("1, 2 and 4 workers give the same dataset bits as calling the trials in a loop") {
   const TemporaryFolder folder;
@@ -157,15 +179,22 @@ TEST_CASE("a campaign grows and shrinks without computing anything twice") {
   CHECK(dataset_bytes(folder / "a") == expected_bytes(100));
 }
 
-/// Kills workers and coordinators of one campaign, 50 in all.
+/// No file of this process and those it starts can grow at all.
+void no_space() {
+  const rlimit none{0, 0};
+  ::setrlimit(RLIMIT_FSIZE, &none);
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+/// Kills workers and coordinators of one campaign, 50 in all. Shards are damaged meanwhile, and once the disk is full.
 void check_kills(int places) {
   const TemporaryFolder folder;
   const fs::path place = folder / "killed";
   constexpr int kKills = 50, kMilliseconds = 15, kWorkers = 3;
-  int points = 400, kills = 0, coordinator_kills = 0, status = -1;
+  int points = 400, kills = 0, coordinator_kills = 0, status = -1, damaged = 0;
   const auto restart = [&] {
     return std::make_unique<Run>(
-        place, points, kWorkers, kMilliseconds, "normal", [] {}, places);
+        place, points, kWorkers, kMilliseconds, "normal", [] {}, places, "16");
   };
   auto run = restart();
   for (std::uint64_t draw = 0; kills < kKills; ++draw) {
@@ -186,45 +215,135 @@ void check_kills(int places) {
     ++coordinator_kills;
     REQUIRE(run->wait() == -SIGKILL);
     CHECK(wait_until([&] { return std::none_of(workers.begin(), workers.end(), is_alive); }));
+    if (const auto shards = shard_files(place); !shards.empty()) {
+      damage(shards[draw % shards.size()], draw);
+      ++damaged;
+    }
+    if (coordinator_kills == 3) CHECK(Run(place, points, kWorkers, 0, "normal", no_space, places, "16").wait() == 1);
     run = restart();
   }
   REQUIRE(run->wait() == 0);
+  INFO("shards damaged on the way: " << damaged);
+  damage(shard_files(place).at(3), 2);
+  run = restart();
+  REQUIRE(run->wait() == 0);
+  CHECK(contains(run->output(), "computed 16 "));
   CHECK(coordinator_kills >= 5);
   CHECK(kills - coordinator_kills >= 20);
   CHECK(dataset_bytes(place) == expected_bytes(points));
-  const std::string journal = read_file(journal_path(place));
-  CHECK(std::count(journal.begin(), journal.end(), '\n') == points + points / 10);
+  CHECK(finished_trials(place) == std::size_t(points + points / 10));
+  CHECK(journals_of(place).empty());
   for (const auto& entry : fs::directory_iterator(place))
     CHECK_FALSE(contains(entry.path().filename().string(), "partial"));
 }
 
-TEST_CASE("50 random kill -9 of workers and coordinator: same dataset bits, no trial twice") { check_kills(1); }
+TEST_CASE("50 kill -9, damaged shards and a full disk change no bit of the dataset") { check_kills(1); }
 
-TEST_CASE("50 random kill -9 of workers that have two trials each: same dataset bits, no trial twice") {
-  check_kills(2);
+TEST_CASE("50 kill -9 of workers that have two trials each change no bit of the dataset") { check_kills(2); }
+
+/// A campaign of 22 trials that was stopped after the 15th, in the journal, and its whole journal.
+std::string stopped_campaign(const fs::path& place) {
+  REQUIRE(Run(place, 20, 1, 0, "crash:15").wait() == 1);
+  return read_file(journal_path(place));
 }
 
 TEST_CASE("a journal cut anywhere or with a changed byte: the damage is set aside, said and computed again") {
   const TemporaryFolder folder;
   const fs::path place = folder / "a";
-  REQUIRE(Run(place, 20, 2, 0).wait() == 0);
-  const std::string whole = read_file(journal_path(place)), expected = expected_bytes(20);
+  const std::string whole = stopped_campaign(place), expected = expected_bytes(20);
   for (std::uint64_t draw = 0; draw < 6; ++draw) {
-    const std::size_t at = std::size_t(double(whole.size()) * random_unit(9, 0, draw));
-    std::string bytes = whole;
-    if (draw % 2 == 0)
-      bytes.resize(at);
-    else
-      bytes[at] = char(bytes[at] ^ 4);
-    std::ofstream(journal_path(place), std::ios::binary) << bytes;
+    fs::remove_all(shard_folder(place));
+    std::ofstream(journal_path(place), std::ios::binary) << whole;
+    damage(journal_path(place), draw);
     fs::remove(place / "dataset.h5");
     const Run run(place, 20, 2, 0);
-    CAPTURE(draw, at);
+    CAPTURE(draw);
     REQUIRE(run.wait() == 0);
     CHECK(contains(run.output(), "set aside"));
     CHECK(dataset_bytes(place) == expected);
     CHECK(fs::exists(journal_path(place).string() + ".damaged"));
   }
+}
+
+TEST_CASE("a shard cut short, changed, exchanged or without its manifest is computed again, which is said") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "a";
+  REQUIRE(Run(place, kPoints, 2, 0).wait() == 0);
+  const std::string expected = expected_bytes(kPoints);
+  const std::vector<fs::path> shards = shard_files(place);
+  REQUIRE(shards.size() == 4);
+  const auto mend = [&](const std::string& said, int computed) {
+    const Run run(place, kPoints, 2, 0);
+    REQUIRE(run.wait() == 0);
+    CAPTURE(run.output());
+    CHECK(contains(run.output(), said));
+    CHECK(contains(run.output(), "computed " + std::to_string(computed) + " "));
+    CHECK(dataset_bytes(place) == expected);
+    CHECK(campaign_status(place).committed_shards == 4);
+  };
+  damage(shards[1], 2);
+  mend("bytes, its manifest says", 64);
+  damage(shards[1], 3);
+  mend("do not match the hash in its manifest", 64);
+  fs::remove(shards[2]);
+  mend("is missing or cannot be read", 64);
+  std::ofstream(shard_folder(place) / "shard-3.json") << "{ \"format\"";
+  mend("shard 3 is set aside", 28);
+  fs::remove(shard_folder(place) / "shard-0.json");
+  mend("", 64);
+  fs::remove_all(shard_folder(place));
+  mend("", 220);
+  std::string manifest = read_file(shard_folder(place) / "shard-1.json");  // as if of another campaign
+  manifest[manifest.find("campaign") + 13] ^= 1;
+  std::ofstream(shard_folder(place) / "shard-1.json") << manifest;
+  mend("depend on other inputs than this campaign's", 64);
+  fs::remove_all(shard_folder(place));  // and the dataset stays as it is
+  mend("", 220);
+}
+
+TEST_CASE("the size of shards changes no bit, and the first run decides it") {
+  const TemporaryFolder folder;
+  const std::string expected = expected_bytes(60);
+  for (const std::string per_shard : {"1", "7", "66", "1000"}) {
+    const fs::path place = folder / per_shard;
+    const Run run(
+        place, 60, 2, 0, "normal", [] {}, 1, per_shard);
+    REQUIRE(run.wait() == 0);
+    CHECK(dataset_bytes(place) == expected);
+  }
+  REQUIRE(Run(
+              folder / "7", 60, 2, 0, "normal", [] {}, 1, "20")
+              .wait() == 0);
+  CHECK(campaign_status(folder / "7").shards == 10);
+}
+
+TEST_CASE("clocks that are wrong change nothing: files from tomorrow and from long ago") {
+  const TemporaryFolder folder;
+  const fs::path place = folder / "a";
+  stopped_campaign(place);
+  const auto now = fs::file_time_type::clock::now();
+  fs::last_write_time(journal_path(place), now + std::chrono::hours(24));
+  fs::last_write_time(place / "campaign.json", now - std::chrono::hours(24 * 365 * 20));
+  fs::last_write_time(place / "campaign.lock", now + std::chrono::hours(24 * 365));
+  const Run run(place, 20, 2, 0);
+  REQUIRE(run.wait() == 0);
+  CHECK(contains(run.output(), "reused 15 "));
+  CHECK(dataset_bytes(place) == expected_bytes(20));
+}
+
+TEST_CASE("a worker of another version is refused") {
+  const TemporaryFolder folder;
+  const Run run(folder / "a", 20, 2, 0, "old");
+  CHECK(run.wait() == 2);
+  CHECK(contains(run.output(), "a worker is another version of the program (0.0.1 (1234))"));
+  CHECK(finished_trials(folder / "a") == 0);
+}
+
+TEST_CASE("a filesystem without locks is refused, saying so") {
+  const TemporaryFolder folder;
+  const Run run(folder / "a", 20, 2, 0, "normal", [] { ::setenv("LD_PRELOAD", GONOGO_NO_LOCKS, 1); });
+  CHECK(run.wait() == 1);
+  CHECK(contains(run.output(), "this filesystem has no locks (No locks available)"));
 }
 
 TEST_CASE("a truncated dataset is refused by readers and written again by its campaign") {
@@ -307,12 +426,12 @@ TEST_CASE("a second coordinator in the same folder is refused, and status sees t
   CHECK(contains(sentence, place.string()));
   CHECK(contains(sentence, "another campaign is at work"));
   const CampaignStatus during = campaign_status(place);
-  CHECK(during.running);
+  CHECK(during.use == FolderUse::coordinator);
   CHECK(during.trials == std::size_t(kTrials));
   CHECK(during.done > 0);
   REQUIRE(first.wait() == 0);
   const CampaignStatus after = campaign_status(place);
-  CHECK_FALSE(after.running);
+  CHECK(after.use == FolderUse::none);
   CHECK(after.done == std::size_t(kTrials));
   CHECK(contains(input_error([&] { campaign_status(folder / "nothing"); }), "holds no campaign"));
 }

@@ -1,7 +1,10 @@
 // A campaign of cheap trials, as a program that tests can kill.
-//   campaign_program run <folder> <points> <workers> <ms per trial> <behaviour> <places>
+//   campaign_program run|mpi|collect <folder> <points> <workers> <ms per trial> <behaviour> <places> [<per shard>]
+//   campaign_program submit <the same>
+//   campaign_program task <the same> --task <k> --tasks <n>
 //   campaign_program worker <ms per trial> <behaviour> <places>
-// Behaviours: "normal"; "crash:<index>" and "refuse:<index>" at that trial; "print" writes to standard output too.
+// Behaviours: "normal"; "crash:<index>" and "refuse:<index>" at that trial; "print" writes to standard output too;
+// "old" greets as another version would. <per shard> trials are committed together; 64 without it.
 #include <unistd.h>
 
 #include <chrono>
@@ -12,9 +15,14 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
+#include "pipeline/campaign/journal.h"
+#include "pipeline/campaign/slurm.h"
 #include "pipeline/campaign/worker.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/support/trials.h"
+#ifdef GONOGO_WITH_MPI
+#include "pipeline/campaign/mpi/mpi_crew.h"
+#endif
 
 namespace gonogo::pipeline {
 namespace {
@@ -59,18 +67,62 @@ void work(int milliseconds, const std::string& behaviour, int places) {
   }
 }
 
-int run(const std::vector<std::string>& words) {
-  if (words.at(1) == "worker") {
-    work(std::stoi(words.at(2)), words.at(3), std::stoi(words.at(4)));
-    return 0;
-  }
+CampaignRequest request_of(const std::vector<std::string>& words) {
   CampaignRequest request = cheap_campaign(words.at(2), std::stoi(words.at(3)));
   request.workers = std::stoi(words.at(4));
   request.places = std::stoi(words.at(7));
   request.worker_command = {"/proc/self/exe", "worker", words.at(5), words.at(6), words.at(7)};
-  const CampaignSummary summary = run_campaign(request);
+  request.trials_per_shard = words.size() > 8 ? std::size_t(std::stoi(words.at(8))) : 64;
+  return request;
+}
+
+void print(const CampaignSummary& summary) {
   std::printf("trials %zu computed %zu reused %zu damaged %zu\n", summary.trials, summary.computed, summary.reused,
               summary.damaged);
+}
+
+void submit(const std::vector<std::string>& words) {
+  std::vector<std::string> task = words;
+  task[0] = std::filesystem::read_symlink("/proc/self/exe");
+  task[1] = "task";
+  const Submission done =
+      submit_campaign(request_of(words), {.tasks = 3, .task_command = task, .options = {"--cpus-per-task=1"}});
+  std::printf("job %s shards %zu tasks %zu\n", done.job.c_str(), done.shards, done.tasks);
+}
+
+#ifdef GONOGO_WITH_MPI
+void run_with_mpi(const std::vector<std::string>& words) {
+  const MpiJob job;
+  CampaignRequest request = request_of(words);
+  if (job.rank() > 0) {
+    const auto trial = [&](const DesignPoint& point) { return misbehave(point, std::stoi(words.at(5)), words.at(6)); };
+    return run_worker(trial, *job.worker_line());
+  }
+  request.crew = job.crew_maker();
+  print(run_campaign(request));
+}
+#endif
+
+int run(const std::vector<std::string>& words) {
+  const std::string& what = words.at(1);
+  if (what == "worker") {
+    if (words.at(3) == "old") std::printf("%s%s", kHelloWord, seal_line("0.0.1 (1234)").c_str()), std::fflush(stdout);
+    work(std::stoi(words.at(2)), words.at(3), std::stoi(words.at(4)));
+  } else if (what == "task") {
+    const std::size_t n = words.size();
+    const std::vector<std::string> rest(words.begin(), words.end() - 4);
+    print(run_campaign_task(request_of(rest), std::stoull(words.at(n - 3)), std::stoull(words.at(n - 1))));
+  } else if (what == "submit") {
+    submit(words);
+  } else if (what == "collect") {
+    print(collect_campaign(request_of(words)));
+#ifdef GONOGO_WITH_MPI
+  } else if (what == "mpi") {
+    run_with_mpi(words);
+#endif
+  } else {
+    print(run_campaign(request_of(words)));
+  }
   return 0;
 }
 

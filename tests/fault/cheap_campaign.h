@@ -2,6 +2,7 @@
 #pragma once
 #include "pipeline/campaign/campaign.h"
 #include "pipeline/campaign/design.h"
+#include "tests/support/trials.h"
 
 namespace gonogo::pipeline {
 
@@ -18,9 +19,22 @@ inline CampaignRequest cheap_campaign(const std::filesystem::path& folder, int p
   request.folder = folder;
   request.design = make_design(spec);
   request.depends_on = {{"seed", "3"}, {"trial.step_s", "0.001"}};
-  request.provenance = {
-      .study = "{}", .contract_hash = "c", .program_version = "p", .backend = "cpu", .inputs = {}, .libraries = {}};
+  request.provenance = {.study = "{}",
+                        .contract_hash = "c",
+                        .program_version = "p",
+                        .backend = "cpu",
+                        .inputs = {},
+                        .libraries = {},
+                        .files = {}};
   return request;
+}
+
+/// The dataset of an undisturbed campaign, from trials called in a loop: no worker, journal, shard or process involved.
+inline std::string expected_bytes(int points) {
+  const CampaignRequest request = cheap_campaign("unused", points);
+  Dataset dataset{.records = {}, .provenance = request.provenance};
+  for (const DesignPoint& point : request.design) dataset.records.push_back(closed_form_trial(point));
+  return dataset_image(dataset);
 }
 
 }  // namespace gonogo::pipeline

@@ -56,6 +56,51 @@ TEST_CASE("gonogo dataset exports exactly the table") {
   CHECK(Json::parse(summary.out, "stdout").at("trials").integer() == 55);
 }
 
+TEST_CASE("gonogo dataset merges, checks and compares") {
+  const TemporaryFolder folder;
+  const Dataset whole = sample();
+  Dataset first = whole, second = whole;
+  first.records.resize(30);
+  second.records.erase(second.records.begin(), second.records.begin() + 20);
+  const std::string a = folder / "a.h5", b = folder / "b.h5", w = folder / "w.h5", out = folder / "out.h5";
+  write_dataset(a, first);
+  write_dataset(b, second);
+  write_dataset(w, whole);
+  CHECK(run_gonogo({"dataset", "merge", a, b, "--out", out}).exit_code == 0);
+  CHECK(read_file(out) == read_file(w));
+  CHECK(run_gonogo({"dataset", "diff", out, w}).exit_code == 0);
+  const Ending diff = run_gonogo({"dataset", "diff", a, w});
+  CHECK(diff.exit_code == 1);
+  CHECK(contains(diff.out, "only in the second"));
+  CHECK(run_gonogo({"dataset", "verify", w}).exit_code == 0);
+  first.records[4].attempts = 9;
+  write_dataset(a, first);
+  const Ending faults = run_gonogo({"dataset", "verify", a});
+  CHECK(faults.exit_code == 1);
+  CHECK(contains(faults.out, "trial 4: took 9 attempts"));
+  second.records[2].measures[1] += 1;  // trial 22
+  write_dataset(b, second);
+  check_refusal(run_gonogo({"dataset", "merge", a, b, "--out", folder / "no.h5"}), 2, {"trial 22", "another result"});
+  CHECK_FALSE(std::filesystem::exists(folder / "no.h5"));
+}
+
+TEST_CASE("gonogo dataset plot draws what it is asked for into a page that needs nothing else") {
+  const TemporaryFolder folder;
+  write_dataset(folder / "d.h5", sample());
+  const std::string file = folder / "d.h5";
+  const Ending drawn = run_gonogo({"dataset", "plot", file, "--out", folder / "plots", "--y", "sinkage"});
+  INFO(drawn.err);
+  REQUIRE(drawn.exit_code == 0);
+  for (const char* name : {"boundary.png", "pairs.png"})
+    CHECK(read_file(folder / "plots" / name).substr(1, 3) == "PNG");
+  const std::string page = read_file(folder / "plots/report.html");
+  CHECK(contains(page, "data:image/png;base64,iVBORw0KGgo"));
+  CHECK_FALSE(contains(page, "://"));
+  check_refusal(run_gonogo({"dataset", "plot", file, "--out", folder / "none", "--x", "slope_allong"}), 2,
+                {"slope_allong", "did you mean \"slope_along\""});
+  CHECK_FALSE(std::filesystem::exists(folder / "none"));
+}
+
 TEST_CASE("gonogo dataset refuses what is no whole dataset, and exports whole files or none") {
   const TemporaryFolder folder;
   const std::string bytes = dataset_image(sample());

@@ -25,9 +25,9 @@ std::map<std::string, std::string> results(const StudyFolder& s) {
 /// Trials that are on disk by now.
 std::size_t finished_trials(const StudyFolder& s) {
   for (const auto& file : files_below(s.out()))
-    if (fs::path(file).filename() == "local.csv") {
-      const std::string text = read_file(s.out() / file);
-      return std::size_t(std::count(text.begin(), text.end(), '\n'));
+    if (fs::path(file).filename() == "campaign.json") {
+      const Ending status = run_gonogo({"campaign", "status", (s.out() / file).parent_path(), "--json"});
+      return std::size_t(Json::parse(status.out, "status").at("done").unsigned_integer());
     }
   return 0;
 }

@@ -8,6 +8,7 @@
 
 #include "base/file.h"
 #include "base/hdf5/hdf5.h"
+#include "pipeline/dataset/check.h"
 #include "pipeline/dataset/export.h"
 #include "pipeline/dataset/row.h"
 #include "pipeline/dataset/summary.h"
@@ -35,7 +36,8 @@ Dataset sample(std::size_t rows) {
                         .program_version = "0.1.0",
                         .backend = "cpu",
                         .inputs = {{"vehicle", "abc"}},
-                        .libraries = {{"compiler", "x"}, {"libc", "y"}}};
+                        .libraries = {{"compiler", "x"}, {"libc", "y"}},
+                        .files = {{"vehicle", "{\"mass\": 1}\n"}}};
   return dataset;
 }
 
@@ -192,6 +194,69 @@ TEST_CASE("a summary counts what a by-hand count gives") {
   CHECK(summary.slope[2].unknown == 1);
   CHECK(contains(to_text(summary), "1 of 2\n"));
   CHECK(to_json(summary).at("slope_along").items()[1].at("go").integer() == 1);
+}
+
+TEST_CASE("a sound dataset has no faults, and each planted fault is named") {
+  CHECK(faults_of(sample(40)).empty());
+  const auto faults_with = [](auto change) {
+    Dataset dataset = sample(40);
+    change(dataset.records);
+    const std::vector<std::string> faults = faults_of(dataset);
+    REQUIRE(faults.size() == 1);
+    return faults.front();
+  };
+  using Records = std::vector<TrialRecord>;
+  CHECK(contains(faults_with([](Records& r) { r.push_back(r[3]); }), "trial 3: comes after trial 39"));
+  CHECK(contains(faults_with([](Records& r) { r[5].point.variables[0] = 46; }), "trial 5: slope_along is 46 deg"));
+  CHECK(contains(faults_with([](Records& r) { r[5].point.variables[2] = std::nan(""); }),
+                 "trial 5: friction_angle is nan"));
+  CHECK(contains(faults_with([](Records& r) { r[5].point.proposal_density = 0; }), "proposal density is 0"));
+  CHECK(contains(faults_with([](Records& r) { r[5].attempts = 3; }), "took 3 attempts"));
+  CHECK(contains(faults_with([](Records& r) { r[9].point.replicate_of = 20; }), "does not come before it"));
+  CHECK(contains(faults_with([](Records& r) { r[9].point.replicate_of = 2; }), "other variables than"));
+  const std::string wrong = faults_with([](Records& r) {
+    r[5].verdict = Verdict::go;
+    r[5].reason = Reason::traction;
+  });
+  CHECK(contains(wrong, "trial 5: verdict go with reason traction"));
+}
+
+TEST_CASE("differences of datasets: none with themselves, every changed bit, row and input otherwise") {
+  const Dataset a = sample(30);
+  CHECK(difference(a, a).none());
+  Dataset b = a;
+  b.records[4].measures[0] = std::nextafter(b.records[4].measures[0], 1e9);
+  b.records.erase(b.records.begin() + 7);
+  b.provenance.backend = "cuda, X";
+  const DatasetDifference d = difference(a, b);
+  CHECK(d.common == 29);
+  CHECK(d.only_first == std::vector<std::uint64_t>{7});
+  CHECK(d.only_second.empty());
+  REQUIRE(d.rows.size() == 1);
+  CHECK(d.rows[0].index == 4);
+  CHECK(d.rows[0].column == contract().measures[0].name);
+  CHECK(d.provenance == std::vector<std::string>{"backend: cpu against cuda, X"});
+}
+
+TEST_CASE("datasets of one study merge into the whole, overlapping or growing; others are refused") {
+  const Dataset whole = sample(30);
+  Dataset first = whole, second = whole;
+  first.records.erase(first.records.begin() + 20, first.records.end());
+  second.records.erase(second.records.begin(), second.records.begin() + 10);
+  const Dataset merged = merge_datasets({second, first}, {"b", "a"});
+  CHECK(difference(merged, whole).none());
+  Dataset other = first;
+  other.provenance.inputs[0].second = "changed";
+  const std::string refused = input_error([&] { merge_datasets({second, other}, {"b", "a"}); });
+  CHECK(
+      contains(refused, "b and a: their trials depend on different things (content of vehicle: abc against changed)"));
+  other = first;
+  other.records[15].measures[0] += 1;
+  CHECK(contains(input_error([&] { merge_datasets({second, other}, {"b", "a"}); }), "a: trial 15 has another result"));
+  other = first;
+  first.provenance.study = R"({"study": "test", "design": {"points": 20, "method": "sobol"}})";
+  second.provenance.study = R"({"study": "test", "design": {"points": 40, "method": "sobol"}})";
+  CHECK(merge_datasets({first, second}, {"a", "b"}).records.size() == 30);
 }
 
 }  // namespace

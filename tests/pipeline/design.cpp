@@ -5,10 +5,14 @@
 #include <cmath>
 #include <set>
 
+#include "base/file.h"
 #include "base/random.h"
+#include "pipeline/campaign/coverage.h"
+#include "pipeline/campaign/design_preset.h"
 #include "pipeline/campaign/sobol.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -171,6 +175,160 @@ TEST_CASE("coverage: Warnock's formula against a sum over a fine grid, and bette
   const Coverage found = coverage(spec, make_design(spec));
   CHECK(found.discrepancy < 0.5 * found.expected_random);
   CHECK(found.largest_gap < 2.0 / 256);
+}
+
+TEST_CASE("the largest empty ball: known for a square with its corners and for a single point") {
+  CHECK(largest_empty_ball({{0, 0}, {0, 1}, {1, 0}, {1, 1}}, 2) == Approx(std::sqrt(0.5)).epsilon(2e-3));
+  CHECK(largest_empty_ball({{0.2, 0.3}}, 2) == Approx(std::hypot(0.8, 0.7)).epsilon(2e-3));
+  CHECK(largest_empty_ball({{0.5, 0.5, 0.5}}, 3) == Approx(std::sqrt(0.75)).epsilon(2e-3));
+}
+
+std::string design_text(const std::string& method, const std::string& more) {
+  return R"({"method": ")" + method + R"(", )" + more + ", " + kRanges + ", " + kFixed + "}";
+}
+
+TEST_CASE("Latin hypercubes: each block has one point in each of its intervals, in every variable; extendable") {
+  const auto read = [](int points) {
+    return read_design(section(design_text("latin_hypercube", "\"block\": 25, \"replicate_every\": 0, \"points\": " +
+                                                                  std::to_string(points))),
+                       5);
+  };
+  const DesignSpec spec = read(100);
+  const auto design = make_design(spec);
+  for (std::size_t first = 0; first < 100; first += 25)
+    for (const SampledVariable& range : spec.ranges) {
+      std::set<int> hit;
+      for (std::size_t i = first; i < first + 25; ++i)
+        hit.insert(int(25 * (design[i].variables[range.variable] - range.minimum) / (range.maximum - range.minimum)));
+      CHECK(hit.size() == 25);
+    }
+  const auto longer = make_design(read(130));
+  for (std::size_t i = 0; i < 100; ++i) CHECK(longer[i].variables == design[i].variables);
+  CHECK(design[0].variables != design[25].variables);
+}
+
+TEST_CASE("a factorial holds every combination of its levels once, ends included") {
+  const DesignSpec spec = read_design(
+      section(design_text("factorial", R"("replicate_every": 0, "levels": {"slope_along": 3, "slope_across": 2,
+              "friction_angle": 2, "cohesion": 2, "relative_density": 4})")),
+      5);
+  const auto design = make_design(spec);
+  REQUIRE(design.size() == 96);
+  std::set<std::vector<double>> different;
+  std::set<double> slopes;
+  for (const DesignPoint& point : design) {
+    different.insert(point.variables);
+    slopes.insert(point.variables[contract().variable_index("slope_along")]);
+  }
+  CHECK(different.size() == 96);
+  CHECK(slopes == std::set<double>{0, 17.5, 35});
+}
+
+TEST_CASE("strata get their shares at every length, and weighing by their density gives back the uniform box") {
+  const DesignSpec spec = read_design(section(design_text("sobol", R"("points": 4096, "replicate_every": 0, "strata": [
+          {"name": "sand", "share": 0.25, "ranges": {"friction_angle": [35, 45], "cohesion": [0, 1]}},
+          {"name": "loam", "share": 0.25, "ranges": {"friction_angle": [25, 40]}},
+          {"name": "anything", "share": 0.5, "ranges": {}}])")),
+                                      5);
+  const auto design = make_design(spec);
+  const std::size_t angle = contract().variable_index("friction_angle"),
+                    cohesion = contract().variable_index("cohesion");
+  const auto is_sand = [&](const DesignPoint& p) { return p.variables[angle] > 35 && p.variables[cohesion] < 1; };
+  int sand = 0;
+  double weight = 0, weighted_sand = 0;
+  for (std::size_t i = 0; i < design.size(); ++i) {
+    weight += 1 / design[i].proposal_density;
+    sand += is_sand(design[i]);
+    weighted_sand += is_sand(design[i]) / design[i].proposal_density;
+  }
+  // Half of the friction angles and a fifth of the cohesions are sand: a tenth of the box.
+  const double n = double(design.size());
+  CHECK(sand / n == Approx(0.25 + 0.25 * (1.0 / 3) * 0.2 + 0.5 * 0.1).margin(0.01));
+  CHECK(weight / n == Approx(1).margin(0.02));
+  CHECK(weighted_sand / weight == Approx(0.1).margin(0.01));
+  const auto shorter =
+      make_design(read_design(section(design_text("sobol", R"("points": 100, "replicate_every": 0, "strata": [
+          {"name": "sand", "share": 0.25, "ranges": {"friction_angle": [35, 45], "cohesion": [0, 1]}},
+          {"name": "loam", "share": 0.25, "ranges": {"friction_angle": [25, 40]}},
+          {"name": "anything", "share": 0.5, "ranges": {}}])")),
+                              5));
+  for (std::size_t i = 0; i < 100; ++i) CHECK(shorter[i].variables == design[i].variables);
+}
+
+struct PointFile {
+  TemporaryFolder folder;
+  std::string write(const std::string& text) const {
+    write_file_atomically(folder / "points.txt", text);
+    return (folder / "points.txt").string();
+  }
+  DesignSpec read(const std::string& method, const std::string& text, const std::string& fixed) const {
+    return read_design(section(R"({"method": ")" + method + R"(", "replicate_every": 0, "file": ")" + write(text) +
+                               R"(", "fixed": {)" + fixed + "}}"),
+                       1);
+  }
+  std::string refusal(const std::string& method, const std::string& text, const std::string& fixed) const {
+    return input_error([&] { read(method, text, fixed); });
+  }
+};
+
+const std::string kOthers = R"("slope_across": 0, "relative_density": 0.5, "payload": 0, "tyre_friction": 0.8,
+                               "bed_depth": 0.1, "commanded_speed": 1.1)";
+
+TEST_CASE("points from a CSV: columns in any order, densities, ranges and fixed values found in them") {
+  const PointFile place;
+  const DesignSpec spec = place.read("csv", "# two\ncohesion, slope_along,proposal_density\r\n1,10,0.5\n\n2,20,1.5\n",
+                                     kOthers + R"(, "friction_angle": 30)");
+  const auto design = make_design(spec);
+  REQUIRE(design.size() == 2);
+  CHECK(design[1].variables[contract().variable_index("slope_along")] == 20);
+  CHECK(design[1].variables[contract().variable_index("cohesion")] == 2);
+  CHECK(design[1].variables[contract().variable_index("friction_angle")] == 30);
+  CHECK(design[0].proposal_density == 0.5);
+  CHECK(spec.ranges.size() == 2);
+  const std::string angle = kOthers + R"(, "friction_angle": 30)";
+  CHECK(contains(place.refusal("csv", "slope_allong\n1\n", angle), "line 1: \"slope_allong\" is no variable"));
+  CHECK(contains(place.refusal("csv", "slope_along,cohesion\n1,2\n1\n", angle), "line 3: has 1 columns, the header 2"));
+  CHECK(contains(place.refusal("csv", "slope_along,cohesion\n1,x\n", angle), "line 2: \"x\" is no number"));
+  CHECK(contains(place.refusal("csv", "slope_along,cohesion\n60,1\n", angle),
+                 "slope_along is 60 deg, allowed is [-45, 45]"));
+  CHECK(contains(place.refusal("csv", "slope_along\n10\n", angle), "\"cohesion\" is neither a column"));
+  CHECK(contains(place.refusal("csv", "", angle), "holds no points"));
+  CHECK(contains(place.refusal("csv", "slope_along,cohesion\n", angle), "a header and no points"));
+}
+
+TEST_CASE("lines of the original study: slope, friction as an angle, cohesion by its scale") {
+  const PointFile place;
+  const auto design = make_design(place.read("original", "30 8 2500 1 50\n0 8 2500 0.2 0\n", kOthers));
+  REQUIRE(design.size() == 2);
+  CHECK(design[0].variables[contract().variable_index("slope_along")] == 30);
+  CHECK(design[0].variables[contract().variable_index("friction_angle")] == Approx(45));
+  CHECK(design[0].variables[contract().variable_index("cohesion")] == 50);
+  CHECK(design[1].variables[contract().variable_index("friction_angle")] == Approx(11.309932));
+  CHECK(contains(place.refusal("original", "30 8 2500 1\n", kOthers), "line 1: five numbers"));
+  CHECK(contains(place.refusal("original", "30 8 2500 1 50 1\n", kOthers), "more than five"));
+  CHECK(contains(place.refusal("original", "30 8 2500 1 50\n30 4 2500 1 50\n", kOthers), "line 2: grains of 4 mm"));
+  CHECK(contains(place.refusal("original", "30 8 2500 1 500\n", kOthers), "cohesion is 500 kPa"));
+}
+
+TEST_CASE("presets name variables of the contract inside its ranges, and a study says what it wants otherwise") {
+  for (const std::string& name : preset_names()) {
+    const DesignPreset preset = design_preset(name);
+    for (const auto& [variable, range] : preset.ranges) {
+      const Variable& known = contract().variables[contract().variable_index(variable)];
+      CHECK((range.first >= known.minimum && range.second <= known.maximum && range.first < range.second));
+    }
+    for (const auto& [variable, value] : preset.fixed) {
+      const Variable& known = contract().variables[contract().variable_index(variable)];
+      CHECK((value >= known.minimum && value <= known.maximum));
+      CHECK(preset.ranges.count(variable) == 0);
+    }
+    const DesignSpec spec = read_design(section(R"({"method": "sobol", "points": 8, "preset": ")" + name +
+                                                R"(", "ranges": {"payload": [0, 500]}, "fixed": {"cohesion": 2}})"),
+                                        1);
+    CHECK(spec.fixed[contract().variable_index("cohesion")] == 2);
+    CHECK(std::isnan(spec.fixed[contract().variable_index("payload")]));
+    CHECK(spec.ranges.size() == preset.ranges.size());
+  }
 }
 
 TEST_CASE("bad design sections: one sentence with file, place and what to do") {
