@@ -1,0 +1,31 @@
+"""Pictures of a map's page: docs/gallery/make.py <map folder> [<browser>]. Needs Python and headless Chromium."""
+import pathlib
+import sys
+
+here = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(here.parents[1] / "tests" / "page"))
+from browser import Browser  # noqa: E402
+
+page = (pathlib.Path(sys.argv[1]).resolve() / "index.html").as_uri()
+program = sys.argv[2] if len(sys.argv) > 2 else "chromium-headless-shell"
+
+route = Browser(program, 1280, 800)
+route.open(page)
+route.js("state.mode = 'worst'; refresh(); draw_route()")
+route.click(640, 560)
+route.click(1100, 200)
+route.picture(here.parent / "images" / "page.png")
+route.close()
+
+cell = Browser(program, 1280, 800, dark=True)
+cell.open(page)
+cell.js("document.querySelector('input[name=layer][value=p_go]').click(); set_heading(60)")
+cell.click(880, 700)
+cell.picture(here / "cell_dark.png")
+cell.close()
+
+phone = Browser(program, 390, 844, mobile=True)
+phone.open(page)
+phone.js("document.getElementById('palette').click()")
+phone.picture(here / "phone.png")
+phone.close()
