@@ -12,24 +12,39 @@ struct RandomBlock {
   std::uint32_t word[4];
 };
 
+inline constexpr int kPhiloxRounds = 10;
+
+/// The keys of the rounds; a kernel that draws much gets them ready-made.
+struct PhiloxKeys {
+  std::uint32_t round[kPhiloxRounds][2];
+
+  GONOGO_HD explicit PhiloxKeys(std::uint64_t seed) {
+    auto key0 = std::uint32_t(seed), key1 = std::uint32_t(seed >> 32);
+    for (auto& key : round) {
+      key[0] = key0, key[1] = key1;
+      key0 += 0x9E3779B9u, key1 += 0xBB67AE85u;
+    }
+  }
+};
+
 /// One Philox4x32-10 block for a 128-bit counter and a 64-bit key.
-GONOGO_HD inline RandomBlock philox(RandomBlock counter, std::uint32_t key0, std::uint32_t key1) {
-  for (int round = 0; round < 10; ++round) {
+GONOGO_HD inline RandomBlock philox(RandomBlock counter, const PhiloxKeys& keys) {
+  for (const auto& key : keys.round) {
     const std::uint64_t product0 = std::uint64_t(0xD2511F53u) * counter.word[0];
     const std::uint64_t product1 = std::uint64_t(0xCD9E8D57u) * counter.word[2];
-    counter = {{std::uint32_t(product1 >> 32) ^ counter.word[1] ^ key0, std::uint32_t(product1),
-                std::uint32_t(product0 >> 32) ^ counter.word[3] ^ key1, std::uint32_t(product0)}};
-    key0 += 0x9E3779B9u;
-    key1 += 0xBB67AE85u;
+    counter = {{std::uint32_t(product1 >> 32) ^ counter.word[1] ^ key[0], std::uint32_t(product1),
+                std::uint32_t(product0 >> 32) ^ counter.word[3] ^ key[1], std::uint32_t(product0)}};
   }
   return counter;
 }
 
-/// 128 random bits for draw `index` of stream `stream` under `seed`.
-GONOGO_HD inline RandomBlock random_block(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
+/// 128 random bits for draw `index` of stream `stream`.
+GONOGO_HD inline RandomBlock random_block(const PhiloxKeys& keys, std::uint64_t stream, std::uint64_t index) {
   return philox(
-      {{std::uint32_t(index), std::uint32_t(index >> 32), std::uint32_t(stream), std::uint32_t(stream >> 32)}},
-      std::uint32_t(seed), std::uint32_t(seed >> 32));
+      {{std::uint32_t(index), std::uint32_t(index >> 32), std::uint32_t(stream), std::uint32_t(stream >> 32)}}, keys);
+}
+GONOGO_HD inline RandomBlock random_block(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
+  return random_block(PhiloxKeys(seed), stream, index);
 }
 
 GONOGO_HD inline std::uint64_t random_bits(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {

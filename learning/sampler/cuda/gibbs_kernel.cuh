@@ -18,6 +18,10 @@ GONOGO_HD inline int column_of_unit(int unit, int shift) {
   return at - in_tile + number / 2 * 8 + 2 * thread + number % 2;
 }
 
+/// Warps of a block at most: two blocks then share a multiprocessor's registers. Sides of so many tiles have kernels of
+/// their own.
+inline constexpr int kMostWarps = 12;
+
 struct GibbsSide {
   int units, shift, tiles;
   const float* field;  // [tiles * 16] -bias / ln 2 in the order of the units; large where there is no unit
@@ -30,7 +34,7 @@ struct GibbsSide {
 struct GibbsMachine {
   GibbsSide left, right;
   const __half* weight;  // [left width x right stride], in columns
-  std::uint64_t seed;
+  PhiloxKeys keys;
   int chains;
   std::uint8_t* row;  // [chain x (left + right)]
 
@@ -66,25 +70,32 @@ __device__ inline void load_transposed(std::uint32_t (&to)[4], const __half* row
                : "r"(address));
 }
 
-/// sum += a b for 16 x 16 by 16 x 8.
+/// sum = a b, and sum += a b, for 16 x 16 by 16 x 8.
+__device__ inline void multiply(float (&sum)[4], const std::uint32_t (&a)[4], std::uint32_t b0, std::uint32_t b1) {
+  asm("mma.sync.aligned.m16n8k16.row.col.f32.f16.f16.f32 {%0, %1, %2, %3}, {%4, %5, %6, %7}, {%8, %9}, {%10, %10, %10, "
+      "%10};"
+      : "=f"(sum[0]), "=f"(sum[1]), "=f"(sum[2]), "=f"(sum[3])
+      : "r"(a[0]), "r"(a[1]), "r"(a[2]), "r"(a[3]), "r"(b0), "r"(b1), "f"(0.0f));
+}
 __device__ inline void multiply_add(float (&sum)[4], const std::uint32_t (&a)[4], std::uint32_t b0, std::uint32_t b1) {
-  asm volatile(
-      "mma.sync.aligned.m16n8k16.row.col.f32.f16.f16.f32 {%0, %1, %2, %3}, {%4, %5, %6, %7}, {%8, %9}, {%0, %1, %2, "
+  asm("mma.sync.aligned.m16n8k16.row.col.f32.f16.f16.f32 {%0, %1, %2, %3}, {%4, %5, %6, %7}, {%8, %9}, {%0, %1, %2, "
       "%3};"
       : "+f"(sum[0]), "+f"(sum[1]), "+f"(sum[2]), "+f"(sum[3])
       : "r"(a[0]), "r"(a[1]), "r"(a[2]), "r"(a[3]), "r"(b0), "r"(b1));
 }
 
-/// Whether u < 1 / (1 + exp(-field)), u from the upper 23 bits; `exponent`: -field / ln 2.
-__device__ inline bool is_on(std::uint32_t word, float exponent) {
-  const float u = __uint_as_float(0x3f800000u | word >> 9) - 0x1.fffffep-1f;
-  float power;
+/// 1 where u < 1 / (1 + exp(-field)), u = word / 2^32, otherwise 0. `exponent`: -field / ln 2.
+__device__ inline float draw(std::uint32_t word, float exponent) {
+  const float u = __uint2float_rn(word);
+  float power, on;
   asm("ex2.approx.ftz.f32 %0, %1;" : "=f"(power) : "f"(exponent));
-  return __fmaf_rn(u, power, u) < 1;
+  asm("set.lt.f32.f32 %0, %1, %2;" : "=f"(on) : "f"(__fmaf_rn(u, power, u)), "f"(0x1p32f));
+  return on;
 }
 
-/// `kChains`: tiles of 16 chains that a block holds.
-template <int kChains>
+/// `kChains`: tiles of 16 chains that a block holds. `kSideTiles`: of both sides, known to the compiler, with a warp
+/// for each; 0: as the machine says.
+template <int kChains, int kSideTiles>
 class GibbsBlock {
  public:
   __device__ GibbsBlock(const GibbsMachine& machine, std::uint8_t* memory)
@@ -115,10 +126,10 @@ class GibbsBlock {
   }
 
   __device__ void sweep(std::uint64_t sweep) {
-    draw_side<true>(left_, m.left, right_, m.right, right_field_, sweep * m.blocks_per_sweep());
+    const std::uint64_t right_block = sweep * m.blocks_per_sweep(), left_block = right_block + m.right.units / 4;
+    draw_side<true>(left_, m.left, right_, m.right, right_field_, right_block);
     __syncthreads();
-    draw_side<false>(right_, m.right, left_, m.left, left_field_,
-                     sweep * m.blocks_per_sweep() + std::uint64_t(m.right.units / 4));
+    draw_side<false>(right_, m.right, left_, m.left, left_field_, left_block);
     __syncthreads();
   }
 
@@ -146,31 +157,43 @@ class GibbsBlock {
     }
   }
 
+  __device__ static int tiles(const GibbsSide& side) { return kSideTiles > 0 ? kSideTiles : side.tiles; }
+  __device__ static int stride(const GibbsSide& side) {
+    return kSideTiles > 0 ? kSideTiles * kTile + 8 : side.stride();
+  }
+
+  __device__ int warps() const { return kSideTiles > 0 ? kSideTiles : warps_; }
+
   /// Draws one side given the other. `first_block`: of random numbers.
   template <bool to_right>
   __device__ void draw_side(const __half* from, const GibbsSide& given, __half* to, const GibbsSide& drawn,
                             const float* field, std::uint64_t first_block) {
-    for (int n = warp_; n < drawn.tiles; n += warps_) {
-      float sum[kChains][2][4] = {};
-      for (int k = 0; k < given.tiles; ++k) add_tile<to_right>(from, given.stride(), n, k, sum);
-      draw_tile(sum, to, drawn.stride(), n, reinterpret_cast<const float4*>(field)[4 * n + lane_ % 4], first_block);
+    for (int n = warp_; n < tiles(drawn); n += warps()) {
+      float sum[kChains][2][4];
+      add_tile<to_right, true>(from, stride(given), n, 0, sum);
+#pragma unroll
+      for (int k = 1; k < tiles(given); ++k) add_tile<to_right, false>(from, stride(given), n, k, sum);
+      draw_tile(sum, to, stride(drawn), n, reinterpret_cast<const float4*>(field)[4 * n + lane_ % 4], first_block);
     }
   }
 
-  template <bool to_right>
-  __device__ void add_tile(const __half* from, int stride, int n, int k, float (&sum)[kChains][2][4]) {
+  template <bool to_right, bool first>
+  __device__ void add_tile(const __half* from, int from_stride, int n, int k, float (&sum)[kChains][2][4]) {
     const int row = lane_ % 16, half = lane_ / 16 * 8;
     std::uint32_t w[4];
     if constexpr (to_right)
-      load_transposed(w, weight_ + (k * kTile + row) * m.right.stride() + n * kTile + half);
+      load_transposed(w, weight_ + (k * kTile + row) * stride(m.right) + n * kTile + half);
     else
-      load_matrices(w, weight_ + (n * kTile + half + lane_ % 8) * m.right.stride() + k * kTile + lane_ / 8 % 2 * 8);
+      load_matrices(w, weight_ + (n * kTile + half + lane_ % 8) * stride(m.right) + k * kTile + lane_ / 8 % 2 * 8);
 #pragma unroll
     for (int c = 0; c < kChains; ++c) {
       std::uint32_t state[4];
-      load_matrices(state, from + (c * kTile + row) * stride + k * kTile + half);
-      multiply_add(sum[c][0], state, w[0], w[1]);
-      multiply_add(sum[c][1], state, w[2], w[3]);
+      load_matrices(state, from + (c * kTile + row) * from_stride + k * kTile + half);
+      if constexpr (first) {
+        multiply(sum[c][0], state, w[0], w[1]), multiply(sum[c][1], state, w[2], w[3]);
+      } else {
+        multiply_add(sum[c][0], state, w[0], w[1]), multiply_add(sum[c][1], state, w[2], w[3]);
+      }
     }
   }
 
@@ -184,20 +207,14 @@ class GibbsBlock {
       for (int r = 0; r < 2; ++r) {
         const int chain = c * kTile + lane_ / 4 + 8 * r;
         const RandomBlock random =
-            random_block(m.seed, std::uint64_t(first_chain_ + chain), first_block + std::uint64_t(4 * n + thread));
+            random_block(m.keys, std::uint64_t(first_chain_ + chain), first_block + std::uint64_t(4 * n + thread));
         const float(&low)[4] = sum[c][0], (&high)[4] = sum[c][1];
-        const bool on[4] = {is_on(random.word[0], __fmaf_rn(low[2 * r], kMinusPerLn2, field.x)),
-                            is_on(random.word[1], __fmaf_rn(low[2 * r + 1], kMinusPerLn2, field.y)),
-                            is_on(random.word[2], __fmaf_rn(high[2 * r], kMinusPerLn2, field.z)),
-                            is_on(random.word[3], __fmaf_rn(high[2 * r + 1], kMinusPerLn2, field.w))};
-        auto* pair = reinterpret_cast<std::uint32_t*>(to + chain * stride + n * kTile + 2 * thread);
-        pair[0] = two_halves(on[0], on[1]);
-        pair[4] = two_halves(on[2], on[3]);
+        auto* pair = reinterpret_cast<__half2*>(to + chain * stride + n * kTile + 2 * thread);
+        pair[0] = __floats2half2_rn(draw(random.word[0], __fmaf_rn(low[2 * r], kMinusPerLn2, field.x)),
+                                    draw(random.word[1], __fmaf_rn(low[2 * r + 1], kMinusPerLn2, field.y)));
+        pair[4] = __floats2half2_rn(draw(random.word[2], __fmaf_rn(high[2 * r], kMinusPerLn2, field.z)),
+                                    draw(random.word[3], __fmaf_rn(high[2 * r + 1], kMinusPerLn2, field.w)));
       }
-  }
-
-  __device__ static std::uint32_t two_halves(bool low, bool high) {
-    return (low ? 0x3c00u : 0u) | (high ? 0x3c000000u : 0u);
   }
 
   const GibbsMachine& m;
@@ -207,11 +224,11 @@ class GibbsBlock {
 };
 
 /// Sweeps number `first` + 1 .. `first` + `count`.
-template <int kChains>
-__global__ void __launch_bounds__(384, 2)
+template <int kChains, int kSideTiles>
+__global__ void __launch_bounds__(32 * (kSideTiles > 0 ? kSideTiles : kMostWarps), 2)
     gibbs_kernel(const __grid_constant__ GibbsMachine machine, std::uint64_t first, std::uint64_t count) {
   extern __shared__ __align__(16) std::uint8_t memory[];
-  GibbsBlock<kChains> block(machine, memory);
+  GibbsBlock<kChains, kSideTiles> block(machine, memory);
   block.load();
   for (std::uint64_t k = 0; k < count; ++k) block.sweep(first + k + 1);
   block.store();
@@ -224,7 +241,7 @@ struct ScatterChain {
   GONOGO_HD void operator()(Index chain) const {
     const int left = m.left.units, right = m.right.units;
     for (int unit = 0; unit < left + right; ++unit) {
-      const RandomBlock random = random_block(m.seed, std::uint64_t(chain), std::uint64_t(unit / 4));
+      const RandomBlock random = random_block(m.keys, std::uint64_t(chain), std::uint64_t(unit / 4));
       const int in_row = unit < right ? left + unit : unit - right;  // the right side is drawn first
       m.row[std::size_t(chain) * (left + right) + in_row] = random.word[unit % 4] < 0x80000000u;
     }

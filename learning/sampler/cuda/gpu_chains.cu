@@ -11,10 +11,21 @@
 namespace gonogo::learning {
 namespace {
 
-/// Warps of a block at most: two blocks then share a multiprocessor's registers.
-constexpr int kMostWarps = 12;
+using Kernel = void (*)(GibbsMachine, std::uint64_t, std::uint64_t);
 
-/// Tiles of chains in a block: many where the batch fills the GPU all the same.
+template <int kChains, int... kSideTiles>
+Kernel kernel_for(int side_tiles, std::integer_sequence<int, kSideTiles...>) {
+  constexpr Kernel kernels[] = {gibbs_kernel<kChains, kSideTiles>...};
+  return kernels[side_tiles];
+}
+
+/// Sides of nearly the same size are given the same number of tiles, which the compiler then knows.
+int common_tiles(int left, int right) {
+  const int more = std::max(left, right), less = std::min(left, right);
+  return more <= kMostWarps && 4 * less >= 3 * more ? more : 0;
+}
+
+/// Tiles of 16 chains in a block: many where the batch fills the GPU all the same.
 constexpr int kManyChains = 4, kFewChains = 1;
 
 int device_attribute(cudaDeviceAttr attribute) {
@@ -64,11 +75,14 @@ std::vector<__half> weights(const Bipartite& machine, const GibbsSide& left, con
 }  // namespace
 
 struct GpuChains::Device {
+  explicit Device(std::uint64_t seed) : machine{{}, {}, nullptr, PhiloxKeys(seed), 0, nullptr} {}
+
   GibbsMachine machine;
   Buffer<__half, Cuda> weight;
   Buffer<float, Cuda> left_field, right_field;
   Buffer<Bit, Cuda> row;
   int chains_per_block = kFewChains;
+  int side_tiles = 0;  // see common_tiles
 
   void choose_block() {
     const int offered = device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
@@ -85,13 +99,13 @@ struct GpuChains::Device {
 
   template <int kChains>
   void launch(std::uint64_t first, std::uint64_t count) {
+    const Kernel kernel = kernel_for<kChains>(side_tiles, std::make_integer_sequence<int, kMostWarps + 1>());
     const int tiles = std::max(machine.left.tiles, machine.right.tiles);
     const int rounds = (tiles + kMostWarps - 1) / kMostWarps, warps = (tiles + rounds - 1) / rounds;
     const int blocks = (machine.chains + kChains * kTile - 1) / (kChains * kTile);
-    check_cuda(
-        cudaFuncSetAttribute(gibbs_kernel<kChains>, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room(kChains))),
-        "shared memory of the sampler");
-    gibbs_kernel<kChains><<<blocks, 32 * warps, room(kChains)>>>(machine, first, count);
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room(kChains))),
+               "shared memory of the sampler");
+    kernel<<<blocks, 32 * warps, room(kChains)>>>(machine, first, count);
     check_cuda(cudaGetLastError(), "sampler launch");
     check_cuda(cudaDeviceSynchronize(), "sampler");
   }
@@ -103,12 +117,13 @@ GpuChains::GpuChains(const Bipartite& machine, std::size_t chains, std::uint64_t
                    std::max<std::size_t>(1, machine.left.size() + machine.right.size()))
     throw InputError("sampler block_gibbs: " + std::to_string(chains) + " chains of " +
                      std::to_string(machine.left.size() + machine.right.size()) + " units are too many at once");
-  device_ = std::make_unique<Device>();
+  device_ = std::make_unique<Device>(seed);
   GibbsMachine& m = device_->machine;
   m.left = side_of(machine.left.size(), int(machine.right.size() % 4));
   m.right = side_of(machine.right.size(), 0);
-  m.seed = seed;
   m.chains = int(chains);
+  device_->side_tiles = common_tiles(m.left.tiles, m.right.tiles);
+  if (device_->side_tiles > 0) m.left.tiles = m.right.tiles = device_->side_tiles;
   device_->choose_block();
   device_->weight.upload(weights(machine, m.left, m.right));
   device_->left_field.upload(fields(m.left, machine.bias_left));
