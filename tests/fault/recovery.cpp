@@ -5,6 +5,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
+#include "pipeline/campaign/campaign.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"
@@ -25,10 +26,8 @@ std::map<std::string, std::string> results(const StudyFolder& s) {
 /// Trials that are on disk by now.
 std::size_t finished_trials(const StudyFolder& s) {
   for (const auto& file : files_below(s.out()))
-    if (fs::path(file).filename() == "campaign.json") {
-      const Ending status = run_gonogo({"campaign", "status", (s.out() / file).parent_path(), "--json"});
-      return std::size_t(Json::parse(status.out, "status").at("done").unsigned_integer());
-    }
+    if (fs::path(file).filename() == "campaign.json")
+      return pipeline::campaign_status((s.out() / file).parent_path()).done;
   return 0;
 }
 
