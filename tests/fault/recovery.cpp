@@ -26,7 +26,7 @@ std::map<std::string, std::string> results(const StudyFolder& s) {
 /// Trials that are on disk by now.
 std::size_t finished_trials(const StudyFolder& s) {
   for (const auto& file : files_below(s.out()))
-    if (fs::path(file).filename() == "campaign.json")
+    if (file.rfind("trials/", 0) == 0 && fs::path(file).filename() == "campaign.json")
       return pipeline::campaign_status((s.out() / file).parent_path()).done;
   return 0;
 }
