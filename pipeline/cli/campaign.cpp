@@ -262,7 +262,7 @@ void add_active(CLI::App& parent, const Globals& globals) {
   command->add_option("--space-filling", options->space_filling, "Share of a batch that is uniform over the box")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
-  command->footer("Example:\n  gonogo campaign active configs/studies/active.json --out out/active --confidence 0.95");
+  command->footer("Example:\n  gonogo campaign active configs/studies/demo.json --out out/active --confidence 0.95");
   command->callback([options, &globals] {
     const ActiveSummary done = run_active({.study = read_study(options->study),
                                            .folder = options->folder,
