@@ -11,6 +11,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/refused.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -69,10 +70,6 @@ StepSettings settings() {
   StepSettings s;
   s.iterations = 15;
   return s;
-}
-
-bool same_bits(const std::vector<BodyState>& a, const std::vector<BodyState>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(BodyState)) == 0;
 }
 
 Snapshot after(Index steps) {

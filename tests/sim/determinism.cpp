@@ -1,9 +1,8 @@
-#include <cstring>
-
 #include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
 using namespace gonogo;
@@ -53,11 +52,6 @@ StepSettings few_iterations(Solver solver = Solver::apgd) {
   s.iterations = 10;
   s.solver = solver;
   return s;
-}
-
-bool same_bits(const std::vector<BodyState>& a, const std::vector<BodyState>& b) {
-  static_assert(sizeof(BodyState) == sizeof(Vec3d) + sizeof(Quat) + 2 * sizeof(Vec3), "no padding to compare");
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(BodyState)) == 0;
 }
 
 constexpr Index kSteps = 30;

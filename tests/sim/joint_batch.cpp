@@ -5,6 +5,7 @@
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
 using namespace gonogo;
@@ -37,16 +38,6 @@ StepSettings few_iterations() {
   StepSettings s;
   s.iterations = 20;
   return s;
-}
-
-bool same_bits(const std::vector<BodyState>& a, const std::vector<BodyState>& b) {
-  bool same = a.size() == b.size();
-  for (std::size_t i = 0; same && i < a.size(); ++i)
-    same = std::memcmp(&a[i].position, &b[i].position, sizeof(Vec3d)) == 0 &&
-           std::memcmp(&a[i].orientation, &b[i].orientation, sizeof(Quat)) == 0 &&
-           std::memcmp(&a[i].velocity, &b[i].velocity, sizeof(Vec3)) == 0 &&
-           std::memcmp(&a[i].angular_velocity, &b[i].angular_velocity, sizeof(Vec3)) == 0;
-  return same;
 }
 
 bool same_load(const JointLoad& a, const JointLoad& b) { return std::memcmp(&a, &b, sizeof a) == 0; }

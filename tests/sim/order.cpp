@@ -1,9 +1,8 @@
 // Bodies that have mixed are sorted anew in memory; nothing but speed and rounding may tell.
-#include <cstring>
-
 #include "sim/joint/build.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/scenes.h"
 
 using namespace gonogo;
@@ -43,10 +42,6 @@ StepSettings sorting(Index every) {
   s.iterations = 10;
   s.sort_every = every;
   return s;
-}
-
-bool same_bits(const std::vector<BodyState>& a, const std::vector<BodyState>& b) {
-  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(BodyState)) == 0;
 }
 
 double length(const Vec3d& v) { return std::sqrt(dot(v, v)); }
