@@ -50,6 +50,8 @@ void add_map_command(CLI::App& app, const Globals& globals) {
   command->add_option("--dataset", files->dataset, "Trials (dataset.h5): adds expected speed, slip and sinkage");
   command->add_option("--heading", files->heading,
                       "Of class, P(go) and reason: uphill, worst, best, or degrees clockwise from grid north");
+  command->add_option("--moisture", files->moisture,
+                      "Scenario: dry, moist or wet; by default the raster's or every sample");
   command->add_option("--out", files->out, "Folder of the map")->required();
   command->add_flag("--colour-blind-safe", files->colour_blind_safe, "Class colours that do not rely on red and green");
   command->footer(

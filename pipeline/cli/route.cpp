@@ -36,6 +36,7 @@ void add_route_command(CLI::App& app, const Globals& globals) {
   command->add_option("--region", options->files.region, "Region file; by default the one that the study names");
   command->add_option("--study", options->files.study, "Study file: thresholds and values of its section \"map\"");
   command->add_option("--dataset", options->files.dataset, "Trials (dataset.h5): speed and energy");
+  command->add_option("--moisture", options->files.moisture, "Scenario: dry, moist or wet");
   command->add_option("--from", options->from, "Start: easting,northing in the region's coordinate system")->required();
   command->add_option("--to", options->to, "End, likewise")->required();
   command->add_option("--cost", options->costs, "fastest, safest, least-energy or shortest; several give several lines")

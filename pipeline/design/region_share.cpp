@@ -45,10 +45,10 @@ bool holds_slope(const DesignSpec& spec, double slope) {
 }  // namespace
 
 double share_inside(const Region& region, const DesignSpec& spec) {
-  const RasterSource elevation = RasterSource::open_elevation(region.elevation.file);
+  const RasterSource elevation = RasterSource::open_elevation(region.elevation.files, region.grid);
   const terrain::MapGrid& grid = elevation.grid();
   std::optional<RasterSource> soils;
-  if (region.soil_class) soils = RasterSource::open_on_grid(region.soil_class->file, grid, RasterKind::classes);
+  if (region.soil_class) soils = RasterSource::open_on_grid(region.soil_class->files, grid, RasterKind::classes);
   std::map<int, double> share_of_code;
   for (const Soil& soil : region.soils) share_of_code[soil.code] = share_of_soil(region, soil, spec);
   const double everywhere = share_of_soil(region, Soil{}, spec);

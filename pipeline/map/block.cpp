@@ -1,10 +1,10 @@
 #include "pipeline/map/block.h"
 
-#include <omp.h>
-
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
 #include "terrain/raster/slope.h"
 
 namespace gonogo::pipeline {
@@ -18,13 +18,46 @@ namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 
+/// Codes, water contents and land cover of a block, as far as the region has them.
+struct Readings {
+  std::optional<Tile> soil, moisture, land;
+};
+
+/// A whole number that a raster holds, or nothing.
+std::optional<int> code_at(const Tile& tile, std::size_t cell) {
+  const float value = tile.value[cell];
+  if (std::isnan(value) || value != std::floor(value) || std::abs(value) > 1e6f) return std::nullopt;
+  return int(value);
+}
+
+/// 0: any; k: the region's k-th state.
+int moisture_state(const Region& region, const MapRules& rules, const Readings& readings, std::size_t cell) {
+  for (std::size_t k = 0; k < region.moistures.size(); ++k) {
+    const MoistureState& state = region.moistures[k];
+    if (!rules.moisture.empty()) {
+      if (state.name == rules.moisture) return int(k) + 1;
+    } else if (readings.moisture) {
+      const float water = readings.moisture->value[cell];
+      if (water >= state.low && water < state.high) return int(k) + 1;
+    }
+  }
+  return 0;
+}
+
 /// Position of a cell's soil in the table, or -1 when the raster does not say or the table does not list it.
-int soil_of(const SoilTable& table, const Tile* codes, int column, int row) {
-  if (!codes) return 0;
-  const float code = codes->at(column, row);
-  if (std::isnan(code)) return -1;
-  const auto found = table.index_of_code.find(int(code));
-  return found == table.index_of_code.end() || float(found->first) != code ? -1 : found->second;
+int soil_of(const SoilTable& table, const Readings& readings, int state, std::size_t cell) {
+  if (!readings.soil) return table.find(0, state);
+  const auto code = code_at(*readings.soil, cell);
+  return code ? table.find(*code, state) : SoilTable::kUnknown;
+}
+
+/// 0: the soil decides; 1 + position in land_rules().
+int rule_of(const std::vector<LandRule>& rules, const Readings& readings, std::size_t cell) {
+  if (!readings.land) return 0;
+  const auto code = code_at(*readings.land, cell);
+  std::size_t r = 0;
+  while (r + 1 < rules.size() && !(code && rules[r].code == *code)) ++r;
+  return rules[r].verdict ? int(r) + 1 : 0;
 }
 
 CellState in_heading(const SoilResponse& soil, const MapRules& rules, float slope, float aspect) {
@@ -44,13 +77,62 @@ CellState in_heading(const SoilResponse& soil, const MapRules& rules, float slop
   }
 }
 
+/// Everything that a cell says: a rule of the land wins over the soil.
+CellState state_of(const SoilTable& table, const std::vector<LandRule>& land, const MapRules& rules, int rule, int soil,
+                   float slope, float aspect) {
+  if (rule > 0) {
+    const LandRule& decides = land[std::size_t(rule) - 1];
+    return {{*decides.verdict, decides.reason}, kNoData, nullptr};
+  }
+  if (soil < 0) return {{Verdict::unknown, Reason::input_missing}, kNoData, nullptr};
+  return in_heading(table.responses[std::size_t(soil)], rules, slope, aspect);
+}
+
+/// A soil in one state of moisture; nothing when no sample tells of it.
+std::optional<Soil> soil_in(const Soil& soil, const MoistureState& state) {
+  Soil part = soil;
+  part.name = soil.name + ", " + state.name;
+  part.samples = samples_in(soil, state);
+  if (part.samples.empty() && !soil.samples.empty()) return std::nullopt;
+  return part;
+}
+
+/// Which states of moisture a map needs: 0 is "any".
+std::vector<int> states_of(const Region& region, const MapRules& rules) {
+  std::vector<int> states;
+  for (std::size_t k = 0; k < region.moistures.size(); ++k)
+    if (rules.moisture.empty() ? region.moisture.has_value() : region.moistures[k].name == rules.moisture)
+      states.push_back(int(k) + 1);
+  if (!rules.moisture.empty() && states.empty())
+    throw InputError(region.file.string() + ": moisture: does not say what \"" + rules.moisture +
+                     "\" is; add its range of water content, or leave the moisture open");
+  if (rules.moisture.empty()) states.push_back(0);
+  return states;
+}
+
+std::optional<RasterSource> open_again(const std::optional<RasterSource>& source) {
+  return source ? std::optional(source->again()) : std::nullopt;
+}
+
+std::optional<Tile> read_part(const std::optional<RasterSource>& source, Window window) {
+  return source ? std::optional(source->read(window)) : std::nullopt;
+}
+
 }  // namespace
 
+MapSources MapSources::again() const {
+  return {elevation.again(), open_again(soil_class), open_again(land_cover), open_again(moisture)};
+}
+
 MapSources open_sources(const Region& region) {
-  MapSources sources{RasterSource::open_elevation(region.elevation.file), std::nullopt};
-  if (region.soil_class)
-    sources.soil_class =
-        RasterSource::open_on_grid(region.soil_class->file, sources.elevation.grid(), RasterKind::classes);
+  MapSources sources{RasterSource::open_elevation(region.elevation.files, region.grid), {}, {}, {}};
+  const auto open = [&](const std::optional<RegionRaster>& raster, RasterKind kind) {
+    return raster ? std::optional(RasterSource::open_on_grid(raster->files, sources.elevation.grid(), kind))
+                  : std::nullopt;
+  };
+  sources.soil_class = open(region.soil_class, RasterKind::classes);
+  sources.land_cover = open(region.land_cover, RasterKind::classes);
+  sources.moisture = open(region.moisture, RasterKind::continuous);
   return sources;
 }
 
@@ -62,45 +144,54 @@ double gradient_error(const RegionRaster& elevation, const MapGrid& grid) {
 SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
                           double error_of_gradient) {
   SoilTable table;
-  table.soils = region.soils;
+  std::vector<Soil> soils = region.soils;
+  if (soils.empty()) soils.push_back({.code = 0, .name = "all soils", .note = "", .samples = {}, .values = {}});
+  for (const int state : states_of(region, rules))
+    for (const Soil& soil : soils) {
+      const auto part = state == 0 ? std::optional(soil) : soil_in(soil, region.moistures[std::size_t(state) - 1]);
+      if (!part) {
+        table.without_samples.push_back(region.moistures[std::size_t(state) - 1].name + " " + soil.name);
+        continue;
+      }
+      table.add(*part, state,
+                SoilResponse(model, rules, soil_points(region, *part, rules.values, rules.draws), error_of_gradient));
+    }
   if (table.soils.empty())
-    table.soils.push_back({.code = 0, .name = "all soils", .note = "", .samples = {}, .values = {}});
-  for (const Soil& soil : table.soils) {
-    table.index_of_code[soil.code] = int(table.responses.size());
-    table.responses.emplace_back(model, rules, soil_points(region, soil, rules.values, rules.draws), error_of_gradient);
-  }
-  table.cells.assign(table.soils.size(), 0);
+    throw InputError(region.file.string() + ": soils: no sample of any soil is " + rules.moisture +
+                     "; give samples with such a water_percent, or leave the moisture open");
   return table;
 }
 
-BlockLayers evaluate_block(const MapSources& sources, const SoilTable& table, const std::vector<MapLayer>& layers,
-                           const MapRules& rules, Window window, int threads) {
+BlockLayers evaluate_block(const MapSources& sources, const Region& region, const SoilTable& table,
+                           const std::vector<MapLayer>& layers, const MapRules& rules, Window window) {
   const MapGrid& grid = sources.elevation.grid();
   const Tile bordered =
       sources.elevation.read({window.column - 1, window.row - 1, window.columns + 2, window.rows + 2});
-  std::optional<Tile> codes;
-  if (sources.soil_class) codes = sources.soil_class->read(window);
+  const Readings readings = {read_part(sources.soil_class, window), read_part(sources.moisture, window),
+                             read_part(sources.land_cover, window)};
+  const std::vector<LandRule> land = land_rules(region);
   const terrain::CellSize cell = {grid.cell_width_m(), grid.cell_height_m()};
   const Tile empty(window.columns, window.rows, kNoData);
   BlockLayers block{window,
                     empty,
-                    terrain::slope_degrees(bordered, cell, threads),
-                    terrain::aspect_degrees(bordered, cell, threads),
-                    terrain::hillshade(bordered, cell, 315, 45, threads),
+                    terrain::slope_degrees(bordered, cell, 1),
+                    terrain::aspect_degrees(bordered, cell, 1),
+                    terrain::hillshade(bordered, cell, 315, 45, 1),
                     empty,
+                    Tile(window.columns, window.rows, 0),
                     std::vector<Tile>(layers.size(), empty)};
-  const int thread_count = threads > 0 ? threads : omp_get_max_threads();
-#pragma omp parallel for schedule(static) num_threads(thread_count)
   for (int row = 0; row < window.rows; ++row)
     for (int column = 0; column < window.columns; ++column) {
       block.elevation.at(column, row) = bordered.at(column + 1, row + 1);
       const float slope = block.slope.at(column, row);
       if (std::isnan(slope)) continue;
-      const int soil = soil_of(table, codes ? &*codes : nullptr, column, row);
-      block.soil.at(column, row) = float(soil);
-      CellState state{{Verdict::unknown, Reason::input_missing}, kNoData, nullptr};
-      if (soil >= 0) state = in_heading(table.responses[std::size_t(soil)], rules, slope, block.aspect.at(column, row));
-      for (std::size_t l = 0; l < layers.size(); ++l) block.layer[l].at(column, row) = layers[l].value(state);
+      const std::size_t i = std::size_t(row) * std::size_t(window.columns) + std::size_t(column);
+      const int soil = soil_of(table, readings, moisture_state(region, rules, readings, i), i);
+      const int rule = rule_of(land, readings, i);
+      block.soil.value[i] = float(soil);
+      block.rule.value[i] = float(rule);
+      const CellState state = state_of(table, land, rules, rule, soil, slope, block.aspect.value[i]);
+      for (std::size_t l = 0; l < layers.size(); ++l) block.layer[l].value[i] = layers[l].value(state);
     }
   return block;
 }

@@ -51,7 +51,13 @@ std::vector<Blob> cell_blobs(const PageCells& cells, const Heights& heights) {
     height.value[i] = std::uint16_t(std::lround((cells.elevation[i] - heights.lowest) / heights.step));
     soil.value[i] = cells.soil[i] < 0 ? kNoSoil : std::uint16_t(cells.soil[i]);
   }
-  return {slope, aspect, height, soil};
+  std::vector<Blob> blobs = {slope, aspect, height, soil};
+  if (std::any_of(cells.rule.begin(), cells.rule.end(), [](float r) { return r > 0; })) {
+    Blob rule{"rule", 8, width, std::vector<std::uint16_t>(count, 0)};
+    for (std::size_t i = 0; i < count; ++i) rule.value[i] = std::uint16_t(cells.rule[i]);
+    blobs.push_back(std::move(rule));
+  }
+  return blobs;
 }
 
 Json grid_json(const terrain::MapGrid& grid) {
@@ -105,6 +111,18 @@ Json reasons_json() {
   return list;
 }
 
+Json land_json(const Region& region) {
+  Json list = Json::array();
+  for (const LandRule& rule : land_rules(region)) {
+    Json entry = Json::object();
+    entry["name"] = rule.name;
+    entry["verdict"] = rule.verdict ? int(*rule.verdict) : 0;
+    entry["reason"] = int(rule.reason);
+    list.push_back(entry);
+  }
+  return list;
+}
+
 Json texts(const std::vector<std::string>& lines) { return Json(lines); }
 
 Json note(const std::string& title, const std::vector<std::string>& lines) {
@@ -148,6 +166,11 @@ Json provenance_json(const MapRequest& request, const terrain::MapGrid& grid, co
   add("Elevation", request.region.elevation.source + " (" + request.region.elevation.licence + ")");
   if (request.region.soil_class)
     add("Soil", request.region.soil_class->source + " (" + request.region.soil_class->licence + ")");
+  if (request.region.land_cover)
+    add("Land cover", request.region.land_cover->source + " (" + request.region.land_cover->licence + ")");
+  if (request.region.moisture)
+    add("Moisture", request.region.moisture->source + " (" + request.region.moisture->licence + ")");
+  if (!request.rules.moisture.empty()) add("Scenario", request.rules.moisture);
   add("Coordinates", grid.crs_code.empty() ? grid.crs_name : grid.crs_name + ", " + grid.crs_code);
   for (const auto& [key, value] : metadata)
     if (key.rfind("GONOGO_", 0) == 0) add(key.substr(7), value);
@@ -169,23 +192,7 @@ PageCells::PageCells(const terrain::MapGrid& grid) {
   const std::size_t count = std::size_t(columns) * std::size_t(rows);
   slope.assign(count, std::numeric_limits<float>::quiet_NaN());
   aspect = elevation = soil = slope;
-}
-
-void PageCells::take(const BlockLayers& block) {
-  const terrain::Window& window = block.window;
-  for (int row = 0; row < rows; ++row) {
-    const int y = row * step + step / 2 - window.row;
-    if (y < 0 || y >= window.rows) continue;
-    for (int column = 0; column < columns; ++column) {
-      const int x = column * step + step / 2 - window.column;
-      if (x < 0 || x >= window.columns) continue;
-      const std::size_t i = std::size_t(row) * std::size_t(columns) + std::size_t(column);
-      slope[i] = block.slope.at(x, y);
-      aspect[i] = block.aspect.at(x, y);
-      elevation[i] = block.elevation.at(x, y);
-      soil[i] = block.soil.at(x, y);
-    }
-  }
+  rule.assign(count, 0);
 }
 
 void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
@@ -221,7 +228,10 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   meta["most_speed"] = largest(request, "mean_speed", 1);
   meta["most_sinkage"] = largest(request, "sinkage", 0.1);
   meta["slowest_speed"] = kSlowestSpeed;
-  meta["not_modelled"] = texts({"vegetation, water, obstacles and what other vehicles did to the ground"});
+  meta["not_modelled"] =
+      texts({request.region.land_cover ? "obstacles and what other vehicles did to the ground"
+                                       : "vegetation, water, obstacles and what other vehicles did to the ground"});
+  meta["land"] = land_json(request.region);
   meta["notes"] = notes_json(request, summary, cells);
   meta["provenance"] = provenance_json(request, grid, metadata);
   write_file_atomically(path, page_file(meta, blobs));

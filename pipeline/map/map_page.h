@@ -5,7 +5,6 @@
 
 #include "pipeline/map/layers.h"
 #include "pipeline/map/make_map.h"
-#include "pipeline/map/picture.h"
 #include "pipeline/map/soil_table.h"
 
 namespace gonogo::pipeline {
@@ -13,13 +12,13 @@ namespace gonogo::pipeline {
 /// Most cells of a page; of a larger map every step-th cell in both directions is taken, and the page says so.
 inline constexpr int kPageCells = 1'100'000;
 
-/// Inputs of the page's cells, gathered while the map streams by.
+/// Inputs of the page's cells.
 struct PageCells {
   int step = 1, columns = 0, rows = 0;
   std::vector<float> slope, aspect, elevation, soil;  // [columns * rows]; not-a-number where there is no slope
+  std::vector<float> rule;                            // 0, or 1 + position in land_rules()
 
   explicit PageCells(const terrain::MapGrid& grid);
-  void take(const BlockLayers& block);
 };
 
 void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,

@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/version.h"
+#include "terrain/raster/raster_source.h"
 
 namespace gonogo::pipeline {
 namespace fs = std::filesystem;
@@ -34,12 +35,27 @@ Json rules_json(const MapRules& rules) {
   json["heading"] = heading_text(rules);
   json["correlation_length_m"] = rules.correlation_length;
   json["draws"] = rules.draws;
+  json["moisture"] = rules.moisture;
   json["fidelity"] = rules.fidelity;
   json["values"] = spreads_json(rules.values);
   return json;
 }
 
 }  // namespace
+
+std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region) {
+  std::vector<std::pair<std::string, std::string>> hashes;
+  const auto add = [&](const char* role, const RegionRaster& raster) {
+    std::string all;
+    for (const fs::path& file : terrain::files_behind(raster.files)) all += file_hash(file);
+    hashes.emplace_back(role, all.size() > 32 ? content_hash(all) : all);
+  };
+  add("elevation", region.elevation);
+  if (region.soil_class) add("soil_class", *region.soil_class);
+  if (region.land_cover) add("land_cover", *region.land_cover);
+  if (region.moisture) add("moisture", *region.moisture);
+  return hashes;
+}
 
 Json map_inputs(const MapRequest& request) {
   Json inputs = Json::object();
@@ -51,8 +67,7 @@ Json map_inputs(const MapRequest& request) {
   inputs["vehicle"] = request.model.vehicle;
   inputs["region"] = request.region.name;
   inputs["region_hash"] = file_hash(request.region.file);
-  inputs["elevation_hash"] = file_hash(request.region.elevation.file);
-  if (request.region.soil_class) inputs["soil_class_hash"] = file_hash(request.region.soil_class->file);
+  for (const auto& [role, hash] : raster_hashes(request.region)) inputs[role + "_hash"] = hash;
   inputs["rules"] = rules_json(request.rules);
   inputs["colour_blind_safe"] = request.colour_blind_safe;
   return inputs;
@@ -62,7 +77,7 @@ Metadata map_metadata(const MapRequest& request, const Json& inputs) {
   Metadata metadata;
   metadata.emplace_back("TIFFTAG_SOFTWARE", std::string("gonogo ") + program_version());
   for (const char* key : {"version", "revision", "region", "region_hash", "model_hash", "dataset_hash",
-                          "elevation_hash", "soil_class_hash"})
+                          "elevation_hash", "soil_class_hash", "land_cover_hash", "moisture_hash"})
     if (const Json* value = inputs.find(key)) metadata.emplace_back(std::string("GONOGO_") + key, value->string());
   metadata.emplace_back("GONOGO_rules", inputs.at("rules").dump());
   metadata.emplace_back("GONOGO_heading", heading_text(request.rules));

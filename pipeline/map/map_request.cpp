@@ -63,6 +63,11 @@ MapRequest read_map_request(const MapFiles& files) {
   request.model = read_outcome_model(files.model);
   if (!files.dataset.empty()) add_measures(request.model, files.dataset);
   if (!files.heading.empty()) set_heading(request.rules, files.heading, "map: --heading");
+  if (!files.moisture.empty()) {
+    if (files.moisture != "dry" && files.moisture != "moist" && files.moisture != "wet")
+      throw InputError("map: --moisture \"" + files.moisture + "\" is no scenario; use dry, moist or wet");
+    request.rules.moisture = files.moisture;
+  }
   if (study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);
   request.out = files.out;
   request.colour_blind_safe = files.colour_blind_safe;

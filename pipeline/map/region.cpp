@@ -7,7 +7,13 @@ namespace {
 
 RegionRaster read_raster(const Config& config, bool elevation) {
   RegionRaster raster;
-  raster.file = config.path("file");
+  if (config.has("files")) {
+    for (const std::string& file : config.texts("files"))
+      raster.files.file.push_back(config.file().parent_path() / file);
+    if (raster.files.file.empty()) config.fail("files", "names no file; give the tiles of the raster");
+  } else {
+    raster.files = config.path("file");
+  }
   raster.source = config.text("source");
   raster.licence = config.text("licence");
   if (elevation && config.has("error_m")) {
@@ -23,7 +29,7 @@ RegionRaster read_raster(const Config& config, bool elevation) {
 SoilSample read_sample(const Config& config) {
   SoilSample sample;
   sample.source = config.text("source");
-  config.number_or("water_percent", 0, {0, 1000});
+  if (config.has("water_percent")) sample.water_percent = config.number("water_percent", {0, 1000});
   for (const Variable& variable : contract().variables) {
     if (variable.name == "slope_along" || variable.name == "slope_across" || !config.has(variable.name)) continue;
     const double value = config.number(variable.name, {variable.minimum, variable.maximum});
@@ -49,17 +55,71 @@ Soil read_soil(const Config& config) {
 void read_rasters(const Config& config, Region& region) {
   bool has_elevation = false;
   for (const Config& entry : config.objects("rasters")) {
-    const bool elevation = entry.choice("role", {"elevation", "soil_class"}) == "elevation";
-    if (elevation ? has_elevation : region.soil_class.has_value())
-      entry.fail("role", "is given twice; keep one raster");
+    const std::string role = entry.choice("role", {"elevation", "soil_class", "land_cover", "moisture"});
+    std::optional<RegionRaster>& place = role == "soil_class"   ? region.soil_class
+                                         : role == "land_cover" ? region.land_cover
+                                                                : region.moisture;
+    const bool elevation = role == "elevation";
+    if (elevation ? has_elevation : place.has_value()) entry.fail("role", "is given twice; keep one raster");
     if (elevation) {
       region.elevation = read_raster(entry, true);
       has_elevation = true;
     } else {
-      region.soil_class = read_raster(entry, false);
+      place = read_raster(entry, false);
     }
   }
   if (!has_elevation) config.fail("rasters", "no raster has the role \"elevation\"; add one");
+}
+
+LandRule read_land_rule(const Config& config) {
+  LandRule rule;
+  rule.code = int(config.integer("code", {0, 65535}));
+  rule.name = config.text("name");
+  const std::string verdict = config.choice("verdict", {"soil", "no_go", "unknown"});
+  config.text_or("note", "");
+  if (verdict != "soil") {
+    rule.verdict = verdict == "no_go" ? Verdict::no_go : Verdict::unknown;
+    const std::string reason = config.choice("reason", {"water", "vegetation", "built_up"});
+    rule.reason = reason == "water" ? Reason::water : reason == "vegetation" ? Reason::vegetation : Reason::built_up;
+  }
+  config.finish();
+  return rule;
+}
+
+void read_land(const Config& config, Region& region) {
+  std::set<int> codes;
+  if (config.has("land_cover"))
+    for (const Config& entry : config.objects("land_cover")) {
+      region.land.push_back(read_land_rule(entry));
+      if (!codes.insert(region.land.back().code).second) entry.fail("code", "is given twice; keep one rule");
+    }
+  if (region.land_cover.has_value() == region.land.empty())
+    config.fail("land_cover", region.land.empty()
+                                  ? "missing; say what the codes of the land_cover raster mean"
+                                  : "no raster has the role \"land_cover\"; add one or remove the rules");
+}
+
+void read_moisture(const Config& config, Region& region) {
+  if (const auto states = config.object_if("moisture")) {
+    states->text("source");
+    for (const char* name : {"dry", "moist", "wet"}) {
+      if (!states->has(name)) continue;
+      const std::vector<double> range = states->numbers(name, {0, 1000});
+      if (range.size() != 2 || !(range[0] < range[1])) states->fail(name, "expected [least, most] percent of water");
+      region.moistures.push_back({name, range[0], range[1]});
+    }
+    states->finish();
+  }
+  if (region.moisture && region.moistures.empty())
+    config.fail("moisture", "missing; say from how much water [percent] on a soil is dry, moist or wet");
+}
+
+void read_grid(const Config& config, Region& region) {
+  const auto grid = config.object_if("grid");
+  if (!grid) return;
+  region.grid.crs = grid->text_or("crs", "");
+  region.grid.cell_size = grid->number_or("cell_m", 0, {0.01, 100000});
+  grid->finish();
 }
 
 }  // namespace
@@ -72,6 +132,9 @@ Region read_region(const std::filesystem::path& path) {
   region.name = config.text("region");
   region.about = config.text_or("about", "");
   read_rasters(config, region);
+  read_grid(config, region);
+  read_land(config, region);
+  read_moisture(config, region);
   if (config.has("soils")) {
     std::set<int> codes;
     for (const Config& entry : config.objects("soils")) {
@@ -85,6 +148,20 @@ Region read_region(const std::filesystem::path& path) {
   if (const auto values = config.object_if("values")) region.values = read_spreads(*values);
   config.finish();
   return region;
+}
+
+std::vector<LandRule> land_rules(const Region& region) {
+  std::vector<LandRule> rules = region.land;
+  rules.push_back({-1, "land cover not known", Verdict::unknown, Reason::land_unknown});
+  return rules;
+}
+
+std::vector<SoilSample> samples_in(const Soil& soil, const MoistureState& state) {
+  std::vector<SoilSample> samples;
+  for (const SoilSample& sample : soil.samples)
+    if (!sample.water_percent || (*sample.water_percent >= state.low && *sample.water_percent < state.high))
+      samples.push_back(sample);
+  return samples;
 }
 
 std::vector<std::vector<double>> soil_points(const Region& region, const Soil& soil, const Spreads& overriding,

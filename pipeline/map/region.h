@@ -8,11 +8,12 @@
 
 #include "base/json/config.h"
 #include "pipeline/map/spread.h"
+#include "terrain/raster/grid.h"
 
 namespace gonogo::pipeline {
 
 struct RegionRaster {
-  std::filesystem::path file;
+  terrain::RasterFiles files;
   std::string source, licence;
   double error = 0;              // of elevations: standard error [m], 0 when not stated
   double error_correlation = 0;  // between neighbouring cells
@@ -22,6 +23,21 @@ struct RegionRaster {
 struct SoilSample {
   Spreads values;  // all fixed
   std::string source;
+  std::optional<double> water_percent = std::nullopt;  // of the dry mass, when it was measured
+};
+
+/// What a land cover code says whatever the soil: a verdict with its reason, or nothing (the soil decides).
+struct LandRule {
+  int code = 0;  // in the land cover raster
+  std::string name;
+  std::optional<Verdict> verdict;  // no_go or unknown
+  Reason reason = Reason::none;    // water, vegetation or built_up
+};
+
+/// A state of the soil's moisture: the samples whose water content lies in [low, high) belong to it.
+struct MoistureState {
+  std::string name;          // "dry", "moist" or "wet"
+  double low = 0, high = 0;  // [percent of the dry mass]
 };
 
 struct Soil {
@@ -36,13 +52,22 @@ struct Region {
   std::filesystem::path file;
   std::string name, about;
   RegionRaster elevation;
-  std::optional<RegionRaster> soil_class;
-  std::vector<Soil> soils;  // empty when the region names no soil raster: `values` hold everywhere
-  Spreads values;           // for every soil that does not say otherwise
+  std::optional<RegionRaster> soil_class, land_cover, moisture;
+  terrain::GridWish grid;
+  std::vector<LandRule> land;            // of land_cover
+  std::vector<MoistureState> moistures;  // empty: the region does not tell moisture apart
+  std::vector<Soil> soils;               // empty when the region names no soil raster: `values` hold everywhere
+  Spreads values;                        // for every soil that does not say otherwise
 };
+
+/// Samples of a soil that belong to a state of moisture; one whose water content was not measured belongs to all.
+std::vector<SoilSample> samples_in(const Soil& soil, const MoistureState& state);
 
 /// Throws InputError. Paths are relative to the region's folder; the rasters themselves are opened by the map.
 Region read_region(const std::filesystem::path& path);
+
+/// Land rules of a region, with the one for what no rule names at the end.
+std::vector<LandRule> land_rules(const Region& region);
 
 /// Equally weighted points of a soil over the variables of the contract (slopes not-a-number): every sample with every
 /// drawn point of the ranges. `overriding` values win over the soil's, those over the region's.

@@ -45,6 +45,7 @@ MapRules read_map_rules(const std::optional<Config>& section) {
   rules.no_go = section->number_or("no_go", rules.no_go, {0, rules.go});
   rules.tolerated_outside_share = section->number_or("tolerated_outside_share", 0, {0, 1});
   rules.draws = int(section->integer_or("draws", rules.draws, {1, 4096}));
+  if (section->has("moisture")) rules.moisture = section->choice("moisture", {"dry", "moist", "wet"});
   rules.fidelity = section->text_or("fidelity", rules.fidelity);
   rules.correlation_length = section->number_or("correlation_length_m", rules.correlation_length, {1, 1e6});
   if (section->has("heading")) set_heading(rules, section->text("heading"), "map.heading");

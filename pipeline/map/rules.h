@@ -25,7 +25,8 @@ struct MapRules {
   double go = 0.8;                     // P(go) at or above: go, or slow_go when slow_go is the likelier outcome
   double no_go = 0.5;                  // P(go) below: no_go; between the two: slow_go
   double tolerated_outside_share = 0;  // shares u up to this are taken as if they behaved like the sampled part
-  int draws = 16;                      // points drawn from the ranges of a soil
+  std::string moisture;  // "dry", "moist" or "wet" for the whole map; empty: the raster's, or every sample
+  int draws = 16;        // points drawn from the ranges of a soil
   std::string fidelity = "fidelity of the trials not stated";  // printed under the title of the figure
   Spreads values;                                              // of the mission, such as payload; win over the region's
 };

@@ -5,7 +5,8 @@
 
 namespace gonogo::pipeline {
 
-/// Reads the region's rasters block by block: 5 bytes for each cell stay.
-RouteCells read_route_cells(const MapSources& sources, const SoilTable& table, int threads);
+/// Reads the region's rasters block by block in threads: 5 bytes for each cell stay.
+RouteCells read_route_cells(const MapSources& sources, const Region& region, const SoilTable& table,
+                            const MapRules& rules, int threads);
 
 }  // namespace gonogo::pipeline

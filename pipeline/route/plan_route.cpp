@@ -11,6 +11,7 @@
 #include "pipeline/route/map_cells.h"
 #include "pipeline/route/search.h"
 #include "terrain/raster/geotiff.h"
+#include "terrain/raster/tile_codec.h"
 #include "terrain/raster/vector.h"
 
 namespace gonogo::pipeline {
@@ -97,13 +98,14 @@ void write_reach(const RouteRequest& request, const terrain::MapGrid& grid, cons
                                  .classes = false,
                                  .legend = {{0, "0", "#eff3ff"}, {double(most), line("%g %s", most, unit), "#54278f"}},
                                  .metadata = map_metadata(request.map, map_inputs(request.map))});
-  terrain::Tile row(grid.columns, 1, 0);
-  for (int r = 0; r < grid.rows; ++r) {
-    for (int c = 0; c < grid.columns; ++c) {
-      const float value = cost[std::size_t(r) * std::size_t(grid.columns) + std::size_t(c)];
-      row.at(c, 0) = std::isfinite(value) ? value : std::numeric_limits<float>::quiet_NaN();
+  for (int top = 0; top < grid.rows; top += terrain::kTileCells) {
+    const int rows = std::min(terrain::kTileCells, grid.rows - top);
+    terrain::Tile band(grid.columns, rows, 0);
+    for (std::size_t i = 0; i < band.value.size(); ++i) {
+      const float value = cost[std::size_t(top) * std::size_t(grid.columns) + i];
+      band.value[i] = std::isfinite(value) ? value : std::numeric_limits<float>::quiet_NaN();
     }
-    writer.write({0, r, grid.columns, 1}, row);
+    writer.write({0, top, grid.columns, rows}, band);
   }
   writer.finish(request.map.threads);
 }
@@ -127,7 +129,7 @@ Json plan_route(const RouteRequest& request) {
   const MapSources sources = open_sources(map.region);
   const terrain::MapGrid& grid = sources.elevation.grid();
   const SoilTable table = make_soil_table(map.model, map.region, map.rules, 0);
-  const RouteCells cells = read_route_cells(sources, table, map.threads);
+  const RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
   const std::uint32_t start = cell_at(request.from, grid, cells, "--from");
   const std::uint32_t end = cell_at(request.to, grid, cells, "--to");
   const AllCosts costs = all_costs(table, request.costs, map.rules.correlation_length);

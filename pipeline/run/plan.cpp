@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "pipeline/campaign/study_campaign.h"
-#include "terrain/raster/raster_source.h"
+#include "pipeline/map/block.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -29,11 +29,10 @@ void check_readable(const terrain::RasterSource& source) {
 
 /// Opens the rasters and reads in them, so that what cannot be read is known before hours of simulation.
 void check_rasters(const Region& region) {
-  const auto elevation = terrain::RasterSource::open_elevation(region.elevation.file);
-  check_readable(elevation);
-  if (!region.soil_class) return;
-  check_readable(
-      terrain::RasterSource::open_on_grid(region.soil_class->file, elevation.grid(), terrain::RasterKind::classes));
+  const MapSources sources = open_sources(region);
+  check_readable(sources.elevation);
+  for (const auto* raster : {&sources.soil_class, &sources.land_cover, &sources.moisture})
+    if (*raster) check_readable(**raster);
 }
 
 }  // namespace

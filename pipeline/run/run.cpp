@@ -12,6 +12,7 @@
 #include "pipeline/dataset/summary.h"
 #include "pipeline/learn/train_model.h"
 #include "pipeline/map/area.h"
+#include "pipeline/map/map_record.h"
 #include "pipeline/map/map_request.h"
 #include "pipeline/run/stage.h"
 
@@ -58,8 +59,7 @@ Stage map_stage(const RunPlan& plan) {
   inputs["model.h5"] = path_hash(plan.model());
   inputs["dataset.h5"] = path_hash(plan.dataset());
   inputs["region"] = path_hash(plan.region.file);
-  inputs["elevation"] = path_hash(plan.region.elevation.file);
-  if (plan.region.soil_class) inputs["soil_class"] = path_hash(plan.region.soil_class->file);
+  for (const auto& [role, hash] : raster_hashes(plan.region)) inputs[role] = hash;
   inputs["map"] = section_json(plan.study, "map");
   return {.name = "map", .outputs = {"map"}, .inputs = inputs, .work = [&plan] {
             make_map(read_map_request({.model = plan.model(),

@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::pair<const char*, Verdict>, 4> kVerdicts{
     {{"go", Verdict::go}, {"slow_go", Verdict::slow_go}, {"no_go", Verdict::no_go}, {"unknown", Verdict::unknown}}};
 
-constexpr std::array<std::pair<const char*, Reason>, 12> kReasons{{{"none", Reason::none},
+constexpr std::array<std::pair<const char*, Reason>, 16> kReasons{{{"none", Reason::none},
                                                                    {"slope_unstable", Reason::slope_unstable},
                                                                    {"rollover", Reason::rollover},
                                                                    {"slid_back", Reason::slid_back},
@@ -26,7 +26,11 @@ constexpr std::array<std::pair<const char*, Reason>, 12> kReasons{{{"none", Reas
                                                                    {"timeout", Reason::timeout},
                                                                    {"simulation_failed", Reason::simulation_failed},
                                                                    {"outside_sampled", Reason::outside_sampled},
-                                                                   {"input_missing", Reason::input_missing}}};
+                                                                   {"input_missing", Reason::input_missing},
+                                                                   {"water", Reason::water},
+                                                                   {"vegetation", Reason::vegetation},
+                                                                   {"built_up", Reason::built_up},
+                                                                   {"land_unknown", Reason::land_unknown}}};
 
 template <class Table>
 std::vector<std::string> names_of(const Table& table) {
@@ -91,8 +95,13 @@ VerdictInfo read_verdict(const Config& config) {
 }
 
 ReasonInfo read_reason(const Config& config, const std::vector<VerdictInfo>& verdicts) {
-  ReasonInfo info{config.text("name"),  int(config.integer("code")),   config.texts("verdicts"),
-                  config.text("label"), read_colour(config, "colour"), config.text("about")};
+  ReasonInfo info{config.text("name"),
+                  int(config.integer("code")),
+                  config.texts("verdicts"),
+                  config.text("label"),
+                  read_colour(config, "colour"),
+                  config.text("about"),
+                  config.boolean_or("map_only", false)};
   for (const auto& verdict : info.verdicts) position(verdicts, verdict, "verdict");
   config.finish();
   return info;
@@ -125,6 +134,7 @@ std::vector<Outcome> list_outcomes(const Contract& contract) {
     if (verdict == Verdict::unknown) continue;
     for (const auto& [reason_name, reason] : kReasons) {
       const auto& verdicts = contract.info(reason).verdicts;
+      if (contract.info(reason).map_only) continue;
       if (std::find(verdicts.begin(), verdicts.end(), verdict_name) == verdicts.end()) continue;
       std::string name = verdict_name;
       if (reason != Reason::none) name += std::string("/") + reason_name;

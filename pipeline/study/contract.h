@@ -30,7 +30,7 @@ struct Measure {
 enum class Verdict : int { go = 1, slow_go = 2, no_go = 3, unknown = 4 };
 enum class Reason : int {
   none = 0, slope_unstable, rollover, slid_back, power, sinkage, traction, obstacle, timeout, simulation_failed, outside_sampled,
-  input_missing
+  input_missing, water, vegetation, built_up, land_unknown
 };
 
 struct VerdictInfo {
@@ -44,6 +44,7 @@ struct ReasonInfo {
   int code;
   std::vector<std::string> verdicts;
   std::string label, colour, about;
+  bool map_only = false;  // no trial ends with it
 };
 
 /// A (verdict, reason) pair that a valid trial can end with: one outcome unit of the learner each, in this order:

@@ -22,6 +22,7 @@ class GdalCall {
   /// What GDAL said last, in one line without a full stop; "no reason given" when it said nothing.
   std::string message() const;
   bool failed() const;
+  bool warned() const;  // or failed
 };
 
 }  // namespace gonogo::terrain

@@ -1,215 +1,178 @@
 #include "terrain/raster/geotiff.h"
 
-#include <cpl_string.h>
-#include <ogr_spatialref.h>
+#include <omp.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "base/error.h"
 #include "base/file.h"
-#include "terrain/raster/gdal_support.h"
+#include "base/first_error.h"
+#include "base/record_log.h"
+#include "terrain/raster/cog.h"
+#include "terrain/raster/layer_style.h"
+#include "terrain/raster/tile_codec.h"
 
 namespace gonogo::terrain {
 namespace fs = std::filesystem;
 
+using ClassCounts = std::array<std::uint64_t, 256>;
+
 struct GeoTiffWriter::State {
-  fs::path path, scratch;
+  fs::path path;
   MapGrid grid;
   LayerInfo info;
-  DatasetHandle dataset;
+  std::vector<CogLevel> levels;
+  bool keep = false;
+  RecordLog tiles;
 };
 
 namespace {
 
-constexpr double kFloatNoData = -9999;
-constexpr double kClassNoData = 255;
+/// Mean of the valid ones of four cells.
+float together(const std::array<float, 4>& cells) {
+  float sum = 0;
+  int count = 0;
+  for (const float v : cells)
+    if (v != float(kFloatNoData)) sum += v, ++count;
+  return count > 0 ? sum / float(count) : float(kFloatNoData);
+}
 
-/// A layer's own settings of GDAL, put back when it leaves.
-class ThreadOption {
- public:
-  ThreadOption(const char* key, const char* value) : key_(key) {
-    if (const char* old = CPLGetThreadLocalConfigOption(key, nullptr)) old_ = old, had_ = true;
-    CPLSetThreadLocalConfigOption(key, value);
+/// The most frequent valid one of four cells; of equally frequent ones the higher code, which is the more cautious.
+std::uint8_t together(const std::array<std::uint8_t, 4>& cells) {
+  int best = 0;
+  auto most = std::uint8_t(kClassNoData);
+  for (const std::uint8_t v : cells) {
+    if (v == std::uint8_t(kClassNoData)) continue;
+    const int count = int(std::count(cells.begin(), cells.end(), v));
+    if (count > best || (count == best && v > most)) best = count, most = v;
   }
-  ~ThreadOption() { CPLSetThreadLocalConfigOption(key_, had_ ? old_.c_str() : nullptr); }
-
- private:
-  const char* key_;
-  std::string old_;
-  bool had_ = false;
-};
-
-GDALColorEntry colour_entry(const std::string& colour) {
-  unsigned red = 0, green = 0, blue = 0;
-  std::sscanf(colour.c_str(), "#%2x%2x%2x", &red, &green, &blue);
-  return {short(red), short(green), short(blue), 255};
+  return most;
 }
 
-void describe_band(GDALDataset& dataset, const LayerInfo& info) {
-  GDALRasterBand& band = *dataset.GetRasterBand(1);
-  band.SetDescription(info.name.c_str());
-  band.SetNoDataValue(info.classes ? kClassNoData : kFloatNoData);
-  if (!info.unit.empty()) band.SetUnitType(info.unit.c_str());
-  for (const auto& [key, value] : info.metadata) dataset.SetMetadataItem(key.c_str(), value.c_str());
-  if (!info.classes) return;
-  GDALColorTable table;
-  for (int value = 0; value < 256; ++value) {
-    const GDALColorEntry clear = {0, 0, 0, 0};
-    table.SetColorEntry(value, &clear);
+/// Fills one quarter of a tile from the tile of the next larger level that lies there.
+template <class Cell>
+void halve(const std::vector<Cell>& from, std::vector<Cell>& to, int right, int below) {
+  constexpr int half = kTileCells / 2;
+  for (int row = 0; row < half; ++row)
+    for (int column = 0; column < half; ++column) {
+      const std::size_t i = std::size_t(2 * row) * kTileCells + std::size_t(2 * column);
+      to[std::size_t(row + below * half) * kTileCells + std::size_t(column + right * half)] =
+          together(std::array<Cell, 4>{from[i], from[i + 1], from[i + kTileCells], from[i + kTileCells + 1]});
+    }
+}
+
+void count_classes(const std::vector<std::uint8_t>& cells, ClassCounts& counts) {
+  for (const std::uint8_t v : cells) ++counts[v];
+}
+void count_classes(const std::vector<float>&, ClassCounts&) {}
+
+/// One tile of an overview. Cells beyond the level's edge are nodata in every tile, so they need no rule.
+template <class Cell>
+std::string overview_tile(const RecordLog& tiles, const std::vector<CogLevel>& levels, std::size_t level,
+                          std::uint32_t tile, double nodata, ClassCounts* counts) {
+  const CogLevel &here = levels[level], &finer = levels[level - 1];
+  const int across = int(tile) % here.tiles_across(), down = int(tile) / here.tiles_across();
+  std::vector<Cell> cells(kTileArea, Cell(nodata)), from;
+  for (int below = 0; below < 2; ++below)
+    for (int right = 0; right < 2; ++right) {
+      const int x = 2 * across + right, y = 2 * down + below;
+      if (x >= finer.tiles_across() || y >= finer.tiles_down()) continue;
+      const std::uint32_t number = first_tile(levels, level - 1) + std::uint32_t(y * finer.tiles_across() + x);
+      decode_tile(tiles.read(number), from, tiles.path().string());
+      if (counts) count_classes(from, *counts);
+      halve(from, cells, right, below);
+    }
+  return encode_tile(cells);
+}
+
+template <class Cell>
+ClassCounts make_overviews(RecordLog& tiles, const std::vector<CogLevel>& levels, double nodata, int threads) {
+  ClassCounts counts{};
+  FirstError error;
+  for (std::size_t level = 1; level < levels.size(); ++level)
+#pragma omp parallel num_threads(threads)
+  {
+    ClassCounts own{};
+#pragma omp for schedule(dynamic, 1)
+    for (std::uint32_t t = 0; t < levels[level].tiles(); ++t)
+      error.guard([&] {
+        tiles.append(first_tile(levels, level) + t,
+                     overview_tile<Cell>(tiles, levels, level, t, nodata, level == 1 ? &own : nullptr));
+      });
+#pragma omp critical
+    for (std::size_t i = 0; i < own.size(); ++i) counts[i] += own[i];
   }
-  std::string legend;
-  for (const LegendEntry& entry : info.legend) {
-    const GDALColorEntry colour = colour_entry(entry.colour);
-    table.SetColorEntry(int(entry.value), &colour);
-    legend += (legend.empty() ? "" : "; ") + std::to_string(int(entry.value)) + " " + entry.label;
+  error.rethrow();
+  if (levels.size() == 1) {
+    std::vector<Cell> cells;
+    decode_tile(tiles.read(0), cells, tiles.path().string());
+    count_classes(cells, counts);
   }
-  band.SetColorTable(&table);
-  band.SetColorInterpretation(GCI_PaletteIndex);
-  dataset.SetMetadataItem("LEGEND", legend.c_str());
+  return counts;
 }
 
-DatasetHandle create_scratch(const fs::path& scratch, const MapGrid& grid, const LayerInfo& info) {
-  GdalCall call;
-  const ThreadOption no_sidecar("GDAL_PAM_ENABLED", "NO");
-  CPLStringList options;
-  options.SetNameValue("TILED", "YES");
-  options.SetNameValue("BIGTIFF", "IF_SAFER");
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("GTiff");
-  DatasetHandle dataset(driver->Create(scratch.c_str(), grid.columns, grid.rows, 1,
-                                       info.classes ? GDT_Byte : GDT_Float32, options.List()));
-  if (!dataset) throw DeviceError(scratch.string() + ": cannot be written (" + call.message() + ")");
-  double transform[6] = {grid.west, grid.cell_width, 0, grid.north, 0, -grid.cell_height};
-  dataset->SetGeoTransform(transform);
-  OGRSpatialReference crs;
-  crs.importFromWkt(grid.crs_wkt.c_str());
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  dataset->SetSpatialRef(&crs);
-  dataset->SetMetadataItem("AREA_OR_POINT", "Area");
-  describe_band(*dataset, info);
-  return dataset;
-}
+fs::path scratch_of(const fs::path& path) { return path.parent_path() / ("." + path.stem().string() + ".scratch"); }
 
-void copy_to_cog(GDALDataset& scratch, const fs::path& target, const LayerInfo& info, int threads) {
-  GdalCall call;
-  const ThreadOption no_sidecar("GDAL_PAM_ENABLED", "NO");
-  CPLStringList options;
-  options.SetNameValue("COMPRESS", "DEFLATE");
-  options.SetNameValue("PREDICTOR", "YES");
-  options.SetNameValue("OVERVIEW_RESAMPLING", info.classes ? "MODE" : "AVERAGE");
-  options.SetNameValue("NUM_THREADS", threads > 0 ? std::to_string(threads).c_str() : "ALL_CPUS");
-  options.SetNameValue("BIGTIFF", "IF_SAFER");
-  GDALDriver* driver = GetGDALDriverManager()->GetDriverByName("COG");
-  if (!driver) throw DeviceError("this GDAL has no COG driver; GDAL 3.1 or newer is needed");
-  GDALDataset* copy = driver->CreateCopy(target.c_str(), &scratch, FALSE, options.List(), nullptr, nullptr);
-  if (copy) GDALClose(copy);
-  if (!copy || call.failed()) throw DeviceError(target.string() + ": cannot be written (" + call.message() + ")");
-}
-
-std::string xml_text(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
-
-/// GDAL's side file with the class names: a list by value, empty for values that are no class.
-std::string category_file(const LayerInfo& info) {
-  std::vector<std::string> names;
-  for (const LegendEntry& entry : info.legend) {
-    if (names.size() <= std::size_t(entry.value)) names.resize(std::size_t(entry.value) + 1);
-    names[std::size_t(entry.value)] = entry.label;
-  }
-  std::string xml = "<PAMDataset>\n  <PAMRasterBand band=\"1\">\n    <CategoryNames>\n";
-  for (const std::string& name : names) xml += "      <Category>" + xml_text(name) + "</Category>\n";
-  return xml + "    </CategoryNames>\n  </PAMRasterBand>\n</PAMDataset>\n";
-}
-
-std::string shortest(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", x);
-  return text;
-}
-
-std::string paletted_renderer(const LayerInfo& info) {
-  std::string xml = "    <rasterrenderer type=\"paletted\" band=\"1\" opacity=\"1\">\n      <colorPalette>\n";
-  for (const LegendEntry& entry : info.legend)
-    xml += "        <paletteEntry value=\"" + shortest(entry.value) + "\" color=\"" + entry.colour + "\" label=\"" +
-           xml_text(entry.label) + "\" alpha=\"255\"/>\n";
-  return xml + "      </colorPalette>\n    </rasterrenderer>\n";
-}
-
-std::string ramp_renderer(const LayerInfo& info) {
-  const std::string low = shortest(info.legend.front().value), high = shortest(info.legend.back().value);
-  std::string xml = "    <rasterrenderer type=\"singlebandpseudocolor\" band=\"1\" opacity=\"1\" classificationMin=\"" +
-                    low + "\" classificationMax=\"" + high +
-                    "\">\n      <rastershader>\n        <colorrampshader "
-                    "colorRampType=\"INTERPOLATED\" classificationMode=\"1\" clip=\"0\" minimumValue=\"" +
-                    low + "\" maximumValue=\"" + high + "\">\n";
-  for (const LegendEntry& entry : info.legend)
-    xml += "          <item value=\"" + shortest(entry.value) + "\" color=\"" + entry.colour + "\" label=\"" +
-           xml_text(entry.label) + "\" alpha=\"255\"/>\n";
-  return xml + "        </colorrampshader>\n      </rastershader>\n    </rasterrenderer>\n";
+template <class Cell>
+std::string encode_window(const Tile& tile, int left, int top, double nodata) {
+  std::vector<Cell> cells(kTileArea, Cell(nodata));
+  for (int row = 0; row < std::min(kTileCells, tile.rows - top); ++row)
+    for (int column = 0; column < std::min(kTileCells, tile.columns - left); ++column) {
+      const float v = tile.at(left + column, top + row);
+      if (!std::isnan(v)) cells[std::size_t(row) * kTileCells + std::size_t(column)] = Cell(v);
+    }
+  return encode_tile(cells);
 }
 
 }  // namespace
 
-GeoTiffWriter::GeoTiffWriter(fs::path path, MapGrid grid, LayerInfo info) : state_(std::make_unique<State>()) {
+GeoTiffWriter::GeoTiffWriter(fs::path path, MapGrid grid, LayerInfo info, std::string key)
+    : state_(new State{.path = path,
+                       .grid = grid,
+                       .info = info,
+                       .levels = cog_levels(grid.columns, grid.rows),
+                       .keep = !key.empty(),
+                       .tiles = RecordLog(scratch_of(path), key)}) {
   GONOGO_ASSERT(!info.legend.empty());
-  create_folder(path.has_parent_path() ? path.parent_path() : fs::path("."));
-  std::string scratch_name = ".";
-  scratch_name += path.stem().string() + ".scratch.tif";
-  state_->scratch = path.parent_path() / scratch_name;
-  state_->dataset = create_scratch(state_->scratch, grid, info);
-  state_->path = std::move(path);
-  state_->grid = std::move(grid);
-  state_->info = std::move(info);
 }
 
 GeoTiffWriter::~GeoTiffWriter() {
-  GdalCall call;
-  state_->dataset.reset();
-  std::error_code ignored;
-  fs::remove(state_->scratch, ignored);
+  if (!state_->keep) state_->tiles.remove();
 }
 
 void GeoTiffWriter::write(Window window, const Tile& tile) {
   GONOGO_ASSERT(tile.columns == window.columns && tile.rows == window.rows);
-  std::vector<float> value = tile.value;
-  const float nodata = float(state_->info.classes ? kClassNoData : kFloatNoData);
-  for (float& v : value)
-    if (std::isnan(v)) v = nodata;
-  GdalCall call;
-  if (state_->dataset->GetRasterBand(1)->RasterIO(GF_Write, window.column, window.row, window.columns, window.rows,
-                                                  value.data(), window.columns, window.rows, GDT_Float32, 0, 0,
-                                                  nullptr) != CE_None)
-    throw DeviceError(state_->path.string() + ": cannot be written (" + call.message() + ")");
+  GONOGO_ASSERT(window.column % kTileCells == 0 && window.row % kTileCells == 0);
+  const int across = state_->levels.front().tiles_across();
+  for (int top = 0; top < window.rows; top += kTileCells)
+    for (int left = 0; left < window.columns; left += kTileCells) {
+      const int number = (window.row + top) / kTileCells * across + (window.column + left) / kTileCells;
+      state_->tiles.append(std::uint32_t(number), state_->info.classes
+                                                      ? encode_window<std::uint8_t>(tile, left, top, kClassNoData)
+                                                      : encode_window<float>(tile, left, top, kFloatNoData));
+    }
 }
+
+bool GeoTiffWriter::has_tile(int column, int row) const {
+  return state_->tiles.has(
+      std::uint32_t(row / kTileCells * state_->levels.front().tiles_across() + column / kTileCells));
+}
+
+void GeoTiffWriter::forget() { state_->tiles.remove(); }
 
 void GeoTiffWriter::finish(int threads) {
-  GdalCall call;
-  state_->dataset->FlushCache();
-  if (call.failed()) throw DeviceError(state_->path.string() + ": cannot be written (" + call.message() + ")");
-  replace_file_atomically(state_->path, [&](const fs::path& temporary) {
-    copy_to_cog(*state_->dataset, temporary, state_->info, threads);
-  });
-  if (state_->info.classes) write_file_atomically(state_->path.string() + ".aux.xml", category_file(state_->info));
-  write_file_atomically(fs::path(state_->path).replace_extension(".qml"), qgis_style(state_->info));
-}
-
-std::string qgis_style(const LayerInfo& info) {
-  return "<!DOCTYPE qgis>\n<qgis version=\"3.22\">\n  <pipe>\n" +
-         (info.classes ? paletted_renderer(info) : ramp_renderer(info)) + "  </pipe>\n</qgis>\n";
+  State& s = *state_;
+  const int thread_count = threads > 0 ? threads : omp_get_max_threads();
+  const ClassCounts counts = s.info.classes
+                                 ? make_overviews<std::uint8_t>(s.tiles, s.levels, kClassNoData, thread_count)
+                                 : make_overviews<float>(s.tiles, s.levels, kFloatNoData, thread_count);
+  const CogTiles tiles = {[&](std::uint32_t t) { return s.tiles.size_of(t); },
+                          [&](std::uint32_t t) { return s.tiles.read(t); }};
+  replace_file_atomically(s.path, [&](const fs::path& file) { write_cog(file, s.grid, s.info, s.levels, tiles); });
+  if (s.info.classes) write_file_atomically(s.path.string() + ".aux.xml", side_file(s.info, counts));
+  write_file_atomically(fs::path(s.path).replace_extension(".qml"), qgis_style(s.info));
 }
 
 }  // namespace gonogo::terrain

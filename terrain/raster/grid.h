@@ -1,9 +1,32 @@
 // Where the cells of a map lie on the ground, and rectangles of cells.
 #pragma once
+#include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace gonogo::terrain {
+
+/// One raster, or the tiles of one in the same coordinate system.
+struct RasterFiles {
+  std::vector<std::filesystem::path> file;
+
+  RasterFiles() = default;
+  RasterFiles(std::filesystem::path one) : file{std::move(one)} {}                   // NOLINT: a raster is its file
+  RasterFiles(const std::string& one) : file{one} {}                                 // NOLINT
+  RasterFiles(const char* one) : file{one} {}                                        // NOLINT
+  RasterFiles(std::vector<std::filesystem::path> tiles) : file(std::move(tiles)) {}  // NOLINT
+  /// For messages.
+  std::string name() const {
+    return file.empty() ? "" : file.front().string() + (file.size() > 1 ? " and its other tiles" : "");
+  }
+};
+
+/// The grid that a map shall have; what is not said follows from the elevation raster.
+struct GridWish {
+  std::string crs;       // anything that PROJ understands, for example "EPSG:32611"
+  double cell_size = 0;  // [m]
+};
 
 /// A north-up grid of equal cells in a projected coordinate system. Row 0 is the northernmost.
 struct MapGrid {

@@ -184,8 +184,8 @@ TEST_CASE("a finished map is kept, and made again when an input or a file of it 
 TEST_CASE("an unusable raster leaves no map behind") {
   const TemporaryFolder folder;
   const MapRequest request = small_request(folder);
-  test::make_raster(folder / "dem.tif", {.epsg = 4326, .transform = {-120.3, 1e-4, 0, 39.5, 0, -1e-4}});
-  CHECK(contains(input_error([&] { make_map(request); }), "is in degrees"));
+  test::make_raster(folder / "dem.tif", {.value = std::vector<float>(48, -9999.0f)});
+  CHECK(contains(input_error([&] { make_map(request); }), "every cell is nodata"));
   CHECK_FALSE(std::filesystem::exists(folder / "map"));
 }
 
@@ -223,11 +223,11 @@ TEST_CASE("P(go) of the sample region equals the model at 1,000 random cells") {
   const TemporaryFolder folder;
   const MapRequest request = sagehen_request(folder / "map");
   make_map(request);
-  const RasterSource dem = RasterSource::open_elevation(request.region.elevation.file);
+  const RasterSource dem = RasterSource::open_elevation(request.region.elevation.files);
   const terrain::MapGrid& grid = dem.grid();
   const Tile slope = terrain::slope_degrees(dem.read({-1, -1, grid.columns + 2, grid.rows + 2}), {10, 10});
-  const Tile soil = layer(request.region.soil_class->file, request.region.elevation.file);
-  const Tile p_go = layer(folder / "map/p_go.tif", request.region.elevation.file);
+  const Tile soil = layer(request.region.soil_class->files.file.front(), request.region.elevation.files.file.front());
+  const Tile p_go = layer(folder / "map/p_go.tif", request.region.elevation.files.file.front());
   int compared = 0;
   for (int i = 0; i < 1000; ++i) {
     const std::size_t cell = random_bits(5, 0, std::uint64_t(i)) % slope.value.size();

@@ -204,7 +204,7 @@ TEST_CASE("a region file is read, and refused with the place of the mistake") {
   const TemporaryFolder folder;
   write_file_atomically(folder / "region.json", kRegion);
   const Region region = read_region(folder / "region.json");
-  CHECK(region.elevation.file == folder / "dem.tif");
+  CHECK(region.elevation.files.file.front() == folder / "dem.tif");
   REQUIRE(region.soils.size() == 1);
   CHECK(region.soils[0].samples[0].values.at("cohesion").low == 2);
   CHECK(region.values.at("payload").high == 400);

@@ -95,7 +95,7 @@ Json expected_cells(const MapRequest& request, const terrain::MapGrid& grid) {
 /// Costs by the program between two cells that can be clicked apart on a screen.
 Json expected_route(const MapRequest& request, const MapSources& sources) {
   const SoilTable table = make_soil_table(request.model, request.region, request.rules, 0);
-  const RouteCells cells = read_route_cells(sources, table, 0);
+  const RouteCells cells = read_route_cells(sources, request.region, table, request.rules, 0);
   const std::uint32_t start = std::uint32_t(500 * cells.columns + 300), end = std::uint32_t(150 * cells.columns + 620);
   Json route = Json::object();
   route["start"] = std::uint64_t(start);
@@ -193,7 +193,7 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
   }
   request.reach = folder / "reach.tif";
   plan_route(request);
-  const auto dem = RasterSource::open_elevation(request.map.region.elevation.file);
+  const auto dem = RasterSource::open_elevation(request.map.region.elevation.files);
   const auto cost = RasterSource::open_on_grid(folder / "reach.tif", dem.grid(), RasterKind::continuous);
   CHECK(cost.read({175, 300, 1, 1}).value[0] < 300);  // the start's surroundings, in seconds
   request.from = {0, 0};

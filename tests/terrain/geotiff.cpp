@@ -105,14 +105,14 @@ TEST_CASE("a probability layer is float32 with nodata -9999") {
 TEST_CASE("a layer has the same bytes for any number of threads and order of windows") {
   const TemporaryFolder folder;
   const MapGrid grid = grid_of(1100, 700, folder);
-  Tile north(1100, 300, 0), south(1100, 400, 0);
+  Tile north(1100, 512, 0), south(1100, 188, 0);
   for (std::size_t i = 0; i < north.value.size(); ++i) north.value[i] = float(i % 97) / 97;
   for (std::size_t i = 0; i < south.value.size(); ++i) south.value[i] = float(i % 89) / 89;
   const auto write = [&](const std::string& name, bool north_first, int threads) {
     GeoTiffWriter writer(folder / name, grid, probability_layer());
-    if (north_first) writer.write({0, 0, 1100, 300}, north);
-    writer.write({0, 300, 1100, 400}, south);
-    if (!north_first) writer.write({0, 0, 1100, 300}, north);
+    if (north_first) writer.write({0, 0, 1100, 512}, north);
+    writer.write({0, 512, 1100, 188}, south);
+    if (!north_first) writer.write({0, 0, 1100, 512}, north);
     writer.finish(threads);
     return read_file(folder / name);
   };

@@ -38,12 +38,6 @@ TEST_CASE("an elevation raster that cannot be used is refused with the file and 
   CHECK(contains(refusal(file), "names no coordinate system"));
   CHECK(contains(refusal(file), "gdal_edit.py"));
 
-  make_raster(file, {.epsg = 4326, .transform = {-120.3, 1e-4, 0, 39.5, 0, -1e-4}});
-  CHECK(contains(refusal(file), "is in degrees"));
-  CHECK(contains(refusal(file), "gdalwarp -t_srs EPSG:32610 -r cubic"));
-  make_raster(file, {.epsg = 4326, .transform = {-73.2, 1e-4, 0, -46.5, 0, -1e-4}});
-  CHECK(contains(refusal(file), "gdalwarp -t_srs EPSG:32718"));
-
   make_raster(file, {.transform = {500000, 10, 0, 4400000, 0, 10}});
   CHECK(contains(refusal(file), "not the northernmost"));
   make_raster(file, {.transform = {500000, 10, 2, 4400000, 2, -10}});
@@ -58,10 +52,6 @@ TEST_CASE("an elevation raster that cannot be used is refused with the file and 
 
   make_raster(file, {.unit = "fathom"});
   CHECK(contains(refusal(file), "\"fathom\""));
-}
-
-TEST_CASE("the real grid in degrees of the golden window is refused") {
-  CHECK(contains(refusal(GONOGO_SOURCE_DIR "/tests/golden/terrain/degrees.tif"), "is in degrees"));
 }
 
 TEST_CASE("a truncated raster is refused when its cells are read, not taken as flat ground") {

@@ -1,0 +1,22 @@
+// The tags that say what a layer is and where it lies, as GDAL writes them: place, coordinate system, colours, nodata,
+// names and metadata. Taken from a GeoTIFF that GDAL makes in memory, so that their encoding stays GDAL's.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "terrain/raster/geotiff.h"
+
+namespace gonogo::terrain {
+
+struct TiffTag {
+  std::uint16_t tag = 0, type = 0;
+  std::uint64_t count = 0;
+  std::string data;  // values in little-endian order
+};
+
+inline constexpr std::uint16_t kColourMap = 320, kGdalNoData = 42113;
+
+std::vector<TiffTag> describing_tags(const MapGrid& grid, const LayerInfo& info);
+
+}  // namespace gonogo::terrain
