@@ -34,6 +34,8 @@ void add_train_command(CLI::App& app, const Globals& globals);
 void add_evaluate_command(CLI::App& app, const Globals& globals);
 void add_infer_command(CLI::App& app, const Globals& globals);
 void add_qubo_command(CLI::App& app, const Globals& globals);
+void add_compare_command(CLI::App& app, const Globals& globals);
+void add_view_command(CLI::App& app, const Globals& globals);
 void add_map_command(CLI::App& app, const Globals& globals);
 void add_route_command(CLI::App& app, const Globals& globals);
 void add_bench_command(CLI::App& app, const Globals& globals);

@@ -48,6 +48,8 @@ void add_map_command(CLI::App& app, const Globals& globals) {
   command->add_option("--region", files->region, "Region file; by default the one that the study names");
   command->add_option("--study", files->study, "Study file: thresholds and mission values of its section \"map\"");
   command->add_option("--dataset", files->dataset, "Trials (dataset.h5): adds expected speed, slip and sinkage");
+  command->add_option("--members", files->members,
+                      "Members of the model (gonogo train --members): their spread widens the interval on P(go)");
   command->add_option("--heading", files->heading,
                       "Of class, P(go) and reason: uphill, worst, best, or degrees clockwise from grid north");
   command->add_option("--moisture", files->moisture,

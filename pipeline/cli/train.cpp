@@ -2,6 +2,7 @@
 #include <string>
 
 #include "pipeline/cli/command.h"
+#include "pipeline/learn/train_members.h"
 #include "pipeline/learn/train_model.h"
 #include "pipeline/study/study.h"
 
@@ -11,6 +12,7 @@ namespace {
 struct Options {
   std::string dataset, study, out;
   std::uint64_t seed = 1;
+  int members = 0;
 };
 
 TrainRequest to_request(const Options& options, bool seed_given) {
@@ -35,13 +37,23 @@ void add_train_command(CLI::App& app, const Globals& globals) {
   command->add_option("--out", options->out, "Model file to write")->required();
   CLI::Option* seed =
       command->add_option("--seed", options->seed, "Seed; the study's when left out")->capture_default_str();
+  command
+      ->add_option("--members", options->members,
+                   "Also train so many models on reweighted trials, for the spread of the model in maps")
+      ->check(CLI::Range(0, 100));
   command->footer(
       "Example:\n  gonogo train --dataset out/demo/dataset.h5 --study configs/studies/demo.json --out "
       "out/demo/model.h5");
   command->callback([options, seed, &globals] {
-    Json report = train_model(to_request(*options, seed->count() > 0));
+    const TrainRequest request = to_request(*options, seed->count() > 0);
+    Json report = train_model(request);
     const std::string text = report_text(report);
     report["model"] = options->out;
+    if (options->members > 0) {
+      Json members = Json::array();
+      for (const auto& file : train_members(request, options->members)) members.push_back(Json(file.string()));
+      report["members"] = members;
+    }
     print_result(globals, report, text);
   });
 }

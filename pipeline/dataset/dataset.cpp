@@ -52,6 +52,17 @@ void write_values(Hdf5Writer& out, TrialColumns& columns) {
   }
 }
 
+/// Reasons that a trial can end with: those of maps only stand in no dataset, so that a new one changes no file.
+const std::vector<ReasonInfo>& trial_reasons() {
+  static const std::vector<ReasonInfo> reasons = [] {
+    std::vector<ReasonInfo> list;
+    for (const ReasonInfo& reason : contract().reasons)
+      if (!reason.map_only) list.push_back(reason);
+    return list;
+  }();
+  return reasons;
+}
+
 /// Names and codes of the contract's verdicts or reasons.
 template <class Info>
 void name_codes(Hdf5Writer& out, const std::string& path, const std::vector<Info>& infos) {
@@ -69,7 +80,7 @@ void write_outcome(Hdf5Writer& out, TrialColumns& columns) {
   store(out, "outcome/verdict", columns.verdict, "-", "how the trial ended");
   name_codes(out, "outcome/verdict", contract().verdicts);
   store(out, "outcome/reason", columns.reason, "-", "why the trial ended so");
-  name_codes(out, "outcome/reason", contract().reasons);
+  name_codes(out, "outcome/reason", trial_reasons());
   store(out, "outcome/attempts", columns.attempts, "-",
         "2 when the first attempt failed a check and a smaller step was used");
 }
@@ -179,13 +190,13 @@ void read_values(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
 void read_outcome(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
   const Shape rows{records.size()};
   require_codes(in, "outcome/verdict", contract().verdicts);
-  require_codes(in, "outcome/reason", contract().reasons);
+  require_codes(in, "outcome/reason", trial_reasons());
   const auto verdict = in.array<std::int32_t>("outcome/verdict", rows);
   const auto reason = in.array<std::int32_t>("outcome/reason", rows);
   const auto attempts = in.array<std::uint64_t>("outcome/attempts", rows);
   for (std::size_t row = 0; row < records.size(); ++row) {
     require_code(in, "outcome/verdict", contract().verdicts, verdict[row]);
-    require_code(in, "outcome/reason", contract().reasons, reason[row]);
+    require_code(in, "outcome/reason", trial_reasons(), reason[row]);
     records[row].verdict = Verdict(verdict[row]);
     records[row].reason = Reason(reason[row]);
     records[row].attempts = attempts[row];

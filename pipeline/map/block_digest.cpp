@@ -1,8 +1,9 @@
 #include "pipeline/map/block_digest.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
 
 #include "base/error.h"
 
@@ -66,9 +67,30 @@ class Reader {
   std::size_t at_ = 0;
 };
 
+/// Cells by class of speed, the last entry unknown ones; only what occurs, as (position, cells).
+std::map<std::uint32_t, std::uint64_t> speeds_of(const BlockLayers& block, const std::vector<MapLayer>& layers) {
+  std::map<std::uint32_t, std::uint64_t> cells;
+  std::size_t speed = 0;
+  while (speed < layers.size() && layers[speed].file != "speed") ++speed;
+  if (speed == layers.size()) return cells;
+  for (std::size_t i = 0; i < block.verdict().value.size(); ++i) {
+    const float verdict = block.verdict().value[i];
+    if (std::isnan(verdict)) continue;
+    const auto v = Verdict(int(verdict));
+    const bool passes = v == Verdict::go || v == Verdict::slow_go;
+    const float metres = block.layer[speed].value[i];
+    if (v == Verdict::unknown || (passes && std::isnan(metres)))
+      ++cells[SpeedCurve::kSteps];
+    else
+      ++cells[std::uint32_t(passes ? std::max(1, SpeedCurve::step_of(metres)) : 0)];
+  }
+  return cells;
+}
+
 }  // namespace
 
-std::string digest_of(const BlockLayers& block, const SoilTable& table, const MapGrid& grid, const MapDigest& shape) {
+std::string digest_of(const BlockLayers& block, const SoilTable& table, const MapGrid& grid, const MapDigest& shape,
+                      const std::vector<MapLayer>& layers) {
   const std::size_t reasons = contract().reasons.size(), verdicts = contract().verdicts.size();
   std::vector<std::uint64_t> area((verdicts + 1) * reasons, 0), soils(table.soils.size(), 0);
   for (std::size_t i = 0; i < block.verdict().value.size(); ++i) {
@@ -79,6 +101,12 @@ std::string digest_of(const BlockLayers& block, const SoilTable& table, const Ma
   std::string bytes;
   for (const auto count : area) put(bytes, count);
   for (const auto count : soils) put(bytes, count);
+  const auto speeds = speeds_of(block, layers);
+  put(bytes, std::uint32_t(speeds.size()));
+  for (const auto& [step, count] : speeds) {
+    put(bytes, step);
+    put(bytes, count);
+  }
   const Picks figure = picture_picks(shape.picture, grid, block.window), page = page_picks(shape.page, block.window);
   for (const Pick row : figure.rows)
     for (const Pick column : figure.columns)
@@ -98,6 +126,14 @@ void add_digest(const std::string& bytes, Window window, const MapGrid& grid, So
     for (std::size_t reason = 0; reason < contract().reasons.size(); ++reason)
       if (const auto count = reader.get<std::uint64_t>()) digest.area.add(Verdict(verdict), Reason(reason), count);
   for (auto& cells : table.cells) cells += reader.get<std::uint64_t>();
+  for (auto entries = reader.get<std::uint32_t>(); entries > 0; --entries) {
+    const auto step = reader.get<std::uint32_t>();
+    const auto count = reader.get<std::uint64_t>();
+    if (step < std::uint32_t(SpeedCurve::kSteps))
+      digest.speeds.add(int(step), count);
+    else
+      digest.speeds.add_unknown(count);
+  }
   Picture& picture = digest.picture;
   const Picks figure = picture_picks(picture, grid, window), page = page_picks(digest.page, window);
   for (const Pick row : figure.rows)

@@ -9,18 +9,20 @@
 #include "pipeline/map/block.h"
 #include "pipeline/map/map_page.h"
 #include "pipeline/map/picture.h"
+#include "pipeline/map/speed_curve.h"
 
 namespace gonogo::pipeline {
 
-/// The three things that digests of all blocks add up to.
+/// The things that digests of all blocks add up to.
 struct MapDigest {
   AreaCount area;
   Picture picture;
   PageCells page;
+  SpeedCurve speeds{};
 };
 
 std::string digest_of(const BlockLayers& block, const SoilTable& table, const terrain::MapGrid& grid,
-                      const MapDigest& shape);
+                      const MapDigest& shape, const std::vector<MapLayer>& layers);
 
 /// Adds the digest of the block at `window`. Throws DeviceError, `where` first, when it is not one of this map.
 void add_digest(const std::string& bytes, terrain::Window window, const terrain::MapGrid& grid, SoilTable& table,

@@ -5,6 +5,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "pipeline/map/map_blocks.h"
+#include "pipeline/map/map_exports.h"
 #include "pipeline/map/map_figure.h"
 #include "pipeline/map/map_page.h"
 #include "pipeline/map/map_record.h"
@@ -46,11 +47,13 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const SoilTable& 
 
 /// What belongs to the map as a whole, once every block is there.
 void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable& table, const Metadata& metadata,
-                const MapDigest& digest, MapSummary& summary) {
+                const std::vector<MapLayer>& layers, const MapDigest& digest, MapSummary& summary) {
   write_file_atomically(request.out / "area.csv", summary.area.csv(grid.cell_area_m2()));
   write_map_figure(request, grid, table, summary, digest.picture, request.out / "map.png");
   write_map_page(request, grid, table, summary, digest.page, metadata, request.out / "index.html");
   for (const char* name : {"area.csv", "map.png", "index.html"}) summary.files.push_back(request.out / name);
+  for (const fs::path& file : write_map_exports(request, grid, layers, summary, digest.speeds))
+    summary.files.push_back(file);
 }
 
 /// Bad input leaves nothing behind; anything else leaves what the next run can use.
@@ -88,7 +91,7 @@ MapSummary make_map(const MapRequest& request) {
   if (!sources.elevation.how_warped().empty()) summary.remarks.push_back(sources.elevation.how_warped());
   summary.blocks_found = blocks.found();
   summary.files = blocks.finish();
-  finish_map(request, grid, table, metadata, digest, summary);
+  finish_map(request, grid, table, metadata, blocks.layers(), digest, summary);
   write_map_record(request, origin, summary);
   summary.files.push_back(request.out / "map.json");
   blocks.forget();

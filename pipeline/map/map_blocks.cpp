@@ -89,7 +89,7 @@ void MapBlocks::evaluate(const MapSources& sources, const SoilTable& table, cons
         const Window window = blocks[missing[i]];
         const BlockLayers block = evaluate_strips(*own, request_, table, layers_, window, request_.block_rows);
         for (std::size_t l = 0; l < writers_.size(); ++l) writers_[l]->write(window, block.layer[l]);
-        digests_.append(missing[i], digest_of(block, table, grid_, shape));
+        digests_.append(missing[i], digest_of(block, table, grid_, shape, layers_));
 #pragma omp critical(gonogo_map_progress)
         progress.update(++done, "", found_);
       });

@@ -27,6 +27,7 @@ class MapBlocks {
   std::vector<std::filesystem::path> finish();
   /// Removes what is kept for the next run.
   void forget();
+  const std::vector<MapLayer>& layers() const { return layers_; }
   std::size_t found() const { return found_; }
 
  private:

@@ -232,6 +232,7 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
       texts({request.region.land_cover ? "obstacles and what other vehicles did to the ground"
                                        : "vegetation, water, obstacles and what other vehicles did to the ground"});
   meta["land"] = land_json(request.region);
+  meta["map_heading"] = heading_text(request.rules);
   meta["notes"] = notes_json(request, summary, cells);
   meta["provenance"] = provenance_json(request, grid, metadata);
   write_file_atomically(path, page_file(meta, blobs));

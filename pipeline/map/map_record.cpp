@@ -63,6 +63,7 @@ Json map_inputs(const MapRequest& request) {
   inputs["revision"] = program_revision();
   inputs["contract_hash"] = content_hash(contract_text());
   inputs["model_hash"] = request.model.hash;
+  if (!request.model.member_hashes.empty()) inputs["member_hashes"] = Json(request.model.member_hashes);
   if (!request.model.dataset_hash.empty()) inputs["dataset_hash"] = request.model.dataset_hash;
   inputs["vehicle"] = request.model.vehicle;
   inputs["region"] = request.region.name;

@@ -26,6 +26,22 @@ OutcomeModel read_outcome_model(const std::filesystem::path& file) {
   return model;
 }
 
+/// Other models of the same trials, whose answers show how much those leave open.
+void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& files) {
+  for (const std::filesystem::path& file : files) {
+    const auto predictor = std::make_shared<const Predictor>(Predictor::read(file));
+    for (std::size_t v = 0; v < model.sampled.size(); ++v)
+      if (predictor->model().sampled_lower[v] != model.sampled[v].minimum ||
+          predictor->model().sampled_upper[v] != model.sampled[v].maximum)
+        throw InputError(file.string() + ": is no member of the model, its trials sampled another range of " +
+                         contract().variables[v].name + "; make members with gonogo train --members");
+    model.member_hashes.push_back(file_hash(file));
+    model.members.push_back([predictor](std::span<const double> points, std::span<double> result) {
+      predictor->outcome_probabilities(points, result);
+    });
+  }
+}
+
 /// Measures of the trials that passed, fitted over the variables.
 void add_measures(OutcomeModel& model, const std::filesystem::path& file) {
   const Dataset dataset = read_dataset(file);
@@ -61,6 +77,7 @@ MapRequest read_map_request(const MapFiles& files) {
   request.region = read_region(region);
   request.rules = read_map_rules(study ? study->config.object_if("map") : std::nullopt);
   request.model = read_outcome_model(files.model);
+  add_members(request.model, files.members);
   if (!files.dataset.empty()) add_measures(request.model, files.dataset);
   if (!files.heading.empty()) set_heading(request.rules, files.heading, "map: --heading");
   if (!files.moisture.empty()) {

@@ -2,19 +2,21 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "pipeline/map/make_map.h"
 
 namespace gonogo::pipeline {
 
 struct MapFiles {
-  std::filesystem::path model;      // model.h5
-  std::filesystem::path region;     // region JSON; empty: the one that the study names
-  std::filesystem::path study;      // study JSON for its sections map, region and vehicle; empty: defaults
-  std::filesystem::path dataset{};  // trials, for expected speed, slip and sinkage; empty: none
-  std::string moisture{};           // "dry", "moist" or "wet"; empty: the study's
-  std::string heading{};            // as in MapRules; empty: the study's
-  std::filesystem::path out;        // folder
+  std::filesystem::path model;                   // model.h5
+  std::vector<std::filesystem::path> members{};  // of the model, for its spread
+  std::filesystem::path region;                  // region JSON; empty: the one that the study names
+  std::filesystem::path study;                   // study JSON for its sections map, region and vehicle; empty: defaults
+  std::filesystem::path dataset{};               // trials, for expected speed, slip and sinkage; empty: none
+  std::string moisture{};                        // "dry", "moist" or "wet"; empty: the study's
+  std::string heading{};                         // as in MapRules; empty: the study's
+  std::filesystem::path out;                     // folder
   bool colour_blind_safe = false;
   int threads = 0;  // 0: all cores
 };

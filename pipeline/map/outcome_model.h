@@ -15,14 +15,18 @@ struct OutcomeModel {
   /// points: [point count x variable count] row by row, result: [point count x outcome count]. Each row sums to 1 and
   /// does not depend on the others.
   std::function<void(std::span<const double> points, std::span<double> result)> probabilities;
+  /// The same of models that might as well have come of the trials (pipeline/learn/train_members.h); their answers
+  /// widen the interval on P(go). Empty: the spread of the model is not known.
+  std::vector<std::function<void(std::span<const double> points, std::span<double> result)>> members;
   /// Box in which trials were simulated, [variable count]; a variable held fixed has equal ends.
   std::vector<Range> sampled;
   /// How far a point is from the trials (Predictor::novelty); empty when the model does not tell.
   std::function<double(std::span<const double> point)> novelty;
   std::vector<MeasureFit> measures;  // of trials that passed; empty when no dataset was given
-  std::string dataset_hash;          // of the file that they come from
-  std::string hash;                  // of the model's file
-  std::string vehicle;               // name for titles, may be empty
+  std::vector<std::string> member_hashes;
+  std::string dataset_hash;  // of the file that they come from
+  std::string hash;          // of the model's file
+  std::string vehicle;       // name for titles, may be empty
 };
 
 }  // namespace gonogo::pipeline

@@ -38,7 +38,7 @@ SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double
   }
 }
 
-std::vector<double> SoilPoints::answers(const OutcomeModel& model, double slope_along, double slope_across) const {
+std::vector<double> SoilPoints::answers(const Probabilities& model, double slope_along, double slope_across) const {
   const std::size_t variables = contract().variables.size();
   const std::size_t along = contract().variable_index("slope_along");
   const std::size_t across = contract().variable_index("slope_across");
@@ -47,7 +47,7 @@ std::vector<double> SoilPoints::answers(const OutcomeModel& model, double slope_
     points[i * variables + along] = slope_along;
     points[i * variables + across] = slope_across;
   }
-  if (inside_count_ > 0) model.probabilities(points, result);
+  if (inside_count_ > 0) model(points, result);
   return result;
 }
 
@@ -57,7 +57,7 @@ Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double sl
   const bool sampled = contains(model.sampled[contract().variable_index("slope_along")], slope_along) &&
                        contains(model.sampled[contract().variable_index("slope_across")], slope_across);
   if (inside_count_ == 0 || !sampled) return prospect;
-  const std::vector<double> result = answers(model, slope_along, slope_across);
+  const std::vector<double> result = answers(model.probabilities, slope_along, slope_across);
   for (std::size_t i = 0; i < inside_count_; ++i)
     for (std::size_t o = 0; o < outcomes; ++o) prospect.outcome[o] += result[i * outcomes + o] / double(inside_count_);
   prospect.outside_share = 1 - double(inside_count_) / double(all_.size());
@@ -66,11 +66,18 @@ Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double sl
 
 std::vector<double> SoilPoints::p_go_of_each(const OutcomeModel& model, double slope_along, double slope_across) const {
   const auto& outcomes = contract().outcomes;
-  const std::vector<double> result = answers(model, slope_along, slope_across);
-  std::vector<double> p(inside_count_, 0.0);
-  for (std::size_t i = 0; i < inside_count_; ++i)
-    for (std::size_t o = 0; o < outcomes.size(); ++o)
-      if (outcomes[o].verdict != Verdict::no_go) p[i] += result[i * outcomes.size() + o];
+  std::vector<double> p;
+  const auto add = [&](const Probabilities& one) {
+    const std::vector<double> result = answers(one, slope_along, slope_across);
+    for (std::size_t i = 0; i < inside_count_; ++i) {
+      double sum = 0;
+      for (std::size_t o = 0; o < outcomes.size(); ++o)
+        if (outcomes[o].verdict != Verdict::no_go) sum += result[i * outcomes.size() + o];
+      p.push_back(sum);
+    }
+  };
+  add(model.probabilities);
+  for (const Probabilities& member : model.members) add(member);
   return p;
 }
 

@@ -23,7 +23,7 @@ class SoilPoints {
   double novelty(const OutcomeModel& model, double slope_along, double slope_across) const;
 
   std::size_t sampled_count() const { return inside_count_; }
-  /// P(go) of every sampled point at these slopes.
+  /// P(go) of every sampled point at these slopes, by the model and then by each of its members.
   std::vector<double> p_go_of_each(const OutcomeModel& model, double slope_along, double slope_across) const;
   /// Every point, sampled or not.
   const std::vector<std::vector<double>>& all() const { return all_; }
@@ -31,7 +31,8 @@ class SoilPoints {
   const std::vector<std::string>& outside_because() const { return outside_because_; }
 
  private:
-  std::vector<double> answers(const OutcomeModel& model, double slope_along, double slope_across) const;
+  using Probabilities = std::function<void(std::span<const double>, std::span<double>)>;
+  std::vector<double> answers(const Probabilities& model, double slope_along, double slope_across) const;
 
   std::vector<std::vector<double>> all_;
   std::vector<double> inside_;  // [inside_count_ x variables]

@@ -39,7 +39,7 @@ SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std
     : points_(model, std::move(points)), headings_(model, rules, points_) {
   sampled_slope_ = model.sampled[contract().variable_index("slope_along")];
   tabulate(model, rules);
-  add_interval(gradient_error);
+  add_interval(gradient_error, 1 + model.members.size());
   p_each_ = {};
   add_measures(model);
 }
@@ -80,9 +80,10 @@ CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& ru
   return answer;
 }
 
-/// Between what the soil may be and what the slope may be: every sampled point at nine equally likely slopes. What was
+/// Between what the soil, the slope and the model may be: every sampled point at nine equally likely slopes, by the
+/// model and each of its members. What was
 /// not sampled counts as 0 for the low end and as 1 for the high one.
-void SoilResponse::add_interval(double gradient_error) {
+void SoilResponse::add_interval(double gradient_error, std::size_t models) {
 #pragma omp parallel for schedule(static)
   for (int i = 0; i <= kLastStep; ++i) {
     std::vector<double> low, high;
@@ -91,7 +92,7 @@ void SoilResponse::add_interval(double gradient_error) {
       const double slope = std::atan(std::abs(rise + part * gradient_error)) * 180 / std::numbers::pi;
       const auto& known = p_each_[std::size_t(std::clamp(int(std::lround(slope * kSlopeSteps)), 0, kLastStep))];
       low.insert(low.end(), known.begin(), known.end());
-      low.insert(low.end(), points_.all().size() - known.size(), -1.0);
+      low.insert(low.end(), points_.all().size() * models - known.size(), -1.0);
       if (gradient_error == 0) break;
     }
     high = low;

@@ -40,6 +40,7 @@ function choose(cell) {
   if (route.drawing) { place_route_point(cell); return; }
   view.chosen = cell;
   show_cell();
+  if (view.pointed) show_served_cell(view.pointed);
   show_tab('cell');
   view.dirty = true;
 }

@@ -132,7 +132,7 @@ function show_cell() {
   const [e, n] = coordinates_of(cell);
   box.append(element('h3', {}, 'Ground'), facts([
     ['Slope', grade(slope_of(cell))], ['Falls towards', slope_of(cell) > 0 ? `${blob.aspect[cell]}° ${compass(blob.aspect[cell])}` : 'flat'],
-    ['Elevation', fixed(height_of(cell), 1, ' m')], ['Soil', layer_of('soil').read(cell, answer)],
+    ['Elevation', fixed(height_of(cell), 1, ' m')], ['Soil', layer_of('soil').read(cell, answer)], ...(blob.rule && blob.rule[cell] ? [['Land cover', meta.land[blob.rule[cell] - 1].name]] : []),
     ['Easting', `${e.toFixed(1)} ${meta.grid.unit_name}`], ['Northing', `${n.toFixed(1)} ${meta.grid.unit_name}`]]));
   if (known(answer)) show_inputs(box, answer.soil);
 }

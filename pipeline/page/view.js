@@ -1,7 +1,7 @@
 // The canvas: the layer as one picture, drawn at any zoom in metres; crosshair, chosen cell and routes on top.
 const canvas = $('canvas'), context = canvas.getContext('2d');
 const picture = document.createElement('canvas');
-const view = { scale: 1, x: 0, y: 0, cross: null, chosen: null, dirty: true };  // scale [px/m]; x, y [m] at the middle
+const view = { scale: 1, x: 0, y: 0, cross: null, chosen: null, pointed: null, dirty: true };  // scale [px/m]; x, y [m] at the middle
 const map_w = () => cells.columns * cell_w, map_h = () => cells.rows * cell_h;
 
 /// Relief from slope and aspect, the light in the north-west at 45 degrees (terrain/raster/slope.h).
@@ -106,6 +106,7 @@ function draw() {
   context.imageSmoothingEnabled = view.scale * Math.min(cell_w, cell_h) < 1.5;
   context.imageSmoothingQuality = 'high';
   context.drawImage(picture, x, y, map_w() * view.scale, map_h() * view.scale);
+  draw_served();
   const magenta = style.getPropertyValue('--route').trim();
   if (route.path) { stroke_path(route.path, 'rgb(255 255 255 / .95)', 7); stroke_path(route.path, magenta, 3.5); }
   if (route.start !== null) pin(route.start, 'A', magenta);
@@ -146,7 +147,7 @@ function listen_to_pointers(on_click, on_hover) {
     moved += Math.abs(dx) + Math.abs(dy);
     pointers.set(e.pointerId, [e.offsetX, e.offsetY]);
   });
-  const end = (e) => { const held = pointers.delete(e.pointerId); if (held && e.type === 'pointerup' && moved < 6 && pointers.size === 0) on_click(cell_at(e.offsetX, e.offsetY)); };
+  const end = (e) => { const held = pointers.delete(e.pointerId); if (held && e.type === 'pointerup' && moved < 6 && pointers.size === 0) { view.pointed = to_map(e.offsetX, e.offsetY); on_click(cell_at(e.offsetX, e.offsetY)); } };
   canvas.addEventListener('pointerup', end);
   canvas.addEventListener('pointercancel', end);
   canvas.addEventListener('pointerleave', () => on_hover(-1));

@@ -43,8 +43,11 @@ class StepGraph {
     const int x = column + step.column, y = row + step.row;
     if (x < 0 || y < 0 || x >= cells_->columns || y >= cells_->rows) return false;
     const auto open = [&](int c, int r) { return passable_[std::size_t(r) * std::size_t(cells_->columns) + c] != 0; };
-    return open(x, y) && (e.step % 2 == 0 || (open(x, row) && open(column, y)));
+    return open(x, y) && (e.step % 2 == 0 || (open(x, row) && open(column, y))) && !leads_back(e.from, target(e));
   }
+  /// Costs found so far: steps to cells that are no farther than the one they start from cannot shorten any way, and
+  /// are left out from now on. Half of all steps are such.
+  void leave_out_steps_back(const std::vector<float>& cost) { known_ = cost.data(); }
   /// Infinity where one of the two cells cannot be passed in this heading. Backwards: of the step from target to
   /// source.
   float cost(const Edge& e) const {
@@ -55,8 +58,11 @@ class StepGraph {
   }
 
  private:
+  bool leads_back(Vertex from, Vertex to) const { return known_ && known_[to] <= known_[from]; }
+
   const RouteCells* cells_;
   const RouteCosts* costs_;
+  const float* known_ = nullptr;
   std::array<RouteStep, 8> steps_;
   std::vector<char> passable_;
   bool backwards_;

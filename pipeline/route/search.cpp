@@ -30,11 +30,12 @@ struct Tree {
   std::vector<std::uint32_t> before;
 };
 
-Tree search(const StepGraph& graph, std::size_t start, std::size_t end) {
+Tree search(StepGraph graph, std::size_t start, std::size_t end) {
   Tree tree{std::vector<float>(graph.size(), std::numeric_limits<float>::infinity()),
             std::vector<std::uint32_t>(graph.size())};
   for (std::size_t c = 0; c < graph.size(); ++c) tree.before[c] = std::uint32_t(c);
   tree.cost[start] = 0;
+  graph.leave_out_steps_back(tree.cost);
   const auto index = boost::typed_identity_property_map<std::size_t>();
   try {
     boost::dijkstra_shortest_paths_no_color_map_no_init(

@@ -119,12 +119,12 @@ RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid&
   const OGRSpatialReference& crs = require_crs(dataset, original.name);
   const GeoTransform t = require_north_up(dataset, original.name);
   const OGRSpatialReference target = system_of(grid);
+  require_known_shift(crs, target, original.name);
   const double east = grid.west + grid.columns * grid.cell_width, south = grid.north - grid.rows * grid.cell_height;
   const auto extent = extent_on(dataset, t, crs, target);
   if (!extent || (*extent)[0] >= east || (*extent)[2] <= grid.west || (*extent)[1] >= grid.north ||
       (*extent)[3] <= south)
     throw InputError(original.name + ": does not overlap the elevation raster; give a raster of the same region");
-  require_known_shift(crs, target, original.name);
   const std::string resampling =
       resampling_of(kind, std::sqrt(grid.cell_width * grid.cell_height), side_on(*extent, dataset), false);
   auto state = std::make_unique<State>();

@@ -1,5 +1,6 @@
 #include "terrain/raster/raster_warp.h"
 
+#include <cpl_string.h>
 #include <gdal_utils.h>
 
 #include <algorithm>
@@ -193,31 +194,36 @@ void warp_to(OpenRaster& raster, const MapGrid& grid, const std::string& resampl
   // Float32 with not-a-number as nodata: a code such as 0 stays a value and what the source does not cover does not
   // become one. -et 0: exact transformation, so that a cell's value does not depend on the window it is read in.
   // Overviews of the source are not read: they are pictures, not measurements.
-  const char* arguments[] = {"-of",
-                             "VRT",
-                             "-t_srs",
-                             grid.crs_wkt.c_str(),
-                             "-te",
-                             edges[0],
-                             edges[1],
-                             edges[2],
-                             edges[3],
-                             "-ts",
-                             columns.c_str(),
-                             rows.c_str(),
-                             "-r",
-                             resampling.c_str(),
-                             "-ot",
-                             "Float32",
-                             "-dstnodata",
-                             "nan",
-                             "-et",
-                             "0",
-                             "-ovr",
-                             "NONE",
-                             nullptr};
+  // Interpolation without GDAL's wider kernels for cells that are narrower one way (degrees far from the equator):
+  // those do not give a plane back as a plane, and slopes would be off by half a degree.
+  CPLStringList words;
+  for (const char* word : {"-of",
+                           "VRT",
+                           "-t_srs",
+                           grid.crs_wkt.c_str(),
+                           "-te",
+                           edges[0],
+                           edges[1],
+                           edges[2],
+                           edges[3],
+                           "-ts",
+                           columns.c_str(),
+                           rows.c_str(),
+                           "-r",
+                           resampling.c_str(),
+                           "-ot",
+                           "Float32",
+                           "-dstnodata",
+                           "nan",
+                           "-et",
+                           "0",
+                           "-ovr",
+                           "NONE"})
+    words.AddString(word);
+  if (resampling == "cubic" || resampling == "bilinear")
+    for (const char* word : {"-wo", "XSCALE=1", "-wo", "YSCALE=1"}) words.AddString(word);
   GdalCall call;
-  GDALWarpAppOptions* options = GDALWarpAppOptionsNew(const_cast<char**>(arguments), nullptr);
+  GDALWarpAppOptions* options = GDALWarpAppOptionsNew(words.List(), nullptr);
   GDALDatasetH source = raster.dataset.get();
   int usage_error = 0;
   DatasetHandle warped(GDALDataset::FromHandle(GDALWarp("", nullptr, 1, &source, options, &usage_error)));

