@@ -1,4 +1,5 @@
-"""Pictures of a map's page: docs/gallery/make.py <map folder> [<browser>]. Needs Python and headless Chromium."""
+"""Pictures of maps' pages: docs/gallery/make.py <map folder> [<browser> [<map folder of the second region>]].
+Needs Python and headless Chromium."""
 import pathlib
 import sys
 
@@ -29,3 +30,10 @@ phone.open(page)
 phone.js("document.getElementById('palette').click()")
 phone.picture(here / "phone.png")
 phone.close()
+
+if len(sys.argv) > 3:
+    second = Browser(program, 1280, 800)
+    second.open((pathlib.Path(sys.argv[3]).resolve() / "index.html").as_uri())
+    second.js("document.querySelector('input[name=layer][value=reason]').click()")
+    second.picture(here / "zion_reasons.png")
+    second.close()
