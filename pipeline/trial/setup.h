@@ -24,7 +24,7 @@ struct Thresholds {
   double tilt_deg = 60;          // roll or pitch against the bed: rolled over [deg]
   double creep_speed = 0.1;      // of the bed before the vehicle acts: the slope fails [m/s]
   double residual = 0.1;         // largest root-mean-square residual of a valid trial [m/s]
-  double energy_error = 0.1;     // largest energy gain without a motor, over the motor's work, of a valid trial [-]
+  double energy_error = 0.1;     // largest energy gain from nowhere over the energy exchanged, of a valid trial [-]
 };
 
 struct TrialNumerics {
