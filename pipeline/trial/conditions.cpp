@@ -43,7 +43,7 @@ terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point) 
 
 terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) {
   const terrain::Packing tile = terrain::cached_packing(bed_spec_of(setup, point), setup.packing_folder, 1);
-  terrain::Packing bed = terrain::shifted(terrain::tiled(tile, setup.tiles_along, setup.tiles_across), point.seed);
+  terrain::Packing bed = terrain::tiled(terrain::shifted(tile, point.seed), setup.tiles_along, setup.tiles_across);
   setup.task->shape(setup.course(bed.surface), bed);
   return bed;
 }

@@ -130,7 +130,8 @@ double TrialSetup::weight(double payload) const {
 
 Course TrialSetup::course(double surface) const {
   const double ends = extent_of(*this).ends(), length = tiles_along * bed_length;
-  return {whole ? 0.5 * length : 0.15 * length, ends, ends, length, tiles_across * bed_width, surface};
+  const double usual = whole ? 0.5 * length : 0.15 * length;
+  return {start > 0 ? start : usual, ends, ends, length, tiles_across * bed_width, surface};
 }
 
 terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density, std::uint64_t bed_seed) const {

@@ -43,6 +43,7 @@ struct TrialSetup {
   double bed_length = 4, bed_width = 0.8;  // [m]
   int tiles_along = 1, tiles_across = 1;   // copies of the settled bed side by side
   bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
+  double start = 0;                        // x where the vehicle starts; 0: as course() says [m]
   int packing_seeds = 2;                   // beds per packing level
   double bed_settle_time = 0.25;           // of the tilted bed before the vehicle acts [s]
   double park_time = 0.2;                  // the wheel is let down with its brake on [s]
