@@ -31,7 +31,7 @@ struct TrialNumerics {
   double step = 2e-3;       // [s]
   int substeps = 1;         // parts of a step that the solver goes through
   int iterations = 200;     // most per part
-  double tolerance = 0.01;  // residual at which the solver stops [m/s]
+  double tolerance = 0.01;  // residual at which the solver stops; 0: never [m/s]
 };
 
 struct TrialSetup {
