@@ -29,8 +29,9 @@ struct Thresholds {
 
 struct TrialNumerics {
   double step = 2e-3;       // [s]
-  int iterations = 200;     // most per step
-  double tolerance = 0.01;  // residual at which the solver stops [m/s]
+  int substeps = 1;         // parts of a step that the solver goes through
+  int iterations = 200;     // most per part
+  double tolerance = 0.01;  // residual at which the solver stops; 0: never [m/s]
 };
 
 struct TrialSetup {
@@ -45,6 +46,7 @@ struct TrialSetup {
   bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
   double start = 0;                        // x where the vehicle starts; 0: as course() says [m]
   int packing_seeds = 2;                   // beds per packing level
+  double deepest_bed = 0;                  // shallower beds are cut from packings of this depth; 0: each is settled [m]
   double bed_settle_time = 0.25;           // of the tilted bed before the vehicle acts [s]
   double park_time = 0.2;                  // the wheel is let down with its brake on [s]
   double ramp_time = 0.4;                  // of the rim speed from zero to the commanded one [s]

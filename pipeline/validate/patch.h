@@ -1,4 +1,5 @@
-// A moving patch against a fixed bed so long that the vehicle never leaves it: the same virgin ground, the same driving.
+// A moving patch against a fixed bed so long that the vehicle never leaves it: the same virgin ground, the same
+// driving.
 #pragma once
 #include <filesystem>
 
@@ -17,7 +18,7 @@ struct PatchRequest {
 
 /// Means over the seeds, on the same ground.
 struct PatchReport {
-  MeanOf slip[2], sinkage[2];                // moving patch, fixed bed; over the last half of the driving [-], [m]
+  MeanOf slip[2], sinkage[2];                  // moving patch, fixed bed; over the last half of the driving [-], [m]
   MeanOf slip_difference, sinkage_difference;  // of a seed's two trials
   std::size_t grains[2] = {};
   double cost[2][2] = {};  // contact-iterations per metre over the first and the second half of the way, each bed

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-
 namespace gonogo::pipeline {
 
 MeanOf mean_of(const std::vector<double>& values) {

@@ -63,18 +63,23 @@ class GridBarrier {
     __shared__ Index worlds_done;
     arrivals_ += gridDim.x;
     __syncthreads();
-    if (threadIdx.x == 0) {
-      asm volatile("red.release.gpu.global.add.u64 [%0], 1;" ::"l"(counter_) : "memory");
-      unsigned long long now;
-      do asm volatile("ld.acquire.gpu.global.u64 %0, [%1];" : "=l"(now) : "l"(counter_) : "memory");
-      while (now % kWorldDone < arrivals_);
-      worlds_done = Index(now / kWorldDone);
+    if (threadIdx.x < 32) {
+      if (threadIdx.x == 0) worlds_done = arrive_and_wait();
+      __syncwarp();  // the warp comes to the block's barrier as a whole
     }
     __syncthreads();
     return worlds_done;
   }
 
  private:
+  GONOGO_DEVICE Index arrive_and_wait() const {
+    asm volatile("red.release.gpu.global.add.u64 [%0], 1;" ::"l"(counter_) : "memory");
+    unsigned long long now;
+    do asm volatile("ld.acquire.gpu.global.u64 %0, [%1];" : "=l"(now) : "l"(counter_) : "memory");
+    while (now % kWorldDone < arrivals_);
+    return Index(now / kWorldDone);
+  }
+
   unsigned long long* counter_;
   unsigned long long arrivals_ = 0;
 };
