@@ -5,6 +5,8 @@
 
 #include "pipeline/trial/trial.h"
 #include "terrain/bed/hard_layer.h"
+#include "vehicle/compliant_tyre.h"
+#include "vehicle/model/assembly.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -32,6 +34,12 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
       terrain::contact_law(setup.calibration, {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
+  if (setup.compliant_tyres) {
+    const double wheels = double(vehicle::stations(*setup.whole).size());
+    const vehicle::ContactSpring spring = vehicle::contact_spring(
+        setup.whole->wheel.front(), setup.weight(value(point, "payload")) / wheels, setup.calibration.grain_diameter);
+    c.laws.tool.stiffness = Real(spring.stiffness), c.laws.tool.damping = Real(spring.damping);
+  }
   if (const auto strip = setup.task->strip({})) c.soft = terrain::contact_law(setup.calibration, strip->soil);
   c.payload = value(point, "payload");
   c.speed = value(point, "commanded_speed");

@@ -57,9 +57,11 @@ void add_wong_reece(const TyreLoad& t, double friction_angle, double slip, Tract
 
 void add_cone_index(const TyreLoad& t, double slip, TractionBand& band) {
   const vehicle::Wheel& w = *t.wheel;
-  if (!(w.size_deflection > 0)) return;
+  // As for the mobility index: 15 % of the section's height where the file gives no deflection.
+  const double height = w.size_section_height, deflection = w.size_deflection > 0 ? w.size_deflection : 0.15 * height;
+  if (!(height > 0)) return;
   for (const double index : kConeIndex) {
-    const vehicle::WheelOnSoil on{t.load, 2 * w.radius, w.width, w.size_section_height, w.size_deflection, index};
+    const vehicle::WheelOnSoil on{t.load, 2 * w.radius, w.width, height, deflection, index};
     // Contact pressure of the mobility index: load over width times radius.
     const double ratio = t.load / (w.width * w.radius) / index;
     if (ratio < vehicle::kLeastPressureRatio) continue;
@@ -83,7 +85,11 @@ DrawbarPoint point_of(const PartSum& part, const vehicle::Vehicle& v, double fri
   return p;
 }
 
-Json range(const double (&x)[2]) { return Json::array({x[0], x[1]}); }
+Json range(const double (&x)[2]) {
+  Json pair = Json::array();
+  pair.push_back(x[0]), pair.push_back(x[1]);
+  return pair;
+}
 
 }  // namespace
 

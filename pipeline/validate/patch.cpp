@@ -112,7 +112,7 @@ Json as_json(const PatchReport& r) {
     one["slip"] = r.slip[k].mean, one["slip_error"] = r.slip[k].error;
     one["sinkage_m"] = r.sinkage[k].mean, one["sinkage_error_m"] = r.sinkage[k].error;
     one["grains"] = r.grains[k], one["length_m"] = r.length[k];
-    one["contact_iterations_per_metre"] = Json::array({r.cost[k][0], r.cost[k][1]});
+    for (const double cost : r.cost[k]) one["contact_iterations_per_metre"].push_back(cost);
     json[name[k]] = std::move(one);
   }
   json["slip_deviation"] = r.slip_deviation();
