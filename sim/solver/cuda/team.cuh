@@ -58,20 +58,16 @@ class GridBarrier {
 
   GONOGO_DEVICE explicit GridBarrier(unsigned long long* counter) : counter_(counter) {}
 
-  /// Returns how many worlds have ended.
-  GONOGO_DEVICE Index wait() {
-    __shared__ Index worlds_done;
+  /// Whether that many worlds have ended; the same answer for all threads.
+  GONOGO_DEVICE bool wait(Index worlds = 0) {
     arrivals_ += gridDim.x;
     __syncthreads();
-    if (threadIdx.x < 32) {
-      if (threadIdx.x == 0) worlds_done = arrive_and_wait();
-      __syncwarp();  // the warp comes to the block's barrier as a whole
-    }
-    __syncthreads();
-    return worlds_done;
+    const bool ended = threadIdx.x == 0 && arrive_and_wait() >= worlds;
+    return __syncthreads_or(ended);
   }
 
  private:
+  /// Returns how many worlds have ended.
   GONOGO_DEVICE Index arrive_and_wait() const {
     asm volatile("red.release.gpu.global.add.u64 [%0], 1;" ::"l"(counter_) : "memory");
     unsigned long long now;
