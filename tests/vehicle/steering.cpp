@@ -70,7 +70,9 @@ TEST_CASE("steered wheels turn as far as their arms, and the vehicle to that sid
                              rotate_back(d.world.body[std::size_t(d.e.wheel[wheel])].orientation, {0, 1, 0}));
     steered_by += 0.5 * (std::atan2(-double(axle.x), double(axle.y)) - now);
   }
-  CHECK(agrees("front wheels against the chassis, mean [rad]", angle, steered_by, 0.05 * angle));
+  // Kingpins lean, tie rods rise, and the vehicle stands lower than it was drawn: arm and wheel are parallel in the
+  // drawing's plan view alone.
+  CHECK(agrees("front wheels against the chassis, mean [rad]", angle, steered_by, 0.15 * angle));
   // Wheels that roll without side slip would turn it at v tan(angle) / L. Rigid treads touch with both their edges,
   // which scrub on a curve and hold some of that back.
   const double speed = std::hypot(double(chassis.velocity.x), double(chassis.velocity.y));
