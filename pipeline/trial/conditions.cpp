@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "pipeline/trial/trial.h"
+#include "terrain/bed/hard_layer.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -42,7 +43,8 @@ terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point) 
 }
 
 terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) {
-  const terrain::Packing tile = terrain::cached_packing(bed_spec_of(setup, point), setup.packing_folder, 1);
+  terrain::Packing tile = terrain::cached_packing(bed_spec_of(setup, point), setup.packing_folder, 1);
+  if (setup.deepest_bed > 0) tile = terrain::on_hard_layer(tile, value(point, "bed_depth"));
   terrain::Packing bed = terrain::shifted(terrain::tiled(tile, setup.tiles_along, setup.tiles_across), point.seed);
   setup.task->shape(setup.course(bed.surface), bed);
   return bed;
@@ -56,7 +58,10 @@ TrialNumerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt) {
 
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt) {
   const TrialNumerics n = attempt_numerics(setup, attempt);
-  return terrain::bed_step_settings(setup.calibration.grain_diameter, n.step, n.iterations, n.tolerance);
+  sim::StepSettings settings =
+      terrain::bed_step_settings(setup.calibration.grain_diameter, n.step, n.iterations, n.tolerance);
+  settings.substeps = n.substeps;
+  return settings;
 }
 
 }  // namespace gonogo::pipeline

@@ -19,6 +19,7 @@ void read_bed(const Config& bed, TrialSetup& s) {
   s.tiles_across = int(bed.integer_or("tiles_across", s.tiles_across, {1, 100}));
   s.moving_patch = bed.boolean_or("moving_patch", s.moving_patch);
   s.packing_seeds = int(bed.integer_or("packing_seeds", s.packing_seeds, {1, 1000}));
+  s.deepest_bed = bed.number_or("deepest_m", s.deepest_bed, {0, 10});
   s.bed_settle_time = bed.number_or("settle_s", s.bed_settle_time, {0, 10});
   bed.finish();
 }
@@ -35,8 +36,9 @@ void read_drive(const Config& drive, TrialSetup& s) {
 
 void read_numerics(const Config& c, TrialNumerics& n) {
   n.step = c.number_or("step_s", n.step, {1e-5, 5e-3});
+  n.substeps = int(c.integer_or("substeps", n.substeps, {1, 1000}));
   n.iterations = int(c.integer_or("iterations", n.iterations, {1, 100000}));
-  n.tolerance = c.number_or("tolerance_m_per_s", n.tolerance, {1e-6, 1});
+  n.tolerance = c.number_or("tolerance_m_per_s", n.tolerance, {0, 1});
   c.finish();
 }
 
@@ -65,6 +67,17 @@ void check_reach(const Study& study, const TrialSetup& s) {
     ranges.fail("friction_angle", "grains of " + std::to_string(s.calibration.grain_diameter) + " m reach " +
                                       std::to_string(reach.lowest) + " to " + std::to_string(reach.highest) +
                                       " deg; narrow the range to that");
+}
+
+/// Beds are cut from packings of the depth that the study names.
+void check_depth(const Study& study, const TrialSetup& s) {
+  const auto design = study.config.object_if("design");
+  if (s.deepest_bed == 0 || !design || !design->has("ranges") || !design->object("ranges").has("bed_depth")) return;
+  const Config ranges = design->object("ranges");
+  const auto range = ranges.numbers("bed_depth", {0, 100});
+  if (range.size() == 2 && range[1] > s.deepest_bed)
+    ranges.fail("bed_depth", "goes to " + std::to_string(range[1]) + " m, but trial.bed.deepest_m is " +
+                                 std::to_string(s.deepest_bed) + " m; make that as deep");
 }
 
 /// A quarter vehicle or a whole one.
@@ -137,7 +150,7 @@ terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density,
   terrain::BedSpec spec;
   spec.length = bed_length;
   spec.width = bed_width;
-  spec.depth = bed_depth;
+  spec.depth = deepest_bed > 0 ? deepest_bed : bed_depth;
   spec.grain_diameter = calibration.grain_diameter;
   spec.settle_friction = calibration.packing[terrain::packing_level(calibration, relative_density)].settle_friction;
   spec.seed = bed_seed % std::uint64_t(packing_seeds);
@@ -175,6 +188,7 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
   if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);
   fit_to_task(s);
   check_reach(study, s);
+  check_depth(study, s);
   return s;
 }
 

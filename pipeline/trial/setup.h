@@ -29,8 +29,9 @@ struct Thresholds {
 
 struct TrialNumerics {
   double step = 2e-3;       // [s]
-  int iterations = 200;     // most per step
-  double tolerance = 0.01;  // residual at which the solver stops [m/s]
+  int substeps = 1;         // parts of a step that the solver goes through
+  int iterations = 200;     // most per part
+  double tolerance = 0.01;  // residual at which the solver stops; 0: never [m/s]
 };
 
 struct TrialSetup {
@@ -44,6 +45,7 @@ struct TrialSetup {
   int tiles_along = 1, tiles_across = 1;   // copies of the settled bed side by side
   bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
   int packing_seeds = 2;                   // beds per packing level
+  double deepest_bed = 0;                  // shallower beds are cut from packings of this depth; 0: each is settled [m]
   double bed_settle_time = 0.25;           // of the tilted bed before the vehicle acts [s]
   double park_time = 0.2;                  // the wheel is let down with its brake on [s]
   double ramp_time = 0.4;                  // of the rim speed from zero to the commanded one [s]

@@ -72,6 +72,7 @@ TEST_CASE("a trial whose residual check cannot be met is unknown after a second 
   const TrialRecord r = run_trial(setup, p);
   CHECK(r.verdict == Verdict::unknown);
   CHECK(r.reason == Reason::simulation_failed);
+  CHECK(r.failed_checks == 8);
   CHECK(r.attempts == 2);
 }
 
