@@ -8,8 +8,8 @@
 namespace gonogo::pipeline {
 
 struct ActiveRequest {
-  Study study;                   // its design has the method csv, with "ranges"; the file of points may not exist yet
-  std::filesystem::path folder;  // of the campaign; model.h5 is put there
+  Study study;                   // its design says which box is sampled; the points are chosen here
+  std::filesystem::path folder;  // of the campaign; points.csv, the study with that table, and model.h5 are put there
   ComputeRequest compute;
   std::uint64_t seeds = 64;  // points of the first batch, uniform over the box
   std::uint64_t batch = 32;  // points of each further one
@@ -19,13 +19,13 @@ struct ActiveRequest {
 };
 
 struct ActiveSummary {
-  CampaignSummary campaign;
+  CampaignSummary campaign;  // computed: by all batches of this call
   std::uint64_t points = 0;
   double confidence = 0;  // reached
   bool reached = false;
 };
 
-/// Continues where an earlier call ended. Throws InputError for a study whose design is not such a table.
+/// Continues where an earlier call ended. Throws InputError as plan_study_campaign and run_campaign.
 ActiveSummary run_active(const ActiveRequest& request);
 
 }  // namespace gonogo::pipeline

@@ -103,6 +103,20 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   command->add_option("--seeds", run->seeds, "Packings of each density")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
+  command->add_option("--travel", run->travel, "Of the plate in a shear test [grain diameters]")
+      ->check(CLI::Range(0.5, 100.0))
+      ->capture_default_str();
+  terrain::CalibrationNumerics& n = run->numerics;
+  command->add_option("--step", n.step, "Of the trials that the table is for [s]")
+      ->check(CLI::Range(1e-5, 5e-3))
+      ->capture_default_str();
+  command->add_option("--substeps", n.substeps, "Parts of a step")->check(CLI::Range(1, 1000))->capture_default_str();
+  command->add_option("--iterations", n.iterations, "Most in a part of a step")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command->add_option("--tolerance", n.residual, "Residual at which the solver stops [m/s]; 0: never")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
       ->required();
   command->footer("Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json");

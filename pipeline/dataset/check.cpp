@@ -38,6 +38,10 @@ void check_outcome(const TrialRecord& record, std::vector<std::string>& faults) 
   if (record.verdict != Verdict::unknown && !measured) faults.push_back(trial_name(record) + "has no measures");
   if (record.attempts != 1 && record.attempts != 2)
     faults.push_back(trial_name(record) + "took " + std::to_string(record.attempts) + " attempts");
+  const bool failed = record.failed_checks != 0;
+  if (failed != (record.verdict == Verdict::unknown) || record.failed_checks >= 2 * kChecks.back().bit)
+    faults.push_back(trial_name(record) + "verdict " + verdict + " with failed checks " +
+                     names_of_checks(record.failed_checks));
 }
 
 void check_replicate(const TrialRecord& record, const std::map<std::uint64_t, const TrialRecord*>& earlier,

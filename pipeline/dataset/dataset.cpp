@@ -83,6 +83,12 @@ void write_outcome(Hdf5Writer& out, TrialColumns& columns) {
   name_codes(out, "outcome/reason", trial_reasons());
   store(out, "outcome/attempts", columns.attempts, "-",
         "2 when the first attempt failed a check and a smaller step was used");
+  store(out, "outcome/failed_checks", columns.failed_checks, "-", "bits of the checks that an unknown trial failed");
+  std::vector<std::string> names;
+  std::vector<std::int64_t> bits;
+  for (const Check& check : kChecks) names.push_back(check.name), bits.push_back(std::int64_t(check.bit));
+  out.attribute("outcome/failed_checks", "names", names);
+  out.attribute("outcome/failed_checks", "bits", bits);
 }
 
 void write_pairs(Hdf5Writer& out, const std::string& path, const Provenance::Pairs& pairs) {
@@ -194,12 +200,14 @@ void read_outcome(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
   const auto verdict = in.array<std::int32_t>("outcome/verdict", rows);
   const auto reason = in.array<std::int32_t>("outcome/reason", rows);
   const auto attempts = in.array<std::uint64_t>("outcome/attempts", rows);
+  const auto failed_checks = in.array<std::uint64_t>("outcome/failed_checks", rows);
   for (std::size_t row = 0; row < records.size(); ++row) {
     require_code(in, "outcome/verdict", contract().verdicts, verdict[row]);
     require_code(in, "outcome/reason", trial_reasons(), reason[row]);
     records[row].verdict = Verdict(verdict[row]);
     records[row].reason = Reason(reason[row]);
     records[row].attempts = attempts[row];
+    records[row].failed_checks = failed_checks[row];
   }
 }
 
@@ -208,7 +216,7 @@ void read_outcome(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
 TrialColumns::TrialColumns(std::size_t expected_rows)
     : variables(contract().variables.size()), measures(contract().measures.size()) {
   const auto reserve = [expected_rows](auto&... columns) { (columns.reserve(expected_rows), ...); };
-  reserve(index, seed, replicate_of, proposal_density, verdict, reason, attempts);
+  reserve(index, seed, replicate_of, proposal_density, verdict, reason, attempts, failed_checks);
   for (auto& column : variables) column.reserve(expected_rows);
   for (auto& column : measures) column.reserve(expected_rows);
 }
@@ -226,6 +234,7 @@ void TrialColumns::append(const TrialRecord& record) {
   verdict.push_back(int(record.verdict));
   reason.push_back(int(record.reason));
   attempts.push_back(record.attempts);
+  failed_checks.push_back(record.failed_checks);
   for (std::size_t i = 0; i < measures.size(); ++i) measures[i].push_back(canonical(record.measures[i]));
 }
 

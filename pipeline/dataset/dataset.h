@@ -2,8 +2,8 @@
 //
 //   /design/{index, seed, replicate_of, proposal_density}     [rows]
 //   /variables/<name>, /measures/<name>                       [rows], in the unit of their attribute "unit"
-//   /outcome/{verdict, reason, attempts}                      [rows]; codes, named by attributes "names" and "codes"
-//   /provenance/{study, inputs, files, libraries}             what the rows depend on, and nothing else
+//   /outcome/{verdict, reason, attempts, failed_checks}       [rows]; codes and bits, named by attributes "names" and
+//   "codes" /provenance/{study, inputs, files, libraries}             what the rows depend on, and nothing else
 //
 // Rows and provenance decide every byte: no times, hosts or numbers of workers.
 #pragma once
@@ -47,7 +47,7 @@ struct TrialColumns {
   std::vector<double> proposal_density;
   std::vector<std::vector<double>> variables, measures;  // [variable or measure of the contract][row]
   std::vector<std::int32_t> verdict, reason;             // codes
-  std::vector<std::uint64_t> attempts;
+  std::vector<std::uint64_t> attempts, failed_checks;
 };
 
 /// Writes the file atomically. Throws InputError for records whose lengths are not the contract's, DeviceError when the

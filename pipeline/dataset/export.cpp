@@ -22,6 +22,7 @@ Json trial_json(const TrialRecord& record) {
   trial["verdict"] = contract().info(record.verdict).name;
   trial["reason"] = contract().info(record.reason).name;
   trial["attempts"] = record.attempts;
+  trial["failed_checks"] = names_of_checks(record.failed_checks);
   for (std::size_t i = 0; i < record.measures.size(); ++i)
     trial[contract().measures[i].name] = number_or_null(record.measures[i]);
   return trial;

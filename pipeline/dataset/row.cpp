@@ -1,5 +1,6 @@
 #include "pipeline/dataset/row.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -70,6 +71,22 @@ class Cells {
     for (double& value : point.variables) take(value);
   }
 
+  /// Names joined by "+", or "none".
+  void take_checks(std::uint64_t& bits) {
+    std::string_view cell = next();
+    bits = 0;
+    if (cell == "none") return;
+    while (ok_) {
+      const std::size_t plus = cell.find('+');
+      const std::string_view name = cell.substr(0, plus);
+      const auto check = std::find_if(kChecks.begin(), kChecks.end(), [&](const Check& c) { return name == c.name; });
+      ok_ = check != kChecks.end();
+      if (ok_) bits |= check->bit;
+      if (plus == std::string_view::npos) return;
+      cell = cell.substr(plus + 1);
+    }
+  }
+
   bool complete() const { return ok_ && ended_; }
 
  private:
@@ -87,6 +104,13 @@ void add_point_cells(const DesignPoint& point, std::vector<std::string>& cells) 
 
 }  // namespace
 
+std::string names_of_checks(std::uint64_t bits) {
+  std::string names;
+  for (const Check& check : kChecks)
+    if (bits & check.bit) names += (names.empty() ? "" : "+") + std::string(check.name);
+  return names.empty() ? "none" : names;
+}
+
 std::vector<std::string> point_columns() {
   std::vector<std::string> names{"index", "seed", "replicate_of", "proposal_density"};
   for (const Variable& variable : contract().variables) names.push_back(variable.name);
@@ -95,7 +119,7 @@ std::vector<std::string> point_columns() {
 
 std::vector<std::string> record_columns() {
   std::vector<std::string> names = point_columns();
-  names.insert(names.end(), {"verdict", "reason", "attempts"});
+  names.insert(names.end(), {"verdict", "reason", "attempts", "failed_checks"});
   for (const Measure& measure : contract().measures) names.push_back(measure.name);
   return names;
 }
@@ -115,6 +139,7 @@ std::string to_row(const TrialRecord& record) {
   cells.push_back(contract().info(record.verdict).name);
   cells.push_back(contract().info(record.reason).name);
   cells.push_back(to_text(record.attempts));
+  cells.push_back(names_of_checks(record.failed_checks));
   for (const double value : record.measures) cells.push_back(to_text(value));
   return join(cells);
 }
@@ -134,6 +159,7 @@ std::optional<TrialRecord> parse_record(std::string_view row) {
   cells.take_name(record.verdict, contract().verdicts);
   cells.take_name(record.reason, contract().reasons);
   cells.take(record.attempts);
+  cells.take_checks(record.failed_checks);
   record.measures.resize(contract().measures.size());
   for (double& value : record.measures) cells.take(value);
   if (!cells.complete()) return std::nullopt;

@@ -1,6 +1,6 @@
 // One trial as one line of comma-separated values. Numbers print with the fewest digits that read back to the same
 // bits (at most 17); not-a-number prints as "nan".
-//   index,seed,replicate_of,proposal_density,<variables...>,verdict,reason,attempts,<measures...>
+//   index,seed,replicate_of,proposal_density,<variables...>,verdict,reason,attempts,failed_checks,<measures...>
 #pragma once
 #include <optional>
 #include <string>
@@ -13,6 +13,9 @@ namespace gonogo::pipeline {
 
 std::vector<std::string> point_columns();
 std::vector<std::string> record_columns();
+
+/// "residual+energy": the checks whose bits are set, or "none".
+std::string names_of_checks(std::uint64_t bits);
 
 /// Comma-separated, without the end of line.
 std::string header_row();

@@ -6,6 +6,8 @@
 #include <limits>
 #include <unordered_map>
 
+#include "pipeline/dataset/row.h"
+
 namespace gonogo::pipeline {
 namespace {
 
@@ -153,7 +155,8 @@ DatasetSummary summarise(const std::vector<TrialRecord>& records) {
   for (const TrialRecord& record : records) {
     ++summary.by_verdict[contract().info(record.verdict).name];
     ++summary.by_reason[contract().info(record.reason).name];
-    if (record.verdict == Verdict::unknown) summary.failed.push_back(record.point.index);
+    if (record.verdict == Verdict::unknown)
+      summary.failed.emplace_back(record.point.index, names_of_checks(record.failed_checks));
   }
   for (std::size_t i = 0; i < contract().variables.size(); ++i) {
     const Variable& variable = contract().variables[i];
@@ -178,7 +181,7 @@ std::string to_text(const DatasetSummary& summary) {
           std::to_string(summary.replicate_pairs) + "\n";
   if (!summary.failed.empty()) {
     text += "failed trials:";
-    for (const std::uint64_t index : summary.failed) text += " " + std::to_string(index);
+    for (const auto& [index, checks] : summary.failed) text += " " + std::to_string(index) + " (" + checks + ")";
     text += "\n";
   }
   return text + "\n" + ranges_text("variable", summary.variables) + "\n" + ranges_text("measure", summary.measures) +
@@ -204,7 +207,9 @@ Json to_json(const DatasetSummary& summary) {
   object["reasons"] = counts_json(summary.by_reason);
   object["replicate_pairs"] = std::uint64_t(summary.replicate_pairs);
   object["replicate_agree"] = std::uint64_t(summary.replicate_agree);
-  object["failed"] = Json(summary.failed);
+  Json failed = Json::object();
+  for (const auto& [index, checks] : summary.failed) failed[std::to_string(index)] = checks;
+  object["failed"] = failed;
   object["variables"] = ranges_json(summary.variables);
   object["measures"] = ranges_json(summary.measures);
   object["slope_along"] = slope;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/json/json.h"
@@ -25,10 +26,10 @@ struct DatasetSummary {
   std::size_t trials = 0, replicates = 0;
   std::map<std::string, std::size_t> by_verdict, by_reason;  // every name of the contract that occurs
   std::vector<ValueRange> variables, measures;
-  std::vector<std::uint64_t> failed;  // indices of unknown trials
-  std::size_t replicate_pairs = 0;    // pairs of which both trials are valid
-  std::size_t replicate_agree = 0;    // of these, pairs that are both passable or both not
-  std::vector<SlopeBin> slope;        // over slope_along
+  std::vector<std::pair<std::uint64_t, std::string>> failed;  // indices of unknown trials, checks that they failed
+  std::size_t replicate_pairs = 0;                            // pairs of which both trials are valid
+  std::size_t replicate_agree = 0;                            // of these, pairs that are both passable or both not
+  std::vector<SlopeBin> slope;                                // over slope_along
 };
 
 /// go or slow_go.

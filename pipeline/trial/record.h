@@ -1,5 +1,6 @@
 // What goes into a trial and what comes out: the row of the dataset.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -16,6 +17,18 @@ struct DesignPoint {
   double proposal_density = 1;     // of the design at this point, relative to uniform over the sampled box
   std::vector<double> variables;   // [contract().variables.size()], in the units of the contract
 };
+
+/// A check that a simulation must pass before its outcome counts. The first three are the world's flags (StepFlag).
+struct Check {
+  const char* name;
+  std::uint64_t bit;
+  const char* about;
+};
+inline constexpr std::array<Check, 5> kChecks{{{"not_finite", 1, "a velocity or place became no number"},
+                                               {"too_fast", 2, "a body crossed more than a bin in a step"},
+                                               {"left_domain", 4, "a body fell out of the domain"},
+                                               {"residual", 8, "contact residual above the study's limit"},
+                                               {"energy", 16, "energy that nothing supplied above the study's limit"}}};
 
 /// What one wheel did over the last half of the driving.
 struct WheelRecord {
@@ -42,6 +55,7 @@ struct TrialRecord {
   std::vector<WheelRecord> wheels;  // of a whole vehicle whose drive was judged; not part of the dataset
   std::vector<PullPoint> pull;      // of a drawbar sweep, in the order of time; not part of the dataset
   std::uint64_t attempts = 1;       // 2 when the first attempt failed a check and the smaller step was used
+  std::uint64_t failed_checks = 0;  // bits of the checks that the last attempt of an unknown trial failed
 };
 
 }  // namespace gonogo::pipeline

@@ -19,6 +19,7 @@ void read_bed(const Config& bed, TrialSetup& s) {
   s.tiles_across = int(bed.integer_or("tiles_across", s.tiles_across, {1, 100}));
   s.moving_patch = bed.boolean_or("moving_patch", s.moving_patch);
   s.packing_seeds = int(bed.integer_or("packing_seeds", s.packing_seeds, {1, 1000}));
+  s.deepest_bed = bed.number_or("deepest_m", s.deepest_bed, {0, 10});
   s.bed_settle_time = bed.number_or("settle_s", s.bed_settle_time, {0, 10});
   bed.finish();
 }
@@ -35,8 +36,9 @@ void read_drive(const Config& drive, TrialSetup& s) {
 
 void read_numerics(const Config& c, TrialNumerics& n) {
   n.step = c.number_or("step_s", n.step, {1e-5, 5e-3});
+  n.substeps = int(c.integer_or("substeps", n.substeps, {1, 1000}));
   n.iterations = int(c.integer_or("iterations", n.iterations, {1, 100000}));
-  n.tolerance = c.number_or("tolerance_m_per_s", n.tolerance, {1e-6, 1});
+  n.tolerance = c.number_or("tolerance_m_per_s", n.tolerance, {0, 1});
   c.finish();
 }
 
@@ -67,6 +69,17 @@ void check_reach(const Study& study, const TrialSetup& s) {
                                       " deg; narrow the range to that");
 }
 
+/// Beds are cut from packings of the depth that the study names.
+void check_depth(const Study& study, const TrialSetup& s) {
+  const auto design = study.config.object_if("design");
+  if (s.deepest_bed == 0 || !design || !design->has("ranges") || !design->object("ranges").has("bed_depth")) return;
+  const Config ranges = design->object("ranges");
+  const auto range = ranges.numbers("bed_depth", {0, 100});
+  if (range.size() == 2 && range[1] > s.deepest_bed)
+    ranges.fail("bed_depth", "goes to " + std::to_string(range[1]) + " m, but trial.bed.deepest_m is " +
+                                 std::to_string(s.deepest_bed) + " m; make that as deep");
+}
+
 /// A quarter vehicle or a whole one.
 void read_mover(TrialSetup& s) {
   if (Config::read(s.vehicle_file).text("kind") == "quarter")
@@ -94,6 +107,20 @@ Extent extent_of(const TrialSetup& s) {
   return e;
 }
 
+/// Every wheel must stand on the bed, beside and not on its own image.
+void check_wheels_on_bed(const TrialSetup& s) {
+  const Extent e = extent_of(s);
+  const double length = s.tiles_along * s.bed_length, width = s.tiles_across * s.bed_width;
+  const auto too_small = [&](const char* side, double has, double needs) {
+    throw InputError("the bed is " + std::to_string(has) + " m " + side + ", and the wheels of the vehicle take " +
+                     std::to_string(needs) +
+                     " m: a wheel would stand outside the bed; enlarge trial.bed, or put more " +
+                     "tiles side by side with tiles_along and tiles_across");
+  };
+  if (length < 2 * e.ends()) too_small("long", length, 2 * e.ends());
+  if (width < e.width) too_small("wide", width, e.width);
+}
+
 /// A sweep gets the time that it takes. The vehicle and what it has to cross must lie side by side on the periodic bed;
 /// the run ends behind the obstacle.
 void fit_to_task(TrialSetup& s) {
@@ -113,6 +140,13 @@ void fit_to_task(TrialSetup& s) {
 
 }  // namespace
 
+void check_tyres(const TrialSetup& s) {
+  if (s.compliant_tyres && !(s.whole && s.whole->wheel.front().stiffness > 0))
+    throw InputError(s.vehicle_file.string() +
+                     ": compliant tyres are asked for, and its wheels name no \"compliant\" with stiffness_N_m and "
+                     "damping_N_s_m; add them, or leave compliant_tyres out");
+}
+
 double grains_per_tyre(const TrialSetup& s) {
   const double width = s.whole ? s.whole->wheel.front().width : s.rig.width;
   return width / s.calibration.grain_diameter;
@@ -130,14 +164,15 @@ double TrialSetup::weight(double payload) const {
 
 Course TrialSetup::course(double surface) const {
   const double ends = extent_of(*this).ends(), length = tiles_along * bed_length;
-  return {whole ? 0.5 * length : 0.15 * length, ends, ends, length, tiles_across * bed_width, surface};
+  const double usual = whole ? 0.5 * length : 0.15 * length;
+  return {start > 0 ? start : usual, ends, ends, length, tiles_across * bed_width, surface};
 }
 
 terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density, std::uint64_t bed_seed) const {
   terrain::BedSpec spec;
   spec.length = bed_length;
   spec.width = bed_width;
-  spec.depth = bed_depth;
+  spec.depth = deepest_bed > 0 ? deepest_bed : bed_depth;
   spec.grain_diameter = calibration.grain_diameter;
   spec.settle_friction = calibration.packing[terrain::packing_level(calibration, relative_density)].settle_friction;
   spec.seed = bed_seed % std::uint64_t(packing_seeds);
@@ -170,11 +205,15 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
     if (const auto c = trial->object_if("numerics")) read_numerics(*c, s.numerics);
     if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
     if (const auto c = trial->object_if("task")) s.task = read_task(*c);
+    s.compliant_tyres = trial->boolean_or("compliant_tyres", false);
     trial->finish();
   }
+  check_wheels_on_bed(s);
+  check_tyres(s);
   if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);
   fit_to_task(s);
   check_reach(study, s);
+  check_depth(study, s);
   return s;
 }
 

@@ -24,13 +24,14 @@ struct Thresholds {
   double tilt_deg = 60;          // roll or pitch against the bed: rolled over [deg]
   double creep_speed = 0.1;      // of the bed before the vehicle acts: the slope fails [m/s]
   double residual = 0.1;         // largest root-mean-square residual of a valid trial [m/s]
-  double energy_error = 0.1;     // largest energy gain without a motor, over the motor's work, of a valid trial [-]
+  double energy_error = 0.1;     // largest energy gain from nowhere over the energy exchanged, of a valid trial [-]
 };
 
 struct TrialNumerics {
   double step = 2e-3;       // [s]
-  int iterations = 200;     // most per step
-  double tolerance = 0.01;  // residual at which the solver stops [m/s]
+  int substeps = 1;         // parts of a step that the solver goes through
+  int iterations = 200;     // most per part
+  double tolerance = 0.01;  // residual at which the solver stops; 0: never [m/s]
 };
 
 struct TrialSetup {
@@ -43,7 +44,10 @@ struct TrialSetup {
   double bed_length = 4, bed_width = 0.8;  // [m]
   int tiles_along = 1, tiles_across = 1;   // copies of the settled bed side by side
   bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
+  bool compliant_tyres = false;            // contacts of tyres give way as the vehicle's file says
+  double start = 0;                        // x where the vehicle starts; 0: as course() says [m]
   int packing_seeds = 2;                   // beds per packing level
+  double deepest_bed = 0;                  // shallower beds are cut from packings of this depth; 0: each is settled [m]
   double bed_settle_time = 0.25;           // of the tilted bed before the vehicle acts [s]
   double park_time = 0.2;                  // the wheel is let down with its brake on [s]
   double ramp_time = 0.4;                  // of the rim speed from zero to the commanded one [s]
@@ -79,6 +83,9 @@ std::filesystem::path default_packing_folder();
 TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
                                std::shared_ptr<const TrialTask> task = default_task(),
                                const std::filesystem::path& packing_folder = default_packing_folder());
+
+/// Throws InputError where compliant tyres are asked of a vehicle whose file has none.
+void check_tyres(const TrialSetup& s);
 
 /// Least share of tyre width in grain diameters for a label that may be published (the scale rule).
 inline constexpr double kGrainsPerTyre = 8;

@@ -1,8 +1,10 @@
 #include "pipeline/trial/trial.h"
 
 #include <algorithm>
+#include <atomic>
 #include <mutex>
 #include <set>
+#include <thread>
 
 #include "base/cancel.h"
 #include "base/error.h"
@@ -21,22 +23,25 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
   }
   if (missing.empty()) return;
   Progress progress("beds", "packings", missing.size());
-  std::size_t done = 0;
+  const std::size_t at_once = std::min<std::size_t>(missing.size(), std::size_t(std::max(1, threads)));
+  const int threads_of_each = std::max(1, threads / int(at_once));
+  std::atomic<std::size_t> next{0}, done{0};
   std::string failure;
-  std::mutex one_at_a_time;  // writing may throw, and an exception must not leave an OpenMP critical region
-#pragma omp parallel for schedule(dynamic) num_threads(std::max(1, threads))
-  for (std::size_t k = 0; k < missing.size(); ++k) {
-    if (cancel_requested()) continue;
-    try {
-      const terrain::Packing packing = terrain::settle_packing(missing[k], 1);
-      const std::lock_guard lock(one_at_a_time);
-      terrain::write_packing(terrain::packing_path(missing[k], setup.packing_folder), packing);
-      progress.update(++done);
-    } catch (const std::exception& e) {
-      const std::lock_guard lock(one_at_a_time);
-      failure = e.what();
-    }
-  }
+  std::mutex one_at_a_time;
+  const auto settle_some = [&] {
+    for (std::size_t k = next++; k < missing.size() && !cancel_requested(); k = next++) try {
+        const terrain::Packing packing = terrain::settle_packing(missing[k], threads_of_each);
+        const std::lock_guard lock(one_at_a_time);
+        terrain::write_packing(terrain::packing_path(missing[k], setup.packing_folder), packing);
+        progress.update(++done);
+      } catch (const std::exception& e) {
+        const std::lock_guard lock(one_at_a_time);
+        failure = e.what();
+      }
+  };
+  std::vector<std::jthread> settling(at_once);
+  for (std::jthread& t : settling) t = std::jthread(settle_some);
+  settling.clear();
   stop_if_cancelled();
   if (!failure.empty()) throw DeviceError(failure);
 }
@@ -46,8 +51,8 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) {
 }
 
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
-                      const TrialCheckpoint& checkpoint) {
-  TrialBatch batch(setup, {});
+                      const TrialCheckpoint& checkpoint, const TrialDevice& device) {
+  TrialBatch batch(setup, {device.backend, 1, device.threads});
   batch.start(point, watch, checkpoint);
   std::vector<TrialRecord> ended;
   while (ended.empty()) ended = batch.advance();

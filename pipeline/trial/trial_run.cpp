@@ -44,10 +44,12 @@ void store_measures(const DriveOutcome& o, TrialRecord& record) {
   set("energy_error", o.energy_error);
 }
 
-/// Whether the simulation may be believed: flags, residual and energy.
-bool is_valid(const TrialSetup& setup, const DriveOutcome& o) {
-  return o.flags == 0 && o.worst_residual <= setup.thresholds.residual &&
-         o.energy_error <= setup.thresholds.energy_error;
+/// Bits of the checks that the simulation failed; it may be believed when there are none.
+std::uint64_t failed_checks(const TrialSetup& setup, const DriveOutcome& o) {
+  std::uint64_t failed = std::uint64_t(o.flags);
+  if (!(o.worst_residual <= setup.thresholds.residual)) failed |= 8;
+  if (!(o.energy_error <= setup.thresholds.energy_error)) failed |= 16;
+  return failed;
 }
 
 }  // namespace
@@ -196,11 +198,13 @@ void TrialRun::end_attempt(const DriveOutcome& outcome) {
   store_measures(outcome, record_);
   record_.wheels = outcome.wheels;
   record_.pull = outcome.pull;
-  if (is_valid(setup_, outcome)) {
+  const std::uint64_t failed = failed_checks(setup_, outcome);
+  if (failed == 0) {
     record_.verdict = outcome.verdict;
     record_.reason = outcome.reason;
     over_ = true;
   } else if (attempt() == 2) {
+    record_.failed_checks = failed;
     over_ = true;  // unknown / simulation_failed
   } else {
     record_.attempts = 2;

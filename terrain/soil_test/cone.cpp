@@ -9,8 +9,7 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr double kStepsPerTime = 50;  // in sqrt(d / g)
-constexpr Index kRestSteps = 100;     // in which the bed takes up its contact laws
+constexpr Index kRestSteps = 100;  // in which the bed takes up its contact laws
 constexpr int kSamples = 120;
 constexpr int kSides = 24;
 constexpr double kShaftShare = 0.783;  // of the cone's diameter: 15.88 mm of 20.27 mm (ASAE S313)
@@ -66,7 +65,7 @@ sim::TriangleMesh cone_mesh(double diameter, double shaft_length) {
 
 Index cone_steps(const ConeSettings& s) {
   const double way = (s.depth + cone_height(1)) * s.diameter_grains + 0.5;
-  return kRestSteps + Index(way / s.speed * kStepsPerTime);
+  return kRestSteps + Index(way / s.speed * s.steps_per_time);
 }
 
 ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const TestPace& pace, TestScene* scene) {
@@ -90,7 +89,7 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
   shape.surface = mesh;
   world.add_shape(shape);
 
-  const double h = gravity_time(d) / kStepsPerTime, speed = settings.speed * std::sqrt(9.81 * d);
+  const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(9.81 * d);
   TestRun run("cone test", std::move(world), test_settings(d, h, speed, pace), pace);
   run.advance(kRestSteps);
   run.set_velocity(cone, {0, 0, Real(-speed)});

@@ -11,6 +11,7 @@ struct ConeSettings {
   double diameter_grains = 4;  // of the cone's base, in grain diameters
   double depth = 1.5;          // of the base below the surface at the end, in cone diameters
   double speed = 0.1;          // in sqrt(g d)
+  double steps_per_time = 50;  // in sqrt(d / g)
 };
 
 struct ConeSample {

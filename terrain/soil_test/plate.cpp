@@ -8,8 +8,7 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr double kStepsPerTime = 50;  // in sqrt(d / g)
-constexpr Index kRestSteps = 100;     // in which the bed takes up its contact laws
+constexpr Index kRestSteps = 100;  // in which the bed takes up its contact laws
 constexpr int kSamples = 50;
 
 /// A plate one grain thick over the whole width of the periodic bed, above its highest grain.
@@ -68,17 +67,21 @@ LogPoints log_points(const PlateResult& plate) {
 }  // namespace
 
 Index plate_steps(const PlateSettings& s) {
-  return kRestSteps + Index((s.width_grains * s.sinkage + 1) / s.speed * kStepsPerTime);
+  return kRestSteps + Index((s.width_grains * s.sinkage + 1) / s.speed * s.steps_per_time);
 }
 
-PlateResult plate_test(const TestSoil& soil, const PlateSettings& settings, const TestPace& pace, TestScene* scene) {
-  const double d = soil.grain_diameter, width = settings.width_grains * d;
+Packing plate_bed(const TestSoil& soil, const PlateSettings& settings, int threads) {
   if (!(settings.width_grains >= 2)) throw InputError("plate test: the plate must be at least two grains wide");
-  const Packing bed = test_bed(soil, 6 * settings.width_grains, 6,
-                               std::max(8.0, settings.bed_depth * settings.width_grains), pace.threads);
+  return test_bed(soil, 6 * settings.width_grains, 6, std::max(8.0, settings.bed_depth * settings.width_grains),
+                  threads);
+}
+
+PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSettings& settings, const TestPace& pace,
+                       TestScene* scene) {
+  const double d = soil.grain_diameter, width = settings.width_grains * d;
   sim::SceneWorld world = bed_world(bed, soil.laws(), 3 * d);
   const sim::BodyIndex plate = add_plate(world, bed, width);
-  const double h = gravity_time(d) / kStepsPerTime, speed = settings.speed * std::sqrt(9.81 * d);
+  const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(9.81 * d);
   TestRun run("plate test", std::move(world), test_settings(d, h, speed, pace), pace);
   run.advance(kRestSteps);
   run.set_velocity(plate, {0, 0, Real(-speed)});

@@ -7,11 +7,12 @@
 namespace gonogo::terrain {
 
 struct PlateSettings {
-  double width_grains = 6;  // of the plate, in grain diameters
-  double sinkage = 0.5;     // of the plate at the end, in plate widths
-  double speed = 0.1;       // in sqrt(g d)
-  double bed_depth = 3;     // in plate widths, at least 8 grains
-  double datum = 1e3;       // pressure at which sinkage is counted from zero [Pa]
+  double width_grains = 6;     // of the plate, in grain diameters
+  double sinkage = 0.5;        // of the plate at the end, in plate widths
+  double speed = 0.1;          // in sqrt(g d)
+  double bed_depth = 3;        // in plate widths, at least 8 grains
+  double datum = 1e3;          // pressure at which sinkage is counted from zero [Pa]
+  double steps_per_time = 50;  // in sqrt(d / g)
 };
 
 struct PlateSample {
@@ -25,8 +26,15 @@ struct PlateResult {
   double solid_fraction = 0, worst_residual = 0;
 };
 
-PlateResult plate_test(const TestSoil& soil, const PlateSettings& settings, const TestPace& pace,
+/// Settled bed for a plate of these settings.
+Packing plate_bed(const TestSoil& soil, const PlateSettings& settings, int threads);
+
+PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSettings& settings, const TestPace& pace,
                        TestScene* scene = nullptr);
+inline PlateResult plate_test(const TestSoil& soil, const PlateSettings& settings, const TestPace& pace,
+                              TestScene* scene = nullptr) {
+  return plate_test(plate_bed(soil, settings, pace.threads), soil, settings, pace, scene);
+}
 Index plate_steps(const PlateSettings& settings);
 
 /// p = k z^n of one plate; weights p^2, which make the fit one of pressures, not of their logarithms (Wong, Journal of

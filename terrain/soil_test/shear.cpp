@@ -12,8 +12,9 @@ constexpr double kSample = 0.05;    // travel between samples, in grain diameter
 constexpr double kRecovery = 0.03;  // speed at which overlaps are pushed out, in diameters per stress time
 constexpr double kPressTimes = 12;  // stress times under load before the plate moves
 
-/// Time in which the stress moves a grain by half its diameter, d sqrt(rho / sigma) [s].
-double stress_time(const BedSpec& s, double stress) { return s.grain_diameter * std::sqrt(s.grain_density / stress); }
+double stress_time(const BedSpec& s, double stress) {
+  return terrain::stress_time(s.grain_diameter, s.grain_density, stress);
+}
 
 /// The plate: glued grains like the base's, one body on rails with the mass of the bed below it. It keeps its speed
 /// along x and is free along z only, where the load pushes it down.

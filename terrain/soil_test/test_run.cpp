@@ -60,9 +60,14 @@ Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, d
 }
 
 sim::StepSettings test_settings(double grain_diameter, double step, double speed, const TestPace& pace) {
-  sim::StepSettings s = bed_step_settings(grain_diameter, step, pace.iterations, pace.tolerance * speed);
+  const double residual = pace.residual > 0 ? pace.residual : pace.tolerance * speed;
+  sim::StepSettings s = bed_step_settings(grain_diameter, step, pace.iterations, residual);
   s.substeps = pace.substeps;
   return s;
+}
+
+double stress_time(double grain_diameter, double grain_density, double stress) {
+  return grain_diameter * std::sqrt(grain_density / stress);
 }
 
 double gravity_time(double grain_diameter) { return std::sqrt(grain_diameter / 9.81); }

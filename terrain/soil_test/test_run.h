@@ -40,6 +40,7 @@ struct TestPace {
   std::function<void(Index)> on_steps;  // called with the number of steps just taken, from the test's thread
   int substeps = 1, iterations = 200;   // of the solver in each step, and at most in each substep
   double tolerance = 0.01;              // residual at which it stops, in speeds of the test
+  double residual = 0;                  // at which it stops, instead of `tolerance`, where above zero [m/s]
 };
 
 /// Numerical parameters of the tests: bed_step_settings with a tolerance that follows the speed of the test [m/s].
@@ -48,6 +49,9 @@ sim::StepSettings test_settings(double grain_diameter, double step, double speed
 
 /// Time in which gravity moves a grain by half its diameter, sqrt(d / g) [s].
 double gravity_time(double grain_diameter);
+
+/// Time in which a stress moves a grain by half its diameter, d sqrt(rho / sigma) [s].
+double stress_time(double grain_diameter, double grain_density, double stress);
 
 /// A world under test: steps it, stops on Ctrl-C, throws DeviceError when the engine raises a flag.
 class TestRun {

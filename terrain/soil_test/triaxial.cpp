@@ -25,7 +25,7 @@ struct Specimen {
 };
 
 double stress_time(const TestSoil& soil, double stress) {
-  return soil.grain_diameter * std::sqrt(soil.grain_density / stress);
+  return terrain::stress_time(soil.grain_diameter, soil.grain_density, stress);
 }
 
 /// Grains on a lattice, so far apart that it is lost on the way together.

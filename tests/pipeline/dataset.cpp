@@ -62,6 +62,7 @@ void check_same(const std::vector<TrialRecord>& a, const std::vector<TrialRecord
     CHECK(a[i].reason == b[i].reason);
     CHECK(same(a[i].measures, b[i].measures));
     CHECK(a[i].attempts == b[i].attempts);
+    CHECK(a[i].failed_checks == b[i].failed_checks);
   }
 }
 
@@ -176,6 +177,7 @@ TEST_CASE("a summary counts what a by-hand count gives") {
   set(1, 4.9, Verdict::slow_go, Reason::none, 0);
   set(2, -0.1, Verdict::no_go, Reason::traction, 0);
   set(3, 5, Verdict::unknown, Reason::simulation_failed, 1);
+  records[3].failed_checks = 8 + 16;
   const DatasetSummary summary = summarise(records);
   CHECK(summary.by_verdict ==
         std::map<std::string, std::size_t>{{"go", 1}, {"slow_go", 1}, {"no_go", 1}, {"unknown", 1}});
@@ -183,7 +185,9 @@ TEST_CASE("a summary counts what a by-hand count gives") {
   CHECK(summary.replicates == 3);
   CHECK(summary.replicate_pairs == 2);
   CHECK(summary.replicate_agree == 1);
-  CHECK(summary.failed == std::vector<std::uint64_t>{3});
+  REQUIRE(summary.failed.size() == 1);
+  CHECK(summary.failed.front().first == records[3].point.index);
+  CHECK(contains(to_text(summary), "(residual+energy)"));
   CHECK(summary.measures[0].minimum == 0);
   CHECK(summary.measures[0].mean == 1.5);
   REQUIRE(summary.slope.size() == 3);
@@ -219,6 +223,7 @@ TEST_CASE("a sound dataset has no faults, and each planted fault is named") {
     r[5].reason = Reason::traction;
   });
   CHECK(contains(wrong, "trial 5: verdict go with reason traction"));
+  CHECK(contains(faults_with([](Records& r) { r[6].failed_checks = 2; }), "with failed checks too_fast"));
 }
 
 TEST_CASE("differences of datasets: none with themselves, every changed bit, row and input otherwise") {

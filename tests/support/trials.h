@@ -27,6 +27,7 @@ inline TrialRecord closed_form_trial(const DesignPoint& point) {
     record.verdict = Verdict::unknown;
     record.reason = Reason::simulation_failed;
     record.attempts = 2;
+    record.failed_checks = point.seed % 31 + 1;
   }
   return record;
 }

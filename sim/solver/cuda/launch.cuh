@@ -23,14 +23,14 @@ GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismW
   kernel.move_mechanisms(-1);
   grid.wait();
   Index k = 0;
-  for (Index worlds_done = 0; worlds_done < views.momentum[0].size; ++k) {
+  for (bool ended = false; !ended; ++k) {
     kernel.update_contacts(k, grid);
     kernel.update_motors(k);
     grid.wait();
     kernel.move_mechanisms(k);
     kernel.move_bodies(k);
     kernel.decide(k);
-    worlds_done = grid.wait();
+    ended = grid.wait(views.momentum[0].size);
   }
   kernel.measure(k);
   grid.wait();

@@ -58,23 +58,24 @@ class GridBarrier {
 
   GONOGO_DEVICE explicit GridBarrier(unsigned long long* counter) : counter_(counter) {}
 
-  /// Returns how many worlds have ended.
-  GONOGO_DEVICE Index wait() {
-    __shared__ Index worlds_done;
+  /// Whether that many worlds have ended; the same answer for all threads.
+  GONOGO_DEVICE bool wait(Index worlds = 0) {
     arrivals_ += gridDim.x;
     __syncthreads();
-    if (threadIdx.x == 0) {
-      asm volatile("red.release.gpu.global.add.u64 [%0], 1;" ::"l"(counter_) : "memory");
-      unsigned long long now;
-      do asm volatile("ld.acquire.gpu.global.u64 %0, [%1];" : "=l"(now) : "l"(counter_) : "memory");
-      while (now % kWorldDone < arrivals_);
-      worlds_done = Index(now / kWorldDone);
-    }
-    __syncthreads();
-    return worlds_done;
+    const bool ended = threadIdx.x == 0 && arrive_and_wait() >= worlds;
+    return __syncthreads_or(ended);
   }
 
  private:
+  /// Returns how many worlds have ended.
+  GONOGO_DEVICE Index arrive_and_wait() const {
+    asm volatile("red.release.gpu.global.add.u64 [%0], 1;" ::"l"(counter_) : "memory");
+    unsigned long long now;
+    do asm volatile("ld.acquire.gpu.global.u64 %0, [%1];" : "=l"(now) : "l"(counter_) : "memory");
+    while (now % kWorldDone < arrivals_);
+    return Index(now / kWorldDone);
+  }
+
   unsigned long long* counter_;
   unsigned long long arrivals_ = 0;
 };
