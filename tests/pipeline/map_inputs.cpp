@@ -1,6 +1,4 @@
 // Land cover, moisture, tiles in degrees, members of a model, exports and comparisons of maps.
-#include <gdal_priv.h>
-#include <ogrsf_frmts.h>
 
 #include <cmath>
 #include <map>

@@ -2,8 +2,6 @@
 #include "pipeline/view/map_view.h"
 
 #include <arpa/inet.h>
-#include <cpl_vsi.h>
-#include <gdal_priv.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>

@@ -1,8 +1,10 @@
 // Small rasters written with GDAL directly, for tests of the code that reads them.
 #pragma once
 #include <cpl_error.h>
+#include <cpl_vsi.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
+#include <ogrsf_frmts.h>
 
 #include <array>
 #include <filesystem>
