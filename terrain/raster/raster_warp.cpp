@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 
 #include "base/error.h"
 #include "base/line.h"
@@ -197,29 +198,10 @@ void warp_to(OpenRaster& raster, const MapGrid& grid, const std::string& resampl
   // Interpolation without GDAL's wider kernels for cells that are narrower one way (degrees far from the equator):
   // those do not give a plane back as a plane, and slopes would be off by half a degree.
   CPLStringList words;
-  for (const char* word : {"-of",
-                           "VRT",
-                           "-t_srs",
-                           grid.crs_wkt.c_str(),
-                           "-te",
-                           edges[0],
-                           edges[1],
-                           edges[2],
-                           edges[3],
-                           "-ts",
-                           columns.c_str(),
-                           rows.c_str(),
-                           "-r",
-                           resampling.c_str(),
-                           "-ot",
-                           "Float32",
-                           "-dstnodata",
-                           "nan",
-                           "-et",
-                           "0",
-                           "-ovr",
-                           "NONE"})
-    words.AddString(word);
+  const std::vector<std::string> asked = {
+      "-of", "VRT", "-t_srs",   grid.crs_wkt, "-te",     edges[0],     edges[1], edges[2], edges[3], "-ts",  columns,
+      rows,  "-r",  resampling, "-ot",        "Float32", "-dstnodata", "nan",    "-et",    "0",      "-ovr", "NONE"};
+  for (const std::string& word : asked) words.AddString(word.c_str());
   if (resampling == "cubic" || resampling == "bilinear")
     for (const char* word : {"-wo", "XSCALE=1", "-wo", "YSCALE=1"}) words.AddString(word);
   GdalCall call;
