@@ -50,7 +50,8 @@ HttpAnswer json_answer(const Json& json) { return {200, "application/json", json
 MapView::MapView(fs::path folder) : folder_(std::move(folder)) {
   if (!fs::exists(folder_ / "map.json"))
     throw InputError(folder_.string() + ": holds no map.json, so no whole map; make one with gonogo map");
-  for (const auto& [name, hash] : Json::read(folder_ / "map.json").at("files").members()) {
+  const Json record = Json::read(folder_ / "map.json");
+  for (const auto& [name, hash] : record.at("files").members()) {
     files_.insert(name);
     if (fs::path(name).extension() == ".tif")
       layers_.emplace(fs::path(name).stem().string(), terrain::LayerReader(folder_ / name));
