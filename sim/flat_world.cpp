@@ -48,7 +48,7 @@ SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& plac
   for_each_jointed(r, [&](BodyIndex& b) { b = place[b]; });
   for (ForceElement& f : r.force) f.body = place[f.body];
   for (Controller& c : r.controller)
-    if (follows_velocity(c)) c.body = place[c.body];
+    if (follows_body(c)) c.body = place[c.body];
   for (Driveline& d : r.driveline) d.body = place[d.body];
   for (Monitor& m : r.monitor) m.body = place[m.body];
   return r;

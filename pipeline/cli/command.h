@@ -30,6 +30,7 @@ void add_campaign_command(CLI::App& app, const Globals& globals);
 void add_dataset_command(CLI::App& app, const Globals& globals);
 void add_soil_command(CLI::App& app, const Globals& globals);
 void add_vehicle_command(CLI::App& app, const Globals& globals);
+void add_original_command(CLI::App& app, const Globals& globals);
 void add_train_command(CLI::App& app, const Globals& globals);
 void add_evaluate_command(CLI::App& app, const Globals& globals);
 void add_infer_command(CLI::App& app, const Globals& globals);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -24,6 +25,7 @@ struct Options {
   FilmRequest film;
   TrialCheckpoint checkpoint;
   std::string size = "1280x720", colour = "speed";
+  bool gpu = false, compliant = false;
 };
 
 /// A variable of a study: its fixed value or the middle of its range.
@@ -102,6 +104,7 @@ TrialRecord watched_trial(const Globals& globals, const Options& options, const 
   const auto value = [&](const char* name) { return point.variables[contract().variable_index(name)]; };
   Film film(film_request(globals, options), setup.name, value("slope_along"), value("slope_across"),
             value("commanded_speed"));
+  if (options.gpu) sim::require_backend(sim::Backend::cuda);
   prepare_trials(setup, {&point, 1}, 1);
   std::string csv;
   TrialWatch watch;
@@ -113,7 +116,8 @@ TrialRecord watched_trial(const Globals& globals, const Options& options, const 
   if (options.film.wants_pictures() || options.film.wants_series())
     watch.frame = [&film](const TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
-  const TrialRecord record = run_trial(setup, point, watch, options.checkpoint);
+  const TrialDevice device{options.gpu ? sim::Backend::cuda : sim::Backend::cpu, std::max(1, globals.threads)};
+  const TrialRecord record = run_trial(setup, point, watch, options.checkpoint, device);
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
   film.finish(record);
   return record;
@@ -131,6 +135,8 @@ Request request_of(const Options& options) {
   Request r;
   r.point.seed = options.seed;
   if (options.vehicle.empty()) {
+    if (options.compliant)
+      throw InputError("--compliant-tyres goes with --vehicle; in a study it is trial.compliant_tyres");
     if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
     const Study study = read_study(options.study);
     r.setup = read_trial_setup(study);
@@ -141,6 +147,8 @@ Request request_of(const Options& options) {
     throw InputError("--vehicle needs --soil: a calibration, such as configs/soils/calibration_90mm.json");
   r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), options.soil,
                                 options.task.empty() ? default_task() : parse_task(options.task));
+  r.setup.compliant_tyres = options.compliant;
+  check_tyres(r.setup);
   r.point.variables = with_settings(variables_of(r.setup), options);
   return r;
 }
@@ -217,6 +225,8 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   command->add_option("--set", options->settings,
                       "Value of a variable, name=value; others: the study's fixed value or mid-range");
   command->add_option("--seed", options->seed, "Seed of the bed");
+  command->add_flag("--compliant-tyres", options->compliant, "With the stiffness that the vehicle's file names");
+  command->add_flag("--gpu", options->gpu, "On the GPU");
   command->add_option("--csv", options->csv, "Write the run step by step to this file");
   command->add_option("--checkpoint", options->checkpoint.path,
                       "Save the running trial to this file and, where it exists, go on from it");

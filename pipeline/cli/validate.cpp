@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -8,7 +9,9 @@
 #include "base/error.h"
 #include "base/shipped.h"
 #include "pipeline/cli/command.h"
+#include "pipeline/validate/drawbar.h"
 #include "pipeline/validate/fclib.h"
+#include "pipeline/validate/patch.h"
 #include "pipeline/validate/slope_slip.h"
 #include "pipeline/validate/soils.h"
 #include "pipeline/validate/vehicles.h"
@@ -191,6 +194,73 @@ void add_vehicles(CLI::App& command, const Globals& globals) {
   vehicles->callback([&globals, request] { validate_vehicles(globals, *request); });
 }
 
+/// Vehicle, soil and where it runs, of the commands that run trials.
+template <class Request>
+void add_trial_options(CLI::App& command, Request& request, std::string& vehicle, bool& gpu) {
+  command.add_option("--vehicle", vehicle, "Vehicle file, or the name of one in configs/vehicles")
+      ->capture_default_str();
+  command.add_option("--soil", request.calibration, "Calibration JSON of the grains")->required();
+  command.add_option("--friction-angle", request.friction_angle, "Of the soil [deg]")->check(CLI::Range(5.0, 60.0));
+  command.add_option("--speed", request.speed, "Commanded [m/s]")->check(CLI::Range(0.1, 20.0))->capture_default_str();
+  command.add_option("--seeds", request.seeds, "Beds")->check(CLI::Range(1, 1000))->capture_default_str();
+  command.add_flag("--gpu", gpu, "On the GPU, all beds side by side");
+}
+
+BatchSettings batch_of(const Globals& globals, bool gpu, int seeds) {
+  return {gpu ? sim::Backend::cuda : sim::Backend::cpu, gpu ? seeds : 1, std::max(1, globals.threads)};
+}
+
+void add_patch(CLI::App& command, const Globals& globals) {
+  CLI::App* patch = command.add_subcommand(
+      "patch", "A moving patch against a long fixed bed; fails when slip or sinkage differ by more than 3 %");
+  struct Options {
+    PatchRequest request;
+    std::string vehicle = "hmmwv_quarter";
+    bool gpu = false;
+  };
+  auto o = std::make_shared<Options>();
+  add_trial_options(*patch, o->request, o->vehicle, o->gpu);
+  patch->add_option("--slope", o->request.slope, "Uphill [deg]")->check(CLI::Range(-40.0, 40.0))->capture_default_str();
+  patch->add_option("--distance", o->request.distance, "To drive [m]")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  patch->footer("Example:\n  gonogo validate patch --soil configs/soils/calibration_90mm.json --json");
+  patch->callback([&globals, o] {
+    o->request.vehicle = vehicle_file(o->vehicle);
+    o->request.batch = batch_of(globals, o->gpu, o->request.seeds);
+    const PatchReport r = compare_patch(o->request);
+    print_result(globals, pipeline::as_json(r), as_text(r));
+    constexpr double most = 0.03;
+    if (std::fabs(r.slip_deviation()) > most || std::fabs(r.sinkage_deviation()) > most)
+      throw DeviceError("slip or sinkage on the moving patch differ by more than 3 % from those on the long bed");
+  });
+}
+
+void add_drawbar(CLI::App& command, const Globals& globals) {
+  CLI::App* drawbar = command.add_subcommand(
+      "drawbar", "Drawbar pull and resistance of a vehicle on sand over slip, beside semi-empirical bands");
+  struct Options {
+    DrawbarRequest request;
+    std::string vehicle = "hmmwv", folder;
+    bool gpu = false;
+  };
+  auto o = std::make_shared<Options>();
+  add_trial_options(*drawbar, o->request, o->vehicle, o->gpu);
+  drawbar->add_option("--sweep", o->request.sweep, "Over which the load grows to the weight [s]")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  drawbar->add_option("--out", o->folder, "Folder for a table and a picture");
+  drawbar->footer(
+      "Example:\n  gonogo validate drawbar --soil configs/soils/calibration_90mm.json --out docs/validation");
+  drawbar->callback([&globals, o] {
+    o->request.vehicle = vehicle_file(o->vehicle);
+    o->request.batch = batch_of(globals, o->gpu, o->request.seeds);
+    const DrawbarReport r = measure_drawbar(o->request);
+    if (!o->folder.empty()) write_drawbar(o->folder, r);
+    print_result(globals, pipeline::as_json(r), as_text(r));
+  });
+}
+
 }  // namespace
 
 void add_validate_command(CLI::App& app, const Globals& globals) {
@@ -199,6 +269,8 @@ void add_validate_command(CLI::App& app, const Globals& globals) {
   const char* const example = "Example:\n  gonogo validate fclib tests/data/fclib";
   add_vehicles(*command, globals);
   add_soils(*command, globals);
+  add_patch(*command, globals);
+  add_drawbar(*command, globals);
   command->footer(example);
   CLI::App* fclib = command->add_subcommand(
       "fclib", "Frictional contact problems in the formats of FCLib and Siconos; fails when one is not solved");

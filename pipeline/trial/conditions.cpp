@@ -5,6 +5,8 @@
 
 #include "pipeline/trial/trial.h"
 #include "terrain/bed/hard_layer.h"
+#include "vehicle/compliant_tyre.h"
+#include "vehicle/model/assembly.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -32,6 +34,12 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
       terrain::contact_law(setup.calibration, {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
+  if (setup.compliant_tyres) {
+    const double wheels = double(vehicle::stations(*setup.whole).size());
+    const vehicle::ContactSpring spring = vehicle::contact_spring(
+        setup.whole->wheel.front(), setup.weight(value(point, "payload")) / wheels, setup.calibration.grain_diameter);
+    c.laws.tool.stiffness = Real(spring.stiffness), c.laws.tool.damping = Real(spring.damping);
+  }
   if (const auto strip = setup.task->strip({})) c.soft = terrain::contact_law(setup.calibration, strip->soil);
   c.payload = value(point, "payload");
   c.speed = value(point, "commanded_speed");
@@ -45,7 +53,7 @@ terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point) 
 terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) {
   terrain::Packing tile = terrain::cached_packing(bed_spec_of(setup, point), setup.packing_folder, 1);
   if (setup.deepest_bed > 0) tile = terrain::on_hard_layer(tile, value(point, "bed_depth"));
-  terrain::Packing bed = terrain::shifted(terrain::tiled(tile, setup.tiles_along, setup.tiles_across), point.seed);
+  terrain::Packing bed = terrain::tiled(terrain::shifted(tile, point.seed), setup.tiles_along, setup.tiles_across);
   setup.task->shape(setup.course(bed.surface), bed);
   return bed;
 }

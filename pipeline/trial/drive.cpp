@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pipeline/trial/undisturbed.h"
 #include "sim/joint/build.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
@@ -53,10 +54,14 @@ double resting_axle_height(const terrain::Packing& packing, double reach, double
   return height;
 }
 
-/// Of the ground from which sinkage is counted; what a task has dug or built is left out.
-double surface_of(const TrialSetup& setup, const terrain::Packing& packing) {
-  if (setup.task->obstacle_end() > 0) return packing.surface;
-  return terrain::surface_height(packing.grain, packing.spec.length, packing.spec.width, packing.spec.grain_diameter);
+/// Height from which the drop of the axle of a wheel in the lane at y is its sinkage. What a task has dug or built is
+/// left out: there the ground that the vehicle stands on counts.
+double sinkage_reference(const TrialSetup& setup, const terrain::Packing& packing, double reach, double width,
+                         double y) {
+  const Course c = setup.course(packing.surface);
+  if (setup.task->obstacle_end() > 0)
+    return untouched_axle_height(packing, reach, width, y, c.start - c.rear, c.front + c.rear);
+  return untouched_axle_height(packing, reach, width, y, 0, c.length);
 }
 
 /// Load of a drawbar sweep, along the bed.
@@ -86,7 +91,8 @@ void add_carriage(double slip, double rim_speed, double radius, double mass, con
   world.controller.back().command = {{0, rim_speed / radius}};
 }
 
-/// The wheel of a quarter vehicle. Its drop below the height at which the rim would touch the surface is the sinkage.
+/// The wheel of a quarter vehicle. Its drop below the height at which it would roll over grains that do not give way is
+/// the sinkage.
 void add_rig(const TrialSetup& setup, const TrialConditions& conditions, const terrain::Packing& packing,
              sim::SceneWorld& world) {
   const vehicle::WheelRig& rig = setup.rig;
@@ -99,7 +105,7 @@ void add_rig(const TrialSetup& setup, const TrialConditions& conditions, const t
     add_carriage(*slip, conditions.speed, rig.radius, vehicle::rig_mass(rig, conditions.payload), bodies, world);
   sim::Monitor m = stopping_monitor(setup, bodies.wheel);
   m.motor = bodies.motor;
-  m.height = surface_of(setup, packing) + rig.radius;
+  m.height = sinkage_reference(setup, packing, rig.radius + rig.lug_height, rig.width, y);
   world.monitor.push_back(m);
 }
 
@@ -119,7 +125,9 @@ void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const
                sim::SceneWorld& world) {
   const vehicle::Vehicle v = vehicle::loaded(*setup.whole, conditions.payload);
   const double x = setup.course(0).start, y = 0.5 * packing.spec.width;
-  auto e = vehicle::add_vehicle(world, v, {x, y, resting_height(v, packing, x, y)}, terrain::tool_material);
+  const Vec3d origin{x, y, resting_height(v, packing, x, y)};
+  auto e = vehicle::add_vehicle(world, v, origin, terrain::tool_material);
+  if (vehicle::steers(v)) vehicle::add_steering(world, v, e, origin);
   vehicle::DriverOrders orders;
   orders.release = setup.park_time;
   orders.throttle_ramp = setup.ramp_time;
@@ -134,12 +142,13 @@ void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const
   sim::Monitor chassis = stopping_monitor(setup, e.chassis);
   chassis.least_up = std::cos(setup.thresholds.tilt_deg * std::numbers::pi / 180);
   world.monitor.push_back(chassis);
-  const double surface = surface_of(setup, packing);
   for (std::size_t i = 0; i < e.wheel.size(); ++i) {
     sim::Monitor m;
     m.body = e.wheel[i];
     m.motor = e.drive_motor[i];
-    m.height = surface + e.station[i].wheel->radius;
+    const vehicle::Wheel& wheel = *e.station[i].wheel;
+    m.height =
+        sinkage_reference(setup, packing, wheel.radius + wheel.lug_height, wheel.width, y + e.station[i].centre.y);
     m.start = setup.park_time;
     m.time_limit = setup.time_limit;
     world.monitor.push_back(m);

@@ -94,7 +94,7 @@ class Judge {
     DriveOutcome o{};
     o.flags = end_.now.flags;
     o.worst_residual = end_.worst_residual;
-    o.energy_error = end_.motor_work > 0 ? end_.energy_gained / end_.motor_work : 0;
+    o.energy_error = end_.exchanged > 0 ? end_.energy_gained / end_.exchanged : 0;
     o.drift = end_.now.y;
     o.distance = std::max(0.0, end_.now.x - setup_.run_in_distance);
     // One sample per step; driving begins with the step that ends at park_time.

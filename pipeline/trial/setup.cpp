@@ -107,6 +107,20 @@ Extent extent_of(const TrialSetup& s) {
   return e;
 }
 
+/// Every wheel must stand on the bed, beside and not on its own image.
+void check_wheels_on_bed(const TrialSetup& s) {
+  const Extent e = extent_of(s);
+  const double length = s.tiles_along * s.bed_length, width = s.tiles_across * s.bed_width;
+  const auto too_small = [&](const char* side, double has, double needs) {
+    throw InputError("the bed is " + std::to_string(has) + " m " + side + ", and the wheels of the vehicle take " +
+                     std::to_string(needs) +
+                     " m: a wheel would stand outside the bed; enlarge trial.bed, or put more " +
+                     "tiles side by side with tiles_along and tiles_across");
+  };
+  if (length < 2 * e.ends()) too_small("long", length, 2 * e.ends());
+  if (width < e.width) too_small("wide", width, e.width);
+}
+
 /// A sweep gets the time that it takes. The vehicle and what it has to cross must lie side by side on the periodic bed;
 /// the run ends behind the obstacle.
 void fit_to_task(TrialSetup& s) {
@@ -126,6 +140,13 @@ void fit_to_task(TrialSetup& s) {
 
 }  // namespace
 
+void check_tyres(const TrialSetup& s) {
+  if (s.compliant_tyres && !(s.whole && s.whole->wheel.front().stiffness > 0))
+    throw InputError(s.vehicle_file.string() +
+                     ": compliant tyres are asked for, and its wheels name no \"compliant\" with stiffness_N_m and "
+                     "damping_N_s_m; add them, or leave compliant_tyres out");
+}
+
 double grains_per_tyre(const TrialSetup& s) {
   const double width = s.whole ? s.whole->wheel.front().width : s.rig.width;
   return width / s.calibration.grain_diameter;
@@ -143,7 +164,8 @@ double TrialSetup::weight(double payload) const {
 
 Course TrialSetup::course(double surface) const {
   const double ends = extent_of(*this).ends(), length = tiles_along * bed_length;
-  return {whole ? 0.5 * length : 0.15 * length, ends, ends, length, tiles_across * bed_width, surface};
+  const double usual = whole ? 0.5 * length : 0.15 * length;
+  return {start > 0 ? start : usual, ends, ends, length, tiles_across * bed_width, surface};
 }
 
 terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density, std::uint64_t bed_seed) const {
@@ -184,8 +206,11 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
     if (const auto c = trial->object_if("numerics")) read_numerics(*c, s.numerics);
     if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
     if (const auto c = trial->object_if("task")) s.task = read_task(*c);
+    s.compliant_tyres = trial->boolean_or("compliant_tyres", false);
     trial->finish();
   }
+  check_wheels_on_bed(s);
+  check_tyres(s);
   if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);
   fit_to_task(s);
   check_reach(study, s);

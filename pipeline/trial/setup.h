@@ -24,7 +24,7 @@ struct Thresholds {
   double tilt_deg = 60;          // roll or pitch against the bed: rolled over [deg]
   double creep_speed = 0.1;      // of the bed before the vehicle acts: the slope fails [m/s]
   double residual = 0.1;         // largest root-mean-square residual of a valid trial [m/s]
-  double energy_error = 0.1;     // largest energy gain without a motor, over the motor's work, of a valid trial [-]
+  double energy_error = 0.1;     // largest energy gain from nowhere over the energy exchanged, of a valid trial [-]
 };
 
 struct TrialNumerics {
@@ -45,6 +45,8 @@ struct TrialSetup {
   double grain_density = 2650;             // of the solid [kg/m^3]
   int tiles_along = 1, tiles_across = 1;   // copies of the settled bed side by side
   bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
+  bool compliant_tyres = false;            // contacts of tyres give way as the vehicle's file says
+  double start = 0;                        // x where the vehicle starts; 0: as course() says [m]
   int packing_seeds = 2;                   // beds per packing level
   double deepest_bed = 0;                  // shallower beds are cut from packings of this depth; 0: each is settled [m]
   double bed_settle_time = 0.25;           // of the tilted bed before the vehicle acts [s]
@@ -82,6 +84,9 @@ std::filesystem::path default_packing_folder();
 TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
                                std::shared_ptr<const TrialTask> task = default_task(),
                                const std::filesystem::path& packing_folder = default_packing_folder());
+
+/// Throws InputError where compliant tyres are asked of a vehicle whose file has none.
+void check_tyres(const TrialSetup& s);
 
 /// Least share of tyre width in grain diameters for a label that may be published (the scale rule).
 inline constexpr double kGrainsPerTyre = 8;

@@ -51,8 +51,8 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) {
 }
 
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
-                      const TrialCheckpoint& checkpoint) {
-  TrialBatch batch(setup, {});
+                      const TrialCheckpoint& checkpoint, const TrialDevice& device) {
+  TrialBatch batch(setup, {device.backend, 1, device.threads});
   batch.start(point, watch, checkpoint);
   std::vector<TrialRecord> ended;
   while (ended.empty()) ended = batch.advance();

@@ -53,9 +53,15 @@ struct TrialCheckpoint {
   bool set_aside = false;
 };
 
+/// Where a trial runs; on one backend, its bits do not depend on the number of threads.
+struct TrialDevice {
+  sim::Backend backend = sim::Backend::cpu;
+  int threads = 1;  // of the cpu backend
+};
+
 /// Same trial, watched and saved: where `checkpoint` finds a file it goes on from there, to the same record. The file
 /// is removed when the trial is over. Ctrl-C saves and throws Cancelled. Throws InputError for a file of another trial.
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
-                      const TrialCheckpoint& checkpoint = {});
+                      const TrialCheckpoint& checkpoint = {}, const TrialDevice& device = {});
 
 }  // namespace gonogo::pipeline

@@ -12,7 +12,8 @@ enum class ControllerType : std::int32_t {
   schedule,            // speed and torque limit over time
   throttle,            // share of a torque curve over time
   velocity_by_torque,  // proportional-integral: velocity of a body -> torque
-  velocity_by_speed    // proportional-integral: velocity of a body -> motor speed
+  velocity_by_speed,   // proportional-integral: velocity of a body -> motor speed
+  steering             // keeps a body on a straight line along x: a point ahead of it -> angle of the motor
 };
 
 /// One per motor at most. Tables are ascending in `at` and hold their outer values beyond their ends.
@@ -35,11 +36,20 @@ struct Controller {
   double integral = 0;                          // i: [N m/m] or [rad/(m s)]
   double feed_forward = 0;                      // f: [N m s/m] or [rad/m]
   double top_speed = 0;                         // [rad/s]
+
+  // steering: of a straight line along the world's x through where the body started. A point `look_ahead` before the
+  // body along `axis` is y beside that line; the wish for the motor's angle is -p y within +-most_angle, and the motor
+  // turns at `rate` times what is missing, at most at top_speed. p: [rad/m]; `command` is a factor of the wish.
+  double look_ahead = 0;    // [m]
+  double most_angle = 0;    // [rad]
+  double rate = 0;          // [1/s]
+  Vec3 pointer_a{1, 0, 0};  // in the frame of the motor's body a: along `axis` of its body b at angle zero
 };
 
 /// Whether it needs a body.
-inline bool follows_velocity(const Controller& c) {
-  return c.type == ControllerType::velocity_by_torque || c.type == ControllerType::velocity_by_speed;
+inline bool follows_body(const Controller& c) {
+  return c.type == ControllerType::velocity_by_torque || c.type == ControllerType::velocity_by_speed ||
+         c.type == ControllerType::steering;
 }
 
 /// A controller with the batch's indices.
@@ -52,10 +62,12 @@ struct ControllerPlan {
   Vec3 axis;  // unit
   Table command, limit;
   double proportional = 0, integral = 0, feed_forward = 0, top_speed = 0;
+  double look_ahead = 0, most_angle = 0, rate = 0;
+  Vec3 pointer_a;
 };
 
 struct ControllerState {
-  double error_integral = 0;  // of the velocity error [m]
+  double error_integral = 0;  // of the velocity error; steering: of the velocity along y [m]
 };
 
 struct MotorCommand {
@@ -96,6 +108,23 @@ GONOGO_HD inline double proportional_integral(const ControllerPlan& c, double co
     return clamped(at_once + c.integral * state.error_integral, limit);
   state.error_integral = integral;
   return clamped(wish, limit);
+}
+
+/// Angle that a driver steers who looks at a point ahead: `beside` is how far it is left of the line [rad].
+GONOGO_HD inline double steering_wish(double gain, double most_angle, double beside) {
+  return clamped(-gain * beside, most_angle);
+}
+
+/// `forward`, `up`: unit vectors of the motor's body b; `pointer`: of its body a; all in the world. `sideways`:
+/// velocity of the steered body along y.
+GONOGO_HD inline MotorCommand steering_command(View<const TablePoint> points, const ControllerPlan& c, double time,
+                                               const Vec3& forward, const Vec3& up, const Vec3& pointer,
+                                               double sideways, double step, ControllerState& state) {
+  state.error_integral += sideways * step;
+  const double wish = interpolate(points, c.command, time) *
+                      steering_wish(c.proportional, c.most_angle, state.error_integral + c.look_ahead * forward.y);
+  const double angle = std::atan2(double(dot(up, cross(forward, pointer))), double(dot(forward, pointer)));
+  return {clamped(c.rate * (wish - angle), c.top_speed), interpolate(points, c.limit, time)};
 }
 
 GONOGO_HD inline MotorCommand velocity_command(View<const TablePoint> points, const ControllerPlan& c, double time,

@@ -65,7 +65,7 @@ struct MonitorState {
   Vec3d position;             // of the body, inside the period [m]
   double energy = 0;          // kinetic and of springs [J]
   double energy_gained = 0;   // beyond what gravity, motors and forces supplied, over steps that gained [J]
-  double motor_work = 0;      // of all motors of the world, over steps in which they drive [J]
+  double exchanged = 0;       // what gravity, motors and forces gave or took, each without its sign [J]
   double worst_residual = 0;  // largest root-mean-square residual of a step [m/s]
   Index sample_count = 0;     // recorded
   Index started = 0;          // a step was watched
@@ -94,17 +94,19 @@ struct WatchedStep {
   double torque = 0;       // [N m]
   double energy = 0;       // kinetic and of springs [J]
   double supplied = 0;     // by gravity, motors and forces [J]
-  double driven = 0;       // by motors [J]
+  double exchanged = 0;    // the same, each of the three without its sign [J]
   Real speed = 0;          // along x [m/s]
   double up = 1;           // z of the body's upward vector
   double residual = 0;     // [m/s]
   Index step = 0, contact_count = 0, iterations = 0, flags = 0;
 };
 
-/// What the world gains beyond its supply is an error of the time stepping: contacts can only take energy away.
+/// What the world gains beyond its supply is an error of the time stepping: contacts can only take energy away. What
+/// it is to be compared with is the energy that went through the world in either direction: uphill that of the motors,
+/// downhill that of gravity, which brakes take away again.
 GONOGO_HD inline void add_energy(MonitorState& m, const WatchedStep& s) {
   if (m.started != 0) m.energy_gained += std::fmax(0.0, s.energy - m.energy - s.supplied);
-  m.motor_work += std::fmax(0.0, s.driven);
+  m.exchanged += s.exchanged;
   m.energy = s.energy;
   m.started = 1;
 }

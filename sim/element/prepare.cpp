@@ -63,14 +63,20 @@ void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) 
   check_table(c.limit, "torque limit", 0, most, refuse);
   if (c.type == ControllerType::throttle)
     refuse.unless(c.limit.front().at >= 0 && c.limit.back().at > 0, "has a torque curve over negative speeds alone");
-  if (!follows_velocity(c)) return;
+  if (!follows_body(c)) return;
   refuse.unless(exists(world, c.body),
                 "follows body " + std::to_string(c.body) + ", not one of the " + bodies_of(world));
   refuse.unless(is_finite(c.axis) && length(c.axis) > 0, "has an axis without direction");
   refuse.unless(std::isfinite(c.proportional) && std::isfinite(c.integral) && std::isfinite(c.feed_forward),
                 "has a gain that is not finite");
-  if (c.type == ControllerType::velocity_by_speed)
+  if (c.type == ControllerType::velocity_by_speed || c.type == ControllerType::steering)
     refuse.unless(is_positive(c.top_speed), "needs a top speed above zero");
+  if (c.type != ControllerType::steering) return;
+  refuse.unless(c.frame == ReferenceFrame::body && world.motor[c.motor].b == c.body,
+                "steers body " + std::to_string(c.body) + " by a motor that does not turn against it");
+  refuse.unless(is_positive(c.rate) && is_positive(c.most_angle) && std::isfinite(c.look_ahead),
+                "needs a rate and a largest angle above zero and a distance to look ahead");
+  refuse.unless(is_finite(c.pointer_a) && length(c.pointer_a) > 0, "has a pointer without direction");
 }
 
 /// Motors of a driveline, each of which nobody else may set.
@@ -173,7 +179,7 @@ ControllerPlan plan(const Controller& c, FlatElements& flat) {
   ControllerPlan p;
   p.type = c.type;
   p.motor = c.motor;
-  if (follows_velocity(c)) p.body = c.body, p.axis = c.axis * (1 / length(c.axis));
+  if (follows_body(c)) p.body = c.body, p.axis = c.axis * (1 / length(c.axis));
   p.frame = c.frame;
   p.command = append_table(c.command, flat);
   p.limit = append_table(c.limit, flat);
@@ -181,6 +187,10 @@ ControllerPlan plan(const Controller& c, FlatElements& flat) {
   p.integral = c.integral;
   p.feed_forward = c.feed_forward;
   p.top_speed = c.top_speed;
+  p.look_ahead = c.look_ahead;
+  p.most_angle = c.most_angle;
+  p.rate = c.rate;
+  p.pointer_a = c.pointer_a;
   return p;
 }
 

@@ -79,8 +79,9 @@ struct UpdateMonitors {
   GONOGO_HD WatchedStep watched_world(WorldIndex w) const {
     WatchedStep s;
     s.energy = sums[w].kinetic + energy[w].spring;
-    s.supplied = (sums[w].gravity_power + energy[w].motor_power + energy[w].force_power) * step;
-    s.driven = energy[w].motor_power * step;
+    const double gravity = sums[w].gravity_power, motors = energy[w].motor_power, forces = energy[w].force_power;
+    s.supplied = (gravity + motors + forces) * step;
+    s.exchanged = (std::fabs(gravity) + std::fabs(motors) + std::fabs(forces)) * step;
     s.residual = rms_residual(sums[w]);
     s.step = steps[w] + 1;
     s.contact_count = sums[w].contact_count;

@@ -36,7 +36,7 @@ class Bytes {
 static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 44 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
                   sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 376 &&
                   sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
-                  sizeof(ForceElement) == 80 && sizeof(Controller) == 112 && sizeof(Monitor) == 112 &&
+                  sizeof(ForceElement) == 80 && sizeof(Controller) == 152 && sizeof(Monitor) == 112 &&
                   sizeof(Driveline) == 656 && sizeof(SceneWorld) == 744,
               "list the new fields in scene_hash");
 static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 888,
@@ -86,7 +86,8 @@ void add(Bytes& b, const Controller& c) {
   b << c.type << c.motor;
   add_all(b, c.command);
   add_all(b, c.limit);
-  b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed;
+  b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed << c.look_ahead
+    << c.most_angle << c.rate << c.pointer_a;
 }
 
 void add(Bytes& b, const Driveline& d) {

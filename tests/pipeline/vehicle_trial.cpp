@@ -32,7 +32,6 @@ TrialSetup coarse_hmmwv() {
   s.time_limit = 1.2;
   s.numerics.step = 4e-3;
   s.numerics.iterations = 100;
-  s.thresholds.energy_error = 0.5;  // of the work of so short a run
   return s;
 }
 

@@ -131,7 +131,7 @@ TEST_CASE("velocity by torque follows the differential equation of its law, free
       const auto simulation = simulate(backend, rolling_sphere(c), {});
       double highest = 0;
       for (int k = 1; k <= 40; ++k) {
-        advance_for(*simulation, 0.05);
+        advance_for(*simulation, 0.02);
         const double v = simulation->body(0, 1).velocity.x;
         highest = std::max(highest, v);
         INFO(name_of(backend) << ", limit " << limit << ", time " << 0.05 * k);
@@ -184,6 +184,44 @@ TEST_CASE("an axis in the body's frame measures the velocity where the body poin
     simulation->advance(1);
     INFO(name_of(backend));
     CHECK(simulation->body(0, 1).angular_velocity.y == Approx(2 * (5 - 3)).epsilon(1e-4));
+  }
+}
+
+TEST_CASE(
+    "steering turns its arm against what a point ahead is beside the line, no further and no faster than it may") {
+  for (const Backend backend : backends()) {
+    // A body that faces 0.1 rad to the left and drifts to the right at 0.5 m/s.
+    SceneWorld w = empty_space();
+    w.add_body({{}, {Real(std::cos(0.05)), 0, 0, Real(std::sin(0.05))}, {2, Real(-0.5), 0}, {}},
+               solid(1e6f, {1e6f, 1e6f, 1e6f}));
+    w.add_body({{0, 5, 0}, {}, {}, {}}, solid(1, {1, 1, 1}));
+    w.motor.push_back(speed_motor(w, 1, 0, {0, 0, 1}, 0, 0));
+    Controller c;
+    c.type = ControllerType::steering;
+    c.body = 0;
+    c.command = {{0, 1}};
+    c.limit = {{0, 1e5}};
+    c.proportional = 0.2;
+    c.look_ahead = 4;
+    c.most_angle = 0.3;
+    c.rate = 20;
+    c.top_speed = 1;
+    c.pointer_a = {Real(std::cos(0.1)), Real(std::sin(0.1)), 0};
+    w.controller.push_back(c);
+    const auto simulation = simulate(backend, w, {});
+    const auto angle = [&] {  // the arm's own turning; the body does not turn
+      const Quat q = simulation->body(0, 1).orientation;
+      return 2 * std::atan2(double(q.z), double(q.w));
+    };
+    const double ahead = 4 * std::sin(0.1);
+    INFO(name_of(backend));
+    advance_for(*simulation, 0.02);
+    CHECK(angle() == Approx(-0.02).epsilon(1e-3));  // at its top speed towards -0.2 (ahead - 0.5 t)
+    advance_for(*simulation, 0.98);
+    // Behind a wish that grows at 0.1 rad/s by 0.1 / rate.
+    CHECK(angle() == Approx(-0.2 * (ahead - 0.5) - 0.1 / 20).margin(5e-4));
+    advance_for(*simulation, 9);
+    CHECK(angle() == Approx(0.3).margin(1e-3));
   }
 }
 

@@ -135,7 +135,7 @@ TEST_CASE("a motor's angle, torque and work are summed; its work appears as ener
     CHECK(s.now.torque == Approx(torque).epsilon(1e-5));
     CHECK(s.now.torque_sum == Approx(torque * n).epsilon(1e-5));
     CHECK(s.now.work == Approx(torque * ramp * h * sum).epsilon(1e-5));
-    CHECK(s.motor_work == Approx(s.now.work));
+    CHECK(s.exchanged == Approx(s.now.work));
     CHECK(s.energy == Approx(0.5 * inertia * ramp * n * ramp * n).epsilon(1e-4));
     CHECK(s.energy_gained < 1e-6 * s.energy);
     // Means over the second half: torque T; angle and work by differences of the same sums.
@@ -173,6 +173,22 @@ TEST_CASE("energy that nobody supplied is counted; what forces, gravity and spri
     simulation->advance(1);
     const double kick = (old + 4) * (old + 4) - old * old;  // m / 2 = 1
     CHECK(simulation->monitor(0, 0).energy_gained == Approx(kick).epsilon(1e-3));
+  }
+}
+
+TEST_CASE("energy that gravity gives and a force takes away went through the world twice") {
+  for (const Backend backend : backends()) {
+    SceneWorld w = flight({1, 0, 0}, watch(100));
+    w.gravity = {1, 0, 0};
+    ForceElement drag;
+    drag.force = {Real(-1.5), 0, 0};
+    w.force.push_back(drag);
+    const auto simulation = simulate(backend, w, {});
+    simulation->advance(500);
+    const MonitorState m = simulation->monitor(0, 0);
+    INFO(name_of(backend));
+    CHECK(m.energy - 1 == Approx((2 - 1.5) * m.now.x).epsilon(1e-3));  // what is left of 2 kg that started at 1 m/s
+    CHECK(m.exchanged == Approx((2 + 1.5) * m.now.x).epsilon(1e-3));
   }
 }
 

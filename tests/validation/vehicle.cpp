@@ -1,6 +1,7 @@
 // A four-wheel vehicle: chassis, hubs on prismatic joints with springs and dampers, wheels on revolute joints with
-// speed motors. The wheels are spheres.
+// speed motors. The wheels are spheres. All cases are worlds of one batch.
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ struct Vehicle {
   Vec3d corner(int k) const { return {k < 2 ? kHalfBase : -kHalfBase, k % 2 ? kHalfTrack : -kHalfTrack, 0}; }
 };
 
-Vehicle vehicle(double slope, double torque_limit, double speed = 0) {
+Vehicle vehicle_on(double slope, double torque_limit, double speed = 0) {
   Vehicle v;
   SceneWorld& w = v.world;
   w.origin = {-50, -10, -1};
@@ -71,84 +72,93 @@ std::vector<double> static_loads(const Vehicle& v, const std::vector<BodyState>&
   return load;
 }
 
-void check_loads(Simulation& simulation, const Vehicle& v, double slope, const std::string& name) {
-  const auto expected = static_loads(v, simulation.bodies(0), slope);
-  simulation.advance(1);
+void check_loads(const Vehicle& v, const std::vector<BodyState>& body, const std::vector<double>& load, double slope,
+                 const std::string& name) {
+  const auto expected = static_loads(v, body, slope);
   double sum = 0;
-  for (int k = 0; k < 4; ++k) {
-    const double load = simulation.contact_force(0, v.wheel[k]).z;
-    CHECK(agrees(name + "load of wheel " + std::to_string(k) + " [N]", expected[k], load, 0.01 * expected[k]));
-    sum += load;
+  for (std::size_t k = 0; k < load.size(); ++k) {
+    CHECK(agrees(name + "load of wheel " + std::to_string(k) + " [N]", expected[k], load[k], 0.01 * expected[k]));
+    sum += load[k];
   }
   CHECK(agrees(name + "sum of the loads [N]", kMass * kGravity * std::cos(slope), sum, 1e-3 * kMass * kGravity));
-  CHECK(agrees(name + "drift [m]", 0, drift(v.world, simulation.bodies(0)), 1e-4));
+  CHECK(agrees(name + "drift [m]", 0, drift(v.world, body), 1e-4));
+}
+
+constexpr double kSlope = 15 * kPi / 180, kWeak = 300, kStrong = 2000;  // torques of the brakes per wheel [N m]
+
+/// Four of them in one batch: standing on level ground, held on a slope by its brakes, rolling down it because they are
+/// too weak, and driving off.
+struct Fleet {
+  enum : WorldIndex { standing, held, rolling, driving };
+  std::vector<Vehicle> vehicle{vehicle_on(0, 3000), vehicle_on(kSlope, kStrong), vehicle_on(kSlope, kWeak),
+                               vehicle_on(0, 400, 10)};
+  std::unique_ptr<Simulation> simulation;
+  std::string name;
+
+  Fleet(Backend backend, Index iterations) : name(std::to_string(iterations) + " iterations, ") {
+    Scene scene;
+    for (const Vehicle& v : vehicle) scene.push_back(v.world);
+    simulation = make_simulation(backend, scene, settings_with(iterations), 1);
+  }
+
+  std::vector<double> loads(WorldIndex w) {
+    std::vector<double> load;
+    for (const BodyIndex wheel : vehicle[std::size_t(w)].wheel) load.push_back(simulation->contact_force(w, wheel).z);
+    return load;
+  }
+  BodyState chassis(WorldIndex w) { return simulation->body(w, vehicle[std::size_t(w)].chassis); }
+  double forward(WorldIndex w) { return double(chassis(w).velocity.x); }
+};
+
+/// The suspension has come to rest after 2.5 s: it decays by half in a ninth of a second.
+void check_standing(Fleet& f) {
+  const auto body = f.simulation->bodies(Fleet::standing);
+  check_loads(f.vehicle[Fleet::standing], body, f.loads(Fleet::standing), 0, f.name);
+  CHECK(agrees(f.name + "residual [m/s]", 0, f.simulation->report(Fleet::standing).max_residual, 1e-4));
+  // The chassis sinks by what the springs give, whatever the iteration budget.
+  const double sag = kChassisMass * kGravity / (4 * kStiffness);
+  const Vec3d middle = pose_of(f.chassis(Fleet::standing)).point({Real(-kCentreX), Real(-kCentreY), 0});
+  CHECK(agrees(f.name + "sag of the suspension [m]", sag, kCentreZ - middle.z, 0.01 * sag));
+}
+
+void check_held(Fleet& f) {
+  const std::string name = "15 degrees, " + f.name;
+  check_loads(f.vehicle[Fleet::held], f.simulation->bodies(Fleet::held), f.loads(Fleet::held), kSlope, name);
+  double torque = 0;
+  for (int k = 0; k < 4; ++k) torque += f.simulation->motor_torque(Fleet::held, k);
+  CHECK(agrees(name + "sum of the brakes' torques [N m]", kMass * kGravity * std::sin(kSlope) * kRadius, torque,
+               0.01 * kMass * kGravity * kRadius * std::sin(kSlope)));
 }
 
 }  // namespace
 
-TEST_CASE("a four-wheel vehicle with an off-centre load stands on its wheels as statics says") {
+TEST_CASE(
+    "a four-wheel vehicle stands as statics says, its brakes hold it on 15 degrees or let it roll, its motors drive") {
+  const double wheel_inertia = 0.5 * kWheelMass * kRadius * kRadius;
+  const double downhill =
+      (kMass * kGravity * std::sin(kSlope) - 4 * kWeak / kRadius) / (kMass + 4 * wheel_inertia / (kRadius * kRadius));
   for (const Backend backend : backends())
     for (const Index iterations : {30, 50}) {
-      const Vehicle v = vehicle(0, 3000);
-      const auto simulation = simulate(backend, v.world, settings_with(iterations));
-      advance_for(*simulation, 4);
-      const std::string name = std::to_string(iterations) + " iterations, ";
-      check_loads(*simulation, v, 0, name);
-      CHECK(agrees(name + "residual [m/s]", 0, simulation->report(0).max_residual, 1e-4));
-      // The chassis sinks by what the springs give, whatever the iteration budget.
-      const double sag = kChassisMass * kGravity / (4 * kStiffness);
-      const BodyState chassis = simulation->body(0, v.chassis);
-      const Vec3d middle = pose_of(chassis).point({Real(-kCentreX), Real(-kCentreY), 0});
-      CHECK(agrees(name + "sag of the suspension [m]", sag, kCentreZ - middle.z, 0.01 * sag));
+      Fleet f(backend, iterations);
+      double worst = 0;
+      const auto drive = [&](double time) {
+        for (int k = 0; k < int(std::lround(time / 0.1)); ++k) {
+          f.simulation->advance(100);
+          worst = std::max(worst, drift(f.vehicle[Fleet::driving].world, f.simulation->bodies(Fleet::driving)));
+        }
+      };
+      drive(1.5);
+      const double before = f.forward(Fleet::rolling);
+      drive(1);
+      CHECK(agrees(f.name + "weak brakes, acceleration [m/s^2]", -downhill, f.forward(Fleet::rolling) - before,
+                   0.01 * downhill));
+      check_standing(f);
+      check_held(f);
+      const double there = f.chassis(Fleet::held).position.x;
+      drive(1.5);
+      CHECK(agrees(f.name + "creep on 15 degrees in 1.5 s [m]", 0, f.chassis(Fleet::held).position.x - there, 4e-5));
+      CHECK(agrees(f.name + "driving, speed [m/s]", 10 * kRadius, f.forward(Fleet::driving), 0.02 * 4));
+      CHECK(agrees(f.name + "driving, drift [m]", 0, worst, 1e-4));
+      CHECK(f.simulation->report(Fleet::driving).flags == 0);
     }
-}
-
-TEST_CASE("its brakes hold it on a slope of 15 degrees") {
-  const double slope = 15 * kPi / 180;
-  for (const Backend backend : backends())
-    for (const Index iterations : {30, 50}) {
-      const Vehicle v = vehicle(slope, 2000);
-      const auto simulation = simulate(backend, v.world, settings_with(iterations));
-      advance_for(*simulation, 4);
-      const std::string name = "15 degrees, " + std::to_string(iterations) + " iterations, ";
-      check_loads(*simulation, v, slope, name);
-      double torque = 0;
-      for (int k = 0; k < 4; ++k) torque += simulation->motor_torque(0, k);
-      CHECK(agrees(name + "sum of the brakes' torques [N m]", kMass * kGravity * std::sin(slope) * kRadius, torque,
-                   0.01 * kMass * kGravity * kRadius * std::sin(slope)));
-      const double before = simulation->body(0, v.chassis).position.x;
-      advance_for(*simulation, 4);
-      CHECK(agrees(name + "creep in 4 s [m]", 0, simulation->body(0, v.chassis).position.x - before, 1e-4));
-    }
-}
-
-TEST_CASE("brakes that are too weak let it roll down with the acceleration that is left") {
-  const double slope = 15 * kPi / 180, torque = 300;
-  const double inertia = 0.5 * kWheelMass * kRadius * kRadius;
-  const double expected =
-      (kMass * kGravity * std::sin(slope) - 4 * torque / kRadius) / (kMass + 4 * inertia / (kRadius * kRadius));
-  for (const Backend backend : backends()) {
-    const Vehicle v = vehicle(slope, torque);
-    const auto simulation = simulate(backend, v.world, settings_with(50));
-    advance_for(*simulation, 2);
-    const double before = simulation->body(0, v.chassis).velocity.x;
-    advance_for(*simulation, 1);
-    CHECK(agrees("weak brakes, acceleration [m/s^2]", -expected, simulation->body(0, v.chassis).velocity.x - before,
-                 0.01 * expected));
-  }
-}
-
-TEST_CASE("its motors drive it to their speed, and its joints hold") {
-  for (const Backend backend : backends()) {
-    const Vehicle v = vehicle(0, 400, 10);
-    const auto simulation = simulate(backend, v.world, settings_with(40));
-    double worst = 0;
-    for (int i = 0; i < 60; ++i) {
-      simulation->advance(100);
-      worst = std::max(worst, drift(v.world, simulation->bodies(0)));
-    }
-    CHECK(agrees("driving, speed [m/s]", 10 * kRadius, simulation->body(0, v.chassis).velocity.x, 0.02 * 4));
-    CHECK(agrees("driving, drift [m]", 0, worst, 1e-4));
-    CHECK(simulation->report(0).flags == 0);
-  }
 }

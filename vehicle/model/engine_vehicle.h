@@ -19,6 +19,7 @@ struct EngineVehicle {
   std::vector<sim::BodyIndex> wheel;  // [station]
   std::vector<Index> drive_motor;     // [station] of the wheel against what carries it, -1: not driven
   std::vector<Index> brake_motor;     // [station] -1: none
+  std::vector<Index> steer_motor;     // of the steering arms, when there are any
   sim::BodyIndex chassis = 0;
 };
 
@@ -35,6 +36,14 @@ EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
 /// Adds drivelines or controllers, brakes and differentials. Throws InputError for what the engine cannot drive: a
 /// converter without capacity, a centre differential that locks between axles with open ones.
 void add_drive(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const DriverOrders& orders);
+
+/// Whether the file says how its driver keeps to a straight line, and with which wheels.
+bool steers(const Vehicle& v);
+
+/// Lets the driver keep the vehicle on the line along x through where it starts, by a point ahead of it. The inner ends
+/// of its steered wheels' tie rods are held by arms that turn in the chassis, each parallel to its wheel's steering
+/// arm, so that wheel and arm turn by the same angle. Call after add_vehicle, for a vehicle that steers.
+void add_steering(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const Vec3d& origin);
 
 /// Moments of inertia about the axle of everything that turns with the driven wheels [kg m^2].
 double driven_wheel_inertia(const Vehicle& v);

@@ -1,0 +1,20 @@
+// Input of the original study: a text file with one run per line, five numbers separated by white space,
+//   slope [deg]   grain radius [mm]   grain density [kg/m^3]   friction [-]   cohesion [kPa]
+#pragma once
+#include <filesystem>
+
+namespace gonogo::pipeline {
+
+struct OriginalInput {
+  double slope = 0;     // uphill [rad]
+  double radius = 0;    // of the grains [m]
+  double density = 0;   // of their solid [kg/m^3]
+  double friction = 0;  // of grain on grain [-]
+  double cohesion = 0;  // contact pressure p in the force pi r^2 p that holds a contact [Pa]
+};
+
+/// Line `line`, counted from 1. Throws InputError, naming file and line, for a line that is not there, that has other
+/// than five numbers, or whose numbers no run of that study could have.
+OriginalInput read_original_input(const std::filesystem::path& file, int line);
+
+}  // namespace gonogo::pipeline

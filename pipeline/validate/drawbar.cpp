@@ -1,0 +1,212 @@
+#include "pipeline/validate/drawbar.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/line.h"
+#include "pipeline/report/line_plot.h"
+#include "vehicle/model/statics.h"
+#include "vehicle/semi_empirical/bekker_wong.h"
+#include "vehicle/semi_empirical/traction.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+/// Dry sand of the Land Locomotion Laboratory and LETE sand (Wong, Theory of Ground Vehicles, table of terrain values;
+/// configs/soils); shear displacement K of sands, 10 to 25 mm there.
+struct BekkerSand {
+  double n, k_c, k_phi, cohesion;  // [N/m^(n+1)], [N/m^(n+2)], [Pa]
+};
+constexpr BekkerSand kSand[] = {{1.1, 0.99e3, 1528.43e3, 1040}, {0.793, 102e3, 5301e3, 1300}};
+constexpr double kShear[] = {0.010, 0.025};
+/// Cone index of dry sand at tyre depth, loose to dense [Pa]: 30 to 150 psi, the range in which Turnage's and Mason's
+/// sand data lie.
+constexpr double kConeIndex[] = {207e3, 414e3, 1034e3};
+
+void widen(double (&range)[2], double x) {
+  range[0] = std::min(range[0], x);
+  range[1] = std::max(range[1], x);
+}
+
+struct TyreLoad {
+  const vehicle::Wheel* wheel = nullptr;
+  double load = 0;  // mean of the wheels [N]
+};
+
+TyreLoad tyre_load(const vehicle::Vehicle& v) {
+  const auto wheels = vehicle::stations(v);
+  return {wheels.front().wheel, vehicle::weigh(v).total * vehicle::kGravity / double(wheels.size())};
+}
+
+void add_wong_reece(const TyreLoad& t, double friction_angle, double slip, TractionBand& band) {
+  for (const BekkerSand& sand : kSand)
+    for (const double shear : kShear)
+      for (const double cohesion : {0.0, sand.cohesion}) {
+        const vehicle::BekkerSoil soil{sand.n, sand.k_c, sand.k_phi, cohesion, friction_angle * kDegree, shear};
+        const vehicle::WheelForces f = vehicle::wheel_forces_under(soil, t.wheel->radius, t.wheel->width, slip, t.load);
+        const double pull = f.drawbar_pull / t.load;
+        widen(band.pull, pull);
+        widen(band.resistance, f.torque / t.wheel->radius / t.load - pull);
+      }
+}
+
+void add_cone_index(const TyreLoad& t, double slip, TractionBand& band) {
+  const vehicle::Wheel& w = *t.wheel;
+  // As for the mobility index: 15 % of the section's height where the file gives no deflection.
+  const double height = w.size_section_height, deflection = w.size_deflection > 0 ? w.size_deflection : 0.15 * height;
+  if (!(height > 0)) return;
+  for (const double index : kConeIndex) {
+    const vehicle::WheelOnSoil on{t.load, 2 * w.radius, w.width, height, deflection, index};
+    // Contact pressure of the mobility index: load over width times radius.
+    const double ratio = t.load / (w.width * w.radius) / index;
+    if (ratio < vehicle::kLeastPressureRatio) continue;
+    const double net = vehicle::sand_net_traction(ratio, slip);
+    widen(band.pull, net);
+    widen(band.resistance, vehicle::sand_gross_traction(vehicle::sand_numeric(on), slip) - net);
+  }
+}
+
+/// Sums over the seeds of one part of the sweep.
+struct PartSum {
+  std::vector<double> slip, pull, resistance, sinkage;
+};
+
+DrawbarPoint point_of(const PartSum& part, const vehicle::Vehicle& v, double friction_angle) {
+  DrawbarPoint p;
+  p.slip = mean_of(part.slip).mean;
+  p.pull = mean_of(part.pull), p.resistance = mean_of(part.resistance);
+  p.sinkage = mean_of(part.sinkage).mean;
+  p.band = sand_band(v, friction_angle, p.slip);
+  return p;
+}
+
+Json range(const double (&x)[2]) {
+  Json pair = Json::array();
+  pair.push_back(x[0]), pair.push_back(x[1]);
+  return pair;
+}
+
+}  // namespace
+
+TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double slip) {
+  TractionBand band{slip, {1e9, -1e9}, {1e9, -1e9}};
+  const TyreLoad t = tyre_load(v);
+  add_wong_reece(t, friction_angle, slip, band);
+  add_cone_index(t, slip, band);
+  return band;
+}
+
+DrawbarReport measure_drawbar(const DrawbarRequest& r) {
+  const std::string task = line("drawbar:most_pull_per_weight=1,sweep_s=%g", r.sweep);
+  const TrialSetup setup = vehicle_trial_setup(r.vehicle, r.calibration, parse_task(task));
+  if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
+  const vehicle::Vehicle& v = *setup.whole;
+  const auto points = replicates(plain_variables(setup, 0, r.friction_angle, r.speed), r.seeds);
+  std::vector<PartSum> part;
+  double driven = 0;
+  for (const vehicle::Station& s : vehicle::stations(v)) driven += s.driven;
+  const double radius = tyre_load(v).wheel->radius, weight = setup.weight(0);
+  for (const TrialRecord& record : run_trials(setup, points, r.batch)) {
+    if (record.verdict == Verdict::unknown) throw DeviceError("a trial of the drawbar curve failed its checks");
+    part.resize(std::max(part.size(), record.pull.size()));
+    for (std::size_t k = 0; k < record.pull.size(); ++k) {
+      const PullPoint& p = record.pull[k];
+      part[k].slip.push_back(p.slip), part[k].pull.push_back(p.pull), part[k].sinkage.push_back(p.sinkage);
+      part[k].resistance.push_back(driven * p.torque / radius / weight - p.pull);
+    }
+  }
+  DrawbarReport report{v.name, r.friction_angle, grains_per_tyre(setup), {}, {}};
+  for (const PartSum& k : part)
+    if (const double slip = mean_of(k.slip).mean; slip > 0.01 && slip < 0.95)
+      report.point.push_back(point_of(k, v, r.friction_angle));
+  std::sort(report.point.begin(), report.point.end(),
+            [](const DrawbarPoint& a, const DrawbarPoint& b) { return a.slip < b.slip; });
+  for (int k = 1; k <= 19; ++k) report.band.push_back(sand_band(v, r.friction_angle, 0.05 * k));
+  return report;
+}
+
+Json as_json(const DrawbarReport& r) {
+  Json json;
+  json["vehicle"] = r.vehicle;
+  json["friction_angle_deg"] = r.friction_angle;
+  json["grains_per_tyre"] = r.grains_per_tyre;
+  json["label"] = r.grains_per_tyre >= kGrainsPerTyre ? "fine" : "coarse";
+  int pull = 0, resistance = 0;
+  for (const DrawbarPoint& p : r.point) {
+    Json one;
+    one["slip"] = p.slip, one["sinkage_m"] = p.sinkage;
+    one["pull_per_weight"] = p.pull.mean, one["pull_error"] = p.pull.error, one["pull_band"] = range(p.band.pull);
+    one["resistance_per_weight"] = p.resistance.mean, one["resistance_error"] = p.resistance.error;
+    one["resistance_band"] = range(p.band.resistance);
+    json["points"].push_back(std::move(one));
+    pull += p.pull_inside(), resistance += p.resistance_inside();
+  }
+  json["drawbar_points"] = r.point.size();
+  json["drawbar_inside"] = pull;
+  json["resistance_inside"] = resistance;
+  return json;
+}
+
+std::string as_text(const DrawbarReport& r) {
+  std::string text = line("%s on sand of %.1f degrees, a tyre %.1f grains wide\n", r.vehicle.c_str(), r.friction_angle,
+                          r.grains_per_tyre);
+  text += "  slip  sinkage [mm]  pull/weight   band             resistance/weight  band\n";
+  for (const DrawbarPoint& p : r.point) {
+    text += line("%6.3f  %12.1f  %+.3f        %+.3f to %+.3f%s  %+.3f             %+.3f to %+.3f%s\n", p.slip,
+                 1e3 * p.sinkage, p.pull.mean, p.band.pull[0], p.band.pull[1], p.pull_inside() ? " " : "!",
+                 p.resistance.mean, p.band.resistance[0], p.band.resistance[1], p.resistance_inside() ? "" : "!");
+  }
+  return text + "  ! outside the band\n";
+}
+
+#ifdef GONOGO_WITH_PICTURES
+namespace {
+
+LinePlot plot_of(const DrawbarReport& r) {
+  LinePlot plot;
+  plot.title = r.vehicle + ": drawbar pull and resistance on sand";
+  plot.x_label = "slip", plot.y_label = "share of the weight";
+  PlotLine band[4] = {{"pull, least formula", {}, {}},
+                      {"pull, most", {}, {}},
+                      {"resistance, least formula", {}, {}},
+                      {"resistance, most", {}, {}}};
+  for (const TractionBand& b : r.band)
+    for (int k = 0; k < 4; ++k) {
+      band[k].x.push_back(b.slip);
+      band[k].y.push_back(k < 2 ? b.pull[k] : b.resistance[k - 2]);
+    }
+  PlotLine pull{"pull, trial", {}, {}, true}, resistance{"resistance, trial", {}, {}, true};
+  for (const DrawbarPoint& p : r.point) {
+    pull.x.push_back(p.slip), pull.y.push_back(p.pull.mean);
+    resistance.x.push_back(p.slip), resistance.y.push_back(p.resistance.mean);
+  }
+  plot.lines = {band[0], band[1], band[2], band[3], pull, resistance};
+  plot.notes.push_back(
+      line("friction angle %.1f degrees, tyre %.1f grains wide; formulas: Wong and Reece on two sands, "
+           "Mason et al. over cone indices",
+           r.friction_angle, r.grains_per_tyre));
+  return plot;
+}
+
+}  // namespace
+#endif
+
+void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r) {
+  create_folder(folder);
+  std::string csv =
+      "slip,sinkage_m,pull_per_weight,pull_least,pull_most,resistance_per_weight,resistance_least,resistance_most\n";
+  for (const DrawbarPoint& p : r.point)
+    csv += line("%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", p.slip, p.sinkage, p.pull.mean, p.band.pull[0],
+                p.band.pull[1], p.resistance.mean, p.band.resistance[0], p.band.resistance[1]);
+  write_file_atomically(folder / (r.vehicle + "_drawbar.csv"), csv);
+#ifdef GONOGO_WITH_PICTURES
+  draw_line_plot(folder / (r.vehicle + "_drawbar.png"), plot_of(r));
+#endif
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,56 @@
+// Drawbar pull and rolling resistance of a whole vehicle on sand over its slip, beside the bands of semi-empirical
+// formulas (vehicle/semi_empirical).
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "base/json/json.h"
+#include "pipeline/validate/trials.h"
+
+namespace gonogo::pipeline {
+
+struct DrawbarRequest {
+  std::filesystem::path vehicle, calibration;
+  double friction_angle = 30, speed = 1.5;  // of the sand [deg], [m/s]
+  double sweep = 12;                        // over which the load grows to the weight [s]
+  int seeds = 1;
+  BatchSettings batch;
+};
+
+/// What formulas say at one slip, least and most of them; shares of the load.
+struct TractionBand {
+  double slip = 0;
+  double pull[2] = {}, resistance[2] = {};
+};
+
+/// One part of a sweep, mean over the seeds.
+struct DrawbarPoint {
+  double slip = 0;
+  MeanOf pull, resistance;  // of the weight; resistance: torque over rolling radius less pull
+  double sinkage = 0;       // [m]
+  TractionBand band;
+  bool pull_inside() const { return pull.mean >= band.pull[0] && pull.mean <= band.pull[1]; }
+  bool resistance_inside() const {
+    return resistance.mean >= band.resistance[0] && resistance.mean <= band.resistance[1];
+  }
+};
+
+struct DrawbarReport {
+  std::string vehicle;
+  double friction_angle = 0, grains_per_tyre = 0;
+  std::vector<DrawbarPoint> point;  // ascending in slip, of slips at which a formula holds
+  std::vector<TractionBand> band;   // for a picture
+};
+
+/// A wheel of mean load: Wong and Reece on the Bekker sands below with the sand's own friction angle and none or their
+/// cohesion, sand_net_traction and sand_gross_traction over the cone indices of dry sand.
+TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double slip);
+
+DrawbarReport measure_drawbar(const DrawbarRequest& request);
+
+Json as_json(const DrawbarReport& r);
+std::string as_text(const DrawbarReport& r);
+/// <vehicle>_drawbar.csv and, where the build has pictures, .png.
+void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r);
+
+}  // namespace gonogo::pipeline

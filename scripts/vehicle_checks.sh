@@ -1,0 +1,46 @@
+#!/usr/bin/env bash
+# Long runs of whole vehicles for a GPU: the moving patch against long fixed beds, the HMMWV's drawbar curve beside
+# semi-empirical bands, every type of trial, and three runs of the original study's bin. Builds the CUDA preset without
+# GDAL, LibTorch and cairo when there is no program yet. One JSON line per run in results.jsonl, texts in run.log.
+#
+#   scripts/vehicle_checks.sh [results-folder]
+#
+# The friction angle of a table does not depend on the size of its grains (docs/soils.md: shear without gravity), so that
+# the 90 mm table serves finer grains here.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+results=${1:-out/vehicles}
+mkdir -p "$results"
+[ -d .carry/usr ] && export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
+gonogo=build/cuda-release/gonogo
+cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/configure.log" || exit 1
+cmake --build build/cuda-release -j "$(nproc)" --target gonogo > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
+for size in 0.064 0.032; do
+  sed "s/\"grain_diameter_m\": 0.09/\"grain_diameter_m\": $size/" configs/soils/calibration_90mm.json > "$results/grains_$size.json"
+done
+
+failed=0
+run() {
+  local begin=$SECONDS out
+  echo "== $*" | tee -a "$results/run.log"
+  out=$(timeout 600 "$gonogo" --json "$@" 2>> "$results/run.log") || { echo "   ended with an error"; failed=$((failed + 1)); }
+  echo "$out" | tail -1 | tee -a "$results/results.jsonl"
+  echo "   $((SECONDS - begin)) s" | tee -a "$results/run.log"
+}
+threads=$(nproc)
+coarse="$results/grains_0.064.json"
+fine="$results/grains_0.032.json"
+run validate patch --soil "$coarse" --seeds 32 --distance 12 --gpu --threads "$threads"
+run validate patch --vehicle hmmwv --soil "$coarse" --seeds 4 --distance 12 --gpu --threads "$threads"
+run validate drawbar --soil "$coarse" --friction-angle 32 --seeds 4 --gpu --threads "$threads" --out "$results"
+for trial in climb step:height_m=0.15 ditch:width_m=1,depth_m=0.2 crossing:length_m=2,friction_angle_deg=20; do
+  run simulate --vehicle hmmwv --soil "$coarse" --trial "$trial" --gpu --threads "$threads"
+done
+run simulate --vehicle hmmwv --soil "$coarse" --trial side_slope --cross-slope 12 --gpu --threads "$threads"
+run simulate --vehicle hmmwv --soil "$coarse" --slope 12 --gpu --threads "$threads"
+printf '0 10 2500 0.8 100\n15 10 2500 0.8 100\n30 10 2000 0.4 100\n' > "$results/original.txt"
+for line in 1 2 3; do
+  run original "$results/original.txt" --line "$line" --out "$results/original" --gpu --threads "$threads"
+done
+run validate drawbar --soil "$fine" --friction-angle 32 --seeds 1 --gpu --threads "$threads"
+echo "$failed runs ended with an error"
