@@ -15,6 +15,7 @@ struct SlopeSlipRun {
   std::filesystem::path calibration;  // of the grain size to be used
   int seeds = 2;                      // beds per slope
   int threads = 1;                    // trials at a time
+  bool steady = false;                // friction angle of steady shear instead of the peak's
   bool gpu = false;                   // all trials as one batch
   double step = 1e-3;                 // [s]
   int substeps = 1, iterations = 200;
@@ -30,6 +31,9 @@ struct SlopeSlip {
   double sinkage = 0;                  // [m]
   int trials = 0;                      // that ended as they should
 };
+
+/// The published simulation as if it were a run of ours.
+std::vector<SlopeSlip> published_slope_slips();
 
 std::vector<SlopeSlip> run_slope_slip(const SlopeSlipRun& run);
 
