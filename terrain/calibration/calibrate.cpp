@@ -256,16 +256,20 @@ void pool_cohesion(Calibration& c) {
   c.cohesion_gain = sum / weight, c.cohesion_gain_error = std::sqrt(1 / weight);
 }
 
-/// Levels from the weakest on until too many tests fail: grains so rough burst when they are pressed at this step.
+/// Levels from the weakest on until more than a third of the same tests fail in a packing: grains so rough burst when
+/// they are pressed at this step.
 std::size_t usable_levels(const Selection& of) {
-  constexpr double kMostFailed = 1.0 / 3;
+  const auto failing = [&](Kind kind, std::size_t contact, std::size_t packing, std::size_t ratio) {
+    const auto values = of.with_gaps(kind, contact, std::ptrdiff_t(packing), ratio, 0);
+    return 3 * std::count_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }) >
+           std::ptrdiff_t(values.size());
+  };
   for (std::size_t c = 0; c < std::size(kContactLine); ++c)
-    for (const Kind kind : {Kind::shear, Kind::plate})
-      for (std::size_t r = 0; r < (kind == Kind::shear ? std::size(kCohesionRatio) : 1); ++r) {
-        const auto values = of.with_gaps(kind, c, -1, r, 0);
-        const auto failed = std::count_if(values.begin(), values.end(), [](double v) { return std::isnan(v); });
-        if (double(failed) > kMostFailed * double(values.size())) return c;
-      }
+    for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
+      if (failing(Kind::plate, c, p, 0)) return c;
+      for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
+        if (failing(Kind::shear, c, p, r)) return c;
+    }
   return std::size(kContactLine);
 }
 
