@@ -116,7 +116,7 @@ TEST_CASE("near a pole the grid is polar stereographic, and slopes stay those of
   make_raster(folder / "dem.tif", plane_in_degrees(30, latitude, 2e-3));
   const RasterSource source = RasterSource::open_elevation(folder / "dem.tif");
   CHECK(contains(source.grid().crs_name, "polar stereographic"));
-  check_plane(source, 0.15);  // columns of degrees narrow towards the pole: the recipe is a plane to that much
+  check_plane(source, 0.2);  // columns of degrees narrow towards the pole: the recipe is a plane to that much
 }
 
 TEST_CASE("Web Mercator is no grid of ground metres and is warped; UTM is and is left alone") {
