@@ -5,9 +5,9 @@
 
 namespace gonogo::learning {
 
-/// Simulated annealing by heat-bath sweeps: beta goes up linearly from beta_start to beta_end over the first three
-/// quarters of the sweeps and stays there. With beta_start = beta_end: Gibbs sampling at that beta. The rows follow
-/// exp(-beta_end E) as well as the last quarter equilibrates.
+/// Simulated annealing, eight chains side by side: beta goes up linearly from beta_start to beta_end over the first
+/// three quarters of the sweeps, by Metropolis' rule, and stays there for heat-bath sweeps. With beta_start = beta_end:
+/// sampling at that beta. The rows follow exp(-beta_end E) as well as the last quarter equilibrates.
 class Annealer final : public Sampler {
  public:
   explicit Annealer(const SamplerSettings& settings) : settings_(settings) {}

@@ -3,13 +3,17 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "base/cancel.h"
 #include "base/error.h"
+#include "base/shipped.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/validate/drawbar.h"
 #include "pipeline/validate/fclib.h"
 #include "pipeline/validate/patch.h"
+#include "pipeline/validate/slope_slip.h"
+#include "pipeline/validate/soils.h"
 #include "pipeline/validate/vehicles.h"
 #include "pipeline/vehicle/locate.h"
 
@@ -92,6 +96,91 @@ void validate_vehicles(const Globals& globals, const VehiclesRequest& request) {
   json["failed"] = failed;
   print_result(globals, json, text);
   if (failed > 0) throw DeviceError(std::to_string(failed) + " checks of vehicles on hard ground do not hold");
+}
+
+struct SoilsRequest {
+  std::vector<std::string> figures;
+  std::string folder;
+  SoilValidation tests;
+  SlopeSlipRun wheel;
+};
+
+SoilFigure figure_of(const std::string& name, SoilsRequest& request, int threads) {
+  request.tests.threads = request.wheel.threads = threads;
+  if (name == "mgru3") return slope_slip_figure(request.wheel, run_slope_slip(request.wheel));
+  return soil_figure(name, request.tests);
+}
+
+void validate_soils(const Globals& globals, SoilsRequest& request) {
+  const int threads = globals.threads > 0 ? globals.threads : int(std::thread::hardware_concurrency());
+  Json json = Json::object(), checks = Json::object();
+  std::string text;
+  int failed = 0;
+  for (const std::string& name : request.figures) {
+    stop_if_cancelled();
+    const SoilFigure figure = figure_of(name, request, threads);
+    if (!request.folder.empty()) write_figure(request.folder, figure);
+    text += pipeline::as_text(figure);
+    for (const SoilCheck& c : figure.check) json[c.key] = c.measured, failed += !c.holds();
+    checks[name] = pipeline::as_json(figure);
+  }
+  json["failed"] = failed;
+  json["checks"] = checks;
+  print_result(globals, json, text);
+  if (failed > 0) throw DeviceError(std::to_string(failed) + " checks of soils do not hold");
+}
+
+void add_wheel_options(CLI::App& soils, SlopeSlipRun& wheel) {
+  soils.add_option("--step", wheel.step, "mgru3: step [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
+  soils.add_option("--substeps", wheel.substeps, "mgru3: parts of a step")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  soils.add_option("--iterations", wheel.iterations, "mgru3: most in a part")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  soils.add_option("--tolerance", wheel.tolerance, "mgru3: residual at which the solver stops [m/s]")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->capture_default_str();
+  soils.add_option("--depth", wheel.depth, "mgru3: of the bed [m]")
+      ->check(CLI::Range(0.05, 2.0))
+      ->capture_default_str();
+  soils.add_option("--length", wheel.length, "mgru3: of the bed [m]")
+      ->check(CLI::Range(0.5, 20.0))
+      ->capture_default_str();
+  soils.add_option("--width", wheel.width, "mgru3: of the bed [m]")
+      ->check(CLI::Range(0.3, 10.0))
+      ->capture_default_str();
+  soils.add_option("--time", wheel.time, "mgru3: driven; slip is that of the last half [s]")
+      ->check(CLI::Range(1.0, 100.0))
+      ->capture_default_str();
+  soils.add_flag("--steady", wheel.steady, "mgru3: friction angle of steady shear instead of the peak's");
+  soils.add_flag("--gpu", wheel.gpu, "mgru3: on the GPU");
+}
+
+void add_soils(CLI::App& command, const Globals& globals) {
+  CLI::App* soils = command.add_subcommand(
+      "soils", "Soil tests, soils through the calibration, and a wheel on slopes; fails when a bound is not kept");
+  auto request = std::make_shared<SoilsRequest>();
+  request->figures = soil_figures();
+  request->figures.push_back("mgru3");
+  const std::vector<std::string> all = request->figures;
+  auto calibration = std::make_shared<std::string>("calibration_90mm"), wheel = std::make_shared<std::string>();
+  auto seeds = std::make_shared<int>(2);
+  soils->add_option("figures", request->figures, "Which of them")->check(CLI::IsMember(all))->capture_default_str();
+  soils->add_option("--calibration", *calibration, "Table of the grains to be tested")->capture_default_str();
+  soils->add_option("--wheel-calibration", *wheel, "mgru3: table of its grains, if another");
+  soils->add_option("--seeds", *seeds, "Beds for each test")->check(CLI::Range(1, 100))->capture_default_str();
+  soils->add_flag("--quick", request->tests.quick, "Smaller beds and shorter ways, for a first look");
+  soils->add_option("--out", request->folder, "Folder for a figure and a table of each");
+  add_wheel_options(*soils, request->wheel);
+  soils->footer("Example:\n  gonogo validate soils shear triaxial --out docs/validation --json");
+  soils->callback([&globals, request, calibration, wheel, seeds] {
+    const auto table = [](const std::string& name) { return shipped_file("soils", "calibration", name); };
+    request->tests.calibration = table(*calibration);
+    request->wheel.calibration = wheel->empty() ? request->tests.calibration : table(*wheel);
+    request->tests.seeds = request->wheel.seeds = *seeds;
+    validate_soils(globals, *request);
+  });
 }
 
 void add_vehicles(CLI::App& command, const Globals& globals) {
@@ -183,6 +272,7 @@ void add_validate_command(CLI::App& app, const Globals& globals) {
   command->require_subcommand(1);
   const char* const example = "Example:\n  gonogo validate fclib tests/data/fclib";
   add_vehicles(*command, globals);
+  add_soils(*command, globals);
   add_patch(*command, globals);
   add_drawbar(*command, globals);
   command->footer(example);

@@ -42,6 +42,7 @@ struct TrialSetup {
   terrain::Calibration calibration;
   std::filesystem::path vehicle_file, calibration_file;
   double bed_length = 4, bed_width = 0.8;  // [m]
+  double grain_density = 2650;             // of the solid [kg/m^3]
   int tiles_along = 1, tiles_across = 1;   // copies of the settled bed side by side
   bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
   bool compliant_tyres = false;            // contacts of tyres give way as the vehicle's file says

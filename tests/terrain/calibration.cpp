@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "terrain/calibration/journal.h"
+#include "terrain/soil/peak_table.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {
@@ -99,6 +100,27 @@ TEST_CASE("a run that goes on does only what its journal lacks, and has the bits
   other.numerics.substeps = 14;  // another solver, another soil
   CHECK_THROWS_AS(calibrate(other), InputError);
   std::filesystem::remove_all(folder);
+}
+
+TEST_CASE("a table read at the peak meets a soil by the peak of its own packing") {
+  Calibration c;
+  c.grain_diameter = 0.03;
+  c.packing = {{0.8, 0.57, 0}, {0.02, 0.63, 1}};
+  c.contact = {{0.1, 0, 10, 0, 0, 0}, {0.5, 0.2, 20, 0, 0, 0}, {0.9, 0.6, 30, 0, 0, 0}};
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t p = 0; p < 2; ++p) {
+      SoilResponse r;
+      r.contact = k, r.packing = p;
+      r.peak_friction_angle = p == 0 ? 11 + 10 * double(k) : k == 2 ? 34 : 15 + 20 * double(k);
+      c.response.push_back(r);
+    }
+  // Dense: peaks 15, 35, 34; the last counts as 35.
+  CHECK(contact_law(at_peak(c, 0.9), {25, 0}).friction == Approx(0.3f));
+  CHECK(reachable_angles(at_peak(c, 0.9)).highest == 35);
+  CHECK(contact_law(at_peak(c, 0.2), {26, 0}).rolling_friction == Approx(0.4f));
+  CHECK(refusal([&] { contact_law(at_peak(c, 0.9), {36, 0}); }).find("between 15 and 35") != std::string::npos);
+  c.response.clear();
+  CHECK(refusal([&] { at_peak(c, 0.5); }).find("no peak friction angles") != std::string::npos);
 }
 
 TEST_CASE("a soil within reach is met in friction angle, cohesion and density; others are refused with the reach") {

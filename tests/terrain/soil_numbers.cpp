@@ -4,6 +4,7 @@
 
 #include "base/random.h"
 #include "sim/shape/triangle_mesh.h"
+#include "terrain/soil/strength.h"
 #include "terrain/soil_test/cone.h"
 #include "terrain/soil_test/plate.h"
 #include "terrain/soil_test/shear.h"
@@ -121,6 +122,25 @@ TEST_CASE("relative density and settling friction are each other's inverse, dens
     CHECK(relative_density_of(settle_friction(density)) == Approx(density).margin(1e-12));
   CHECK(settle_friction(0) > settle_friction(0.5));
   CHECK(settle_friction(0.5) > settle_friction(1));
+}
+
+TEST_CASE("bearing capacity factors are those of the tables; the cone index of clay is nine times its strength") {
+  CHECK(bearing_capacity_factor(0) == Approx(5.14).epsilon(1e-3));
+  CHECK(bearing_capacity_factor(10) == Approx(8.34).epsilon(1e-3));
+  CHECK(bearing_capacity_factor(20) == Approx(14.83).epsilon(1e-3));
+  CHECK(bearing_capacity_factor(30) == Approx(30.14).epsilon(1e-3));
+  CHECK(bearing_capacity_factor(1e-5) == Approx(bearing_capacity_factor(0)).epsilon(1e-5));
+  CHECK(cone_index(20e3, 0) == Approx(180e3));
+}
+
+TEST_CASE("clays that Wong measured wet are below the 39 psi of an HMMWV's fifty passes, dry ones far above") {
+  const auto psi = [](double cohesion_kPa, double angle) {
+    return cone_index(cohesion_kPa * 1e3, angle) / kPascalPerPsi;
+  };
+  CHECK(psi(13.79, 11) < 39);  // lean clay, 32 % water
+  CHECK(psi(20.69, 6) < 39);   // heavy clay, 40 %
+  CHECK(psi(68.95, 20) > 78);  // lean clay, 22 %
+  CHECK(psi(68.95, 34) > 78);  // heavy clay, 25 %
 }
 
 }  // namespace gonogo::terrain

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "terrain/soil_test/cone.h"
+#include "terrain/soil_test/geostatic.h"
 #include "terrain/soil_test/plate.h"
 #include "terrain/soil_test/repose.h"
 #include "terrain/soil_test/shear.h"
@@ -122,6 +123,17 @@ TEST_CASE("a dense bed resists the cone more than a loose one") {
   CHECK(dense.bulk_density > loose.bulk_density);
   CHECK(dense.index > 1.2 * loose.index);
   CHECK(loose.gradient > 0);
+}
+
+TEST_CASE("the contacts of a bed at rest carry at every level the weight above it, within five per cent") {
+  const GeostaticResult r = geostatic_test(coarse_soil(0.5, 0.1, 0.5), 8, {});
+  REQUIRE(r.profile.size() >= 6);
+  CAPTURE(r.worst_error);
+  CHECK(r.worst_error < 0.05);
+  // By the solid fraction too, which nothing above was computed from: half-way between two levels far apart.
+  const auto &upper = r.profile[2], &lower = r.profile[5];
+  const double gradient = (lower.stress - upper.stress) / (lower.depth - upper.depth);
+  CHECK(gradient == Approx(2650 * 9.81 * r.solid_fraction).epsilon(0.06));
 }
 
 TEST_CASE("soil tests refuse what cannot be tested") {

@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# Our simulated annealer beside that of dwave-samplers on the same problems and machine, one core each, at the same
+# quality (mean energy of the rows). dwave-samplers comes from PyPI into a throw-away virtual environment.
+#   scripts/annealer_speed.sh [gonogo]     exit status 77: PyPI cannot be reached; 1: a factor is below 3
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+program=${1:-build/cpu-release/gonogo}
+venv=$(mktemp -d)
+trap 'rm -rf "$venv"' EXIT
+python3 -m venv "$venv"
+if ! "$venv/bin/pip" install --quiet 'dimod==0.12.*' 'dwave-samplers==1.*'; then
+  say "annealer_speed: PyPI cannot be reached; nothing was measured"
+  exit 77
+fi
+OMP_NUM_THREADS=1 "$venv/bin/python" tests/interop/annealer_speed.py "$program"

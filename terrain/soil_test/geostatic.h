@@ -1,0 +1,21 @@
+// A bed at rest under its own weight: what its contacts carry through every level, against the weight above.
+#pragma once
+#include "terrain/soil_test/test_run.h"
+
+namespace gonogo::terrain {
+
+struct GeostaticSample {
+  double depth;           // below the surface [m]
+  double stress, weight;  // vertical stress that contacts carry there; weight above per area [Pa]
+};
+
+struct GeostaticResult {
+  std::vector<GeostaticSample> profile;  // one per grain diameter, from the surface to the base
+  double worst_error = 0;                // of the stress over the weight, below the topmost two grains [-]
+  double solid_fraction = 0;
+};
+
+/// `grains_deep` diameters of soil on a periodic cell of ten by six.
+GeostaticResult geostatic_test(const TestSoil& soil, double grains_deep, const TestPace& pace);
+
+}  // namespace gonogo::terrain
