@@ -30,7 +30,7 @@ run() {
 threads=$(nproc)
 coarse="$results/grains_0.064.json"
 fine="$results/grains_0.032.json"
-run validate patch --soil "$coarse" --seeds 32 --distance 12 --gpu --threads "$threads"
+run validate patch --soil "$coarse" --seeds 64 --distance 12 --gpu --threads "$threads"
 run validate patch --vehicle hmmwv --soil "$coarse" --seeds 4 --distance 12 --gpu --threads "$threads"
 run validate drawbar --soil "$coarse" --friction-angle 32 --seeds 4 --gpu --threads "$threads" --out "$results"
 for trial in climb step:height_m=0.15 ditch:width_m=1,depth_m=0.2 crossing:length_m=2,friction_angle_deg=20; do

@@ -225,6 +225,9 @@ void add_patch(CLI::App& command, const Globals& globals) {
   patch->add_option("--distance", o->request.distance, "To drive [m]")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
+  patch->add_option("--iterations", o->request.iterations, "Of the solver per step")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
   patch->footer("Example:\n  gonogo validate patch --soil configs/soils/calibration_90mm.json --json");
   patch->callback([&globals, o] {
     o->request.vehicle = vehicle_file(o->vehicle);

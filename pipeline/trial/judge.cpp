@@ -94,7 +94,9 @@ class Judge {
     DriveOutcome o{};
     o.flags = end_.now.flags;
     o.worst_residual = end_.worst_residual;
-    o.energy_error = end_.exchanged > 0 ? end_.energy_gained / end_.exchanged : 0;
+    // A carriage that leads a wheel does work that the monitor does not see: there is no balance.
+    const bool led = setup_.task->given_slip().has_value();
+    o.energy_error = !led && end_.exchanged > 0 ? end_.energy_gained / end_.exchanged : 0;
     o.drift = end_.now.y;
     o.distance = std::max(0.0, end_.now.x - setup_.run_in_distance);
     // One sample per step; driving begins with the step that ends at park_time.

@@ -23,6 +23,7 @@ TrialSetup patch_setup(const PatchRequest& r) {
   s.run_in_distance = 0.25 * r.distance;
   s.test_distance = 0.75 * r.distance;
   s.time_limit = 3 * r.distance / r.speed + 2;
+  s.numerics.iterations = r.iterations, s.numerics.tolerance = 0;
   terrain::check_patch(s.patch(), s.calibration.grain_diameter);
   return s;
 }

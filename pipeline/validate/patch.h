@@ -13,6 +13,9 @@ struct PatchRequest {
   double slope = 10, friction_angle = 0;  // 0: the middle of what the grains reach [deg]
   double speed = 1.5, distance = 8;       // [m/s], [m]
   int seeds = 4;
+  /// Of the solver in every step. Its tolerance is not used: it is a mean over the contacts of a world, which a longer
+  /// bed at rest meets sooner, so that beds of two lengths would be solved to two accuracies near the wheel.
+  int iterations = 60;
   BatchSettings batch;
 };
 

@@ -1,8 +1,11 @@
 // Whole vehicles on granular beds through the same trial as the quarter vehicle, and trials on a moving patch.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
+#include "base/error.h"
 #include "pipeline/trial/batch.h"
+#include "pipeline/trial/conditions.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -16,13 +19,14 @@ namespace fs = std::filesystem;
 using test::agrees;
 
 /// The HMMWV on grains far too coarse for a label, so that a test is short.
-TrialSetup coarse_hmmwv() {
+TrialSetup coarse_hmmwv(const std::string& task = "climb") {
   const fs::path root = GONOGO_SOURCE_DIR;
   TrialSetup s = vehicle_trial_setup(root / "configs/vehicles/hmmwv.json", root / "configs/soils/calibration_90mm.json",
-                                     default_task(), fs::temp_directory_path() / "gonogo-test-beds");
+                                     parse_task(task), fs::temp_directory_path() / "gonogo-test-beds");
+  const double length = s.tiles_along * s.bed_length;
   s.calibration.grain_diameter = 0.2;
   s.bed_length = 2.2, s.bed_width = 1.6;
-  s.tiles_along = 4, s.tiles_across = 2;
+  s.tiles_along = std::max(4, int(std::ceil(length / s.bed_length))), s.tiles_across = 2;
   s.bed_settle_time = 0.05;
   s.park_time = 0.3;
   s.ramp_time = 0.2;
@@ -70,6 +74,49 @@ TEST_CASE("a HMMWV drives over a bed of tiles, and each of its wheels has its re
   CHECK(agrees("mean torque of the wheels [N m]", measure(r, "mean_torque"), torque, 1e-6 * std::fabs(torque)));
   CHECK(measure(r, "distance") > 0);
   CHECK(grains_per_tyre(setup) < kGrainsPerTyre);
+}
+
+TEST_CASE("a HMMWV stands before what a trial's type puts in its way, with all wheels on the ground") {
+  for (const char* task : {"side_slope", "drawbar", "step:height_m=0.2,length_m=1", "ditch:width_m=1,depth_m=0.2",
+                           "crossing:length_m=1.5,friction_angle_deg=20"}) {
+    const TrialSetup setup = coarse_hmmwv(task);
+    const DesignPoint p = design_point(0, 36, 0.4);
+    prepare_trials(setup, {&p, 1}, 1);
+    const terrain::Packing bed = settled_bed(setup, p);
+    TiltedBed tilted;
+    for (const terrain::Grain& g : bed.grain) tilted.grain.push_back(g.position);
+    const sim::SceneWorld world = vehicle_on_bed(setup, bed, tilted, conditions_of(setup, p));
+    const auto s = sim::make_simulation(sim::Backend::cpu, {world}, attempt_settings(setup, 1), 1);
+    s->advance(Index(std::lround((setup.park_time + 0.2) / setup.numerics.step)));
+    INFO(task);
+    CHECK(s->report(0).flags == 0);
+    CHECK(s->stop(0).cause == sim::StopCause::none);
+    const Course course = setup.course(bed.surface);
+    CHECK(setup.task->obstacle_end() + course.front + course.rear <= course.length);
+    double load[4] = {}, sum = 0;
+    constexpr int steps = 40;  // it still bounces a little
+    for (int k = 0; k < steps; ++k) {
+      s->advance(1);
+      for (int i = 0; i < 4; ++i) load[i] += s->contact_force(0, world.monitor[std::size_t(i) + 1].body).z / steps;
+    }
+    for (int i = 0; i < 4; ++i) {
+      CHECK(load[i] > 500);
+      CHECK(std::fabs(s->monitor(0, i + 1).now.drop) < 0.1);  // half a grain
+      sum += load[i];
+    }
+    CHECK(agrees(std::string(task) + ": load on the wheels over the weight", 1, sum / setup.weight(0), 0.3));
+  }
+}
+
+TEST_CASE("a study whose bed is narrower than its vehicle is refused") {
+  Study study = read_study(fs::path(GONOGO_SOURCE_DIR) / "configs/studies/demo.json");
+  study.vehicle = fs::path(GONOGO_SOURCE_DIR) / "configs/vehicles/hmmwv.json";
+  try {
+    read_trial_setup(study, fs::temp_directory_path() / "gonogo-test-beds");
+    FAIL("accepted");
+  } catch (const InputError& error) {
+    CHECK(std::string(error.what()).find("outside the bed") != std::string::npos);
+  }
 }
 
 TEST_CASE("on a moving patch a trial has the same bits alone, in company, and cut off and gone on") {
