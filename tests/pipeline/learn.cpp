@@ -82,7 +82,8 @@ TEST_CASE("rows are weighted by prior over proposal, replicates share a group, f
   CHECK(sum == Approx(20));
   CHECK(data.table.group[9] == data.table.group[8]);
   CHECK(data.table.group[7] != data.table.group[8]);
-  const learning::VisibleLayout layout = make_layout(data, {});
+  const LearningSettings defaults;
+  const learning::VisibleLayout layout = make_layout(data, defaults);
   CHECK(layout.encoders()[layout.variable_index("bed_depth")].unit_count() == 0);
   CHECK(layout.encoders()[layout.variable_index("slope_along")].unit_count() == 10);
   CHECK(layout.outcome_count() == contract().outcomes.size());
@@ -366,7 +367,9 @@ TEST_CASE(
   for (std::size_t k : {0u, 3u}) {
     CHECK(whole(k, "couplers") == whole(k, "visible") * 3);
     CHECK(whole(k, "parameters") == whole(k, "couplers") + whole(k, "visible") + 3);
-    CHECK(machines[k].at("gain_nat").number() > 0.1);  // the variables say something about the outcome
+    const double loss = machines[k].at("held_out_loss_nat").number();
+    CHECK(loss < std::log(double(contract().outcomes.size())) - 0.5);  // half a nat better than no knowledge at all
+    CHECK(machines[k].at("gain_nat").number() == Approx(report.at("base_loss_nat").number() - loss));
     CHECK(double(whole(k + 1, "couplers")) == Approx(0.5 * double(whole(k, "couplers"))).epsilon(0.5));
     CHECK(machines[k + 2].at("impossible").string().find("lines") != std::string::npos);
   }
