@@ -2,6 +2,8 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace gonogo::learning {
 
@@ -34,6 +36,8 @@ struct TrainingSettings {
   std::size_t sweeps = 2;   // of every chain between updates
   std::size_t rungs = 8;    // tempering: machines on the ladder; trajectory: most machines on it
   std::uint64_t seed = 1;
+  /// Weights that stay 0, as (visible unit, hidden unit): pairs that hardware with dead qubits cannot couple.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> masked;
 };
 
 /// Names in files; the second of each pair throws InputError naming those that exist.

@@ -80,6 +80,20 @@ torch::Tensor hidden_means(const Machine& machine, const torch::Tensor& visible)
   return torch::sigmoid(torch::matmul(visible, machine.weight) + machine.hidden_bias()).mean(0);
 }
 
+/// 0 for masked weights and 1 for all others: [visible x hidden].
+torch::Tensor coupled_weights(const TrainingSettings& settings, const RbmWeights& machine) {
+  torch::Tensor coupled =
+      torch::ones({std::int64_t(machine.visible_count), std::int64_t(machine.hidden_count)}, torch::kFloat64);
+  for (const auto& [visible, hidden] : settings.masked) {
+    if (visible >= machine.visible_count || hidden >= machine.hidden_count)
+      throw InputError("training: the masked pair (" + std::to_string(visible) + ", " + std::to_string(hidden) +
+                       ") lies outside a machine of " + std::to_string(machine.visible_count) + " x " +
+                       std::to_string(machine.hidden_count) + " units");
+    coupled.index_put_({std::int64_t(visible), std::int64_t(hidden)}, 0.0);
+  }
+  return coupled;
+}
+
 /// One training run: the machine, its optimiser and its negative phase.
 class Run {
  public:
@@ -91,6 +105,8 @@ class Run {
         machine_(start, layout.input_unit_count()),
         optimizer_(make_optimizer(machine_, settings)),
         negative_(layout, settings, sampler, start.visible_bias) {
+    if (!settings.masked.empty()) coupled_ = coupled_weights(settings, start);
+    mask_weights();
     if (settings.centred) centre_on_table();
   }
 
@@ -113,9 +129,15 @@ class Run {
     optimizer_->zero_grad();
     objective(machine_, rows, drawn, settings_, table_.row_count()).backward();
     optimizer_->step();
+    mask_weights();
     if (!settings_.centred) return;
     const torch::Tensor mean = hidden_means(machine_, data);
     machine_.move_means(machine_.visible_mean, (1 - kSlide) * machine_.hidden_mean + kSlide * mean);
+  }
+
+  void mask_weights() {
+    const torch::NoGradGuard constants;
+    if (coupled_.defined()) machine_.weight *= coupled_;
   }
 
   void centre_on_table() {
@@ -133,6 +155,7 @@ class Run {
   Machine machine_;
   std::unique_ptr<torch::optim::Optimizer> optimizer_;
   NegativePhase negative_;
+  torch::Tensor coupled_;  // 0 where a weight is masked, 1 elsewhere; undefined without masks
   std::uint64_t updates_ = 0;
 };
 
@@ -180,7 +203,7 @@ Objective training_objective(const RbmWeights& weights, const VisibleLayout& lay
 
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
-                               const std::function<void(std::size_t)>& progress) {
+                               const std::function<void(std::size_t)>& progress, const EpochHook& watch) {
   check_table(layout, table, settings);
   const std::size_t outcomes = layout.outcome_count();
   const std::vector<std::size_t> fold = assign_folds(table, fold_count, settings.seed);
@@ -192,6 +215,7 @@ CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable&
     if (training.empty()) throw InputError("cross-validation: fewer groups of trials than folds");
     std::size_t report = 0;
     const auto look = [&](std::size_t epoch, const RbmWeights& weights) {
+      if (watch) watch(epoch, weights);
       const Posterior posterior(layout, weights);
       if (probability.size() <= report) {
         probability.emplace_back(table.row_count() * outcomes);

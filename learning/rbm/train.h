@@ -50,7 +50,7 @@ Objective training_objective(const RbmWeights& weights, const VisibleLayout& lay
 /// Mean over rows of -log P(y_n | x_n), weighted.
 double conditional_loss(const Posterior& posterior, const TrainingTable& table);
 
-/// k-fold cross-validation with early stopping.
+/// k-fold cross-validation with early stopping. `watch` sees every fold's machine at its report epochs.
 struct CrossValidation {
   std::size_t best_epoch = 0;       // with the least held-out loss, the folds taken together
   std::vector<EpochLog> log;        // one entry per report epoch, mean over folds
@@ -58,6 +58,7 @@ struct CrossValidation {
 };
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
-                               const std::function<void(std::size_t folds_done)>& progress = {});
+                               const std::function<void(std::size_t folds_done)>& progress = {},
+                               const EpochHook& watch = {});
 
 }  // namespace gonogo::learning

@@ -10,6 +10,9 @@
 
 namespace gonogo::learning {
 
+/// Whether this build can use GPUs and one is there.
+bool gpu_answers();
+
 class GpuChains {
  public:
   using Bit = std::uint8_t;

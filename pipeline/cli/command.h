@@ -33,6 +33,7 @@ void add_vehicle_command(CLI::App& app, const Globals& globals);
 void add_original_command(CLI::App& app, const Globals& globals);
 void add_train_command(CLI::App& app, const Globals& globals);
 void add_evaluate_command(CLI::App& app, const Globals& globals);
+void add_capacity_command(CLI::App& app, const Globals& globals);
 void add_infer_command(CLI::App& app, const Globals& globals);
 void add_qubo_command(CLI::App& app, const Globals& globals);
 void add_compare_command(CLI::App& app, const Globals& globals);

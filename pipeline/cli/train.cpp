@@ -13,11 +13,16 @@ struct Options {
   std::string dataset, study, out;
   std::uint64_t seed = 1;
   int members = 0;
+  std::size_t hold_out = 0;
 };
 
 TrainRequest to_request(const Options& options, bool seed_given) {
-  TrainRequest request{
-      .dataset = options.dataset, .model = options.out, .seed = options.seed, .learning = {}, .design = {}};
+  TrainRequest request{.dataset = options.dataset,
+                       .model = options.out,
+                       .seed = options.seed,
+                       .learning = {},
+                       .design = {},
+                       .hold_out = options.hold_out};
   if (options.study.empty()) return request;
   const Study study = read_study(options.study);
   if (!seed_given) request.seed = study.seed;
@@ -35,6 +40,11 @@ void add_train_command(CLI::App& app, const Globals& globals) {
   command->add_option("--study", options->study,
                       "Study whose sections \"learning\" and \"design\" apply; defaults without");
   command->add_option("--out", options->out, "Model file to write")->required();
+  command
+      ->add_option("--hold-out", options->hold_out,
+                   "Valid trials that are not trained on, replicates together, drawn from the seed; gonogo evaluate "
+                   "on the same dataset scores them")
+      ->capture_default_str();
   CLI::Option* seed =
       command->add_option("--seed", options->seed, "Seed; the study's when left out")->capture_default_str();
   command

@@ -115,6 +115,16 @@ std::string report_text(const Json& report) {
   if (report.at("stand_in").boolean())
     text += "the sampler " + report.at("sampler_wanted").string() + " could not be used, " +
             report.at("sampler").string() + " stood in: " + report.at("stand_in_reason").string() + "\n";
+  if (const Json* found = report.find("annealer")) {
+    const Json& annealer = *found;
+    text += line(
+        "emulated annealer: %lld working qubits of %s, %lld of %lld pairs of units masked; thermometer %s, last "
+        "scale %.3f\n",
+        static_cast<long long>(annealer.at("working_qubits").integer()), annealer.at("graph").string().c_str(),
+        static_cast<long long>(annealer.at("masked_pairs").integer()),
+        static_cast<long long>(annealer.at("pairs").integer()), annealer.at("thermometer").string().c_str(),
+        annealer.at("last_scale").number());
+  }
   if (const double power = report.at("calibration_power").number(); power != 1)
     text += line("probabilities are calibrated: raised to %.3f\n", power);
   return text + scores_text(report.at("cross_validation"));

@@ -26,8 +26,10 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
     return std::size_t(section->integer_or(key, std::int64_t(fallback), {.minimum = least, .maximum = most}));
   };
   if (section->has("sampler"))
-    settings.sampler =
-        section->choice("sampler", {"block_gibbs", "anneal", "tempering", "population", "exact", "command"});
+    settings.sampler = section->choice(
+        "sampler", {"block_gibbs", "anneal", "tempering", "population", "exact", "command", "emulator"});
+  if (settings.sampler == "emulator") settings.emulator = read_emulator_choice(section->object_if("emulator"));
+  if (section->has("gpu")) settings.gpu = section->choice("gpu", {"auto", "never"}) == "auto";
   if (settings.sampler == "command") settings.command = section->texts("command");
   if (section->has("stand_in"))
     settings.stand_in = section->choice("stand_in", {"block_gibbs", "anneal", "tempering", "exact"});
@@ -82,6 +84,8 @@ Json to_json(const LearningSettings& settings) {
   json["sweeps"] = Json(std::uint64_t(training.sweeps));
   json["folds"] = Json(std::uint64_t(settings.folds));
   json["calibrate"] = settings.calibrate;
+  json["gpu"] = settings.gpu ? "auto" : "never";
+  if (settings.sampler == "emulator") json["emulator"] = to_json(settings.emulator);
   if (settings.sampler == "command") {
     json["command"] = Json(settings.command);
     json["stand_in"] = settings.stand_in;

@@ -1,7 +1,9 @@
 // The "learning" section of a study:
 //
-//   sampler        "block_gibbs" (default), "anneal", "tempering", "population", "exact" or "command": where the
-//                  negative phase comes from
+//   sampler        "block_gibbs" (default), "anneal", "tempering", "population", "exact", "command" or "emulator" (a
+//                  D-Wave 2X, see annealer_training.h): where the negative phase comes from
+//   gpu            "auto" (default): block_gibbs samples on a GPU where one answers and an update is large enough to
+//                  gain by it; "never"
 //   command        of the sampler "command": list of program and arguments with {problem} {answer} {reads} {seed}
 //   stand_in       sampler that takes over when "command" fails (default "block_gibbs"); log, model and report say so
 //   hidden         hidden units                                     epochs         most passes over the trials
@@ -27,12 +29,15 @@
 
 #include "base/json/config.h"
 #include "learning/training_settings.h"
+#include "pipeline/learn/annealer_training.h"
 #include "pipeline/study/contract.h"
 
 namespace gonogo::pipeline {
 
 struct LearningSettings {
   std::string sampler = "block_gibbs";
+  bool gpu = true;          // where it gains
+  EmulatorChoice emulator;  // of the sampler "emulator"
   std::size_t folds = 5;
   learning::TrainingSettings training;  // its seed is the study's and is set when training
   bool quantile_bins = false;

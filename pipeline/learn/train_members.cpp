@@ -37,7 +37,8 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     throw InputError(request.model.string() + ": was trained on other trials than " + request.dataset.string() +
                      "; train it anew with gonogo train");
   const LearningSettings settings = read_learning_settings(request.learning);
-  const TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
+  TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
+  if (request.hold_out > 0) hold_out(data, request.hold_out, request.seed);
   learning::TrainingSettings training = settings.training;
   training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());
   const auto sampler = learning::make_sampler(settings.sampler == "command" ? settings.stand_in : settings.sampler);

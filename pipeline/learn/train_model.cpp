@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -12,10 +11,10 @@
 #include "learning/rbm/logistic.h"
 #include "learning/rbm/network.h"
 #include "learning/rbm/train.h"
-#include "learning/sampler/stand_in.h"
 #include "learning/score/calibration.h"
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/learn/score_report.h"
+#include "pipeline/learn/training_sampler.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -84,24 +83,6 @@ double calibrate(const TrainingData& data, learning::CrossValidation& folds, std
   return fitted_power(data, before, fold, fold_count);
 }
 
-std::unique_ptr<learning::Sampler> training_sampler(const LearningSettings& settings) {
-  if (settings.sampler != "command") return learning::make_sampler(settings.sampler);
-  learning::SamplerSettings outside;
-  outside.command = settings.command;
-  return std::make_unique<learning::WithStandIn>(learning::make_sampler("command", outside),
-                                                 learning::make_sampler(settings.stand_in));
-}
-
-/// Which sampler the rows came from in the end, and why not from the one that was asked for.
-void report_sampler(const learning::Sampler& sampler, const LearningSettings& settings, Json& report) {
-  const auto* chosen = dynamic_cast<const learning::WithStandIn*>(&sampler);
-  report["sampler"] = sampler.name();
-  report["stand_in"] = chosen && chosen->stood_in();
-  if (!chosen || !chosen->stood_in()) return;
-  report["sampler_wanted"] = settings.sampler;
-  report["stand_in_reason"] = chosen->reason();
-}
-
 /// The rate of failed simulations, modelled apart from the outcomes: overall with its interval, and by a logistic
 /// regression on the variables, whose largest value over the trials is reported.
 Json failure_report(const TrainingData& data) {
@@ -145,21 +126,26 @@ Json counts_report(const TrainingData& data) {
 Json train_model(const TrainRequest& request) {
   const LearningSettings settings = read_learning_settings(request.learning);
   const Dataset dataset = read_dataset(request.dataset);
-  const TrainingData data = make_training_data(dataset.records, request.design);
-  const auto sampler = training_sampler(settings);
+  TrainingData data = make_training_data(dataset.records, request.design);
+  const std::size_t held_out = request.hold_out > 0 ? hold_out(data, request.hold_out, request.seed).row_count() : 0;
   learning::Model model;
   model.layout = make_layout(data, settings);
   learning::TrainingSettings training = settings.training;
   training.seed = request.seed;
+  TrainingSampler source(settings, model.layout, training);
   const std::size_t folds = usable_folds(data.table, settings.folds);
   if (folds < 2) throw InputError(request.dataset.string() + ": trials at two points or more are needed to train");
 
   Progress progress("train", "machines", folds + 1);
-  learning::CrossValidation validation = cross_validate(model.layout, data.table, training, *sampler, folds,
-                                                        [&](std::size_t done) { progress.update(done); });
+  const auto fold_done = [&](std::size_t done) {
+    progress.update(done);
+    source.begin();
+  };
+  learning::CrossValidation validation =
+      cross_validate(model.layout, data.table, training, source.sampler(), folds, fold_done, source.watch());
   training.epochs = validation.best_epoch;
   if (settings.calibrate) model.calibration_power = calibrate(data, validation, folds, training.seed);
-  model.weights = train_rbm(model.layout, data.table, training, *sampler).weights;
+  model.weights = train_rbm(model.layout, data.table, training, source.sampler(), source.watch()).weights;
   progress.update(folds + 1);
   model.log = validation.log;
   model.sampled_lower = data.lower;
@@ -171,12 +157,13 @@ Json train_model(const TrainRequest& request) {
   report["data_hash"] = file_hash(request.dataset);
   report["contract_hash"] = content_hash(contract_text());
   report["program_version"] = program_version();
-  report_sampler(*sampler, settings, report);
+  source.report(report);
   report["calibration_power"] = model.calibration_power;
   report["seed"] = Json(request.seed);
   report["settings"] = to_json(settings);
   report["epochs"] = Json(std::uint64_t(validation.best_epoch));
   report["counts"] = counts_report(data);
+  report["counts"]["held_out"] = Json(std::uint64_t(held_out));
   report["failures"] = failure_report(data);
   report["cross_validation"] = cross_validation_scores(data, validation, folds, training.seed);
   report["cross_validation"]["folds"] = Json(std::uint64_t(folds));

@@ -17,6 +17,7 @@ struct TrainRequest {
   std::uint64_t seed = 0;          // the study's
   std::optional<Config> learning;  // section of the study; nothing: defaults
   std::optional<Config> design;    // section of the study, for the sampled ranges; nothing: what the trials span
+  std::size_t hold_out = 0;        // valid trials that are not trained on, drawn from the seed; evaluate scores them
 };
 
 /// Trains and writes the model. Returns the report that the model file also holds (see report_text). Same dataset, seed

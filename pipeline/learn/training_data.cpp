@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "base/error.h"
 
@@ -79,6 +80,31 @@ TrainingData make_training_data(const std::vector<TrialRecord>& records, const s
     if (const auto ranges = design->object_if("ranges")) extend_box(data, *ranges);
   finish(data);
   return data;
+}
+
+learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed) {
+  constexpr std::uint64_t kHoldOut = 0x686f6c64;  // stream of random numbers
+  std::map<std::uint64_t, std::vector<std::size_t>> groups;
+  for (std::size_t n = 0; n < data.table.row_count(); ++n) groups[data.table.group[n]].push_back(n);
+  std::vector<const std::vector<std::size_t>*> members;
+  for (const auto& [group, rows] : groups) members.push_back(&rows);
+  std::vector<char> out(data.table.row_count(), 0);
+  std::size_t taken = 0, groups_left = members.size();
+  for (std::size_t g : learning::permutation(members.size(), seed, kHoldOut)) {
+    if (taken >= count) break;
+    for (std::size_t row : *members[g]) out[row] = 1;
+    taken += members[g]->size();
+    --groups_left;
+  }
+  if (groups_left < 2)
+    throw InputError("dataset: " + std::to_string(count) + " trials cannot be held out of " +
+                     std::to_string(data.table.row_count()) + " valid ones; leave trials at two points to train on");
+  std::vector<std::size_t> kept, held;
+  for (std::size_t n = 0; n < out.size(); ++n) (out[n] ? held : kept).push_back(n);
+  learning::TrainingTable held_out = data.table.subset(held);
+  for (std::size_t y : held_out.outcome) --data.outcome_count[y];
+  data.table = data.table.subset(kept);
+  return held_out;
 }
 
 learning::VisibleLayout make_layout(const TrainingData& data, const LearningSettings& settings) {

@@ -24,6 +24,10 @@ struct TrainingData {
 /// what the trials span. Throws InputError when no valid trial is left.
 TrainingData make_training_data(const std::vector<TrialRecord>& records, const std::optional<Config>& design);
 
+/// Takes at least `count` valid trials out of the table, whole groups of replicates, drawn from the seed; returns them.
+/// Throws InputError when fewer than two groups would be left to train on.
+learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed);
+
 /// Encoders by study or contract over the sampled box; a variable that was held fixed gets no units.
 learning::VisibleLayout make_layout(const TrainingData& data, const LearningSettings& settings);
 

@@ -1,7 +1,8 @@
 // Training a machine of 48 visible and 20 hidden units through the emulated annealer, scored by exact log-likelihood of
 // fresh rows as the share of what exact samples gain over independent units (docs/learning.md).
 //
-//   learning_annealer [line ...] [chains=, sweeps=, gauges=, reads=, chain_coupling=]   all lines of the table, or some
+//   learning_annealer [line ...] [chains=, sweeps=, gauges=, reads=, chain_coupling=, dead=]   all lines of the table,
+//   or some
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -27,8 +28,8 @@ constexpr std::size_t kVisible = 48, kHidden = 20, kRows = 1000, kEpochs = 60, k
 
 /// What the device is asked for; "name=value" on the command line.
 struct DeviceUse {
-  std::size_t chains = 100, sweeps = 200, gauges = 4, reads = 250;  // rows of an update, of a reading
-  double chain_coupling = 0.6;
+  std::size_t chains = 100, sweeps = 600, gauges = 4, reads = 250;  // rows of an update, of a reading
+  double chain_coupling = 0.6, dead = 0;                            // dead: share of the qubits
 };
 DeviceUse use;
 
@@ -93,7 +94,7 @@ struct Line {
 };
 
 RbmWeights trained_through_device(const Line& line, const TrainingTable& table, double& last_scale) {
-  const Device device = d_wave_2x(0, 1);
+  const Device device = d_wave_2x(use.dead, 1);
   AnnealerSettings annealer;
   annealer.scale = line.scale;
   annealer.sweeps = use.sweeps;
@@ -107,7 +108,11 @@ RbmWeights trained_through_device(const Line& line, const TrainingTable& table, 
     control.update(epoch, to_qubo(weights, labels));
     return true;
   };
-  const RbmWeights machine = train_rbm(layout, table, training_settings(), sampler, hook).weights;
+  TrainingSettings settings = training_settings();
+  for (const auto& [visible, hidden] : sampler.embedding().uncoupled)
+    settings.masked.emplace_back(visible, hidden - std::uint32_t(kVisible));
+  if (use.dead > 0) std::printf("    %zu of %zu pairs masked\n", settings.masked.size(), kVisible * kHidden);
+  const RbmWeights machine = train_rbm(layout, table, settings, sampler, hook).weights;
   last_scale = sampler.scale();
   for (const ThermometerReading& r : control.log())
     if (r.epoch % 10 == 0)
@@ -158,6 +163,7 @@ bool set_use(const std::string& word) {
   if (name == "gauges") use.gauges = std::size_t(value);
   if (name == "reads") use.reads = std::size_t(value);
   if (name == "chain_coupling") use.chain_coupling = value;
+  if (name == "dead") use.dead = value;
   return true;
 }
 

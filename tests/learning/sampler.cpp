@@ -196,6 +196,17 @@ TEST_CASE("annealers' rows follow the exact distribution, also on frustrated pro
               fit.degrees / (2 * double(reads)));
   CHECK(std::abs(z) < 4);
   CHECK(fit.total_variation < fit.floor + 4 * fit.spread);
+  const ExactMoments exact = exact_moments(problem);
+  double worst = 0;
+  for (std::size_t k = 0; k < problem.couplings.size(); ++k) {
+    double mean = 0;
+    for (std::size_t r = 0; r < reads; ++r)
+      mean += rows.row(r)[problem.couplings[k].a] * rows.row(r)[problem.couplings[k].b] / double(reads);
+    worst = std::max(worst, std::abs(mean - exact.pair_mean[k]) /
+                                std::sqrt((1 - exact.pair_mean[k] * exact.pair_mean[k]) / double(reads)));
+  }
+  std::printf("%s: largest z of %zu pair moments %.2f\n", name.c_str(), problem.couplings.size(), worst);
+  CHECK(worst < 4);
   if (name == "population") CHECK(rows.info.at("log_z").number() == Approx(log_z).margin(0.02));
 }
 

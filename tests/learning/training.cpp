@@ -237,3 +237,22 @@ TEST_CASE("with a third of the units unknown a density is learned to what its en
   std::printf("two pairs with a third unknown: %.4f nat per row, best possible %.4f\n", reached, -std::log(4.0));
   CHECK(reached > -std::log(4.0) - 0.1);
 }
+
+TEST_CASE("masked weights stay 0, also in centred units, and the others learn") {
+  const TrainingTable table = density_table(random_rows(60, 5, 0.3, 3), 5);
+  for (const bool centred : {false, true}) {
+    TrainingSettings settings;
+    settings.hidden = 3;
+    settings.epochs = 5;
+    settings.discriminative = 0;
+    settings.generative = 1;
+    settings.centred = centred;
+    settings.masked = {{0, 1}, {4, 2}};
+    const RbmWeights machine = train_rbm(bits(5), table, settings, *make_sampler("block_gibbs")).weights;
+    for (std::size_t i = 0; i < 5; ++i)
+      for (std::size_t j = 0; j < 3; ++j)
+        CHECK((machine.weight[i * 3 + j] == 0) == ((i == 0 && j == 1) || (i == 4 && j == 2)));
+    settings.masked = {{5, 0}};
+    CHECK_THROWS_AS(train_rbm(bits(5), table, settings, *make_sampler("block_gibbs")), InputError);
+  }
+}

@@ -12,6 +12,7 @@
 #include "base/hash.h"
 #include "learning/score/calibration.h"
 #include "pipeline/dataset/dataset.h"
+#include "pipeline/learn/capacity.h"
 #include "pipeline/learn/evaluate_model.h"
 #include "pipeline/learn/infer.h"
 #include "pipeline/learn/predictor.h"
@@ -81,7 +82,8 @@ TEST_CASE("rows are weighted by prior over proposal, replicates share a group, f
   CHECK(sum == Approx(20));
   CHECK(data.table.group[9] == data.table.group[8]);
   CHECK(data.table.group[7] != data.table.group[8]);
-  const learning::VisibleLayout layout = make_layout(data, {});
+  const LearningSettings defaults;
+  const learning::VisibleLayout layout = make_layout(data, defaults);
   CHECK(layout.encoders()[layout.variable_index("bed_depth")].unit_count() == 0);
   CHECK(layout.encoders()[layout.variable_index("slope_along")].unit_count() == 10);
   CHECK(layout.outcome_count() == contract().outcomes.size());
@@ -193,6 +195,22 @@ TEST_CASE("same dataset, seed and settings give the same model bytes with one an
   }
   omp_set_num_threads(threads);
   CHECK(hashes[0] == hashes[1]);
+}
+
+TEST_CASE("trials that are held out by count are those that evaluation scores") {
+  const fs::path dataset = dataset_file("held_out.h5", 120, 8), file = kFolder / "held_out_model.h5";
+  const Config learning = Config::parse(R"({"epochs": 20, "folds": 2})", "study");
+  TrainRequest request{
+      .dataset = dataset, .model = file, .seed = 5, .learning = learning, .design = {}, .hold_out = 40};
+  const Json report = train_model(request);
+  const std::int64_t held = report.at("counts").at("held_out").integer();
+  CHECK(held >= 40);
+  CHECK(held < 50);  // whole groups of replicates
+  const Json scores = evaluate_model(file, dataset);
+  CHECK(scores.at("trials").integer() == held);
+  CHECK(scores.at("left_out_trained_on").integer() == report.at("counts").at("trained_on").integer());
+  request.hold_out = 1000;
+  refused([&] { train_model(request); }, "held out");
 }
 
 TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
@@ -314,6 +332,55 @@ TEST_CASE("a command that fails while training is stood in for, and the model sa
   CHECK(report_text(report).find("block_gibbs stood in") != std::string::npos);
 }
 
+TEST_CASE("a study trains through the emulated annealer, masks what dead qubits cannot couple, and says so") {
+  const fs::path dataset = dataset_file("emulated.h5", 40, 2), file = kFolder / "emulated.h5model";
+  const Config learning = Config::parse(
+      R"({"epochs": 3, "folds": 2, "hidden": 6, "chains": 16, "sampler": "emulator",
+          "emulator": {"graph": "zephyr:6", "dead_share": 0.3, "sweeps": 20, "reads": 40, "gauges": 2}})",
+      "study");
+  const Json report = train_model({.dataset = dataset, .model = file, .seed = 5, .learning = learning, .design = {}});
+  CHECK(report.at("sampler").string() == "emulator");
+  const Json& annealer = report.at("annealer");
+  CHECK(annealer.at("readings").items().size() >= 1);
+  const auto masked = std::size_t(annealer.at("masked_pairs").integer());
+  CHECK(masked > 0);
+  const learning::Model model = learning::read_model(file);
+  std::size_t zero = 0;
+  for (double w : model.weights.weight) zero += w == 0;
+  CHECK(zero == masked);
+  CHECK(report_text(report).find("pairs of units masked") != std::string::npos);
+}
+
+TEST_CASE(
+    "capacity: more bits and hidden units cost more, what is coupled less costs less, and impossible graphs are said") {
+  CapacityRequest request{.dataset = dataset_file("capacity.h5", 100, 3),
+                          .learning = Config::parse(R"({"epochs": 40, "folds": 2})", "study"),
+                          .design = {},
+                          .seed = 2,
+                          .bits = {2, 5},
+                          .hidden = {3},
+                          .connectivity = {"full", "sparse:0.5", "chimera:2"}};
+  const Json report = measure_capacity(request);
+  const auto& machines = report.at("machines").items();
+  REQUIRE(machines.size() == 6);
+  const auto whole = [&](std::size_t k, const char* key) { return machines[k].at(key).integer(); };
+  for (std::size_t k : {0u, 3u}) {
+    CHECK(whole(k, "couplers") == whole(k, "visible") * 3);
+    CHECK(whole(k, "parameters") == whole(k, "couplers") + whole(k, "visible") + 3);
+    const double loss = machines[k].at("held_out_loss_nat").number();
+    CHECK(loss < std::log(double(contract().outcomes.size())) - 0.5);  // half a nat better than no knowledge at all
+    CHECK(machines[k].at("gain_nat").number() == Approx(report.at("base_loss_nat").number() - loss));
+    CHECK(double(whole(k + 1, "couplers")) == Approx(0.5 * double(whole(k, "couplers"))).epsilon(0.5));
+    CHECK(machines[k + 2].at("impossible").string().find("lines") != std::string::npos);
+  }
+  CHECK(whole(3, "visible") > whole(0, "visible"));
+  CHECK(capacity_text(report).find("sparse:0.5") != std::string::npos);
+  request.connectivity = {"sparse:2"};
+  refused([&] { measure_capacity(request); }, "share");
+  request.connectivity = {"chimra:12"};
+  refused([&] { measure_capacity(request); }, "chimra");
+}
+
 TEST_CASE("settings are read strictly") {
   const auto read = [](const std::string& text) { return read_learning_settings(Config::parse(text, "study.json")); };
   CHECK(read(R"({"hidden": 20, "sampler": "exact", "bins": "quantile"})").quantile_bins);
@@ -326,6 +393,11 @@ TEST_CASE("settings are read strictly") {
   refused([&] { read(R"({"negative": "tempring"})"); }, "tempering");
   refused([&] { read(R"({"negative": "tempering", "sampler": "anneal"})"); }, "persistent");
   refused([&] { read(R"({"sampler": "command"})"); }, "command");
+  refused([&] { read(R"({"gpu": "yes"})"); }, "never");
+  refused([&] { read(R"({"sampler": "emulator", "emulator": {"graph": "chimera:12", "deadshare": 0.1}})"); },
+          "dead_share");
+  CHECK(read(R"({"sampler": "emulator", "emulator": {"gauges": 7}})").emulator.gauges == 7);
+  CHECK_FALSE(read(R"({"gpu": "never"})").gpu);
   CHECK(to_json(read(R"({"negative": "trajectory", "optimizer": "sgd", "centred": true})")).at("negative").string() ==
         "trajectory");
 }

@@ -74,6 +74,11 @@ std::vector<__half> weights(const Bipartite& machine, const GibbsSide& left, con
 
 }  // namespace
 
+bool gpu_answers() {
+  int count = 0;
+  return cudaGetDeviceCount(&count) == cudaSuccess && count > 0;
+}
+
 struct GpuChains::Device {
   explicit Device(std::uint64_t seed) : machine{{}, {}, nullptr, PhiloxKeys(seed), 0, nullptr} {}
 

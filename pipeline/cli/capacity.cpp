@@ -1,0 +1,57 @@
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "base/file.h"
+#include "pipeline/cli/command.h"
+#include "pipeline/learn/capacity.h"
+#include "pipeline/study/study.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string dataset, study, out;
+  CapacityRequest request{.dataset = {},
+                          .learning = {},
+                          .design = {},
+                          .seed = 1,
+                          .bits = {4, 8},
+                          .hidden = {4, 8, 16},
+                          .connectivity = {"full", "sparse:0.3"}};
+};
+
+}  // namespace
+
+void add_capacity_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand(
+      "capacity", "How many bits, hidden units and couplers a dataset asks for: held-out likelihood against cost");
+  auto options = std::make_shared<Options>();
+  CapacityRequest& request = options->request;
+  command->add_option("--dataset", options->dataset, "Trials (dataset.h5)")->required();
+  command->add_option("--study", options->study, "Study whose sections \"learning\" and \"design\" apply");
+  command->add_option("--bits", request.bits, "Code lengths")->delimiter(',')->check(CLI::Range(1, 64));
+  command->add_option("--hidden", request.hidden, "Hidden units")->delimiter(',')->check(CLI::Range(1, 1024));
+  command->add_option(
+      "--connectivity", request.connectivity,
+      "full, sparse:<share of pairs>, or a hardware graph: chimera:12, or with dead qubits chimera:12,0.02");
+  command->add_option("--seed", request.seed, "Seed")->capture_default_str();
+  command->add_option("--out", options->out, "CSV file to write");
+  command->footer(
+      "Example:\n  gonogo capacity --dataset out/demo/dataset.h5 --bits 2,4,8 --hidden 2,8,32 --connectivity full "
+      "sparse:0.3 chimera:12,0.02 --out capacity.csv");
+  command->callback([options, &globals] {
+    CapacityRequest asked = options->request;
+    asked.dataset = options->dataset;
+    if (!options->study.empty()) {
+      const Study study = read_study(options->study);
+      asked.learning = study.config.object_if("learning");
+      asked.design = study.config.object_if("design");
+    }
+    const Json report = measure_capacity(asked);
+    if (!options->out.empty()) write_file_atomically(options->out, capacity_csv(report));
+    print_result(globals, report, capacity_text(report));
+  });
+}
+
+}  // namespace gonogo::pipeline::cli
