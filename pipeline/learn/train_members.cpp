@@ -41,7 +41,8 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
   if (request.hold_out > 0) hold_out(data, request.hold_out, request.seed);
   learning::TrainingSettings training = settings.training;
   training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());
-  const auto sampler = learning::make_sampler(settings.sampler == "command" ? settings.stand_in : settings.sampler);
+  const bool outside = settings.sampler == "command" || settings.sampler == "emulator";  // members take the stand-in
+  const auto sampler = learning::make_sampler(outside ? settings.stand_in : settings.sampler);
   std::vector<std::filesystem::path> files;
   Progress progress("train", "members", std::size_t(count));
   for (int member = 1; member <= count; ++member) {
