@@ -131,7 +131,7 @@ TEST_CASE("velocity by torque follows the differential equation of its law, free
       const auto simulation = simulate(backend, rolling_sphere(c), {});
       double highest = 0;
       for (int k = 1; k <= 40; ++k) {
-        advance_for(*simulation, 0.02);
+        advance_for(*simulation, 0.05);
         const double v = simulation->body(0, 1).velocity.x;
         highest = std::max(highest, v);
         INFO(name_of(backend) << ", limit " << limit << ", time " << 0.05 * k);
