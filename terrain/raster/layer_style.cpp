@@ -3,26 +3,10 @@
 #include <cstdio>
 
 #include "base/line.h"
+#include "terrain/raster/overlay.h"
 
 namespace gonogo::terrain {
 namespace {
-
-std::string xml_text(const std::string& text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '&')
-      out += "&amp;";
-    else if (c == '<')
-      out += "&lt;";
-    else if (c == '>')
-      out += "&gt;";
-    else if (c == '"')
-      out += "&quot;";
-    else
-      out += c;
-  }
-  return out;
-}
 
 std::string shortest(double x) {
   char text[32];
@@ -34,7 +18,7 @@ std::string paletted_renderer(const LayerInfo& info) {
   std::string xml = "    <rasterrenderer type=\"paletted\" band=\"1\" opacity=\"1\">\n      <colorPalette>\n";
   for (const LegendEntry& entry : info.legend)
     xml += "        <paletteEntry value=\"" + shortest(entry.value) + "\" color=\"" + entry.colour + "\" label=\"" +
-           xml_text(entry.label) + "\" alpha=\"255\"/>\n";
+           xml_escaped(entry.label) + "\" alpha=\"255\"/>\n";
   return xml + "      </colorPalette>\n    </rasterrenderer>\n";
 }
 
@@ -47,7 +31,7 @@ std::string ramp_renderer(const LayerInfo& info) {
                     low + "\" maximumValue=\"" + high + "\">\n";
   for (const LegendEntry& entry : info.legend)
     xml += "          <item value=\"" + shortest(entry.value) + "\" color=\"" + entry.colour + "\" label=\"" +
-           xml_text(entry.label) + "\" alpha=\"255\"/>\n";
+           xml_escaped(entry.label) + "\" alpha=\"255\"/>\n";
   return xml + "        </colorrampshader>\n      </rastershader>\n    </rasterrenderer>\n";
 }
 
@@ -67,7 +51,7 @@ std::string attribute_table(const LayerInfo& info, const std::array<std::uint64_
     const LegendEntry& entry = info.legend[r];
     unsigned red = 0, green = 0, blue = 0;
     std::sscanf(entry.colour.c_str(), "#%2x%2x%2x", &red, &green, &blue);
-    xml += line("      <Row index=\"%zu\"><F>%d</F><F>", r, int(entry.value)) + xml_text(entry.label) +
+    xml += line("      <Row index=\"%zu\"><F>%d</F><F>", r, int(entry.value)) + xml_escaped(entry.label) +
            line("</F><F>%llu</F><F>%u</F><F>%u</F><F>%u</F></Row>\n",
                 static_cast<unsigned long long>(cells[std::size_t(entry.value)]), red, green, blue);
   }
@@ -83,7 +67,7 @@ std::string side_file(const LayerInfo& info, const std::array<std::uint64_t, 256
     names[std::size_t(entry.value)] = entry.label;
   }
   std::string xml = "<PAMDataset>\n  <PAMRasterBand band=\"1\">\n    <CategoryNames>\n";
-  for (const std::string& name : names) xml += "      <Category>" + xml_text(name) + "</Category>\n";
+  for (const std::string& name : names) xml += "      <Category>" + xml_escaped(name) + "</Category>\n";
   return xml + "    </CategoryNames>\n" + attribute_table(info, cells) + "  </PAMRasterBand>\n</PAMDataset>\n";
 }
 
