@@ -53,12 +53,39 @@ void add_soil_options(CLI::App& command, SoilTestRequest& r) {
   command.add_flag("--quick", r.quick, "Smaller beds and shorter ways, for a first look");
 }
 
+/// Those of trials.
+void add_numerics_options(CLI::App& command, terrain::Numerics& n) {
+  command.add_option("--step", n.step, "Of trials [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
+  command.add_option("--substeps", n.substeps, "Parts of a step")->check(CLI::Range(1, 1000))->capture_default_str();
+  command.add_option("--iterations", n.iterations, "Most in a part of a step")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--tolerance", n.tolerance, "Residual at which the solver stops [m/s]; 0: never")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  const auto set = [&n](const std::string& name) {
+    n.target = name == "coulomb" ? sim::Target::coulomb : sim::Target::ccp;
+  };
+  command.add_option_function<std::string>("--target", set, "ccp: contacts open as they slide or roll; or coulomb")
+      ->check(CLI::IsMember({"ccp", "coulomb"}))
+      ->default_str(terrain::name_of(n.target));
+}
+
+/// Whether any of those was given.
+bool numerics_given(const CLI::App& command) {
+  for (const char* name : {"--step", "--substeps", "--iterations", "--tolerance", "--target"})
+    if (command.count(name) > 0) return true;
+  return false;
+}
+
 void add_test(CLI::App& parent, const Globals& globals, const std::string& name, const std::string& about) {
   CLI::App* command = parent.add_subcommand(name, about);
   const auto request = std::make_shared<SoilTestRequest>();
   const auto out = std::make_shared<std::string>();
   const auto stresses = std::make_shared<std::vector<double>>();
+  const auto numerics = std::make_shared<terrain::Numerics>();
   add_soil_options(*command, *request);
+  add_numerics_options(*command, *numerics);
   if (name == "shear" || name == "triaxial")
     command->add_option("--stress", *stresses,
                         name == "shear" ? "Normal stresses [kPa] (5 10 20)" : "Confining stresses [kPa] (5 10 20)");
@@ -70,7 +97,8 @@ void add_test(CLI::App& parent, const Globals& globals, const std::string& name,
   command->add_option("--out", *out, "Folder for curves (CSV, PNG), a picture of the grains, and the numbers (JSON)");
   command->footer("Example:\n  gonogo soil test " + name + " --grain 0.032 --friction 0.5 --rolling 0.1 --out out/" +
                   name);
-  command->callback([&globals, name, request, out, stresses] {
+  command->callback([&globals, name, command, request, out, stresses, numerics] {
+    if (numerics_given(*command)) request->numerics = *numerics;
     request->threads = thread_count(globals);
     request->soil.packing_folder = default_packing_folder();
     if (!stresses->empty()) request->stresses.clear();
@@ -106,17 +134,7 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   command->add_option("--travel", run->travel, "Of the plate in a shear test [grain diameters]")
       ->check(CLI::Range(0.5, 100.0))
       ->capture_default_str();
-  terrain::CalibrationNumerics& n = run->numerics;
-  command->add_option("--step", n.step, "Of the trials that the table is for [s]")
-      ->check(CLI::Range(1e-5, 5e-3))
-      ->capture_default_str();
-  command->add_option("--substeps", n.substeps, "Parts of a step")->check(CLI::Range(1, 1000))->capture_default_str();
-  command->add_option("--iterations", n.iterations, "Most in a part of a step")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command->add_option("--tolerance", n.residual, "Residual at which the solver stops [m/s]; 0: never")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
+  add_numerics_options(*command, run->numerics);
   command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
       ->required();
   command->footer("Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json");

@@ -31,7 +31,7 @@ class Runs {
   template <class Job>
   void operator()(Job job) {
     const int side_by_side = std::max(1, std::min(request_.threads, int(count_)));
-    TestPace pace;
+    TestPace pace = request_.numerics ? terrain::pace_of(*request_.numerics) : TestPace{};
     pace.threads = std::max(1, request_.threads / side_by_side);
     pace.on_steps = [this](Index steps) {
       const std::lock_guard lock(mutex_);
@@ -47,6 +47,17 @@ class Runs {
   std::mutex mutex_;
   Progress progress_;
 };
+
+/// Steps in a test's unit of time: the test's own number, unless the step is that of trials.
+double steps_per(double time, double own, const SoilTestRequest& r) {
+  return r.numerics ? time / r.numerics->step : own;
+}
+double steps_per_gravity_time(double own, const SoilTestRequest& r) {
+  return steps_per(terrain::gravity_time(r.soil.grain_diameter), own, r);
+}
+double steps_per_stress_time(double stress, double own, const SoilTestRequest& r) {
+  return steps_per(terrain::stress_time(r.soil.grain_diameter, r.soil.grain_density, stress), own, r);
+}
 
 Json angle_json(const terrain::Angle& a) {
   Json j;
@@ -67,6 +78,7 @@ Json soil_json(const SoilTestRequest& r) {
   j["grain_density_kg_per_m3"] = r.soil.grain_density;
   j["seeds"] = r.seeds;
   j["first_seed"] = std::uint64_t(r.soil.seed);
+  if (r.numerics) terrain::write_numerics(j["numerics"], *r.numerics);
   return j;
 }
 
@@ -94,6 +106,7 @@ TestSoil seeded(const SoilTestRequest& r, std::size_t k) {
 SoilTestOutcome repose(const SoilTestRequest& r) {
   terrain::ReposeSettings settings;
   if (r.quick) settings.length = 16, settings.height = 8;
+  settings.steps_per_time = steps_per_gravity_time(settings.steps_per_time, r);
   std::vector<terrain::ReposeResult> results(std::size_t(r.seeds));
   SoilTestOutcome o = begin("repose", r);
   Runs runs("repose", r, results.size(), terrain::repose_steps(settings));
@@ -165,6 +178,7 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
   runs([&](std::size_t k, const TestPace& pace) {
     terrain::ShearSettings own = settings;
     own.normal_stress = loads[k].stress;
+    own.steps_per_time = steps_per_stress_time(own.normal_stress, own.steps_per_time, r);
     const TestSoil soil = seeded(r, loads[k].seed);
     results[k] = shear_test(terrain::test_bed(soil, 10, 6, 8, pace.threads), soil.laws(), own, pace,
                             k + 1 == loads.size() ? &o.scene : nullptr);
@@ -197,6 +211,7 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
   runs([&](std::size_t k, const TestPace& pace) {
     terrain::TriaxialSettings own = settings;
     own.confining_stress = loads[k].stress;
+    own.steps_per_time = steps_per_stress_time(own.confining_stress, own.steps_per_time, r);
     results[k] = triaxial_test(seeded(r, loads[k].seed), own, pace, k + 1 == loads.size() ? &o.scene : nullptr);
   });
   o.csv = "confining_stress_Pa,seed,strain,axial_stress_Pa,lateral_stress_Pa,volume_strain\n";
@@ -251,6 +266,7 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
   for (std::size_t k = 0; k < settings.size(); ++k) {
     settings[k].width_grains = r.plate_widths[k];
     if (r.quick) settings[k].bed_depth = 2, settings[k].speed = 0.2;
+    settings[k].steps_per_time = steps_per_gravity_time(settings[k].steps_per_time, r);
     steps = std::max(steps, terrain::plate_steps(settings[k]));
   }
   const std::size_t count = settings.size() * std::size_t(r.seeds);
@@ -310,6 +326,7 @@ SoilTestOutcome cone(const SoilTestRequest& r) {
   terrain::ConeSettings settings;
   settings.diameter_grains = r.cone_diameter;
   if (r.quick) settings.depth = 1, settings.speed = 0.2;
+  settings.steps_per_time = steps_per_gravity_time(settings.steps_per_time, r);
   std::vector<terrain::ConeResult> results(std::size_t(r.seeds));
   SoilTestOutcome o = begin("cone", r);
   Runs runs("cone", r, results.size(), terrain::cone_steps(settings));

@@ -2,6 +2,7 @@
 // mechanics from it.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct SoilTestRequest {
   std::vector<double> plate_widths{4, 8};         // in grain diameters
   double cone_diameter = 4;                       // in grain diameters
   bool quick = false;                             // half the travel and smaller beds: for a first look
+  std::optional<terrain::Numerics> numerics;      // of trials; otherwise each test has a pace of its own
   int threads = 1;
 };
 

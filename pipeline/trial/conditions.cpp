@@ -58,18 +58,14 @@ terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) 
   return bed;
 }
 
-TrialNumerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt) {
-  TrialNumerics n = setup.numerics;
+terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt) {
+  terrain::Numerics n = setup.numerics;
   if (attempt > 1) n.step /= 2, n.iterations *= 2;
   return n;
 }
 
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt) {
-  const TrialNumerics n = attempt_numerics(setup, attempt);
-  sim::StepSettings settings =
-      terrain::bed_step_settings(setup.calibration.grain_diameter, n.step, n.iterations, n.tolerance);
-  settings.substeps = n.substeps;
-  return settings;
+  return terrain::step_settings(setup.calibration.grain_diameter, attempt_numerics(setup, attempt));
 }
 
 }  // namespace gonogo::pipeline

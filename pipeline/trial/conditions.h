@@ -23,7 +23,7 @@ terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point);
 terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point);
 
 /// Numerics of an attempt: 1, or 2 with half the step and twice the iterations.
-TrialNumerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt);
+terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt);
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt);
 
 }  // namespace gonogo::pipeline

@@ -34,11 +34,12 @@ void read_drive(const Config& drive, TrialSetup& s) {
   drive.finish();
 }
 
-void read_numerics(const Config& c, TrialNumerics& n) {
+void read_numerics(const Config& c, terrain::Numerics& n) {
   n.step = c.number_or("step_s", n.step, {1e-5, 5e-3});
   n.substeps = int(c.integer_or("substeps", n.substeps, {1, 1000}));
   n.iterations = int(c.integer_or("iterations", n.iterations, {1, 100000}));
   n.tolerance = c.number_or("tolerance_m_per_s", n.tolerance, {0, 1});
+  if (c.has("target") && c.choice("target", {"ccp", "coulomb"}) == "coulomb") n.target = sim::Target::coulomb;
   c.finish();
 }
 

@@ -8,6 +8,7 @@
 #include "pipeline/study/study.h"
 #include "pipeline/trial/task.h"
 #include "terrain/bed/moving_patch.h"
+#include "terrain/bed/numerics.h"
 #include "terrain/soil/calibration.h"
 #include "vehicle/model/vehicle.h"
 #include "vehicle/wheel_rig.h"
@@ -25,13 +26,6 @@ struct Thresholds {
   double creep_speed = 0.1;      // of the bed before the vehicle acts: the slope fails [m/s]
   double residual = 0.1;         // largest root-mean-square residual of a valid trial [m/s]
   double energy_error = 0.1;     // largest energy gain from nowhere over the energy exchanged, of a valid trial [-]
-};
-
-struct TrialNumerics {
-  double step = 2e-3;       // [s]
-  int substeps = 1;         // parts of a step that the solver goes through
-  int iterations = 200;     // most per part
-  double tolerance = 0.01;  // residual at which the solver stops; 0: never [m/s]
 };
 
 struct TrialSetup {
@@ -56,7 +50,7 @@ struct TrialSetup {
   double test_distance = 2.4;              // to be covered after the run-in [m]
   double minimum_drive_time = 1.6;         // driven at least this long, once the ramp is over [s]
   double time_limit = 5;                   // of the driving, ramp included [s]
-  TrialNumerics numerics;
+  terrain::Numerics numerics{2e-3, 1, 200, 0.01};
   Thresholds thresholds;
   std::filesystem::path packing_folder;  // cache of settled beds
   std::shared_ptr<const TrialTask> task = default_task();

@@ -77,7 +77,7 @@ class TrialRun {
   std::chrono::steady_clock::time_point next_save_;
 
   // Of the attempt under way.
-  TrialNumerics numerics_;
+  terrain::Numerics numerics_;
   sim::StepSettings settings_;
   Places* places_ = nullptr;
   sim::WorldIndex place_ = 0;

@@ -137,15 +137,11 @@ terrain::ShearResult shear_of(const Calibration& c, const terrain::SoilFit& fit,
   bulk_density = cell.solid_fraction * fit.grain_density;
   terrain::ShearSettings settings;
   terrain::TestPace pace;
-  const Json& numerics = c.provenance;
   settings.normal_stress = stress, settings.travel = 6;
-  if (numerics.find("step_s")) {
-    settings.steps_per_time =
-        terrain::stress_time(c.grain_diameter, fit.grain_density, stress) / numerics.at("step_s").number();
-    pace.substeps = int(numerics.at("substeps").integer());
-    pace.iterations = int(numerics.at("iterations").integer());
-    pace.residual = numerics.at("tolerance_m_per_s").number();
-    if (pace.residual == 0) pace.tolerance = 0;
+  if (c.provenance.find("step_s")) {
+    const terrain::Numerics numerics = terrain::read_numerics(c.provenance);
+    settings.steps_per_time = terrain::stress_time(c.grain_diameter, fit.grain_density, stress) / numerics.step;
+    pace = terrain::pace_of(numerics);
   }
   return shear_test(cell, {fit.law, fit.law}, settings, pace);
 }

@@ -95,6 +95,20 @@ GONOGO_HD_INLINED T slip_speed(const ContactNumbers<T>& c, const VelocityT<T>& a
   return square_root(dot(tangential, tangential));
 }
 
+/// Normal speed at which the convex relaxation lets a contact open that slides, rolls or spins [m/s]: De Saxce's term
+/// with the radii of all parts of the cone, mu |u_t| + rho |w_t| + sigma |w_n|.
+template <bool turning, class T>
+GONOGO_HD_INLINED T opening_speed(const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b) {
+  T speed = c.mu * slip_speed(c, a, b);
+  if constexpr (turning) {
+    const Vec3T<T> turn = a.angular - b.angular;
+    const T spin = dot(turn, c.normal);
+    const Vec3T<T> roll = multiply_add(c.normal, -spin, turn);
+    speed += c.rho * square_root(dot(roll, roll)) + c.sigma * magnitude(spin);
+  }
+  return speed;
+}
+
 /// Gradient of the CCP at a contact: D^T v + b + E gamma, linear [m/s] and turning [rad/s].
 template <class T>
 struct ContactGradient {

@@ -180,7 +180,7 @@ struct UpdateTile {
     VelocityT<Pack> a, c;
     load_velocities(velocity, b.body_a, a);
     load_velocities(velocity, b.body_b, c);
-    if (renew_slip) b.numbers.bias = b.gap_bias + b.numbers.mu * slip_speed(b.numbers, a, c);
+    if (renew_slip) b.numbers.bias = b.gap_bias + opening_speed<turning>(b.numbers, a, c);
     return accelerated_update<turning>(b.numbers, a, c, b.impulse[parity], b.impulse[1 - parity], beta);
   }
 };

@@ -53,7 +53,8 @@ struct SweepTile {
     const BodyIndex body_a = block_of.body_a[lane], body_b = block_of.body_b[lane];
     const Velocity a = bodies.velocity[body_a], b = bodies.velocity[body_b];
     ContactNumbers<Real> c = lane_of(block_of.numbers, lane);
-    if (m.renew_slip) block_of.numbers.bias[lane] = c.bias = block_of.gap_bias[lane] + c.mu * slip_speed<Real>(c, a, b);
+    if (m.renew_slip)
+      block_of.numbers.bias[lane] = c.bias = block_of.gap_bias[lane] + opening_speed<turning, Real>(c, a, b);
     const Impulse now = lane_of(block_of.impulse[parity], lane);
     const ContactUpdate<Real> u = accelerated_update<turning, Real>(c, a, b, now, now, Real(0));
     if (m.test) sums[tile].residual_square += residual_square<turning, Real>(c, u);
@@ -116,7 +117,7 @@ struct SpectralTile {
     load_velocities(velocity, b.body_b, c);
     load_velocities(velocity_before, b.body_a, a0);
     load_velocities(velocity_before, b.body_b, c0);
-    if (renew_slip) b.numbers.bias = b.gap_bias + b.numbers.mu * slip_speed(b.numbers, a, c);
+    if (renew_slip) b.numbers.bias = b.gap_bias + opening_speed<turning>(b.numbers, a, c);
     return spectral_update<turning, Pack>(b.numbers, a, c, a0, c0, b.impulse[parity], b.impulse[1 - parity], step);
   }
 };

@@ -50,9 +50,9 @@ GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal
           (turning ? 1 + 1 / kTurningShare : Real(1)) * std::fmax(i.x, std::fmax(i.y, i.z))};
 }
 
-/// The gap's bias, and for the `coulomb` target what makes up for the opening of a sliding contact [m/s].
+/// The gap's bias, and for the `coulomb` target what makes up for the opening of a contact that moves [m/s].
 GONOGO_HD_INLINED Real target_bias(const Contact& c, const Velocity& a, const Velocity& b, Target target) {
-  return target == Target::coulomb ? c.gap_bias + c.mu * slip_speed<Real>(c, a, b) : c.gap_bias;
+  return target == Target::coulomb ? c.gap_bias + opening_speed<true, Real>(c, a, b) : c.gap_bias;
 }
 
 struct SplitMasses {

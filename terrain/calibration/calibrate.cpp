@@ -64,14 +64,6 @@ sim::PairLaw law_of(const Job& job) {
   return {Real(point.friction), Real(point.rolling_friction), Real(kCohesionRatio[job.ratio] * kNormalStress)};
 }
 
-TestPace pace_of(const CalibrationNumerics& n) {
-  TestPace pace;
-  pace.substeps = n.substeps, pace.iterations = n.iterations;
-  pace.residual = n.residual;
-  if (n.residual == 0) pace.tolerance = 0;
-  return pace;
-}
-
 TestSoil plate_soil(const CalibrationRun& run, std::size_t packing, std::size_t seed) {
   TestSoil soil;
   soil.grain_diameter = run.grain_diameter;
@@ -306,10 +298,7 @@ Json provenance(const std::vector<Job>& jobs, const CalibrationRun& run, std::si
   p["test"] =
       "simple shear without gravity of a doubly periodic cell, 10 x 6 grains, 8 deep, "
       "inertial number 0.006; plate 4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity";
-  p["step_s"] = run.numerics.step;
-  p["substeps"] = run.numerics.substeps;
-  p["iterations"] = run.numerics.iterations;
-  p["tolerance_m_per_s"] = run.numerics.residual;
+  write_numerics(p, run.numerics);
   p["travel_grain_diameters"] = run.travel;
   p["normal_stress_Pa"] = kNormalStress;
   p["cohesion_pressure_over_normal_stress"] = std::vector<double>(std::begin(kCohesionRatio), std::end(kCohesionRatio));
@@ -323,9 +312,8 @@ Json provenance(const std::vector<Job>& jobs, const CalibrationRun& run, std::si
 }  // namespace
 
 std::string journal_maker(const CalibrationRun& run) {
-  const CalibrationNumerics& n = run.numerics;
-  return line("calibrate/4 grain %g m, travel %g, step %g s, %d x %d updates to %g m/s", run.grain_diameter, run.travel,
-              n.step, n.substeps, n.iterations, n.residual);
+  return line("calibrate/4 grain %g m, travel %g, %s", run.grain_diameter, run.travel,
+              description(run.numerics).c_str());
 }
 
 std::vector<std::string> calibration_tests(const CalibrationRun& run) {

@@ -1,25 +1,17 @@
 // Measures a calibration table by virtual tests: simple shear without and with contact cohesion, and plate sinkage,
 // over a line of contact parameters and the packings of the library.
 #pragma once
+#include "terrain/bed/numerics.h"
 #include "terrain/soil/calibration.h"
 
 namespace gonogo::terrain {
-
-/// Numerics of the trials that the table is for: the tests run with the same, because contacts that are solved less
-/// accurately make weaker soil (docs/soils.md).
-struct CalibrationNumerics {
-  double step = 2e-3;      // [s]
-  int substeps = 1;        // parts of a step
-  int iterations = 200;    // most in a part
-  double residual = 5e-3;  // at which the solver stops [m/s]; 0: never
-};
 
 struct CalibrationRun {
   double grain_diameter = 0.032;  // [m]
   int threads = 1;                // tests at a time
   int seeds = 3;                  // packings of each density
   double travel = 6;              // of the plate in a shear test, in grain diameters
-  CalibrationNumerics numerics;
+  Numerics numerics;              // of the trials that the table is for: contacts solved less well make weaker soil
   /// Finished tests are kept in this file, and a run that finds it goes on from there; empty: nothing is kept.
   std::filesystem::path journal;
 };

@@ -8,7 +8,6 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr double kStepsPerTime = 50;        // in sqrt(d / g)
 constexpr double kRestTime = 10;            // waited at most so many times the height's own time sqrt(h / g)
 constexpr int kSmooth = tool_material + 1;  // walls and gate: a rough gate would drag grains into the gap at the base
 constexpr std::int32_t kWallGroup = 1;      // walls, gate, base and pit never touch each other
@@ -122,12 +121,13 @@ void fit_slope(ReposeResult& r, double diameter) {
 
 }  // namespace
 
-Index repose_steps(const ReposeSettings& s) {
-  return Index((100 / kStepsPerTime + (s.height + 2) / s.gate_speed + kRestTime * std::sqrt(s.height)) * kStepsPerTime);
+Index repose_steps(const ReposeSettings& settings) {
+  const double times = (settings.height + 2) / settings.gate_speed + kRestTime * std::sqrt(settings.height);
+  return 100 + Index(times * settings.steps_per_time);
 }
 
 ReposeResult repose_test(const TestSoil& soil, const ReposeSettings& settings, const TestPace& pace, TestScene* scene) {
-  const double d = soil.grain_diameter, h = gravity_time(d) / kStepsPerTime, unit = std::sqrt(9.81 * d);
+  const double d = soil.grain_diameter, h = gravity_time(d) / settings.steps_per_time, unit = std::sqrt(9.81 * d);
   const Packing bed = test_bed(soil, settings.length, settings.width, settings.height, pace.threads);
   const Place place = place_of(bed);
   sim::BodyIndex gate = 0;
@@ -140,7 +140,7 @@ ReposeResult repose_test(const TestSoil& soil, const ReposeSettings& settings, c
   for (Index k = 0; k < sinking; k += 50) run.advance(std::min<Index>(50, sinking - k));
   run.set_velocity(gate, {});
   // Quiet: grains need longer than five of their own times to move by a tenth of a diameter.
-  const auto most = Index(kRestTime * std::sqrt(settings.height) * kStepsPerTime);
+  const auto most = Index(kRestTime * std::sqrt(settings.height) * settings.steps_per_time);
   ReposeResult r;
   for (Index k = 0; k < most; k += 50) {
     run.advance(50);

@@ -9,6 +9,7 @@ namespace gonogo::terrain {
 struct ReposeSettings {
   double length = 24, width = 6, height = 12;  // of the bed, in grain diameters
   double gate_speed = 0.2;                     // in sqrt(g d)
+  double steps_per_time = 50;                  // in sqrt(d / g)
 };
 
 struct ReposeSample {

@@ -59,10 +59,19 @@ Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, d
   return soil.packing_folder.empty() ? settle_packing(s, threads) : cached_packing(s, soil.packing_folder, threads);
 }
 
+TestPace pace_of(const Numerics& n) {
+  TestPace pace;
+  pace.substeps = n.substeps, pace.iterations = n.iterations, pace.target = n.target;
+  pace.residual = n.tolerance;
+  if (n.tolerance == 0) pace.tolerance = 0;
+  return pace;
+}
+
 sim::StepSettings test_settings(double grain_diameter, double step, double speed, const TestPace& pace) {
   const double residual = pace.residual > 0 ? pace.residual : pace.tolerance * speed;
   sim::StepSettings s = bed_step_settings(grain_diameter, step, pace.iterations, residual);
   s.substeps = pace.substeps;
+  s.target = pace.target;
   return s;
 }
 

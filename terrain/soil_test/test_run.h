@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sim/io/capture.h"
-#include "terrain/bed/bed.h"
+#include "terrain/bed/numerics.h"
 
 namespace gonogo::terrain {
 
@@ -41,7 +41,11 @@ struct TestPace {
   int substeps = 1, iterations = 200;   // of the solver in each step, and at most in each substep
   double tolerance = 0.01;              // residual at which it stops, in speeds of the test
   double residual = 0;                  // at which it stops, instead of `tolerance`, where above zero [m/s]
+  sim::Target target = sim::Target::ccp;
 };
+
+/// The pace of a test with the numerics of trials, but for its step, which each kind of test has in units of its own.
+TestPace pace_of(const Numerics& numerics);
 
 /// Numerical parameters of the tests: bed_step_settings with a tolerance that follows the speed of the test [m/s].
 /// Whole steps: in slow shear few updates in many substeps let the bed sink into itself (docs/soils.md).

@@ -103,3 +103,42 @@ TEST_CASE("under Coulomb's law an impact that slips does not rebound, and takes 
                    s.angular_velocity.y * radius, 1e-4 * along));
     }
 }
+
+TEST_CASE("under Coulomb's law rolling and spinning balls keep to the plane; the relaxation lifts them") {
+  const double radius = 0.1, rolling = 0.2, spinning = 0.1, speed = 2, spin = 30, step = 0.002;
+  const Index steps = 40;
+  for (const Backend backend : backends())
+    for (const Target target : {Target::ccp, Target::coulomb}) {
+      SceneWorld w;
+      w.origin = {-5, -5, -1};
+      w.size = {10, 10, 3};
+      PairLaw law{Real(0.6), Real(rolling), 0};
+      law.spinning_friction = Real(spinning);
+      w.set_law(0, 0, law);
+      add_plane(w);
+      w.add_sphere({0, -1, radius}, Real(radius), density_for(1, radius), 0);
+      w.body[1].velocity.x = Real(speed);
+      w.body[1].angular_velocity.y = Real(speed / radius);
+      w.add_sphere({0, 1, radius}, Real(radius), density_for(1, radius), 0);
+      w.body[2].angular_velocity.z = Real(spin);
+      StepSettings settings = settings_with(step, target, 200);
+      settings.envelope = 0.02f;
+      const auto simulation = simulate(backend, w, settings);
+      simulation->advance(steps);
+      const BodyState rolls = simulation->body(0, 1), spins = simulation->body(0, 2);
+      if (target == Target::ccp) {
+        // Gaps of a step at the speed that the cone's sides demand: c_r r w and c_s r w.
+        CHECK(rolls.position.z - radius > 0.5 * step * rolling * rolls.velocity.x);
+        CHECK(spins.position.z - radius > 0.5 * step * spinning * radius * spins.angular_velocity.z);
+        continue;
+      }
+      const double time = steps * step;
+      const std::string label = std::string(", ") + gonogo::test::name_of(backend);
+      CHECK(agrees("rolling ball, Coulomb: gap [m]" + label, 0, rolls.position.z - radius, 2e-6));
+      CHECK(agrees("rolling ball, Coulomb: speed, v - 5/7 c_r g t [m/s]" + label,
+                   speed - 5.0 / 7 * rolling * kGravity * time, rolls.velocity.x, 2e-4));
+      CHECK(agrees("spinning ball, Coulomb: gap [m]" + label, 0, spins.position.z - radius, 2e-6));
+      CHECK(agrees("spinning ball, Coulomb: spin, w - 5/2 c_s g t / r [rad/s]" + label,
+                   spin - 2.5 * spinning * kGravity * time / radius, spins.angular_velocity.z, 2e-3));
+    }
+}

@@ -240,7 +240,7 @@ class SolveKernel {
                                           Index now) {
     ContactNumbers<Real> c = contact_.unpack(i);
     if (m.renew_slip) {
-      c.bias = s.contact[i].gap_bias + c.mu * slip_speed<Real>(c, a, b);
+      c.bias = s.contact[i].gap_bias + opening_speed<turning, Real>(c, a, b);
       contact_.frame(i).bias = c.bias;
     }
     // A sweep has no momentum, and its velocities move on under way.
@@ -254,7 +254,7 @@ class SolveKernel {
                                                Index now, UpdateSums& sums) {
     ContactNumbers<Real> c = contact_.unpack(i);
     if (m.renew_slip) {
-      c.bias = s.contact[i].gap_bias + c.mu * slip_speed<Real>(c, a, b);
+      c.bias = s.contact[i].gap_bias + opening_speed<turning, Real>(c, a, b);
       contact_.frame(i).bias = c.bias;
     }
     const PairRecord bodies = contact_.pair(i);
