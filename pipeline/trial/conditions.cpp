@@ -60,7 +60,7 @@ terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) 
 
 terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt) {
   terrain::Numerics n = setup.numerics;
-  if (attempt > 1) n.step /= 2, n.iterations *= 2;
+  if (attempt > 1) n.step /= 2;
   return n;
 }
 
