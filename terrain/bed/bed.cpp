@@ -182,8 +182,9 @@ Packing settle_packing(const BedSpec& spec, int threads) {
   const std::vector<Grain> poured = poured_grains(spec);
   Packing packing{spec, poured, glued_base(spec), 0, 0, 0};
   SceneWorld world = pouring_world(spec, poured, packing.base);
-  packing.residual_speed = let_settle(world, packing, 40, 20, threads);
-  // Long beds of slippery grains keep flowing on what so few updates leave unsolved.
+  // Long beds of slippery grains keep flowing on what so few updates leave unsolved; so do clumps, once they have
+  // fallen.
+  packing.residual_speed = let_settle(world, packing, 40, spec.shape == GrainShape::sphere ? 20 : 10, threads);
   if (!(packing.residual_speed < quiet_speed(spec)))
     packing.residual_speed = let_settle(world, packing, 200, 40, threads);
   if (!(packing.residual_speed < quiet_speed(spec)))
