@@ -7,20 +7,6 @@
 namespace gonogo::pipeline {
 namespace {
 
-/// The packing next to itself along x: it is periodic, so the seams fit.
-terrain::Packing side_by_side(const terrain::Packing& packing, int copies) {
-  terrain::Packing wide = packing;
-  wide.grain.clear();
-  wide.base.clear();
-  for (int k = 0; k < copies; ++k) {
-    const Vec3d shift{k * packing.spec.length, 0, 0};
-    for (const terrain::Grain& g : packing.grain) wide.grain.push_back({g.position + shift, g.radius});
-    for (const terrain::Grain& g : packing.base) wide.base.push_back({g.position + shift, g.radius});
-  }
-  wide.spec.length *= copies;
-  return wide;
-}
-
 sim::SceneWorld bench_world(const BedBench& request) {
   terrain::BedSpec spec;
   spec.grain_diameter = request.grain_diameter;
@@ -30,7 +16,7 @@ sim::SceneWorld bench_world(const BedBench& request) {
   log_line("bench", "settling the bed, or reading it from " + request.packing_folder.string());
   const terrain::Packing packing = terrain::cached_packing(spec, request.packing_folder, request.threads);
   const sim::PairLaw law{Real(request.friction), Real(request.rolling_friction), 0};
-  return terrain::bed_world(side_by_side(packing, request.copies), {law, law}, spec.grain_diameter);
+  return terrain::bed_world(terrain::tiled(packing, request.copies, 1), {law, law}, spec.grain_diameter);
 }
 
 }  // namespace

@@ -65,7 +65,7 @@ terrain::Packing tilted(const WheelScene& scene, terrain::Packing packing, const
   const auto simulation = sim::make_simulation(request.backend, {world}, settings, request.threads);
   simulation->advance(Index(std::lround(scene.settle_time / settings.step)));
   const auto bodies = simulation->bodies(0);
-  for (std::size_t i = 0; i < packing.grain.size(); ++i) packing.grain[i].position = bodies[i].position;
+  terrain::take_places(packing.grain, packing.spec.shape, bodies);
   return packing;
 }
 
@@ -73,7 +73,7 @@ terrain::Packing tilted(const WheelScene& scene, terrain::Packing packing, const
 double clear_height(const WheelScene& scene, const terrain::Packing& packing, double x, double y) {
   const double reach = scene.rig.radius + scene.rig.lug_height;
   double height = packing.surface;
-  for (const terrain::Grain& g : packing.grain) {
+  for (const terrain::Grain& g : terrain::lobes_of(packing)) {
     const double dx = g.position.x - x, dy = g.position.y - y, free = reach + g.radius;
     if (std::fabs(dx) >= free || std::fabs(dy) >= scene.rig.width / 2 + g.radius) continue;
     height = std::max(height, g.position.z + std::sqrt(free * free - dx * dx));
@@ -221,7 +221,7 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
   simulation->advance(1);
   const double start_up = seconds() - start;
   const double surface =
-      terrain::surface_height(packing.grain, scene.bed.length, scene.bed.width, scene.bed.grain_diameter);
+      terrain::surface_height(terrain::lobes_of(packing), scene.bed.length, scene.bed.width, scene.bed.grain_diameter);
   Drive drive(scene, request, *simulation, std::move(rig), surface);
   drive.park();
   drive.ramp();

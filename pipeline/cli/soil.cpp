@@ -34,10 +34,19 @@ int thread_count(const Globals& globals) {
   return globals.threads > 0 ? globals.threads : int(std::thread::hardware_concurrency());
 }
 
+void add_shape(CLI::App& command, terrain::GrainShape& shape) {
+  command
+      .add_option_function<std::string>(
+          "--shape", [&shape](const std::string& name) { shape = terrain::grain_shape_of(name); },
+          "Of grains: sphere, or a clump of two (pair) or three (trefoil) that has the volume of a sphere (sphere)")
+      ->check(CLI::IsMember(terrain::grain_shape_names()));
+}
+
 /// Options of all tests; --density is the relative one.
 void add_soil_options(CLI::App& command, SoilTestRequest& r) {
   const auto real = [](Real& target, double scale) { return [&target, scale](double x) { target = Real(x * scale); }; };
   command.add_option("--grain", r.soil.grain_diameter, "Grain diameter [m]")->capture_default_str();
+  add_shape(command, r.soil.shape);
   command.add_option_function<double>("--friction", real(r.soil.grain.friction, 1), "Sliding friction of grains (0.5)");
   command.add_option_function<double>("--rolling", real(r.soil.grain.rolling_friction, 1),
                                       "Rolling friction of grains, times the effective radius (0)");
@@ -128,6 +137,7 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   command->add_option("--grain", run->grain_diameter, "Grain diameter [m]")
       ->check(CLI::Range(0.001, 0.5))
       ->capture_default_str();
+  add_shape(*command, run->shape);
   command->add_option("--seeds", run->seeds, "Packings of each density")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
@@ -147,6 +157,7 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
     Json json;
     json["table"] = *out;
     json["grain_diameter_m"] = run->grain_diameter;
+    json["shape"] = terrain::name_of(run->shape);
     json["lowest_friction_angle_deg"] = terrain::reachable_angles(c).lowest;
     json["highest_friction_angle_deg"] = terrain::reachable_angles(c).highest;
     print_result(globals, json, table(c) + "written to " + *out + "\n");

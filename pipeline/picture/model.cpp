@@ -173,7 +173,9 @@ Model model_of(const SceneWorld& world, const sim::Capture& frame, const ModelSt
     const BodyState& body = frame.body[s.body];
     const Vec3d centre = sim::centre_of(s, body);
     if (s.type == ShapeType::sphere) {
-      model.ball.push_back({place.placed(centre), s.size.x, varied(ball_colour(world, body, s, style), i)});
+      // All lobes of a grain alike; of what is fixed, each by itself.
+      const std::size_t own = moves(world, s.body) ? std::size_t(s.body) : i;
+      model.ball.push_back({place.placed(centre), s.size.x, varied(ball_colour(world, body, s, style), own)});
       if (!moves(world, s.body)) lowest_fixed = std::min(lowest_fixed, centre.z);
       continue;
     }

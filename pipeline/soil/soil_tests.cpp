@@ -70,6 +70,7 @@ Json angle_json(const terrain::Angle& a) {
 Json soil_json(const SoilTestRequest& r) {
   Json j;
   j["grain_diameter_m"] = r.soil.grain_diameter;
+  j["shape"] = terrain::name_of(r.soil.shape);
   j["friction"] = double(r.soil.grain.friction);
   j["rolling_friction"] = double(r.soil.grain.rolling_friction);
   j["cohesion_pressure_Pa"] = double(r.soil.grain.cohesion_pressure);
@@ -86,9 +87,10 @@ SoilTestOutcome begin(const std::string& test, const SoilTestRequest& r) {
   SoilTestOutcome o;
   o.json["test"] = test;
   o.json["soil"] = soil_json(r);
-  o.plot.title = line("Virtual %s test, grains of %g mm, friction %g, rolling %g, cohesion pressure %g kPa",
-                      test.c_str(), 1e3 * r.soil.grain_diameter, double(r.soil.grain.friction),
-                      double(r.soil.grain.rolling_friction), double(r.soil.grain.cohesion_pressure) / 1e3);
+  o.plot.title =
+      line("Virtual %s test, %ss of %g mm, friction %g, rolling %g, cohesion pressure %g kPa", test.c_str(),
+           terrain::name_of(r.soil.shape).c_str(), 1e3 * r.soil.grain_diameter, double(r.soil.grain.friction),
+           double(r.soil.grain.rolling_friction), double(r.soil.grain.cohesion_pressure) / 1e3);
   return o;
 }
 

@@ -44,7 +44,7 @@ sim::Monitor stopping_monitor(const TrialSetup& setup, sim::BodyIndex body) {
 /// Height of the axle at which a wheel just clears every grain. `reach`: its radius with lugs [m].
 double resting_axle_height(const terrain::Packing& packing, double reach, double width, double x, double y) {
   double height = packing.surface + reach;
-  for (const terrain::Grain& g : packing.grain) {
+  for (const terrain::Grain& g : terrain::lobes_of(packing)) {
     const double dx = std::remainder(g.position.x - x, packing.spec.length),
                  dy = std::remainder(g.position.y - y, packing.spec.width);
     const double free = reach + g.radius;
@@ -188,17 +188,16 @@ Index bed_steps(const TrialSetup& setup, const sim::StepSettings& settings) {
   return std::max(1, int(std::lround(setup.bed_settle_time / settings.step)));
 }
 
-TiltedBed tilted_bed(sim::Simulation& simulation, sim::WorldIndex world, std::size_t grain_count) {
+TiltedBed tilted_bed(sim::Simulation& simulation, sim::WorldIndex world, const terrain::Packing& settled) {
   TiltedBed bed;
   const sim::StepReport report = simulation.report(world);
   bed.flags = report.flags;
   bed.residual = report.rms_residual;
   const auto bodies = simulation.bodies(world);
   Vec3d mean;
-  for (std::size_t i = 0; i < grain_count; ++i) {
-    bed.grain.push_back(bodies[i].position);
-    mean += static_cast<Vec3d>(bodies[i].velocity) * (1.0 / double(grain_count));
-  }
+  const std::size_t count = settled.grain.size();
+  for (std::size_t i = 0; i < count; ++i) mean += static_cast<Vec3d>(bodies[i].velocity) * (1.0 / double(count));
+  bed.grain = terrain::grain_places(bodies, settled.spec.shape, count);
   bed.creep = std::hypot(mean.x, mean.y);
   return bed;
 }
@@ -220,7 +219,10 @@ DriveOutcome outcome_of_failed_bed(const TiltedBed& bed) {
 sim::SceneWorld vehicle_on_bed(const TrialSetup& setup, const terrain::Packing& settled, const TiltedBed& bed,
                                const TrialConditions& conditions) {
   terrain::Packing packing = settled;
-  for (std::size_t i = 0; i < bed.grain.size(); ++i) packing.grain[i].position = bed.grain[i];
+  for (std::size_t i = 0; i < bed.grain.size(); ++i) {
+    packing.grain[i].position = bed.grain[i].position;
+    packing.grain[i].orientation = bed.grain[i].orientation;
+  }
   const double headroom =
       setup.whole ? kHeadroom + vehicle::standing_height(*setup.whole) : 3 * (setup.rig.radius + setup.rig.lug_height);
   sim::SceneWorld world = ground_world(setup, packing, conditions, headroom);

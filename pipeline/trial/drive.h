@@ -30,12 +30,12 @@ Index bed_steps(const TrialSetup& setup, const sim::StepSettings& settings);
 
 /// The bed at the end of its phase.
 struct TiltedBed {
-  std::vector<Vec3d> grain;  // positions, in the packing's order [m]
-  double creep = 0;          // mean speed along the slope: one that fails by itself keeps accelerating [m/s]
-  double residual = 0;       // root mean square [m/s]
+  std::vector<terrain::GrainPlace> grain;  // in the packing's order
+  double creep = 0;     // mean speed along the slope: one that fails by itself keeps accelerating [m/s]
+  double residual = 0;  // root mean square [m/s]
   Index flags = 0;
 };
-TiltedBed tilted_bed(sim::Simulation& simulation, sim::WorldIndex world, std::size_t grain_count);
+TiltedBed tilted_bed(sim::Simulation& simulation, sim::WorldIndex world, const terrain::Packing& settled);
 
 /// The bed does not stand by itself, or its simulation went wrong.
 bool fails(const TrialSetup& setup, const TiltedBed& bed);

@@ -8,6 +8,7 @@ namespace {
 constexpr const char* kGroup = "trial";
 constexpr const char* kBed = "trial/bed";
 constexpr const char* kGrains = "trial/bed/grains";
+constexpr std::size_t kColumns = 7;
 
 }  // namespace
 
@@ -21,9 +22,10 @@ void save_run(const std::filesystem::path& path, const RunState& state) {
     out.attribute(kBed, "creep", state.bed->creep);
     out.attribute(kBed, "residual", state.bed->residual);
     std::vector<double> rows;
-    for (const Vec3d& x : state.bed->grain) rows.insert(rows.end(), {x.x, x.y, x.z});
-    out.array(kGrains, rows, {state.bed->grain.size(), 3});
-    out.attribute(kGrains, "unit", "m");
+    for (const auto& [x, q] : state.bed->grain) rows.insert(rows.end(), {x.x, x.y, x.z, q.w, q.x, q.y, q.z});
+    out.array(kGrains, rows, {state.bed->grain.size(), kColumns});
+    out.attribute(kGrains, "columns",
+                  std::vector<std::string>{"x [m]", "y [m]", "z [m]", "orientation w", "x", "y", "z"});
   }
   sim::store_snapshot(out, state.world, state.scene);
   out.save(path);
@@ -50,8 +52,13 @@ TiltedBed SavedRun::bed(const std::string& bed_scene) const {
   TiltedBed bed;
   bed.creep = in_.number_attribute(kBed, "creep");
   bed.residual = in_.number_attribute(kBed, "residual");
+  const auto shape = in_.shape(kGrains);
+  if (shape.size() != 2 || shape[1] != kColumns)
+    in_.fail(kGrains, "expected seven columns; remove the file, and the trial starts from the beginning");
   const auto rows = in_.array<double>(kGrains);
-  for (std::size_t i = 0; i + 2 < rows.size(); i += 3) bed.grain.push_back({rows[i], rows[i + 1], rows[i + 2]});
+  for (std::size_t i = 0; i + kColumns <= rows.size(); i += kColumns)
+    bed.grain.push_back({{rows[i], rows[i + 1], rows[i + 2]},
+                         {Real(rows[i + 3]), Real(rows[i + 4]), Real(rows[i + 5]), Real(rows[i + 6])}});
   return bed;
 }
 

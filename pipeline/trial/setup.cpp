@@ -175,6 +175,7 @@ terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density,
   spec.width = bed_width;
   spec.depth = deepest_bed > 0 ? deepest_bed : bed_depth;
   spec.grain_diameter = calibration.grain_diameter;
+  spec.shape = calibration.shape;
   spec.grain_density = grain_density;
   spec.settle_friction = calibration.packing[terrain::packing_level(calibration, relative_density)].settle_friction;
   spec.seed = bed_seed % std::uint64_t(packing_seeds);

@@ -98,7 +98,8 @@ class Step final : public Obstacle {
 
   void shape(const Course& c, terrain::Packing& bed) const override {
     std::erase_if(bed.grain, [&](const terrain::Grain& g) {
-      return beyond(from(c), g.position.x + g.radius, c.length) < length_ + 2 * g.radius;
+      const double reach = terrain::clump_of(bed.spec.shape, g.radius).reach;
+      return beyond(from(c), g.position.x + reach, c.length) < length_ + 2 * reach;
     });
   }
 

@@ -166,7 +166,7 @@ void TrialRun::look(Index steps, const sim::WorldStop& stop) {
 
 void TrialRun::look_at_bed() {
   if (step_ < bed_steps(setup_, settings_)) return;
-  bed_ = tilted_bed(simulation(), place_, packing_.grain.size());
+  bed_ = tilted_bed(simulation(), place_, packing_);
   next_ = Next::drive;
   if (!fails(setup_, bed_)) return;
   if (watch_.frame)

@@ -21,7 +21,7 @@ double untouched_axle_height(const terrain::Packing& packing, double reach, doub
                              double way) {
   const terrain::BedSpec& bed = packing.spec;
   std::vector<terrain::Grain> lane;
-  for (const terrain::Grain& g : packing.grain)
+  for (const terrain::Grain& g : terrain::lobes_of(packing))
     if (std::fabs(std::remainder(g.position.y - y, bed.width)) < width / 2 + g.radius) lane.push_back(g);
   const int places = std::max(8, int(4 * way / bed.grain_diameter));
   double sum = 0;

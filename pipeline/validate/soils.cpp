@@ -21,7 +21,8 @@ using terrain::Calibration;
 /// Sandy grains of the calibration's size, between loose and dense.
 SoilTestRequest request_of(const SoilValidation& run, double rolling, double density) {
   SoilTestRequest r;
-  r.soil.grain_diameter = terrain::read_calibration(run.calibration).grain_diameter;
+  const Calibration table = terrain::read_calibration(run.calibration);
+  r.soil.grain_diameter = table.grain_diameter, r.soil.shape = table.shape;
   r.soil.grain = {Real(0.5), Real(rolling), 0};
   r.soil.relative_density = density;
   r.seeds = run.seeds, r.threads = run.threads, r.quick = run.quick;
@@ -131,7 +132,7 @@ std::vector<Inverted> soils_of(const Calibration& c) {
 
 terrain::ShearResult shear_of(const Calibration& c, const terrain::SoilFit& fit, double stress, std::uint64_t seed,
                               double& bulk_density) {
-  terrain::BedSpec spec = terrain::shear_cell(c.grain_diameter, c.packing[fit.packing].settle_friction, seed);
+  terrain::BedSpec spec = terrain::shear_cell(c.grain_diameter, c.packing[fit.packing].settle_friction, seed, c.shape);
   spec.grain_density = fit.grain_density;
   const terrain::Packing cell = settle_packing(spec, 1);
   bulk_density = cell.solid_fraction * fit.grain_density;

@@ -16,9 +16,18 @@ namespace {
 using sim::SceneWorld;
 
 /// Streams of random numbers, one per use.
-enum Stream : std::uint64_t { radius_stream = 1, place_stream, speed_stream, base_stream, shift_stream };
+enum Stream : std::uint64_t { radius_stream = 1, place_stream, speed_stream, base_stream, shift_stream, turn_stream };
 
 double uniform(std::uint64_t seed, Stream stream, std::uint64_t index) { return random_unit(seed, stream, index); }
+
+/// Random for clumps.
+Quat first_orientation(const BedSpec& s, std::size_t grain) {
+  if (s.shape == GrainShape::sphere) return {};
+  const auto u = [&](std::uint64_t k) { return uniform(s.seed, turn_stream, 3 * grain + k); };
+  return random_orientation(u(0), u(1), u(2));
+}
+
+constexpr std::size_t kBaseTurns = std::size_t(1) << 40;  // glued grains draw their orientations from here on
 
 /// Fixed grains on a square lattice about one diameter apart, heights varied by a quarter of a diameter.
 std::vector<Grain> glued_base(const BedSpec& s) {
@@ -27,8 +36,10 @@ std::vector<Grain> glued_base(const BedSpec& s) {
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
       const double bump = 0.25 * s.grain_diameter * uniform(s.seed, base_stream, base.size());
-      base.push_back(
-          {{(i + 0.5) * s.length / nx, (j + 0.5) * s.width / ny, bump - s.grain_diameter / 2}, s.grain_diameter / 2});
+      const Grain g{{(i + 0.5) * s.length / nx, (j + 0.5) * s.width / ny, bump - s.grain_diameter / 2},
+                    s.grain_diameter / 2,
+                    first_orientation(s, kBaseTurns + base.size())};
+      for (const Grain& lobe : lobes_of(s.shape, {g})) base.push_back(lobe);
     }
   return base;
 }
@@ -37,7 +48,7 @@ std::vector<Grain> glued_base(const BedSpec& s) {
 std::vector<Grain> poured_grains(const BedSpec& s) {
   const double volume = std::numbers::pi / 6 * std::pow(s.grain_diameter, 3) * (1 + s.size_spread * s.size_spread);
   const auto count = std::size_t(0.6 * s.length * s.width * s.depth / volume);
-  const double pitch = 1.05 * s.grain_diameter * (1 + s.size_spread);
+  const double pitch = 1.05 * clump_of(s.shape, s.grain_diameter).reach * (1 + s.size_spread);
   const int nx = int(s.length / pitch), ny = int(s.width / pitch);
   std::vector<Grain> grains;
   for (std::size_t k = 0; k < count; ++k) {
@@ -46,7 +57,8 @@ std::vector<Grain> poured_grains(const BedSpec& s) {
     const double radius = s.grain_diameter / 2 * (1 + s.size_spread * (2 * uniform(s.seed, radius_stream, k) - 1));
     grains.push_back({{(column + stagger) * s.length / nx, (row + stagger) * s.width / ny,
                        s.grain_diameter + layer * pitch + 0.02 * pitch * uniform(s.seed, place_stream, k)},
-                      radius});
+                      radius,
+                      first_orientation(s, k)});
   }
   return grains;
 }
@@ -57,10 +69,14 @@ double volume_below(const Grain& g, double z) {
   return std::numbers::pi * h * h * (g.radius - h / 3);
 }
 
-double solid_fraction_between(const std::vector<Grain>& grains, const BedSpec& s, double low, double high) {
+/// Where lobes overlap each counts for its share of the union. `lobes`: of grains of this shape.
+double solid_fraction_between(const std::vector<Grain>& lobes, const BedSpec& s, double low, double high) {
+  const Clump c = clump_of(s.shape, 1);
+  const double sphere = std::numbers::pi * 4 / 3 * c.lobe_radius * c.lobe_radius * c.lobe_radius;
+  const double share = c.lobe.size() == 1 ? 1 : c.volume / (sphere * double(c.lobe.size()));
   double solid = 0;
-  for (const Grain& g : grains) solid += volume_below(g, high) - volume_below(g, low);
-  return solid / (s.length * s.width * (high - low));
+  for (const Grain& g : lobes) solid += volume_below(g, high) - volume_below(g, low);
+  return share * solid / (s.length * s.width * (high - low));
 }
 
 double rms_speed(const std::vector<sim::BodyState>& bodies, std::size_t count) {
@@ -97,10 +113,10 @@ SceneWorld pouring_world(const BedSpec& s, const std::vector<Grain>& grains, con
 
 std::string BedSpec::hash() const {
   Json j;
-  j["maker"] = "settle_packing/3";
+  j["maker"] = "settle_packing/4";
   j["length"] = length, j["width"] = width, j["depth"] = depth, j["grain_diameter"] = grain_diameter;
   j["size_spread"] = size_spread, j["grain_density"] = grain_density, j["settle_friction"] = settle_friction;
-  j["seed"] = std::uint64_t(seed);
+  j["seed"] = std::uint64_t(seed), j["shape"] = name_of(shape);
   return content_hash(j.dump());
 }
 
@@ -125,8 +141,7 @@ sim::SceneWorld bed_world(const Packing& packing, const BedLaws& laws, double he
   world.set_law(grain_material, base_material, laws.grain);
   world.set_law(grain_material, tool_material, laws.tool);
   world.set_law(base_material, tool_material, laws.tool);
-  for (const Grain& g : packing.grain)
-    world.add_sphere(g.position, Real(g.radius), Real(s.grain_density), grain_material);
+  for (const Grain& g : packing.grain) add_grain(world, s.shape, g, s.grain_density, grain_material);
   const sim::BodyIndex base = world.add_body({}, sim::fixed_body());
   for (const Grain& g : packing.base) {
     sim::Shape shape;
@@ -167,24 +182,42 @@ Packing settle_packing(const BedSpec& spec, int threads) {
   const std::vector<Grain> poured = poured_grains(spec);
   Packing packing{spec, poured, glued_base(spec), 0, 0, 0};
   SceneWorld world = pouring_world(spec, poured, packing.base);
-  packing.residual_speed = let_settle(world, packing, 40, 20, threads);
-  // Long beds of slippery grains keep flowing on what so few updates leave unsolved.
+  // Long beds of slippery grains keep flowing on what so few updates leave unsolved; so do clumps, once they have
+  // fallen.
+  packing.residual_speed = let_settle(world, packing, 40, spec.shape == GrainShape::sphere ? 20 : 10, threads);
   if (!(packing.residual_speed < quiet_speed(spec)))
     packing.residual_speed = let_settle(world, packing, 200, 40, threads);
   if (!(packing.residual_speed < quiet_speed(spec)))
     throw DeviceError("bed: the grains did not come to rest (still " + std::to_string(packing.residual_speed) +
                       " m/s)");
-  for (std::size_t i = 0; i < poured.size(); ++i) packing.grain[i].position = world.body[i].position;
-  packing.surface = surface_height(packing.grain, spec.length, spec.width, spec.grain_diameter);
+  take_places(packing.grain, spec.shape, world.body);
+  const std::vector<Grain> lobes = lobes_of(packing);
+  packing.surface = surface_height(lobes, spec.length, spec.width, spec.grain_diameter);
   packing.solid_fraction =
-      solid_fraction_between(packing.grain, spec, spec.grain_diameter, packing.surface - spec.grain_diameter);
+      solid_fraction_between(lobes, spec, spec.grain_diameter, packing.surface - spec.grain_diameter);
   return packing;
 }
 
-double surface_height(const std::vector<Grain>& grains, double length, double width, double column) {
+std::vector<Grain> lobes_of(const Packing& packing) {
+  const BedSpec& s = packing.spec;
+  std::vector<Grain> lobes = lobes_of(s.shape, packing.grain);
+  for (Grain& g : lobes) {
+    g.position.x -= s.length * std::floor(g.position.x / s.length);
+    g.position.y -= s.width * std::floor(g.position.y / s.width);
+  }
+  return lobes;
+}
+
+double highest_point(const Packing& packing) {
+  double top = 0;
+  for (const Grain& g : lobes_of(packing.spec.shape, packing.grain)) top = std::max(top, g.position.z + g.radius);
+  return top;
+}
+
+double surface_height(const std::vector<Grain>& spheres, double length, double width, double column) {
   const int nx = std::max(1, int(length / column)), ny = std::max(1, int(width / column));
   std::vector<double> top(std::size_t(nx) * ny, 0.0);
-  for (const Grain& g : grains) {
+  for (const Grain& g : spheres) {
     const int i = std::clamp(int(g.position.x / length * nx), 0, nx - 1);
     const int j = std::clamp(int(g.position.y / width * ny), 0, ny - 1);
     double& highest = top[std::size_t(j) * nx + i];
@@ -203,6 +236,7 @@ Packing shifted(const Packing& packing, std::uint64_t seed) {
   const auto move = [&](Grain& g) {
     g.position.x = std::fmod(g.position.x + dx, s.length);
     g.position.y = std::fmod((mirror ? s.width - g.position.y : g.position.y) + dy, s.width);
+    if (mirror) g.orientation = mirrored(s.shape, g.orientation);
   };
   for (Grain& g : result.grain) move(g);
   for (Grain& g : result.base) move(g);
@@ -218,7 +252,7 @@ Packing tiled(const Packing& tile, int nx, int ny) {
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < ny; ++j)
         for (const Grain& g : from)
-          to.push_back({g.position + Vec3d{i * tile.spec.length, j * tile.spec.width, 0}, g.radius});
+          to.push_back({g.position + Vec3d{i * tile.spec.length, j * tile.spec.width, 0}, g.radius, g.orientation});
   };
   copy(tile.grain, bed.grain), copy(tile.base, bed.base);
   return bed;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sim/simulation.h"
+#include "terrain/bed/clump.h"
 
 namespace gonogo::terrain {
 
@@ -14,24 +15,21 @@ enum Material : int { grain_material = 0, base_material = 1, tool_material = 2 }
 
 struct BedSpec {
   double length = 4, width = 0.8, depth = 0.3;  // of the settled bed along x, y, z [m]
-  double grain_diameter = 0.09;                 // mean [m]
+  double grain_diameter = 0.09;                 // mean, of the sphere with a grain's volume [m]
   double size_spread = 0.1;                     // radii are uniform in mean * (1 +- spread)
   double grain_density = 2650;                  // of the solid [kg/m^3]; quartz
   double settle_friction = 0.1;                 // while settling: the lower, the denser the packing
   std::uint64_t seed = 1;
+  GrainShape shape = GrainShape::sphere;
   /// Name that identifies the packing and everything that made it.
   std::string hash() const;
-};
-
-struct Grain {
-  Vec3d position;  // [m]
-  double radius;   // [m]
 };
 
 /// A settled packing, loose of any property but geometry.
 struct Packing {
   BedSpec spec;
-  std::vector<Grain> grain, base;
+  std::vector<Grain> grain;
+  std::vector<Grain> base;    // lobes of glued grains, as spheres
   double surface = 0;         // mean height of the top, glued base at z = 0 [m]
   double solid_fraction = 0;  // of the bed between a grain above the base and a grain below the top [-]
   double residual_speed = 0;  // root-mean-square grain speed when settling stopped [m/s]
@@ -68,7 +66,13 @@ Packing tiled(const Packing& tile, int nx, int ny);
 /// free above the surface [m].
 sim::SceneWorld bed_world(const Packing& packing, const BedLaws& laws, double headroom);
 
-/// Mean height of the top of the grains over a grid of columns one grain wide [m].
-double surface_height(const std::vector<Grain>& grains, double length, double width, double column);
+/// All lobes of the grains that are not glued, as spheres; their centres lie inside the period.
+std::vector<Grain> lobes_of(const Packing& packing);
+
+/// Mean height of the top of spheres over a grid of columns one grain wide [m].
+double surface_height(const std::vector<Grain>& spheres, double length, double width, double column);
+
+/// Height of the highest point of a grain [m].
+double highest_point(const Packing& packing);
 
 }  // namespace gonogo::terrain

@@ -13,7 +13,7 @@ Packing on_hard_layer(const Packing& packing, double depth) {
     if (g.position.z >= 0)
       bed.grain.push_back(g);
     else if (g.position.z > lowest)
-      bed.base.push_back(g);
+      for (const Grain& lobe : lobes_of(packing.spec.shape, {g})) bed.base.push_back(lobe);
   };
   for (const Grain& g : packing.grain) lowered(g);
   for (Grain g : packing.base) {  // glued already

@@ -14,18 +14,28 @@ void check_patch(const MovingPatch& patch, double grain_diameter) {
                      " m and a slab of four grains; make the bed longer");
 }
 
-std::vector<sim::BodyIndex> virgin_grains(const MovingPatch& patch, const std::vector<Vec3d>& start, double x) {
+std::vector<GrainPlace> grain_places(const std::vector<sim::BodyState>& bodies, GrainShape shape, std::size_t count) {
+  std::vector<Grain> grains(count);
+  take_places(grains, shape, bodies);
+  std::vector<GrainPlace> places;
+  for (const Grain& g : grains) places.push_back({g.position, g.orientation});
+  return places;
+}
+
+std::vector<sim::BodyIndex> virgin_grains(const MovingPatch& patch, const std::vector<GrainPlace>& start, double x) {
   std::vector<sim::BodyIndex> virgin;
   for (std::size_t i = 0; i < start.size(); ++i)
-    if (std::fabs(std::remainder(start[i].x - x, patch.length)) > patch.reach) virgin.push_back(sim::BodyIndex(i));
+    if (std::fabs(std::remainder(start[i].position.x - x, patch.length)) > patch.reach)
+      virgin.push_back(sim::BodyIndex(i));
   return virgin;
 }
 
 void renew_ground(sim::Simulation& simulation, sim::WorldIndex world, const MovingPatch& patch,
-                  const std::vector<Vec3d>& start, double x) {
+                  const std::vector<GrainPlace>& start, double x) {
   const std::vector<sim::BodyIndex> virgin = virgin_grains(patch, start, x);
   std::vector<sim::BodyState> states;
-  for (const sim::BodyIndex i : virgin) states.push_back({start[std::size_t(i)], {}, {}, {}});
+  for (const sim::BodyIndex i : virgin)
+    states.push_back({start[std::size_t(i)].position, start[std::size_t(i)].orientation, {}, {}});
   simulation.set_bodies(world, virgin, states);
 }
 

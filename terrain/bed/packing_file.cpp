@@ -7,22 +7,29 @@
 namespace gonogo::terrain {
 namespace {
 
+constexpr std::size_t kColumns = 8, kSpecNumbers = 9;
+
 void write_grains(Hdf5Writer& out, const std::string& name, const std::vector<Grain>& grains) {
   std::vector<double> rows;
-  for (const Grain& g : grains) rows.insert(rows.end(), {g.position.x, g.position.y, g.position.z, g.radius});
-  out.array(name, rows, {grains.size(), 4});
-  out.attribute(name, "columns", std::vector<std::string>{"x", "y", "z", "radius"});
-  out.attribute(name, "unit", "m");
+  for (const Grain& g : grains) {
+    const Quat& q = g.orientation;
+    rows.insert(rows.end(), {g.position.x, g.position.y, g.position.z, g.radius, q.w, q.x, q.y, q.z});
+  }
+  out.array(name, rows, {grains.size(), kColumns});
+  out.attribute(name, "columns",
+                std::vector<std::string>{"x [m]", "y [m]", "z [m]", "radius [m]", "orientation w", "x", "y", "z"});
 }
 
 std::vector<Grain> read_grains(const Hdf5Reader& in, const std::string& name) {
   const auto shape = in.shape(name);
-  if (shape.size() != 2 || shape[1] != 4)
-    in.fail(name, "expected four columns; remove the file, it will be made again");
+  if (shape.size() != 2 || shape[1] != kColumns)
+    in.fail(name, "expected eight columns; remove the file, it will be made again");
   const auto rows = in.array<double>(name);
   std::vector<Grain> grains;
-  for (std::size_t i = 0; i + 3 < rows.size(); i += 4)
-    grains.push_back({{rows[i], rows[i + 1], rows[i + 2]}, rows[i + 3]});
+  for (std::size_t i = 0; i + kColumns <= rows.size(); i += kColumns)
+    grains.push_back({{rows[i], rows[i + 1], rows[i + 2]},
+                      rows[i + 3],
+                      {Real(rows[i + 4]), Real(rows[i + 5]), Real(rows[i + 6]), Real(rows[i + 7])}});
   return grains;
 }
 
@@ -34,7 +41,8 @@ void write_packing(const std::filesystem::path& path, const Packing& packing) {
   write_grains(out, "grain", packing.grain);
   write_grains(out, "base", packing.base);
   out.array("spec", std::vector<double>{s.length, s.width, s.depth, s.grain_diameter, s.size_spread, s.grain_density,
-                                        s.settle_friction, double(s.seed)});
+                                        s.settle_friction, double(s.seed), double(s.shape)});
+  out.attribute("spec", "shapes", grain_shape_names());
   out.array("measured", std::vector<double>{packing.surface, packing.solid_fraction, packing.residual_speed});
   out.attribute("measured", "columns",
                 std::vector<std::string>{"surface [m]", "solid_fraction [-]", "residual_speed [m/s]"});
@@ -43,10 +51,12 @@ void write_packing(const std::filesystem::path& path, const Packing& packing) {
 
 Packing read_packing(const std::filesystem::path& path) {
   const Hdf5Reader in(path);
-  const auto s = in.array<double>("spec", gonogo::Shape{8});
+  const auto s = in.array<double>("spec", gonogo::Shape{kSpecNumbers});
   const auto measured = in.array<double>("measured", gonogo::Shape{3});
   Packing p;
-  p.spec = {s[0], s[1], s[2], s[3], s[4], s[5], s[6], std::uint64_t(s[7])};
+  if (!(s[8] >= 0 && s[8] < double(grain_shape_names().size())))
+    in.fail("spec", "the shape of the grains is " + std::to_string(s[8]) + ", allowed are 0 to 2; remove the file");
+  p.spec = {s[0], s[1], s[2], s[3], s[4], s[5], s[6], std::uint64_t(s[7]), GrainShape(int(s[8]))};
   p.grain = read_grains(in, "grain");
   p.base = read_grains(in, "base");
   p.surface = measured[0], p.solid_fraction = measured[1], p.residual_speed = measured[2];

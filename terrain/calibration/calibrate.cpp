@@ -24,9 +24,17 @@ constexpr double kDegree = std::numbers::pi / 180;
 struct ContactPoint {
   double friction, rolling_friction;
 };
-constexpr ContactPoint kContactLine[] = {{0.05, 0},   {0.1, 0},   {0.2, 0},   {0.3, 0},    {0.4, 0.05},
-                                         {0.5, 0.1},  {0.6, 0.2}, {0.7, 0.3}, {0.8, 0.45}, {0.9, 0.6},
-                                         {1.05, 0.9}, {1.2, 1.3}, {1.4, 1.8}};
+using ContactLine = std::vector<ContactPoint>;
+
+/// Clumps lock with each other: they need no rolling friction.
+const ContactLine& contact_line(GrainShape shape) {
+  static const ContactLine spheres = {{0.05, 0},   {0.1, 0},   {0.2, 0},   {0.3, 0},    {0.4, 0.05},
+                                      {0.5, 0.1},  {0.6, 0.2}, {0.7, 0.3}, {0.8, 0.45}, {0.9, 0.6},
+                                      {1.05, 0.9}, {1.2, 1.3}, {1.4, 1.8}};
+  static const ContactLine clumps = {{0.05, 0}, {0.1, 0}, {0.15, 0}, {0.2, 0}, {0.25, 0}, {0.3, 0},
+                                     {0.4, 0},  {0.5, 0}, {0.6, 0},  {0.7, 0}, {0.8, 0},  {1.0, 0}};
+  return shape == GrainShape::sphere ? spheres : clumps;
+}
 /// Settling friction of the packing library, from loose to dense.
 constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};
 constexpr double kNormalStress = 10e3;  // [Pa]; without gravity only the ratios below matter
@@ -45,13 +53,13 @@ struct Job {
                                // solid fraction; plate: k, n, residual
 };
 
-std::vector<Job> all_jobs(int seeds) {
+std::vector<Job> all_jobs(const ContactLine& contacts, int seeds) {
   std::vector<Job> jobs;
   for (std::size_t s = 0; s < std::size_t(seeds); ++s)
-    for (std::size_t c = 0; c < std::size(kContactLine); ++c)
+    for (std::size_t c = 0; c < contacts.size(); ++c)
       for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
-        const std::string at = line("friction %g rolling %g settled at %g seed %zu", kContactLine[c].friction,
-                                    kContactLine[c].rolling_friction, kSettleFriction[p], s + 1);
+        const std::string at = line("friction %g rolling %g settled at %g seed %zu", contacts[c].friction,
+                                    contacts[c].rolling_friction, kSettleFriction[p], s + 1);
         for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
           jobs.push_back({Kind::shear, c, p, s, r, line("shear %s cohesion %g", at.c_str(), kCohesionRatio[r]), {}});
         jobs.push_back({Kind::plate, c, p, s, 0, "plate " + at, {}});
@@ -59,14 +67,14 @@ std::vector<Job> all_jobs(int seeds) {
   return jobs;
 }
 
-sim::PairLaw law_of(const Job& job) {
-  const ContactPoint& point = kContactLine[job.contact];
+sim::PairLaw law_of(const CalibrationRun& run, const Job& job) {
+  const ContactPoint& point = contact_line(run.shape)[job.contact];
   return {Real(point.friction), Real(point.rolling_friction), Real(kCohesionRatio[job.ratio] * kNormalStress)};
 }
 
 TestSoil plate_soil(const CalibrationRun& run, std::size_t packing, std::size_t seed) {
   TestSoil soil;
-  soil.grain_diameter = run.grain_diameter;
+  soil.grain_diameter = run.grain_diameter, soil.shape = run.shape;
   soil.relative_density = relative_density_of(kSettleFriction[packing]);
   soil.seed = seed;
   return soil;
@@ -103,7 +111,7 @@ class Beds {
     const std::size_t seed = place % std::size_t(run_.seeds) + 1, level = place / std::size_t(run_.seeds);
     const std::size_t packing = level % std::size(kSettleFriction);
     if (Kind(level / std::size(kSettleFriction)) == Kind::shear)
-      bed_[place] = settle_packing(shear_cell(run_.grain_diameter, kSettleFriction[packing], seed), 1);
+      bed_[place] = settle_packing(shear_cell(run_.grain_diameter, kSettleFriction[packing], seed, run_.shape), 1);
     else
       bed_[place] = plate_bed(plate_soil(run_, packing, seed), plate_settings(run_), 1);
   }
@@ -116,15 +124,16 @@ void run_shear(Job& job, const CalibrationRun& run, const Packing& cell) {
   ShearSettings settings;
   settings.normal_stress = kNormalStress, settings.travel = run.travel;
   settings.steps_per_time = stress_time(run.grain_diameter, cell.spec.grain_density, kNormalStress) / run.numerics.step;
-  const ShearResult r = shear_test(cell, {law_of(job), law_of(job)}, settings, pace_of(run.numerics));
+  const sim::PairLaw law = law_of(run, job);
+  const ShearResult r = shear_test(cell, {law, law}, settings, pace_of(run.numerics));
   job.result = {r.shear_stress / r.normal_stress, r.peak_stress / r.normal_stress, r.worst_residual,
                 cell.solid_fraction};
 }
 
 void run_plate(Job& job, const CalibrationRun& run, const Packing& bed) {
   TestSoil soil = plate_soil(run, job.packing, job.seed + 1);
-  soil.grain = law_of(job);
-  soil.tool_friction = kContactLine[job.contact].friction;
+  soil.grain = law_of(run, job);
+  soil.tool_friction = double(soil.grain.friction);
   const PlateResult r = plate_test(bed, soil, plate_settings(run), pace_of(run.numerics));
   const PowerLaw law = fit_power_law(r);
   job.result = {law.k, law.n, r.worst_residual};
@@ -159,6 +168,7 @@ void run_all(std::vector<Job>& jobs, const CalibrationRun& run, TestJournal& jou
 
 /// Numbers `index` of all results of one kind at a contact level and packing (or all packings) and cohesion ratio.
 struct Selection {
+  const ContactLine& contacts;
   const std::vector<Job>& jobs;
 
   std::vector<double> operator()(Kind kind, std::size_t contact, std::ptrdiff_t packing, std::size_t ratio,
@@ -168,7 +178,7 @@ struct Selection {
     std::copy_if(values.begin(), values.end(), std::back_inserter(known), [](double v) { return !std::isnan(v); });
     if (known.empty())
       throw DeviceError(line("soil calibrate: every test at friction %g failed; calibrate with a smaller step",
-                             kContactLine[contact].friction));
+                             contacts[contact].friction));
     return known;
   }
 
@@ -202,8 +212,8 @@ MeanError cohesion_gain(const Selection& of, std::size_t contact, std::ptrdiff_t
 ContactLevel contact_level(const Selection& of, std::size_t c) {
   const MeanError ratio = mean_error(of(Kind::shear, c, -1, 0, 0)), gain = cohesion_gain(of, c, -1);
   const Angle angle = angle_of_tangent(ratio.mean, ratio.error);
-  return {
-      kContactLine[c].friction, kContactLine[c].rolling_friction, angle.degrees, angle.error, gain.mean, gain.error};
+  const ContactPoint& point = of.contacts[c];
+  return {point.friction, point.rolling_friction, angle.degrees, angle.error, gain.mean, gain.error};
 }
 
 SoilResponse response(const Selection& of, std::size_t c, std::size_t p) {
@@ -272,13 +282,13 @@ std::size_t usable_levels(const Selection& of) {
     return 3 * std::count_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }) >
            std::ptrdiff_t(values.size());
   };
-  for (std::size_t c = 0; c < std::size(kContactLine); ++c)
+  for (std::size_t c = 0; c < of.contacts.size(); ++c)
     for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
       if (failing(Kind::plate, c, p, 0)) return c;
       for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
         if (failing(Kind::shear, c, p, r)) return c;
     }
-  return std::size(kContactLine);
+  return of.contacts.size();
 }
 
 std::vector<PackingLevel> packing_levels(const Selection& of) {
@@ -304,7 +314,7 @@ Json provenance(const std::vector<Job>& jobs, const CalibrationRun& run, std::si
   p["cohesion_pressure_over_normal_stress"] = std::vector<double>(std::begin(kCohesionRatio), std::end(kCohesionRatio));
   p["seeds"] = run.seeds;
   p["failed_tests"] = failed;
-  p["contact_levels_left_out"] = std::uint64_t(std::size(kContactLine) - levels);
+  p["contact_levels_left_out"] = std::uint64_t(contact_line(run.shape).size() - levels);
   p["worst_rms_residual_m_per_s"] = worst;
   return p;
 }
@@ -312,24 +322,25 @@ Json provenance(const std::vector<Job>& jobs, const CalibrationRun& run, std::si
 }  // namespace
 
 std::string journal_maker(const CalibrationRun& run) {
-  return line("calibrate/4 grain %g m, travel %g, %s", run.grain_diameter, run.travel,
+  return line("calibrate/5 %s of %g m, travel %g, %s", name_of(run.shape).c_str(), run.grain_diameter, run.travel,
               description(run.numerics).c_str());
 }
 
 std::vector<std::string> calibration_tests(const CalibrationRun& run) {
   std::vector<std::string> names;
-  for (const Job& job : all_jobs(run.seeds)) names.push_back(job.name);
+  for (const Job& job : all_jobs(contact_line(run.shape), run.seeds)) names.push_back(job.name);
   return names;
 }
 
 Calibration calibrate(const CalibrationRun& run) {
   if (!(run.grain_diameter > 0)) throw InputError("soil calibrate: the grain diameter must be above zero");
   TestJournal journal(run.journal, journal_maker(run));
-  std::vector<Job> jobs = all_jobs(run.seeds);
+  const ContactLine& contacts = contact_line(run.shape);
+  std::vector<Job> jobs = all_jobs(contacts, run.seeds);
   run_all(jobs, run, journal);
-  const Selection of{jobs};
+  const Selection of{contacts, jobs};
   Calibration c;
-  c.grain_diameter = run.grain_diameter;
+  c.grain_diameter = run.grain_diameter, c.shape = run.shape;
   c.packing = packing_levels(of);
   const std::size_t levels = usable_levels(of);
   if (levels < 2) throw DeviceError("soil calibrate: most tests failed; calibrate with a smaller step");

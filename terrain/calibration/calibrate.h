@@ -7,11 +7,12 @@
 namespace gonogo::terrain {
 
 struct CalibrationRun {
-  double grain_diameter = 0.032;  // [m]
-  int threads = 1;                // tests at a time
-  int seeds = 3;                  // packings of each density
-  double travel = 6;              // of the plate in a shear test, in grain diameters
-  Numerics numerics;              // of the trials that the table is for: contacts solved less well make weaker soil
+  double grain_diameter = 0.032;  // of the sphere with a grain's volume [m]
+  GrainShape shape = GrainShape::sphere;
+  int threads = 1;    // tests at a time
+  int seeds = 3;      // packings of each density
+  double travel = 6;  // of the plate in a shear test, in grain diameters
+  Numerics numerics;  // of the trials that the table is for: contacts solved less well make weaker soil
   /// Finished tests are kept in this file, and a run that finds it goes on from there; empty: nothing is kept.
   std::filesystem::path journal;
 };

@@ -14,7 +14,7 @@ TestJournal::TestJournal(std::filesystem::path path, std::string maker)
   const Config file = Config::read(path_);
   file.choice("schema", {"gonogo/soil_journal/1"});
   if (file.text("maker") != maker_)
-    file.fail("maker", "these tests were made by another grain size or version (" + file.text("maker") +
+    file.fail("maker", "these tests were made by another grain size, shape or version (" + file.text("maker") +
                            "); name another file or remove this one");
   for (const Config& test : file.objects("tests")) result_[test.text("name")] = test.numbers("numbers");
 }

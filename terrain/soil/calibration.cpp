@@ -115,10 +115,18 @@ SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
   return f;
 }
 
+namespace {
+
+/// 1: without "response"; 2: without "shape", of spheres.
+const std::vector<std::string> kSchemas = {"gonogo/calibration/1", "gonogo/calibration/2", "gonogo/calibration/3"};
+
+}  // namespace
+
 void write_calibration(const std::filesystem::path& path, const Calibration& c) {
   Json j;
-  j["schema"] = c.response.empty() ? "gonogo/calibration/1" : "gonogo/calibration/2";
+  j["schema"] = kSchemas[2];
   j["grain_diameter_m"] = c.grain_diameter;
+  j["shape"] = name_of(c.shape);
   for (const PackingLevel& p : c.packing) {
     Json row;
     row["settle_friction"] = p.settle_friction;
@@ -183,10 +191,10 @@ std::vector<SoilResponse> read_responses(const Config& file, const Calibration& 
 
 Calibration read_calibration(const std::filesystem::path& path) {
   const Config file = Config::read(path);
-  const bool responses =
-      file.choice("schema", {"gonogo/calibration/1", "gonogo/calibration/2"}) == "gonogo/calibration/2";
+  const std::string schema = file.choice("schema", kSchemas);
   Calibration c;
   c.grain_diameter = file.number("grain_diameter_m", {1e-5, 1});
+  if (schema == kSchemas[2] && file.has("shape")) c.shape = grain_shape_of(file.choice("shape", grain_shape_names()));
   if (file.has("provenance")) c.provenance = file.json().at("provenance");
   for (const Config& row : file.objects("packing"))
     c.packing.push_back({row.number("settle_friction", {0, 10}), row.number("solid_fraction", {0.3, 0.75}),
@@ -195,7 +203,7 @@ Calibration read_calibration(const std::filesystem::path& path) {
     c.contact.push_back({row.number("friction", {0, 10}), row.number("rolling_friction", {0, 10}),
                          row.number("friction_angle_deg", {0, 89}), row.number("friction_angle_error_deg", {0, 89}),
                          row.number("cohesion_gain", {-100, 100}), row.number("cohesion_gain_error", {0, 100})});
-  if (responses) c.response = read_responses(file, c);
+  if (schema == kSchemas[1] || (schema == kSchemas[2] && file.has("response"))) c.response = read_responses(file, c);
   c.cohesion_gain = file.number("cohesion_gain", {1e-6, 100});
   c.cohesion_gain_error = file.number("cohesion_gain_error", {0, 100});
   file.finish();

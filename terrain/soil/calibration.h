@@ -33,7 +33,8 @@ struct SoilResponse {
 };
 
 struct Calibration {
-  double grain_diameter;                              // [m]
+  double grain_diameter;  // of the sphere with a grain's volume [m]
+  GrainShape shape = GrainShape::sphere;
   std::vector<PackingLevel> packing;                  // ascending relative density
   std::vector<ContactLevel> contact;                  // ascending strength
   std::vector<SoilResponse> response;                 // [contact][packing], or empty

@@ -74,13 +74,11 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
   const double wide = 4.5 * settings.diameter_grains;
   const double deep = std::ceil((settings.depth + cone_height(1)) * settings.diameter_grains + 4);
   const Packing bed = test_bed(soil, wide, wide, deep, pace.threads);
-  double top = 0;
-  for (const Grain& g : bed.grain) top = std::max(top, g.position.z + g.radius);
   const double tip = cone_height(diameter), shaft = 2 * settings.depth * diameter + 2 * d;
   sim::SceneWorld world = bed_world(bed, soil.laws(), tip + shaft + 2 * d);
   const std::int32_t mesh = world.add_mesh(cone_mesh(diameter, shaft));
   sim::BodyState state;
-  state.position = {bed.spec.length / 2, bed.spec.width / 2, top + tip + 0.01 * d};
+  state.position = {bed.spec.length / 2, bed.spec.width / 2, highest_point(bed) + tip + 0.01 * d};
   const sim::BodyIndex cone = world.add_body(state, sim::fixed_body());
   sim::Shape shape;
   shape.type = sim::ShapeType::mesh;

@@ -14,10 +14,8 @@ constexpr int kSamples = 50;
 /// A plate one grain thick over the whole width of the periodic bed, above its highest grain.
 sim::BodyIndex add_plate(sim::SceneWorld& world, const Packing& bed, double width) {
   const BedSpec& s = bed.spec;
-  double top = 0;
-  for (const Grain& g : bed.grain) top = std::max(top, g.position.z + g.radius);
   sim::BodyState state;
-  state.position = {s.length / 2, s.width / 2, top + 0.51 * s.grain_diameter};
+  state.position = {s.length / 2, s.width / 2, highest_point(bed) + 0.51 * s.grain_diameter};
   const sim::BodyIndex plate = world.add_body(state, sim::fixed_body());
   sim::Shape box;
   box.type = sim::ShapeType::box;

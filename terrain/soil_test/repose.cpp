@@ -18,9 +18,12 @@ struct Place {
   double reach;  // end of the pit [m]
 };
 
+/// Of a grain from its centre of mass [m].
+double largest_reach(const BedSpec& s) { return clump_of(s.shape, s.grain_diameter / 2).reach * (1 + s.size_spread); }
+
 Place place_of(const Packing& bed) {
   const BedSpec& s = bed.spec;
-  const double d = s.grain_diameter, end = s.length + d / 2 * (1 + s.size_spread);
+  const double d = s.grain_diameter, end = s.length + largest_reach(s);
   return {end, -(bed.surface + 3 * d), end + 1.2 * s.length};
 }
 
@@ -61,7 +64,7 @@ sim::BodyIndex add_gate(sim::SceneWorld& world, const Packing& bed, const Place&
 
 sim::SceneWorld repose_world(const TestSoil& soil, const Packing& bed, const Place& place, sim::BodyIndex& gate) {
   const BedSpec& s = bed.spec;
-  const double d = s.grain_diameter, wall = -d / 2 * (1 + s.size_spread);
+  const double d = s.grain_diameter, wall = -largest_reach(s);
   sim::SceneWorld world = bed_world(bed, soil.laws(), 2 * d);
   world.set_law(grain_material, kSmooth, {});
   for (sim::Shape& shape : world.shape)
@@ -77,17 +80,18 @@ sim::SceneWorld repose_world(const TestSoil& soil, const Packing& bed, const Pla
 }
 
 /// Heights of the surface left of the gate, one column per grain diameter.
-std::vector<ReposeSample> profile_of(const Packing& bed, const std::vector<sim::BodyState>& bodies) {
+std::vector<ReposeSample> profile_of(Packing bed, const std::vector<sim::BodyState>& bodies) {
   const BedSpec& s = bed.spec;
+  take_places(bed.grain, s.shape, bodies);
   const int nx = int(std::lround(s.length / s.grain_diameter)), ny = int(std::lround(s.width / s.grain_diameter));
   std::vector<double> top(std::size_t(nx) * std::size_t(ny), 0.0);
-  for (std::size_t i = 0; i < bed.grain.size(); ++i) {
-    const Vec3d& p = bodies[i].position;
+  for (const Grain& g : lobes_of(s.shape, bed.grain)) {
+    const Vec3d& p = g.position;
     const int column = int(std::floor(p.x / s.length * nx));
     const int row = std::clamp(int(std::floor(p.y / s.width * ny)), 0, ny - 1);
     if (column < 0 || column >= nx || p.z < 0) continue;
     double& highest = top[std::size_t(row) * std::size_t(nx) + std::size_t(column)];
-    highest = std::max(highest, p.z + bed.grain[i].radius);
+    highest = std::max(highest, p.z + g.radius);
   }
   std::vector<ReposeSample> profile;
   for (int c = 0; c < nx; ++c) {

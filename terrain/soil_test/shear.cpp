@@ -20,13 +20,11 @@ double stress_time(const BedSpec& s, double stress) {
 /// along x and is free along z only, where the load pushes it down.
 sim::BodyIndex add_plate(sim::SceneWorld& world, const Packing& cell, const ShearSettings& settings) {
   const BedSpec& s = cell.spec;
-  double top = 0;
-  for (const Grain& g : cell.grain) top = std::max(top, g.position.z + g.radius);
   const double area = s.length * s.width, mass = cell.solid_fraction * s.grain_density * area * s.depth;
   sim::BodyMass on_rails;
   on_rails.inverse_mass = {0, 0, Real(1 / mass)};
   sim::BodyState state;
-  state.position = {0, 0, top + s.grain_diameter / 2};
+  state.position = {0, 0, highest_point(cell) + s.grain_diameter / 2};
   const sim::BodyIndex plate = world.add_body(state, on_rails);
   for (const Grain& g : cell.base) {
     sim::Shape shape;
@@ -70,7 +68,7 @@ void summarise(const BedSpec&, ShearResult& r) {
 
 }  // namespace
 
-BedSpec shear_cell(double grain_diameter, double settle_friction, std::uint64_t seed) {
+BedSpec shear_cell(double grain_diameter, double settle_friction, std::uint64_t seed, GrainShape shape) {
   BedSpec s;
   s.grain_diameter = grain_diameter;
   s.length = 10 * grain_diameter;
@@ -78,6 +76,7 @@ BedSpec shear_cell(double grain_diameter, double settle_friction, std::uint64_t 
   s.depth = 8 * grain_diameter;
   s.settle_friction = settle_friction;
   s.seed = seed;
+  s.shape = shape;
   return s;
 }
 

@@ -32,7 +32,8 @@ struct ShearResult {
 };
 
 /// Cell in which shear tests run: ten by six grains, eight deep.
-BedSpec shear_cell(double grain_diameter, double settle_friction, std::uint64_t seed);
+BedSpec shear_cell(double grain_diameter, double settle_friction, std::uint64_t seed,
+                   GrainShape shape = GrainShape::sphere);
 
 /// Steps that a test takes.
 Index shear_steps(const ShearSettings& settings);

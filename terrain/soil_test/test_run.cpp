@@ -56,6 +56,7 @@ Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, d
   s.grain_density = soil.grain_density;
   s.settle_friction = settle_friction(soil.relative_density);
   s.seed = soil.seed;
+  s.shape = soil.shape;
   return soil.packing_folder.empty() ? settle_packing(s, threads) : cached_packing(s, soil.packing_folder, threads);
 }
 

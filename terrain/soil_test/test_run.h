@@ -13,6 +13,7 @@ namespace gonogo::terrain {
 /// Grains of one size with their contact laws, packed as the relative density asks.
 struct TestSoil {
   double grain_diameter = 0.032;  // mean [m]
+  GrainShape shape = GrainShape::sphere;
   sim::PairLaw grain{Real(0.5), 0, 0};
   double tool_friction = 0.5;     // of grains on plates, cones and walls that are not smooth [-]
   double relative_density = 0.5;  // 0: loosest, 1: densest packing
@@ -26,7 +27,7 @@ struct TestSoil {
 /// Throws InputError for what cannot be tested: names the option, value and range.
 void check(const TestSoil& soil);
 
-/// Friction while settling that gives about this relative density; measured, see the source.
+/// Friction while settling that gives about this relative density; measured on spheres, see the source.
 double settle_friction(double relative_density);
 /// Its inverse.
 double relative_density_of(double settle_friction);

@@ -16,9 +16,10 @@ constexpr double kRestTimes = 10;       // in which the grains take up their con
 constexpr double kSample = 0.005;       // strain between samples
 constexpr std::int32_t kWallGroup = 1;  // platens never touch each other
 constexpr double kSizeSpread = 0.1;
-enum Stream : std::uint64_t { radius_stream = 101, speed_stream };
+enum Stream : std::uint64_t { radius_stream = 101, speed_stream, turn_stream };
 
 struct Specimen {
+  GrainShape shape;
   std::vector<Grain> grain;
   Vec3d size;           // inside of the box, one corner at the origin [m]
   double solid_volume;  // [m^3]
@@ -28,16 +29,23 @@ double stress_time(const TestSoil& soil, double stress) {
   return terrain::stress_time(soil.grain_diameter, soil.grain_density, stress);
 }
 
+Quat first_orientation(const TestSoil& soil, std::size_t grain) {
+  if (soil.shape == GrainShape::sphere) return {};
+  const auto u = [&](std::uint64_t k) { return random_unit(soil.seed, turn_stream, 3 * grain + k); };
+  return random_orientation(u(0), u(1), u(2));
+}
+
 /// Grains on a lattice, so far apart that it is lost on the way together.
 Specimen loose_specimen(const TestSoil& soil, const TriaxialSettings& settings) {
-  const double d = soil.grain_diameter, pitch = 1.3 * d * (1 + kSizeSpread);
-  Specimen s{{}, {}, 0};
+  const double d = soil.grain_diameter, pitch = 1.3 * clump_of(soil.shape, d).reach * (1 + kSizeSpread);
+  Specimen s{soil.shape, {}, {}, 0};
   for (int k = 0; k < settings.grains_high; ++k)
     for (int j = 0; j < settings.grains_wide; ++j)
       for (int i = 0; i < settings.grains_wide; ++i) {
         const double u = random_unit(soil.seed, radius_stream, s.grain.size());
         const double radius = d / 2 * (1 + kSizeSpread * (2 * u - 1));
-        s.grain.push_back({{(i + 0.5) * pitch, (j + 0.5) * pitch, (k + 0.5) * pitch}, radius});
+        const Quat turn = first_orientation(soil, s.grain.size());
+        s.grain.push_back({{(i + 0.5) * pitch, (j + 0.5) * pitch, (k + 0.5) * pitch}, radius, turn});
         s.solid_volume += 4 * std::numbers::pi / 3 * std::pow(radius, 3);
       }
   s.size = {settings.grains_wide * pitch, settings.grains_wide * pitch, settings.grains_high * pitch};
@@ -79,8 +87,7 @@ Box boxed(const TestSoil& soil, const Specimen& s, const sim::PairLaw& law, doub
   b.world.size = s.size * 1.6 + Vec3d{4 * d, 4 * d, 4 * d};
   b.world.set_law(grain_material, grain_material, law);
   b.world.set_law(grain_material, tool_material, {});
-  for (const Grain& g : s.grain)
-    b.world.add_sphere(g.position, Real(g.radius), Real(soil.grain_density), grain_material);
+  for (const Grain& g : s.grain) add_grain(b.world, s.shape, g, soil.grain_density, grain_material);
   const sim::BodyIndex base = b.world.add_body({}, sim::fixed_body());
   for (const Quat& turn : kOutward) b.world.add_shape(platen(base, turn));
   const double mass = s.solid_volume * soil.grain_density;
@@ -109,7 +116,7 @@ Box boxed(const TestSoil& soil, const Specimen& s, const sim::PairLaw& law, doub
 
 void read_back(TestRun& run, const Box& box, Specimen& s) {
   const auto bodies = run.simulation().bodies(0);
-  for (std::size_t i = 0; i < s.grain.size(); ++i) s.grain[i].position = bodies[i].position;
+  take_places(s.grain, s.shape, bodies);
   s.size = {bodies[std::size_t(box.moving[0])].position.x, bodies[std::size_t(box.moving[1])].position.y,
             bodies[std::size_t(box.moving[2])].position.z};
 }

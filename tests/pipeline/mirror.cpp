@@ -29,7 +29,7 @@ Drive drive(const TrialSetup& setup, const DesignPoint& point, const terrain::Pa
   const sim::StepSettings settings = attempt_settings(setup, 1);
   const auto alone = sim::make_simulation(sim::Backend::cpu, {bed_alone(setup, settled, conditions)}, settings, 1);
   alone->advance(bed_steps(setup, settings));
-  const TiltedBed bed = tilted_bed(*alone, 0, settled.grain.size());
+  const TiltedBed bed = tilted_bed(*alone, 0, settled);
   REQUIRE(!fails(setup, bed));
   const auto s =
       sim::make_simulation(sim::Backend::cpu, {vehicle_on_bed(setup, settled, bed, conditions)}, settings, 1);

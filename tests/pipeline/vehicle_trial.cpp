@@ -84,7 +84,7 @@ TEST_CASE("a HMMWV stands before what a trial's type puts in its way, with all w
     prepare_trials(setup, {&p, 1}, 1);
     const terrain::Packing bed = settled_bed(setup, p);
     TiltedBed tilted;
-    for (const terrain::Grain& g : bed.grain) tilted.grain.push_back(g.position);
+    for (const terrain::Grain& g : bed.grain) tilted.grain.push_back({g.position});
     const sim::SceneWorld world = vehicle_on_bed(setup, bed, tilted, conditions_of(setup, p));
     const auto s = sim::make_simulation(sim::Backend::cpu, {world}, attempt_settings(setup, 1), 1);
     s->advance(Index(std::lround((setup.park_time + 0.2) / setup.numerics.step)));

@@ -35,11 +35,8 @@ Vec3 gravity_on_slope(double heading) {
           Real(-g * std::cos(s))};
 }
 
-std::vector<Vec3d> places(sim::Simulation& s, std::size_t count) {
-  std::vector<Vec3d> x;
-  const auto bodies = s.bodies(0);
-  for (std::size_t i = 0; i < count; ++i) x.push_back(bodies[i].position);
-  return x;
+std::vector<GrainPlace> places(sim::Simulation& s, std::size_t count) {
+  return grain_places(s.bodies(0), GrainShape::sphere, count);
 }
 
 }  // namespace
@@ -57,7 +54,7 @@ TEST_CASE("a bed of tiles has their density and meets itself without a seam") {
     const auto now = places(*s, bed.grain.size());
     double moved = 0;
     for (std::size_t i = 0; i < now.size(); ++i)
-      moved += std::fabs(now[i].z - bed.grain[i].position.z) / double(now.size());
+      moved += std::fabs(now[i].position.z - bed.grain[i].position.z) / double(now.size());
     CHECK(agrees("mean settlement, in grain diameters", 0, moved / 0.12, 0.01));
   }
 }
@@ -71,7 +68,7 @@ TEST_CASE("on 25 degrees along and across the ground ahead is unchanged within 1
     w.gravity = gravity_on_slope(heading);
     const auto s = test::simulate(sim::Backend::cpu, w, bed_step_settings(0.12, 2e-3, 60));
     s->advance(60);
-    const std::vector<Vec3d> start = places(*s, bed.grain.size());
+    const std::vector<GrainPlace> start = places(*s, bed.grain.size());
     const double slab = patch.length - 2 * patch.reach;
     double x = 0.5 * patch.length, travelled = 0;
     double worst = 0, ploughed = 0;
@@ -94,9 +91,10 @@ TEST_CASE("on 25 degrees along and across the ground ahead is unchanged within 1
       const auto now = places(*s, start.size());
       double ahead = 0, count = 0;
       for (std::size_t i = 0; i < start.size(); ++i) {
-        const double from = std::remainder(start[i].x - x, patch.length);
-        const double moved = std::hypot(std::remainder(now[i].x - start[i].x, patch.length),
-                                        std::remainder(now[i].y - start[i].y, bed.spec.width), now[i].z - start[i].z);
+        const double from = std::remainder(start[i].position.x - x, patch.length);
+        const double moved = std::hypot(std::remainder(now[i].position.x - start[i].position.x, patch.length),
+                                        std::remainder(now[i].position.y - start[i].position.y, bed.spec.width),
+                                        now[i].position.z - start[i].position.z);
         if (from > patch.reach) ahead += moved, ++count;
         if (std::fabs(from) < 0.9) ploughed = std::max(ploughed, moved);
       }

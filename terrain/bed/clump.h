@@ -1,0 +1,58 @@
+// Shapes of grains: a sphere, or a clump of equal overlapping spheres (lobes) on one rigid body. A clump rolls less
+// than a sphere of its volume and locks with its neighbours, so that beds of them are stronger.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "sim/scene.h"
+
+namespace gonogo::terrain {
+
+/// pair: two lobes whose centres are one lobe radius apart. trefoil: three lobes at the corners of a triangle with
+/// sides of sqrt(3) lobe radii: all three meet in one point, so that nothing but pairs of lobes overlaps.
+enum class GrainShape : int { sphere, pair, trefoil };
+
+/// All of them, in the order of the enumeration.
+const std::vector<std::string>& grain_shape_names();
+const std::string& name_of(GrainShape shape);
+/// Throws InputError, listing the names there are.
+GrainShape grain_shape_of(const std::string& name);
+
+/// A grain of uniform density about its centre of mass, in its principal axes.
+struct Clump {
+  std::vector<Vec3d> lobe;  // centres [m]
+  double lobe_radius;       // [m]
+  double volume;            // of the union of the lobes [m^3]
+  Vec3d inertia_per_mass;   // principal moments of the union over its mass [m^2]
+  double reach;             // radius of the sphere about the centre of mass that holds all lobes [m]
+};
+
+/// The clump whose volume is that of a sphere of this radius [m].
+Clump clump_of(GrainShape shape, double radius);
+
+/// One grain of a packing. Its shape is that of the packing.
+struct Grain {
+  Vec3d position;         // of the centre of mass [m]
+  double radius;          // of the sphere with its volume [m]
+  Quat orientation = {};  // of a clump, from its principal axes to the world; spheres keep none
+};
+
+/// Adds the grain as a body with one shape per lobe; returns the body's index.
+sim::BodyIndex add_grain(sim::SceneWorld& world, GrainShape shape, const Grain& grain, double density, int material);
+
+/// All lobes as spheres, grain by grain. Spheres come back as they are.
+std::vector<Grain> lobes_of(GrainShape shape, const std::vector<Grain>& grains);
+
+/// Grains are where the first bodies of a world are; clumps also take their orientations.
+void take_places(std::vector<Grain>& grains, GrainShape shape, const std::vector<sim::BodyState>& bodies);
+
+/// Orientation of the grain's mirror image in y. Lobes lie in the plane z = 0 of their body and are their own mirror
+/// image in it: turned by R, their image in y is that of the body turned by S R T with the mirrors S = diag(1, -1, 1)
+/// and T = diag(1, 1, -1), a rotation again.
+Quat mirrored(GrainShape shape, const Quat& orientation);
+
+/// Orientation from three numbers in [0, 1), uniform over all rotations when these are (Shoemake, Graphics Gems III
+/// (1992) 124-132).
+Quat random_orientation(double u, double v, double w);
+
+}  // namespace gonogo::terrain
