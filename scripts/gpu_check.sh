@@ -13,9 +13,9 @@ failed=()
 [ -d .carry/usr ] && export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
 nvidia-smi --query-gpu=name,driver_version --format=csv,noheader
 cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/configure.log"
-tests=$(cmake --build build/cuda-release --target help | grep -oE '^test_(sim|validation|base_kernels|pipeline_batch|learning_gpu)[a-z_]*' | sort -u)
+tests=$(cmake --build build/cuda-release --target help | grep -oE '^test_(sim|validation|base_kernels|terrain_beds|pipeline_batch|learning_gpu)[a-z_]*' | sort -u)
 cmake --build build/cuda-release -j "$(nproc)" --target gonogo $tests > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
-ctest --test-dir build/cuda-release -j 4 -R '^(sim|validation|base_kernels|pipeline_batch|learning_gpu)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || failed+=(tests)
+ctest --test-dir build/cuda-release -j 4 -R '^(sim|validation|base_kernels|terrain_beds|pipeline_batch|learning_gpu)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || failed+=(tests)
 
 # A sanitizer that cannot work on this machine is told apart from one that found something.
 sanitizer=$(command -v compute-sanitizer || echo /usr/local/cuda/bin/compute-sanitizer)

@@ -35,8 +35,9 @@ class BatchEngine : public TrialEngine {
 
 CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder,
                                     const ComputeRequest& asked) {
-  const auto setup = std::make_shared<const TrialSetup>(read_trial_setup(study, default_packing_folder()));
   const ComputeSettings compute = read_compute(study, asked);
+  const auto setup =
+      std::make_shared<const TrialSetup>(read_trial_setup(study, default_packing_folder(), compute.device));
   CampaignRequest request =
       plan_campaign(study, folder, compute.workers, {{"calibration", setup->calibration_file}}, compute.backend);
   request.places = compute.places;
@@ -51,14 +52,14 @@ CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::p
 }
 
 void run_study_worker(const std::filesystem::path& study_file, const WorkerOptions& options) {
-  const TrialSetup setup = read_trial_setup(read_study(study_file), default_packing_folder());
+  const TrialSetup setup = read_trial_setup(read_study(study_file), default_packing_folder(), options.device);
   if (options.device == sim::Backend::cuda) sim::use_cuda_device(options.gpu);
   BatchEngine engine(setup, options);
   run_worker(engine);
 }
 
 void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine& line) {
-  const TrialSetup setup = read_trial_setup(study, default_packing_folder());
+  const TrialSetup setup = read_trial_setup(study, default_packing_folder(), options.device);
   if (options.device == sim::Backend::cuda) sim::use_cuda_device(options.gpu);
   BatchEngine engine(setup, options);
   run_worker(engine, line);

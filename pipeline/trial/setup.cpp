@@ -179,6 +179,7 @@ terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density,
   spec.grain_density = grain_density;
   spec.settle_friction = calibration.packing[terrain::packing_level(calibration, relative_density)].settle_friction;
   spec.seed = bed_seed % std::uint64_t(packing_seeds);
+  spec.settled_on = settled_on;
   return spec;
 }
 
@@ -189,8 +190,9 @@ std::filesystem::path default_packing_folder() {
   return std::filesystem::temp_directory_path() / "gonogo" / "beds";
 }
 
-TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder) {
+TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder, sim::Backend device) {
   TrialSetup s;
+  s.settled_on = device;
   s.name = study.name;
   s.seed = study.seed;
   s.packing_folder = packing_folder;

@@ -52,7 +52,8 @@ struct TrialSetup {
   double time_limit = 5;                   // of the driving, ramp included [s]
   terrain::Numerics numerics{2e-3, 1, 200, 0.01};
   Thresholds thresholds;
-  std::filesystem::path packing_folder;  // cache of settled beds
+  std::filesystem::path packing_folder;         // cache of settled beds
+  sim::Backend settled_on = sim::Backend::cpu;  // where beds are settled: on the trials' own device
   std::shared_ptr<const TrialTask> task = default_task();
 
   /// That a drawbar pull is a share of [N].
@@ -89,6 +90,7 @@ double grains_per_tyre(const TrialSetup& setup);
 
 /// Reads the study's vehicle and its sections "soil" and "trial"; throws InputError for anything out of range, also
 /// when the ranges of "design" leave what the calibration reaches. Packings are cached in `packing_folder`.
-TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder = default_packing_folder());
+TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder = default_packing_folder(),
+                            sim::Backend device = sim::Backend::cpu);
 
 }  // namespace gonogo::pipeline

@@ -13,7 +13,10 @@
 
 namespace gonogo::pipeline {
 
-void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points, int threads) {
+namespace {
+
+/// Beds that the points need and the folder lacks.
+std::vector<terrain::BedSpec> missing_beds(const TrialSetup& setup, std::span<const DesignPoint> points) {
   std::vector<terrain::BedSpec> missing;
   std::set<std::string> known;
   for (const DesignPoint& point : points) {
@@ -21,7 +24,18 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
     if (known.insert(spec.hash()).second && !std::filesystem::exists(terrain::packing_path(spec, setup.packing_folder)))
       missing.push_back(spec);
   }
-  if (missing.empty()) return;
+  return missing;
+}
+
+/// On a GPU all at once, in one batch of worlds.
+void settle_on_device(const std::vector<terrain::BedSpec>& missing, const TrialSetup& setup, int threads) {
+  log_line("beds", "settling " + std::to_string(missing.size()) + " packings on the GPU");
+  for (const terrain::Packing& packing : terrain::settle_packings(missing, threads))
+    terrain::write_packing(terrain::packing_path(packing.spec, setup.packing_folder), packing);
+}
+
+/// On the host's cores side by side; each is kept as soon as it rests.
+void settle_on_host(const std::vector<terrain::BedSpec>& missing, const TrialSetup& setup, int threads) {
   Progress progress("beds", "packings", missing.size());
   const std::size_t at_once = std::min<std::size_t>(missing.size(), std::size_t(std::max(1, threads)));
   const int threads_of_each = std::max(1, threads / int(at_once));
@@ -44,6 +58,17 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
   settling.clear();
   stop_if_cancelled();
   if (!failure.empty()) throw DeviceError(failure);
+}
+
+}  // namespace
+
+void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points, int threads) {
+  const std::vector<terrain::BedSpec> missing = missing_beds(setup, points);
+  if (missing.empty()) return;
+  if (setup.settled_on == sim::Backend::cuda)
+    settle_on_device(missing, setup, threads);
+  else
+    settle_on_host(missing, setup, threads);
 }
 
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) {

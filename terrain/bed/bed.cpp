@@ -117,6 +117,7 @@ std::string BedSpec::hash() const {
   j["length"] = length, j["width"] = width, j["depth"] = depth, j["grain_diameter"] = grain_diameter;
   j["size_spread"] = size_spread, j["grain_density"] = grain_density, j["settle_friction"] = settle_friction;
   j["seed"] = std::uint64_t(seed), j["shape"] = name_of(shape);
+  if (settled_on == sim::Backend::cuda) j["settled_on"] = "cuda";
   return content_hash(j.dump());
 }
 
@@ -156,47 +157,84 @@ sim::SceneWorld bed_world(const Packing& packing, const BedLaws& laws, double he
 
 namespace {
 
-/// Lets a world's grains move until they are quiet, 100 to 100 `most_batches` steps; the world takes up where they are
-/// then. Returns their speed.
-double let_settle(SceneWorld& world, const Packing& packing, int iterations, int most_batches, int threads) {
-  const auto settings = bed_step_settings(packing.spec.grain_diameter, 1e-3, iterations);
-  const auto simulation = sim::make_simulation(sim::Backend::cpu, {world}, settings, threads);
-  double speed = 0;
-  for (int k = 0; k < most_batches; ++k) {
+/// A packing on its way: its world takes up where its grains are after each part of the settling.
+struct Settling {
+  Packing packing;
+  SceneWorld world;
+  bool quiet() const { return packing.residual_speed < quiet_speed(packing.spec); }
+};
+
+/// Lets the worlds' grains move until they are quiet, each of them on its own clock: 500 to 100 `most_batches` steps.
+void let_settle(const std::vector<Settling*>& beds, int iterations, int most_batches, int threads) {
+  const BedSpec& spec = beds.front()->packing.spec;
+  const auto settings = bed_step_settings(spec.grain_diameter, 1e-3, iterations);
+  sim::Scene scene;
+  for (const Settling* bed : beds) scene.push_back(bed->world);
+  const auto simulation = sim::make_simulation(spec.settled_on, scene, settings, threads);
+  std::vector<bool> done(beds.size());
+  for (int k = 1; k <= most_batches && std::find(done.begin(), done.end(), false) != done.end(); ++k) {
     stop_if_cancelled();
     simulation->advance(100);
-    if (const sim::StepReport report = simulation->report(0); report.flags != 0)
-      throw DeviceError("bed: settling failed: " + sim::description(report.fault, simulation->settings().step));
-    speed = rms_speed(simulation->bodies(0), packing.grain.size());
-    if (k >= 4 && speed < quiet_speed(packing.spec)) break;
+    for (std::size_t w = 0; w < beds.size(); ++w) {
+      if (done[w]) continue;
+      if (const sim::StepReport report = simulation->report(sim::WorldIndex(w)); report.flags != 0)
+        throw DeviceError("bed: settling failed: " + sim::description(report.fault, settings.step));
+      Settling& bed = *beds[w];
+      const auto bodies = simulation->bodies(sim::WorldIndex(w));
+      bed.packing.residual_speed = rms_speed(bodies, bed.packing.grain.size());
+      done[w] = k == most_batches || (k > 4 && bed.quiet());
+      if (done[w])
+        std::copy(bodies.begin(), bodies.begin() + std::ptrdiff_t(bed.world.body.size()), bed.world.body.begin());
+    }
   }
-  const auto bodies = simulation->bodies(0);
-  std::copy(bodies.begin(), bodies.begin() + std::ptrdiff_t(world.body.size()), world.body.begin());
-  return speed;
+}
+
+Settling poured(const BedSpec& spec) {
+  const std::vector<Grain> grains = poured_grains(spec);
+  const Packing packing{spec, grains, glued_base(spec), 0, 0, 0};
+  return {packing, pouring_world(spec, grains, packing.base)};
+}
+
+/// What the grains at rest make of the packing.
+void measure(Settling& bed) {
+  Packing& p = bed.packing;
+  const BedSpec& s = p.spec;
+  take_places(p.grain, s.shape, bed.world.body);
+  const std::vector<Grain> lobes = lobes_of(p);
+  p.surface = surface_height(lobes, s.length, s.width, s.grain_diameter);
+  p.solid_fraction = solid_fraction_between(lobes, s, s.grain_diameter, p.surface - s.grain_diameter);
 }
 
 }  // namespace
 
-Packing settle_packing(const BedSpec& spec, int threads) {
-  check(spec);
-  const std::vector<Grain> poured = poured_grains(spec);
-  Packing packing{spec, poured, glued_base(spec), 0, 0, 0};
-  SceneWorld world = pouring_world(spec, poured, packing.base);
+std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int threads) {
+  std::vector<Settling> beds;
+  for (const BedSpec& spec : specs) {
+    check(spec);
+    if (spec.settled_on != specs[0].settled_on || spec.grain_diameter != specs[0].grain_diameter ||
+        spec.shape != specs[0].shape)
+      throw InputError("beds: packings settled together must be of the same grains on the same device");
+    beds.push_back(poured(spec));
+  }
+  std::vector<Settling*> restless;
+  for (Settling& bed : beds) restless.push_back(&bed);
   // Long beds of slippery grains keep flowing on what so few updates leave unsolved; so do clumps, once they have
   // fallen.
-  packing.residual_speed = let_settle(world, packing, 40, spec.shape == GrainShape::sphere ? 20 : 10, threads);
-  if (!(packing.residual_speed < quiet_speed(spec)))
-    packing.residual_speed = let_settle(world, packing, 200, 40, threads);
-  if (!(packing.residual_speed < quiet_speed(spec)))
-    throw DeviceError("bed: the grains did not come to rest (still " + std::to_string(packing.residual_speed) +
-                      " m/s)");
-  take_places(packing.grain, spec.shape, world.body);
-  const std::vector<Grain> lobes = lobes_of(packing);
-  packing.surface = surface_height(lobes, spec.length, spec.width, spec.grain_diameter);
-  packing.solid_fraction =
-      solid_fraction_between(lobes, spec, spec.grain_diameter, packing.surface - spec.grain_diameter);
-  return packing;
+  if (!specs.empty()) let_settle(restless, 40, specs[0].shape == GrainShape::sphere ? 20 : 10, threads);
+  std::erase_if(restless, [](const Settling* bed) { return bed->quiet(); });
+  if (!restless.empty()) let_settle(restless, 200, 40, threads);
+  std::vector<Packing> packings;
+  for (Settling& bed : beds) {
+    if (!bed.quiet())
+      throw DeviceError("bed: the grains did not come to rest (still " + std::to_string(bed.packing.residual_speed) +
+                        " m/s)");
+    measure(bed);
+    packings.push_back(std::move(bed.packing));
+  }
+  return packings;
 }
+
+Packing settle_packing(const BedSpec& spec, int threads) { return settle_packings({spec}, threads).front(); }
 
 std::vector<Grain> lobes_of(const Packing& packing) {
   const BedSpec& s = packing.spec;

@@ -21,6 +21,7 @@ struct BedSpec {
   double settle_friction = 0.1;                 // while settling: the lower, the denser the packing
   std::uint64_t seed = 1;
   GrainShape shape = GrainShape::sphere;
+  sim::Backend settled_on = sim::Backend::cpu;  // grains come to rest elsewhere on another device
   /// Name that identifies the packing and everything that made it.
   std::string hash() const;
 };
@@ -46,6 +47,8 @@ sim::StepSettings bed_step_settings(double grain_diameter, double step, int iter
 /// Pours and settles a packing. Deterministic in spec. Throws InputError for sizes that cannot hold grains and
 /// DeviceError when the grains do not come to rest.
 Packing settle_packing(const BedSpec& spec, int threads);
+/// Several in one batch of worlds, each with the bits that it has alone: of the same grains, on the same device.
+std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int threads);
 
 /// Where `folder` keeps the packing of this specification.
 std::filesystem::path packing_path(const BedSpec& spec, const std::filesystem::path& folder);
