@@ -29,16 +29,20 @@ Quat first_orientation(const BedSpec& s, std::size_t grain) {
 
 constexpr std::size_t kBaseTurns = std::size_t(1) << 40;  // glued grains draw their orientations from here on
 
-/// Fixed grains on a square lattice about one diameter apart, heights varied by a quarter of a diameter.
+/// Fixed grains on a square lattice about one diameter apart, heights varied by a quarter of a diameter. A clump has a
+/// sphere in it that closes the holes between its lobes and its neighbours'.
 std::vector<Grain> glued_base(const BedSpec& s) {
   const int nx = std::max(1, int(s.length / s.grain_diameter)), ny = std::max(1, int(s.width / s.grain_diameter));
   std::vector<Grain> base;
   for (int j = 0; j < ny; ++j)
     for (int i = 0; i < nx; ++i) {
-      const double bump = 0.25 * s.grain_diameter * uniform(s.seed, base_stream, base.size());
+      const auto site = std::size_t(j) * std::size_t(nx) + std::size_t(i);
+      const double bump = 0.25 * s.grain_diameter * uniform(s.seed, base_stream, site);
       const Grain g{{(i + 0.5) * s.length / nx, (j + 0.5) * s.width / ny, bump - s.grain_diameter / 2},
                     s.grain_diameter / 2,
-                    first_orientation(s, kBaseTurns + base.size())};
+                    first_orientation(s, kBaseTurns + site)};
+      base.push_back({g.position, g.radius});
+      if (s.shape == GrainShape::sphere) continue;
       for (const Grain& lobe : lobes_of(s.shape, {g})) base.push_back(lobe);
     }
   return base;

@@ -116,11 +116,29 @@ ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSett
   return r;
 }
 
+namespace {
+
+/// Loads this close to each other say nothing of cohesion: then the line goes through the origin.
+constexpr double kLeastSpread = 1.5;
+
+LineFit fit_strength(const std::vector<double>& normal, const std::vector<double>& shear) {
+  const auto [least, most] = std::minmax_element(normal.begin(), normal.end());
+  if (*most > kLeastSpread * *least) return fit_line(normal, shear);
+  std::vector<double> ratio;
+  for (std::size_t k = 0; k < normal.size(); ++k) ratio.push_back(shear[k] / normal[k]);
+  const MeanError mean = mean_error(ratio);
+  LineFit line{};
+  line.slope = mean.mean, line.slope_error = mean.error;
+  return line;
+}
+
+}  // namespace
+
 ShearStrength shear_strength(const std::vector<ShearResult>& results) {
   std::vector<double> normal, peak, steady;
   for (const ShearResult& r : results)
     normal.push_back(r.normal_stress), peak.push_back(r.peak_stress), steady.push_back(r.shear_stress);
-  const LineFit p = fit_line(normal, peak), q = fit_line(normal, steady);
+  const LineFit p = fit_strength(normal, peak), q = fit_strength(normal, steady);
   return {angle_of_tangent(p.slope, p.slope_error),
           angle_of_tangent(q.slope, q.slope_error),
           p.intercept,

@@ -41,7 +41,7 @@ Index shear_steps(const ShearSettings& settings);
 ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSettings& settings,
                        const TestPace& pace = {}, TestScene* scene = nullptr);
 
-/// tau = c + sigma tan(phi) through the results of several loads.
+/// tau = c + sigma tan(phi) through the results of several loads; of one load, through the origin.
 struct ShearStrength {
   Angle peak_angle, steady_angle;
   double peak_cohesion = 0, peak_cohesion_error = 0;      // [Pa]

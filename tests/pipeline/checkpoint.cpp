@@ -5,6 +5,7 @@
 #include "base/cancel.h"
 #include "base/error.h"
 #include "base/file.h"
+#include "pipeline/trial/conditions.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 #include "tests/support/short_trial.h"
@@ -82,6 +83,24 @@ TEST_CASE("a trial that was cut off goes on to the record and the samples of one
     write_file_atomically(saved.path, file);
     CHECK(frames_shown(setup, p, saved) == 1);
   }
+}
+
+TEST_CASE("a trial on clumps drives, and goes on with their orientations where it was cut off") {
+  const TemporaryFolder folder;
+  TrialSetup setup = short_setup(0.3);
+  setup.calibration.shape = terrain::GrainShape::pair;
+  setup.deepest_bed = 0.25;  // cut from a packing
+  const DesignPoint p = design_point(5, 30, 0.15);
+  prepare_trials(setup, {&p, 1}, 1);
+  CHECK(settled_bed(setup, p).spec.shape == terrain::GrainShape::pair);
+  const TrialCheckpoint saved{folder / "trial.h5", 0};
+  Samples whole, continued;
+  const TrialRecord through = finished(setup, p, {}, whole);
+  CHECK(through.verdict != Verdict::unknown);
+  CHECK(whole.back().x > 0.02);
+  run_until(setup, p, 120, 1, saved);
+  check_same(finished(setup, p, saved, continued), through);
+  CHECK(same_bits(continued, whole));
 }
 
 TEST_CASE("a trial cut off in its second attempt does not take the first one again") {

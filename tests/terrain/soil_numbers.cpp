@@ -98,6 +98,9 @@ TEST_CASE("a Mohr-Coulomb soil gives its friction angle and cohesion back from t
   CHECK(s.peak_angle.degrees == Approx(35));
   CHECK(s.steady_cohesion == Approx(1.5e3));
   CHECK(s.steady_r2 == Approx(1));
+  const ShearStrength one = shear_strength({tests[1]});
+  CHECK(one.steady_angle.degrees == Approx(std::atan(0.15 + std::tan(29 * kDegree)) / kDegree));
+  CHECK(one.steady_cohesion == 0);
 }
 
 TEST_CASE("the cone is a closed body whose volume is that of a 30 degree cone with a shaft") {
