@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "base/progress.h"
 #include "pipeline/campaign/folder.h"
 #include "pipeline/campaign/plan.h"
 #include "pipeline/campaign/worker.h"
@@ -31,6 +32,16 @@ class BatchEngine : public TrialEngine {
   TrialBatch batch_;
 };
 
+/// A friction angle belongs to the numerics of its table.
+void warn_of_other_numerics(const TrialSetup& setup) {
+  const Json& made = setup.calibration.provenance;
+  if (!made.find("step_s") || terrain::read_numerics(made) == setup.numerics) return;
+  log_line("soil", setup.calibration_file.string() + " was measured with " +
+                       terrain::description(terrain::read_numerics(made)) + ", the trials take " +
+                       terrain::description(setup.numerics) +
+                       ": their soil is not quite the table's (gonogo soil calibrate --step ... makes one that is)");
+}
+
 }  // namespace
 
 CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder,
@@ -38,6 +49,7 @@ CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::p
   const ComputeSettings compute = read_compute(study, asked);
   const auto setup =
       std::make_shared<const TrialSetup>(read_trial_setup(study, default_packing_folder(), compute.device));
+  warn_of_other_numerics(*setup);
   CampaignRequest request =
       plan_campaign(study, folder, compute.workers, {{"calibration", setup->calibration_file}}, compute.backend);
   request.places = compute.places;
