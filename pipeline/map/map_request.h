@@ -14,6 +14,7 @@ struct MapFiles {
   std::filesystem::path region;                  // region JSON; empty: the one that the study names
   std::filesystem::path study;                   // study JSON for its sections map, region and vehicle; empty: defaults
   std::filesystem::path dataset{};               // trials, for expected speed, slip and sinkage; empty: none
+  std::filesystem::path vehicle{};               // whose cone index fine-grained soil must reach; empty: the study's
   std::string moisture{};                        // "dry", "moist" or "wet"; empty: the study's
   std::string heading{};                         // as in MapRules; empty: the study's
   std::filesystem::path out;                     // folder

@@ -31,7 +31,7 @@ void check_readable(const terrain::RasterSource& source) {
 void check_rasters(const Region& region) {
   const MapSources sources = open_sources(region);
   check_readable(sources.elevation);
-  for (const auto* raster : {&sources.soil_class, &sources.land_cover, &sources.moisture})
+  for (const auto* raster : {&sources.soil_class, &sources.land_cover, &sources.moisture, &sources.cone_index})
     if (*raster) check_readable(**raster);
 }
 
