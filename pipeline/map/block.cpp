@@ -164,6 +164,11 @@ MapSources MapSources::again() const {
 
 MapSources open_sources(const Region& region) {
   MapSources sources{RasterSource::open_elevation(region.elevation.files, region.grid), {}, {}, {}, {}};
+  const MapGrid& grid = sources.elevation.grid();
+  if (grid.columns < 3 || grid.rows < 3)
+    throw InputError(region.elevation.files.file.front().string() + ": makes a map of " + std::to_string(grid.columns) +
+                     " x " + std::to_string(grid.rows) +
+                     " cells; a slope takes a cell and its eight neighbours, so give at least 3 x 3");
   const auto open = [&](const std::optional<RegionRaster>& raster, RasterKind kind) {
     return raster ? std::optional(RasterSource::open_on_grid(raster->files, sources.elevation.grid(), kind))
                   : std::nullopt;

@@ -42,6 +42,7 @@ OutcomeModel directional_model() {
       turned[i * width + along] += 0.6 * std::abs(turned[i * width + across]);
     uphill(turned, result);
   };
+  model.cone_index = ConeIndexNeed{"a made vehicle", 69e3, 207e3};  // 30 psi: loam is too soft, clay loam is not
   model.novelty = [](std::span<const double>) { return 0.75; };
   std::vector<double> points, speed;
   for (int i = 0; i < 40; ++i) {
