@@ -48,7 +48,8 @@ Json colour_of(const std::string& hex) {
 Json expected_cells(const std::filesystem::path& map) {
   const RasterSource go = RasterSource::open_elevation(map / "go.tif");
   const Tile verdict = go.read({480, 480, 64, 64});
-  const Tile p = RasterSource::open_elevation(map / "p_go.tif").read({480, 480, 64, 64});
+  const Tile p =
+      RasterSource::open_on_grid(map / "p_go.tif", go.grid(), terrain::RasterKind::classes).read({480, 480, 64, 64});
   Json cells = Json::array();
   for (int row = 1; row < 64; row += 5)
     for (int column = 2; column < 64; column += 7) {
