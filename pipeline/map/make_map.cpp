@@ -47,6 +47,9 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const Region& reg
     if (table.cells[s] > 0)
       remark_on_soil(region, table.soils[s], table.responses[s].points(),
                      double(table.cells[s]) / double(summary.area.total()), remarks);
+  if (summary.area.total() == 0)
+    remarks.push_back(
+        "nothing is said: every cell lies at the border or beside one without elevation, so none has a slope");
   if (const double share = summary.area.share(Verdict::unknown, Reason::input_missing); share > 0)
     remarks.push_back("soil is not known on " + percent(share) +
                       " of the area: nodata, or a code the region's table does not list");
