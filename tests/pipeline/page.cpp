@@ -59,6 +59,11 @@ MapRequest hostile_request(const TemporaryFolder& folder) {
   request.region = read_region(GONOGO_SOURCE_DIR "/configs/regions/sagehen.json");
   request.region.name = request.region.about = request.region.elevation.source = kHostile;
   request.region.soils.front().name = kHostile;
+  for (Soil& soil : request.region.soils)
+    if (soil.name == "loam") {  // one of two samples is firm
+      soil.samples.push_back(soil.samples.front());
+      soil.samples.back().values["cohesion"].low = soil.samples.back().values["cohesion"].high = 8;
+    }
   request.model = directional_model();
   request.model.vehicle = kHostile;
   request.out = folder / "map";
