@@ -68,13 +68,13 @@ std::string vehicle_name(const std::filesystem::path& file) {
   return name && name->is_string() ? name->string() : file.stem().string();
 }
 
+}  // namespace
+
 ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
   const vehicle::Vehicle vehicle = vehicle::read_vehicle(file);
   const vehicle::VehicleConeIndex index = vehicle::vehicle_index(vehicle).cone_index;
   return {vehicle.name, index.one_pass * terrain::kPascalPerPsi, index.fifty_passes * terrain::kPascalPerPsi};
 }
-
-}  // namespace
 
 MapRequest read_map_request(const MapFiles& files) {
   std::optional<Study> study;

@@ -26,4 +26,7 @@ struct MapFiles {
 /// is given.
 MapRequest read_map_request(const MapFiles& files);
 
+/// VCI1 and VCI50 of a vehicle file; throws InputError for one that has none, such as a rig of one wheel.
+ConeIndexNeed read_cone_index_need(const std::filesystem::path& file);
+
 }  // namespace gonogo::pipeline
