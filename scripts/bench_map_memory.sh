@@ -1,11 +1,10 @@
 #!/bin/sh
-# Peak memory of maps of 10,000 x 10,000 and of 40,000 x 40,000 cells:
+# Peak memory of maps by the number of their cells:
 #   scripts/bench_map_memory.sh <gonogo> <model.h5> <dataset.h5> [<seconds of the unfinished maps, 300>] [<threads, 2>]
-# A whole map of 40,000 x 40,000 cells takes hours on two cores, so two things are measured, each at both sizes:
-#   whole     every stage from the first block to the page, all layers; the sample region fills 3,000 x 3,000 of the cells,
-#             the others have no elevation
-#   unfinished  the sample region fills all cells; the map is stopped after so many seconds of making blocks
-# Needs gdal-bin, python3 and GNU time.
+# A whole map of 40,000 x 40,000 cells takes hours on two cores, so two things are measured, with all layers:
+#   unfinished  the sample region fills all cells; the map is stopped after so many seconds, most of them making blocks
+#   whole       from the first block to the page; the sample region fills 3,000 x 3,000 cells, the others have no elevation
+# at the sides in UNFINISHED ("10000 40000") and WHOLE ("5000 10000"). Needs gdal-bin, python3 and GNU time.
 set -eu
 gonogo=$1 model=$2 dataset=$3 seconds=${4:-300} threads=${5:-2}
 region=$(cd "$(dirname "$0")/../configs/regions" && pwd)
@@ -29,7 +28,9 @@ PYTHON
 }
 
 for kind in unfinished whole; do
-  for side in 10000 40000; do
+  sides=${UNFINISHED-10000 40000}
+  [ $kind = unfinished ] || sides=${WHOLE-5000 10000}
+  for side in $sides; do
     make_region $kind $side
     limit=$seconds
     [ $kind = unfinished ] || limit=100000
