@@ -33,7 +33,8 @@ std::string make_region(const TemporaryFolder& folder, int side) {
   test::make_raster(folder / "soil.tif", {.columns = side, .rows = side, .value = soil, .type = GDT_Byte});
   const std::string values = R"("relative_density": 0.5, "payload": 500, "tyre_friction": 0.8, "source": "made"}]})";
   write_file_atomically(folder / "region.json", R"({"schema": "gonogo/region/1", "region": "made", "rasters": [
-    {"role": "elevation", "file": "dem.tif", "source": "made", "licence": "none", "error_m": 0.5, "error_source": "made"},
+    {"role": "elevation", "file": "dem.tif", "source": "made", "licence": "none",
+     "error_m": 0.5, "error_source": "made"},
     {"role": "soil_class", "file": "soil.tif", "source": "made", "licence": "none"}], "soils": [
     {"code": 1, "name": "ground", "texture": "sand", "samples": [{"friction_angle": 33, "cohesion": 2, )" +
                                                     values +
