@@ -27,11 +27,12 @@ constexpr double kPsi = 6894.757;                               // [Pa]
 const ConeIndexNeed kHmmwv{"HMMWV", 16.6 * kPsi, 39.0 * kPsi};  // published for its mass
 const std::vector<std::string> kClassLayers = {"go", "go_worst", "go_best"};
 
-/// Prandtl's factor of cohesion, by the form of the textbooks, times Skempton's 9 / 5.14.
+/// Prandtl's factor of cohesion, by the form of the textbooks, times Skempton's 9 / 5.14, and Reissner's of six inches
+/// of soil of 1,500 kg/m3.
 double textbook_index(double cohesion_kPa, double angle) {
   const double phi = angle * std::numbers::pi / 180;
   const double nq = std::exp(std::numbers::pi * std::tan(phi)) * (1 + std::sin(phi)) / (1 - std::sin(phi));
-  return 1.7508 * (nq - 1) / std::tan(phi) * cohesion_kPa * 1e3;
+  return 1.7508 * (nq - 1) / std::tan(phi) * cohesion_kPa * 1e3 + nq * 1500 * 9.81 * 0.1524;
 }
 
 /// Ground of 3 degrees; soil code 1 but for 2 in the southern quarter.
