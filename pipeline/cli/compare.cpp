@@ -16,7 +16,8 @@ void add_compare_command(CLI::App& app, const Globals& globals) {
   command->footer(
       "Two vehicles, two moistures, or before and after more trials. Writes change.tif, difference.tif, "
       "significance.tif,\n"
-      "change_significance.tif, an overlay for globes and compare.csv; docs/map.md says how significance is judged.\n\n"
+      "change_significance.tif, a figure, an overlay for globes and compare.csv; docs/map.md says how significance is "
+      "judged.\n\n"
       "Example:\n  gonogo compare out/dry out/wet --out out/dry_and_wet");
   command->callback([request, &globals] {
     request->threads = globals.threads;

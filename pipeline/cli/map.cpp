@@ -3,6 +3,7 @@
 
 #include "pipeline/cli/command.h"
 #include "pipeline/map/map_request.h"
+#include "pipeline/vehicle/locate.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -52,6 +53,8 @@ void add_map_command(CLI::App& app, const Globals& globals) {
                       "Members of the model (gonogo train --members): their spread widens the interval on P(go)");
   command->add_option("--heading", files->heading,
                       "Of class, P(go) and reason: uphill, worst, best, or degrees clockwise from grid north");
+  command->add_option("--vehicle", files->vehicle,
+                      "Vehicle (file or name) whose cone index fine-grained soil must reach; by default the study's");
   command->add_option("--moisture", files->moisture,
                       "Scenario: dry, moist or wet; by default the raster's or every sample");
   command->add_option("--out", files->out, "Folder of the map")->required();
@@ -63,6 +66,7 @@ void add_map_command(CLI::App& app, const Globals& globals) {
       "Example:\n  gonogo map --model out/demo/model.h5 --region configs/regions/sagehen.json --out out/map");
   command->callback([files, &globals] {
     files->threads = globals.threads;
+    if (!files->vehicle.empty()) files->vehicle = vehicle_file(files->vehicle.string());
     const MapSummary summary = make_map(read_map_request(*files));
     print_result(globals, as_json(summary), as_text(summary));
   });

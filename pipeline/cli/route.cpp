@@ -3,6 +3,7 @@
 #include "pipeline/cli/command.h"
 #include "pipeline/map/map_request.h"
 #include "pipeline/route/plan_route.h"
+#include "pipeline/vehicle/locate.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -22,6 +23,7 @@ void route(const Options& options, const Globals& globals) {
   request.reach = options.reach;
   MapFiles files = options.files;
   files.threads = globals.threads;
+  if (!files.vehicle.empty()) files.vehicle = vehicle_file(files.vehicle.string());
   request.map = read_map_request(files);
   const Json result = plan_route(request);
   print_result(globals, result, route_text(result));
@@ -36,6 +38,8 @@ void add_route_command(CLI::App& app, const Globals& globals) {
   command->add_option("--region", options->files.region, "Region file; by default the one that the study names");
   command->add_option("--study", options->files.study, "Study file: thresholds and values of its section \"map\"");
   command->add_option("--dataset", options->files.dataset, "Trials (dataset.h5): speed and energy");
+  command->add_option("--vehicle", options->files.vehicle,
+                      "Vehicle (file or name) whose cone index fine-grained soil must reach; by default the study's");
   command->add_option("--moisture", options->files.moisture, "Scenario: dry, moist or wet");
   command->add_option("--from", options->from, "Start: easting,northing in the region's coordinate system")->required();
   command->add_option("--to", options->to, "End, likewise")->required();

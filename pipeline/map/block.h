@@ -11,7 +11,7 @@ namespace gonogo::pipeline {
 
 struct MapSources {
   terrain::RasterSource elevation;
-  std::optional<terrain::RasterSource> soil_class, land_cover, moisture;
+  std::optional<terrain::RasterSource> soil_class, land_cover, moisture, cone_index;
 
   /// The same with handles of its own, for another thread.
   MapSources again() const;
@@ -24,7 +24,7 @@ struct BlockLayers {
   terrain::Window window;
   terrain::Tile elevation, slope, aspect, shade;
   terrain::Tile soil;                // position in the soil table, -1 unknown; not-a-number without a slope
-  terrain::Tile rule;                // 0: the soil decides; 1 + position in the region's land rules
+  terrain::Tile rule;                // 0: the soil decides; 1 + position in land_rules()
   std::vector<terrain::Tile> layer;  // as map_layers() lists them
   const terrain::Tile& verdict() const { return layer[0]; }
   const terrain::Tile& p_go() const { return layer[1]; }

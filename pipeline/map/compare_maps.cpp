@@ -10,6 +10,8 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
+#include "base/version.h"
+#include "pipeline/report/comparison_figure.h"
 #include "pipeline/study/contract.h"
 #include "terrain/raster/geotiff.h"
 #include "terrain/raster/overlay.h"
@@ -28,13 +30,14 @@ using terrain::Tile;
 using terrain::Window;
 namespace {
 
-constexpr double kTwoSided = 1.96;  // standard deviations that 5 % exceed
+constexpr int kPictureCells = 1600;  // along the longer side of the figure's map
+constexpr double kTwoSided = 1.96;   // standard deviations that 5 % exceed
 constexpr double kFifthPercentile = 1.645;
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 
 struct OneMap {
   RasterSource go, p, low, high;
-  std::string name;
+  std::string name, region;
 };
 
 std::string heading_of(const fs::path& folder) {
@@ -50,9 +53,13 @@ OneMap open_map(const fs::path& folder, const MapGrid& grid) {
   };
   const Json inputs = Json::read(folder / "map.json").at("inputs");
   const std::string& moisture = inputs.at("rules").at("moisture").string();
-  return {open("go.tif"), open("p_go.tif"), open("p_go_low.tif"), open("p_go_high.tif"),
+  return {open("go.tif"),
+          open("p_go.tif"),
+          open("p_go_low.tif"),
+          open("p_go_high.tif"),
           inputs.at("vehicle").string() + (moisture.empty() ? "" : ", " + moisture) + ", model " +
-              inputs.at("model_hash").string().substr(0, 8)};
+              inputs.at("model_hash").string().substr(0, 8),
+          inputs.at("region").string()};
 }
 
 MapGrid common_grid(const CompareRequest& request) {
@@ -113,6 +120,61 @@ std::array<float, 4> compare_cell(const std::array<Tile, 4>& a, const std::array
   return out;
 }
 
+/// A reduced copy of a layer, every cell the map's cell under its middle, filled window by window.
+class Reduced {
+ public:
+  explicit Reduced(const MapGrid& grid) : grid_(grid) {
+    const double scale = std::min(1.0, double(kPictureCells) / std::max(grid.columns, grid.rows));
+    tile_ = Tile(std::max(1, int(std::lround(grid.columns * scale))), std::max(1, int(std::lround(grid.rows * scale))),
+                 kNoData);
+  }
+  void take(const Tile& from, Window window) {
+    for (int row = 0; row < tile_.rows; ++row) {
+      const int y = int((row + 0.5) * grid_.rows / tile_.rows) - window.row;
+      if (y < 0 || y >= window.rows) continue;
+      for (int column = 0; column < tile_.columns; ++column) {
+        const int x = int((column + 0.5) * grid_.columns / tile_.columns) - window.column;
+        if (x >= 0 && x < window.columns) tile_.at(column, row) = from.at(x, y);
+      }
+    }
+  }
+  const Tile& tile() const { return tile_; }
+
+ private:
+  const MapGrid& grid_;
+  Tile tile_;
+};
+
+std::vector<FigureClass> figure_classes(const std::vector<LegendEntry>& legend, const Json& counts) {
+  std::vector<FigureClass> classes;
+  for (std::size_t i = 0; i < legend.size(); ++i)
+    classes.push_back(
+        {int(legend[i].value), legend[i].label, legend[i].colour, counts.items()[i].at("share").number()});
+  return classes;
+}
+
+/// The layers as a picture; `reduced` in the order of `layers`, `result` with the counts.
+void write_figure(const fs::path& path, const OneMap& a, const OneMap& b, const MapGrid& grid,
+                  const std::vector<LayerInfo>& layers, const std::vector<Reduced>& reduced, const Json& result) {
+  ComparisonFigure figure;
+  figure.title = "Two maps compared: " + a.region;
+  figure.subtitle = "First: " + a.name + ".  Second: " + b.name + ".  Uphill heading.";
+  figure.notes = {
+      "passes: go or slow-go.  Significant: P(go) differs by at least 1.96 standard deviations, each from the 90 % "
+      "interval of its map, the two taken as independent; so differences are rather missed than made up.",
+      (grid.crs_code.empty() ? grid.crs_name : grid.crs_name + " (" + grid.crs_code + ")") +
+          line(", cells %g m.  gonogo %s %s", grid.cell_width_m(), program_version(), program_revision())};
+  figure.grid = grid;
+  figure.change = reduced[0].tile();
+  figure.difference = reduced[1].tile();
+  figure.difference_class = reduced[3].tile();
+  figure.changes = figure_classes(layers[0].legend, result.at("change"));
+  figure.difference_classes = figure_classes(layers[3].legend, result.at("significance"));
+  for (const LegendEntry& stop : layers[1].legend) figure.difference_ramp.push_back({stop.value, stop.colour});
+  for (const Json& row : result.at("change").items()) figure.area_km2 += row.at("area_km2").number();
+  draw_comparison_figure(path, figure);
+}
+
 Json counted(const std::vector<LegendEntry>& legend, const std::array<std::uint64_t, 8>& cells, const MapGrid& grid,
              std::string& csv, const char* layer) {
   std::uint64_t all = 0;
@@ -159,6 +221,7 @@ Json compare_maps(const CompareRequest& request) {
   for (std::size_t l = 0; l < layers.size(); ++l)
     writers.push_back(std::make_unique<GeoTiffWriter>(request.out / names[l], grid, layers[l]));
   std::array<std::uint64_t, 8> pass{}, go{};
+  std::vector<Reduced> reduced(layers.size(), Reduced(grid));
   for (int row = 0; row < grid.rows; row += terrain::kTileCells)
     for (int column = 0; column < grid.columns; column += terrain::kTileCells) {
       stop_if_cancelled();
@@ -174,7 +237,10 @@ Json compare_maps(const CompareRequest& request) {
         if (!std::isnan(values[0])) ++pass[std::size_t(values[0])];
         if (!std::isnan(values[3])) ++go[std::size_t(values[3])];
       }
-      for (std::size_t l = 0; l < writers.size(); ++l) writers[l]->write(window, out[l]);
+      for (std::size_t l = 0; l < writers.size(); ++l) {
+        writers[l]->write(window, out[l]);
+        reduced[l].take(out[l], window);
+      }
     }
   for (const auto& writer : writers) writer->finish(request.threads);
   Json result = Json::object(), files = Json::array();
@@ -187,7 +253,8 @@ Json compare_maps(const CompareRequest& request) {
   terrain::write_overlay(request.out / "change.kml", request.out / "change.png", request.out / names[0],
                          "Which map passes", "First: " + a.name + ". Second: " + b.name, layers[0].legend);
   for (const char* name : names) files.push_back(Json((request.out / name).string()));
-  for (const char* name : {"change.png", "change.kml", "compare.csv"})
+  write_figure(request.out / "compare.png", a, b, grid, layers, reduced, result);
+  for (const char* name : {"compare.png", "change.png", "change.kml", "compare.csv"})
     files.push_back(Json((request.out / name).string()));
   result["files"] = files;
   return result;

@@ -29,9 +29,9 @@ enum class GoChange : int { lower = 1, not_significant = 2, higher = 3 };
 double significance(double p1, double low1, double high1, double p2, double low2, double high2);
 PassChange pass_change(int verdict1, int verdict2);
 
-/// Writes change.tif, difference.tif (P2 - P1), significance.tif (z), change_significance.tif, change.png and
-/// change.kml, compare.csv. Cells, area and share of every class in the result. Throws InputError for folders that hold
-/// no map, maps of different grids or of another heading than uphill.
+/// Writes change.tif, difference.tif (P2 - P1), significance.tif (z), change_significance.tif, compare.png (figure),
+/// change.png and change.kml, compare.csv. Cells, area and share of every class in the result. Throws InputError for
+/// folders that hold no map, maps of different grids or of another heading than uphill.
 Json compare_maps(const CompareRequest& request);
 std::string compare_text(const Json& result);
 

@@ -25,7 +25,7 @@ HeadingTable::HeadingTable(const OutcomeModel& model, const MapRules& rules, con
   first_across_ = first_step(across);
   along_count_ = std::max(0, last_step(along) - first_along_ + 1);
   across_count_ = std::max(0, last_step(across) - first_across_ + 1);
-  outside_ = {{Verdict::unknown, Reason::outside_sampled}, {{}, 1}, kNoData};
+  outside_ = {{Verdict::unknown, points.reason_outside()}, {{}, 1, points.soft_share()}, kNoData};
   nodes_.assign(std::size_t(along_count_) * std::size_t(across_count_), outside_);
 #pragma omp parallel for schedule(dynamic, 64)
   for (int i = 0; i < along_count_ * across_count_; ++i) {
@@ -59,7 +59,7 @@ int HeadingTable::index_of(BedSlopes slopes) const {
 
 HeadingRange HeadingTable::over_headings(double slope_deg) const {
   HeadingRange range{{Verdict::go, Reason::none}, {Verdict::no_go, Reason::none}, kNoData, kNoData, 0};
-  bool any_unknown = false;
+  bool any_unknown = false, any_soft = false;
   int sampled = 0;
   for (int h = 0; h < kHeadings; ++h) {
     const HeadingAnswer& answer = at(bed_slopes(slope_deg, 2 * std::numbers::pi * h / kHeadings));
@@ -71,12 +71,13 @@ HeadingRange HeadingTable::over_headings(double slope_deg) const {
     }
     if (verdict == Verdict::unknown) {
       any_unknown = true;
+      any_soft = any_soft || answer.result.reason == Reason::soft_soil;
       continue;
     }
     if (is_below(verdict, range.worst.verdict)) range.worst = answer.result;
     if (is_below(range.best.verdict, verdict) || (h == 0 && verdict == Verdict::no_go)) range.best = answer.result;
   }
-  const CellClass unknown = {Verdict::unknown, Reason::outside_sampled};
+  const CellClass unknown = {Verdict::unknown, any_soft ? Reason::soft_soil : Reason::outside_sampled};
   if (any_unknown && range.worst.verdict != Verdict::no_go) range.worst = unknown;
   if (any_unknown && range.best.verdict == Verdict::no_go) range.best = unknown;
   range.sampled_share = float(sampled) / kHeadings;

@@ -34,7 +34,7 @@ class HeadingTable {
   const HeadingAnswer& at(BedSlopes slopes) const;
 
   /// Over kHeadings headings. worst: no_go if any heading is, else unknown if any is, else the lower class. best: go if
-  /// any heading is, else slow_go, else unknown if any is, else no_go.
+  /// any heading is, else slow_go, else unknown if any is, else no_go. Unknown is soft_soil if any heading is.
   HeadingRange over_headings(double slope_deg) const;
 
   /// Sampled nodes, along by along: node(i, j) is at ((first_along + i), (first_across + j)) / kHeadingSteps degrees.

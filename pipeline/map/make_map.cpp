@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/line.h"
 #include "pipeline/map/map_blocks.h"
 #include "pipeline/map/map_exports.h"
 #include "pipeline/map/map_figure.h"
@@ -23,17 +24,32 @@ std::string percent(double share) {
   return text;
 }
 
-std::vector<std::string> remarks_on(const MapSummary& summary, const SoilTable& table) {
+/// Why nothing is said, or not much, about a soil that occurs.
+void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& points, double share,
+                    std::vector<std::string>& remarks) {
+  const std::string where = soil.name + " (" + percent(share) + " of the area): ";
+  for (const std::string& because : points.soft_because()) remarks.push_back(where + because);
+  if (!is_fine_grained(region, soil))
+    remarks.push_back(where +
+                      "its texture is not given, so that it is held to the vehicle's cone index only where its "
+                      "friction angle is below " +
+                      line("%g degrees", kLeastAngleOfSand));
+  const auto& because = points.outside_because();
+  if (because.empty()) return;
+  const std::string more = std::to_string(because.size() - 1);
+  remarks.push_back(where + because.front() +
+                    (because.size() > 1 ? ", and " + more + " more values of it are not sampled" : ""));
+}
+
+std::vector<std::string> remarks_on(const MapSummary& summary, const Region& region, const SoilTable& table) {
   std::vector<std::string> remarks;
-  for (std::size_t s = 0; s < table.soils.size(); ++s) {
-    const auto& because = table.responses[s].outside_because();
-    if (because.empty() || table.cells[s] == 0) continue;
-    remarks.push_back(table.soils[s].name + " (" + percent(double(table.cells[s]) / double(summary.area.total())) +
-                      " of the area): " + because.front() +
-                      (because.size() > 1
-                           ? ", and " + std::to_string(because.size() - 1) + " more values of it are not sampled"
-                           : ""));
-  }
+  for (std::size_t s = 0; s < table.soils.size(); ++s)
+    if (table.cells[s] > 0)
+      remark_on_soil(region, table.soils[s], table.responses[s].points(),
+                     double(table.cells[s]) / double(summary.area.total()), remarks);
+  if (summary.area.total() == 0)
+    remarks.push_back(
+        "nothing is said: every cell lies at the border or beside one without elevation, so none has a slope");
   if (const double share = summary.area.share(Verdict::unknown, Reason::input_missing); share > 0)
     remarks.push_back("soil is not known on " + percent(share) +
                       " of the area: nodata, or a code the region's table does not list");
@@ -87,7 +103,7 @@ MapSummary make_map(const MapRequest& request) {
   MapSummary summary;
   summary.area = digest.area;
   summary.area_km2 = double(summary.area.total()) * grid.cell_area_m2() * 1e-6;
-  summary.remarks = remarks_on(summary, table);
+  summary.remarks = remarks_on(summary, request.region, table);
   if (!sources.elevation.how_warped().empty()) summary.remarks.push_back(sources.elevation.how_warped());
   summary.blocks_found = blocks.found();
   summary.files = blocks.finish();

@@ -57,7 +57,7 @@ void add_notes(const MapRequest& request, const terrain::MapGrid& grid, const Ma
                          " \u2264 P(go) < " + number(rules.go) + ", or slower than the go speed;  no-go: P(go) < " +
                          number(rules.no_go) +
                          ".  P(go) is the probability that a valid trial ends in go or slow-go.  Grey is never a "
-                         "guess: the soil is not known, or nothing like it was simulated.");
+                         "guess: the soil is not known or too soft, or nothing like it was simulated.");
   for (const std::string& remark : summary.remarks) figure.notes.push_back(remark);
   figure.notes.push_back("Elevation: " + request.region.elevation.source +
                          (request.region.soil_class ? ".  Soil: " + request.region.soil_class->source : ""));

@@ -115,6 +115,7 @@ Json land_json(const Region& region) {
   Json list = Json::array();
   for (const LandRule& rule : land_rules(region)) {
     Json entry = Json::object();
+    entry["of"] = rule.reason == Reason::soft_soil ? "Strength" : "Land cover";
     entry["name"] = rule.name;
     entry["verdict"] = rule.verdict ? int(*rule.verdict) : 0;
     entry["reason"] = int(rule.reason);
@@ -132,13 +133,14 @@ Json note(const std::string& title, const std::vector<std::string>& lines) {
 Json notes_json(const MapRequest& request, const MapSummary& summary, const PageCells& cells) {
   const MapRules& rules = request.rules;
   Json notes = Json::array();
-  notes.push_back(note("What the classes mean",
-                       {line("go: P(go) of %g or more, and go likelier than slow-go", rules.go),
-                        line("slow-go: P(go) from %g to %g, or slow-go likelier than go", rules.no_go, rules.go),
-                        line("no-go: P(go) below %g; steeper uphill than sampled where the steepest sampled slope is "
-                             "no-go already",
-                             rules.no_go),
-                        "unknown: the soil is not known, or nothing like it was simulated; never a guess"}));
+  notes.push_back(
+      note("What the classes mean",
+           {line("go: P(go) of %g or more, and go likelier than slow-go", rules.go),
+            line("slow-go: P(go) from %g to %g, or slow-go likelier than go", rules.no_go, rules.go),
+            line("no-go: P(go) below %g; steeper uphill than sampled where the steepest sampled slope is "
+                 "no-go already",
+                 rules.no_go),
+            "unknown: the soil is not known or too soft, or nothing like it was simulated; never a guess"}));
   std::vector<std::string> limits = summary.remarks;
   limits.push_back(
       "Slopes are rounded to 1/64 degree uphill and to 1/2 degree for other headings; azimuths are from "
@@ -170,6 +172,8 @@ Json provenance_json(const MapRequest& request, const terrain::MapGrid& grid, co
     add("Land cover", request.region.land_cover->source + " (" + request.region.land_cover->licence + ")");
   if (request.region.moisture)
     add("Moisture", request.region.moisture->source + " (" + request.region.moisture->licence + ")");
+  if (request.region.cone_index)
+    add("Cone index", request.region.cone_index->source + " (" + request.region.cone_index->licence + ")");
   if (!request.rules.moisture.empty()) add("Scenario", request.rules.moisture);
   add("Coordinates", grid.crs_code.empty() ? grid.crs_name : grid.crs_name + ", " + grid.crs_code);
   for (const auto& [key, value] : metadata)

@@ -54,6 +54,7 @@ std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& reg
   if (region.soil_class) add("soil_class", *region.soil_class);
   if (region.land_cover) add("land_cover", *region.land_cover);
   if (region.moisture) add("moisture", *region.moisture);
+  if (region.cone_index) add("cone_index", *region.cone_index);
   return hashes;
 }
 
@@ -66,6 +67,13 @@ Json map_inputs(const MapRequest& request) {
   if (!request.model.member_hashes.empty()) inputs["member_hashes"] = Json(request.model.member_hashes);
   if (!request.model.dataset_hash.empty()) inputs["dataset_hash"] = request.model.dataset_hash;
   inputs["vehicle"] = request.model.vehicle;
+  if (const auto& need = request.model.cone_index) {
+    Json index = Json::object();
+    index["vehicle"] = need->vehicle;
+    index["vci1_kPa"] = need->one_pass / 1e3;
+    index["vci50_kPa"] = need->fifty_passes / 1e3;
+    inputs["vehicle_cone_index"] = index;
+  }
   inputs["region"] = request.region.name;
   inputs["region_hash"] = file_hash(request.region.file);
   for (const auto& [role, hash] : raster_hashes(request.region)) inputs[role + "_hash"] = hash;
@@ -78,10 +86,12 @@ Metadata map_metadata(const MapRequest& request, const Json& inputs) {
   Metadata metadata;
   metadata.emplace_back("TIFFTAG_SOFTWARE", std::string("gonogo ") + program_version());
   for (const char* key : {"version", "revision", "region", "region_hash", "model_hash", "dataset_hash",
-                          "elevation_hash", "soil_class_hash", "land_cover_hash", "moisture_hash"})
+                          "elevation_hash", "soil_class_hash", "land_cover_hash", "moisture_hash", "cone_index_hash"})
     if (const Json* value = inputs.find(key)) metadata.emplace_back(std::string("GONOGO_") + key, value->string());
   metadata.emplace_back("GONOGO_rules", inputs.at("rules").dump());
   metadata.emplace_back("GONOGO_heading", heading_text(request.rules));
+  if (const Json* need = inputs.find("vehicle_cone_index"))
+    metadata.emplace_back("GONOGO_vehicle_cone_index", need->dump());
   metadata.emplace_back("GONOGO_vehicle", "quarter vehicle " + request.model.vehicle);
   return metadata;
 }

@@ -9,6 +9,8 @@
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/learn/predictor.h"
 #include "pipeline/study/study.h"
+#include "terrain/soil/strength.h"
+#include "vehicle/semi_empirical/mobility_index.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -68,6 +70,12 @@ std::string vehicle_name(const std::filesystem::path& file) {
 
 }  // namespace
 
+ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
+  const vehicle::Vehicle vehicle = vehicle::read_vehicle(file);
+  const vehicle::VehicleConeIndex index = vehicle::vehicle_index(vehicle).cone_index;
+  return {vehicle.name, index.one_pass * terrain::kPascalPerPsi, index.fifty_passes * terrain::kPascalPerPsi};
+}
+
 MapRequest read_map_request(const MapFiles& files) {
   std::optional<Study> study;
   if (!files.study.empty()) study = read_study(files.study);
@@ -85,6 +93,9 @@ MapRequest read_map_request(const MapFiles& files) {
       throw InputError("map: --moisture \"" + files.moisture + "\" is no scenario; use dry, moist or wet");
     request.rules.moisture = files.moisture;
   }
+  if (!files.vehicle.empty()) request.rules.cone_index_of = files.vehicle;
+  if (!request.rules.cone_index_of.empty())
+    request.model.cone_index = read_cone_index_need(request.rules.cone_index_of);
   if (study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);
   request.out = files.out;
   request.colour_blind_safe = files.colour_blind_safe;

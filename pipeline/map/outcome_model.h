@@ -1,6 +1,7 @@
 // What a map needs of a trained model. pipeline/map/model_source.h makes one from a model file; tests make their own.
 #pragma once
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,12 @@
 #include "pipeline/map/measure_fit.h"
 
 namespace gonogo::pipeline {
+
+/// Cone indices that a vehicle needs in fine-grained soil (vehicle/semi_empirical/mobility_index.h).
+struct ConeIndexNeed {
+  std::string vehicle;
+  double one_pass = 0, fifty_passes = 0;  // VCI1, VCI50 [Pa]
+};
 
 struct OutcomeModel {
   /// Probabilities of the outcomes of contract() for many points at once; a not-a-number marks an unknown variable.
@@ -24,9 +31,10 @@ struct OutcomeModel {
   std::function<double(std::span<const double> point)> novelty;
   std::vector<MeasureFit> measures;  // of trials that passed; empty when no dataset was given
   std::vector<std::string> member_hashes;
-  std::string dataset_hash;  // of the file that they come from
-  std::string hash;          // of the model's file
-  std::string vehicle;       // name for titles, may be empty
+  std::string dataset_hash;                 // of the file that they come from
+  std::string hash;                         // of the model's file
+  std::string vehicle;                      // name for titles, may be empty
+  std::optional<ConeIndexNeed> cone_index;  // of the vehicle; nothing: not known, fine-grained soil is then unknown
 };
 
 }  // namespace gonogo::pipeline

@@ -26,7 +26,8 @@ std::vector<std::string> inputs_of(const Soil& soil) {
     }
     lines.push_back(text + ". " + sample.source);
   }
-  if (lines.empty()) lines.push_back("no sample; see the values of the region");
+  if (!soil.texture.empty()) lines.push_back("USDA texture " + soil.texture);
+  if (soil.samples.empty()) lines.push_back("no sample; see the values of the region");
   return lines;
 }
 
@@ -115,6 +116,8 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
   json["inputs"] = Json(inputs_of(soil));
   json["unknown"] = Json(unknown_of(request, response));
   json["outside_because"] = Json(response.outside_because());
+  json["soft_because"] = Json(response.points().soft_because());
+  json["soft_share"] = response.points().soft_share();
   json["outside_share"] = 1 - double(response.points().sampled_count()) / double(response.points().all().size());
   json["first_along"] = response.headings().first_along();
   json["first_across"] = response.headings().first_across();

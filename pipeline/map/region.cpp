@@ -2,10 +2,13 @@
 
 #include <set>
 
+#include "terrain/soil/strength.h"
+#include "terrain/soil/texture.h"
+
 namespace gonogo::pipeline {
 namespace {
 
-RegionRaster read_raster(const Config& config, bool elevation) {
+RegionRaster read_raster(const Config& config, const std::string& role) {
   RegionRaster raster;
   if (config.has("files")) {
     for (const std::string& file : config.texts("files"))
@@ -16,7 +19,8 @@ RegionRaster read_raster(const Config& config, bool elevation) {
   }
   raster.source = config.text("source");
   raster.licence = config.text("licence");
-  if (elevation && config.has("error_m")) {
+  if (role == "cone_index") raster.unit = config.choice("unit", {"psi", "kPa"}) == "psi" ? terrain::kPascalPerPsi : 1e3;
+  if (role == "elevation" && config.has("error_m")) {
     raster.error = config.number("error_m", {0, 1000});
     raster.error_correlation = config.number_or("error_correlation", 0, {0, 0.9999});
     config.text("error_source");
@@ -30,6 +34,7 @@ SoilSample read_sample(const Config& config) {
   SoilSample sample;
   sample.source = config.text("source");
   if (config.has("water_percent")) sample.water_percent = config.number("water_percent", {0, 1000});
+  if (config.has("cone_index_kPa")) sample.cone_index = 1e3 * config.number("cone_index_kPa", {0, 10000});
   for (const Variable& variable : contract().variables) {
     if (variable.name == "slope_along" || variable.name == "slope_across" || !config.has(variable.name)) continue;
     const double value = config.number(variable.name, {variable.minimum, variable.maximum});
@@ -40,11 +45,17 @@ SoilSample read_sample(const Config& config) {
   return sample;
 }
 
+/// Empty when the file does not give it.
+std::string read_texture(const Config& config) {
+  return config.has("texture") ? config.choice("texture", terrain::usda_textures()) : "";
+}
+
 Soil read_soil(const Config& config) {
   Soil soil;
   soil.code = int(config.integer("code", {0, 65535}));
   soil.name = config.text("name");
   soil.note = config.text_or("note", "");
+  soil.texture = read_texture(config);
   if (config.has("samples"))
     for (const Config& sample : config.objects("samples")) soil.samples.push_back(read_sample(sample));
   if (const auto values = config.object_if("values")) soil.values = read_spreads(*values);
@@ -55,17 +66,18 @@ Soil read_soil(const Config& config) {
 void read_rasters(const Config& config, Region& region) {
   bool has_elevation = false;
   for (const Config& entry : config.objects("rasters")) {
-    const std::string role = entry.choice("role", {"elevation", "soil_class", "land_cover", "moisture"});
+    const std::string role = entry.choice("role", {"elevation", "soil_class", "land_cover", "moisture", "cone_index"});
     std::optional<RegionRaster>& place = role == "soil_class"   ? region.soil_class
                                          : role == "land_cover" ? region.land_cover
-                                                                : region.moisture;
+                                         : role == "moisture"   ? region.moisture
+                                                                : region.cone_index;
     const bool elevation = role == "elevation";
     if (elevation ? has_elevation : place.has_value()) entry.fail("role", "is given twice; keep one raster");
     if (elevation) {
-      region.elevation = read_raster(entry, true);
+      region.elevation = read_raster(entry, role);
       has_elevation = true;
     } else {
-      place = read_raster(entry, false);
+      place = read_raster(entry, role);
     }
   }
   if (!has_elevation) config.fail("rasters", "no raster has the role \"elevation\"; add one");
@@ -145,6 +157,7 @@ Region read_region(const std::filesystem::path& path) {
   if (region.soil_class.has_value() == region.soils.empty())
     config.fail("soils", region.soils.empty() ? "missing; say what the codes of the soil_class raster mean"
                                               : "no raster has the role \"soil_class\"; add one or remove the soils");
+  region.texture = read_texture(config);
   if (const auto values = config.object_if("values")) region.values = read_spreads(*values);
   config.finish();
   return region;
@@ -153,6 +166,8 @@ Region read_region(const std::filesystem::path& path) {
 std::vector<LandRule> land_rules(const Region& region) {
   std::vector<LandRule> rules = region.land;
   rules.push_back({-1, "land cover not known", Verdict::unknown, Reason::land_unknown});
+  rules.push_back({-1, "measured cone index below VCI1", Verdict::no_go, Reason::soft_soil});
+  rules.push_back({-1, "measured cone index below VCI50", Verdict::unknown, Reason::soft_soil});
   return rules;
 }
 

@@ -17,6 +17,7 @@ struct RegionRaster {
   std::string source, licence;
   double error = 0;              // of elevations: standard error [m], 0 when not stated
   double error_correlation = 0;  // between neighbouring cells
+  double unit = 1;               // of cone indices [Pa]
 };
 
 /// Values measured together on one sample of a soil; the rest of the soil's variables follow its own spreads.
@@ -24,6 +25,7 @@ struct SoilSample {
   Spreads values;  // all fixed
   std::string source;
   std::optional<double> water_percent = std::nullopt;  // of the dry mass, when it was measured
+  std::optional<double> cone_index = std::nullopt;     // [Pa], when it was measured
 };
 
 /// What a land cover code says whatever the soil: a verdict with its reason, or nothing (the soil decides).
@@ -44,6 +46,7 @@ struct Soil {
   int code = 0;  // in the soil class raster
   std::string name;
   std::string note;
+  std::string texture;              // one of terrain::usda_textures(); empty: the region's, or not known
   std::vector<SoilSample> samples;  // equally likely; empty: only `values`
   Spreads values;
 };
@@ -52,11 +55,12 @@ struct Region {
   std::filesystem::path file;
   std::string name, about;
   RegionRaster elevation;
-  std::optional<RegionRaster> soil_class, land_cover, moisture;
+  std::optional<RegionRaster> soil_class, land_cover, moisture, cone_index;
   terrain::GridWish grid;
   std::vector<LandRule> land;            // of land_cover
   std::vector<MoistureState> moistures;  // empty: the region does not tell moisture apart
   std::vector<Soil> soils;               // empty when the region names no soil raster: `values` hold everywhere
+  std::string texture;                   // of every soil that does not say otherwise; empty: not known
   Spreads values;                        // for every soil that does not say otherwise
 };
 
@@ -66,8 +70,12 @@ std::vector<SoilSample> samples_in(const Soil& soil, const MoistureState& state)
 /// Throws InputError. Paths are relative to the region's folder; the rasters themselves are opened by the map.
 Region read_region(const std::filesystem::path& path);
 
-/// Land rules of a region, with the one for what no rule names at the end.
+/// What decides in a cell whatever its soil: the region's own rules in their order, then the one for land cover that
+/// none of them names, then those for fine-grained soil that was measured below VCI1 and below VCI50.
 std::vector<LandRule> land_rules(const Region& region);
+inline std::size_t land_unknown_rule(const Region& region) { return region.land.size(); }
+inline std::size_t below_one_pass_rule(const Region& region) { return region.land.size() + 1; }
+inline std::size_t below_fifty_passes_rule(const Region& region) { return region.land.size() + 2; }
 
 /// Equally weighted points of a soil over the variables of the contract (slopes not-a-number): every sample with every
 /// drawn point of the ranges. `overriding` values win over the soil's, those over the region's.

@@ -49,6 +49,7 @@ MapRules read_map_rules(const std::optional<Config>& section) {
   rules.fidelity = section->text_or("fidelity", rules.fidelity);
   rules.correlation_length = section->number_or("correlation_length_m", rules.correlation_length, {1, 1e6});
   if (section->has("heading")) set_heading(rules, section->text("heading"), "map.heading");
+  if (section->has("cone_index_of")) rules.cone_index_of = section->path("cone_index_of");
   if (const auto values = section->object_if("values")) rules.values = read_spreads(*values);
   section->finish();
   return rules;
@@ -82,13 +83,19 @@ double Prospect::p_go() const {
   return probability_of(*this, Verdict::go) + probability_of(*this, Verdict::slow_go);
 }
 
+Reason reason_of_unknown(const Prospect& prospect) {
+  const bool soft = prospect.soft_share > 0 && 2 * prospect.soft_share >= prospect.outside_share;
+  return soft ? Reason::soft_soil : Reason::outside_sampled;
+}
+
 CellClass classify(const Prospect& prospect, const MapRules& rules) {
-  if (prospect.outside_share >= 1) return {Verdict::unknown, Reason::outside_sampled};
-  const double outside = prospect.outside_share > rules.tolerated_outside_share ? prospect.outside_share : 0;
+  if (prospect.outside_share >= 1) return {Verdict::unknown, reason_of_unknown(prospect)};
+  const double not_sampled = prospect.outside_share - prospect.soft_share;
+  const double outside = prospect.soft_share + (not_sampled > rules.tolerated_outside_share ? not_sampled : 0);
   const double lower = prospect.p_go() * (1 - outside), upper = lower + outside;
   const bool slow = probability_of(prospect, Verdict::slow_go) > probability_of(prospect, Verdict::go);
   const Verdict verdict = verdict_at(lower, slow, rules);
-  if (verdict != verdict_at(upper, slow, rules)) return {Verdict::unknown, Reason::outside_sampled};
+  if (verdict != verdict_at(upper, slow, rules)) return {Verdict::unknown, reason_of_unknown(prospect)};
   return {verdict, verdict == Verdict::no_go ? likeliest_no_go_reason(prospect) : Reason::none};
 }
 

@@ -3,8 +3,9 @@
 // P(go) is the probability of go or slow_go in a valid trial. Where a share u of what the soil may be was never
 // sampled, P(go) lies between p (1 - u) and p (1 - u) + u, with p the P(go) of the sampled part. A cell gets a class
 // only if the whole interval agrees on it, and is unknown otherwise; so it is never go on the strength of what was not
-// simulated.
+// simulated. What is too soft (pipeline/map/soft_soil.h) counts like what was never sampled.
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -24,11 +25,12 @@ struct MapRules {
   double correlation_length = 100;     // [m] chances of passing are the same within, independent beyond; for routes
   double go = 0.8;                     // P(go) at or above: go, or slow_go when slow_go is the likelier outcome
   double no_go = 0.5;                  // P(go) below: no_go; between the two: slow_go
-  double tolerated_outside_share = 0;  // shares u up to this are taken as if they behaved like the sampled part
+  double tolerated_outside_share = 0;  // shares not sampled up to this are taken to behave like the sampled part
   std::string moisture;  // "dry", "moist" or "wet" for the whole map; empty: the raster's, or every sample
   int draws = 16;        // points drawn from the ranges of a soil
   std::string fidelity = "fidelity of the trials not stated";  // printed under the title of the figure
   Spreads values;                                              // of the mission, such as payload; win over the region's
+  std::filesystem::path cone_index_of;  // vehicle file whose cone index fine-grained soil must reach; empty: none
 };
 
 /// Throws InputError. Without a section the defaults hold.
@@ -42,7 +44,8 @@ std::string heading_text(const MapRules& rules);
 /// What the model says about a soil at one slope.
 struct Prospect {
   std::vector<double> outcome;  // mean probabilities over the sampled part, [outcome count]; zeros when there is none
-  double outside_share = 1;     // share of the soil's points that lie outside what was sampled
+  double outside_share = 1;     // share of the soil's points that no trial answers for: not sampled, or too soft
+  double soft_share = 0;        // share of them that are too soft
 
   double p_go() const;  // of the sampled part; not-a-number when there is none
 };
@@ -52,7 +55,11 @@ struct CellClass {
   Reason reason = Reason::outside_sampled;
 };
 
-/// `no_go` cells get their likeliest no_go reason, `unknown` ones outside_sampled.
+/// soft_soil where at least half of what is not answered for is too soft, outside_sampled otherwise.
+Reason reason_of_unknown(const Prospect& prospect);
+
+/// `no_go` cells get their likeliest no_go reason, `unknown` ones reason_of_unknown(). Points that are too soft are
+/// never tolerated.
 CellClass classify(const Prospect& prospect, const MapRules& rules);
 
 }  // namespace gonogo::pipeline

@@ -21,10 +21,15 @@ bool contains(Range sampled, double value) {
   return value >= sampled.minimum - slack && value <= sampled.maximum + slack;
 }
 
-SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points) : all_(std::move(points)) {
+SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft)
+    : all_(std::move(points)), soft_(std::move(soft)) {
   const auto& variables = contract().variables;
-  for (const std::vector<double>& point : all_) {
-    bool inside = true;
+  soft_.is_soft.resize(all_.size(), 0);
+  std::size_t soft_count = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const std::vector<double>& point = all_[i];
+    bool inside = !soft_.is_soft[i];
+    soft_count += !inside;
     for (std::size_t v = 0; v < variables.size(); ++v) {
       if (std::isnan(point[v]) || contains(model.sampled[v], point[v])) continue;
       inside = false;
@@ -36,7 +41,10 @@ SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double
     inside_.insert(inside_.end(), point.begin(), point.end());
     ++inside_count_;
   }
+  soft_share_ = double(soft_count) / double(all_.size());
 }
+
+Reason SoilPoints::reason_outside() const { return reason_of_unknown(Prospect{{}, 1, soft_share_}); }
 
 std::vector<double> SoilPoints::answers(const Probabilities& model, double slope_along, double slope_across) const {
   const std::size_t variables = contract().variables.size();
@@ -53,7 +61,7 @@ std::vector<double> SoilPoints::answers(const Probabilities& model, double slope
 
 Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across) const {
   const std::size_t outcomes = contract().outcomes.size();
-  Prospect prospect{std::vector<double>(outcomes, 0.0), 1};
+  Prospect prospect{std::vector<double>(outcomes, 0.0), 1, soft_share_};
   const bool sampled = contains(model.sampled[contract().variable_index("slope_along")], slope_along) &&
                        contains(model.sampled[contract().variable_index("slope_across")], slope_across);
   if (inside_count_ == 0 || !sampled) return prospect;

@@ -1,11 +1,12 @@
-// What one soil may be: points over the variables of the contract, those that trials sampled kept for the model and the
-// others counted.
+// What one soil may be: points over the variables of the contract, those that trials sampled and that are not too soft
+// kept for the model and the others counted.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "pipeline/map/outcome_model.h"
 #include "pipeline/map/rules.h"
+#include "pipeline/map/soft_soil.h"
 
 namespace gonogo::pipeline {
 
@@ -14,8 +15,8 @@ bool contains(Range sampled, double value);
 
 class SoilPoints {
  public:
-  /// `points` are those of soil_points(): equally likely, slopes not-a-number.
-  SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points);
+  /// `points` are those of soil_points(): equally likely, slopes not-a-number; `soft` those of soft_points().
+  SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft = {});
 
   /// Mean over the sampled points at these slopes [deg]; slopes outside the sampled box give a prospect without any.
   Prospect at(const OutcomeModel& model, double slope_along, double slope_across) const;
@@ -25,10 +26,15 @@ class SoilPoints {
   std::size_t sampled_count() const { return inside_count_; }
   /// P(go) of every sampled point at these slopes, by the model and then by each of its members.
   std::vector<double> p_go_of_each(const OutcomeModel& model, double slope_along, double slope_across) const;
+  /// Share of the points that are too soft, sampled or not.
+  double soft_share() const { return soft_share_; }
+  /// Why nothing is said about slopes outside the sampled box.
+  Reason reason_outside() const;
   /// Every point, sampled or not.
   const std::vector<std::vector<double>>& all() const { return all_; }
   /// "cohesion 6.1 kPa is outside 0 to 5 kPa" for each variable that keeps points of this soil out.
   const std::vector<std::string>& outside_because() const { return outside_because_; }
+  const std::vector<std::string>& soft_because() const { return soft_.because; }
 
  private:
   using Probabilities = std::function<void(std::span<const double>, std::span<double>)>;
@@ -37,6 +43,8 @@ class SoilPoints {
   std::vector<std::vector<double>> all_;
   std::vector<double> inside_;  // [inside_count_ x variables]
   std::size_t inside_count_ = 0;
+  SoftPoints soft_;
+  double soft_share_ = 0;
   std::vector<std::string> outside_because_;
 };
 

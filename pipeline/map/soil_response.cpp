@@ -35,8 +35,8 @@ double quantile(const std::vector<double>& sorted, double share) {
 double rounded_slope(double slope_deg) { return std::round(slope_deg * kSlopeSteps) / kSlopeSteps; }
 
 SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
-                           double gradient_error)
-    : points_(model, std::move(points)), headings_(model, rules, points_) {
+                           double gradient_error, SoftPoints soft)
+    : points_(model, std::move(points), std::move(soft)), headings_(model, rules, points_) {
   sampled_slope_ = model.sampled[contract().variable_index("slope_along")];
   tabulate(model, rules);
   add_interval(gradient_error, 1 + model.members.size());
@@ -55,7 +55,7 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
   stop_if_cancelled();
   CellAnswer steeper;
   steeper.result = classify(points_.at(model, sampled_slope_.maximum, 0), rules);
-  if (steeper.result.verdict != Verdict::no_go) steeper.result = {Verdict::unknown, Reason::outside_sampled};
+  if (steeper.result.verdict != Verdict::no_go) steeper.result = {Verdict::unknown, points_.reason_outside()};
   steeper.p_go = steeper.p_slow = steeper.speed = steeper.slip = steeper.sinkage = kNoData;
   steeper.outside_share = 1;
   std::fill(table_.begin() + steepest + 1, table_.end(), steeper);

@@ -31,10 +31,11 @@ struct CellAnswer {
 
 class SoilResponse {
  public:
-  /// `points` are those of soil_points(). The heading is uphill (slope_along = slope, slope_across = 0) where nothing
-  /// else is said. `gradient_error`: standard error of the rise per metre that follows from the elevation's error.
+  /// `points` are those of soil_points(), `soft` those of soft_points(). The heading is uphill (slope_along = slope,
+  /// slope_across = 0) where nothing else is said. `gradient_error`: standard error of the rise per metre that follows
+  /// from the elevation's error.
   SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
-               double gradient_error = 0);
+               double gradient_error = 0, SoftPoints soft = {});
 
   /// For a slope in [0, 90] degrees. Steeper than what was sampled a cell is no_go if the steepest sampled slope is,
   /// with its reason, and unknown otherwise.

@@ -46,10 +46,10 @@ function verdict_at(p, slow_is_likelier) {
   return p < state.go || slow_is_likelier ? SLOW_GO : GO;
 }
 
-/// Class of one entry of a table: interval over what was not sampled.
-function classify(p, p_slow, outside) {
+/// Class of one entry of a table: interval over what was not sampled or is too soft.
+function classify(p, p_slow, outside, soft) {
   if (Number.isNaN(p)) return UNKNOWN;
-  const u = outside > meta.rules.tolerated_outside_share ? outside : 0;
+  const not_sampled = outside - soft, u = soft + (not_sampled > meta.rules.tolerated_outside_share ? not_sampled : 0);
   const low = p * (1 - u), slow = p_slow > p - p_slow, verdict = verdict_at(low, slow);
   return verdict === verdict_at(low + u, slow) ? verdict : UNKNOWN;
 }
@@ -63,6 +63,9 @@ function likeliest_reason(soil, table, index) {
   }
   return reason;
 }
+
+/// Why a cell is unknown where this share is not answered for.
+const reason_of_unknown = (outside, soft) => (soft > 0 && 2 * soft >= outside ? reason_code.soft_soil : reason_code.outside_sampled);
 
 /// Tables of one soil: p, verdict and reason for every node, made anew when a threshold changes.
 class Soil {
@@ -80,12 +83,15 @@ class Soil {
   }
 
   update() {
-    const classes = (p, slow) => Uint8Array.from(p, (q, i) => classify(probability(q), probability(slow[i]), this.outside_share));
+    const classes = (p, slow) => Uint8Array.from(p, (q, i) => classify(probability(q), probability(slow[i]), this.outside_share, this.soft_share));
     this.node_class = classes(this.node_p, this.node_slow);
     this.uphill_class = classes(this.uphill_p, this.uphill_slow);
-    const reasons = (table, verdicts) => verdicts.map((v, i) => (v === NO_GO ? likeliest_reason(this, table, i) : v === UNKNOWN ? reason_code.outside_sampled : 0));
-    this.node_reason = reasons('heading', this.node_class);
-    this.uphill_reason = reasons('uphill', this.uphill_class);
+    const inside = reason_of_unknown(this.outside_share, this.soft_share);
+    this.reason_outside = reason_of_unknown(1, this.soft_share);
+    const reasons = (table, verdicts, p) => verdicts.map((v, i) => (v === NO_GO ? likeliest_reason(this, table, i)
+      : v !== UNKNOWN ? 0 : p[i] === NONE16 ? this.reason_outside : inside));
+    this.node_reason = reasons('heading', this.node_class, this.node_p);
+    this.uphill_reason = reasons('uphill', this.uphill_class, this.uphill_p);
     const last = this.along_count - 1;
     this.steeper = Array.from({ length: this.across_count }, (_, j) => last >= 0 && this.node_class[last * this.across_count + j] === NO_GO);
     const sampled = this.uphill_p.findLastIndex((q) => q !== NONE16);
@@ -102,7 +108,7 @@ class Soil {
   p_at(place) { return place >= 0 ? probability(this.node_p[place]) : NaN; }
   reason_at(place) {
     const verdict = this.verdict_at(place);
-    if (verdict === UNKNOWN) return reason_code.outside_sampled;
+    if (verdict === UNKNOWN) return place >= 0 ? this.node_reason[place] : this.reason_outside;
     return verdict === NO_GO ? this.node_reason[place >= 0 ? place : (this.along_count - 1) * this.across_count - 2 - place] : 0;
   }
 
@@ -116,21 +122,21 @@ class Soil {
   }
 
   over_headings_at(s) {
-    let worst = GO, best = NO_GO, worst_reason = 0, best_reason = 0, unknown = false, passable = 0;
+    let worst = GO, best = NO_GO, worst_reason = 0, best_reason = 0, unknown = 0, passable = 0;
     for (let h = 0; h < meta.headings; ++h) {
       const node = places[s * 360 + h * 360 / meta.headings], verdict = this.verdict_at(node), p = this.p_at(node);
-      const reason = verdict === NO_GO ? this.reason_at(node) : 0;
+      const reason = verdict === NO_GO || verdict === UNKNOWN ? this.reason_at(node) : 0;
       if (!Number.isNaN(p)) {
         if (!(p >= this.worst.p[s])) { this.worst.p[s] = p; this.worst.node[s] = node; }
         if (!(p <= this.best.p[s])) { this.best.p[s] = p; this.best.node[s] = node; }
       }
-      if (verdict === UNKNOWN) { unknown = true; continue; }
+      if (verdict === UNKNOWN) { unknown = unknown === reason_code.soft_soil ? unknown : reason; continue; }
       if (verdict !== NO_GO) ++passable;
       if (verdict > worst) { worst = verdict; worst_reason = reason; }
       if (verdict < best || (h === 0 && verdict === NO_GO)) { best = verdict; best_reason = reason; }
     }
-    if (unknown && worst !== NO_GO) { worst = UNKNOWN; worst_reason = reason_code.outside_sampled; }
-    if (unknown && best === NO_GO) { best = UNKNOWN; best_reason = reason_code.outside_sampled; }
+    if (unknown && worst !== NO_GO) { worst = UNKNOWN; worst_reason = unknown; }
+    if (unknown && best === NO_GO) { best = UNKNOWN; best_reason = unknown; }
     this.worst.verdict[s] = worst; this.worst.reason[s] = worst_reason;
     this.best.verdict[s] = best; this.best.reason[s] = best_reason;
     this.passable[s] = passable / meta.headings;

@@ -132,7 +132,7 @@ function show_cell() {
   const [e, n] = coordinates_of(cell);
   box.append(element('h3', {}, 'Ground'), facts([
     ['Slope', grade(slope_of(cell))], ['Falls towards', slope_of(cell) > 0 ? `${blob.aspect[cell]}° ${compass(blob.aspect[cell])}` : 'flat'],
-    ['Elevation', fixed(height_of(cell), 1, ' m')], ['Soil', layer_of('soil').read(cell, answer)], ...(blob.rule && blob.rule[cell] ? [['Land cover', meta.land[blob.rule[cell] - 1].name]] : []),
+    ['Elevation', fixed(height_of(cell), 1, ' m')], ['Soil', layer_of('soil').read(cell, answer)], ...(blob.rule && blob.rule[cell] ? [[meta.land[blob.rule[cell] - 1].of, meta.land[blob.rule[cell] - 1].name]] : []),
     ['Easting', `${e.toFixed(1)} ${meta.grid.unit_name}`], ['Northing', `${n.toFixed(1)} ${meta.grid.unit_name}`]]));
   if (known(answer)) show_inputs(box, answer.soil);
 }
@@ -147,7 +147,8 @@ function show_evidence(box, cell, answer) {
       bars.append(element('span', {}, row.label), element('div', {}, bar), element('output', {}, percent(row.p, 1)));
     }
     box.append(bars);
-  } else box.append(element('p', { class: 'hint' }, reason_info(answer.reason).about + '. No probability is given where nothing like it was simulated.'));
+  } else box.append(element('p', { class: 'hint' }, `${reason_info(answer.reason).about}. No probability is given where ${
+    answer.reason === reason_code.soft_soil ? 'grains do not stand for the soil' : 'nothing like it was simulated'}.`));
   const rows = [['P(go)', fixed(answer.p, 4)]];
   const s = blob.slope[cell], low = probability(answer.soil.low[s]), high = probability(answer.soil.high[s]);
   rows.push(['90 % interval, uphill', `${fixed(low, 3)} to ${fixed(high, 3)}`], ['Novelty', text('novelty')]);
@@ -166,6 +167,7 @@ function show_inputs(box, soil) {
   box.append(element('h3', {}, 'What the model does not know here'));
   const unknown = element('ul', { class: 'plain' });
   for (const text of soil.unknown) unknown.append(element('li', {}, text));
+  for (const text of soil.soft_because) unknown.append(element('li', {}, text));
   for (const text of soil.outside_because) unknown.append(element('li', {}, `not sampled: ${text}`));
   for (const text of meta.not_modelled) unknown.append(element('li', {}, text));
   box.append(unknown);

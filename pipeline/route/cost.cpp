@@ -58,10 +58,12 @@ std::array<RouteStep, 8> route_steps(double cell_width, double cell_height) {
 
 HeadingNodes::HeadingNodes(const HeadingTable& table) : node_((std::size_t(90 * kSlopeSteps) + 1) * 360) {
   const int steps = int(90 * kSlopeSteps) + 1;
+  GONOGO_ASSERT(std::size_t(table.along_count()) * std::size_t(table.across_count()) < kNoNode);
 #pragma omp parallel for schedule(static)
   for (int s = 0; s < steps; ++s)
     for (int psi = 0; psi < 360; ++psi)
-      node_[std::size_t(s) * 360 + std::size_t(psi)] = table.index_of(bed_slopes(s / kSlopeSteps, psi * kDegree));
+      node_[std::size_t(s) * 360 + std::size_t(psi)] =
+          std::uint16_t(table.index_of(bed_slopes(s / kSlopeSteps, psi * kDegree)));  // -1 becomes kNoNode
 }
 
 RouteCosts::RouteCosts(const SoilTable& table, RouteCost cost, double correlation_length)

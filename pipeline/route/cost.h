@@ -47,16 +47,17 @@ struct RouteStep {
 };
 std::array<RouteStep, 8> route_steps(double cell_width, double cell_height);
 
-/// Node of the heading table by slope and by psi in whole degrees; -1 outside what was sampled.
+/// Node of the heading table by slope and by psi in whole degrees; kNoNode outside what was sampled.
 class HeadingNodes {
  public:
   explicit HeadingNodes(const HeadingTable& table);
-  int node(std::uint16_t slope_step, int psi_degrees) const {
+  std::size_t node(std::uint16_t slope_step, int psi_degrees) const {
     return node_[std::size_t(slope_step) * 360 + std::size_t(psi_degrees)];
   }
+  static constexpr std::size_t kNoNode = 65535;
 
  private:
-  std::vector<std::int32_t> node_;  // [90 kSlopeSteps + 1][360]
+  std::vector<std::uint16_t> node_;  // [90 kSlopeSteps + 1][360]; small, since every step of a search looks here
 };
 
 /// Costs of all soils of a map. The table outlives it.
@@ -69,9 +70,10 @@ class RouteCosts {
   float per_metre(const RouteCells& cells, std::size_t cell, int heading) const {
     const std::uint8_t soil = cells.soil[cell];
     if (soil == RouteCells::kNowhere) return kImpassable;
-    const int psi = (heading - cells.aspect[cell] + 540) % 360;
-    const int node = nodes_.node(cells.slope[cell], psi);
-    return node < 0 ? kImpassable : factor_[soil][std::size_t(node)];
+    int psi = heading - cells.aspect[cell] + 180;  // both 0 to 359
+    psi += psi < 0 ? 360 : psi >= 360 ? -360 : 0;
+    const std::size_t node = nodes_.node(cells.slope[cell], psi);
+    return node == HeadingNodes::kNoNode ? kImpassable : factor_[soil][node];
   }
   /// Some heading can be passed.
   bool ever_passable(const RouteCells& cells, std::size_t cell) const {

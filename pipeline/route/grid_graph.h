@@ -1,10 +1,10 @@
 // The cells of a map as a graph of the Boost Graph Library: vertices are cells, edges the steps to the neighbours that
 // can be passed. Nothing is stored but the cells.
 #pragma once
+#include <bit>
 #include <boost/graph/graph_traits.hpp>
 #include <boost/iterator/counting_iterator.hpp>
 #include <boost/iterator/iterator_facade.hpp>
-#include <boost/property_map/property_map.hpp>
 #include <utility>
 
 #include "pipeline/route/cost.h"
@@ -17,99 +17,116 @@ class StepGraph {
   struct Edge {
     Vertex from = 0;
     int step = 0;
+    float cost = 0;
     bool operator==(const Edge&) const = default;
   };
 
   StepGraph(const RouteCells& cells, const RouteCosts& costs, bool backwards)
-      : cells_(&cells),
-        costs_(&costs),
-        steps_(route_steps(cells.cell_width, cells.cell_height)),
-        backwards_(backwards) {
-    passable_.resize(cells.soil.size());
-    for (std::size_t c = 0; c < passable_.size(); ++c) passable_[c] = costs.ever_passable(cells, c);
+      : cells_(&cells), costs_(&costs), steps_(route_steps(cells.cell_width, cells.cell_height)) {
+    for (std::size_t s = 0; s < 8; ++s) {
+      offset_[s] = std::ptrdiff_t(steps_[s].row) * cells.columns + steps_[s].column;
+      half_length_[s] = float(steps_[s].length / 2);
+      heading_[s] = backwards ? (steps_[s].heading + 180) % 360 : steps_[s].heading;
+    }
+    find_open_steps();
   }
 
   Vertex size() const { return cells_->soil.size(); }
-  Vertex target(const Edge& e) const {
-    const RouteStep& step = steps_[std::size_t(e.step)];
-    return Vertex(std::ptrdiff_t(e.from) + std::ptrdiff_t(step.row) * cells_->columns + step.column);
-  }
-  /// Whether the step stays on the map, ends in a cell that some heading passes, and, if diagonal, touches no cell that
+  Vertex target(Vertex from, int step) const { return Vertex(std::ptrdiff_t(from) + offset_[std::size_t(step)]); }
+  /// Bit s: step s stays on the map, ends in a cell that some heading passes, and, if diagonal, touches no cell that
   /// none does.
-  bool exists(const Edge& e) const {
-    const RouteStep& step = steps_[std::size_t(e.step)];
-    const auto from = std::uint32_t(e.from), width = std::uint32_t(cells_->columns);  // divides faster than 64 bits
-    const int row = int(from / width), column = int(from - std::uint32_t(row) * width);
-    const int x = column + step.column, y = row + step.row;
-    if (x < 0 || y < 0 || x >= cells_->columns || y >= cells_->rows) return false;
-    const auto open = [&](int c, int r) { return passable_[std::size_t(r) * std::size_t(cells_->columns) + c] != 0; };
-    return open(x, y) && (e.step % 2 == 0 || (open(x, row) && open(column, y))) && !leads_back(e.from, target(e));
-  }
+  unsigned open_steps(Vertex from) const { return open_[from]; }
   /// Costs found so far: steps to cells that are no farther than the one they start from cannot shorten any way, and
   /// are left out from now on. Half of all steps are such.
   void leave_out_steps_back(const std::vector<float>& cost) { known_ = cost.data(); }
+  bool leads_back(Vertex from, int step) const { return known_ && known_[target(from, step)] <= known_[from]; }
   /// Infinity where one of the two cells cannot be passed in this heading. Backwards: of the step from target to
   /// source.
-  float cost(const Edge& e) const {
-    const RouteStep& step = steps_[std::size_t(e.step)];
-    const int heading = backwards_ ? (step.heading + 180) % 360 : step.heading;
-    return float(step.length / 2) *
-           (costs_->per_metre(*cells_, e.from, heading) + costs_->per_metre(*cells_, target(e), heading));
+  float cost(Vertex from, int step) const {
+    const auto s = std::size_t(step);
+    return half_length_[s] * (costs_->per_metre(*cells_, from, heading_[s]) +
+                              costs_->per_metre(*cells_, target(from, step), heading_[s]));
   }
 
  private:
-  bool leads_back(Vertex from, Vertex to) const { return known_ && known_[to] <= known_[from]; }
+  void find_open_steps() {
+    const int columns = cells_->columns, rows = cells_->rows;
+    std::vector<char> passable(size());
+    open_.resize(size());
+#pragma omp parallel for schedule(static)
+    for (std::size_t c = 0; c < passable.size(); ++c) passable[c] = costs_->ever_passable(*cells_, c);
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) {
+        const auto is_open = [&](int x, int y) {
+          return x >= 0 && y >= 0 && x < columns && y < rows &&
+                 passable[std::size_t(y) * std::size_t(columns) + std::size_t(x)] != 0;
+        };
+        unsigned open = 0;
+        for (unsigned s = 0; s < 8; ++s) {
+          const int x = column + steps_[s].column, y = row + steps_[s].row;
+          if (is_open(x, y) && (s % 2 == 0 || (is_open(x, row) && is_open(column, y)))) open |= 1u << s;
+        }
+        open_[std::size_t(row) * std::size_t(columns) + std::size_t(column)] = std::uint8_t(open);
+      }
+  }
 
   const RouteCells* cells_;
   const RouteCosts* costs_;
   const float* known_ = nullptr;
   std::array<RouteStep, 8> steps_;
-  std::vector<char> passable_;
-  bool backwards_;
+  std::array<std::ptrdiff_t, 8> offset_{};
+  std::array<float, 8> half_length_{};
+  std::array<int, 8> heading_{};
+  std::vector<std::uint8_t> open_;
 };
 
+/// The steps from a cell whose cost is finite.
 class StepIterator
     : public boost::iterator_facade<StepIterator, StepGraph::Edge, boost::forward_traversal_tag, StepGraph::Edge> {
  public:
   StepIterator() = default;
-  StepIterator(const StepGraph* graph, StepGraph::Edge edge) : graph_(graph), edge_(edge) { skip(); }
+  StepIterator(const StepGraph* graph, StepGraph::Vertex from, unsigned left)
+      : graph_(graph), edge_{from}, left_(left) {
+    find_next();
+  }
 
  private:
   friend class boost::iterator_core_access;
-  void skip() {
-    while (edge_.step < 8 && !graph_->exists(edge_)) ++edge_.step;
+  void find_next() {
+    for (; left_ != 0; left_ &= left_ - 1) {
+      const int step = std::countr_zero(left_);
+      if (graph_->leads_back(edge_.from, step)) continue;
+      const float cost = graph_->cost(edge_.from, step);
+      if (!(cost < RouteCosts::kImpassable)) continue;
+      edge_.step = step;
+      edge_.cost = cost;
+      return;
+    }
   }
   void increment() {
-    ++edge_.step;
-    skip();
+    left_ &= left_ - 1;
+    find_next();
   }
-  bool equal(const StepIterator& other) const { return edge_ == other.edge_; }
+  bool equal(const StepIterator& other) const { return left_ == other.left_; }
   StepGraph::Edge dereference() const { return edge_; }
 
   const StepGraph* graph_ = nullptr;
   StepGraph::Edge edge_;
+  unsigned left_ = 0;  // bit s: step s is still to come, the lowest one is here
 };
 
 inline std::pair<StepIterator, StepIterator> out_edges(StepGraph::Vertex v, const StepGraph& g) {
-  return {StepIterator(&g, {v, 0}), StepIterator(&g, {v, 8})};
+  return {StepIterator(&g, v, g.open_steps(v)), StepIterator(&g, v, 0)};
 }
 inline std::size_t out_degree(StepGraph::Vertex, const StepGraph&) { return 8; }
 inline StepGraph::Vertex source(const StepGraph::Edge& e, const StepGraph&) { return e.from; }
-inline StepGraph::Vertex target(const StepGraph::Edge& e, const StepGraph& g) { return g.target(e); }
+inline StepGraph::Vertex target(const StepGraph::Edge& e, const StepGraph& g) { return g.target(e.from, e.step); }
 inline std::size_t num_vertices(const StepGraph& g) { return g.size(); }
 inline std::pair<boost::counting_iterator<std::size_t>, boost::counting_iterator<std::size_t>> vertices(
     const StepGraph& g) {
   return {boost::counting_iterator<std::size_t>(0), boost::counting_iterator<std::size_t>(g.size())};
 }
-
-struct StepCost {
-  using key_type = StepGraph::Edge;
-  using value_type = float;
-  using reference = float;
-  using category = boost::readable_property_map_tag;
-  const StepGraph* graph;
-};
-inline float get(const StepCost& map, const StepGraph::Edge& e) { return map.graph->cost(e); }
 
 }  // namespace gonogo::pipeline
 

@@ -1,10 +1,13 @@
 #include "pipeline/route/search.h"
 
 #include <algorithm>
-#include <boost/graph/dijkstra_shortest_paths_no_color_map.hpp>
+#include <boost/graph/breadth_first_search.hpp>
+#include <boost/graph/two_bit_color_map.hpp>
+#include <cmath>
 
 #include "base/cancel.h"
 #include "pipeline/route/grid_graph.h"
+#include "pipeline/route/nearest_first.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -13,21 +16,36 @@ constexpr std::size_t kAnywhere = std::size_t(-1);
 
 struct EndReached {};
 
-class StopAt : public boost::dijkstra_visitor<> {
+struct Tree {
+  std::vector<float> cost;
+  std::vector<std::uint32_t> before;
+};
+
+/// Dijkstra's search as what happens to the steps of a breadth-first search whose next cell is the nearest one.
+class Nearest : public boost::default_bfs_visitor {
  public:
-  explicit StopAt(std::size_t end) : end_(end) {}
+  Nearest(Tree& tree, NearestFirst& queue, std::size_t end) : tree_(&tree), queue_(&queue), end_(end) {}
+
   void examine_vertex(std::size_t cell, const StepGraph&) const {
     if (cell == end_) throw EndReached();
     if ((cell & 0xffff) == 0) stop_if_cancelled();
   }
+  void tree_edge(const StepGraph::Edge& step, const StepGraph& graph) const {
+    const std::size_t to = target(step, graph);
+    tree_->cost[to] = tree_->cost[step.from] + step.cost;
+    tree_->before[to] = std::uint32_t(step.from);
+  }
+  void gray_target(const StepGraph::Edge& step, const StepGraph& graph) const {
+    const std::size_t to = target(step, graph);
+    if (!(tree_->cost[step.from] + step.cost < tree_->cost[to])) return;
+    tree_edge(step, graph);
+    queue_->update(to);
+  }
 
  private:
+  Tree* tree_;
+  NearestFirst* queue_;
   std::size_t end_;
-};
-
-struct Tree {
-  std::vector<float> cost;
-  std::vector<std::uint32_t> before;
 };
 
 Tree search(StepGraph graph, std::size_t start, std::size_t end) {
@@ -36,13 +54,10 @@ Tree search(StepGraph graph, std::size_t start, std::size_t end) {
   for (std::size_t c = 0; c < graph.size(); ++c) tree.before[c] = std::uint32_t(c);
   tree.cost[start] = 0;
   graph.leave_out_steps_back(tree.cost);
-  const auto index = boost::typed_identity_property_map<std::size_t>();
+  NearestFirst queue(tree.cost);
+  const boost::two_bit_color_map<> colours(graph.size());
   try {
-    boost::dijkstra_shortest_paths_no_color_map_no_init(
-        graph, start, boost::make_iterator_property_map(tree.before.begin(), index),
-        boost::make_iterator_property_map(tree.cost.begin(), index), StepCost{&graph}, index, std::less<float>(),
-        boost::closed_plus<float>(std::numeric_limits<float>::infinity()), std::numeric_limits<float>::infinity(), 0.0f,
-        StopAt(end));
+    boost::breadth_first_visit(graph, start, queue, Nearest(tree, queue, end), colours);
   } catch (const EndReached&) {
   }
   return tree;
@@ -81,8 +96,9 @@ std::vector<std::int32_t> connected_regions(const RouteCells& cells, const Route
       const std::size_t cell = open.back();
       open.pop_back();
       for (auto [edge, end] = out_edges(cell, there); edge != end; ++edge) {
-        const std::size_t next = there.target(*edge);
-        if (region[next] >= 0 || !std::isfinite(there.cost(*edge)) || !std::isfinite(back.cost(*edge))) continue;
+        const auto [from, step, cost] = *edge;  // finite
+        const std::size_t next = there.target(from, step);
+        if (region[next] >= 0 || !std::isfinite(back.cost(from, step))) continue;
         region[next] = count;
         open.push_back(next);
       }

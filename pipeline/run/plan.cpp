@@ -4,6 +4,7 @@
 #include "base/hash.h"
 #include "pipeline/campaign/study_campaign.h"
 #include "pipeline/map/block.h"
+#include "pipeline/map/map_request.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -31,7 +32,7 @@ void check_readable(const terrain::RasterSource& source) {
 void check_rasters(const Region& region) {
   const MapSources sources = open_sources(region);
   check_readable(sources.elevation);
-  for (const auto* raster : {&sources.soil_class, &sources.land_cover, &sources.moisture})
+  for (const auto* raster : {&sources.soil_class, &sources.land_cover, &sources.moisture, &sources.cone_index})
     if (*raster) check_readable(**raster);
 }
 
@@ -53,6 +54,11 @@ RunPlan plan_run(const RunRequest& request) {
                .region = read_region(study.region),
                .map = read_map_rules(study.config.object_if("map"))};
   check_rasters(plan.region);
+  if (!plan.map.cone_index_of.empty())
+    read_cone_index_need(plan.map.cone_index_of);
+  else if (plan.region.cone_index)
+    study.config.fail("map.cone_index_of",
+                      "missing; name the vehicle that the region's cone_index raster is held against");
   return plan;
 }
 

@@ -61,6 +61,7 @@ Stage map_stage(const RunPlan& plan) {
   inputs["region"] = path_hash(plan.region.file);
   for (const auto& [role, hash] : raster_hashes(plan.region)) inputs[role] = hash;
   inputs["map"] = section_json(plan.study, "map");
+  if (!plan.map.cone_index_of.empty()) inputs["cone_index_of"] = path_hash(plan.map.cone_index_of);
   return {.name = "map", .outputs = {"map"}, .inputs = inputs, .work = [&plan] {
             make_map(read_map_request({.model = plan.model(),
                                        .region = {},

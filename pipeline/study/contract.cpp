@@ -15,7 +15,7 @@ namespace {
 constexpr std::array<std::pair<const char*, Verdict>, 4> kVerdicts{
     {{"go", Verdict::go}, {"slow_go", Verdict::slow_go}, {"no_go", Verdict::no_go}, {"unknown", Verdict::unknown}}};
 
-constexpr std::array<std::pair<const char*, Reason>, 16> kReasons{{{"none", Reason::none},
+constexpr std::array<std::pair<const char*, Reason>, 17> kReasons{{{"none", Reason::none},
                                                                    {"slope_unstable", Reason::slope_unstable},
                                                                    {"rollover", Reason::rollover},
                                                                    {"slid_back", Reason::slid_back},
@@ -30,7 +30,8 @@ constexpr std::array<std::pair<const char*, Reason>, 16> kReasons{{{"none", Reas
                                                                    {"water", Reason::water},
                                                                    {"vegetation", Reason::vegetation},
                                                                    {"built_up", Reason::built_up},
-                                                                   {"land_unknown", Reason::land_unknown}}};
+                                                                   {"land_unknown", Reason::land_unknown},
+                                                                   {"soft_soil", Reason::soft_soil}}};
 
 template <class Table>
 std::vector<std::string> names_of(const Table& table) {

@@ -29,8 +29,23 @@ struct Measure {
 /// The enumerators' values are the raster codes; parse_contract() checks them against the schema.
 enum class Verdict : int { go = 1, slow_go = 2, no_go = 3, unknown = 4 };
 enum class Reason : int {
-  none = 0, slope_unstable, rollover, slid_back, power, sinkage, traction, obstacle, timeout, simulation_failed, outside_sampled,
-  input_missing, water, vegetation, built_up, land_unknown
+  none = 0,
+  slope_unstable,
+  rollover,
+  slid_back,
+  power,
+  sinkage,
+  traction,
+  obstacle,
+  timeout,
+  simulation_failed,
+  outside_sampled,
+  input_missing,
+  water,
+  vegetation,
+  built_up,
+  land_unknown,
+  soft_soil
 };
 
 struct VerdictInfo {
@@ -72,8 +87,8 @@ class Contract {
   const ReasonInfo& info(Reason reason) const;
 };
 
-/// Reads a schema; throws InputError when a key is unknown or missing, a name appears twice, or the verdicts and reasons
-/// differ from the enumerators above. `name` starts the message.
+/// Reads a schema; throws InputError when a key is unknown or missing, a name appears twice, or the verdicts and
+/// reasons differ from the enumerators above. `name` starts the message.
 Contract parse_contract(std::string_view text, const std::string& name);
 
 /// The contract compiled into this program.

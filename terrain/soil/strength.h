@@ -17,11 +17,22 @@ inline double bearing_capacity_factor(double friction_angle) {
   return (std::exp(std::numbers::pi * std::tan(phi)) * half * half - 1) / std::tan(phi);
 }
 
-/// Cone index that cohesion alone gives fine-grained soil [Pa]: depth and round shape raise the strip's capacity from
-/// 5.14 to 9 (Skempton 1951, "The bearing capacity of clays"). The weight of the soil above the cone is left out, so
-/// that the index is rather too low. `cohesion` [Pa], `friction_angle` [deg].
+/// Bearing capacity factor of the load beside a strip (Reissner 1924): e^(pi tan phi) tan^2(45 + phi/2); 1 without
+/// friction. `friction_angle` [deg].
+inline double surcharge_factor(double friction_angle) {
+  return 1 + bearing_capacity_factor(friction_angle) * std::tan(friction_angle * std::numbers::pi / 180);
+}
+
+/// Weight of the soil above the middle of the layer that carries wheels of less than 2,000 lb, 3 to 9 inches deep
+/// (ERDC/GSL SR-13-2), where cone indices of vehicles are read; 1,500 kg/m^3 is a light moist soil [Pa].
+inline constexpr double kOverburden = 1500 * 9.81 * 0.1524;
+
+/// Cone index of fine-grained soil [Pa] by Terzaghi's sum of what cohesion and the soil above carry. Depth and round
+/// shape raise the strip's factor of cohesion from 5.14 to 9 (Skempton 1951, "The bearing capacity of clays"); that of
+/// the soil above is left as it is, so that the index is rather too low. `cohesion` [Pa], `friction_angle` [deg].
 inline double cone_index(double cohesion, double friction_angle) {
-  return 9 / (2 + std::numbers::pi) * bearing_capacity_factor(friction_angle) * cohesion;
+  const double of_cohesion = 9 / (2 + std::numbers::pi) * bearing_capacity_factor(friction_angle) * cohesion;
+  return of_cohesion + surcharge_factor(friction_angle) * kOverburden;
 }
 
 }  // namespace gonogo::terrain

@@ -29,6 +29,13 @@ TEST_CASE("missing vehicle") {
   check_refused_at_once(s, {"wheels/none.json: no such file"});
 }
 
+TEST_CASE("missing vehicle whose cone index counts") {
+  StudyFolder s;
+  s.study["map"]["cone_index_of"] = "wheels/none.json";
+  s.write();
+  check_refused_at_once(s, {"wheels/none.json: no such file"});
+}
+
 TEST_CASE("missing region") {
   StudyFolder s;
   s.study["region"] = "none.json";

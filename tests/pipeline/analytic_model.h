@@ -30,6 +30,7 @@ struct AnalyticModel {
     model.sampled[c.variable_index("slope_along")] = {0, 35};
     model.sampled[c.variable_index("slope_across")] = {0, 0};
     model.hash = "analytic";
+    model.cone_index = ConeIndexNeed{"a vehicle that every soil carries", 0, 0};
     model.probabilities = [*this, &c](std::span<const double> points, std::span<double> result) {
       const std::size_t variables = c.variables.size(), outcomes = c.outcomes.size();
       const std::size_t go = c.outcome_index(Verdict::go, Reason::none),

@@ -61,7 +61,8 @@ MapRequest small_request(const TemporaryFolder& folder, const std::string& out =
   write_file_atomically(folder / "region.json", R"({"schema": "gonogo/region/1", "region": "made ground",
     "rasters": [{"role": "elevation", "file": "dem.tif", "source": "made", "licence": "none"},
                 {"role": "soil_class", "file": "soil.tif", "source": "made", "licence": "none"}],
-    "soils": [{"code": 4, "name": "loam", "samples": [{"friction_angle": 28, "cohesion": 0, "source": "made"}]}]})");
+    "soils": [{"code": 4, "name": "loam", "texture": "loam",
+      "samples": [{"friction_angle": 28, "cohesion": 0, "source": "made"}]}]})");
   MapRequest request;
   request.model = AnalyticModel{}.outcome_model();
   request.region = read_region(folder / "region.json");

@@ -283,6 +283,10 @@ TEST_CASE("two maps compared tell where one passes and whether P(go) differs by 
     if (!std::isnan(pa.value[i])) REQUIRE(difference.value[i] == pb.value[i] - pa.value[i]);
   }
   CHECK(counted[2] > 100);
+  GDALDataset* figure = GDALDataset::Open((folder / "both/compare.png").c_str());
+  REQUIRE(figure);
+  CHECK(figure->GetRasterXSize() == 2400);
+  GDALClose(figure);
   for (const Json& row : result.at("change").items())
     CHECK(row.at("cells").unsigned_integer() == counted[1 + int(&row - &result.at("change").items()[0])]);
   MapRequest worst = request_of(folder, "", "", "worst");

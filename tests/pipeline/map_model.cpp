@@ -87,8 +87,9 @@ Tile on_grid(const std::filesystem::path& file, const terrain::MapGrid& grid) {
 TEST_CASE("P(go) of the map is what the predictor says about the cell's inputs, at 1,000 random cells") {
   const TemporaryFolder folder;
   learning::write_model(folder / "model.h5", made_model());
-  const MapRequest request =
+  MapRequest request =
       read_map_request({.model = folder / "model.h5", .region = kRegion, .study = {}, .out = folder / "map"});
+  request.model.cone_index = ConeIndexNeed{"a vehicle that every soil carries", 0, 0};
   const MapSummary summary = make_map(request);
   CHECK(summary.area.cells(Verdict::go) > 0);
   CHECK(summary.area.cells(Verdict::no_go) > 0);
@@ -137,6 +138,26 @@ TEST_CASE("the study's thresholds, mission and region reach the map request") {
   CHECK(request.model.vehicle == "truck");
   CHECK(request.region.name == read_region(kRegion).name);
   CHECK(request.model.sampled[contract().variable_index("cohesion")].maximum == 10);
+}
+
+TEST_CASE("the vehicle whose cone index counts is the study's or the one asked for; a rig of one wheel has none") {
+  const TemporaryFolder folder;
+  learning::write_model(folder / "model.h5", made_model());
+  const std::string configs = GONOGO_SOURCE_DIR "/configs/";
+  const auto request = [&](const std::string& study, const std::string& vehicle) {
+    return read_map_request({.model = folder / "model.h5",
+                             .region = kRegion,
+                             .study = study.empty() ? "" : configs + study,
+                             .vehicle = vehicle.empty() ? "" : configs + vehicle,
+                             .out = folder / "map"});
+  };
+  CHECK_FALSE(request("", "").model.cone_index);
+  const auto demo = request("studies/demo.json", "").model.cone_index;
+  REQUIRE(demo);
+  CHECK(demo->one_pass / 6894.757 == Approx(16.6).margin(0.05));  // published for this mass
+  CHECK(demo->fifty_passes / 6894.757 == Approx(39.0).margin(0.1));
+  CHECK(request("studies/demo.json", "vehicles/m113.json").model.cone_index->vehicle != demo->vehicle);
+  CHECK(contains(input_error([&] { request("", "vehicles/hmmwv_quarter.json"); }), "hmmwv_quarter.json"));
 }
 
 TEST_CASE("a map without a region or with an unusable model is refused in one sentence") {

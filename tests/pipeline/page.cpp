@@ -42,6 +42,7 @@ OutcomeModel directional_model() {
       turned[i * width + along] += 0.6 * std::abs(turned[i * width + across]);
     uphill(turned, result);
   };
+  model.cone_index = ConeIndexNeed{"a made vehicle", 69e3, 207e3};  // 30 psi: loam is too soft, clay loam is not
   model.novelty = [](std::span<const double>) { return 0.75; };
   std::vector<double> points, speed;
   for (int i = 0; i < 40; ++i) {
@@ -58,6 +59,11 @@ MapRequest hostile_request(const TemporaryFolder& folder) {
   request.region = read_region(GONOGO_SOURCE_DIR "/configs/regions/sagehen.json");
   request.region.name = request.region.about = request.region.elevation.source = kHostile;
   request.region.soils.front().name = kHostile;
+  for (Soil& soil : request.region.soils)
+    if (soil.name == "loam") {  // one of two samples is firm
+      soil.samples.push_back(soil.samples.front());
+      soil.samples.back().values["cohesion"].low = soil.samples.back().values["cohesion"].high = 8;
+    }
   request.model = directional_model();
   request.model.vehicle = kHostile;
   request.out = folder / "map";

@@ -3,6 +3,7 @@
 #include <cpl_error.h>
 #include <cpl_vsi.h>
 #include <gdal_priv.h>
+#include <gdal_rat.h>
 #include <ogr_spatialref.h>
 #include <ogrsf_frmts.h>
 
@@ -50,6 +51,19 @@ inline void make_raster(const std::filesystem::path& path, const RasterRecipe& r
                     0, 0, nullptr) != CE_None)
     throw std::runtime_error("cannot make " + path.string());
   GDALClose(raster);
+}
+
+/// Every entry of the attribute table of a raster's band, as text; empty when there is none.
+inline std::string attribute_table(const std::filesystem::path& path) {
+  GDALAllRegister();
+  GDALDataset* raster = GDALDataset::Open(path.c_str());
+  const GDALRasterAttributeTable* table = raster ? raster->GetRasterBand(1)->GetDefaultRAT() : nullptr;
+  std::string text;
+  for (int row = 0; table && row < table->GetRowCount(); ++row)
+    for (int column = 0; column < table->GetColumnCount(); ++column)
+      text += std::string(table->GetValueAsString(row, column)) + "\n";
+  if (raster) GDALClose(raster);
+  return text;
 }
 
 }  // namespace gonogo::test

@@ -127,13 +127,16 @@ TEST_CASE("relative density and settling friction are each other's inverse, dens
   CHECK(settle_friction(0.5) > settle_friction(1));
 }
 
-TEST_CASE("bearing capacity factors are those of the tables; the cone index of clay is nine times its strength") {
+TEST_CASE("bearing capacity factors are those of the tables; the cone index of clay is nine times its strength and its load") {
   CHECK(bearing_capacity_factor(0) == Approx(5.14).epsilon(1e-3));
   CHECK(bearing_capacity_factor(10) == Approx(8.34).epsilon(1e-3));
   CHECK(bearing_capacity_factor(20) == Approx(14.83).epsilon(1e-3));
   CHECK(bearing_capacity_factor(30) == Approx(30.14).epsilon(1e-3));
   CHECK(bearing_capacity_factor(1e-5) == Approx(bearing_capacity_factor(0)).epsilon(1e-5));
-  CHECK(cone_index(20e3, 0) == Approx(180e3));
+  CHECK(surcharge_factor(0) == Approx(1));
+  CHECK(surcharge_factor(20) == Approx(6.40).epsilon(1e-3));
+  CHECK(surcharge_factor(30) == Approx(18.40).epsilon(1e-3));
+  CHECK(cone_index(20e3, 0) == Approx(180e3 + kOverburden));
 }
 
 TEST_CASE("clays that Wong measured wet are below the 39 psi of an HMMWV's fifty passes, dry ones far above") {
@@ -142,6 +145,8 @@ TEST_CASE("clays that Wong measured wet are below the 39 psi of an HMMWV's fifty
   };
   CHECK(psi(13.79, 11) < 39);  // lean clay, 32 % water
   CHECK(psi(20.69, 6) < 39);   // heavy clay, 40 %
+  CHECK(psi(3.1, 29.8) < 39);  // Grenville loam, 24 %
+  CHECK(psi(6.1, 26.6) > 39);  // North Gower clayey loam, 46 %: 36 psi of cohesion and 4 of the soil above
   CHECK(psi(68.95, 20) > 78);  // lean clay, 22 %
   CHECK(psi(68.95, 34) > 78);  // heavy clay, 25 %
 }

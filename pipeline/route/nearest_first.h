@@ -1,0 +1,41 @@
+// The queue of Dijkstra's search: cells by their least cost found so far.
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace gonogo::pipeline {
+
+/// A buffer of boost::breadth_first_visit. A cell whose cost has fallen is entered once more; its older entries are
+/// dropped when they come up, so that nothing needs to be found inside of the heap. Equal costs: the lower cell first.
+class NearestFirst {
+ public:
+  explicit NearestFirst(const std::vector<float>& cost) : cost_(cost) {}
+
+  bool empty() const { return heap_.empty(); }
+  std::size_t top() const { return std::uint32_t(heap_.front()); }
+  void push(std::size_t cell) {
+    heap_.push_back(key(cell));
+    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+  }
+  void update(std::size_t cell) { push(cell); }
+  void pop() {
+    do {
+      std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+      heap_.pop_back();
+    } while (!heap_.empty() && heap_.front() != key(top()));
+  }
+
+ private:
+  /// Costs are not negative, so that their bits are in their own order.
+  std::uint64_t key(std::size_t cell) const {
+    return std::uint64_t(std::bit_cast<std::uint32_t>(cost_[cell])) << 32 | std::uint32_t(cell);
+  }
+
+  const std::vector<float>& cost_;
+  std::vector<std::uint64_t> heap_;
+};
+
+}  // namespace gonogo::pipeline
