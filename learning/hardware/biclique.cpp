@@ -1,8 +1,8 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "learning/hardware/embedding.h"
-#include "learning/hardware/segments.h"
+#include "base/random.h"
+#include "learning/hardware/biclique_chains.h"
 
 namespace gonogo::learning {
 namespace {
@@ -21,6 +21,12 @@ class Choice {
   }
   std::size_t line_count(int u) const { return chosen_[u].size(); }
   const Segment& segment(int u, std::size_t k) const { return side_[u][chosen_[u][k]]; }
+  /// All segments of the line of chosen segment k.
+  std::vector<const Segment*> line_segments(int u, std::size_t k) const {
+    std::vector<const Segment*> all;
+    for (std::size_t s : parts_[u][segment(u, k).line]) all.push_back(&side_[u][s]);
+    return all;
+  }
 
   /// Each line takes the segment that crosses most of the other direction's chosen ones, until nothing changes.
   void improve() {
@@ -76,20 +82,112 @@ class Choice {
   std::vector<std::vector<char>> cross_;
 };
 
-/// Takes off the ends of straight chains what couples to nobody that is not coupled elsewhere.
-void trim_ends(const HardwareGraph& graph, Chains& chains) {
-  ChainCouplers couplers(graph, chains);
-  for (auto& chain : chains) {
-    while (chain.size() > 1 && couplers.can_spare(chain.back())) {
-      couplers.remove(chain.back());
-      chain.pop_back();
+/// A chain's straight part: qubits `begin` to before `end` of a segment.
+struct Piece {
+  const Segment* segment = nullptr;
+  std::size_t begin = 0, end = 0;
+  bool operator==(const Piece&) const = default;
+};
+
+/// Which piece of its line each variable starts from, so that most pairs find a coupler once chains have grown over
+/// what is left over. Variable after variable tries the other segments of its line and shorter pieces, which free
+/// qubits for others to pass; a change that gains pairs stays.
+class PieceSearch {
+ public:
+  PieceSearch(const HardwareGraph& graph, const Choice& choice, std::size_t visible, std::size_t hidden)
+      : graph_(graph), visible_(visible) {
+    for (std::size_t v = 0; v < visible + hidden; ++v) {
+      const int u = v < visible ? 0 : 1;
+      const std::size_t k = u == 0 ? v : v - visible;
+      piece_.push_back(whole(choice.segment(u, k)));
+      others_.push_back(choice.line_segments(u, k));
     }
-    while (chain.size() > 1 && couplers.can_spare(chain.front())) {
-      couplers.remove(chain.front());
-      chain.erase(chain.begin());
+    most_ = pairs();
+  }
+  BicliqueChains grown() const {
+    Chains chains;
+    for (const Piece& p : piece_)
+      chains.emplace_back(p.segment->qubits.begin() + std::ptrdiff_t(p.begin),
+                          p.segment->qubits.begin() + std::ptrdiff_t(p.end));
+    BicliqueChains grown(graph_, visible_, std::move(chains));
+    grown.lengthen();
+    return grown;
+  }
+  void improve() {
+    climb();
+    if (double(most_) < kEnough * double(all_pairs())) shake();
+  }
+
+ private:
+  static constexpr std::size_t kMostCut = 3;            // qubits off an end: more cost more than they make way for
+  static constexpr std::size_t kShakes = 4000;          // random changes
+  static constexpr std::size_t kMostWork = 25'000'000;  // of each of the two searches: seconds
+  static constexpr double kEnough = 0.85;               // of the pairs: the longer search is for masks that leave fewer
+  static constexpr double kMostLoss = 4;                // pairs that a random change may cost at first
+
+  static Piece whole(const Segment& s) { return {&s, 0, s.qubits.size()}; }
+  static Piece cut(const Segment& s, std::size_t count, bool front) {
+    count = std::min(count, s.qubits.size() - 1);
+    return {&s, front ? count : 0, s.qubits.size() - (front ? 0 : count)};
+  }
+  std::size_t all_pairs() const { return visible_ * (piece_.size() - visible_); }
+  /// Pairs that the present pieces lead to; what that took counts as work.
+  std::size_t pairs() {
+    const BicliqueChains chains = grown();
+    work_ += chains.looks() + graph_.couplers().size();
+    return chains.coupled_pairs();
+  }
+
+  void climb() {
+    for (bool changed = true; changed;) {
+      changed = false;
+      for (std::size_t v = 0; v < piece_.size() && most_ < all_pairs(); ++v) changed = climb(v) || changed;
     }
   }
-}
+
+  bool climb(std::size_t v) {
+    const std::size_t before = most_;
+    Piece best = piece_[v];
+    for (const Segment* s : others_[v])
+      for (std::size_t count = 0; count <= kMostCut; ++count)
+        for (bool front : {true, false}) {
+          if ((count == 0 && !front) || work_ > kMostWork) continue;
+          piece_[v] = cut(*s, count, front);
+          const std::size_t found = pairs();
+          if (found > most_) most_ = found, best = piece_[v];
+        }
+    piece_[v] = best;
+    return most_ > before;
+  }
+
+  /// Random changes that may cost pairs, fewer and fewer of them: out of the climb's dead end.
+  void shake() {
+    std::vector<Piece> best = piece_;
+    std::size_t now = most_;
+    work_ = 0;
+    for (std::size_t k = 0; k < kShakes && work_ <= kMostWork; ++k) {
+      const auto draw = [&](std::uint64_t stream, std::size_t below) { return random_bits(1, stream, k) % below; };
+      const std::size_t v = draw(1, piece_.size());
+      const Piece before = piece_[v];
+      piece_[v] = cut(*others_[v][draw(2, others_[v].size())], draw(5, 2) * draw(3, kMostCut + 1), draw(4, 2) == 0);
+      if (piece_[v] == before) continue;
+      const std::size_t found = pairs();
+      if (double(found) + kMostLoss * (1 - double(k) / kShakes) < double(now)) {
+        piece_[v] = before;
+        continue;
+      }
+      now = found;
+      if (now > most_) most_ = now, best = piece_;
+    }
+    piece_ = best;
+  }
+
+  const HardwareGraph& graph_;
+  std::size_t visible_;
+  std::vector<Piece> piece_;
+  std::vector<std::vector<const Segment*>> others_;  // all segments of the variable's line
+  std::size_t most_ = 0, work_ = 0;                  // pairs coupled so far; qubits and couplers looked at
+};
 
 }  // namespace
 
@@ -103,10 +201,12 @@ Embedding embed_biclique(const HardwareGraph& graph, std::size_t visible, std::s
   choice.improve();
   choice.reduce(visible, hidden);
   choice.improve();
+  PieceSearch search(graph, choice, visible, hidden);
+  search.improve();
+  BicliqueChains chains = search.grown();
+  chains.trim();
   Embedding embedding;
-  for (std::size_t k = 0; k < visible; ++k) embedding.chains.push_back(choice.segment(0, k).qubits);
-  for (std::size_t k = 0; k < hidden; ++k) embedding.chains.push_back(choice.segment(1, k).qubits);
-  trim_ends(graph, embedding.chains);
+  embedding.chains = chains.chains();
   VariablePairs pairs;
   for (std::size_t i = 0; i < visible; ++i)
     for (std::size_t j = 0; j < hidden; ++j) pairs.emplace_back(std::uint32_t(i), std::uint32_t(visible + j));

@@ -43,6 +43,18 @@ GrayBox::GrayBox(std::shared_ptr<const Sampler> device, const HardwareGraph& gra
   for (std::size_t v = 0; v < record_.chains.size(); ++v)
     for (std::int64_t q : record_.chains[v]) owner[Label(q)] = std::uint32_t(v);
   for (const Label& label : problem_.labels) variable_.push_back(owner.at(label));
+  share_steps();
+}
+
+void GrayBox::share_steps() {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, double> couplers;
+  const auto units_of = [&](const Coupling& c) { return std::minmax(variable_[c.a], variable_[c.b]); };
+  for (const Coupling& c : problem_.couplings) ++couplers[units_of(c)];
+  for (std::uint32_t unit : variable_) field_.push_back({0, 0, 1 / double(record_.chains[unit].size())});
+  for (const Coupling& c : problem_.couplings) {
+    const auto [low, high] = units_of(c);
+    coupling_.push_back({0, 0, low == high ? 1 : 1 / couplers[{low, high}]});
+  }
 }
 
 SampleSet GrayBox::device_rows(const Problem& problem, std::size_t reads, std::size_t gauges,
@@ -97,16 +109,28 @@ GrayBox::Moments GrayBox::data_moments(std::span<const double> rows) const {
   return moments;
 }
 
-void GrayBox::update(std::span<const double> rows) {
+void GrayBox::update(std::span<const double> rows, double share) {
   GONOGO_ASSERT(!rows.empty() && rows.size() % visible_ == 0);
   const Moments data = data_moments(rows), model = model_moments();
   const CoefficientRanges& range = settings_.ranges;
+  ++updates_;
+  const double rate = share * settings_.rate;
   for (std::size_t i = 0; i < data.spin.size(); ++i)
-    problem_.linear[i] =
-        std::clamp(problem_.linear[i] - settings_.rate * (data.spin[i] - model.spin[i]), range.h_low, range.h_high);
-  for (std::size_t k = 0; k < data.pair.size(); ++k)
-    problem_.couplings[k].value = std::clamp(
-        problem_.couplings[k].value - settings_.rate * (data.pair[k] - model.pair[k]), range.j_low, range.j_high);
+    problem_.linear[i] = std::clamp(problem_.linear[i] - 2 * rate * step(field_[i], data.spin[i] - model.spin[i]),
+                                    range.h_low, range.h_high);
+  for (std::size_t k = 0; k < data.pair.size(); ++k) {
+    double& value = problem_.couplings[k].value;
+    value = std::clamp(value - rate * step(coupling_[k], data.pair[k] - model.pair[k]), range.j_low, range.j_high);
+  }
+}
+
+double GrayBox::step(Descent& descent, double gradient) const {
+  constexpr double kMean = 0.9, kSquare = 0.999, kLeast = 1e-8;
+  descent.mean = kMean * descent.mean + (1 - kMean) * gradient;
+  descent.square = kSquare * descent.square + (1 - kSquare) * gradient * gradient;
+  const double n = double(updates_);
+  return descent.part * descent.mean / (1 - std::pow(kMean, n)) /
+         (std::sqrt(descent.square / (1 - std::pow(kSquare, n))) + kLeast);
 }
 
 Problem GrayBox::contracted_problem() const {

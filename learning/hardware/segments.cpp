@@ -1,5 +1,7 @@
 #include "learning/hardware/segments.h"
 
+#include "base/error.h"
+
 namespace gonogo::learning {
 
 std::vector<Segment> segments(const HardwareGraph& graph, int u) {
@@ -70,6 +72,17 @@ void ChainCouplers::remove(Qubit q) {
     if (other == kNone || other == chain) continue;
     --count(chain, other);
     --count(other, chain);
+  }
+}
+
+void ChainCouplers::add(Qubit q, std::uint32_t chain) {
+  GONOGO_ASSERT(owner_[q] == kNone);
+  owner_[q] = chain;
+  for (Qubit neighbour : graph_.neighbours(q)) {
+    const std::uint32_t other = owner_[neighbour];
+    if (other == kNone || other == chain) continue;
+    ++count(chain, other);
+    ++count(other, chain);
   }
 }
 

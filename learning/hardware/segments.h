@@ -26,6 +26,10 @@ class ChainCouplers {
   /// No pair of chains loses its last coupler when q leaves its chain.
   bool can_spare(Qubit q) const;
   void remove(Qubit q);
+  /// q joins a chain; so far it belongs to none.
+  void add(Qubit q, std::uint32_t chain);
+  std::uint32_t owner(Qubit q) const { return owner_[q]; }  // kNone: no chain's
+  bool coupled(std::size_t a, std::size_t b) const { return count_[a * chain_count_ + b] > 0; }
 
  private:
   std::uint32_t& count(std::uint32_t a, std::uint32_t b) { return count_[std::size_t(a) * chain_count_ + b]; }

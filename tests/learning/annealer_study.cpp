@@ -1,8 +1,8 @@
 // Training a machine of 48 visible and 20 hidden units through the emulated annealer, scored by exact log-likelihood of
 // fresh rows as the share of what exact samples gain over independent units (docs/learning.md).
 //
-//   learning_annealer [line ...] [chains=, sweeps=, gauges=, reads=, chain_coupling=, dead=]   all lines of the table,
-//   or some
+//   learning_annealer [line ...] [seed=, chains=, sweeps=, gauges=, reads=, chain_coupling=, dead=]   all lines of the
+//   table, or some. Another seed is another teacher, other rows, another device and another course of training.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -25,11 +25,13 @@ using namespace gonogo::learning;
 namespace {
 
 constexpr std::size_t kVisible = 48, kHidden = 20, kRows = 1000, kEpochs = 60, kBatch = 250;
+constexpr double kFinalRate = 0.2;  // share of the rate at the last epoch
 
 /// What the device is asked for; "name=value" on the command line.
 struct DeviceUse {
   std::size_t chains = 100, sweeps = 600, gauges = 4, reads = 250;  // rows of an update, of a reading
   double chain_coupling = 0.6, dead = 0;                            // dead: share of the qubits
+  std::uint64_t seed = 1;                                           // of everything that is drawn
 };
 DeviceUse use;
 
@@ -42,18 +44,18 @@ VisibleLayout layout_of_bits() {
   return VisibleLayout(std::move(encoders), {});
 }
 
-/// Rows of a machine with normal weights, drawn exactly.
-std::vector<double> teacher_rows(std::uint64_t seed) {
+/// Rows of a machine with normal weights, drawn exactly; draw: 0 for training, 1 for fresh ones.
+std::vector<double> teacher_rows(std::uint64_t draw) {
   RbmWeights teacher = RbmWeights::zeros(kVisible, kHidden);
   for (std::size_t k = 0; k < teacher.weight.size(); ++k)
-    teacher.weight[k] = std::sqrt(-2 * std::log(1 - random_unit(1, 1, 2 * k))) *
-                        std::cos(6.283185307179586 * random_unit(1, 1, 2 * k + 1));
+    teacher.weight[k] = std::sqrt(-2 * std::log(1 - random_unit(use.seed, 1, 2 * k))) *
+                        std::cos(6.283185307179586 * random_unit(use.seed, 1, 2 * k + 1));
   for (std::size_t i = 0; i < kVisible; ++i)  // half the units on, in the mean
     for (std::size_t j = 0; j < kHidden; ++j) teacher.visible_bias[i] -= teacher.weight[i * kHidden + j] / 2;
   for (std::size_t i = 0; i < kVisible; ++i)
     for (std::size_t j = 0; j < kHidden; ++j) teacher.hidden_bias[j] -= teacher.weight[i * kHidden + j] / 2;
-  const SampleSet samples =
-      ExactSampler().sample(to_qubo(teacher, layout_of_bits().unit_labels()), {.reads = kRows, .seed = seed});
+  const SampleSet samples = ExactSampler().sample(to_qubo(teacher, layout_of_bits().unit_labels()),
+                                                  {.reads = kRows, .seed = 2 * use.seed - 1 + draw});
   std::vector<double> rows;
   for (std::size_t r = 0; r < kRows; ++r)
     for (std::size_t i = 0; i < kVisible; ++i) rows.push_back(samples.row(r)[i]);
@@ -80,10 +82,11 @@ TrainingSettings training_settings() {
   settings.epochs = kEpochs;
   settings.report_every = 1;
   settings.learning_rate = 0.03;
-  settings.final_learning_rate = 0.2;
+  settings.final_learning_rate = kFinalRate;
   settings.centred = true;
   settings.chains = use.chains;
   settings.sweeps = 20;
+  settings.seed = use.seed;
   return settings;
 }
 
@@ -94,14 +97,14 @@ struct Line {
 };
 
 RbmWeights trained_through_device(const Line& line, const TrainingTable& table, double& last_scale) {
-  const Device device = d_wave_2x(use.dead, 1);
+  const Device device = d_wave_2x(use.dead, use.seed);
   AnnealerSettings annealer;
   annealer.scale = line.scale;
   annealer.sweeps = use.sweeps;
   annealer.chain_coupling = use.chain_coupling;
   annealer.gauges = use.gauges;
   AnnealerSampler sampler(std::make_shared<Emulator>(device), device.graph, kVisible, kHidden, annealer);
-  TemperatureControl control(sampler, thermometer_named(line.thermometer), use.reads, use.sweeps, 1);
+  TemperatureControl control(sampler, thermometer_named(line.thermometer), use.reads, use.sweeps, use.seed);
   const VisibleLayout layout = layout_of_bits();
   const auto labels = layout.unit_labels();
   const auto hook = [&](std::size_t epoch, const RbmWeights& weights) {
@@ -127,17 +130,17 @@ RbmWeights gray_box(const std::vector<double>& rows) {
   settings.chain_coupling = use.chain_coupling;
   settings.gauges = use.gauges;
   settings.sweeps = use.sweeps;
-  settings.rate = 0.03;
+  settings.seed = use.seed;
   GrayBox box(std::make_shared<Emulator>(device), device.graph, kVisible, kHidden, settings);
   std::uint64_t step = 0;
   for (std::size_t epoch = 1; epoch <= kEpochs; ++epoch) {
-    const auto order = permutation(kRows, 1, epoch);
+    const auto order = permutation(kRows, use.seed, epoch);
     for (std::size_t b = 0; b < kRows / kBatch; ++b, ++step) {
       std::vector<double> batch;
       for (std::size_t k = b * kBatch; k < (b + 1) * kBatch; ++k)
         batch.insert(batch.end(), rows.begin() + std::ptrdiff_t(order[k] * kVisible),
                      rows.begin() + std::ptrdiff_t((order[k] + 1) * kVisible));
-      box.update(batch);
+      box.update(batch, 1 + (kFinalRate - 1) * double(epoch - 1) / double(kEpochs - 1));
     }
   }
   const BetaEstimate beta = box.measured_beta(2000);
@@ -158,6 +161,7 @@ bool set_use(const std::string& word) {
   if (equals == std::string::npos) return false;
   const std::string name = word.substr(0, equals);
   const double value = std::atof(word.c_str() + equals + 1);
+  if (name == "seed") use.seed = std::uint64_t(value);
   if (name == "chains") use.chains = std::size_t(value);
   if (name == "sweeps") use.sweeps = std::size_t(value);
   if (name == "gauges") use.gauges = std::size_t(value);
@@ -182,9 +186,10 @@ int main(int argc, char** argv) {
                                    {"nominal", "none", kNominal},
                                    {"unscaled", "none", 1},
                                    {"gray_box", "", 0}};
-  const std::vector<double> rows = teacher_rows(1), fresh = teacher_rows(2);
+  const std::vector<double> rows = teacher_rows(0), fresh = teacher_rows(1);
   const TrainingTable table = table_of(rows);
   const double base = mean_log_likelihood(independent_units(rows), fresh);
+  double exact = NAN;  // what exact samples reach, once that line has run
   for (const Line& line : lines) {
     const std::string name = line.name;
     if (!wanted.empty() && std::find(wanted.begin(), wanted.end(), name) == wanted.end()) continue;
@@ -200,6 +205,8 @@ int main(int argc, char** argv) {
       machine = train_rbm(layout_of_bits(), table, training_settings(), *make_sampler(name)).weights;
     const double reached = mean_log_likelihood(machine, fresh);
     std::printf("%-20s %9.4f nat per fresh row, gain %8.4f", line.name, reached, reached - base);
+    if (name == "exact") exact = reached;
+    if (!std::isnan(exact)) std::printf(", share of exact samples %.3f", (reached - base) / (exact - base));
     if (scale > 0) std::printf(", last scale %.3f", scale);
     std::printf("\n");
     std::fflush(stdout);

@@ -336,7 +336,7 @@ TEST_CASE("a study trains through the emulated annealer, masks what dead qubits 
   const fs::path dataset = dataset_file("emulated.h5", 40, 2), file = kFolder / "emulated.h5model";
   const Config learning = Config::parse(
       R"({"epochs": 3, "folds": 2, "hidden": 6, "chains": 16, "sampler": "emulator",
-          "emulator": {"graph": "zephyr:6", "dead_share": 0.3, "sweeps": 20, "reads": 40, "gauges": 2}})",
+          "emulator": {"graph": "zephyr:6", "dead_share": 0.45, "sweeps": 20, "reads": 40, "gauges": 2}})",
       "study");
   const Json report = train_model({.dataset = dataset, .model = file, .seed = 5, .learning = learning, .design = {}});
   CHECK(report.at("sampler").string() == "emulator");
