@@ -28,6 +28,8 @@ struct Options {
   bool gpu = false, compliant = false;
 };
 
+sim::Backend device_of(const Options& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
+
 /// A variable of a study: its fixed value or the middle of its range.
 std::vector<double> variables_of(const Study& study) {
   std::vector<double> values(contract().variables.size(), std::nan(""));
@@ -116,7 +118,7 @@ TrialRecord watched_trial(const Globals& globals, const Options& options, const 
   if (options.film.wants_pictures() || options.film.wants_series())
     watch.frame = [&film](const TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
-  const TrialDevice device{options.gpu ? sim::Backend::cuda : sim::Backend::cpu, std::max(1, globals.threads)};
+  const TrialDevice device{device_of(options), std::max(1, globals.threads)};
   const TrialRecord record = run_trial(setup, point, watch, options.checkpoint, device);
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
   film.finish(record);
@@ -139,7 +141,7 @@ Request request_of(const Options& options) {
       throw InputError("--compliant-tyres goes with --vehicle; in a study it is trial.compliant_tyres");
     if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
     const Study study = read_study(options.study);
-    r.setup = read_trial_setup(study);
+    r.setup = read_trial_setup(study, default_packing_folder(), device_of(options));
     r.point.variables = with_settings(variables_of(study), options);
     return r;
   }
@@ -147,6 +149,7 @@ Request request_of(const Options& options) {
     throw InputError("--vehicle needs --soil: a calibration, such as configs/soils/calibration_90mm.json");
   r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), options.soil,
                                 options.task.empty() ? default_task() : parse_task(options.task));
+  r.setup.settled_on = device_of(options);
   r.setup.compliant_tyres = options.compliant;
   check_tyres(r.setup);
   r.point.variables = with_settings(variables_of(r.setup), options);

@@ -4,6 +4,7 @@
 #include <thread>
 
 #include "pipeline/cli/command.h"
+#include "pipeline/cli/numerics_options.h"
 #include "pipeline/soil/library.h"
 #include "pipeline/soil/soil_tests.h"
 #include "pipeline/trial/setup.h"
@@ -62,31 +63,6 @@ void add_soil_options(CLI::App& command, SoilTestRequest& r) {
   command.add_flag("--quick", r.quick, "Smaller beds and shorter ways, for a first look");
 }
 
-/// Those of trials.
-void add_numerics_options(CLI::App& command, terrain::Numerics& n) {
-  command.add_option("--step", n.step, "Of trials [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
-  command.add_option("--substeps", n.substeps, "Parts of a step")->check(CLI::Range(1, 1000))->capture_default_str();
-  command.add_option("--iterations", n.iterations, "Most in a part of a step")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  command.add_option("--tolerance", n.tolerance, "Residual at which the solver stops [m/s]; 0: never")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  const auto set = [&n](const std::string& name) {
-    n.target = name == "coulomb" ? sim::Target::coulomb : sim::Target::ccp;
-  };
-  command.add_option_function<std::string>("--target", set, "ccp: contacts open as they slide or roll; or coulomb")
-      ->check(CLI::IsMember({"ccp", "coulomb"}))
-      ->default_str(terrain::name_of(n.target));
-}
-
-/// Whether any of those was given.
-bool numerics_given(const CLI::App& command) {
-  for (const char* name : {"--step", "--substeps", "--iterations", "--tolerance", "--target"})
-    if (command.count(name) > 0) return true;
-  return false;
-}
-
 void add_test(CLI::App& parent, const Globals& globals, const std::string& name, const std::string& about) {
   CLI::App* command = parent.add_subcommand(name, about);
   const auto request = std::make_shared<SoilTestRequest>();
@@ -94,7 +70,7 @@ void add_test(CLI::App& parent, const Globals& globals, const std::string& name,
   const auto stresses = std::make_shared<std::vector<double>>();
   const auto numerics = std::make_shared<terrain::Numerics>();
   add_soil_options(*command, *request);
-  add_numerics_options(*command, *numerics);
+  add_numerics_options(*command, *numerics, "Trials");
   if (name == "shear" || name == "triaxial")
     command->add_option("--stress", *stresses,
                         name == "shear" ? "Normal stresses [kPa] (5 10 20)" : "Confining stresses [kPa] (5 10 20)");
@@ -144,7 +120,7 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   command->add_option("--travel", run->travel, "Of the plate in a shear test [grain diameters]")
       ->check(CLI::Range(0.5, 100.0))
       ->capture_default_str();
-  add_numerics_options(*command, run->numerics);
+  add_numerics_options(*command, run->numerics, "Trials");
   command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
       ->required();
   command->footer("Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json");

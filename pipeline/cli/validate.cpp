@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/shipped.h"
 #include "pipeline/cli/command.h"
+#include "pipeline/cli/numerics_options.h"
 #include "pipeline/validate/drawbar.h"
 #include "pipeline/validate/fclib.h"
 #include "pipeline/validate/patch.h"
@@ -131,16 +132,7 @@ void validate_soils(const Globals& globals, SoilsRequest& request) {
 }
 
 void add_wheel_options(CLI::App& soils, SlopeSlipRun& wheel) {
-  soils.add_option("--step", wheel.step, "mgru3: step [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
-  soils.add_option("--substeps", wheel.substeps, "mgru3: parts of a step")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  soils.add_option("--iterations", wheel.iterations, "mgru3: most in a part")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  soils.add_option("--tolerance", wheel.tolerance, "mgru3: residual at which the solver stops [m/s]")
-      ->check(CLI::Range(1e-6, 1.0))
-      ->capture_default_str();
+  add_numerics_options(soils, wheel.numerics, "mgru3");
   soils.add_option("--depth", wheel.depth, "mgru3: of the bed [m]")
       ->check(CLI::Range(0.05, 2.0))
       ->capture_default_str();

@@ -103,7 +103,8 @@ TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double 
 
 DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   const std::string task = line("drawbar:most_pull_per_weight=1,sweep_s=%g", r.sweep);
-  const TrialSetup setup = vehicle_trial_setup(r.vehicle, r.calibration, parse_task(task));
+  TrialSetup setup = vehicle_trial_setup(r.vehicle, r.calibration, parse_task(task));
+  setup.settled_on = r.batch.backend;
   if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
   const vehicle::Vehicle& v = *setup.whole;
   const auto points = replicates(plain_variables(setup, 0, r.friction_angle, r.speed), r.seeds);

@@ -38,6 +38,7 @@ TrialSetup setup_of(const SlopeSlipRun& run, const terrain::Calibration& table, 
   s.calibration_file = run.calibration;
   s.calibration = table;
   s.packing_folder = default_packing_folder();
+  s.settled_on = run.gpu ? sim::Backend::cuda : sim::Backend::cpu;
   s.bed_length = run.length, s.bed_width = run.width, s.moving_patch = true;
   s.grain_density = fit.grain_density;
   s.packing_seeds = run.seeds;
@@ -46,8 +47,7 @@ TrialSetup setup_of(const SlopeSlipRun& run, const terrain::Calibration& table, 
   s.thresholds.immobile_speed = 0, s.thresholds.slid_back_share = 10;
   // So slow a wheel does little work: pushing settled grains apart by a hair is much beside it.
   s.thresholds.energy_error = 10;
-  s.numerics.step = run.step, s.numerics.substeps = run.substeps, s.numerics.iterations = run.iterations;
-  s.numerics.tolerance = run.tolerance;
+  s.numerics = run.numerics;
   terrain::check_patch(s.patch(), s.calibration.grain_diameter);
   return s;
 }

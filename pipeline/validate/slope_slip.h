@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pipeline/validate/soil_figure.h"
-#include "sim/simulation.h"
+#include "terrain/bed/numerics.h"
 
 namespace gonogo::pipeline {
 
@@ -17,9 +17,7 @@ struct SlopeSlipRun {
   int threads = 1;                    // trials at a time
   bool steady = false;                // friction angle of steady shear instead of the peak's
   bool gpu = false;                   // all trials as one batch
-  double step = 1e-3;                 // [s]
-  int substeps = 1, iterations = 200;
-  double tolerance = 2e-3;                      // [m/s]
+  terrain::Numerics numerics{1e-3, 1, 200, 2e-3};
   double depth = 0.2, length = 2, width = 0.7;  // of the bed [m]
   double time = 8;                              // driven; slip is that of the last half [s]
 };

@@ -1,0 +1,32 @@
+#include "pipeline/cli/numerics_options.h"
+
+namespace gonogo::pipeline::cli {
+
+void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::string& whose) {
+  command.add_option("--step", n.step, whose + ": step [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
+  command.add_option("--substeps", n.substeps, whose + ": parts of a step")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--iterations", n.iterations, whose + ": most in a part of a step")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--tolerance", n.tolerance, whose + ": residual at which the solver stops [m/s]; 0: never")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  const auto set = [&n](const std::string& name) {
+    n.target = name == "coulomb" ? sim::Target::coulomb : sim::Target::ccp;
+  };
+  command
+      .add_option_function<std::string>("--target", set,
+                                        whose + ": ccp, whose contacts open as they slide or roll, or coulomb")
+      ->check(CLI::IsMember({"ccp", "coulomb"}))
+      ->default_str(terrain::name_of(n.target));
+}
+
+bool numerics_given(const CLI::App& command) {
+  for (const char* name : {"--step", "--substeps", "--iterations", "--tolerance", "--target"})
+    if (command.count(name) > 0) return true;
+  return false;
+}
+
+}  // namespace gonogo::pipeline::cli

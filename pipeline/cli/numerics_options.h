@@ -1,0 +1,14 @@
+// Options of commands that step grains: how long a step is, and how its contacts are solved.
+#pragma once
+#include "pipeline/cli/command.h"
+#include "terrain/bed/numerics.h"
+
+namespace gonogo::pipeline::cli {
+
+/// --step, --substeps, --iterations, --tolerance, --target. `whose`: trials or a test, for the help.
+void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const std::string& whose);
+
+/// Whether any of those was given.
+bool numerics_given(const CLI::App& command);
+
+}  // namespace gonogo::pipeline::cli
