@@ -28,7 +28,7 @@ cell.close()
 soft = Browser(program, 1280, 800)
 soft.open(page)
 soft.js("document.querySelector('input[name=layer][value=reason]').click()")
-soft.click(1000, 600)
+soft.click(880, 240)
 soft.picture(here / "soft_soil.png")
 soft.close()
 
