@@ -54,9 +54,15 @@ inline void load_fields(const Record* const (&record)[kPackWidth], Fields& field
 }
 
 inline void load_velocities(View<const Velocity> velocity, const BodyIndex (&body)[kPackWidth], VelocityT<Pack>& v) {
-  const Velocity* of_lane[kPackWidth];
-  for (int lane = 0; lane < kPackWidth; ++lane) of_lane[lane] = &velocity[body[lane]];
-  load_fields(of_lane, v);
+  static_assert(sizeof(Velocity) == sizeof(Pack));
+  Pack m[kPackWidth];
+  for (int lane = 0; lane < kPackWidth; ++lane) {
+    BodyIndex b = body[lane];
+    asm("" : "+r"(b));  // eight addresses in vectors would have to be taken out again one by one
+    m[lane] = *reinterpret_cast<const PackInMemory*>(&velocity[b]);
+  }
+  transpose(m);
+  v = {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, m[7]};
 }
 
 /// From the contacts and their warm start to the blocks of one tile.
@@ -176,7 +182,7 @@ struct UpdateTile {
     sums[tile] = s;
   }
 
-  ContactUpdate<Pack> update(ContactBlock& b, const Pack& beta, bool renew_slip) const {
+  GONOGO_HD_INLINED ContactUpdate<Pack> update(ContactBlock& b, const Pack& beta, bool renew_slip) const {
     VelocityT<Pack> a, c;
     load_velocities(velocity, b.body_a, a);
     load_velocities(velocity, b.body_b, c);

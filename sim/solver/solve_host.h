@@ -66,6 +66,7 @@ struct GatherVelocity {
     for (Index k = incidence.first_second[b]; k < incidence.first_second[b + 1]; ++k)
       sum += *reinterpret_cast<const PackInMemory*>(&wrench_b[k]);
     if (before.size > 0) before[b] = velocity[b];
+    if (mass[b].isotropic && mass[b].slot < 0) return set_velocity(b, sum, m.next_beta);
     Vec3 angular{sum[4], sum[5], sum[6]};
     const Index slot = mass[b].slot;
     if (slot >= 0) angular += motor_moment(slot);
@@ -78,6 +79,20 @@ struct GatherVelocity {
     extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
     velocity[b] = next;
   }
+
+  /// driven_velocity() and extrapolated() of a free body whose inertia is the same about all axes, on the eight numbers
+  /// of a velocity side by side: taken apart, they would be put together again in memory.
+  void set_velocity(BodyIndex b, const Pack& wrench, Real beta) const {
+    const Vec3& m = mass[b].inverse_mass;
+    const Real i = mass[b].inverse_inertia_B.x;
+    const Pack next = in_pack(free_velocity[b]) + Pack{m.x, m.y, m.z, 0, i, i, i, 0} * wrench;
+    PackInMemory& now = *reinterpret_cast<PackInMemory*>(&velocity[b]);
+    const Pack ahead = first ? next : multiply_add(next - now, constant<Pack>(beta), next);
+    *reinterpret_cast<PackInMemory*>(&extrapolated_velocity[b]) = ahead;
+    now = next;
+  }
+
+  static Pack in_pack(const Velocity& v) { return *reinterpret_cast<const PackInMemory*>(&v); }
 };
 
 /// Velocities of the jointed bodies from all that their mechanism gathered.
