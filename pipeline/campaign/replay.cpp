@@ -81,7 +81,8 @@ Replay replay_trial(const Dataset& dataset, std::uint64_t index, int threads) {
   const TrialRecord& stored = find_trial(dataset, index);
   const sim::Backend device = device_of(dataset);
   const TemporaryPlace place;
-  const TrialSetup setup = read_trial_setup(read_study(write_study(dataset, place.folder())), default_packing_folder(), device);
+  const TrialSetup setup =
+      read_trial_setup(read_study(write_study(dataset, place.folder())), default_packing_folder(), device);
   prepare_trials(setup, std::span(&stored.point, 1), threads);
   Replay replay;
   replay.record = compute(setup, stored.point, device, 1);

@@ -10,16 +10,9 @@ import pathlib
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import checks  # noqa: E402
 from browser import Browser  # noqa: E402
-
-checks = 0
-
-
-def check(truth, what):
-    global checks
-    checks += 1
-    if not truth:
-        raise SystemExit("FAILED: " + what)
+from checks import check  # noqa: E402
 
 
 def screen_position(browser, cell):
@@ -167,7 +160,7 @@ def main():
         phone.picture(pictures / "phone.png")
     check(not phone.complaints(), f"no error on the phone: {phone.complaints()[:2]}")
     phone.close()
-    print(f"{checks} checks passed")
+    print(f"{checks.passed} checks passed")
 
 
 main()

@@ -11,17 +11,11 @@ import pathlib
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import checks  # noqa: E402
 from browser import Browser  # noqa: E402
+from checks import check  # noqa: E402
 
-checks = 0
 PIXELS_PER_CELL = 5
-
-
-def check(truth, what):
-    global checks
-    checks += 1
-    if not truth:
-        raise SystemExit("FAILED: " + what)
 
 
 def wait_for_tiles(browser):
@@ -122,7 +116,7 @@ def main():
     check(not strangers, f"nothing comes from elsewhere: {strangers}")
     browser.close()
     check_from_disk(program, folder)
-    print(f"{checks} checks passed")
+    print(f"{checks.passed} checks passed")
 
 
 main()

@@ -8,11 +8,8 @@
 
 #include "base/file.h"
 #include "base/random.h"
-#include "pipeline/map/make_map.h"
-#include "tests/pipeline/analytic_model.h"
+#include "tests/pipeline/wavy_region.h"
 #include "tests/support/catch.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/terrain/raster_maker.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
@@ -22,23 +19,12 @@ namespace {
 constexpr int kSide = 1200;  // 9 blocks
 
 MapRequest request_in(const TemporaryFolder& folder, const char* out) {
-  MapRequest request;
-  request.model = test::AnalyticModel{}.outcome_model();
-  request.region = read_region(folder / "region.json");
-  request.out = folder / out;
+  MapRequest request = test::request_of_region(folder, out);
   request.threads = 1;
   return request;
 }
 
-void make_region(const TemporaryFolder& folder) {
-  std::vector<float> height;
-  for (int row = 0; row < kSide; ++row)
-    for (int column = 0; column < kSide; ++column)
-      height.push_back(float(1000 + 60 * std::sin(column / 37.0) * std::cos(row / 53.0)));
-  test::make_raster(folder / "dem.tif", {.columns = kSide, .rows = kSide, .value = height});
-  write_file_atomically(folder / "region.json", R"({"schema": "gonogo/region/1", "region": "waves",
-    "rasters": [{"role": "elevation", "file": "dem.tif", "source": "made", "licence": "none"}]})");
-}
+void make_region(const TemporaryFolder& folder) { test::make_wavy_region(folder, "waves", {kSide, 60, 37, 53}); }
 
 /// Makes the map in a child that is killed as soon as the file of finished blocks is larger than `bytes`.
 bool killed_after(const TemporaryFolder& folder, std::uintmax_t bytes) {

@@ -12,13 +12,10 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/json/json.h"
-#include "pipeline/map/make_map.h"
 #include "terrain/raster/raster_source.h"
-#include "tests/pipeline/analytic_model.h"
+#include "tests/pipeline/wavy_region.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/terrain/raster_maker.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
@@ -28,18 +25,8 @@ namespace {
 constexpr int kSide = 700;
 
 void make_small_map(const TemporaryFolder& folder) {
-  std::vector<float> height;
-  for (int row = 0; row < kSide; ++row)
-    for (int column = 0; column < kSide; ++column)
-      height.push_back(float(1000 + 40 * std::sin(column / 17.0) * std::cos(row / 23.0)));
-  test::make_raster(folder / "dem.tif", {.columns = kSide, .rows = kSide, .value = height});
-  write_file_atomically(folder / "region.json", R"({"schema": "gonogo/region/1", "region": "waves",
-    "rasters": [{"role": "elevation", "file": "dem.tif", "source": "made", "licence": "none"}]})");
-  MapRequest request;
-  request.model = test::AnalyticModel{}.outcome_model();
-  request.region = read_region(folder / "region.json");
-  request.out = folder / "map";
-  make_map(request);
+  test::make_wavy_region(folder, "waves", {kSide, 40, 17, 23});
+  make_map(test::request_of_region(folder, "map"));
 }
 
 /// What the server answers to `request`, header and body.

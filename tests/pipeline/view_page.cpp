@@ -5,13 +5,10 @@
 
 #include "base/file.h"
 #include "base/json/json.h"
-#include "pipeline/map/make_map.h"
 #include "pipeline/view/map_view.h"
 #include "terrain/raster/raster_source.h"
-#include "tests/pipeline/analytic_model.h"
+#include "tests/pipeline/wavy_region.h"
 #include "tests/support/catch.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/terrain/raster_maker.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
@@ -24,18 +21,8 @@ constexpr int kSide = 1200;  // more cells than a page holds: it keeps one of fo
 
 /// Hills of up to 35 degrees.
 MapRequest hills(const TemporaryFolder& folder) {
-  std::vector<float> height;
-  for (int row = 0; row < kSide; ++row)
-    for (int column = 0; column < kSide; ++column)
-      height.push_back(float(1000 + 40 * std::sin(column / 6.0) * std::cos(row / 9.0)));
-  test::make_raster(folder / "dem.tif", {.columns = kSide, .rows = kSide, .value = height});
-  write_file_atomically(folder / "region.json", R"({"schema": "gonogo/region/1", "region": "hills",
-    "rasters": [{"role": "elevation", "file": "dem.tif", "source": "made", "licence": "none"}]})");
-  MapRequest request;
-  request.model = test::AnalyticModel{}.outcome_model();
-  request.region = read_region(folder / "region.json");
-  request.out = folder / "map";
-  return request;
+  test::make_wavy_region(folder, "hills", {kSide, 40, 6, 9});
+  return test::request_of_region(folder, "map");
 }
 
 Json colour_of(const std::string& hex) {
