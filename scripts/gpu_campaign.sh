@@ -4,7 +4,7 @@
 # the GPUs were. The same command goes on where it stopped; --checkpoint-every 0 because nothing but the clock stops it.
 # Headers that the machine lacks (nlohmann-json, CLI11, xxhash) may lie in .carry/usr, laid out like /usr.
 #
-#   scripts/gpu_campaign.sh [study] [folder] [seconds] [places per GPU]
+#   scripts/gpu_campaign.sh [study] [folder] [seconds] [places per worker] [workers]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 study=${1:-configs/studies/quarter_wheel_32mm.json} folder=${2:-out/quarter_wheel_32mm} seconds=${3:-480} places=${4:-64}
@@ -23,7 +23,7 @@ watch=$!
 trap 'kill "$watch" 2> /dev/null || true' EXIT
 status=0
 timeout -s INT -k 30 "$seconds" "$gonogo" campaign run "$study" --out "$folder" --device cuda --places "$places" \
-  --threads "$(nproc)" --checkpoint-every 0 2> "$folder/campaign.log" || status=$?
+  --threads "$(nproc)" --workers "${5:-$(nvidia-smi --list-gpus | wc -l)}" --checkpoint-every 0 2> "$folder/campaign.log" || status=$?
 [ "$status" -eq 0 ] || [ "$status" -eq 124 ] || [ "$status" -eq 130 ] || { tail -5 "$folder/campaign.log"; exit "$status"; }
 after=$(done_trials)
 took=$((SECONDS - begin)) gpus=$(nvidia-smi --list-gpus | wc -l)

@@ -10,6 +10,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
+#include "base/shipped.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/film/film.h"
 #include "pipeline/vehicle/locate.h"
@@ -146,8 +147,8 @@ Request request_of(const Options& options) {
     return r;
   }
   if (options.soil.empty())
-    throw InputError("--vehicle needs --soil: a calibration, such as configs/soils/calibration_90mm.json");
-  r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), options.soil,
+    throw InputError("--vehicle needs --soil: a calibration, such as calibration_90mm");
+  r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), shipped_file("soils", "calibration", options.soil),
                                 options.task.empty() ? default_task() : parse_task(options.task));
   r.setup.settled_on = device_of(options);
   r.setup.compliant_tyres = options.compliant;
@@ -218,7 +219,7 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   auto options = std::make_shared<Options>();
   command->add_option("study", options->study, "Study JSON; or --vehicle and --soil");
   command->add_option("--vehicle", options->vehicle, "Vehicle file, or the name of one in configs/vehicles");
-  command->add_option("--soil", options->soil, "Calibration JSON of the grains, with --vehicle");
+  command->add_option("--soil", options->soil, "Calibration of the grains, a file or the name of one in configs/soils, with --vehicle");
   command->add_option("--trial", options->task,
                       "Type of trial with its numbers, with --vehicle: climb, side_slope, drawbar, "
                       "single_wheel:slip=0.2, step:height_m=0.2, "

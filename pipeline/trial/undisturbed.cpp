@@ -23,14 +23,19 @@ double untouched_axle_height(const terrain::Packing& packing, double reach, doub
   std::vector<terrain::Grain> lane;
   for (const terrain::Grain& g : terrain::lobes_of(packing))
     if (std::fabs(std::remainder(g.position.y - y, bed.width)) < width / 2 + g.radius) lane.push_back(g);
+  // Highest first: once a wheel stands higher than on top of the next grain, none of the others touches it.
+  const auto top = [](const terrain::Grain& g) { return g.position.z + g.radius; };
+  std::sort(lane.begin(), lane.end(), [&](const auto& a, const auto& b) { return top(a) > top(b); });
   const int places = std::max(8, int(4 * way / bed.grain_diameter));
   double sum = 0;
   for (int k = 0; k < places; ++k) {
     const double x = from + (k + 0.5) * way / places;
     double height = reach;
-    for (const terrain::Grain& g : lane)
+    for (const terrain::Grain& g : lane) {
+      if (top(g) + reach <= height) break;
       height = std::max(height, touching_height(g, reach, width, std::remainder(g.position.x - x, bed.length),
                                                 std::remainder(g.position.y - y, bed.width)));
+    }
     sum += height;
   }
   return sum / places;
