@@ -117,9 +117,6 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   command->add_option("--seeds", run->seeds, "Packings of each density")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
-  command->add_option("--travel", run->travel, "Of the plate in a shear test [grain diameters]")
-      ->check(CLI::Range(0.5, 100.0))
-      ->capture_default_str();
   add_numerics_options(*command, run->numerics, "Trials");
   command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
       ->required();

@@ -145,7 +145,6 @@ void add_wheel_options(CLI::App& soils, SlopeSlipRun& wheel) {
   soils.add_option("--time", wheel.time, "mgru3: driven; slip is that of the last half [s]")
       ->check(CLI::Range(1.0, 100.0))
       ->capture_default_str();
-  soils.add_flag("--steady", wheel.steady, "mgru3: friction angle of steady shear instead of the peak's");
   soils.add_flag("--gpu", wheel.gpu, "mgru3: on the GPU");
 }
 

@@ -30,8 +30,9 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
   TrialConditions c;
   const Vec3d g = bed_gravity(value(point, "slope_along"), value(point, "slope_across"));
   c.gravity = static_cast<Vec3>(g);
-  const sim::PairLaw grain =
-      terrain::contact_law(setup.calibration, {value(point, "friction_angle"), value(point, "cohesion") * 1e3});
+  const terrain::MacroscopicSoil soil{value(point, "friction_angle"), value(point, "cohesion") * 1e3, 0,
+                                      value(point, "relative_density")};
+  const sim::PairLaw grain = terrain::contact_law(setup.calibration, soil);
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
   if (setup.compliant_tyres) {
@@ -40,7 +41,10 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
         setup.whole->wheel.front(), setup.weight(value(point, "payload")) / wheels, setup.calibration.grain_diameter);
     c.laws.tool.stiffness = Real(spring.stiffness), c.laws.tool.damping = Real(spring.damping);
   }
-  if (const auto strip = setup.task->strip({})) c.soft = terrain::contact_law(setup.calibration, strip->soil);
+  if (auto strip = setup.task->strip({})) {
+    strip->soil.relative_density = soil.relative_density;
+    c.soft = terrain::contact_law(setup.calibration, strip->soil);
+  }
   c.payload = value(point, "payload");
   c.speed = value(point, "commanded_speed");
   return c;

@@ -9,7 +9,6 @@
 #include "base/shipped.h"
 #include "pipeline/trial/batch.h"
 #include "pipeline/trial/trial.h"
-#include "terrain/soil/peak_table.h"
 #include "terrain/soil/soil_file.h"
 #include "terrain/soil_test/line_fit.h"
 #include "terrain/soil_test/test_run.h"
@@ -24,12 +23,6 @@ constexpr Published kPublished[] = {{0.27, 0.0315, 0.0422},  {5.24, 0.0515, 0.11
                                     {14.96, 0.4341, 0.4134}, {20.23, 0.7560, 0.6246}, {25.10, 0.8846, 0.7220}};
 constexpr double kWheelSpeed = 0.8;     // [rad/s]
 constexpr double kWheelFriction = 0.8;  // of grains on the wheel, as in configs/vehicles/mgru3.json
-
-/// The experiment's friction angle is that of its density, so that it is met at the peak.
-terrain::Calibration table_of(const SlopeSlipRun& run, const terrain::MacroscopicSoil& soil) {
-  const terrain::Calibration table = terrain::read_calibration(run.calibration);
-  return run.steady ? table : at_peak(table, soil.relative_density);
-}
 
 TrialSetup setup_of(const SlopeSlipRun& run, const terrain::Calibration& table, const terrain::SoilFit& fit) {
   TrialSetup s;
@@ -102,7 +95,7 @@ std::vector<SlopeSlip> published_slope_slips() {
 std::vector<SlopeSlip> run_slope_slip(const SlopeSlipRun& run) {
   const auto file = terrain::read_soil(shipped_file("soils", "soil", "grc1"));
   const terrain::MacroscopicSoil soil = file.states.at(0).macroscopic();
-  const terrain::Calibration table = table_of(run, soil);
+  const terrain::Calibration table = terrain::read_calibration(run.calibration);
   const TrialSetup setup = setup_of(run, table, fit_soil(table, soil));
   const std::vector<DesignPoint> points = points_of(run, setup, soil);
   prepare_trials(setup, points, run.threads);

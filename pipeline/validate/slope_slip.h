@@ -15,7 +15,6 @@ struct SlopeSlipRun {
   std::filesystem::path calibration;  // of the grain size to be used
   int seeds = 2;                      // beds per slope
   int threads = 1;                    // trials at a time
-  bool steady = false;                // friction angle of steady shear instead of the peak's
   bool gpu = false;                   // all trials as one batch
   terrain::Numerics numerics{1e-3, 1, 200, 2e-3};
   double depth = 0.2, length = 2, width = 0.7;  // of the bed [m]

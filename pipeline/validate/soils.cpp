@@ -12,6 +12,7 @@
 #include "terrain/soil/soil_file.h"
 #include "terrain/soil_test/geostatic.h"
 #include "terrain/soil_test/shear.h"
+#include "terrain/soil_test/triaxial.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -130,41 +131,53 @@ std::vector<Inverted> soils_of(const Calibration& c) {
   return soils;
 }
 
-terrain::ShearResult shear_of(const Calibration& c, const terrain::SoilFit& fit, double stress, std::uint64_t seed,
-                              double& bulk_density) {
-  terrain::BedSpec spec = terrain::shear_cell(c.grain_diameter, c.packing[fit.packing].settle_friction, seed, c.shape);
-  spec.grain_density = fit.grain_density;
-  const terrain::Packing cell = settle_packing(spec, 1);
-  bulk_density = cell.solid_fraction * fit.grain_density;
-  terrain::ShearSettings settings;
+/// A specimen of the soil's grains under one confining stress, at the numerics of the table's trials.
+terrain::TriaxialResult compressed(const Calibration& c, const terrain::SoilFit& fit, double stress,
+                                   std::uint64_t seed) {
+  terrain::TestSoil soil;
+  soil.grain_diameter = c.grain_diameter, soil.shape = c.shape;
+  soil.grain = fit.law;
+  soil.grain_density = fit.grain_density;
+  soil.relative_density = terrain::relative_density_of(c.packing[fit.packing].settle_friction);
+  soil.seed = seed;
+  terrain::TriaxialSettings settings;
   terrain::TestPace pace;
-  settings.normal_stress = stress, settings.travel = 6;
+  settings.confining_stress = stress;
   if (c.provenance.find("step_s")) {
     const terrain::Numerics numerics = terrain::read_numerics(c.provenance);
     settings.steps_per_time = terrain::stress_time(c.grain_diameter, fit.grain_density, stress) / numerics.step;
     pace = terrain::pace_of(numerics);
   }
-  return shear_test(cell, {fit.law, fit.law}, settings, pace);
+  return triaxial_test(soil, settings, pace);
+}
+
+/// Of a bed that no calibration saw [kg/m^3].
+double bulk_density_of(const Calibration& c, const terrain::SoilFit& fit, std::uint64_t seed) {
+  const double friction = c.packing[fit.packing].settle_friction;
+  return settle_packing(terrain::shear_cell(c.grain_diameter, friction, seed, c.shape), 1).solid_fraction *
+         fit.grain_density;
 }
 
 void measure(const SoilValidation& run, const Calibration& c, std::vector<Inverted>& soils) {
   const std::size_t loads = std::size(kInversionStress), each = loads * std::size_t(run.seeds);
-  std::vector<terrain::ShearResult> results(soils.size() * each);
+  std::vector<terrain::TriaxialResult> results(soils.size() * each);
   std::vector<double> density(results.size());
   Progress progress("validate soils inversion", "tests", results.size());
   std::size_t done = 0;
   terrain::run_jobs(results.size(), run.threads, [&](std::size_t k) {
     const std::size_t within = k % each;
-    results[k] =
-        shear_of(c, soils[k / each].fit, kInversionStress[within % loads], kNewSeed + within / loads, density[k]);
+    const std::uint64_t seed = kNewSeed + within / loads;
+    const terrain::SoilFit& fit = soils[k / each].fit;
+    results[k] = compressed(c, fit, kInversionStress[within % loads], seed);
+    density[k] = bulk_density_of(c, fit, seed);
 #pragma omp critical(inversion_progress)
     progress.update(++done, "");
   });
   for (std::size_t i = 0; i < soils.size(); ++i) {
     const auto begin = results.begin() + std::ptrdiff_t(i * each);
-    const auto s = terrain::shear_strength({begin, begin + std::ptrdiff_t(each)});
-    soils[i].friction_angle = s.steady_angle.degrees, soils[i].angle_error = s.steady_angle.error;
-    soils[i].cohesion = s.steady_cohesion;
+    const auto s = terrain::triaxial_strength({begin, begin + std::ptrdiff_t(each)}, soils[i].soil.cohesion > 0);
+    soils[i].friction_angle = s.peak_angle.degrees, soils[i].angle_error = s.peak_angle.error;
+    soils[i].cohesion = s.peak_cohesion;
     for (std::size_t k = i * each; k < (i + 1) * each; ++k) soils[i].bulk_density += density[k] / double(each);
   }
 }

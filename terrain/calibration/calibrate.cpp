@@ -5,173 +5,20 @@
 #include <iterator>
 #include <numbers>
 
-#include "base/cancel.h"
 #include "base/error.h"
 #include "base/line.h"
-#include "base/progress.h"
-#include "terrain/calibration/journal.h"
-#include "terrain/soil_test/plate.h"
-#include "terrain/soil_test/shear.h"
+#include "terrain/calibration/tests.h"
+#include "terrain/soil_test/line_fit.h"
 
 namespace gonogo::terrain {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-/// The line of contact parameters: sliding friction first, rolling friction joins where spheres alone saturate. So
-/// close that the friction angle rises by less than about 5 degrees from one to the next. Sliding friction above 1.5
-/// makes beds burst that are pressed: the cone program lets sliding contacts open, the faster the rougher they are.
-struct ContactPoint {
-  double friction, rolling_friction;
-};
-using ContactLine = std::vector<ContactPoint>;
-
-/// Clumps lock with each other: they need no rolling friction.
-const ContactLine& contact_line(GrainShape shape) {
-  static const ContactLine spheres = {{0.05, 0},   {0.1, 0},   {0.2, 0},   {0.3, 0},    {0.4, 0.05},
-                                      {0.5, 0.1},  {0.6, 0.2}, {0.7, 0.3}, {0.8, 0.45}, {0.9, 0.6},
-                                      {1.05, 0.9}, {1.2, 1.3}, {1.4, 1.8}};
-  static const ContactLine clumps = {{0.05, 0}, {0.1, 0}, {0.15, 0}, {0.2, 0}, {0.25, 0}, {0.3, 0},
-                                     {0.4, 0},  {0.5, 0}, {0.6, 0},  {0.7, 0}, {0.8, 0},  {1.0, 0}};
-  return shape == GrainShape::sphere ? spheres : clumps;
-}
-/// Settling friction of the packing library, from loose to dense.
-constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};
-constexpr double kNormalStress = 10e3;  // [Pa]; without gravity only the ratios below matter
-/// Cohesion pressure between grains over normal stress. At three times the stress rough grains move in lumps that slide
-/// past each other, and less is carried than at once.
-constexpr double kCohesionRatio[] = {0, 0.5, 1};
-constexpr double kPlateWidth = 4;  // in grain diameters
-
-enum class Kind { shear, plate };
-
-struct Job {
-  Kind kind;
-  std::size_t contact, packing, seed, ratio;
-  std::string name;
-  std::vector<double> result;  // empty where the simulation failed; shear: steady and peak stress ratio, residual,
-                               // solid fraction; plate: k, n, residual
-};
-
-std::vector<Job> all_jobs(const ContactLine& contacts, int seeds) {
-  std::vector<Job> jobs;
-  for (std::size_t s = 0; s < std::size_t(seeds); ++s)
-    for (std::size_t c = 0; c < contacts.size(); ++c)
-      for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
-        const std::string at = line("friction %g rolling %g settled at %g seed %zu", contacts[c].friction,
-                                    contacts[c].rolling_friction, kSettleFriction[p], s + 1);
-        for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
-          jobs.push_back({Kind::shear, c, p, s, r, line("shear %s cohesion %g", at.c_str(), kCohesionRatio[r]), {}});
-        jobs.push_back({Kind::plate, c, p, s, 0, "plate " + at, {}});
-      }
-  return jobs;
-}
-
-sim::PairLaw law_of(const CalibrationRun& run, const Job& job) {
-  const ContactPoint& point = contact_line(run.shape)[job.contact];
-  return {Real(point.friction), Real(point.rolling_friction), Real(kCohesionRatio[job.ratio] * kNormalStress)};
-}
-
-TestSoil plate_soil(const CalibrationRun& run, std::size_t packing, std::size_t seed) {
-  TestSoil soil;
-  soil.grain_diameter = run.grain_diameter, soil.shape = run.shape;
-  soil.relative_density = relative_density_of(kSettleFriction[packing]);
-  soil.seed = seed;
-  return soil;
-}
-
-PlateSettings plate_settings(const CalibrationRun& run) {
-  PlateSettings settings;
-  settings.width_grains = kPlateWidth;
-  settings.speed = 0.2;
-  settings.steps_per_time = gravity_time(run.grain_diameter) / run.numerics.step;
-  return settings;
-}
-
-/// Settled packings, one for each kind of test, density and seed: all contact levels share them.
-class Beds {
- public:
-  Beds(const CalibrationRun& run, const std::vector<Job>& jobs, const std::vector<std::size_t>& open)
-      : run_(run), bed_(2 * std::size(kSettleFriction) * std::size_t(run.seeds)) {
-    std::vector<std::size_t> needed;
-    for (const std::size_t k : open) needed.push_back(place(jobs[k]));
-    std::sort(needed.begin(), needed.end());
-    needed.erase(std::unique(needed.begin(), needed.end()), needed.end());
-    std::reverse(needed.begin(), needed.end());  // plates' beds, which take longest, first
-    run_jobs(needed.size(), run.threads, [&](std::size_t i) { settle(needed[i]); });
-  }
-  const Packing& operator()(const Job& job) const { return bed_[place(job)]; }
-
- private:
-  std::size_t place(const Job& job) const {
-    return (std::size_t(job.kind) * std::size(kSettleFriction) + job.packing) * std::size_t(run_.seeds) + job.seed;
-  }
-  void settle(std::size_t place) {
-    stop_if_cancelled();
-    const std::size_t seed = place % std::size_t(run_.seeds) + 1, level = place / std::size_t(run_.seeds);
-    const std::size_t packing = level % std::size(kSettleFriction);
-    if (Kind(level / std::size(kSettleFriction)) == Kind::shear)
-      bed_[place] = settle_packing(shear_cell(run_.grain_diameter, kSettleFriction[packing], seed, run_.shape), 1);
-    else
-      bed_[place] = plate_bed(plate_soil(run_, packing, seed), plate_settings(run_), 1);
-  }
-
-  const CalibrationRun& run_;
-  std::vector<Packing> bed_;
-};
-
-void run_shear(Job& job, const CalibrationRun& run, const Packing& cell) {
-  ShearSettings settings;
-  settings.normal_stress = kNormalStress, settings.travel = run.travel;
-  settings.steps_per_time = stress_time(run.grain_diameter, cell.spec.grain_density, kNormalStress) / run.numerics.step;
-  const sim::PairLaw law = law_of(run, job);
-  const ShearResult r = shear_test(cell, {law, law}, settings, pace_of(run.numerics));
-  job.result = {r.shear_stress / r.normal_stress, r.peak_stress / r.normal_stress, r.worst_residual,
-                cell.solid_fraction};
-}
-
-void run_plate(Job& job, const CalibrationRun& run, const Packing& bed) {
-  TestSoil soil = plate_soil(run, job.packing, job.seed + 1);
-  soil.grain = law_of(run, job);
-  soil.tool_friction = double(soil.grain.friction);
-  const PlateResult r = plate_test(bed, soil, plate_settings(run), pace_of(run.numerics));
-  const PowerLaw law = fit_power_law(r);
-  job.result = {law.k, law.n, r.worst_residual};
-}
-
-void run_all(std::vector<Job>& jobs, const CalibrationRun& run, TestJournal& journal) {
-  std::vector<std::size_t> open;
-  for (std::size_t k = 0; k < jobs.size(); ++k)
-    if (const auto known = journal.find(jobs[k].name))
-      jobs[k].result = *known;
-    else
-      open.push_back(k);
-  // Plates take longest: first, so that no thread is left with one at the end.
-  std::stable_partition(open.begin(), open.end(), [&](std::size_t k) { return jobs[k].kind == Kind::plate; });
-  const Beds beds(run, jobs, open);
-  Progress progress("soil calibrate", "tests", jobs.size());
-  const std::size_t reused = jobs.size() - open.size();
-  std::size_t done = reused;
-  progress.update(done, "", reused);
-  run_jobs(open.size(), run.threads, [&](std::size_t i) {
-    Job& job = jobs[open[i]];
-    try {
-      job.kind == Kind::shear ? run_shear(job, run, beds(job)) : run_plate(job, run, beds(job));
-    } catch (const DeviceError&) {
-      job.result.clear();  // counted in the table's provenance
-    }
-    journal.add(job.name, job.result);
-#pragma omp critical(calibration_progress)
-    progress.update(++done, "", reused);
-  });
-}
-
 /// Numbers `index` of all results of one kind at a contact level and packing (or all packings) and cohesion ratio.
 struct Selection {
   const ContactLine& contacts;
-  const std::vector<Job>& jobs;
+  const std::vector<CalibrationTest>& tests;
 
-  std::vector<double> operator()(Kind kind, std::size_t contact, std::ptrdiff_t packing, std::size_t ratio,
+  std::vector<double> operator()(TestKind kind, std::size_t contact, std::ptrdiff_t packing, std::size_t ratio,
                                  std::size_t index) const {
     const std::vector<double> values = with_gaps(kind, contact, packing, ratio, index);
     std::vector<double> known;
@@ -183,10 +30,10 @@ struct Selection {
   }
 
   /// The same with NaN where a simulation failed, so that tests of the same cells keep their places.
-  std::vector<double> with_gaps(Kind kind, std::size_t contact, std::ptrdiff_t packing, std::size_t ratio,
+  std::vector<double> with_gaps(TestKind kind, std::size_t contact, std::ptrdiff_t packing, std::size_t ratio,
                                 std::size_t index) const {
     std::vector<double> values;
-    for (const Job& j : jobs)
+    for (const CalibrationTest& j : tests)
       if (j.kind == kind && j.contact == contact && j.ratio == ratio &&
           (packing < 0 || j.packing == std::size_t(packing)))
         values.push_back(j.result.empty() ? std::nan("") : j.result[index]);
@@ -194,48 +41,81 @@ struct Selection {
   }
 };
 
-/// Cohesion per contact cohesion pressure: slope, by least squares through the test without, of what cohesion adds to
-/// the stress ratio over the cohesion ratio, for each cell; tests of the same cells stand in the same order.
+/// Numbers of a triaxial test's result.
+constexpr std::size_t kSteady = 0, kPeak = 2, kTriaxialResidual = 4;
+
+/// Sines of friction angles, (s1 - s3) / (s1 + s3), without cohesion; `of_what`: kSteady or kPeak.
+std::vector<double> sines(const Selection& of, std::size_t contact, std::ptrdiff_t packing, std::size_t of_what) {
+  const auto axial = of.with_gaps(TestKind::triaxial, contact, packing, 0, of_what);
+  const auto lateral = of.with_gaps(TestKind::triaxial, contact, packing, 0, of_what + 1);
+  std::vector<double> sine;
+  for (std::size_t i = 0; i < axial.size(); ++i) sine.push_back((axial[i] - lateral[i]) / (axial[i] + lateral[i]));
+  return sine;
+}
+
+/// Those of the tests that did not fail, as an angle.
+Angle friction_angle(const Selection& of, std::size_t contact, std::ptrdiff_t packing, std::size_t of_what) {
+  std::vector<double> sine = sines(of, contact, packing, of_what);
+  std::erase_if(sine, [](double x) { return std::isnan(x); });
+  const MeanError mean = mean_error(sine);
+  return angle_of_sine(mean.mean, mean.error);
+}
+
+/// Cohesion per contact cohesion pressure: slope, by least squares through the origin over the cohesion ratios, of the
+/// cohesion at the peak, s1 - s3 = (s1 + s3) sin(phi) + 2 c cos(phi), phi that of the same specimen without; specimens
+/// stand in the same order in all tests.
 MeanError cohesion_gain(const Selection& of, std::size_t contact, std::ptrdiff_t packing) {
-  const auto dry = of.with_gaps(Kind::shear, contact, packing, 0, 0);
-  std::vector<double> gain(dry.size());
+  const std::vector<double> sine = sines(of, contact, packing, kPeak);
+  std::vector<double> gain(sine.size());
   double square = 0;
   for (std::size_t r = 1; r < std::size(kCohesionRatio); ++r) square += kCohesionRatio[r] * kCohesionRatio[r];
   for (std::size_t r = 1; r < std::size(kCohesionRatio); ++r) {
-    const auto sticky = of.with_gaps(Kind::shear, contact, packing, r, 0);
-    for (std::size_t i = 0; i < dry.size(); ++i) gain[i] += kCohesionRatio[r] * (sticky[i] - dry[i]) / square;
+    const auto axial = of.with_gaps(TestKind::triaxial, contact, packing, r, kPeak);
+    const auto lateral = of.with_gaps(TestKind::triaxial, contact, packing, r, kPeak + 1);
+    for (std::size_t i = 0; i < sine.size(); ++i) {
+      const double cohesion =
+          (axial[i] - lateral[i] - (axial[i] + lateral[i]) * sine[i]) / (2 * std::sqrt(1 - sine[i] * sine[i]));
+      gain[i] += kCohesionRatio[r] * cohesion / square;
+    }
   }
   std::erase_if(gain, [](double g) { return std::isnan(g); });
   return mean_error(gain);
 }
 
-ContactLevel contact_level(const Selection& of, std::size_t c) {
-  const MeanError ratio = mean_error(of(Kind::shear, c, -1, 0, 0)), gain = cohesion_gain(of, c, -1);
-  const Angle angle = angle_of_tangent(ratio.mean, ratio.error);
-  const ContactPoint& point = of.contacts[c];
-  return {point.friction, point.rolling_friction, angle.degrees, angle.error, gain.mean, gain.error};
-}
-
 SoilResponse response(const Selection& of, std::size_t c, std::size_t p) {
   const auto packing = std::ptrdiff_t(p);
-  const MeanError steady = mean_error(of(Kind::shear, c, packing, 0, 0)),
-                  peak = mean_error(of(Kind::shear, c, packing, 0, 1));
-  const MeanError gain = cohesion_gain(of, c, packing);
-  const MeanError k = mean_error(of(Kind::plate, c, packing, 0, 0)), n = mean_error(of(Kind::plate, c, packing, 0, 1));
+  const Angle peak = friction_angle(of, c, packing, kPeak);
+  const MeanError k = mean_error(of(TestKind::plate, c, packing, 0, 0)),
+                  n = mean_error(of(TestKind::plate, c, packing, 0, 1));
   SoilResponse r;
   r.contact = c, r.packing = p;
-  r.friction_angle = std::atan(steady.mean) / kDegree, r.peak_friction_angle = std::atan(peak.mean) / kDegree;
-  r.cohesion_gain = gain.mean;
+  r.friction_angle = peak.degrees, r.friction_angle_error = peak.error;
+  r.steady_friction_angle = friction_angle(of, c, packing, kSteady).degrees;
+  r.cohesion_gain = cohesion_gain(of, c, packing).mean;
   r.sinkage_modulus = k.mean, r.sinkage_modulus_error = k.error, r.sinkage_exponent = n.mean;
   return r;
 }
 
-/// Least-squares fit that never falls along the line (pool adjacent violators; Ayer et al. 1955): stronger contacts do
-/// not make weaker soil, and where the measured scatter says so, neighbours share their mean.
-void make_monotone(std::vector<ContactLevel>& levels) {
+/// What does not depend on the packing, and the mean friction angle and its error over those.
+ContactLevel contact_level(const Selection& of, std::size_t c, const std::vector<SoilResponse>& responses) {
+  const MeanError gain = cohesion_gain(of, c, -1);
+  ContactLevel level{of.contacts[c].friction, of.contacts[c].rolling_friction, 0, 0, gain.mean, gain.error};
+  const double packings = double(std::size(kSettleFriction));
+  for (const SoilResponse& r : responses)
+    if (r.contact == c)
+      level.friction_angle += r.friction_angle / packings,
+          level.friction_angle_error += r.friction_angle_error / packings;
+  return level;
+}
+
+/// Least-squares fit of a packing's friction angles that never falls along the line (pool adjacent violators; Ayer et
+/// al. 1955): stronger contacts do not make weaker soil, and where the measured scatter says so, neighbours share their
+/// mean.
+void make_monotone(std::vector<SoilResponse>& responses, std::size_t packing) {
   std::vector<std::pair<double, int>> pools;  // mean, count
-  for (const ContactLevel& l : levels) {
-    pools.emplace_back(l.friction_angle, 1);
+  for (const SoilResponse& r : responses) {
+    if (r.packing != packing) continue;
+    pools.emplace_back(r.friction_angle, 1);
     while (pools.size() > 1 && pools[pools.size() - 2].first > pools.back().first) {
       const auto [mean, count] = pools.back();
       pools.pop_back();
@@ -245,7 +125,7 @@ void make_monotone(std::vector<ContactLevel>& levels) {
   }
   std::size_t k = 0;
   for (const auto& [mean, count] : pools)
-    for (int i = 0; i < count; ++i) levels[k++].friction_angle = mean;
+    for (int i = 0; i < count; ++i) responses[k++ * std::size(kSettleFriction) + packing].friction_angle = mean;
 }
 
 /// Rough grains with cohesion shear in lumps, and some cells carry less with cohesion than without. Where a level's
@@ -277,16 +157,16 @@ void pool_cohesion(Calibration& c) {
 /// Levels from the weakest on until more than a third of the same tests fail in a packing: grains so rough burst when
 /// they are pressed at this step.
 std::size_t usable_levels(const Selection& of) {
-  const auto failing = [&](Kind kind, std::size_t contact, std::size_t packing, std::size_t ratio) {
+  const auto failing = [&](TestKind kind, std::size_t contact, std::size_t packing, std::size_t ratio) {
     const auto values = of.with_gaps(kind, contact, std::ptrdiff_t(packing), ratio, 0);
     return 3 * std::count_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }) >
            std::ptrdiff_t(values.size());
   };
   for (std::size_t c = 0; c < of.contacts.size(); ++c)
     for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
-      if (failing(Kind::plate, c, p, 0)) return c;
+      if (failing(TestKind::plate, c, p, 0)) return c;
       for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
-        if (failing(Kind::shear, c, p, r)) return c;
+        if (failing(TestKind::triaxial, c, p, r)) return c;
     }
   return of.contacts.size();
 }
@@ -294,24 +174,30 @@ std::size_t usable_levels(const Selection& of) {
 std::vector<PackingLevel> packing_levels(const Selection& of) {
   std::vector<PackingLevel> levels;
   for (std::size_t p = 0; p < std::size(kSettleFriction); ++p)
-    levels.push_back({kSettleFriction[p], mean_error(of(Kind::shear, 0, std::ptrdiff_t(p), 0, 3)).mean, 0});
+    levels.push_back({kSettleFriction[p], mean_error(of(TestKind::plate, 0, std::ptrdiff_t(p), 0, 3)).mean, 0});
   const double loosest = 1 / levels.front().solid_fraction, densest = 1 / levels.back().solid_fraction;
   for (PackingLevel& l : levels) l.relative_density = (loosest - 1 / l.solid_fraction) / (loosest - densest);
   return levels;
 }
 
-Json provenance(const std::vector<Job>& jobs, const CalibrationRun& run, std::size_t levels) {
+Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun& run, std::size_t levels) {
   double worst = 0;
   std::uint64_t failed = 0;
-  for (const Job& j : jobs) j.result.empty() ? void(++failed) : void(worst = std::max(worst, j.result[2]));
+  for (const CalibrationTest& t : tests) {
+    if (t.result.empty())
+      ++failed;
+    else
+      worst = std::max(worst, t.result[t.kind == TestKind::triaxial ? kTriaxialResidual : 2]);
+  }
   Json p;
   p["test"] =
-      "simple shear without gravity of a doubly periodic cell, 10 x 6 grains, 8 deep, "
-      "inertial number 0.006; plate 4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity";
+      "triaxial compression without gravity of 9 x 9 x 16 grains between smooth platens, inertial number 0.006; plate "
+      "4 "
+      "grains wide on a bed of 24 x 6 grains, 12 deep, under gravity";
   write_numerics(p, run.numerics);
-  p["travel_grain_diameters"] = run.travel;
-  p["normal_stress_Pa"] = kNormalStress;
-  p["cohesion_pressure_over_normal_stress"] = std::vector<double>(std::begin(kCohesionRatio), std::end(kCohesionRatio));
+  p["confining_stress_Pa"] = kConfiningStress;
+  p["cohesion_pressure_over_confining_stress"] =
+      std::vector<double>(std::begin(kCohesionRatio), std::end(kCohesionRatio));
   p["seeds"] = run.seeds;
   p["failed_tests"] = failed;
   p["contact_levels_left_out"] = std::uint64_t(contact_line(run.shape).size() - levels);
@@ -322,36 +208,34 @@ Json provenance(const std::vector<Job>& jobs, const CalibrationRun& run, std::si
 }  // namespace
 
 std::string journal_maker(const CalibrationRun& run) {
-  return line("calibrate/5 %s of %g m, travel %g, %s", name_of(run.shape).c_str(), run.grain_diameter, run.travel,
+  return line("calibrate/6 %s of %g m, %s", name_of(run.shape).c_str(), run.grain_diameter,
               description(run.numerics).c_str());
 }
 
 std::vector<std::string> calibration_tests(const CalibrationRun& run) {
   std::vector<std::string> names;
-  for (const Job& job : all_jobs(contact_line(run.shape), run.seeds)) names.push_back(job.name);
+  for (const CalibrationTest& test : all_tests(run)) names.push_back(test.name);
   return names;
 }
 
 Calibration calibrate(const CalibrationRun& run) {
   if (!(run.grain_diameter > 0)) throw InputError("soil calibrate: the grain diameter must be above zero");
-  TestJournal journal(run.journal, journal_maker(run));
   const ContactLine& contacts = contact_line(run.shape);
-  std::vector<Job> jobs = all_jobs(contacts, run.seeds);
-  run_all(jobs, run, journal);
-  const Selection of{contacts, jobs};
+  std::vector<CalibrationTest> tests = all_tests(run);
+  run_tests(tests, run);
+  const Selection of{contacts, tests};
   Calibration c;
   c.grain_diameter = run.grain_diameter, c.shape = run.shape;
   c.packing = packing_levels(of);
   const std::size_t levels = usable_levels(of);
   if (levels < 2) throw DeviceError("soil calibrate: most tests failed; calibrate with a smaller step");
-  for (std::size_t k = 0; k < levels; ++k) {
-    c.contact.push_back(contact_level(of, k));
+  for (std::size_t k = 0; k < levels; ++k)
     for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) c.response.push_back(response(of, k, p));
-  }
-  make_monotone(c.contact);
+  for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) make_monotone(c.response, p);
+  for (std::size_t k = 0; k < levels; ++k) c.contact.push_back(contact_level(of, k, c.response));
   hold_cohesion(c.contact);
   pool_cohesion(c);
-  c.provenance = provenance(jobs, run, levels);
+  c.provenance = provenance(tests, run, levels);
   return c;
 }
 

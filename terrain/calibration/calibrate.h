@@ -1,5 +1,5 @@
-// Measures a calibration table by virtual tests: simple shear without and with contact cohesion, and plate sinkage,
-// over a line of contact parameters and the packings of the library.
+// Measures a calibration table by virtual tests: triaxial compression without and with contact cohesion, and plate
+// sinkage, over a line of contact parameters and the packings of the library.
 #pragma once
 #include "terrain/bed/numerics.h"
 #include "terrain/soil/calibration.h"
@@ -11,8 +11,7 @@ struct CalibrationRun {
   GrainShape shape = GrainShape::sphere;
   int threads = 1;    // tests at a time
   int seeds = 3;      // packings of each density
-  double travel = 6;  // of the plate in a shear test, in grain diameters
-  Numerics numerics;  // of the trials that the table is for: contacts solved less well make weaker soil
+  Numerics numerics;  // of the trials that the table is for: contacts solved less well make another soil
   /// Finished tests are kept in this file, and a run that finds it goes on from there; empty: nothing is kept.
   std::filesystem::path journal;
 };

@@ -10,16 +10,41 @@
 
 namespace gonogo::terrain {
 
-AngleRange reachable_angles(const Calibration& c) {
-  return {c.contact.front().friction_angle, c.contact.back().friction_angle};
-}
-
 std::size_t packing_level(const Calibration& c, double density) {
   std::size_t best = 0;
   for (std::size_t p = 1; p < c.packing.size(); ++p)
     if (std::fabs(c.packing[p].relative_density - density) < std::fabs(c.packing[best].relative_density - density))
       best = p;
   return best;
+}
+
+namespace {
+
+/// Whether friction angles are those of triaxial tests, which depend on the packing.
+bool knows_packings(const Calibration& c) { return !c.response.empty() && c.response.back().friction_angle > 0; }
+
+double friction_angle(const Calibration& c, std::size_t level, std::size_t packing) {
+  return knows_packings(c) ? c.response[level * c.packing.size() + packing].friction_angle
+                           : c.contact[level].friction_angle;
+}
+
+AngleRange reach_in(const Calibration& c, std::size_t packing) {
+  return {friction_angle(c, 0, packing), friction_angle(c, c.contact.size() - 1, packing)};
+}
+
+}  // namespace
+
+AngleRange reachable_angles(const Calibration& c, double relative_density) {
+  return reach_in(c, packing_level(c, relative_density));
+}
+
+AngleRange reachable_angles(const Calibration& c) {
+  AngleRange reach = reach_in(c, 0);
+  for (std::size_t p = 1; p < c.packing.size(); ++p) {
+    const AngleRange r = reach_in(c, p);
+    reach = {std::max(reach.lowest, r.lowest), std::min(reach.highest, r.highest)};
+  }
+  return reach;
 }
 
 namespace {
@@ -31,18 +56,21 @@ struct PlaceOnLine {
   double between(double low, double high) const { return (1 - share) * low + share * high; }
 };
 
-PlaceOnLine place_on_line(const Calibration& c, double friction_angle) {
-  const AngleRange range = reachable_angles(c);
-  if (!(friction_angle >= range.lowest && friction_angle <= range.highest)) {
+PlaceOnLine place_on_line(const Calibration& c, const MacroscopicSoil& soil) {
+  const std::size_t packing = packing_level(c, soil.relative_density);
+  const AngleRange range = reach_in(c, packing);
+  if (!(soil.friction_angle >= range.lowest && soil.friction_angle <= range.highest)) {
     std::ostringstream text;
-    text << "soil: friction angle " << friction_angle << " deg is outside what grains of " << c.grain_diameter
-         << " m reach; choose one between " << range.lowest << " and " << range.highest << " deg";
+    text << "soil: friction angle " << soil.friction_angle << " deg is outside what grains of " << c.grain_diameter
+         << " m reach";
+    if (knows_packings(c)) text << " at relative density " << c.packing[packing].relative_density;
+    text << "; choose one between " << range.lowest << " and " << range.highest << " deg";
     throw InputError(text.str());
   }
   std::size_t k = 1;
-  while (k + 1 < c.contact.size() && c.contact[k].friction_angle < friction_angle) ++k;
-  const ContactLevel &a = c.contact[k - 1], &b = c.contact[k];
-  return {k, (friction_angle - a.friction_angle) / std::max(1e-9, b.friction_angle - a.friction_angle)};
+  while (k + 1 < c.contact.size() && friction_angle(c, k, packing) < soil.friction_angle) ++k;
+  const double low = friction_angle(c, k - 1, packing), high = friction_angle(c, k, packing);
+  return {k, (soil.friction_angle - low) / std::max(1e-9, high - low)};
 }
 
 /// Cohesion per contact cohesion pressure: along the line where the table has it for each level, else pooled.
@@ -82,14 +110,14 @@ void check_cohesion(const Calibration& c, const MacroscopicSoil& soil, const Pla
 }  // namespace
 
 sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil) {
-  const PlaceOnLine at = place_on_line(c, soil.friction_angle);
+  const PlaceOnLine at = place_on_line(c, soil);
   const ContactLevel &a = c.contact[at.level - 1], &b = c.contact[at.level];
   return {Real(at.between(a.friction, b.friction)), Real(at.between(a.rolling_friction, b.rolling_friction)),
           Real(soil.cohesion / gain_at(c, at))};
 }
 
 SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
-  const PlaceOnLine at = place_on_line(c, soil.friction_angle);
+  const PlaceOnLine at = place_on_line(c, soil);
   check_cohesion(c, soil, at);
   const ContactLevel &a = c.contact[at.level - 1], &b = c.contact[at.level];
   SoilFit f;
@@ -101,7 +129,7 @@ SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
   if (!(f.grain_density >= kLightestSolid && f.grain_density <= kHeaviestSolid))
     refuse_density(c, soil, packing.solid_fraction);
   f.bulk_density = f.grain_density * packing.solid_fraction;
-  f.friction_angle = at.between(a.friction_angle, b.friction_angle);
+  f.friction_angle = at.between(friction_angle(c, at.level - 1, f.packing), friction_angle(c, at.level, f.packing));
   f.friction_angle_error = at.between(a.friction_angle_error, b.friction_angle_error);
   f.cohesion = double(f.law.cohesion_pressure) * gain_at(c, at);
   f.cohesion_error = double(f.law.cohesion_pressure) * gain_error_at(c, at);
@@ -117,14 +145,15 @@ SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
 
 namespace {
 
-/// 1: without "response"; 2: without "shape", of spheres.
-const std::vector<std::string> kSchemas = {"gonogo/calibration/1", "gonogo/calibration/2", "gonogo/calibration/3"};
+/// 1: without "response"; 2: without "shape", of spheres; 3: friction angles by simple shear.
+const std::vector<std::string> kSchemas = {"gonogo/calibration/1", "gonogo/calibration/2", "gonogo/calibration/3",
+                                           "gonogo/calibration/4"};
 
 }  // namespace
 
 void write_calibration(const std::filesystem::path& path, const Calibration& c) {
   Json j;
-  j["schema"] = kSchemas[2];
+  j["schema"] = kSchemas[3];
   j["grain_diameter_m"] = c.grain_diameter;
   j["shape"] = name_of(c.shape);
   for (const PackingLevel& p : c.packing) {
@@ -149,7 +178,8 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
     row["contact"] = std::uint64_t(r.contact);
     row["packing"] = std::uint64_t(r.packing);
     row["friction_angle_deg"] = r.friction_angle;
-    row["peak_friction_angle_deg"] = r.peak_friction_angle;
+    row["friction_angle_error_deg"] = r.friction_angle_error;
+    row["steady_friction_angle_deg"] = r.steady_friction_angle;
     row["cohesion_gain"] = r.cohesion_gain;
     row["sinkage_modulus_N_per_m_n_plus_2"] = r.sinkage_modulus;
     row["sinkage_modulus_error"] = r.sinkage_modulus_error;
@@ -165,7 +195,7 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
 namespace {
 
 /// One row for each contact level and packing, in that order.
-std::vector<SoilResponse> read_responses(const Config& file, const Calibration& c) {
+std::vector<SoilResponse> read_responses(const Config& file, const Calibration& c, bool by_shear) {
   if (c.packing.empty()) file.fail("packing", "needs at least two packings");
   std::vector<SoilResponse> rows;
   for (const Config& row : file.objects("response")) {
@@ -173,8 +203,13 @@ std::vector<SoilResponse> read_responses(const Config& file, const Calibration& 
     r.contact = rows.size() / c.packing.size(), r.packing = rows.size() % c.packing.size();
     if (row.integer("contact") != std::int64_t(r.contact) || row.integer("packing") != std::int64_t(r.packing))
       row.fail("", "rows must go through the packings of each contact level in turn");
-    r.friction_angle = row.number("friction_angle_deg", {0, 89});
-    r.peak_friction_angle = row.number("peak_friction_angle_deg", {0, 89});
+    if (by_shear) {
+      row.number("friction_angle_deg", {0, 89}), row.number("peak_friction_angle_deg", {0, 89});
+    } else {
+      r.friction_angle = row.number("friction_angle_deg", {1e-3, 89});
+      r.friction_angle_error = row.number("friction_angle_error_deg", {0, 89});
+      r.steady_friction_angle = row.number("steady_friction_angle_deg", {0, 89});
+    }
     r.cohesion_gain = row.number("cohesion_gain", {-100, 100});
     r.sinkage_modulus = row.number("sinkage_modulus_N_per_m_n_plus_2", {0, 1e15});
     r.sinkage_modulus_error = row.number("sinkage_modulus_error", {0, 1e15});
@@ -194,7 +229,8 @@ Calibration read_calibration(const std::filesystem::path& path) {
   const std::string schema = file.choice("schema", kSchemas);
   Calibration c;
   c.grain_diameter = file.number("grain_diameter_m", {1e-5, 1});
-  if (schema == kSchemas[2] && file.has("shape")) c.shape = grain_shape_of(file.choice("shape", grain_shape_names()));
+  const bool shaped = schema == kSchemas[2] || schema == kSchemas[3];
+  if (shaped && file.has("shape")) c.shape = grain_shape_of(file.choice("shape", grain_shape_names()));
   if (file.has("provenance")) c.provenance = file.json().at("provenance");
   for (const Config& row : file.objects("packing"))
     c.packing.push_back({row.number("settle_friction", {0, 10}), row.number("solid_fraction", {0.3, 0.75}),
@@ -203,7 +239,8 @@ Calibration read_calibration(const std::filesystem::path& path) {
     c.contact.push_back({row.number("friction", {0, 10}), row.number("rolling_friction", {0, 10}),
                          row.number("friction_angle_deg", {0, 89}), row.number("friction_angle_error_deg", {0, 89}),
                          row.number("cohesion_gain", {-100, 100}), row.number("cohesion_gain_error", {0, 100})});
-  if (schema == kSchemas[1] || (schema == kSchemas[2] && file.has("response"))) c.response = read_responses(file, c);
+  if (schema == kSchemas[1] || (shaped && file.has("response")))
+    c.response = read_responses(file, c, schema != kSchemas[3]);
   c.cohesion_gain = file.number("cohesion_gain", {1e-6, 100});
   c.cohesion_gain_error = file.number("cohesion_gain_error", {0, 100});
   file.finish();

@@ -1,5 +1,10 @@
-// From macroscopic soil to contact parameters, by measurement: shear tests over a line of contact parameters and the
+// From macroscopic soil to contact parameters, by measurement: triaxial tests over a line of contact parameters and the
 // packings of the library give a table of friction angle, cohesion and density; trials invert it.
+//
+// A friction angle is what a laboratory reports for a soil at its density: Mohr and Coulomb's angle at the peak of a
+// drained triaxial compression. Tables of versions before 4 hold the angle of steady simple shear instead, tan(phi) =
+// tau / sigma on the plane of shear, one for all densities; on rough grains it is 10 to 25 degrees less
+// (docs/soils.md).
 #pragma once
 #include <filesystem>
 
@@ -15,8 +20,7 @@ struct PackingLevel {
   double relative_density;  // (e_max - e) / (e_max - e_min), e = 1 / solid_fraction - 1, over the library [-]
 };
 
-/// One point of the line of contact parameters and what it measured, mean and standard error over packings, loads and
-/// seeds. The friction angle is that of steady shear, which does not depend on the initial density.
+/// One point of the line of contact parameters and what it measured, mean and standard error over packings and seeds.
 struct ContactLevel {
   double friction, rolling_friction;            // [-]
   double friction_angle, friction_angle_error;  // [deg]
@@ -26,7 +30,8 @@ struct ContactLevel {
 /// What a contact level measured in one packing. Tables of version 1 have none of these.
 struct SoilResponse {
   std::size_t contact = 0, packing = 0;                   // levels
-  double friction_angle = 0, peak_friction_angle = 0;     // of steady shear, of the peak [deg]
+  double friction_angle = 0, friction_angle_error = 0;    // at the triaxial peak; 0 in versions before 4 [deg]
+  double steady_friction_angle = 0;                       // after it; 0 in versions before 4 [deg]
   double cohesion_gain = 0;                               // [-]
   double sinkage_modulus = 0, sinkage_modulus_error = 0;  // k of p = k z^n, plate four grains wide [N/m^(n+2)]
   double sinkage_exponent = 0;                            // n [-]
@@ -69,11 +74,12 @@ struct SoilFit {
 /// packings, or a cohesion that the table knows to no better than 20 per cent. The text says how close it comes.
 SoilFit fit_soil(const Calibration& calibration, const MacroscopicSoil& soil);
 
-/// Friction angles that the table can reach [deg].
+/// Friction angles that the table can reach in all its packings, and in the one nearest to a relative density [deg].
 struct AngleRange {
   double lowest, highest;
 };
 AngleRange reachable_angles(const Calibration& calibration);
+AngleRange reachable_angles(const Calibration& calibration, double relative_density);
 
 /// The packing level nearest to a relative density.
 std::size_t packing_level(const Calibration& calibration, double relative_density);

@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "terrain/calibration/journal.h"
-#include "terrain/soil/peak_table.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {
@@ -21,18 +20,22 @@ std::filesystem::path scratch(const std::string& name) {
 
 CalibrationRun coarse_run(const std::filesystem::path& folder) {
   CalibrationRun run;
-  run.grain_diameter = 0.1, run.seeds = 1, run.travel = 0.3, run.journal = folder / "journal.json";
+  run.grain_diameter = 0.1, run.seeds = 1, run.numerics = {2e-3, 1, 10, 0.1}, run.journal = folder / "journal.json";
   return run;
 }
 
-/// Made-up results: the stress ratio is the sliding friction of the test's name, cohesion adds a tenth of its ratio.
+/// Made-up results: the sine of the friction angle is 1/4 of the sliding friction after the peak and 1/3 at it, more in
+/// looser packings, and cohesion is a tenth of its ratio.
 std::vector<double> made_up(const std::string& test) {
   const auto number_after = [&](const std::string& word) {
     return std::stod(test.substr(test.find(word) + word.size()));
   };
   const double friction = number_after("friction "), settled = number_after("settled at ");
-  if (test.rfind("plate", 0) == 0) return {1e6 * friction, 0.8, 1e-4};
-  return {friction / 4 + 0.1 * number_after("cohesion "), friction / 3, 1e-4, 0.64 - 0.07 * settled};
+  if (test.rfind("plate", 0) == 0) return {1e6 * friction, 0.8, 1e-4, 0.64 - 0.07 * settled};
+  const double cohesion = 0.1 * number_after("cohesion ");
+  // Mohr and Coulomb: s1 (1 - sin) = s3 (1 + sin) + 2 c cos.
+  const auto axial = [&](double sine) { return (1 + sine + 2 * cohesion * std::sqrt(1 - sine * sine)) / (1 - sine); };
+  return {axial(friction / 4), 1, axial(friction / 3 + settled / 10), 1, 1e-4};
 }
 
 void fill(const CalibrationRun& run, const std::string& but) {
@@ -59,14 +62,17 @@ TEST_CASE("a table is what its tests measured") {
   const CalibrationRun run = coarse_run(folder);
   fill(run, "");
   const Calibration c = calibrate(run);
-  REQUIRE(c.contact.size() == 13);
+  REQUIRE(c.contact.size() == 11);
   REQUIRE(c.contact[5].friction == 0.5);
   CHECK(c.packing.front().solid_fraction == Approx(0.64 - 0.07 * 0.8));
   CHECK(c.packing.front().relative_density == Approx(0).margin(1e-12));
   CHECK(c.packing.back().relative_density == Approx(1));
-  CHECK(c.contact[5].friction_angle == Approx(std::atan(0.5 / 4) * 180 / 3.14159265358979));
+  const auto degrees = [](double sine) { return std::asin(sine) * 180 / 3.14159265358979; };
+  CHECK(c.response[5 * 3 + 1].steady_friction_angle == Approx(degrees(0.5 / 4)));
+  CHECK(c.response[5 * 3 + 1].friction_angle == Approx(degrees(0.5 / 3 + 0.025)));
+  CHECK(c.contact[5].friction_angle ==
+        Approx((degrees(0.5 / 3 + 0.08) + degrees(0.5 / 3 + 0.025) + degrees(0.5 / 3 + 0.002)) / 3));
   CHECK(c.contact[5].cohesion_gain == Approx(0.1));
-  CHECK(c.response[5 * 3 + 1].peak_friction_angle == Approx(std::atan(0.5 / 3) * 180 / 3.14159265358979));
   CHECK(c.response[5 * 3 + 1].sinkage_modulus == Approx(0.5e6));
   write_calibration(folder / "table.json", c);
   const Calibration again = read_calibration(folder / "table.json");
@@ -84,8 +90,9 @@ TEST_CASE("a run that goes on does only what its journal lacks, and has the bits
   const TestJournal first(run.journal, journal_maker(run));
   const auto measured = first.find(lacking);
   REQUIRE(measured.has_value());
-  CHECK(measured->at(0) > 0.1);  // a real test of slippery grains, not a made-up one
-  CHECK(measured->at(0) < 0.5);
+  const double sine = (measured->at(2) - measured->at(3)) / (measured->at(2) + measured->at(3));
+  CHECK(sine > 0.1);  // a real test of slippery grains, not a made-up one: 0.05 / 3 + 0.08 there
+  CHECK(sine < 0.4);
   std::filesystem::remove(run.journal);
   fill(run, lacking);
   calibrate(run);
@@ -102,25 +109,29 @@ TEST_CASE("a run that goes on does only what its journal lacks, and has the bits
   std::filesystem::remove_all(folder);
 }
 
-TEST_CASE("a table read at the peak meets a soil by the peak of its own packing") {
+TEST_CASE("a soil is met by the friction angles of its own packing") {
   Calibration c;
   c.grain_diameter = 0.03;
   c.packing = {{0.8, 0.57, 0}, {0.02, 0.63, 1}};
-  c.contact = {{0.1, 0, 10, 0, 0, 0}, {0.5, 0.2, 20, 0, 0, 0}, {0.9, 0.6, 30, 0, 0, 0}};
+  c.contact = {{0.1, 0, 13, 0, 0.1, 0}, {0.5, 0.2, 28, 0, 0.1, 0}, {0.9, 0.6, 33, 0, 0.1, 0}};
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t p = 0; p < 2; ++p) {
       SoilResponse r;
       r.contact = k, r.packing = p;
-      r.peak_friction_angle = p == 0 ? 11 + 10 * double(k) : k == 2 ? 34 : 15 + 20 * double(k);
+      r.friction_angle = p == 0 ? 11 + 10 * double(k) : k == 2 ? 35 : 15 + 20 * double(k);
       c.response.push_back(r);
     }
-  // Dense: peaks 15, 35, 34; the last counts as 35.
-  CHECK(contact_law(at_peak(c, 0.9), {25, 0}).friction == Approx(0.3f));
-  CHECK(reachable_angles(at_peak(c, 0.9)).highest == 35);
-  CHECK(contact_law(at_peak(c, 0.2), {26, 0}).rolling_friction == Approx(0.4f));
-  CHECK(refusal([&] { contact_law(at_peak(c, 0.9), {36, 0}); }).find("between 15 and 35") != std::string::npos);
-  c.response.clear();
-  CHECK(refusal([&] { at_peak(c, 0.5); }).find("no peak friction angles") != std::string::npos);
+  CHECK(contact_law(c, {25, 0, 0, 0.9}).friction == Approx(0.3f));
+  CHECK(contact_law(c, {26, 0, 0, 0.2}).rolling_friction == Approx(0.4f));
+  CHECK(fit_soil(c, {25, 0, 0, 0.9}).friction_angle == Approx(25));
+  CHECK(reachable_angles(c, 0.9).highest == 35);
+  CHECK(reachable_angles(c).lowest == 15);  // in every packing
+  CHECK(reachable_angles(c).highest == 31);
+  CHECK(refusal([&] { contact_law(c, {36, 0, 0, 0.9}); }).find("between 15 and 35") != std::string::npos);
+  // A table without them has one angle for all packings.
+  for (SoilResponse& r : c.response) r.friction_angle = 0;
+  CHECK(contact_law(c, {28, 0, 0, 0.9}).friction == Approx(0.5f));
+  CHECK(contact_law(c, {28, 0, 0, 0.2}).friction == Approx(0.5f));
 }
 
 TEST_CASE("a soil within reach is met in friction angle, cohesion and density; others are refused with the reach") {

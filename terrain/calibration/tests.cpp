@@ -1,0 +1,140 @@
+#include "terrain/calibration/tests.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "base/cancel.h"
+#include "base/error.h"
+#include "base/line.h"
+#include "base/progress.h"
+#include "terrain/calibration/journal.h"
+#include "terrain/soil_test/plate.h"
+#include "terrain/soil_test/triaxial.h"
+
+namespace gonogo::terrain {
+namespace {
+
+constexpr double kPlateWidth = 4;  // in grain diameters
+
+sim::PairLaw law_of(const CalibrationRun& run, const CalibrationTest& test) {
+  const ContactPoint& point = contact_line(run.shape)[test.contact];
+  return {Real(point.friction), Real(point.rolling_friction), Real(kCohesionRatio[test.ratio] * kConfiningStress)};
+}
+
+TestSoil test_soil(const CalibrationRun& run, std::size_t packing, std::size_t seed) {
+  TestSoil soil;
+  soil.grain_diameter = run.grain_diameter, soil.shape = run.shape;
+  soil.relative_density = relative_density_of(kSettleFriction[packing]);
+  soil.seed = seed;
+  return soil;
+}
+
+PlateSettings plate_settings(const CalibrationRun& run) {
+  PlateSettings settings;
+  settings.width_grains = kPlateWidth;
+  settings.speed = 0.2;
+  settings.steps_per_time = gravity_time(run.grain_diameter) / run.numerics.step;
+  return settings;
+}
+
+/// Settled beds for plates, one for each density and seed: all contact levels share them.
+class Beds {
+ public:
+  Beds(const CalibrationRun& run, const std::vector<CalibrationTest>& tests, const std::vector<std::size_t>& open)
+      : run_(run), bed_(std::size(kSettleFriction) * std::size_t(run.seeds)) {
+    std::vector<std::size_t> needed;
+    for (const std::size_t k : open)
+      if (tests[k].kind == TestKind::plate) needed.push_back(place(tests[k]));
+    std::sort(needed.begin(), needed.end());
+    needed.erase(std::unique(needed.begin(), needed.end()), needed.end());
+    run_jobs(needed.size(), run.threads, [&](std::size_t i) {
+      stop_if_cancelled();
+      const std::size_t packing = needed[i] / std::size_t(run.seeds), seed = needed[i] % std::size_t(run.seeds) + 1;
+      bed_[needed[i]] = plate_bed(test_soil(run, packing, seed), plate_settings(run), 1);
+    });
+  }
+  const Packing& operator()(const CalibrationTest& test) const { return bed_[place(test)]; }
+
+ private:
+  std::size_t place(const CalibrationTest& test) const { return test.packing * std::size_t(run_.seeds) + test.seed; }
+
+  const CalibrationRun& run_;
+  std::vector<Packing> bed_;
+};
+
+void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& bed) {
+  TestSoil soil = test_soil(run, test.packing, test.seed + 1);
+  soil.grain = law_of(run, test);
+  soil.tool_friction = double(soil.grain.friction);
+  const PlateResult r = plate_test(bed, soil, plate_settings(run), pace_of(run.numerics));
+  const PowerLaw law = fit_power_law(r);
+  test.result = {law.k, law.n, r.worst_residual, bed.solid_fraction};
+}
+
+void run_triaxial(CalibrationTest& test, const CalibrationRun& run) {
+  TestSoil soil = test_soil(run, test.packing, test.seed + 1);
+  soil.grain = law_of(run, test);
+  TriaxialSettings settings;
+  settings.confining_stress = kConfiningStress;
+  settings.steps_per_time = stress_time(run.grain_diameter, soil.grain_density, kConfiningStress) / run.numerics.step;
+  const TriaxialResult r = triaxial_test(soil, settings, pace_of(run.numerics));
+  test.result = {r.steady_axial / kConfiningStress, r.steady_lateral / kConfiningStress,
+                 r.peak_axial / kConfiningStress, r.peak_lateral / kConfiningStress, r.worst_residual};
+}
+
+}  // namespace
+
+void run_tests(std::vector<CalibrationTest>& tests, const CalibrationRun& run) {
+  TestJournal journal(run.journal, journal_maker(run));
+  std::vector<std::size_t> open;
+  for (std::size_t k = 0; k < tests.size(); ++k)
+    if (const auto known = journal.find(tests[k].name))
+      tests[k].result = *known;
+    else
+      open.push_back(k);
+  // Plates take longest: first, so that no thread is left with one at the end.
+  std::stable_partition(open.begin(), open.end(), [&](std::size_t k) { return tests[k].kind == TestKind::plate; });
+  const Beds beds(run, tests, open);
+  Progress progress("soil calibrate", "tests", tests.size());
+  const std::size_t reused = tests.size() - open.size();
+  std::size_t done = reused;
+  progress.update(done, "", reused);
+  run_jobs(open.size(), run.threads, [&](std::size_t i) {
+    CalibrationTest& test = tests[open[i]];
+    try {
+      test.kind == TestKind::plate ? run_plate(test, run, beds(test)) : run_triaxial(test, run);
+    } catch (const DeviceError&) {
+      test.result.clear();  // counted in the table's provenance
+    }
+    journal.add(test.name, test.result);
+#pragma omp critical(calibration_progress)
+    progress.update(++done, "", reused);
+  });
+}
+
+const ContactLine& contact_line(GrainShape shape) {
+  static const ContactLine spheres = {{0.05, 0},  {0.1, 0},   {0.2, 0},    {0.3, 0},   {0.4, 0.05}, {0.5, 0.1},
+                                      {0.6, 0.2}, {0.7, 0.3}, {0.8, 0.45}, {0.9, 0.6}, {1.05, 0.9}};
+  // Clumps lock with each other: they need no rolling friction.
+  static const ContactLine clumps = {{0.05, 0}, {0.1, 0}, {0.15, 0}, {0.2, 0}, {0.25, 0}, {0.3, 0},
+                                     {0.4, 0},  {0.5, 0}, {0.6, 0},  {0.7, 0}, {0.8, 0},  {1.0, 0}};
+  return shape == GrainShape::sphere ? spheres : clumps;
+}
+
+std::vector<CalibrationTest> all_tests(const CalibrationRun& run) {
+  const ContactLine& contacts = contact_line(run.shape);
+  std::vector<CalibrationTest> tests;
+  for (std::size_t s = 0; s < std::size_t(run.seeds); ++s)
+    for (std::size_t c = 0; c < contacts.size(); ++c)
+      for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
+        const std::string at = line("friction %g rolling %g settled at %g seed %zu", contacts[c].friction,
+                                    contacts[c].rolling_friction, kSettleFriction[p], s + 1);
+        for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
+          tests.push_back(
+              {TestKind::triaxial, c, p, s, r, line("triaxial %s cohesion %g", at.c_str(), kCohesionRatio[r]), {}});
+        tests.push_back({TestKind::plate, c, p, s, 0, "plate " + at, {}});
+      }
+  return tests;
+}
+
+}  // namespace gonogo::terrain
