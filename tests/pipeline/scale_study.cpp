@@ -1,5 +1,5 @@
 // Training and evaluation on as many trials as a published data set has, with a known truth (docs/learning.md): P(go)
-// falls over a steep edge whose place depends on five of nine variables, which no logistic regression can follow.
+// falls over a steep edge in six of nine variables, which no logistic regression can follow.
 //
 //   learning_scale [trials=4000] [hold_out=1000, 0: no evaluation] [seed=1] [name=value ...]      settings of the
 //   section "learning"
