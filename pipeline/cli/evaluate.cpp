@@ -36,6 +36,9 @@ void add_evaluate_command(CLI::App& app, const Globals& globals) {
   command->add_option("--out", *out, "Folder for evaluation.json, reliability.csv, missing.csv and evaluation.png");
   command->footer(
       "Examples:\n  gonogo evaluate --model out/demo/model.h5\n"
+      "  gonogo train --dataset dataset.h5 --hold-out 1000 --out model.h5 && gonogo evaluate --model model.h5 "
+      "--dataset "
+      "dataset.h5\n"
       "  gonogo evaluate --model out/demo/model.h5 --dataset out/held_out/dataset.h5 --out out/scores --json");
   command->callback([model, dataset, out, &globals] {
     const bool held_out = !dataset->empty();
