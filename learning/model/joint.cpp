@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
-#include "learning/model/posterior.h"
+#include "learning/model/question.h"
 
 namespace gonogo::learning {
 namespace {
@@ -15,20 +15,7 @@ void normalise(std::span<double> log_weight) {
   for (double& x : log_weight) x = std::exp(x - total);
 }
 
-std::size_t draw(std::span<const double> probability, double u) {
-  std::size_t k = 0;
-  for (double sum = probability[0]; k + 1 < probability.size() && u >= sum;) sum += probability[++k];
-  return k;
-}
-
 }  // namespace
-
-struct Posterior::Question {
-  std::vector<double> field;         // hidden biases and what the known variables add
-  std::vector<std::size_t> unknown;  // variables to tell
-  std::optional<std::size_t> outcome;
-  double terms = 1;  // combinations of bins
-};
 
 Posterior::Question Posterior::question(std::span<const double> variables, std::optional<std::size_t> outcome) const {
   GONOGO_ASSERT(variables.size() == nodes_.size());
@@ -80,8 +67,9 @@ JointAnswer Posterior::joint_sum(const Question& asked) const {
       for (std::size_t j = 0; j < hidden; ++j) field[j] += nodes.field[b * hidden + j];
     }
     scores(field, score);
+    const double total = has_prior_ ? log_sum_exp(score) : 0;  // a prior says how probable the combination is
     for (std::size_t y = 0; y < outcomes; ++y)
-      log_weight.push_back(!asked.outcome || *asked.outcome == y ? score[y] + bias : -INFINITY);
+      log_weight.push_back(!asked.outcome || *asked.outcome == y ? score[y] - total + bias : -INFINITY);
   }
   normalise(log_weight);
   JointAnswer answer;
@@ -236,7 +224,8 @@ JointAnswer Posterior::joint(std::span<const double> variables, std::optional<st
   if (outcome && *outcome >= outcome_count())
     throw InputError("posterior: outcome " + std::to_string(*outcome) + " does not exist");
   const Question asked = question(variables, outcome);
-  return asked.terms <= double(options.most_terms) ? joint_sum(asked) : joint_sample(asked, options);
+  if (asked.terms <= double(options.most_terms)) return joint_sum(asked);
+  return has_prior_ ? joint_drawn(asked, options) : joint_sample(asked, options);
 }
 
 }  // namespace gonogo::learning

@@ -9,7 +9,7 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr const char* kFormat = "gonogo/model/2";
+constexpr const char* kFormat = "gonogo/model/3";
 
 std::vector<double> log_column(const std::vector<EpochLog>& log, double EpochLog::*member) {
   std::vector<double> column;
@@ -36,6 +36,28 @@ void check_parts(const Hdf5Reader& in, const Model& model) {
   for (std::int32_t y : model.training_outcomes)
     if (y < 0 || std::size_t(y) >= model.layout.outcome_count())
       in.fail("training/outcomes", "outcome " + std::to_string(y) + " does not exist");
+  for (double w : model.training_weights)
+    if (!(w > 0)) in.fail("training/weights", "holds a weight that is not above 0");
+}
+
+InputPrior read_prior(const Hdf5Reader& in, const VisibleLayout& layout) {
+  const std::vector<double> values = in.array<double>("prior/probability");
+  InputPrior prior;
+  if (values.empty()) return prior;
+  std::size_t used = 0;
+  for (const Encoder& encoder : layout.encoders()) {
+    const std::size_t bins = std::size_t(encoder.bin_count());
+    double sum = 0;
+    prior.emplace_back();
+    for (std::size_t bin = 0; bin < bins && used < values.size(); ++bin, ++used) {
+      prior.back().push_back(values[used]);
+      sum += values[used] >= 0 ? values[used] : NAN;
+    }
+    if (!(std::abs(sum - 1) < 1e-9))
+      in.fail("prior/probability", "does not sum to 1 over the bins of " + encoder.name());
+  }
+  if (used != values.size()) in.fail("prior/probability", "holds more numbers than the layout has bins");
+  return prior;
 }
 
 }  // namespace
@@ -61,6 +83,13 @@ void write_model(const std::filesystem::path& path, const Model& model) {
   describe(out, "training/points", "of the variable", "variables of the trials trained on, not-a-number where unknown");
   out.array("training/outcomes", model.training_outcomes);
   describe(out, "training/outcomes", "-", "their outcomes, counted from 0 in the order of the layout");
+  out.array("training/weights", model.training_weights);
+  describe(out, "training/weights", "-", "their weights in training: prior over proposal density, mean 1");
+  std::vector<double> prior;
+  for (const auto& variable : model.input_prior) prior.insert(prior.end(), variable.begin(), variable.end());
+  out.array("prior/probability", prior);
+  describe(out, "prior/probability", "-",
+           "of every bin of every variable, where it is unknown; empty: the machine's own joint distribution");
   out.array("log/epoch", log_column(model.log, &EpochLog::epoch));
   describe(out, "log/epoch", "-", "passes over the training rows");
   out.array("log/training_loss", log_column(model.log, &EpochLog::training_loss));
@@ -91,6 +120,8 @@ Model read_model(const std::filesystem::path& path) {
   model.sampled_upper = finite_array(in, "sampled/upper", {variables});
   model.training_outcomes = in.array<std::int32_t>("training/outcomes");
   model.training_points = in.array<double>("training/points", Shape{model.training_outcomes.size(), variables});
+  model.training_weights = finite_array(in, "training/weights", {model.training_outcomes.size()});
+  model.input_prior = read_prior(in, model.layout);
   const auto epoch = in.array<double>("log/epoch");
   const auto training = in.array<double>("log/training_loss", Shape{epoch.size()});
   const auto held_out = in.array<double>("log/held_out_loss", Shape{epoch.size()});

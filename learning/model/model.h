@@ -8,6 +8,7 @@
 
 #include "base/json/json.h"
 #include "learning/encoding/layout.h"
+#include "learning/model/posterior.h"
 #include "learning/model/weights.h"
 
 namespace gonogo::learning {
@@ -24,6 +25,8 @@ struct Model {
   std::vector<double> sampled_lower, sampled_upper;  // [variable count]: box in which trials were made
   std::vector<double> training_points;               // [point count x variable count], not-a-number where unknown
   std::vector<std::int32_t> training_outcomes;       // [point count]
+  std::vector<double> training_weights;              // [point count], mean 1: prior / proposal density
+  InputPrior input_prior;  // of unknown variables; empty: the machine's own joint distribution
   std::vector<EpochLog> log;
   double calibration_power = 1;      // probabilities are raised to it and normalised again (score/calibration.h)
   Json provenance = Json::object();  // data_hash, contract_hash, sampler, seed, settings, counts, scores

@@ -19,7 +19,8 @@ void normalise(std::span<double> log_weight) {
 
 }  // namespace
 
-Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights) : hidden_bias_(weights.hidden_bias) {
+Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights, const InputPrior& prior)
+    : hidden_bias_(weights.hidden_bias) {
   const std::size_t hidden = weights.hidden_count;
   if (weights.visible_count != layout.unit_count())
     throw InputError("model: " + std::to_string(weights.visible_count) + " visible units where its layout has " +
@@ -53,6 +54,34 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights) : h
     outcome_factor_.push_back(std::exp(u));
     largest_outcome_weight_ = std::max(largest_outcome_weight_, u);
   }
+  if (!prior.empty()) take_prior(prior);
+}
+
+InputPrior uniform_prior(const VisibleLayout& layout) {
+  InputPrior prior;
+  for (const Encoder& encoder : layout.encoders()) {
+    const std::size_t bins = std::size_t(encoder.bin_count());
+    prior.emplace_back(bins, 1 / double(bins));
+    if (bins == 1 || !encoder.categories().empty()) continue;
+    for (std::size_t bin = 0; bin < bins; ++bin)
+      prior.back()[bin] = 2 * encoder.resolution(int(bin)) / (encoder.upper() - encoder.lower());
+  }
+  return prior;
+}
+
+void Posterior::take_prior(const InputPrior& prior) {
+  if (prior.size() != nodes_.size())
+    throw InputError("model: a prior for " + std::to_string(prior.size()) + " variables where its layout has " +
+                     std::to_string(nodes_.size()));
+  for (std::size_t v = 0; v < nodes_.size(); ++v) {
+    double sum = 0;
+    for (double p : prior[v]) sum += p >= 0 ? p : NAN;
+    if (prior[v].size() != nodes_[v].bias.size() || !(std::abs(sum - 1) < 1e-9))
+      throw InputError("model: the prior of variable " + std::to_string(v) + " must hold " +
+                       std::to_string(nodes_[v].bias.size()) + " probabilities that sum to 1");
+    for (std::size_t bin = 0; bin < prior[v].size(); ++bin) nodes_[v].bias[bin] = std::log(prior[v][bin]);
+  }
+  has_prior_ = true;
 }
 
 void Posterior::add_field(const Nodes& nodes, double x, std::span<double> field) const {
@@ -96,14 +125,21 @@ void Posterior::scores(std::span<const double> field, std::span<double> result) 
   }
 }
 
+void Posterior::outcome_shares(std::span<const double> field, std::span<double> result) const {
+  scores(field, result);
+  const double highest = *std::max_element(result.begin(), result.end());
+  double sum = 0;
+  for (double& x : result) sum += x = std::exp(x - highest);
+  for (double& x : result) x /= sum;
+}
+
 void Posterior::operator()(std::span<const double> variables, std::span<double> result) const {
   GONOGO_ASSERT(variables.size() == nodes_.size() && result.size() == outcome_count());
   std::array<double, kMostHidden> storage;
   const std::span<double> field(storage.data(), hidden_bias_.size());
   std::copy(hidden_bias_.begin(), hidden_bias_.end(), field.begin());
   for (std::size_t v = 0; v < nodes_.size(); ++v) add_field(nodes_[v], variables[v], field);
-  scores(field, result);
-  normalise(result);
+  outcome_shares(field, result);
 }
 
 PosteriorAnswer Posterior::marginal(std::span<const double> variables, const MarginalOptions& options) const {
@@ -123,13 +159,14 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
   return joint(variables, std::nullopt, options).outcome;
 }
 
-PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
+template <class Visit>
+void Posterior::visit_combinations(std::vector<double> field, const std::vector<std::size_t>& unknown,
+                                   Visit&& visit) const {
   const std::size_t hidden = field.size(), depth = unknown.size();
   // Odometer over the code words; level k of `partial` is the field with the first k unknown variables set.
   std::vector<std::size_t> bin(depth, 0);
   std::vector<std::vector<double>> partial(depth + 1, field);
-  std::vector<double> bias(depth + 1, 0.0), score(outcome_count());
-  std::vector<double> highest(outcome_count(), -INFINITY), sum(outcome_count(), 0.0);
+  std::vector<double> bias(depth + 1, 0.0);
   std::size_t level = 0;
   for (;;) {
     for (; level < depth; ++level) {
@@ -138,23 +175,45 @@ PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<
       for (std::size_t j = 0; j < hidden; ++j) partial[level + 1][j] = partial[level][j] + add[j];
       bias[level + 1] = bias[level] + nodes.bias[bin[level]];
     }
-    scores(partial[depth], score);
-    for (std::size_t y = 0; y < score.size(); ++y) {
-      const double term = score[y] + bias[depth];
-      if (term > highest[y]) {
-        sum[y] *= std::exp(highest[y] - term);
-        highest[y] = term;
-      }
-      sum[y] += std::exp(term - highest[y]);
-    }
+    visit(partial[depth], bias[depth]);
     while (level > 0 && ++bin[level - 1] == nodes_[unknown[level - 1]].middle.size()) bin[--level] = 0;
     if (level == 0) break;
     --level;
   }
+}
+
+PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
   PosteriorAnswer answer;
-  for (std::size_t y = 0; y < sum.size(); ++y) answer.probability.push_back(highest[y] + std::log(sum[y]));
-  normalise(answer.probability);
-  answer.standard_error.assign(sum.size(), 0.0);
+  answer.standard_error.assign(outcome_count(), 0.0);
+  if (unknown.empty()) {
+    answer.probability.resize(outcome_count());
+    outcome_shares(field, answer.probability);
+    return answer;
+  }
+  std::vector<double> score(outcome_count()), highest(outcome_count(), -INFINITY), sum(outcome_count(), 0.0);
+  if (has_prior_) {
+    visit_combinations(std::move(field), unknown, [&](const std::vector<double>& combined, double log_prior) {
+      const double prior = std::exp(log_prior);
+      if (prior == 0) return;
+      outcome_shares(combined, score);
+      for (std::size_t y = 0; y < score.size(); ++y) sum[y] += prior * score[y];
+    });
+    answer.probability = sum;
+  } else {
+    visit_combinations(std::move(field), unknown, [&](const std::vector<double>& combined, double bias) {
+      scores(combined, score);
+      for (std::size_t y = 0; y < score.size(); ++y) {
+        const double term = score[y] + bias;
+        if (term > highest[y]) {
+          sum[y] *= std::exp(highest[y] - term);
+          highest[y] = term;
+        }
+        sum[y] += std::exp(term - highest[y]);
+      }
+    });
+    for (std::size_t y = 0; y < sum.size(); ++y) answer.probability.push_back(highest[y] + std::log(sum[y]));
+    normalise(answer.probability);
+  }
   return answer;
 }
 

@@ -3,7 +3,9 @@
 //   P(y | v) proportional to exp(d_y + sum_j log(1 + exp(c_j + v W_j + U_yj)))     (Larochelle & Bengio 2008, eq. 2)
 //
 // v is the smooth code of the known variables (Encoder::encode_smooth), so that probabilities are continuous in them.
-// Unknown variables are summed out over their valid code words, under the machine's own joint distribution.
+// Unknown variables are summed out over their valid code words: with a prior for the inputs under
+//   P(x, y) = prod_v prior_v(x_v) P(y | x),
+// without one under the machine's own joint distribution.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -15,6 +17,14 @@
 
 namespace gonogo::learning {
 
+/// What bins the variables take before anything is known, independent of each other: [variable][bin], each sums to 1.
+/// Where inputs are drawn by a design that is the truth, and a machine trained for P(outcome | variables) does not
+/// learn it.
+using InputPrior = std::vector<std::vector<double>>;
+
+/// Equally probable everywhere between a variable's ends: each bin by its width; categories alike.
+InputPrior uniform_prior(const VisibleLayout& layout);
+
 struct PosteriorAnswer {
   std::vector<double> probability;     // [outcome count], sums to 1
   std::vector<double> standard_error;  // [outcome count], 0 when exact
@@ -23,8 +33,9 @@ struct PosteriorAnswer {
 
 struct MarginalOptions {
   std::size_t most_terms = 200'000;  // sum exactly up to this many combinations of code words of the unknown variables
-  // Beyond that: block Gibbs with what is known clamped, tempered by replicas at inverse temperatures 0 ... 1 that
-  // exchange states (one rung: no tempering).
+  // Beyond that: with a prior, chains x sweeps independent draws from it. Under the machine's own joint distribution
+  // block Gibbs with what is known clamped, tempered by replicas at inverse temperatures 0 ... 1 that exchange states
+  // (one rung: no tempering).
   std::size_t chains = 64, sweeps = 400, burn_in = 50, rungs = 4;
   std::uint64_t seed = 1;
 };
@@ -43,7 +54,8 @@ struct JointAnswer {
 
 class Posterior {
  public:
-  Posterior(const VisibleLayout& layout, const RbmWeights& weights);
+  /// `prior` empty: the machine's own joint distribution. Throws InputError when it does not fit the layout.
+  Posterior(const VisibleLayout& layout, const RbmWeights& weights, const InputPrior& prior = {});
 
   /// All variables known. variables: [variable count], no not-a-number; result: [outcome count].
   void operator()(std::span<const double> variables, std::span<double> result) const;
@@ -61,7 +73,7 @@ class Posterior {
   struct Nodes {                 // one variable: what each bin adds when its code word is on the visible units
     std::vector<double> middle;  // [bin count] middles of the bins [unit of the variable]
     std::vector<double> field;   // [bin count x hidden count]
-    std::vector<double> bias;    // [bin count]: visible biases of the code word
+    std::vector<double> bias;    // [bin count]: visible biases of the code word, or the log of the prior
     bool smooth = true;          // numbers are interpolated between middles, categories are not
     std::size_t unit_count = 0;
   };
@@ -69,10 +81,18 @@ class Posterior {
   /// log of the unnormalised probability of every outcome, hidden units summed out.
   void scores(std::span<const double> field, std::span<double> result) const;
   PosteriorAnswer sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
+  /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
+  template <class Visit>
+  void visit_combinations(std::vector<double> field, const std::vector<std::size_t>& unknown, Visit&& visit) const;
   struct Question;  // joint.cpp: fields of what is known, which variables are not, and the outcome if it is given
   Question question(std::span<const double> variables, std::optional<std::size_t> outcome) const;
   JointAnswer joint_sum(const Question& asked) const;
   JointAnswer joint_sample(const Question& asked, const MarginalOptions& options) const;
+  struct DrawnSums;  // drawn.cpp
+  JointAnswer joint_drawn(const Question& asked, const MarginalOptions& options) const;
+  void take_prior(const InputPrior& prior);
+  /// P(outcome | all variables), by the fields of the hidden units.
+  void outcome_shares(std::span<const double> field, std::span<double> result) const;
   class TemperedChain;
   JointAnswer finish(const Question& asked, JointAnswer answer) const;
 
@@ -82,6 +102,7 @@ class Posterior {
   std::vector<double> outcome_weight_;  // U [outcome count x hidden count]
   std::vector<double> outcome_factor_;  // exp(U)
   double largest_outcome_weight_ = 0;
+  bool has_prior_ = false;
 };
 
 }  // namespace gonogo::learning

@@ -4,6 +4,7 @@
 #include "learning/model/model.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/learn/evaluate_model.h"
+#include "pipeline/learn/evaluation_checks.h"
 #include "pipeline/learn/score_report.h"
 #include "pipeline/learn/train_model.h"
 
@@ -14,7 +15,8 @@ std::string held_out_text(const Json& report) {
   return report.at("trials").dump() + " trials that the model has not seen (" + report.at("left_out_unknown").dump() +
          " failed and " + report.at("left_out_trained_on").dump() +
          " trained on are left out); log loss over all outcomes " + report.at("outcome_log_loss_nat").dump() +
-         " nat\n" + scores_text(report.at("scores")) + missing_text(report.at("missing"));
+         " nat\n" + scores_text(report.at("scores")) + missing_text(report.at("missing")) +
+         checks_text(report.at("checks"));
 }
 
 }  // namespace
@@ -34,6 +36,9 @@ void add_evaluate_command(CLI::App& app, const Globals& globals) {
   command->add_option("--out", *out, "Folder for evaluation.json, reliability.csv, missing.csv and evaluation.png");
   command->footer(
       "Examples:\n  gonogo evaluate --model out/demo/model.h5\n"
+      "  gonogo train --dataset dataset.h5 --hold-out 1000 --out model.h5 && gonogo evaluate --model model.h5 "
+      "--dataset "
+      "dataset.h5\n"
       "  gonogo evaluate --model out/demo/model.h5 --dataset out/held_out/dataset.h5 --out out/scores --json");
   command->callback([model, dataset, out, &globals] {
     const bool held_out = !dataset->empty();

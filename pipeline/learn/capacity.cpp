@@ -79,8 +79,7 @@ Json measured(const TrainingData& data, LearningSettings settings, const std::st
   for (const Variable& variable : contract().variables)
     if (!settings.encoders.count(variable.name) && variable.encoder.code != "one_hot")
       settings.encoders[variable.name] = {variable.encoder.code, bits};
-  learning::TrainingSettings training = settings.training;
-  training.seed = seed;
+  learning::TrainingSettings training = training_settings(settings, data.table.row_count(), seed);
   const learning::VisibleLayout layout = make_layout(data, settings);
   const std::size_t visible = layout.unit_count(), hidden = training.hidden;
   Json entry;

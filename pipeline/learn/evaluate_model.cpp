@@ -8,6 +8,7 @@
 #include "learning/rbm/logistic.h"
 #include "learning/rbm/network.h"
 #include "pipeline/dataset/dataset.h"
+#include "pipeline/learn/evaluation_checks.h"
 #include "pipeline/learn/missing_curve.h"
 #include "pipeline/learn/predictor.h"
 #include "pipeline/learn/score_report.h"
@@ -16,13 +17,13 @@
 namespace gonogo::pipeline {
 namespace {
 
-/// What the model was trained on, with passable or not as label; weights 1.
+/// What the model was trained on, with passable or not as label.
 learning::TrainingTable training_table(const learning::Model& model) {
   learning::TrainingTable table;
   table.variable_count = model.layout.variable_count();
   table.variables = model.training_points;
   for (std::int32_t y : model.training_outcomes) table.outcome.push_back(std::size_t(y));
-  table.weight.assign(table.outcome.size(), 1.0);
+  table.weight = model.training_weights;
   table.group.assign(table.outcome.size(), 0);
   return table;
 }
@@ -34,9 +35,9 @@ std::vector<double> comparable(std::span<const double> point) {
   return key;
 }
 
-/// Thousands of answers with many unknowns are asked for: sums stay short and chains few.
+/// A hundred thousand answers with many unknowns are asked for: sums stay short, draws and chains few.
 constexpr learning::MarginalOptions kQuickMarginal = {
-    .most_terms = 20'000, .chains = 32, .sweeps = 100, .burn_in = 20, .rungs = 1};
+    .most_terms = 2000, .chains = 20, .sweeps = 100, .burn_in = 20, .rungs = 1};
 
 /// Variables that trials had at more than one value.
 std::vector<std::size_t> varying(const learning::Model& model) {
@@ -97,6 +98,7 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
                      {"neural_network", [&](std::span<const double> x) { return network(x); }},
                      {"base_rate", [&](std::span<const double>) { return base; }}},
                     data.table.subset(unseen), forecasts.happened, varying(predictor.model()));
+  json["checks"] = evaluation_checks(json);
   return json;
 }
 

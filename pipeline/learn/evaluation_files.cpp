@@ -24,13 +24,18 @@ std::string reliability_csv(const Json& scores) {
 }
 
 std::string missing_csv(const Json& curve) {
-  std::string text = "hidden,subsets,trials,forecaster,brier,log_loss_nat\n";
+  std::string text = "hidden,subsets,trials,forecaster,brier,log_loss_nat,model_minus_brier,low,high\n";
   for (const Json& point : curve.items())
-    for (const auto& [who, brier] : point.at("brier").members())
-      text += line("%lld,%lld,%lld,%s,%.17g,%.17g\n", static_cast<long long>(point.at("hidden").integer()),
+    for (const auto& [who, brier] : point.at("brier").members()) {
+      text += line("%lld,%lld,%lld,%s,%.17g,%.17g", static_cast<long long>(point.at("hidden").integer()),
                    static_cast<long long>(point.at("subsets").integer()),
                    static_cast<long long>(point.at("trials").integer()), who.c_str(), brier.number(),
                    point.at("log_loss_nat").at(who).number());
+      const Json* difference = point.at("difference").find(who);  // not of the model from itself
+      text += difference ? line(",%.17g,%.17g,%.17g\n", difference->at("brier").at("value").number(),
+                                difference->at("brier").at("low").number(), difference->at("brier").at("high").number())
+                         : ",,,\n";
+    }
   return text;
 }
 
@@ -83,14 +88,21 @@ Chart missing_chart(const Json& curve) {
 }  // namespace
 
 std::string missing_text(const Json& curve) {
-  std::string text = "Brier score with inputs hidden (the model sums them out, the others take their mean)\n";
+  std::string text = line(
+      "Brier score with inputs hidden on %lld trials (the model sums them out, the others take their mean); model "
+      "minus the others [95 %%]\n",
+      static_cast<long long>(curve.items().front().at("trials").integer()));
   std::string head = line("%-7s %7s", "hidden", "subsets");
   for (const auto& [who, brier] : curve.items().front().at("brier").members()) head += line(" %20s", who.c_str());
-  text += head + "\n";
+  text += head + "  minus logistic_regression   minus neural_network\n";
   for (const Json& point : curve.items()) {
     text += line("%-7lld %7lld", static_cast<long long>(point.at("hidden").integer()),
                  static_cast<long long>(point.at("subsets").integer()));
     for (const auto& [who, brier] : point.at("brier").members()) text += line(" %20.4f", brier.number());
+    for (const char* who : {"logistic_regression", "neural_network"}) {
+      const Json& d = point.at("difference").at(who).at("brier");
+      text += line("  %+.4f [%+.4f, %+.4f]", d.at("value").number(), d.at("low").number(), d.at("high").number());
+    }
     text += "\n";
   }
   return text;

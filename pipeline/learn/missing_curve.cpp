@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/cancel.h"
-#include "learning/score/score.h"
+#include "learning/score/calibration.h"
+#include "pipeline/learn/score_report.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -44,6 +46,30 @@ std::vector<double> forecasts(const Forecaster& forecaster, const learning::Trai
   return p;
 }
 
+/// Of every row, means over the subsets.
+struct MeanTerms {
+  std::vector<double> brier, log_loss;
+};
+
+MeanTerms mean_terms(const Forecaster& forecaster, const learning::TrainingTable& table,
+                     const std::vector<std::size_t>& rows, const std::vector<int>& label,
+                     const std::vector<Subset>& subsets) {
+  MeanTerms mean{std::vector<double>(rows.size(), 0.0), std::vector<double>(rows.size(), 0.0)};
+  const auto add = [&](std::vector<double>& sum, const std::vector<double>& terms) {
+    for (std::size_t k = 0; k < sum.size(); ++k) sum[k] += terms[k] / double(subsets.size());
+  };
+  for (const Subset& subset : subsets) {
+    const std::vector<double> p = forecasts(forecaster, table, rows, subset);
+    add(mean.brier, learning::brier_terms(p, label));
+    add(mean.log_loss, learning::log_loss_terms(p, label));
+  }
+  return mean;
+}
+
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / double(values.size());
+}
+
 }  // namespace
 
 Json missing_curve(const std::vector<Forecaster>& forecasters, const learning::TrainingTable& table,
@@ -55,23 +81,27 @@ Json missing_curve(const std::vector<Forecaster>& forecasters, const learning::T
   for (std::size_t n : rows) label.push_back(happened[n]);
   Json curve = Json::array();
   for (std::size_t hidden = 0; hidden <= hideable.size(); ++hidden) {
-    const auto subsets = subsets_of(hideable, hidden, settings.most_subsets, settings.seed);
-    Json point, brier = Json::object(), loss = Json::object();
+    const std::size_t most = hidden > 3 ? settings.most_large : settings.most_subsets;
+    const auto subsets = subsets_of(hideable, hidden, most, settings.seed);
+    Json point, brier = Json::object(), loss = Json::object(), difference = Json::object();
+    std::vector<MeanTerms> terms;
     for (const Forecaster& forecaster : forecasters) {
-      double brier_sum = 0, loss_sum = 0;
-      for (const Subset& subset : subsets) {
-        const std::vector<double> p = forecasts(forecaster, table, rows, subset);
-        brier_sum += learning::brier_score(p, label) / double(subsets.size());
-        loss_sum += learning::log_loss(p, label) / double(subsets.size());
-      }
-      brier[forecaster.name] = brier_sum;
-      loss[forecaster.name] = loss_sum;
+      terms.push_back(mean_terms(forecaster, table, rows, label, subsets));
+      brier[forecaster.name] = mean_of(terms.back().brier);
+      loss[forecaster.name] = mean_of(terms.back().log_loss);
+    }
+    for (std::size_t f = 1; f < forecasters.size(); ++f) {
+      Json scores;
+      scores["brier"] = difference_json(terms[0].brier, terms[f].brier, settings.seed);
+      scores["log_loss_nat"] = difference_json(terms[0].log_loss, terms[f].log_loss, settings.seed);
+      difference[forecasters[f].name] = std::move(scores);
     }
     point["hidden"] = Json(std::uint64_t(hidden));
     point["subsets"] = Json(std::uint64_t(subsets.size()));
     point["trials"] = Json(std::uint64_t(rows.size()));
     point["brier"] = std::move(brier);
     point["log_loss_nat"] = std::move(loss);
+    point["difference"] = std::move(difference);
     curve.push_back(std::move(point));
   }
   return curve;

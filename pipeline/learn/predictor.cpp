@@ -73,7 +73,8 @@ Predictor Predictor::read(const std::filesystem::path& model_file) {
 }
 
 Predictor::Predictor(learning::Model model)
-    : model_(std::make_shared<const learning::Model>(std::move(model))), posterior_(model_->layout, model_->weights) {
+    : model_(std::make_shared<const learning::Model>(std::move(model))),
+      posterior_(model_->layout, model_->weights, model_->input_prior) {
   check_contract(*model_, "model");
   const std::vector<int> passable = passable_outcomes();
   go_weight_.assign(passable.begin(), passable.end());

@@ -15,9 +15,10 @@
 namespace gonogo::pipeline {
 
 /// Probabilities for points given as variables in the order and units of contract().variables; not-a-number marks an
-/// unknown variable, which is summed out over the model's own joint distribution. Variables that the study held fixed
-/// carry no information: any value gives the same probabilities (inside_sampled_box() says whether it was the fixed
-/// one). Thread-safe; same bits for any number of threads and any batch size.
+/// unknown variable, which is summed out over the model's prior of inputs, or over the machine's own joint distribution
+/// where it has none. Variables that the study held fixed carry no information: any value gives the same probabilities
+/// (inside_sampled_box() says whether it was the fixed one). Thread-safe; same bits for any number of threads and any
+/// batch size.
 class Predictor {
  public:
   /// Throws InputError for a file that is missing, truncated, not a model, or made under another contract.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <numeric>
 #include <utility>
 
 #include "base/line.h"
@@ -11,40 +12,38 @@
 namespace gonogo::pipeline {
 namespace {
 
-Json interval_json(const learning::Interval& interval) {
+using Terms = std::vector<double> (*)(std::span<const double>, std::span<const int>);
+
+/// The model's terms minus those of the baseline whose own mean is least.
+Json minus_best(const Forecasts& forecasts, Terms terms, std::uint64_t seed) {
+  const std::vector<std::pair<std::string, const std::vector<double>*>> baselines = {
+      {"logistic_regression", &forecasts.logistic},
+      {"neural_network", &forecasts.network},
+      {"base_rate", &forecasts.base_rate}};
+  const auto total = [](const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); };
+  std::string best;
+  std::vector<double> least;
+  for (const auto& [name, forecast] : baselines) {
+    std::vector<double> now = terms(*forecast, forecasts.happened);
+    if (least.empty() || total(now) < total(least)) best = name, least = std::move(now);
+  }
+  Json json = difference_json(terms(forecasts.model, forecasts.happened), least, seed);
+  json["baseline"] = best;
+  return json;
+}
+
+}  // namespace
+
+Json difference_json(std::span<const double> terms, std::span<const double> others, std::uint64_t seed) {
+  std::vector<double> difference;
+  for (std::size_t k = 0; k < terms.size(); ++k) difference.push_back(terms[k] - others[k]);
+  const learning::Interval interval = learning::bootstrap_mean(difference, seed);
   Json json;
   json["value"] = interval.value;
   json["low"] = interval.low;
   json["high"] = interval.high;
   return json;
 }
-
-/// Differences on the same trials; their interval is narrower than those of the two scores.
-learning::Interval difference(const std::vector<double>& terms, const std::vector<double>& others, std::uint64_t seed) {
-  std::vector<double> difference;
-  for (std::size_t k = 0; k < terms.size(); ++k) difference.push_back(terms[k] - others[k]);
-  return learning::bootstrap_mean(difference, seed);
-}
-
-Json comparison(const Forecasts& forecasts, const Json& scores, std::uint64_t seed) {
-  const std::vector<std::pair<std::string, const std::vector<double>*>> baselines = {
-      {"logistic_regression", &forecasts.logistic},
-      {"neural_network", &forecasts.network},
-      {"base_rate", &forecasts.base_rate}};
-  auto best = baselines.front();
-  for (const auto& baseline : baselines)
-    if (scores.at(baseline.first).at("brier").number() < scores.at(best.first).at("brier").number()) best = baseline;
-  const auto& happened = forecasts.happened;
-  Json json;
-  json["baseline"] = best.first;
-  json["brier"] = interval_json(difference(learning::brier_terms(forecasts.model, happened),
-                                           learning::brier_terms(*best.second, happened), seed));
-  json["log_loss_nat"] = interval_json(difference(learning::log_loss_terms(forecasts.model, happened),
-                                                  learning::log_loss_terms(*best.second, happened), seed));
-  return json;
-}
-
-}  // namespace
 
 Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed) {
   const std::size_t bins = std::clamp<std::size_t>(forecasts.happened.size() / 20, 2, 10);
@@ -53,7 +52,10 @@ Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed) {
   json["logistic_regression"] = learning::score_report(forecasts.logistic, forecasts.happened, bins, seed);
   json["neural_network"] = learning::score_report(forecasts.network, forecasts.happened, bins, seed);
   json["base_rate"] = learning::score_report(forecasts.base_rate, forecasts.happened, bins, seed);
-  json["model_minus_best"] = comparison(forecasts, json, seed);
+  Json rest = Json::object();
+  rest["brier"] = minus_best(forecasts, learning::brier_terms, seed);
+  rest["log_loss_nat"] = minus_best(forecasts, learning::log_loss_terms, seed);
+  json["model_minus_best"] = std::move(rest);
   return json;
 }
 
@@ -78,11 +80,10 @@ std::string scores_text(const Json& scores) {
                 : "\n";
   }
   const Json &model = scores.at("model"), &rest = scores.at("model_minus_best");
-  text += line("model minus %s: Brier %+.4f [%+.4f, %+.4f], log loss %+.4f [%+.4f, %+.4f]\n",
-               rest.at("baseline").string().c_str(), rest.at("brier").at("value").number(),
-               rest.at("brier").at("low").number(), rest.at("brier").at("high").number(),
-               rest.at("log_loss_nat").at("value").number(), rest.at("log_loss_nat").at("low").number(),
-               rest.at("log_loss_nat").at("high").number());
+  for (const auto& [score, name] : {std::pair("brier", "Brier score"), std::pair("log_loss_nat", "log loss")})
+    text += line("%s, model minus %s: %+.4f [%+.4f, %+.4f]\n", name, rest.at(score).at("baseline").string().c_str(),
+                 rest.at(score).at("value").number(), rest.at(score).at("low").number(),
+                 rest.at(score).at("high").number());
   text += line("Brier of the model = reliability %.4f - resolution %.4f + uncertainty %.4f + within bins %.4f\n",
                model.at("brier_reliability").number(), model.at("brier_resolution").number(),
                model.at("brier_uncertainty").number(), model.at("brier_within_bins").number());

@@ -1,5 +1,6 @@
 // Scores of P(go) beside the baselines, as one report.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,9 +15,13 @@ struct Forecasts {
 };
 
 /// { "model": {...}, "logistic_regression": {...}, "neural_network": {...}, "base_rate": {...} }, each as
-/// learning::score_report makes it, and "model_minus_best": the baseline with the least Brier score, and the difference
-/// to it in Brier score and log loss with 95 % intervals (bootstrap over trials, which all forecasters share).
+/// learning::score_report makes it, and "model_minus_best": { "brier", "log_loss_nat" }, each the difference to the
+/// baseline that is best by that score, with its name.
 Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed);
+
+/// { "value", "low", "high" }: mean of terms - others on the same trials with its 95 % interval (bootstrap over
+/// trials), which is narrower than those of the two means.
+Json difference_json(std::span<const double> terms, std::span<const double> others, std::uint64_t seed);
 
 /// Those of the four that the scores hold.
 std::vector<std::string> forecaster_names(const Json& scores);

@@ -1,5 +1,7 @@
 #include "pipeline/learn/settings.h"
 
+#include <algorithm>
+
 namespace gonogo::pipeline {
 namespace {
 
@@ -36,6 +38,7 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   training.hidden = count("hidden", training.hidden, 1, 1024);
   training.epochs = count("epochs", training.epochs, 1, 1e6);
   training.batch = count("batch", training.batch, 1, 1e6);
+  settings.batch_given = section->has("batch");
   training.chains = count("chains", training.chains, 1, 1e6);
   training.sweeps = count("sweeps", training.sweeps, 1, 1e6);
   settings.folds = count("folds", settings.folds, 2, 100);
@@ -57,10 +60,20 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   if (training.negative != learning::NegativePhaseKind::persistent && settings.sampler != "block_gibbs")
     section->fail("negative", "only persistent chains can come from the sampler " + settings.sampler);
   settings.calibrate = section->boolean_or("calibrate", settings.calibrate);
+  if (section->has("unknown_inputs"))
+    settings.uniform_inputs = section->choice("unknown_inputs", {"prior", "machine"}) == "prior";
   if (section->has("bins")) settings.quantile_bins = section->choice("bins", {"range", "quantile"}) == "quantile";
   if (const auto encoders = section->object_if("encoders")) settings.encoders = read_encoders(*encoders);
   section->finish();
   return settings;
+}
+
+learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed) {
+  constexpr std::size_t kMostBatches = 32;  // of an epoch
+  learning::TrainingSettings training = settings.training;
+  training.seed = seed;
+  if (!settings.batch_given) training.batch = std::max(training.batch, trials / kMostBatches);
+  return training;
 }
 
 Json to_json(const LearningSettings& settings) {
@@ -69,7 +82,7 @@ Json to_json(const LearningSettings& settings) {
   json["sampler"] = settings.sampler;
   json["hidden"] = Json(std::uint64_t(training.hidden));
   json["epochs"] = Json(std::uint64_t(training.epochs));
-  json["batch"] = Json(std::uint64_t(training.batch));
+  json["batch"] = settings.batch_given ? Json(std::uint64_t(training.batch)) : Json("auto");
   json["learning_rate"] = training.learning_rate;
   json["weight_decay"] = training.weight_decay;
   json["generative"] = training.generative;
@@ -84,6 +97,7 @@ Json to_json(const LearningSettings& settings) {
   json["sweeps"] = Json(std::uint64_t(training.sweeps));
   json["folds"] = Json(std::uint64_t(settings.folds));
   json["calibrate"] = settings.calibrate;
+  json["unknown_inputs"] = settings.uniform_inputs ? "prior" : "machine";
   json["gpu"] = settings.gpu ? "auto" : "never";
   if (settings.sampler == "emulator") json["emulator"] = to_json(settings.emulator);
   if (settings.sampler == "command") {

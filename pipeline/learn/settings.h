@@ -7,7 +7,8 @@
 //   command        of the sampler "command": list of program and arguments with {problem} {answer} {reads} {seed}
 //   stand_in       sampler that takes over when "command" fails (default "block_gibbs"); log, model and report say so
 //   hidden         hidden units                                     epochs         most passes over the trials
-//   batch          trials of a minibatch                            learning_rate  of Adam
+//   batch          trials of a minibatch (default 32, or a 32nd of the trials where that is more)
+//   learning_rate  of Adam
 //   weight_decay   strength of the Gaussian prior on weights [nat]  generative     share of the joint likelihood
 //   chains, sweeps persistent chains and their sweeps per update    folds          of the cross-validation
 //   optimizer      "adam" (default) or "sgd"                        momentum       of sgd
@@ -17,6 +18,9 @@
 //   negative
 //                  phase start; the last two have "rungs" machines on a ladder
 //   calibrate      whether a power that the held-out folds choose sharpens or blunts all probabilities (default no)
+//   unknown_inputs "prior" (default): answers sum unknown variables out over the design's distribution, uniform over
+//   the
+//                  sampled box; "machine": over the machine's own joint distribution
 //   bins           "range" (default) or "quantile"
 //   encoders       { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }, default: the contract's
 //
@@ -39,9 +43,11 @@ struct LearningSettings {
   bool gpu = true;          // where it gains
   EmulatorChoice emulator;  // of the sampler "emulator"
   std::size_t folds = 5;
-  learning::TrainingSettings training;  // its seed is the study's and is set when training
+  learning::TrainingSettings training;  // seed and minibatch are set when training: training_settings()
+  bool batch_given = false;
   bool quantile_bins = false;
   bool calibrate = false;
+  bool uniform_inputs = true;                   // of answers with unknown variables; false: the machine's own
   std::vector<std::string> command;             // of the sampler "command"
   std::string stand_in = "block_gibbs";         // for a sampler that cannot be reached
   std::map<std::string, EncoderSpec> encoders;  // by variable, where the study overrides the contract
@@ -49,6 +55,9 @@ struct LearningSettings {
 
 /// Without a section: the defaults. Throws InputError for unknown keys, values out of range and unknown variables.
 LearningSettings read_learning_settings(const std::optional<Config>& section);
+
+/// Those of a training on so many trials: an epoch has 32 minibatches at most where the study names no size.
+learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed);
 
 Json to_json(const LearningSettings& settings);
 

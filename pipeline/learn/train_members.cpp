@@ -39,7 +39,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
   const LearningSettings settings = read_learning_settings(request.learning);
   TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
   if (request.hold_out > 0) hold_out(data, request.hold_out, request.seed);
-  learning::TrainingSettings training = settings.training;
+  learning::TrainingSettings training = training_settings(settings, data.table.row_count(), request.seed);
   training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());
   const bool outside = settings.sampler == "command" || settings.sampler == "emulator";  // members take the stand-in
   const auto sampler = learning::make_sampler(outside ? settings.stand_in : settings.sampler);

@@ -130,8 +130,7 @@ Json train_model(const TrainRequest& request) {
   const std::size_t held_out = request.hold_out > 0 ? hold_out(data, request.hold_out, request.seed).row_count() : 0;
   learning::Model model;
   model.layout = make_layout(data, settings);
-  learning::TrainingSettings training = settings.training;
-  training.seed = request.seed;
+  learning::TrainingSettings training = training_settings(settings, data.table.row_count(), request.seed);
   TrainingSampler source(settings, model.layout, training);
   const std::size_t folds = usable_folds(data.table, settings.folds);
   if (folds < 2) throw InputError(request.dataset.string() + ": trials at two points or more are needed to train");
@@ -151,6 +150,8 @@ Json train_model(const TrainRequest& request) {
   model.sampled_lower = data.lower;
   model.sampled_upper = data.upper;
   model.training_points = data.table.variables;
+  model.training_weights = data.table.weight;
+  if (settings.uniform_inputs) model.input_prior = learning::uniform_prior(model.layout);
   model.training_outcomes.assign(data.table.outcome.begin(), data.table.outcome.end());
 
   Json& report = model.provenance;
@@ -161,6 +162,7 @@ Json train_model(const TrainRequest& request) {
   report["calibration_power"] = model.calibration_power;
   report["seed"] = Json(request.seed);
   report["settings"] = to_json(settings);
+  report["batch"] = Json(std::uint64_t(training.batch));
   report["epochs"] = Json(std::uint64_t(validation.best_epoch));
   report["counts"] = counts_report(data);
   report["counts"]["held_out"] = Json(std::uint64_t(held_out));

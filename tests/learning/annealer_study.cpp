@@ -2,7 +2,8 @@
 // fresh rows as the share of what exact samples gain over independent units (docs/learning.md).
 //
 //   learning_annealer [line ...] [seed=, chains=, sweeps=, gauges=, reads=, chain_coupling=, dead=]   all lines of the
-//   table, or some. Another seed is another teacher, other rows, another device and another course of training.
+//   table, or some; "thermometers": what each measures on one machine at several scales. Another seed is another
+//   teacher, other rows, another device and another course of training.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -124,7 +125,7 @@ RbmWeights trained_through_device(const Line& line, const TrainingTable& table, 
 }
 
 RbmWeights gray_box(const std::vector<double>& rows) {
-  const Device device = d_wave_2x(0, 1);
+  const Device device = d_wave_2x(0, use.seed);
   GrayBoxSettings settings;
   settings.reads = use.chains;
   settings.chain_coupling = use.chain_coupling;
@@ -147,6 +148,48 @@ RbmWeights gray_box(const std::vector<double>& rows) {
   std::printf("    rows of the last machine: beta %.3f [%.3f, %.3f] of the programmed energies\n", beta.beta, beta.low,
               beta.high);
   return box.contracted(beta.beta);
+}
+
+/// The thermometers side by side on one trained machine: beta of rows at several scales by pseudo-likelihood, what the
+/// histograms of two scales say, and what they would say if they measured the slope of the former.
+void compare_thermometers(const TrainingTable& table) {
+  const VisibleLayout layout = layout_of_bits();
+  const Problem problem = to_qubo(train_rbm(layout, table, training_settings(), *make_sampler("block_gibbs")).weights,
+                                  layout.unit_labels());
+  const Device device = d_wave_2x(use.dead, use.seed);
+  AnnealerSettings annealer;
+  annealer.sweeps = use.sweeps;
+  annealer.chain_coupling = use.chain_coupling;
+  annealer.gauges = use.gauges;
+  AnnealerSampler sampler(std::make_shared<Emulator>(device), device.graph, kVisible, kHidden, annealer);
+  constexpr double kRatio = 0.75;
+  std::vector<double> of_exact[2];  // energies of rows whose betas are 1 and kRatio without doubt
+  for (const int k : {0, 1}) {
+    const SampleSet rows = ExactSampler().sample(scaled(problem, k == 0 ? 1 : kRatio),
+                                                 {.reads = 2000, .seed = use.seed + std::uint64_t(k)});
+    for (std::size_t r = 0; r < rows.row_count(); ++r) of_exact[k].push_back(energy(problem, rows.row(r)));
+  }
+  const BetaEstimate exact = histogram_beta(of_exact[0], 1, of_exact[1], kRatio);
+  std::printf("exact rows of beta 1: by histograms %.3f [%.3f, %.3f]\n", exact.beta, exact.low, exact.high);
+  std::fflush(stdout);
+  for (const double scale : {0.1, 0.15, 0.2, 0.26, 0.35, 0.45}) {
+    double beta[2], spread[2];
+    std::vector<double> energies[2];
+    for (const int k : {0, 1}) {
+      sampler.set_scale(k == 0 ? scale : kRatio * scale);
+      const SampleSet rows = sampler.sample(problem, {.reads = 2000, .seed = use.seed, .sweeps = use.sweeps});
+      const BetaEstimate estimate = pseudo_likelihood_beta(problem, rows);
+      beta[k] = estimate.beta, spread[k] = (estimate.high - estimate.low) / 4;
+      energies[k] = rows.energies;
+    }
+    const BetaEstimate histogram = histogram_beta(energies[0], scale, energies[1], kRatio * scale);
+    const double slope = (beta[0] - beta[1]) / (1 - kRatio), error = std::hypot(spread[0], spread[1]) / (1 - kRatio);
+    std::printf(
+        "scale %.3f: beta by pseudo-likelihood %.3f +- %.3f; by histograms %.3f [%.3f, %.3f]; slope of the first "
+        "times the scale %.3f +- %.3f\n",
+        scale, beta[0], spread[0], histogram.beta * scale, histogram.low * scale, histogram.high * scale, slope, error);
+    std::fflush(stdout);
+  }
 }
 
 RbmWeights independent_units(const std::vector<double>& rows) {
@@ -189,6 +232,7 @@ int main(int argc, char** argv) {
   const std::vector<double> rows = teacher_rows(0), fresh = teacher_rows(1);
   const TrainingTable table = table_of(rows);
   const double base = mean_log_likelihood(independent_units(rows), fresh);
+  if (!wanted.empty() && wanted[0] == "thermometers") return compare_thermometers(table), 0;
   double exact = NAN;  // what exact samples reach, once that line has run
   for (const Line& line : lines) {
     const std::string name = line.name;

@@ -41,24 +41,61 @@ const std::map<std::string, Setter>& setters() {
 
 using Forecaster = std::function<double(std::span<const double>)>;
 
-/// A machine (or several) trained as gonogo train does: epochs by cross-validation, then all rows.
-Forecaster train(const Variant& variant, const TrainingTable& table, std::uint64_t seed) {
+/// Machines trained as gonogo train does: epochs by cross-validation, then all rows.
+std::vector<RbmWeights> train(const Variant& variant, const TrainingTable& table, std::uint64_t seed) {
   const VisibleLayout layout = boundary_layout();
   const auto sampler = make_sampler("block_gibbs");
   TrainingSettings settings = variant.settings;
   settings.seed = seed;
   settings.epochs = cross_validate(layout, table, settings, *sampler, 5).best_epoch;
-  std::vector<Posterior> machines;
+  std::vector<RbmWeights> machines;
   for (std::size_t m = 0; m < variant.machines; ++m) {
     settings.seed = seed + 1000 * m;
-    machines.emplace_back(layout, train_rbm(layout, table, settings, *sampler).weights);
+    machines.push_back(train_rbm(layout, table, settings, *sampler).weights);
   }
+  return machines;
+}
+
+/// Mean of the machines' P(go); unknown variables summed out over the prior, over the machine's own joint distribution
+/// where it is empty.
+Forecaster answers(const std::vector<RbmWeights>& weights, const InputPrior& prior) {
+  std::vector<Posterior> machines;
+  for (const RbmWeights& machine : weights) machines.emplace_back(boundary_layout(), machine, prior);
   return [machines](std::span<const double> x) {
     double sum = 0;
-    std::vector<double> p(10);
     for (const Posterior& machine : machines) {
-      machine(x, p);
+      const std::vector<double> p = machine.marginal(x).probability;
       sum += (p[0] + p[1]) / double(machines.size());
+    }
+    return sum;
+  };
+}
+
+/// Brier score in expectation over what happens, with each two of the four variables that may matter hidden.
+double two_hidden(const Forecaster& forecast, const TrainingTable& fresh, Boundary boundary) {
+  double sum = 0, count = 0;
+  for (std::size_t a = 0; a < 4; ++a)
+    for (std::size_t b = a + 1; b < 4; ++b)
+      for (std::size_t n = 0; n < 500; ++n, ++count) {
+        std::vector<double> x(fresh.row(n).begin(), fresh.row(n).end());
+        const double p = true_p_go(x, boundary);
+        x[a] = x[b] = NAN;
+        const double q = forecast(x);
+        sum += p * (1 - q) * (1 - q) + (1 - p) * q * q;
+      }
+  return sum / count;
+}
+
+/// The truth with unknown variables uniform on their ranges: mean over 400 draws.
+Forecaster truth(Boundary boundary) {
+  const TrainingTable draws = boundary_table(400, 7, boundary);
+  return [draws, boundary](std::span<const double> x) {
+    double sum = 0;
+    for (std::size_t n = 0; n < draws.row_count(); ++n) {
+      std::vector<double> filled(x.begin(), x.end());
+      for (std::size_t v = 0; v < x.size(); ++v)
+        if (std::isnan(x[v])) filled[v] = draws.row(n)[v];
+      sum += true_p_go(filled, boundary) / double(draws.row_count());
     }
     return sum;
   };
@@ -106,22 +143,31 @@ void report(const std::string& name, const Variant& variant, int tables) {
   for (Boundary boundary : {Boundary::straight, Boundary::curved}) {
     const TrainingTable fresh = boundary_table(4000, 999, boundary);
     double brier = 0, logistic_brier = 0, error = 0, logistic_error = 0, rise = 0;
+    double hidden = 0, hidden_own = 0, hidden_logistic = 0;
     const auto start = std::chrono::steady_clock::now();
     for (int t = 0; t < tables; ++t) {
       const TrainingTable table = boundary_table(variant.rows, 100 + std::uint64_t(t), boundary);
-      const Forecaster machine = train(variant, table, std::uint64_t(t) + 1);
+      const std::vector<RbmWeights> machines = train(variant, table, std::uint64_t(t) + 1);
+      const Forecaster machine = answers(machines, uniform_prior(boundary_layout()));
       const Forecaster logistic = fit_logistic(table, passable(table));
       brier += brier_of(machine, fresh) / tables;
       logistic_brier += brier_of(logistic, fresh) / tables;
       error += error_of(machine, fresh, boundary) / tables;
       logistic_error += error_of(logistic, fresh, boundary) / tables;
       rise += largest_rise(machine, fresh) / tables;
+      hidden += two_hidden(machine, fresh, boundary) / tables;
+      hidden_own += two_hidden(answers(machines, {}), fresh, boundary) / tables;
+      hidden_logistic += two_hidden(logistic, fresh, boundary) / tables;
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / tables;
     const double best = brier_of([&](auto x) { return true_p_go(x, boundary); }, fresh);
     std::printf("%-28s %-9s Brier %.4f (logistic %.4f, truth %.4f)  error %.4f (logistic %.4f)  rise %.4f  %.1f s\n",
                 name.c_str(), boundary == Boundary::straight ? "straight" : "curved", brier, logistic_brier, best,
                 error, logistic_error, rise, seconds);
+    std::printf(
+        "    two of four variables hidden: Brier %.4f, machine's own joint distribution %.4f, logistic at the mean "
+        "%.4f, truth %.4f\n",
+        hidden, hidden_own, hidden_logistic, two_hidden(truth(boundary), fresh, boundary));
     std::fflush(stdout);
   }
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "learning/score/score.h"
 #include "tests/support/catch.h"
@@ -127,6 +128,60 @@ TEST_CASE("all unknown variables at once: enumeration of the machine, with and w
               4.5 * error + 1e-9);
       }
   }
+}
+
+TEST_CASE("with a prior unknown variables are summed out over it, whatever the machine says of its inputs") {
+  const VisibleLayout layout = small_layout();
+  const RbmWeights machine = random_machine(layout.unit_count(), 5, 2.0, 11);
+  const InputPrior prior = {{0.1, 0.2, 0.3, 0.4}, {0.7, 0, 0.2, 0.1}, {0.25, 0.25, 0.5}, {1}};
+  const Posterior posterior(layout, machine, prior);
+  const std::vector<double> x = {kUnknown, kUnknown, 1, 1};
+  std::vector<double> expected(3, 0.0), of_a(4, 0.0);  // P(outcome); P(bin of a, third outcome)
+  for (std::size_t a = 0; a < 4; ++a)
+    for (std::size_t b = 0; b < 4; ++b) {
+      const auto p = brute_force(layout, machine, {double(a) + 0.5, double(b) + 0.5, 1, 1});
+      for (std::size_t y = 0; y < 3; ++y) expected[y] += prior[0][a] * prior[1][b] * p[y];
+      of_a[a] += prior[0][a] * prior[1][b] * p[2];
+    }
+  const PosteriorAnswer answer = posterior.marginal(x);
+  const JointAnswer free = posterior.joint(x, std::nullopt), given = posterior.joint(x, 2);
+  for (std::size_t y = 0; y < 3; ++y) {
+    CHECK(answer.probability[y] == Approx(expected[y]).epsilon(1e-10));
+    CHECK(free.outcome.probability[y] == Approx(expected[y]).epsilon(1e-10));
+  }
+  for (std::size_t a = 0; a < 4; ++a) {
+    CHECK(free.variables[0].probability[a] == Approx(prior[0][a]).epsilon(1e-10));
+    CHECK(given.variables[0].probability[a] == Approx(of_a[a] / expected[2]).epsilon(1e-10));
+  }
+  CHECK(given.variables[1].probability[1] == 0);
+  std::vector<double> direct(3), own(3);
+  posterior(std::vector<double>{1.2, 0.3, 1, 1}, direct);
+  Posterior(layout, machine)(std::vector<double>{1.2, 0.3, 1, 1}, own);
+  CHECK(direct == own);  // nothing unknown: the prior says nothing
+
+  MarginalOptions drawn;
+  drawn.most_terms = 1;
+  for (const auto& outcome : {std::optional<std::size_t>(), std::optional<std::size_t>(2)}) {
+    const JointAnswer exact = posterior.joint(x, outcome), estimate = posterior.joint(x, outcome, drawn);
+    CHECK_FALSE(estimate.exact);
+    for (std::size_t v : {0, 1})
+      for (std::size_t bin = 0; bin < 4; ++bin) {
+        const double error = estimate.variables[v].standard_error[bin];
+        CHECK(error < 0.01);
+        CHECK(std::abs(estimate.variables[v].probability[bin] - exact.variables[v].probability[bin]) <=
+              4.5 * error + 1e-12);
+      }
+    for (std::size_t y = 0; y < 3; ++y)
+      CHECK(std::abs(estimate.outcome.probability[y] - exact.outcome.probability[y]) <=
+            4.5 * estimate.outcome.standard_error[y] + 1e-12);
+  }
+  CHECK_THROWS_AS(Posterior(layout, machine, {{1}, {1}}), InputError);
+  CHECK_THROWS_AS(Posterior(layout, machine, {{0.1, 0.2, 0.3, 0.3}, prior[1], prior[2], {1}}), InputError);
+  const InputPrior uniform = uniform_prior(VisibleLayout(
+      {Encoder::by_edges("a", "-", Code::thermometer, {1, 3}, 0, 4), Encoder::categorical("c", {"x", "y", "z", "w"})},
+      {"go", "no_go"}));
+  CHECK(uniform[0] == std::vector<double>{0.25, 0.5, 0.25});
+  CHECK(uniform[1] == std::vector<double>(4, 0.25));
 }
 
 TEST_CASE("tempering answers where clamped chains without it stay in the mode they start in") {

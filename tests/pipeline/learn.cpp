@@ -14,6 +14,7 @@
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/learn/capacity.h"
 #include "pipeline/learn/evaluate_model.h"
+#include "pipeline/learn/evaluation_checks.h"
 #include "pipeline/learn/infer.h"
 #include "pipeline/learn/predictor.h"
 #include "pipeline/learn/train_model.h"
@@ -226,8 +227,13 @@ TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
   CHECK(model.at("calibration_slope").number() == Approx(1).margin(4 * model.at("calibration_slope_error").number()));
   CHECK(scores.at("neural_network").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
   const Json& rest = scores.at("model_minus_best");
-  CHECK(rest.at("brier").at("value").number() ==
-        Approx(model.at("brier").number() - scores.at(rest.at("baseline").string()).at("brier").number()));
+  for (const char* score : {"brier", "log_loss_nat"}) {
+    const Json& best = rest.at(score);
+    CHECK(best.at("value").number() ==
+          Approx(model.at(score).number() - scores.at(best.at("baseline").string()).at(score).number()));
+    for (const char* baseline : {"logistic_regression", "neural_network", "base_rate"})
+      CHECK(scores.at(best.at("baseline").string()).at(score).number() <= scores.at(baseline).at(score).number());
+  }
 
   // Nothing hidden: the scores on the same rows; all hidden: every forecaster knows the base rate at most.
   const auto& curve = report.at("missing").items();
@@ -238,7 +244,14 @@ TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
   CHECK(hidden_all == Approx(base).margin(0.03));
   for (std::size_t k = 0; k + 1 < curve.size(); ++k)
     CHECK(curve[k].at("brier").at("model").number() < curve[k + 1].at("brier").at("model").number() + 0.02);
-  std::printf("%s", missing_text(report.at("missing")).c_str());
+  // Seven variables, two of which decide: summing unknown ones out beats taking their mean in every trial's stead.
+  for (const char* baseline : {"logistic_regression", "neural_network"}) {
+    const Json& two = curve[2].at("difference").at(baseline).at("brier");
+    CHECK(two.at("value").number() ==
+          Approx(curve[2].at("brier").at("model").number() - curve[2].at("brier").at(baseline).number()));
+    CHECK(two.at("low").number() < two.at("value").number());
+  }
+  std::printf("%s%s", missing_text(report.at("missing")).c_str(), checks_text(report.at("checks")).c_str());
 
   const auto files = write_evaluation(kFolder / "scores", report, scores);
   CHECK(Json::read(files[0]).dump() == report.dump());
@@ -246,6 +259,36 @@ TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
   CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 4 * 10);
   for (const auto& file : files) CHECK(fs::file_size(file) > 100);
   refused([] { evaluate_model(model_file(), kFolder / "dataset.h5"); }, "trained on");
+}
+
+TEST_CASE("an evaluation says what holds and what does not, with the limits") {
+  const auto interval = [](double low, double value, double high) {
+    Json json;
+    json["low"] = low, json["value"] = value, json["high"] = high;
+    return json;
+  };
+  Json report, scores, rest, point, difference;
+  rest["brier"] = interval(-0.02, 0.01, 0.03), rest["log_loss_nat"] = interval(0.01, 0.02, 0.03);
+  rest["brier"]["baseline"] = "neural_network", rest["log_loss_nat"]["baseline"] = "logistic_regression";
+  scores["model"]["calibration_error"] = 0.05, scores["model"]["floor_calibration_error_mean"] = 0.031;
+  scores["model_minus_best"] = rest;
+  report["scores"] = scores;
+  difference["logistic_regression"]["brier"] = interval(-0.03, -0.02, -0.01);
+  difference["neural_network"]["brier"] = interval(-0.01, 0.001, 0.01);
+  difference["base_rate"]["brier"] = interval(-0.2, -0.1, 0);
+  point["hidden"] = 2, point["difference"] = difference;
+  report["missing"] = Json::array();
+  report["missing"].push_back(point);
+  std::string holds;
+  const Json checks = evaluation_checks(report);
+  for (const Json& check : checks.items()) holds += check.at("holds").boolean() ? "y" : "n";
+  CHECK(holds == "ynyyn");
+  report["scores"]["model"]["calibration_error"] = 0.052;
+  const Json worse = evaluation_checks(report);
+  CHECK_FALSE(worse.items()[2].at("holds").boolean());
+  const std::string text = checks_text(worse);
+  CHECK(text.find("misses log loss minus that of logistic_regression") != std::string::npos);
+  CHECK(text.find("-0.0200 [-0.0300, -0.0100]") != std::string::npos);
 }
 
 TEST_CASE("a table of points gets the answers of single points; bad cells are refused by line and name") {
@@ -398,6 +441,8 @@ TEST_CASE("settings are read strictly") {
           "dead_share");
   CHECK(read(R"({"sampler": "emulator", "emulator": {"gauges": 7}})").emulator.gauges == 7);
   CHECK_FALSE(read(R"({"gpu": "never"})").gpu);
+  CHECK_FALSE(read(R"({"unknown_inputs": "machine"})").uniform_inputs);
+  refused([&] { read(R"({"unknown_inputs": "mean"})"); }, "prior");
   CHECK(to_json(read(R"({"negative": "trajectory", "optimizer": "sgd", "centred": true})")).at("negative").string() ==
         "trajectory");
 }
@@ -434,6 +479,10 @@ TEST_CASE("damaged model files are refused") {
   written([](learning::Model& m) { m.sampled_lower.pop_back(); });
   written([](learning::Model& m) { std::swap(m.sampled_lower, m.sampled_upper); });
   written([](learning::Model& m) { m.training_outcomes[0] = 99; });
+  written([](learning::Model& m) { m.training_weights[0] = 0; });
+  written([](learning::Model& m) { m.training_weights.pop_back(); });
+  written([](learning::Model& m) { m.input_prior[0][0] += 0.1; });
+  written([](learning::Model& m) { m.input_prior.pop_back(); });
   written([](learning::Model& m) {
     auto outcomes = m.layout.outcomes();
     outcomes[2] = "no_go/other";

@@ -75,6 +75,7 @@ learning::Model made_model() {
   for (const Variable& v : c.variables)
     model.training_points.push_back((sampled_range(v.name).low + sampled_range(v.name).high) / 2);
   model.training_outcomes.push_back(0);
+  model.training_weights.push_back(1);
   return model;
 }
 

@@ -41,6 +41,7 @@ learning::Model write_small_model() {
   model.sampled_upper = data.upper;
   model.training_points = data.table.variables;
   model.training_outcomes.assign(data.table.outcome.begin(), data.table.outcome.end());
+  model.training_weights = data.table.weight;
   learning::write_model(kModel, model);
   return model;
 }
