@@ -44,6 +44,9 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights) : h
         for (std::size_t j = 0; j < hidden; ++j) field[j] += weights.weight[i * hidden + j];
       }
     }
+    const double heaviest = *std::max_element(nodes.bias.begin(), nodes.bias.end());
+    for (const double bias : nodes.bias) nodes.weight.push_back(std::exp(bias - heaviest));
+    for (const double field : nodes.field) nodes.factor.push_back(std::exp(field));
     nodes_.push_back(std::move(nodes));
   }
   const std::size_t first = layout.input_unit_count();
@@ -52,7 +55,11 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights) : h
   for (double u : outcome_weight_) {
     outcome_factor_.push_back(std::exp(u));
     largest_outcome_weight_ = std::max(largest_outcome_weight_, u);
+    largest_outcome_size_ = std::max(largest_outcome_size_, std::abs(u));
   }
+  for (std::size_t j = 0; j < hidden; ++j)
+    for (std::size_t y = 0; y < outcome_count(); ++y)
+      outcome_factor_by_hidden_.push_back(outcome_factor_[y * hidden + j]);
 }
 
 void Posterior::add_field(const Nodes& nodes, double x, std::span<double> field) const {
@@ -119,16 +126,19 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
       terms *= double(nodes_[v].middle.size());
     }
   }
-  if (terms <= double(options.most_terms)) return sum_out(std::move(field), unknown);
+  if (terms <= double(options.most_terms)) {
+    if (auto answer = sum_products(field, unknown)) return *answer;
+    return sum_logarithms(std::move(field), unknown);
+  }
   return joint(variables, std::nullopt, options).outcome;
 }
 
-PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
+PosteriorAnswer Posterior::sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
   const std::size_t hidden = field.size(), depth = unknown.size();
   // Odometer over the code words; level k of `partial` is the field with the first k unknown variables set.
   std::vector<std::size_t> bin(depth, 0);
   std::vector<std::vector<double>> partial(depth + 1, field);
-  std::vector<double> bias(depth + 1, 0.0), score(outcome_count());
+  std::vector<double> bias(depth + 1, 0.0), term_of(outcome_count());
   std::vector<double> highest(outcome_count(), -INFINITY), sum(outcome_count(), 0.0);
   std::size_t level = 0;
   for (;;) {
@@ -138,9 +148,9 @@ PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<
       for (std::size_t j = 0; j < hidden; ++j) partial[level + 1][j] = partial[level][j] + add[j];
       bias[level + 1] = bias[level] + nodes.bias[bin[level]];
     }
-    scores(partial[depth], score);
-    for (std::size_t y = 0; y < score.size(); ++y) {
-      const double term = score[y] + bias[depth];
+    scores(partial[depth], term_of);
+    for (std::size_t y = 0; y < term_of.size(); ++y) {
+      const double term = term_of[y] + bias[depth];
       if (term > highest[y]) {
         sum[y] *= std::exp(highest[y] - term);
         highest[y] = term;

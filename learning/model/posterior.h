@@ -62,13 +62,21 @@ class Posterior {
     std::vector<double> middle;  // [bin count] middles of the bins [unit of the variable]
     std::vector<double> field;   // [bin count x hidden count]
     std::vector<double> bias;    // [bin count]: visible biases of the code word
+    std::vector<double> factor;  // exp(field)
+    std::vector<double> weight;  // exp(bias), the largest 1
     bool smooth = true;          // numbers are interpolated between middles, categories are not
     std::size_t unit_count = 0;
   };
   void add_field(const Nodes& nodes, double x, std::span<double> field) const;
   /// log of the unnormalised probability of every outcome, hidden units summed out.
   void scores(std::span<const double> field, std::span<double> result) const;
-  PosteriorAnswer sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
+  /// Sum over all combinations of bins of the unknown variables. sum_products() does it several times as fast, and has
+  /// no answer where a product could leave the range of double (product_sum.cpp).
+  PosteriorAnswer sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
+  std::optional<PosteriorAnswer> sum_products(std::span<const double> field,
+                                              const std::vector<std::size_t>& unknown) const;
+  bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
+  std::vector<double> outcome_products(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
   struct Question;  // joint.cpp: fields of what is known, which variables are not, and the outcome if it is given
   Question question(std::span<const double> variables, std::optional<std::size_t> outcome) const;
   JointAnswer joint_sum(const Question& asked) const;
@@ -78,10 +86,11 @@ class Posterior {
 
   std::vector<Nodes> nodes_;
   std::vector<double> hidden_bias_;
-  std::vector<double> outcome_bias_;    // d [outcome count]
-  std::vector<double> outcome_weight_;  // U [outcome count x hidden count]
-  std::vector<double> outcome_factor_;  // exp(U)
-  double largest_outcome_weight_ = 0;
+  std::vector<double> outcome_bias_;              // d [outcome count]
+  std::vector<double> outcome_weight_;            // U [outcome count x hidden count]
+  std::vector<double> outcome_factor_;            // exp(U)
+  std::vector<double> outcome_factor_by_hidden_;  // the same [hidden count x outcome count]
+  double largest_outcome_weight_ = 0, largest_outcome_size_ = 0;
 };
 
 }  // namespace gonogo::learning
