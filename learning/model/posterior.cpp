@@ -57,9 +57,10 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights) : h
     largest_outcome_weight_ = std::max(largest_outcome_weight_, u);
     largest_outcome_size_ = std::max(largest_outcome_size_, std::abs(u));
   }
+  outcome_factor_by_hidden_.assign(hidden * padded_outcomes(), 0.0);
   for (std::size_t j = 0; j < hidden; ++j)
     for (std::size_t y = 0; y < outcome_count(); ++y)
-      outcome_factor_by_hidden_.push_back(outcome_factor_[y * hidden + j]);
+      outcome_factor_by_hidden_[j * padded_outcomes() + y] = outcome_factor_[y * hidden + j];
 }
 
 void Posterior::add_field(const Nodes& nodes, double x, std::span<double> field) const {

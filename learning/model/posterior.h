@@ -75,6 +75,10 @@ class Posterior {
   PosteriorAnswer sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
   std::optional<PosteriorAnswer> sum_products(std::span<const double> field,
                                               const std::vector<std::size_t>& unknown) const;
+  static constexpr std::size_t kOutcomesAtOnce = 8;
+  std::size_t padded_outcomes() const {
+    return (outcome_count() + kOutcomesAtOnce - 1) / kOutcomesAtOnce * kOutcomesAtOnce;
+  }
   bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
   std::vector<double> outcome_products(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
   struct Question;  // joint.cpp: fields of what is known, which variables are not, and the outcome if it is given
@@ -89,7 +93,7 @@ class Posterior {
   std::vector<double> outcome_bias_;              // d [outcome count]
   std::vector<double> outcome_weight_;            // U [outcome count x hidden count]
   std::vector<double> outcome_factor_;            // exp(U)
-  std::vector<double> outcome_factor_by_hidden_;  // the same [hidden count x outcome count]
+  std::vector<double> outcome_factor_by_hidden_;  // the same [hidden count x padded_outcomes()], 0 beyond the outcomes
   double largest_outcome_weight_ = 0, largest_outcome_size_ = 0;
 };
 

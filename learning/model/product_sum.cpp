@@ -5,6 +5,7 @@
 // where a_j of a combination is the product of what its bins give. No exponential and no logarithm is left inside the
 // sum. Only where no product can leave the range of double; elsewhere there is no answer.
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "learning/model/posterior.h"
@@ -13,6 +14,20 @@ namespace gonogo::learning {
 namespace {
 
 constexpr double kLargestLog = 600;  // e^600 times any number of terms is finite in double; e^-600 is not 0
+
+/// sum[y] += weight prod_j (1 + a_j factor[j][y]), `Width` outcomes at a time so that they stay in registers.
+template <std::size_t Width>
+void add_products(std::span<const double> a, double weight, std::span<const double> factor, std::span<double> sum) {
+  for (std::size_t first = 0; first < sum.size(); first += Width) {
+    std::array<double, Width> product;
+    product.fill(weight);
+    for (std::size_t j = 0; j < a.size(); ++j) {
+      const double* of_hidden = factor.data() + j * sum.size() + first;
+      for (std::size_t y = 0; y < Width; ++y) product[y] *= 1 + a[j] * of_hidden[y];
+    }
+    for (std::size_t y = 0; y < Width; ++y) sum[first + y] += product[y];
+  }
+}
 
 }  // namespace
 
@@ -37,11 +52,11 @@ bool Posterior::products_fit(std::span<const double> field, const std::vector<st
 
 std::vector<double> Posterior::outcome_products(std::span<const double> field,
                                                 const std::vector<std::size_t>& unknown) const {
-  const std::size_t hidden = field.size(), depth = unknown.size(), outcomes = outcome_count();
+  const std::size_t hidden = field.size(), depth = unknown.size();
   // Odometer over the code words; level k is what the known and the first k unknown variables give.
   std::vector<std::size_t> bin(depth, 0);
   std::vector<std::vector<double>> power(depth + 1, std::vector<double>(hidden));
-  std::vector<double> weight(depth + 1, 1.0), product(outcomes), sum(outcomes, 0.0);
+  std::vector<double> weight(depth + 1, 1.0), sum(padded_outcomes(), 0.0);
   for (std::size_t j = 0; j < hidden; ++j) power[0][j] = std::exp(field[j]);
   for (std::size_t level = 0;;) {
     for (; level < depth; ++level) {
@@ -50,17 +65,13 @@ std::vector<double> Posterior::outcome_products(std::span<const double> field,
       for (std::size_t j = 0; j < hidden; ++j) power[level + 1][j] = power[level][j] * factor[j];
       weight[level + 1] = weight[level] * nodes.weight[bin[level]];
     }
-    std::fill(product.begin(), product.end(), weight[depth]);
-    for (std::size_t j = 0; j < hidden; ++j) {
-      const double a = power[depth][j];
-      const double* factor = outcome_factor_by_hidden_.data() + j * outcomes;
-      for (std::size_t y = 0; y < outcomes; ++y) product[y] *= 1 + a * factor[y];
-    }
-    for (std::size_t y = 0; y < outcomes; ++y) sum[y] += product[y];
+    add_products<kOutcomesAtOnce>(power[depth], weight[depth], outcome_factor_by_hidden_, sum);
     while (level > 0 && ++bin[level - 1] == nodes_[unknown[level - 1]].middle.size()) bin[--level] = 0;
-    if (level == 0) return sum;
+    if (level == 0) break;
     --level;
   }
+  sum.resize(outcome_count());
+  return sum;
 }
 
 std::optional<PosteriorAnswer> Posterior::sum_products(std::span<const double> field,

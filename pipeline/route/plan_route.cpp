@@ -88,6 +88,13 @@ terrain::LineFeature line_of(const FoundRoute& route, const terrain::MapGrid& gr
   return line;
 }
 
+/// What a route asks of a model: neither how new a cell is to it, nor how far its members disagree.
+OutcomeModel without_spread(OutcomeModel model) {
+  model.novelty = nullptr;
+  model.members.clear();
+  return model;
+}
+
 /// Which places are needed for what is asked.
 void require_places(const RouteRequest& request) {
   const bool spread = !request.reach.empty() || !request.isochrones.empty();
@@ -151,7 +158,7 @@ Json plan_route(const RouteRequest& request) {
   const MapRequest& map = request.map;
   const MapSources sources = open_sources(map.region);
   const terrain::MapGrid& grid = sources.elevation.grid();
-  const SoilTable table = make_soil_table(map.model, map.region, map.rules, 0);
+  const SoilTable table = make_soil_table(without_spread(map.model), map.region, map.rules, 0);
   const AllCosts costs = all_costs(table, request.costs, map.rules.correlation_length);
   const RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
   Json result = Json::object(), files = Json::array();
