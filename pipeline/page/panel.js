@@ -141,6 +141,12 @@ function show_cell() {
   if (known(answer)) show_inputs(box, answer.soil);
 }
 
+/// The contract's words for a reason, without its remark that only maps give it.
+function reason_text(code) {
+  const text = reason_info(code).about.replace(/^map only: /, '');
+  return text[0].toUpperCase() + text.slice(1);
+}
+
 function show_evidence(box, cell, answer) {
   const text = (id) => layer_of(id).read(cell, answer);
   if (!Number.isNaN(answer.p)) {
@@ -151,7 +157,7 @@ function show_evidence(box, cell, answer) {
       bars.append(element('span', {}, row.label), element('div', {}, bar), element('output', {}, percent(row.p, 1)));
     }
     box.append(bars);
-  } else box.append(element('p', { class: 'hint' }, `${reason_info(answer.reason).about}. No probability is given where ${
+  } else box.append(element('p', { class: 'hint' }, `${reason_text(answer.reason)}. No probability is given where ${
     answer.reason === reason_code.soft_soil ? 'grains do not stand for the soil' : 'nothing like it was simulated'}.`));
   const rows = [['P(go)', fixed(answer.p, 4)]];
   const s = blob.slope[cell], low = probability(answer.soil.low[s]), high = probability(answer.soil.high[s]);
