@@ -20,7 +20,7 @@ from qgis.core import (Qgis, QgsApplication, QgsLayerTree, QgsLayerTreeModel, Qg
                        QgsLegendSettings, QgsMapRendererSequentialJob, QgsMapSettings, QgsRasterLayer, QgsRenderContext,
                        QgsVectorLayer)
 
-SIDE = 800  # of the drawn map [pixels]
+SIDE, LEGEND = 800, 480  # of the drawn map and of the room for its legend [pixels]
 checked = 0
 
 
@@ -79,7 +79,7 @@ def draw(layers, picture):
     job.start()
     job.waitForFinished()
     check(not job.errors(), f"{picture}: {[e.message for e in job.errors()]}")
-    page = QImage(2 * SIDE, SIDE, QImage.Format_RGB32)
+    page = QImage(SIDE + LEGEND, SIDE, QImage.Format_RGB32)
     page.fill(QColor("white"))
     painter = QPainter(page)
     painter.drawImage(0, 0, job.renderedImage())
