@@ -1,10 +1,11 @@
 #!/bin/sh
 # Peak memory of maps by the number of their cells:
 #   scripts/bench_map_memory.sh <gonogo> <model.h5> <dataset.h5> [<seconds of the unfinished maps, 300>] [<threads, 2>]
-# A whole map of 40,000 x 40,000 cells takes hours on two cores, so two things are measured, with all layers:
+# Two things are measured, with all layers:
 #   unfinished  the sample region fills all cells; the map is stopped after so many seconds, most of them making blocks
 #   whole       from the first block to the page; the sample region fills 3,000 x 3,000 cells, the others have no elevation
-# at the sides in UNFINISHED ("10000 40000") and WHOLE ("5000 10000"). Needs gdal-bin, python3 and GNU time.
+# at the sides in UNFINISHED ("10000 40000") and WHOLE ("5000 10000"). With enough seconds (100000) the unfinished ones
+# are whole maps too: 40,000 x 40,000 cells take half an hour and 28 GiB of disk. Needs gdal-bin, python3 and GNU time.
 set -eu
 gonogo=$1 model=$2 dataset=$3 seconds=${4:-300} threads=${5:-2}
 region=$(cd "$(dirname "$0")/../configs/regions" && pwd)

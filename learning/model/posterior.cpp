@@ -45,6 +45,7 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights, con
         for (std::size_t j = 0; j < hidden; ++j) field[j] += weights.weight[i * hidden + j];
       }
     }
+    for (const double field : nodes.field) nodes.factor.push_back(std::exp(field));
     nodes_.push_back(std::move(nodes));
   }
   const std::size_t first = layout.input_unit_count();
@@ -53,8 +54,10 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights, con
   for (double u : outcome_weight_) {
     outcome_factor_.push_back(std::exp(u));
     largest_outcome_weight_ = std::max(largest_outcome_weight_, u);
+    largest_outcome_size_ = std::max(largest_outcome_size_, std::abs(u));
   }
   if (!prior.empty()) take_prior(prior);
+  prepare_products();
 }
 
 InputPrior uniform_prior(const VisibleLayout& layout) {
@@ -155,7 +158,10 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
       terms *= double(nodes_[v].middle.size());
     }
   }
-  if (terms <= double(options.most_terms)) return sum_out(std::move(field), unknown);
+  if (terms <= double(options.most_terms)) {
+    if (auto answer = sum_products(field, unknown)) return *answer;
+    return sum_logarithms(std::move(field), unknown);
+  }
   return joint(variables, std::nullopt, options).outcome;
 }
 
@@ -182,7 +188,7 @@ void Posterior::visit_combinations(std::vector<double> field, const std::vector<
   }
 }
 
-PosteriorAnswer Posterior::sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
+PosteriorAnswer Posterior::sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
   PosteriorAnswer answer;
   answer.standard_error.assign(outcome_count(), 0.0);
   if (unknown.empty()) {

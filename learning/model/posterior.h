@@ -74,13 +74,26 @@ class Posterior {
     std::vector<double> middle;  // [bin count] middles of the bins [unit of the variable]
     std::vector<double> field;   // [bin count x hidden count]
     std::vector<double> bias;    // [bin count]: visible biases of the code word, or the log of the prior
+    std::vector<double> factor;  // exp(field)
+    std::vector<double> weight;  // exp(bias), the largest 1
     bool smooth = true;          // numbers are interpolated between middles, categories are not
     std::size_t unit_count = 0;
   };
   void add_field(const Nodes& nodes, double x, std::span<double> field) const;
   /// log of the unnormalised probability of every outcome, hidden units summed out.
   void scores(std::span<const double> field, std::span<double> result) const;
-  PosteriorAnswer sum_out(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
+  /// Sum over all combinations of bins of the unknown variables. sum_products() does it several times as fast, and has
+  /// no answer where a product could leave the range of double (product_sum.cpp).
+  PosteriorAnswer sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
+  std::optional<PosteriorAnswer> sum_products(std::span<const double> field,
+                                              const std::vector<std::size_t>& unknown) const;
+  static constexpr std::size_t kOutcomesAtOnce = 8;
+  std::size_t padded_outcomes() const {
+    return (outcome_count() + kOutcomesAtOnce - 1) / kOutcomesAtOnce * kOutcomesAtOnce;
+  }
+  void prepare_products();
+  bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
+  std::vector<double> outcome_products(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>
   void visit_combinations(std::vector<double> field, const std::vector<std::size_t>& unknown, Visit&& visit) const;
@@ -98,10 +111,12 @@ class Posterior {
 
   std::vector<Nodes> nodes_;
   std::vector<double> hidden_bias_;
-  std::vector<double> outcome_bias_;    // d [outcome count]
-  std::vector<double> outcome_weight_;  // U [outcome count x hidden count]
-  std::vector<double> outcome_factor_;  // exp(U)
-  double largest_outcome_weight_ = 0;
+  std::vector<double> outcome_bias_;              // d [outcome count]
+  std::vector<double> outcome_weight_;            // U [outcome count x hidden count]
+  std::vector<double> outcome_factor_;            // exp(U)
+  std::vector<double> outcome_base_;              // exp(d), the largest 1 [padded_outcomes()], 0 beyond the outcomes
+  std::vector<double> outcome_factor_by_hidden_;  // exp(U) [hidden count x padded_outcomes()], 0 beyond the outcomes
+  double largest_outcome_weight_ = 0, largest_outcome_size_ = 0;
   bool has_prior_ = false;
 };
 

@@ -3,6 +3,7 @@
 #include "base/file.h"
 #include "base/version.h"
 #include "terrain/raster/overlay.h"
+#include "terrain/raster/polygons.h"
 
 namespace gonogo::pipeline {
 namespace fs = std::filesystem;

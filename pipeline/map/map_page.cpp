@@ -130,6 +130,17 @@ Json note(const std::string& title, const std::vector<std::string>& lines) {
   return Json::Array{Json(title), texts(lines)};
 }
 
+/// "0.0665", "452 J/m", "2113 J/m": three digits, no powers of ten.
+std::string quantity(double x, const std::string& unit) {
+  const std::string number = x >= 100 ? line("%.0f", x) : line("%.3g", x);
+  return unit == "-" ? number : number + " " + unit;
+}
+
+std::string spaced(std::string name) {
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return name;
+}
+
 Json notes_json(const MapRequest& request, const MapSummary& summary, const PageCells& cells) {
   const MapRules& rules = request.rules;
   Json notes = Json::array();
@@ -154,8 +165,9 @@ Json notes_json(const MapRequest& request, const MapSummary& summary, const Page
   if (request.model.measures.empty()) return notes;
   std::vector<std::string> fits;
   for (const MeasureFit& fit : request.model.measures)
-    fits.push_back(line("%s: error %.3g %s left out in turn, standard deviation %.3g %s, %zu trials that passed",
-                        fit.name.c_str(), fit.error, fit.unit.c_str(), fit.spread, fit.unit.c_str(), fit.trials));
+    fits.push_back(spaced(fit.name) + ": error " + quantity(fit.error, fit.unit) +
+                   " left out in turn, standard deviation " + quantity(fit.spread, fit.unit) +
+                   line(", %zu trials that passed", fit.trials));
   notes.push_back(note("Expected measures", fits));
   return notes;
 }

@@ -59,34 +59,46 @@ std::vector<double> SoilPoints::answers(const Probabilities& model, double slope
   return result;
 }
 
-Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across) const {
-  const std::size_t outcomes = contract().outcomes.size();
-  Prospect prospect{std::vector<double>(outcomes, 0.0), 1, soft_share_};
-  const bool sampled = contains(model.sampled[contract().variable_index("slope_along")], slope_along) &&
-                       contains(model.sampled[contract().variable_index("slope_across")], slope_across);
-  if (inside_count_ == 0 || !sampled) return prospect;
-  const std::vector<double> result = answers(model.probabilities, slope_along, slope_across);
+Prospect SoilPoints::nothing_known() const {
+  return {std::vector<double>(contract().outcomes.size(), 0.0), 1, soft_share_};
+}
+
+bool SoilPoints::is_sampled(const OutcomeModel& model, double slope_along, double slope_across) const {
+  return inside_count_ > 0 && contains(model.sampled[contract().variable_index("slope_along")], slope_along) &&
+         contains(model.sampled[contract().variable_index("slope_across")], slope_across);
+}
+
+Prospect SoilPoints::mean_of(const std::vector<double>& answers) const {
+  Prospect prospect = nothing_known();
+  const std::size_t outcomes = prospect.outcome.size();
   for (std::size_t i = 0; i < inside_count_; ++i)
-    for (std::size_t o = 0; o < outcomes; ++o) prospect.outcome[o] += result[i * outcomes + o] / double(inside_count_);
+    for (std::size_t o = 0; o < outcomes; ++o) prospect.outcome[o] += answers[i * outcomes + o] / double(inside_count_);
   prospect.outside_share = 1 - double(inside_count_) / double(all_.size());
   return prospect;
 }
 
-std::vector<double> SoilPoints::p_go_of_each(const OutcomeModel& model, double slope_along, double slope_across) const {
+void SoilPoints::add_p_go(const std::vector<double>& answers, std::vector<double>& p_go) const {
   const auto& outcomes = contract().outcomes;
-  std::vector<double> p;
-  const auto add = [&](const Probabilities& one) {
-    const std::vector<double> result = answers(one, slope_along, slope_across);
-    for (std::size_t i = 0; i < inside_count_; ++i) {
-      double sum = 0;
-      for (std::size_t o = 0; o < outcomes.size(); ++o)
-        if (outcomes[o].verdict != Verdict::no_go) sum += result[i * outcomes.size() + o];
-      p.push_back(sum);
-    }
-  };
-  add(model.probabilities);
-  for (const Probabilities& member : model.members) add(member);
-  return p;
+  for (std::size_t i = 0; i < inside_count_; ++i) {
+    double sum = 0;
+    for (std::size_t o = 0; o < outcomes.size(); ++o)
+      if (outcomes[o].verdict != Verdict::no_go) sum += answers[i * outcomes.size() + o];
+    p_go.push_back(sum);
+  }
+}
+
+Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across) const {
+  if (!is_sampled(model, slope_along, slope_across)) return nothing_known();
+  return mean_of(answers(model.probabilities, slope_along, slope_across));
+}
+
+Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across,
+                        std::vector<double>& p_go_of_each) const {
+  if (!is_sampled(model, slope_along, slope_across)) return nothing_known();
+  const std::vector<double> result = answers(model.probabilities, slope_along, slope_across);
+  add_p_go(result, p_go_of_each);
+  for (const Probabilities& member : model.members) add_p_go(answers(member, slope_along, slope_across), p_go_of_each);
+  return mean_of(result);
 }
 
 double SoilPoints::novelty(const OutcomeModel& model, double slope_along, double slope_across) const {

@@ -20,12 +20,13 @@ class SoilPoints {
 
   /// Mean over the sampled points at these slopes [deg]; slopes outside the sampled box give a prospect without any.
   Prospect at(const OutcomeModel& model, double slope_along, double slope_across) const;
+  /// The same, and P(go) of every sampled point by the model and then by each of its members.
+  Prospect at(const OutcomeModel& model, double slope_along, double slope_across,
+              std::vector<double>& p_go_of_each) const;
   /// Mean of the model's novelty over all points.
   double novelty(const OutcomeModel& model, double slope_along, double slope_across) const;
 
   std::size_t sampled_count() const { return inside_count_; }
-  /// P(go) of every sampled point at these slopes, by the model and then by each of its members.
-  std::vector<double> p_go_of_each(const OutcomeModel& model, double slope_along, double slope_across) const;
   /// Share of the points that are too soft, sampled or not.
   double soft_share() const { return soft_share_; }
   /// Why nothing is said about slopes outside the sampled box.
@@ -39,6 +40,10 @@ class SoilPoints {
  private:
   using Probabilities = std::function<void(std::span<const double>, std::span<double>)>;
   std::vector<double> answers(const Probabilities& model, double slope_along, double slope_across) const;
+  Prospect nothing_known() const;
+  bool is_sampled(const OutcomeModel& model, double slope_along, double slope_across) const;
+  Prospect mean_of(const std::vector<double>& answers) const;
+  void add_p_go(const std::vector<double>& answers, std::vector<double>& p_go) const;
 
   std::vector<std::vector<double>> all_;
   std::vector<double> inside_;  // [inside_count_ x variables]

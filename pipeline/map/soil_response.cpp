@@ -69,14 +69,13 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
 
 CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& rules, int step) {
   const double slope = step / kSlopeSteps;
-  const Prospect prospect = points_.at(model, slope, 0);
+  const Prospect prospect = points_.at(model, slope, 0, p_each_[std::size_t(step)]);
   CellAnswer answer;
   answer.result = classify(prospect, rules);
   answer.p_go = float(prospect.p_go());
   answer.outside_share = float(prospect.outside_share);
   answer.p_slow = answer.outside_share >= 1 ? kNoData : p_slow_of(prospect);
   if (answer.outside_share < 1) uphill_outcomes_[std::size_t(step)] = prospect.outcome;
-  if (answer.outside_share < 1) p_each_[std::size_t(step)] = points_.p_go_of_each(model, slope, 0);
   return answer;
 }
 

@@ -73,7 +73,7 @@ const layer_of = (id) => layers.find((l) => l.id === id);
 
 function stops_of(layer) {
   const [low, high] = layer.range, middle = (low + high) / 2;
-  if (layer.id === 'slope') return [0, 10, 20, 30, 40].map((s) => `${s}°\u00a0${(100 * Math.tan(s * DEGREE)).toFixed(0)}%`);
+  if (layer.id === 'slope') return [0, 10, 20, 30, 40].map((s) => `${s}°\n${(100 * Math.tan(s * DEGREE)).toFixed(0)}\u00a0%`);
   if (layer.id === 'novelty') return ['0', '2', '4+'];
   return [low, middle, high].map((v) => layer.text(v).replace('.000', '').replace('.500', '.5'));
 }

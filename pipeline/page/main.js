@@ -115,6 +115,7 @@ function listen_to_controls() {
   $('route-draw').addEventListener('click', draw_route);
   $('route-reach').addEventListener('click', () => { route.reaching = !route.reaching; if (route.start === null) $('route-hint').textContent = 'Draw a start first.'; update_route(); });
   $('route-clear').addEventListener('click', () => { Object.assign(route, { start: null, end: null, path: null, reach: null, drawing: false, reaching: false }); $('route').replaceChildren(); update_route(); });
+  window.addEventListener('beforeprint', show_print_note);
   const dial = $('dial');
   const turn = (e) => { const box = dial.getBoundingClientRect(); set_heading(Math.atan2(e.clientX - box.x - box.width / 2, -(e.clientY - box.y - box.height / 2)) / DEGREE); };
   dial.addEventListener('pointerdown', (e) => { dial.setPointerCapture(e.pointerId); turn(e); });

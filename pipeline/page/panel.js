@@ -51,6 +51,9 @@ function count_classes() {
   return { count, total };
 }
 
+/// With one decimal; a little that there is never reads as nothing.
+const small = (x, count, unit) => (count > 0 && x < 0.05 ? `< 0.1${unit}` : `${x.toFixed(1)}${unit}`);
+
 function show_shares() {
   const { count, total } = count_classes(), bar = $('shares'), km2 = cell_w * cell_h * 1e-6;
   bar.replaceChildren();
@@ -61,7 +64,7 @@ function show_shares() {
     part.style.cssText = `width:${100 * share}%;background:${css(verdict_colour(v.code))}`;
     chip.style.background = css(verdict_colour(v.code));
     bar.append(part);
-    list.append(chip, element('span', {}, v.label), element('span', {}, `${(100 * share).toFixed(1)} %`), element('span', { class: 'quiet' }, `${(n * km2).toFixed(1)} km²`));
+    list.append(chip, element('span', {}, v.label), element('span', {}, small(100 * share, n, ' %')), element('span', { class: 'quiet' }, small(n * km2, n, ' km²')));
   }
   bar.after(list);
 }
@@ -94,7 +97,8 @@ function outcomes_of(answer) {
     const q = blob[`${answer.table}_${answer.soil.index}_${outcome.reason}`];
     if (q && answer.index >= 0) rows.push({ label: `no-go: ${reason_info(reason_code[outcome.reason]).label}`, p: q[answer.index] / 255, rgb: verdict_colour(NO_GO) });
   }
-  return rows.filter((r, i) => i < 2 || r.p >= 0.005);
+  const shown = rows.filter((r, i) => i < 2 || r.p >= 0.005), rest = 1 - shown.reduce((sum, r) => sum + r.p, 0);
+  return rest >= 0.005 ? [...shown, { label: 'no-go: other', p: rest, rgb: verdict_colour(NO_GO) }] : shown;
 }
 
 /// Verdict of every heading as a rose; the grey needle points downhill.
@@ -129,12 +133,18 @@ function show_cell() {
   const why = answer.verdict === GO || answer.verdict === SLOW_GO ? '' : reason_info(answer.reason).label;
   box.append(element('div', { class: 'verdict' }, big, element('div', {}, element('strong', {}, info.label), element('span', {}, [why, mode_text()].filter(Boolean).join(', ')))));
   if (known(answer)) show_evidence(box, cell, answer);
-  const [e, n] = coordinates_of(cell);
+  const [e, n] = coordinates_of(cell), unit = meta.grid.unit_name === 'metre' ? 'm' : meta.grid.unit_name;
   box.append(element('h3', {}, 'Ground'), facts([
     ['Slope', grade(slope_of(cell))], ['Falls towards', slope_of(cell) > 0 ? `${blob.aspect[cell]}° ${compass(blob.aspect[cell])}` : 'flat'],
     ['Elevation', fixed(height_of(cell), 1, ' m')], ['Soil', layer_of('soil').read(cell, answer)], ...(blob.rule && blob.rule[cell] ? [[meta.land[blob.rule[cell] - 1].of, meta.land[blob.rule[cell] - 1].name]] : []),
-    ['Easting', `${e.toFixed(1)} ${meta.grid.unit_name}`], ['Northing', `${n.toFixed(1)} ${meta.grid.unit_name}`]]));
+    ['Easting', `${e.toFixed(1)} ${unit}`], ['Northing', `${n.toFixed(1)} ${unit}`]]));
   if (known(answer)) show_inputs(box, answer.soil);
+}
+
+/// The contract's words for a reason, without its remark that only maps give it.
+function reason_text(code) {
+  const text = reason_info(code).about.replace(/^map only: /, '');
+  return text[0].toUpperCase() + text.slice(1);
 }
 
 function show_evidence(box, cell, answer) {
@@ -147,7 +157,7 @@ function show_evidence(box, cell, answer) {
       bars.append(element('span', {}, row.label), element('div', {}, bar), element('output', {}, percent(row.p, 1)));
     }
     box.append(bars);
-  } else box.append(element('p', { class: 'hint' }, `${reason_info(answer.reason).about}. No probability is given where ${
+  } else box.append(element('p', { class: 'hint' }, `${reason_text(answer.reason)}. No probability is given where ${
     answer.reason === reason_code.soft_soil ? 'grains do not stand for the soil' : 'nothing like it was simulated'}.`));
   const rows = [['P(go)', fixed(answer.p, 4)]];
   const s = blob.slope[cell], low = probability(answer.soil.low[s]), high = probability(answer.soil.high[s]);
@@ -214,6 +224,16 @@ function profile_of(path) {
   svg.append(shape('path', { class: 'area', d: `M0,96 L${points.join(' L')} L300,96 Z` }), shape('path', { class: 'line', d: `M${points.join(' L')}` }));
   for (const [y, z] of [[10, high], [94, low]]) { const t = shape('text', { x: 2, y }); t.textContent = `${z.toFixed(0)} m`; svg.append(t); }
   return svg;
+}
+
+/// What stands below a printed map: what is drawn, the shares, where it comes from.
+function show_print_note() {
+  const { count, total } = count_classes(), km2 = cell_w * cell_h * 1e-6, box = $('print-note');
+  const shares = meta.verdicts.map((v) => `${v.label} ${small(total ? 100 * count.get(v.code) / total : 0, count.get(v.code), ' %')}, ${small(count.get(v.code) * km2, count.get(v.code), ' km²')}`);
+  box.replaceChildren(
+    element('p', {}, `${mode_text()}: ${shares.join('; ')}. Go from P(go) ${state.go.toFixed(2)}, no-go below ${state.no_go.toFixed(2)}.`),
+    element('p', {}, meta.about), ...meta.notes.map(([title, lines]) => element('p', {}, `${title}: ${lines.join('; ')}.`)),
+    element('p', {}, meta.provenance.map(([name, value]) => `${name}: ${value}`).join('; ')));
 }
 
 function show_about() {

@@ -18,10 +18,12 @@ function make_relief() {
 function paint_layer() {
   const layer = layer_of(state.layer), image = new ImageData(cells.columns, cells.rows), out = image.data;
   const strength = state.opacity, reach = route.reach;
+  // Relief is milder under classes, whose colours must be found again in the legend. Flat ground keeps its colour.
+  const depth = layer.entries ? 0.5 : 0.82, flat = 1 - depth * Math.SQRT1_2;
   for (let c = 0; c < relief.length; ++c) {
     if (Number.isNaN(relief[c])) continue;
     const answer = answer_of(c), rgb = layer.colour(c, answer), k = 4 * c;
-    const light = 0.42 + 0.82 * relief[c], shine = Math.min(0.3, Math.max(0, light - 1)), grey = 255 * Math.min(1, 0.12 + 1.12 * relief[c]);
+    const light = flat + depth * relief[c], shine = Math.min(0.3, Math.max(0, light - 1)), grey = 255 * Math.min(1, 0.12 + 1.12 * relief[c]);
     const fade = reach && !Number.isFinite(reach[c]) ? 0.25 * strength : strength;
     for (let i = 0; i < 3; ++i) out[k + i] = grey * (1 - fade) + (rgb[i] * Math.min(1, light) + (255 - rgb[i]) * shine) * fade;
     out[k + 3] = 255;

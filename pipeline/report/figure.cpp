@@ -11,7 +11,7 @@ namespace gonogo::pipeline {
 namespace {
 
 // Relief must not change what a colour means: weaker where colours are read against a ramp or a long legend.
-constexpr double kMapRelief = 1.25, kSideRelief = 0.7;
+constexpr double kMapRelief = 0.8, kSideRelief = 0.7;
 
 void draw_side_panels(const Canvas& canvas, const MapFigure& figure, Box room) {
   constexpr double legend_width = 345, heading = 46;

@@ -63,6 +63,18 @@ void draw_ramp(const Canvas& canvas, Box bar, const std::vector<FigureStop>& ram
   canvas.text(bar.right() + 18, bar.bottom() + 58, "no value", 24);
 }
 
+namespace {
+
+/// With one decimal; a little that there is never reads as nothing.
+std::string square_kilometres(double area) {
+  if (area > 0 && area < 0.05) return "< 0.1 km\u00b2";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f km\u00b2", area);
+  return text;
+}
+
+}  // namespace
+
 void draw_legend(const Canvas& canvas, Box room, const std::vector<FigureClass>& classes, double size,
                  double area_km2) {
   const double numbers = canvas.text_width(area_km2 > 0 ? "100.0 %   10000.0 km\u00b2" : "100.0 %", size);
@@ -75,9 +87,8 @@ void draw_legend(const Canvas& canvas, Box room, const std::vector<FigureClass>&
     const double share_right =
         area_km2 > 0 ? room.right() - canvas.text_width("   10000.0 km\u00b2", size) : room.right();
     canvas.text(share_right, baseline, percent(entry.share), size, Align::right);
-    char area[32];
-    std::snprintf(area, sizeof area, "%.1f km\u00b2", entry.share * area_km2);
-    if (area_km2 > 0) canvas.text(room.right(), baseline, area, size, Align::right);
+    if (area_km2 > 0)
+      canvas.text(room.right(), baseline, square_kilometres(entry.share * area_km2), size, Align::right);
     const auto lines = canvas.wrapped(entry.label, size, room.right() - numbers - label_left);
     for (std::size_t i = 0; i < lines.size(); ++i)
       canvas.text(label_left, baseline + 1.2 * size * double(i), lines[i], size);

@@ -22,7 +22,7 @@ std::uint32_t packed(Colour c) {
 /// Relief as a factor on the colour: 1 on flat ground under a light at 45 degrees (brightness 0.707), stretched because
 /// most ground is far gentler than the light is low.
 double relief_factor(float shade, double strength) {
-  return std::isnan(shade) ? 1 : std::clamp(1 + strength * (shade - 0.7071), 0.6, 1.12);
+  return std::isnan(shade) ? 1 : std::clamp(1 + strength * (shade - 0.7071), 0.72, 1.12);
 }
 
 std::string whole_number(double x) {
@@ -106,11 +106,11 @@ void draw_coordinates(const Canvas& canvas, Box box, const MapGrid& grid, bool l
   canvas.outline(box, kFrame, 2.5);
   if (!labelled) return;
   const std::string system = grid.crs_code.empty() ? grid.crs_name : grid.crs_name + ", " + grid.crs_code;
-  const std::string easting = "easting [" + grid.unit_name + "],  " + system;
+  const std::string unit = grid.unit_name == "metre" ? "m" : grid.unit_name;
+  const std::string easting = "easting [" + unit + "],  " + system;
   canvas.text(box.left + std::max(box.width, canvas.text_width(easting, size)) / 2, box.bottom() + 76, easting, size,
               Align::centre);
-  canvas.text(box.left - 56, box.top + box.height / 2, "northing [" + grid.unit_name + "]", size, Align::centre, false,
-              true);
+  canvas.text(box.left - 56, box.top + box.height / 2, "northing [" + unit + "]", size, Align::centre, false, true);
 }
 
 void draw_scale_and_north(const Canvas& canvas, Box box, const MapGrid& grid) {

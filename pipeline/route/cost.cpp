@@ -46,6 +46,11 @@ RouteCost route_cost_named(const std::string& name) {
 
 std::string name_of(RouteCost cost) { return kNames[std::size_t(cost)]; }
 
+const char* unit_of(RouteCost cost) {
+  constexpr std::array<const char*, 4> kUnits = {"m", "s", "1", "J"};
+  return kUnits[std::size_t(cost)];
+}
+
 std::array<RouteStep, 8> route_steps(double cell_width, double cell_height) {
   std::array<RouteStep, 8> steps = {{{0, -1}, {1, -1}, {1, 0}, {1, 1}, {0, 1}, {-1, 1}, {-1, 0}, {-1, -1}}};
   for (RouteStep& step : steps) {

@@ -28,6 +28,8 @@ inline constexpr std::array<RouteCost, 4> kRouteCosts = {RouteCost::length, Rout
 /// "shortest", "fastest", "safest", "least-energy"; throws InputError for other names.
 RouteCost route_cost_named(const std::string& name);
 std::string name_of(RouteCost cost);
+/// "m", "s", "1" or "J".
+const char* unit_of(RouteCost cost);
 
 /// Inputs of all cells of a map, row by row from the north.
 struct RouteCells {

@@ -1,6 +1,7 @@
 #include "pipeline/route/plan_route.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -9,9 +10,8 @@
 #include "base/line.h"
 #include "pipeline/map/map_record.h"
 #include "pipeline/route/map_cells.h"
+#include "pipeline/route/reach_files.h"
 #include "pipeline/route/search.h"
-#include "terrain/raster/geotiff.h"
-#include "terrain/raster/tile_codec.h"
 #include "terrain/raster/vector.h"
 
 namespace gonogo::pipeline {
@@ -73,10 +73,14 @@ Json totals_of(const FoundRoute& route, const RouteCells& cells, const AllCosts&
   return json;
 }
 
+/// Colours of the lines, in the order of RouteCost: told apart without red and green, and none is a class's.
+constexpr std::array<const char*, 4> kLineColours = {"#1a1a1a", "#c2188f", "#1f4fbf", "#6b3fa0"};
+
 terrain::LineFeature line_of(const FoundRoute& route, const terrain::MapGrid& grid, const Json& totals,
-                             const std::string& name) {
+                             RouteCost cost) {
   terrain::LineFeature line;
-  line.name = name;
+  line.name = name_of(cost);
+  line.colour = kLineColours[std::size_t(cost)];
   for (const std::uint32_t cell : route.cell)
     line.point.push_back({grid.west + (cell % std::uint32_t(grid.columns) + 0.5) * grid.cell_width,
                           grid.north - (cell / std::uint32_t(grid.columns) + 0.5) * grid.cell_height});
@@ -84,30 +88,55 @@ terrain::LineFeature line_of(const FoundRoute& route, const terrain::MapGrid& gr
   return line;
 }
 
-void write_reach(const RouteRequest& request, const terrain::MapGrid& grid, const std::vector<float>& cost) {
-  const char* unit = request.costs.front() == RouteCost::time     ? "s"
-                     : request.costs.front() == RouteCost::length ? "m"
-                     : request.costs.front() == RouteCost::energy ? "J"
-                                                                  : "1";
-  float most = 1;
-  for (const float c : cost)
-    if (std::isfinite(c)) most = std::max(most, c);
-  terrain::GeoTiffWriter writer(request.reach, grid,
-                                {.name = "least cost from the start, " + name_of(request.costs.front()),
-                                 .unit = unit,
-                                 .classes = false,
-                                 .legend = {{0, "0", "#eff3ff"}, {double(most), line("%g %s", most, unit), "#54278f"}},
-                                 .metadata = map_metadata(request.map, map_inputs(request.map))});
-  for (int top = 0; top < grid.rows; top += terrain::kTileCells) {
-    const int rows = std::min(terrain::kTileCells, grid.rows - top);
-    terrain::Tile band(grid.columns, rows, 0);
-    for (std::size_t i = 0; i < band.value.size(); ++i) {
-      const float value = cost[std::size_t(top) * std::size_t(grid.columns) + i];
-      band.value[i] = std::isfinite(value) ? value : std::numeric_limits<float>::quiet_NaN();
+/// What a route asks of a model: neither how new a cell is to it, nor how far its members disagree.
+OutcomeModel without_spread(OutcomeModel model) {
+  model.novelty = nullptr;
+  model.members.clear();
+  return model;
+}
+
+/// Which places are needed for what is asked.
+void require_places(const RouteRequest& request) {
+  const bool spread = !request.reach.empty() || !request.isochrones.empty();
+  if (!request.from && (request.to || !request.lines.empty() || spread))
+    throw InputError("route: --from is missing: the place to start from, easting,northing");
+  if (!request.to && !request.lines.empty())
+    throw InputError("route: --to is missing: the end of the lines in --out, easting,northing");
+  if (!request.to && !spread && request.regions.empty())
+    throw InputError(
+        "route: nothing is asked for; give --from and --to for a way, --from with --reach or --isochrones for what can "
+        "be reached, or --regions for the connected regions");
+}
+
+/// The cheapest way by each cost asked for: what it costs, and its line where one was found.
+Json find_routes(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells,
+                 const AllCosts& costs, std::vector<terrain::LineFeature>& lines) {
+  const std::uint32_t start = cell_at(*request.from, grid, cells, "--from");
+  const std::uint32_t end = cell_at(*request.to, grid, cells, "--to");
+  Json routes = Json::array();
+  for (const RouteCost cost : request.costs) {
+    const auto found = find_route(cells, costs.at(cost), start, end);
+    Json entry = Json::object();
+    entry["cost"] = name_of(cost);
+    entry["found"] = bool(found);
+    if (found) {
+      const Json sums = totals_of(*found, cells, costs);
+      for (const auto& [key, value] : sums.members()) entry[key] = value;
+      lines.push_back(line_of(*found, grid, sums, cost));
     }
-    writer.write({0, top, grid.columns, rows}, band);
+    routes.push_back(entry);
   }
-  writer.finish(request.map.threads);
+  return routes;
+}
+
+void write_spread(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells,
+                  const RouteCosts& costs) {
+  const RouteCost cost = request.costs.front();
+  const std::vector<float> least = reach(cells, costs, cell_at(*request.from, grid, cells, "--from"));
+  if (!request.reach.empty())
+    write_reach(request.reach, grid, cost, least, map_metadata(request.map, map_inputs(request.map)),
+                request.map.threads);
+  if (!request.isochrones.empty()) write_isochrones(request.isochrones, grid, cost, least, request.interval);
 }
 
 }  // namespace
@@ -125,39 +154,28 @@ Place parse_place(const std::string& text, const std::string& where) {
 }
 
 Json plan_route(const RouteRequest& request) {
+  require_places(request);
   const MapRequest& map = request.map;
   const MapSources sources = open_sources(map.region);
   const terrain::MapGrid& grid = sources.elevation.grid();
-  const SoilTable table = make_soil_table(map.model, map.region, map.rules, 0);
-  const RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
-  const std::uint32_t start = cell_at(request.from, grid, cells, "--from");
-  const std::uint32_t end = cell_at(request.to, grid, cells, "--to");
+  const SoilTable table = make_soil_table(without_spread(map.model), map.region, map.rules, 0);
   const AllCosts costs = all_costs(table, request.costs, map.rules.correlation_length);
-  Json result = Json::object(), routes = Json::array(), files = Json::array();
+  const RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
+  Json result = Json::object(), files = Json::array();
+  result["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_code;
+  result["cells"] = std::uint64_t(cells.soil.size());
   std::vector<terrain::LineFeature> lines;
-  for (const RouteCost cost : request.costs) {
-    const auto found = find_route(cells, costs.at(cost), start, end);
-    Json entry = Json::object();
-    entry["cost"] = name_of(cost);
-    entry["found"] = bool(found);
-    if (found) {
-      const Json sums = totals_of(*found, cells, costs);
-      for (const auto& [key, value] : sums.members()) entry[key] = value;
-      lines.push_back(line_of(*found, grid, sums, name_of(cost)));
-    }
-    routes.push_back(entry);
-  }
+  result["routes"] = request.to ? find_routes(request, grid, cells, costs, lines) : Json::array();
   if (!request.lines.empty() && !lines.empty()) {
     terrain::write_lines(request.lines, grid, "routes", lines);
     files.push_back(request.lines.string());
   }
-  if (!request.reach.empty()) {
-    write_reach(request, grid, reach(cells, costs.at(request.costs.front()), start));
-    files.push_back(request.reach.string());
-  }
-  result["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_code;
-  result["cells"] = std::uint64_t(cells.soil.size());
-  result["routes"] = routes;
+  if (!request.reach.empty() || !request.isochrones.empty())
+    write_spread(request, grid, cells, costs.at(request.costs.front()));
+  if (!request.regions.empty())
+    result["regions"] = write_regions(request.regions, grid, connected_regions(cells, costs.at(RouteCost::length)));
+  for (const auto& file : {request.reach, request.isochrones, request.regions})
+    if (!file.empty()) files.push_back(file.string());
   result["files"] = files;
   return result;
 }
@@ -177,6 +195,10 @@ std::string route_text(const Json& result) {
     if (const Json* energy = route.find("energy_j")) text += line(", %.3f MJ of one wheel", energy->number() / 1e6);
     text += "\n";
   }
+  if (const Json* regions = result.find("regions"))
+    text +=
+        line("%.0f connected regions; the largest holds %.4g of %.4g km2 that some heading passes\n",
+             regions->at("count").number(), regions->at("largest_km2").number(), regions->at("passable_km2").number());
   for (const Json& file : result.at("files").items()) text += file.string() + "\n";
   return text;
 }

@@ -2,9 +2,12 @@
 
 #include <cpl_conv.h>
 #include <cpl_error.h>
+#include <cpl_string.h>
 
 #include <algorithm>
 #include <cstdint>
+
+#include "base/error.h"
 
 namespace gonogo::terrain {
 
@@ -32,5 +35,37 @@ std::string GdalCall::message() const {
 bool GdalCall::warned() const { return CPLGetLastErrorType() >= CE_Warning; }
 
 bool GdalCall::failed() const { return CPLGetLastErrorType() >= CE_Failure; }
+
+void refuse_to_write(const std::filesystem::path& path, const GdalCall& call) {
+  throw DeviceError(path.string() + ": cannot be written (" + call.message() + ")");
+}
+
+FixedDate::FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", kDay); }
+FixedDate::~FixedDate() { CPLSetThreadLocalConfigOption("OGR_CURRENT_DATE", nullptr); }
+
+OGRSpatialReference system_of(const MapGrid& grid) {
+  OGRSpatialReference crs;
+  crs.importFromWkt(grid.crs_wkt.c_str());
+  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return crs;
+}
+
+DatasetHandle open_reduced(const std::filesystem::path& layer, double most_cells) {
+  const GdalCall call;
+  const auto open = [&](const char* const* options) {
+    DatasetHandle dataset(GDALDataset::Open(layer.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, options));
+    if (!dataset) throw DeviceError(layer.string() + ": cannot be read back (" + call.message() + ")");
+    return dataset;
+  };
+  DatasetHandle dataset = open(nullptr);
+  const int overviews = dataset->GetRasterBand(1)->GetOverviewCount();
+  for (int o = 0; o < overviews; ++o) {
+    if (double(dataset->GetRasterXSize()) * dataset->GetRasterYSize() <= most_cells) break;
+    CPLStringList options;
+    options.SetNameValue("OVERVIEW_LEVEL", std::to_string(o).c_str());
+    dataset = open(options.List());
+  }
+  return dataset;
+}
 
 }  // namespace gonogo::terrain

@@ -32,6 +32,9 @@ std::string ramp_renderer(const LayerInfo& info) {
   for (const LegendEntry& entry : info.legend)
     xml += "          <item value=\"" + shortest(entry.value) + "\" color=\"" + entry.colour + "\" label=\"" +
            xml_escaped(entry.label) + "\" alpha=\"255\"/>\n";
+  const std::string unit = info.unit.empty() || info.unit == "1" ? "" : " " + info.unit;
+  xml += "          <rampLegendSettings minimumLabel=\"\" maximumLabel=\"\" prefix=\"\" suffix=\"" + xml_escaped(unit) +
+         "\" direction=\"0\" orientation=\"2\" useContinuousLegend=\"1\"/>\n";
   return xml + "        </colorrampshader>\n      </rastershader>\n    </rasterrenderer>\n";
 }
 

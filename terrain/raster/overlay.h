@@ -1,4 +1,4 @@
-// A class layer for programs that are no GIS: polygons, and a picture over the globe.
+// A class layer for programs that are no GIS: a picture over the globe.
 #pragma once
 #include <array>
 #include <filesystem>
@@ -16,11 +16,6 @@ struct DegreeBox {
 DegreeBox degree_box(const MapGrid& grid);
 /// Corners [longitude, latitude], counter-clockwise from the south-west.
 std::array<std::array<double, 2>, 4> degree_corners(const MapGrid& grid);
-
-/// Polygons of equal class as a GeoPackage (layer "classes": code, class, area_km2) in the layer's own system. Larger
-/// layers are taken at the overview with at most `most_cells` cells, which the column cell_m states.
-void write_class_polygons(const std::filesystem::path& path, const std::filesystem::path& layer, const MapGrid& grid,
-                          const std::vector<LegendEntry>& legend, double most_cells = 4e6);
 
 /// A class layer warped to longitude and latitude as `overlay.png`-like picture with transparent nodata, at most
 /// `longest` pixels a side, and the KML beside it that lays it over the globe. Texts are escaped.

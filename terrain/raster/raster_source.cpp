@@ -49,13 +49,6 @@ std::string resampling_of(RasterKind kind, double cell, double source_cell, bool
   return "bilinear";
 }
 
-OGRSpatialReference system_of(const MapGrid& grid) {
-  OGRSpatialReference crs;
-  crs.importFromWkt(grid.crs_wkt.c_str());
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  return crs;
-}
-
 }  // namespace
 
 RasterSource::RasterSource(std::unique_ptr<State> state) : state_(std::move(state)) {}

@@ -11,7 +11,7 @@
 namespace gonogo::terrain {
 
 struct LineFeature {
-  std::string name;
+  std::string name, colour;                               // colour "#rrggbb", kept as QGIS style in a GeoPackage
   std::vector<std::array<double, 2>> point;               // in the grid's coordinate system
   std::vector<std::pair<std::string, double>> attribute;  // one column each; not kept in GPX
 };

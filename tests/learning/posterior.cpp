@@ -85,6 +85,41 @@ TEST_CASE("P(outcome | any subset of variables) equals enumeration of the machin
   }
 }
 
+TEST_CASE("weights that double cannot multiply out are summed in logarithms") {
+  // Fields of +-900 that cancel: a product on its way would leave the range of double, what it comes to would not.
+  const VisibleLayout layout({Encoder::categorical("a", {"x", "y"}), Encoder::categorical("b", {"x", "y"})},
+                             {"go", "no_go"});
+  for (const double size : {1.0, 20.0, 300.0, 900.0}) {
+    RbmWeights machine = RbmWeights::zeros(layout.unit_count(), 2);
+    for (std::size_t i = 0; i < 4; ++i) {
+      machine.weight[i * 2] = i < 2 ? size : -size;
+      machine.weight[i * 2 + 1] = (i < 2 ? -1.01 : 1) * size + double(i);
+      machine.visible_bias[i] = 0.3 * double(i);
+    }
+    for (std::size_t i = 4; i < 6; ++i) machine.weight[i * 2] = machine.weight[i * 2 + 1] = 0.5 * double(i) - 2;
+    const Posterior posterior(layout, machine);
+    for (const std::vector<double>& x : {std::vector<double>{kUnknown, kUnknown}, {0, kUnknown}, {kUnknown, 1}}) {
+      INFO("size " << size);
+      // By hand, in logarithms.
+      std::vector<double> log_p(2, -INFINITY);
+      for (int a = 0; a < 2; ++a)
+        for (int b = 0; b < 2; ++b)
+          for (std::size_t y = 0; y < 2; ++y) {
+            if ((!std::isnan(x[0]) && x[0] != a) || (!std::isnan(x[1]) && x[1] != b)) continue;
+            const bool known_a = !std::isnan(x[0]), known_b = !std::isnan(x[1]);
+            double term = (known_a ? 0 : 0.3 * a) + (known_b ? 0 : 0.3 * (2 + b));
+            for (std::size_t j = 0; j < 2; ++j)
+              term += softplus(machine.weight[std::size_t(a) * 2 + j] + machine.weight[std::size_t(2 + b) * 2 + j] +
+                               machine.weight[(4 + y) * 2 + j]);
+            log_p[y] = log_sum_exp(std::vector<double>{log_p[y], term});
+          }
+      const double total = log_sum_exp(log_p);
+      const auto answer = posterior.marginal(x).probability;
+      for (std::size_t y = 0; y < 2; ++y) CHECK(answer[y] == Approx(std::exp(log_p[y] - total)).epsilon(1e-9));
+    }
+  }
+}
+
 TEST_CASE("all unknown variables at once: enumeration of the machine, with and without a known outcome") {
   const VisibleLayout layout = small_layout();
   const RbmWeights machine = random_machine(layout.unit_count(), 5, 2.0, 11);

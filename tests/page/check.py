@@ -122,11 +122,35 @@ def check_hostile(browser, expected):
     browser.js("document.getElementById('about-box').close()")
 
 
+def check_print(browser):
+    """On paper: the map with its legend and what a reader must know, even from a dark screen; no controls."""
+    browser.js("set_theme('dark'); window.dispatchEvent(new Event('beforeprint'))")
+    browser.call("Emulation.setEmulatedMedia", media="print")
+    shown = lambda name: browser.js(f"getComputedStyle(document.querySelector('{name}')).display !== 'none'")
+    check(all(shown(name) for name in ("#title", "#canvas", "#legend", "#scale", "#print-note")), "map and legend are printed")
+    check(not any(shown(name) for name in (".panel", ".tools", ".zoom")), "controls are not printed")
+    text = browser.js("document.getElementById('print-note').innerText")
+    for verdict in browser.js("meta.verdicts.map((v) => v.label)"):
+        check(verdict in text, f"the printed note tells the share of {verdict}: {text!r}")
+    check(browser.js("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)", "paper is white")
+    browser.call("Emulation.setEmulatedMedia", media="")
+    browser.js("set_theme('light')")
+
+
+def check_shares(browser):
+    rows = browser.js("(() => { const { count } = count_classes(), s = [...document.querySelectorAll('.share-list span')]"
+                      ".map((e) => e.textContent); return meta.verdicts.map((v, i) => [count.get(v.code), s[3 * i + 1]]); })()")
+    for count, text in rows:
+        check((count == 0) == (text == "0.0 %"), f"{count} cells are told as {text}")
+
+
 def check_phone(browser):
     check(browser.js("document.documentElement.scrollWidth <= innerWidth"), "nothing is wider than the phone")
     small = browser.js("[...document.querySelectorAll('button, .layers label, .segments label')].filter((e) =>"
                        " e.offsetParent && e.offsetHeight < 26).map((e) => e.textContent)")
     check(not small, f"buttons are large enough for a finger: {small}")
+    check(browser.js("['title', 'subtitle'].every((id) => { const e = document.getElementById(id);"
+                     " return e.scrollWidth <= e.clientWidth + 1; })"), "title and subtitle go on in a second line")
     check(browser.js("canvas.clientHeight > 0.35 * innerHeight"), "the map keeps room")
 
 
@@ -147,6 +171,8 @@ def main():
     check_settings(browser)
     check_keyboard(browser)
     check_route(browser, expected)
+    check_shares(browser)
+    check_print(browser)
     if pictures:
         browser.picture(pictures / "route.png")
     check(not browser.complaints(), f"no error: {browser.complaints()[:2]}")

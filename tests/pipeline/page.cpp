@@ -179,8 +179,8 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
   const TemporaryFolder folder;
   RouteRequest request;
   request.map = hostile_request(folder);
-  request.from = {216000, 4370500};
-  request.to = {220500, 4369000};
+  request.from = Place{216000, 4370500};
+  request.to = Place{220500, 4369000};
   request.costs = {RouteCost::time, RouteCost::risk, RouteCost::length};
   for (const char* name : {"routes.gpkg", "routes.geojson", "routes.gpx"}) {
     INFO(name);
@@ -198,14 +198,41 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
     CHECK(lines.west == Approx(lines.degrees ? -120.30 : 216000).margin(lines.degrees ? 0.02 : 200));
   }
   request.reach = folder / "reach.tif";
-  plan_route(request);
+  request.isochrones = folder / "minutes.gpkg";
+  request.interval = 900;
+  request.regions = folder / "regions.gpkg";
+  request.lines.clear();
+  request.to.reset();  // not needed for what can be reached
+  const Json spread = plan_route(request);
+  CHECK(spread.at("routes").items().empty());
+  CHECK(spread.at("files").items().size() == 3);
   const auto dem = RasterSource::open_elevation(request.map.region.elevation.files);
   const auto cost = RasterSource::open_on_grid(folder / "reach.tif", dem.grid(), RasterKind::continuous);
   CHECK(cost.read({175, 300, 1, 1}).value[0] < 300);  // the start's surroundings, in seconds
-  request.from = {0, 0};
+  const std::map<int, double> bands = test::areas_by_code(folder / "minutes.gpkg", "isochrones");
+  std::map<int, double> expected;
+  for (const float seconds : cost.read({0, 0, dem.grid().columns, dem.grid().rows}).value)
+    if (!std::isnan(seconds)) expected[int(seconds / 900)] += dem.grid().cell_area_m2() * 1e-6;
+  REQUIRE(bands.size() == expected.size());
+  CHECK(bands.size() > 2);
+  for (const auto& [band, area] : expected) CHECK(bands.at(band) == Approx(area));
+  const std::map<int, double> regions = test::areas_by_code(folder / "regions.gpkg", "regions");
+  double all = 0;
+  for (const auto& [rank, area] : regions) all += area;
+  CHECK(regions.at(0) == Approx(spread.at("regions").at("largest_km2").number()));
+  CHECK(all == Approx(spread.at("regions").at("passable_km2").number()));
+  CHECK(spread.at("regions").at("count").integer() >= std::int64_t(regions.size()));
+  request.isochrones = folder / "minutes.shp";
+  CHECK(contains(input_error([&] { plan_route(request); }), "polygons are written as .gpkg"));
+  request.isochrones.clear();
+  request.reach.clear();
+  request.regions.clear();
+  CHECK(contains(input_error([&] { plan_route(request); }), "nothing is asked for"));
+  request.to = Place{220500, 4369000};
+  request.from = Place{0, 0};
   CHECK(contains(input_error([&] { plan_route(request); }), "--from 0,0 lies outside the elevation raster"));
   request.lines = folder / "routes.shp";
-  request.from = {216000, 4370500};
+  request.from = Place{216000, 4370500};
   CHECK(contains(input_error([&] { plan_route(request); }), "use .gpkg, .geojson or .gpx"));
   CHECK(contains(input_error([] { parse_place("12", "route: --from"); }), "easting,northing"));
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "pipeline/route/bands.h"
 #include "pipeline/route/search.h"
 #include "tests/pipeline/analytic_model.h"
 #include "tests/support/catch.h"
@@ -207,6 +208,40 @@ TEST_CASE("connected regions are those that a flood along two-way steps fills") 
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 9; ++column)
       CHECK(region[std::size_t(9 * row + column)] == (column < 4 ? 0 : column == 4 ? -1 : 1));
+}
+
+TEST_CASE("bands of equal cost have round widths, labels in readable units, and hold every cell that is reached") {
+  std::vector<float> seconds;
+  for (int i = 0; i <= 4000; i += 10) seconds.push_back(float(i));
+  seconds.push_back(INFINITY);
+  const CostBands minutes = cost_bands(RouteCost::time, seconds, 0);
+  CHECK(minutes.interval == 600);
+  CHECK(minutes.label.size() == 7);
+  CHECK(minutes.label[1] == "10 to 20 min");
+  for (std::size_t i = 0; i + 1 < seconds.size(); ++i) CHECK(minutes.band[i] == int(i) / 60);
+  CHECK(minutes.band.back() == kNoBand);
+  CHECK(cost_bands(RouteCost::time, seconds, 45).label[1] == "45 to 90 s");
+  CHECK(cost_bands(RouteCost::length, seconds, 0).label[1] == "0.5 to 1 km");
+  CHECK(cost_bands(RouteCost::energy, {0, 3e6f}, 0).label[1] == "0.5 to 1 MJ");
+  CHECK(cost_bands(RouteCost::risk, {0, 0.5f}, 0).label[1] == "chance to get through 0.819 to 0.905");
+  CHECK(cost_bands(RouteCost::length, {INFINITY, 0}, 0).label.size() == 1);  // nothing but the start
+  CHECK(cost_bands(RouteCost::time, seconds, 16.01).label.size() == 250);
+  CHECK(contains(input_error([&] { cost_bands(RouteCost::time, seconds, 15); }), "makes 267 bands"));
+  CHECK(contains(input_error([&] { cost_bands(RouteCost::time, seconds, -1); }), "--interval"));
+  CHECK(contains(input_error([&] { cost_bands(RouteCost::time, seconds, NAN); }), "--interval"));
+}
+
+TEST_CASE("regions are ranked by their size, and those beyond the largest are counted together") {
+  std::vector<std::int32_t> region = {-1, 0, 1, 1, 2, 2, 1, 0, 3};
+  const LargestRegions few = largest_regions(region);
+  CHECK(few.cells == std::vector<std::uint64_t>{3, 2, 2, 1});
+  CHECK(few.rank == std::vector<std::uint8_t>{kNoBand, 1, 0, 0, 2, 2, 0, 1, 3});
+  for (std::int32_t r = 4; r < 40; ++r) region.push_back(r);
+  const LargestRegions many = largest_regions(region);
+  CHECK(many.cells.size() == 40);
+  CHECK(many.rank.back() == kLargestRegions);
+  CHECK(many.rank[8] == 3);
+  CHECK(largest_regions({-1, -1}).cells.empty());
 }
 
 TEST_CASE("a cost that nobody knows, and one that the model cannot tell, are refused") {
