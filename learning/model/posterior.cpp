@@ -159,7 +159,8 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
     }
   }
   if (terms <= double(options.most_terms)) {
-    if (auto answer = sum_products(field, unknown)) return *answer;
+    // With nothing unknown the bits are those of operator().
+    if (auto answer = unknown.empty() ? std::nullopt : sum_products(field, unknown)) return *answer;
     return sum_logarithms(std::move(field), unknown);
   }
   return joint(variables, std::nullopt, options).outcome;
