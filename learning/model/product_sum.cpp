@@ -52,8 +52,10 @@ void Posterior::prepare_products() {
 }
 
 /// Whether every number of the sum stays in the range of double: each factor on its way, by the sizes of what is added
-/// up in its exponent, and the products of all hidden units, by the largest softplus of each.
+/// up in its exponent, the products of all hidden units, by the largest softplus of each, and exp(d).
 bool Posterior::products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const {
+  const auto [least, largest] = std::minmax_element(outcome_bias_.begin(), outcome_bias_.end());
+  if (!(*largest - *least < kLargestLog)) return false;
   const std::size_t hidden = field.size();
   double log_product = 0;
   for (std::size_t j = 0; j < hidden; ++j) {

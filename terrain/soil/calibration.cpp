@@ -58,7 +58,7 @@ struct PlaceOnLine {
 
 PlaceOnLine place_on_line(const Calibration& c, const MacroscopicSoil& soil) {
   const std::size_t packing = packing_level(c, soil.relative_density);
-  const AngleRange range = reach_in(c, packing);
+  const AngleRange range = reachable_angles(c, soil.relative_density);
   if (!(soil.friction_angle >= range.lowest && soil.friction_angle <= range.highest)) {
     std::ostringstream text;
     text << "soil: friction angle " << soil.friction_angle << " deg is outside what grains of " << c.grain_diameter
