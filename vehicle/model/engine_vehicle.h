@@ -1,6 +1,6 @@
 // A whole vehicle in a world of the contact engine: bodies, joints, struts, wheels, and what drives and brakes them.
 #pragma once
-#include "vehicle/model/engine_bodies.h"
+#include "vehicle/model/engine_track.h"
 
 namespace gonogo::vehicle {
 
@@ -21,16 +21,22 @@ struct EngineVehicle {
   std::vector<Index> brake_motor;     // [station] -1: none
   std::vector<Index> steer_motor;     // of the steering arms, when there are any
   sim::BodyIndex chassis = 0;
+  std::vector<EngineTrack> track;     // left, right; their sprockets drive and brake, not the stations' road wheels
 };
 
 /// The same vehicle with a payload in the chassis's centre of mass [kg].
 Vehicle loaded(Vehicle v, double payload);
 
+/// Distance from a station's axle down to where the vehicle touches flat ground before it has settled: its lugs' tips,
+/// or the bottom of a belt whose plates touch no wheel yet [m].
+double ground_reach(const Vehicle& v, const Wheel& wheel);
+
 /// Height of the vehicle's origin over flat ground when its wheels, lugs included, just touch [m].
 double standing_height(const Vehicle& v);
 
-/// Adds the vehicle in its design position, origin at `origin`, axes along the world's. Throws InputError for tracks,
-/// which have no belt in the engine. `v` must outlive the result.
+/// Adds the vehicle in its design position, origin at `origin`, axes along the world's. A tracked one must have been set
+/// down (track_loop.h); throws InputError where its file has no belt, or one that does not close. `v` must outlive the
+/// result.
 EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d& origin, int tool_material);
 
 /// Adds drivelines or controllers, brakes and differentials. Throws InputError for what the engine cannot drive: a
