@@ -8,6 +8,11 @@
 // shoes: J. Y. Wong, Theory of Ground Vehicles, 4th ed., 4.1; contact of sprocket and shoe pins as in Project Chrono's
 // ChTrackAssemblySinglePin, with arcs instead of boxes). Plates and sprockets pass through each other: a real shoe has
 // windows for the teeth.
+//
+// Nothing rubs inside a track: bosses turn about their pins like the rollers of a chain. With friction on its straight
+// flanks a tooth would hold the boss that leaves it under tension and wind the belt up. So wheels slide on plates
+// instead of rolling, which their small moments of inertia let pass, and the internal resistance is that of impacts and
+// dampers alone.
 #pragma once
 #include "vehicle/model/engine_bodies.h"
 #include "vehicle/model/track_loop.h"

@@ -200,7 +200,7 @@ void add_wheel_motors(sim::SceneWorld& world, const Vehicle& v, const EngineVehi
   }
 }
 
-/// Chassis, running gear and belts; wheels, teeth and shoes touch each other with the belts' friction.
+/// Chassis, running gear and belts.
 EngineVehicle add_tracked(sim::SceneWorld& world, const Vehicle& v, const Vec3d& origin, int material) {
   require_belt(v);
   const TrackLoop loops[2] = {close_loop(v, true), close_loop(v, false)};
@@ -210,9 +210,10 @@ EngineVehicle add_tracked(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
   e.bodies = add_bodies(world, assembly, origin);
   add_struts(world, assembly, e.bodies, origin);
   e.chassis = e.bodies.body[0];
+  e.chassis_centre = assembly.body[0].centre;
   add_belly(world, v, e, origin, material);
   add_sprockets_and_idlers(world, v, loops, assembly, e.bodies, material);
-  world.set_law(material, material, {Real(v.track[0].belt[0].friction), 0, 0});
+  world.set_law(material, material, {});  // see engine_track.h
   for (std::size_t i = 0; i < e.station.size(); ++i) {
     e.wheel.push_back(e.bodies.body[std::size_t(assembly.wheel[i])]);
     e.drive_motor.push_back(-1), e.brake_motor.push_back(-1);
@@ -287,6 +288,47 @@ void add_steering(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, co
   }
 }
 
+std::vector<RunningPart> running_parts(const Vehicle& v) {
+  std::vector<RunningPart> parts;
+  for (const Station& s : stations(v)) {
+    const double width = v.track.empty() ? s.wheel->width : v.track[0].shoe_width;
+    parts.push_back({s.name, s.centre, ground_reach(v, *s.wheel), width, s.wheel->radius, s.driven && v.track.empty()});
+  }
+  for (const Track& t : v.track)
+    for (const double side : {1.0, -1.0})
+      parts.push_back({side > 0 ? "left sprocket" : "right sprocket",
+                       t.sprocket.centre + Vec3d{0, side * t.offset, 0},
+                       0,
+                       0,
+                       rolling_radius(t),
+                       true});
+  return parts;
+}
+
+std::vector<Vec3d> belt_bottom(const Vehicle& v) {
+  constexpr double every = 0.01;  // [m]
+  std::vector<Vec3d> points;
+  for (const Track& t : v.track)
+    for (const bool left : {true, false}) {
+      const std::vector<Vec3d> pin = close_loop(v, left).pin;
+      for (std::size_t k = 0; k < pin.size(); ++k) {
+        const Vec3d way = pin[(k + 1) % pin.size()] - pin[k], out{way.z / t.shoe_pitch, 0, -way.x / t.shoe_pitch};
+        if (out.z > -0.3) continue;  // faces forward, back or up
+        const Vec3d from = pin[k] + (t.pad_below_pin + t.grouser_height) * out + Vec3d{0, left ? t.offset : -t.offset, 0};
+        for (double s = 0; s < t.shoe_pitch; s += every) points.push_back(from + (s / t.shoe_pitch) * way);
+      }
+    }
+  return points;
+}
+
+sim::BodyIndex running_body(const EngineVehicle& e, std::size_t part) {
+  return part < e.wheel.size() ? e.wheel[part] : e.track[part - e.wheel.size()].sprocket;
+}
+
+Index running_motor(const EngineVehicle& e, std::size_t part) {
+  return part < e.wheel.size() ? e.drive_motor[part] : e.track[part - e.wheel.size()].drive_motor;
+}
+
 Vehicle loaded(Vehicle v, double payload) {
   if (payload > 0) v.fixed_parts.push_back({"payload", payload, v.chassis.centre, {}, {}});
   return v;
@@ -320,6 +362,7 @@ EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
   e.bodies = add_bodies(world, assembly, origin);
   add_struts(world, assembly, e.bodies, origin);
   e.chassis = e.bodies.body[0];
+  e.chassis_centre = assembly.body[0].centre;
   add_belly(world, v, e, origin, tool_material);
   for (std::size_t i = 0; i < e.station.size(); ++i) {
     const int body = assembly.wheel[i];

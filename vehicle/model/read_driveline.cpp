@@ -31,7 +31,6 @@ Belt read_belt(const Config& c, const Track& t) {
   b.wheel_gap = c.number("wheel_gap_m", {1e-3, t.shoe_width});
   b.idler_width = c.number("idler_width_m", {b.wheel_gap, t.shoe_width});
   b.guide = read_vector(c, "guide_m", {1e-3, 1});
-  b.friction = c.number("friction", {0, 5});
   if (t.grouser_height > 0) b.grouser_thickness = c.number("grouser_thickness_m", {1e-3, t.shoe_pitch});
   if (!(b.guide.y < b.wheel_gap))
     c.fail("guide_m", "is " + std::to_string(b.guide.y) + " m wide and runs in a gap of " +

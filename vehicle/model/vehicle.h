@@ -104,7 +104,6 @@ struct Belt {
   double idler_width = 0;   // over both discs [m]
   Vec3d guide;              // length, width, height over the pad of the horn on each shoe [m]
   double grouser_thickness = 0;  // along the belt [m]
-  double friction = 0;           // of shoes on wheels and teeth
   double carrier_mass = 0;       // of what slides with the idler, part of the chassis's mass [kg]
   Vec3d carrier_inertia;         // [kg m^2]
   double tensioner_force = 0;    // where the belt just closes [N]
