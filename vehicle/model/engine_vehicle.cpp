@@ -376,6 +376,9 @@ EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
 }
 
 void add_drive(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const DriverOrders& orders) {
+  if (v.driveline.wheel_motors && !e.track.empty())
+    throw InputError("vehicle " + v.name +
+                     ": driveline.type is wheel_motors; trials drive tracks by an engine, give \"engine\"");
   if (v.driveline.wheel_motors)
     add_wheel_motors(world, v, e, orders);
   else
