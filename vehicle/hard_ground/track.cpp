@@ -99,7 +99,7 @@ HardGroundReport check_belts_at_rest(const Vehicle& vehicle, const HardGroundRun
   HardGroundReport r{"belts", v.name + ": belts at rest", "time [s]", "load of the ground over weight", {}, {}};
   Trace load{"engine", {}, {}};
   constexpr int samples = 40;
-  constexpr double time = 3, mean_over = 0.25;
+  constexpr double time = 2, mean_over = 0.25;
   for (int k = 0; k < samples; ++k) {
     drive_for(*rig.s, time / samples);
     load.x.push_back((k + 1) * time / samples);
