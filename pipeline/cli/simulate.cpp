@@ -162,8 +162,8 @@ void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json,
   json["grains_per_tyre"] = grains;
   json["label"] = grains >= kGrainsPerTyre ? "fine" : "coarse";
   if (grains < kGrainsPerTyre) {
-    text +=
-        line("coarse label: a tyre or shoe is %.1f grains wide, %.0f are needed for one to publish\n", grains, kGrainsPerTyre);
+    text += line("coarse label: a tyre or shoe is %.1f grains wide, %.0f are needed for one to publish\n", grains,
+                 kGrainsPerTyre);
   }
   for (const WheelRecord& w : record.wheels) {
     Json wheel;

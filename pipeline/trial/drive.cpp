@@ -151,8 +151,7 @@ void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const
   // The hitch: at the rear, as high as the axles, so that the pull turns the vehicle as its wheels' forces do.
   const Vec3d hitch{-v.length / 2, 0, e.station.front().centre.z};
   add_tow(setup, conditions, e.chassis,
-          rotate_back(world.body[std::size_t(e.chassis)].orientation,
-                      static_cast<Vec3>(hitch - e.chassis_centre)),
+          rotate_back(world.body[std::size_t(e.chassis)].orientation, static_cast<Vec3>(hitch - e.chassis_centre)),
           world);
   sim::Monitor chassis = stopping_monitor(setup, e.chassis);
   chassis.least_up = std::cos(setup.thresholds.tilt_deg * std::numbers::pi / 180);
@@ -238,8 +237,8 @@ sim::SceneWorld vehicle_on_bed(const TrialSetup& setup, const terrain::Packing& 
     packing.grain[i].position = bed.grain[i].position;
     packing.grain[i].orientation = bed.grain[i].orientation;
   }
-  const double headroom =
-      setup.whole ? kHeadroom + vehicle::standing_height(vehicle::set_down(*setup.whole)) : 3 * (setup.rig.radius + setup.rig.lug_height);
+  const double headroom = setup.whole ? kHeadroom + vehicle::standing_height(vehicle::set_down(*setup.whole))
+                                      : 3 * (setup.rig.radius + setup.rig.lug_height);
   sim::SceneWorld world = ground_world(setup, packing, conditions, headroom);
   if (setup.whole)
     add_whole(setup, conditions, packing, world);

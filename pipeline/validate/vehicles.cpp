@@ -13,8 +13,8 @@ namespace {
 using vehicle::HardGroundCheck;
 using vehicle::HardGroundReport;
 
-constexpr double kFriction = 0.5, kBrakingFriction = 0.4, kBrakingSpeed = 20;  // [-], [m/s]
-constexpr double kSprocketSpeed = 6, kTrackFriction = 0.3, kTrackSlope = 0.22;                // [rad/s], [-], [rad]
+constexpr double kFriction = 0.5, kBrakingFriction = 0.4, kBrakingSpeed = 20;   // [-], [m/s]
+constexpr double kSprocketSpeed = 6, kTrackFriction = 0.3, kTrackSlope = 0.22;  // [rad/s], [-], [rad]
 constexpr int kGears = 4;  // higher ones need minutes to reach their speed
 
 std::string csv_of(const HardGroundReport& r) {

@@ -76,8 +76,7 @@ GONOGO_HD inline RowGeometry distance_row(const Link& link, double free_length) 
 
 /// Row `k` of a joint, 0 <= k < row_count(type).
 GONOGO_HD inline RowGeometry joint_row(JointType type, const Link& link, double joint_length, Index k) {
-  const bool holds_point =
-      type != JointType::prismatic && type != JointType::distance && type != JointType::in_line;
+  const bool holds_point = type != JointType::prismatic && type != JointType::distance && type != JointType::in_line;
   if (holds_point && k < 3) return point_row(link, direction_of(link.b, k));
   switch (type) {
     case JointType::revolute:

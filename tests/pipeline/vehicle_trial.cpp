@@ -21,9 +21,9 @@ using test::agrees;
 /// A vehicle on grains far too coarse for a label, so that a test is short.
 TrialSetup coarse_vehicle(const std::string& vehicle, const std::string& task) {
   const fs::path root = GONOGO_SOURCE_DIR;
-  TrialSetup s = vehicle_trial_setup(root / "configs/vehicles" / (vehicle + ".json"),
-                                     root / "configs/soils/calibration_90mm.json", parse_task(task),
-                                     fs::temp_directory_path() / "gonogo-test-beds");
+  TrialSetup s =
+      vehicle_trial_setup(root / "configs/vehicles" / (vehicle + ".json"), root / "configs/soils/calibration_90mm.json",
+                          parse_task(task), fs::temp_directory_path() / "gonogo-test-beds");
   const double length = s.tiles_along * s.bed_length;
   s.calibration.grain_diameter = 0.2;
   s.bed_length = 2.2, s.bed_width = 1.6;

@@ -117,7 +117,8 @@ HardGroundReport check_belts_at_rest(const Vehicle& vehicle, const HardGroundRun
     }
   }
   const double expected = weigh(v).total * kGravity;
-  r.check.push_back({"ground_load_N", "load on the ground: the weight [N]", expected, weight, kLoadTolerance * expected});
+  r.check.push_back(
+      {"ground_load_N", "load on the ground: the weight [N]", expected, weight, kLoadTolerance * expected});
   for (int side = 0; side < 2; ++side) {
     const std::string name = side == 0 ? "left" : "right";
     r.check.push_back({"belt_tension_" + name + "_N",
@@ -140,8 +141,8 @@ HardGroundReport check_track_speed(const Vehicle& vehicle, double sprocket_speed
   drive_for(*rig.s, 0.5);
   const double turn = 2 * std::numbers::pi / sprocket_speed, from = rig.place();
   HardGroundReport r{"track_speed", v.name + ": way over what the sprockets turn", "turns", "way [m]", {}, {}};
-  Trace engine{"engine", {}, {}}, closed{"teeth times pitch", {0, 2}, {0, 2 * 2 * std::numbers::pi *
-                                                                          rolling_radius(v.track[0])}};
+  Trace engine{"engine", {}, {}},
+      closed{"teeth times pitch", {0, 2}, {0, 2 * 2 * std::numbers::pi * rolling_radius(v.track[0])}};
   double drift = 0;
   constexpr int parts = 20, turns = 2;
   for (int k = 0; k < turns * parts; ++k) {
@@ -168,9 +169,12 @@ HardGroundReport check_track_traction(const Vehicle& vehicle, double mu, const H
   rig.speed_up(spin, torque);
   drive_for(*rig.s, before);
   const double speed = forward_speed(*rig.s, rig.ground);
-  HardGroundReport r{"track_traction", v.name + ": spinning belts on the slope that friction just allows",
-                     "time [s]",       "speed [m/s]",
-                     {},               {}};
+  HardGroundReport r{"track_traction",
+                     v.name + ": spinning belts on the slope that friction just allows",
+                     "time [s]",
+                     "speed [m/s]",
+                     {},
+                     {}};
   Trace trace{"engine", {}, {}};
   constexpr int samples = 40;
   for (int k = 0; k < samples; ++k) {
@@ -192,9 +196,12 @@ HardGroundReport check_track_torque(const Vehicle& vehicle, double slope, const 
   TrackRig rig(v, 0.9, slope, run, 1e-3);
   drive_for(*rig.s, settled);
   rig.speed_up(speed, torque);
-  HardGroundReport r{"track_torque", v.name + ": the sprockets' torque and the ground's force, slowly uphill",
-                     "time [s]",     "force [N]",
-                     {},             {}};
+  HardGroundReport r{"track_torque",
+                     v.name + ": the sprockets' torque and the ground's force, slowly uphill",
+                     "time [s]",
+                     "force [N]",
+                     {},
+                     {}};
   Trace ground{"ground", {}, {}}, sprockets{"torque over rolling radius", {}, {}};
   const double time = teeth * 2 * std::numbers::pi / (sprocket_teeth(t) * speed);
   double by_ground = 0, by_torque = 0;
@@ -205,8 +212,8 @@ HardGroundReport check_track_torque(const Vehicle& vehicle, double slope, const 
     by_ground += ground.y.back() / samples, by_torque += sprockets.y.back() / samples;
   }
   const double weight = weigh(v).total * kGravity * std::sin(slope);
-  r.check.push_back({"track_force_N", "force of the ground, slowly uphill: the weight's share along the slope [N]", weight,
-                     by_ground, kPullTolerance * weight});
+  r.check.push_back({"track_force_N", "force of the ground, slowly uphill: the weight's share along the slope [N]",
+                     weight, by_ground, kPullTolerance * weight});
   r.check.push_back({"track_torque_N", "torque of the sprockets over their rolling radius: the same [N]", weight,
                      by_torque, kTorqueTolerance * weight});
   r.trace = {ground, sprockets};

@@ -139,12 +139,8 @@ void add_running_gear(const Vehicle& v, double side, const Vec3d& idler, Assembl
   a.body[0] = joined(a.body[0], point_mass("", -b.carrier_mass, t.idler.centre + beside));
   a.body.push_back({of_side(side, "carrier"), b.carrier_mass, idler + beside, b.carrier_inertia, {}});
   bodies.carrier = int(a.body.size()) - 1;
-  a.link.push_back({LinkType::prismatic,
-                    0,
-                    bodies.carrier,
-                    idler + beside,
-                    {},
-                    direction(t.idler.centre, t.idler_travel)});
+  a.link.push_back(
+      {LinkType::prismatic, 0, bodies.carrier, idler + beside, {}, direction(t.idler.centre, t.idler_travel)});
   bodies.idler = add_turning(a, moved(t.idler, idler + beside), bodies.carrier, side);
   a.track.push_back(bodies);
 }

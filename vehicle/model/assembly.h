@@ -50,7 +50,7 @@ struct Assembly {
   std::vector<Part> body;  // 0 is the chassis; of positive mass
   std::vector<Link> link;  // a tree rooted in the chassis, and loops
   std::vector<Strut> strut;
-  std::vector<int> wheel;  // body of each station's wheel
+  std::vector<int> wheel;          // body of each station's wheel
   std::vector<TrackBodies> track;  // left, right; only of tracks without belts
 };
 

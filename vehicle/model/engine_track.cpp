@@ -18,9 +18,7 @@ constexpr double kPlateRoom = 0.005;
 /// Beyond its travel a tensioner meets a stop that is so much stiffer than its spring.
 constexpr double kStop = 10;
 
-Quat about_y(double angle) {
-  return {Real(std::cos(angle / 2)), 0, Real(std::sin(angle / 2)), 0};
-}
+Quat about_y(double angle) { return {Real(std::cos(angle / 2)), 0, Real(std::sin(angle / 2)), 0}; }
 
 Quat backwards(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
 
@@ -38,9 +36,9 @@ void add_sprocket_shape(sim::SceneWorld& world, const Track& t, const TrackLoop&
   const Belt& b = t.belt[0];
   const int teeth = sprocket_teeth(t);
   const double hub = t.sprocket_radius - b.pin_radius, chord = t.sprocket_radius * std::cos(std::numbers::pi / teeth);
-  sim::Shape s = shape_on(body, sim::ShapeType::wheel,
-                          {Real(hub), Real(0.5 * b.disc_distance + b.pin_radius), Real(chord + kToothReach - hub)},
-                          material);
+  sim::Shape s =
+      shape_on(body, sim::ShapeType::wheel,
+               {Real(hub), Real(0.5 * b.disc_distance + b.pin_radius), Real(chord + kToothReach - hub)}, material);
   s.group = kPlates;
   s.lug_count = teeth;
   s.lug_thickness = Real(t.shoe_pitch - 2 * b.pin_radius - 2 * kToothRoom);
@@ -58,7 +56,8 @@ void add_shoe_shapes(sim::SceneWorld& world, const Track& t, sim::BodyIndex body
     s.group = kPlates;
     world.add_shape(s);
   };
-  add_box({0, 0, 0.5 * (t.pad_above_pin - t.pad_below_pin)}, {2 * half, t.shoe_width, t.pad_above_pin + t.pad_below_pin});
+  add_box({0, 0, 0.5 * (t.pad_above_pin - t.pad_below_pin)},
+          {2 * half, t.shoe_width, t.pad_above_pin + t.pad_below_pin});
   add_box({0, 0, t.pad_above_pin + 0.5 * b.guide.z}, b.guide);
   if (t.grouser_height > 0)
     add_box({0, 0, -t.pad_below_pin - 0.5 * t.grouser_height},
@@ -119,8 +118,9 @@ std::size_t link_to(const Assembly& a, int child) {
 void require_belt(const Vehicle& v) {
   const std::string where = "vehicle " + v.name + ": ";
   if (v.track[0].belt.empty())
-    throw InputError(where + "its file has no track.belt, without which its tracks cannot be simulated; add the "
-                             "section (docs/vehicles.md)");
+    throw InputError(where +
+                     "its file has no track.belt, without which its tracks cannot be simulated; add the "
+                     "section (docs/vehicles.md)");
   check_sprocket(v.track[0], where);
   for (const Station& s : stations(v))
     if (s.suspension->type != SuspensionType::trailing_arm)
@@ -146,8 +146,8 @@ void add_torsion_spring(sim::SceneWorld& world, const Station& station, const As
   const TorsionSpring& t = station.suspension->torsion;
   // A wheel behind its pivot goes up when its arm turns about y.
   const double up = station.centre.x < assembly.link[pivot].point.x ? 1 : -1;
-  world.spring.push_back(sim::spring_about(world.joint[std::size_t(bodies.joint[pivot])],
-                                           -up * t.preload / t.stiffness, t.stiffness, t.damping));
+  world.spring.push_back(sim::spring_about(world.joint[std::size_t(bodies.joint[pivot])], -up * t.preload / t.stiffness,
+                                           t.stiffness, t.damping));
 }
 
 void add_sprockets_and_idlers(sim::SceneWorld& world, const Vehicle& v, const TrackLoop (&loops)[2],

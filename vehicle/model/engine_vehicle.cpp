@@ -296,12 +296,8 @@ std::vector<RunningPart> running_parts(const Vehicle& v) {
   }
   for (const Track& t : v.track)
     for (const double side : {1.0, -1.0})
-      parts.push_back({side > 0 ? "left sprocket" : "right sprocket",
-                       t.sprocket.centre + Vec3d{0, side * t.offset, 0},
-                       0,
-                       0,
-                       rolling_radius(t),
-                       true});
+      parts.push_back({side > 0 ? "left sprocket" : "right sprocket", t.sprocket.centre + Vec3d{0, side * t.offset, 0},
+                       0, 0, rolling_radius(t), true});
   return parts;
 }
 
@@ -314,7 +310,8 @@ std::vector<Vec3d> belt_bottom(const Vehicle& v) {
       for (std::size_t k = 0; k < pin.size(); ++k) {
         const Vec3d way = pin[(k + 1) % pin.size()] - pin[k], out{way.z / t.shoe_pitch, 0, -way.x / t.shoe_pitch};
         if (out.z > -0.3) continue;  // faces forward, back or up
-        const Vec3d from = pin[k] + (t.pad_below_pin + t.grouser_height) * out + Vec3d{0, left ? t.offset : -t.offset, 0};
+        const Vec3d from =
+            pin[k] + (t.pad_below_pin + t.grouser_height) * out + Vec3d{0, left ? t.offset : -t.offset, 0};
         for (double s = 0; s < t.shoe_pitch; s += every) points.push_back(from + (s / t.shoe_pitch) * way);
       }
     }

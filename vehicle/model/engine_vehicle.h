@@ -25,8 +25,8 @@ struct RunningPart {
 
 std::vector<RunningPart> running_parts(const Vehicle& v);
 
-/// Points along the bottom of a tracked vehicle's belts, between which a plate is flat, in the vehicle's frame; of others
-/// none [m].
+/// Points along the bottom of a tracked vehicle's belts, between which a plate is flat, in the vehicle's frame; of
+/// others none [m].
 std::vector<Vec3d> belt_bottom(const Vehicle& v);
 
 struct EngineVehicle {
@@ -37,8 +37,8 @@ struct EngineVehicle {
   std::vector<Index> brake_motor;     // [station] -1: none
   std::vector<Index> steer_motor;     // of the steering arms, when there are any
   sim::BodyIndex chassis = 0;
-  Vec3d chassis_centre;               // its centre of mass in the vehicle's frame [m]
-  std::vector<EngineTrack> track;     // left, right; their sprockets drive and brake, not the stations' road wheels
+  Vec3d chassis_centre;            // its centre of mass in the vehicle's frame [m]
+  std::vector<EngineTrack> track;  // left, right; their sprockets drive and brake, not the stations' road wheels
 };
 
 /// Body and drive motor (-1: none) of a running part, by its place in running_parts().
@@ -55,9 +55,9 @@ double ground_reach(const Vehicle& v, const Wheel& wheel);
 /// Height of the vehicle's origin over flat ground when its wheels, lugs included, just touch [m].
 double standing_height(const Vehicle& v);
 
-/// Adds the vehicle in its design position, origin at `origin`, axes along the world's. A tracked one must have been set
-/// down (track_loop.h); throws InputError where its file has no belt, or one that does not close. `v` must outlive the
-/// result.
+/// Adds the vehicle in its design position, origin at `origin`, axes along the world's. A tracked one must have been
+/// set down (track_loop.h); throws InputError where its file has no belt, or one that does not close. `v` must outlive
+/// the result.
 EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d& origin, int tool_material);
 
 /// Adds drivelines or controllers, brakes and differentials. Throws InputError for what the engine cannot drive: a

@@ -71,9 +71,7 @@ double next_pin(const Hull& hull, double s, double pitch) {
   return 0.5 * (low + high);
 }
 
-Vec3d idler_at(const Track& t, double tension) {
-  return t.idler.centre + tension * (t.idler_travel - t.idler.centre);
-}
+Vec3d idler_at(const Track& t, double tension) { return t.idler.centre + tension * (t.idler_travel - t.idler.centre); }
 
 Hull hull_of(const Vehicle& v, bool left, double tension) {
   const Track& t = v.track[0];
