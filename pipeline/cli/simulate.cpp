@@ -163,8 +163,8 @@ void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json,
   json["grains_per_tyre"] = grains;
   json["label"] = grains >= kGrainsPerTyre ? "fine" : "coarse";
   if (grains < kGrainsPerTyre) {
-    text +=
-        line("coarse label: a tyre is %.1f grains wide, %.0f are needed for one to publish\n", grains, kGrainsPerTyre);
+    text += line("coarse label: a tyre or shoe is %.1f grains wide, %.0f are needed for one to publish\n", grains,
+                 kGrainsPerTyre);
   }
   for (const WheelRecord& w : record.wheels) {
     Json wheel;
@@ -173,8 +173,10 @@ void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json,
     wheel["sinkage_m"] = w.sinkage;
     wheel["torque_N_m"] = w.torque;
     json["wheels"].push_back(std::move(wheel));
-    text += line("%-18s slip %6.3f  sinkage %6.1f mm  torque %7.0f N m\n", w.name.c_str(), w.slip, 1e3 * w.sinkage,
-                 w.torque);
+    text += line("%-18s", w.name.c_str());
+    if (std::isfinite(w.slip)) text += line(" slip %6.3f  torque %7.0f N m ", w.slip, w.torque);
+    if (std::isfinite(w.sinkage)) text += line(" sinkage %6.1f mm", 1e3 * w.sinkage);
+    text += "\n";
   }
 }
 

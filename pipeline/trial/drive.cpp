@@ -109,13 +109,28 @@ void add_rig(const TrialSetup& setup, const TrialConditions& conditions, const t
   world.monitor.push_back(m);
 }
 
-/// Height of the vehicle's origin at which none of its wheels touches a grain and one almost does.
-double resting_height(const vehicle::Vehicle& v, const terrain::Packing& packing, double x, double y) {
+/// Height at which points of a belt's bottom as wide as its shoes touch no grain.
+double resting_belt_height(const vehicle::Vehicle& v, const terrain::Packing& packing, double x, double y) {
   double height = -1e9;
-  for (const vehicle::Station& s : vehicle::stations(v)) {
-    const double reach = s.wheel->radius + s.wheel->lug_height;
-    const double axle = resting_axle_height(packing, reach, s.wheel->width, x + s.centre.x, y + s.centre.y);
-    height = std::max(height, axle - s.centre.z);
+  const auto lobes = terrain::lobes_of(packing);
+  for (const Vec3d& p : vehicle::belt_bottom(v))
+    for (const terrain::Grain& g : lobes) {
+      const double dx = std::remainder(g.position.x - x - p.x, packing.spec.length),
+                   dy = std::remainder(g.position.y - y - p.y, packing.spec.width);
+      if (std::fabs(dx) >= g.radius || std::fabs(dy) >= v.track[0].shoe_width / 2 + g.radius) continue;
+      height = std::max(height, g.position.z + std::sqrt(g.radius * g.radius - dx * dx) - p.z);
+    }
+  return height;
+}
+
+/// Height of the vehicle's origin at which none of its wheels, or nothing of its belts, touches a grain and one almost
+/// does.
+double resting_height(const vehicle::Vehicle& v, const terrain::Packing& packing, double x, double y) {
+  if (!v.track.empty()) return resting_belt_height(v, packing, x, y);
+  double height = -1e9;
+  for (const vehicle::RunningPart& p : vehicle::running_parts(v)) {
+    const double axle = resting_axle_height(packing, p.reach, p.width, x + p.centre.x, y + p.centre.y);
+    height = std::max(height, axle - p.centre.z);
   }
   return height;
 }
@@ -123,7 +138,7 @@ double resting_height(const vehicle::Vehicle& v, const terrain::Packing& packing
 /// A whole vehicle with its brakes on, its chassis watched first and its wheels after it.
 void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const terrain::Packing& packing,
                sim::SceneWorld& world) {
-  const vehicle::Vehicle v = vehicle::loaded(*setup.whole, conditions.payload);
+  const vehicle::Vehicle v = vehicle::set_down(vehicle::loaded(*setup.whole, conditions.payload));
   const double x = setup.course(0).start, y = 0.5 * packing.spec.width;
   const Vec3d origin{x, y, resting_height(v, packing, x, y)};
   auto e = vehicle::add_vehicle(world, v, origin, terrain::tool_material);
@@ -136,19 +151,18 @@ void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const
   // The hitch: at the rear, as high as the axles, so that the pull turns the vehicle as its wheels' forces do.
   const Vec3d hitch{-v.length / 2, 0, e.station.front().centre.z};
   add_tow(setup, conditions, e.chassis,
-          rotate_back(world.body[std::size_t(e.chassis)].orientation,
-                      static_cast<Vec3>(hitch - vehicle::assemble(v).body[0].centre)),
+          rotate_back(world.body[std::size_t(e.chassis)].orientation, static_cast<Vec3>(hitch - e.chassis_centre)),
           world);
   sim::Monitor chassis = stopping_monitor(setup, e.chassis);
   chassis.least_up = std::cos(setup.thresholds.tilt_deg * std::numbers::pi / 180);
   world.monitor.push_back(chassis);
-  for (std::size_t i = 0; i < e.wheel.size(); ++i) {
+  const auto parts = vehicle::running_parts(v);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
     sim::Monitor m;
-    m.body = e.wheel[i];
-    m.motor = e.drive_motor[i];
-    const vehicle::Wheel& wheel = *e.station[i].wheel;
-    m.height =
-        sinkage_reference(setup, packing, wheel.radius + wheel.lug_height, wheel.width, y + e.station[i].centre.y);
+    m.body = vehicle::running_body(e, i);
+    m.motor = vehicle::running_motor(e, i);
+    if (parts[i].reach > 0)
+      m.height = sinkage_reference(setup, packing, parts[i].reach, parts[i].width, y + parts[i].centre.y);
     m.start = setup.park_time;
     m.time_limit = setup.time_limit;
     world.monitor.push_back(m);
@@ -223,8 +237,8 @@ sim::SceneWorld vehicle_on_bed(const TrialSetup& setup, const terrain::Packing& 
     packing.grain[i].position = bed.grain[i].position;
     packing.grain[i].orientation = bed.grain[i].orientation;
   }
-  const double headroom =
-      setup.whole ? kHeadroom + vehicle::standing_height(*setup.whole) : 3 * (setup.rig.radius + setup.rig.lug_height);
+  const double headroom = setup.whole ? kHeadroom + vehicle::standing_height(vehicle::set_down(*setup.whole))
+                                      : 3 * (setup.rig.radius + setup.rig.lug_height);
   sim::SceneWorld world = ground_world(setup, packing, conditions, headroom);
   if (setup.whole)
     add_whole(setup, conditions, packing, world);

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "pipeline/trial/drive.h"
-#include "vehicle/model/assembly.h"
+#include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::pipeline {
@@ -17,15 +17,20 @@ struct WatchedWheel {
   std::string name;
   Index monitor = 0;
   double radius = 0;  // [m]
-  bool driven = true;
+  bool driven = true, sinks = true;
 };
 
 std::vector<WatchedWheel> watched_wheels(const TrialSetup& setup) {
   if (!setup.whole) return {{"wheel", 0, setup.rig.radius, true}};
   std::vector<WatchedWheel> wheels;
-  for (const vehicle::Station& s : vehicle::stations(*setup.whole))
-    wheels.push_back({s.name, Index(wheels.size()) + 1, s.wheel->radius, s.driven});
+  for (const vehicle::RunningPart& p : vehicle::running_parts(*setup.whole))
+    wheels.push_back({p.name, Index(wheels.size()) + 1, p.rolling_radius, p.driven, p.reach > 0});
   return wheels;
+}
+
+/// How many of them touch the ground: sinkage is their mean.
+double sinking(const std::vector<WatchedWheel>& wheels) {
+  return double(std::count_if(wheels.begin(), wheels.end(), [](const WatchedWheel& w) { return w.sinks; }));
 }
 
 /// A drive that is over, read from its monitor.
@@ -108,7 +113,7 @@ class Judge {
     double rolled = 0, work = 0, drop = 0, torque = 0, driven_wheels = 0;
     for (const WatchedWheel& w : wheels_) {
       const sim::MonitorMeans of = sim::means_between(sample(w.monitor, first + driven / 2), now(w), step_);
-      drop += of.drop / double(wheels_.size());
+      if (w.sinks) drop += of.drop / sinking(wheels_);
       if (setup_.whole) o.wheels.push_back(record_of(w, of, half.x));
       if (!w.driven) continue;
       rolled += of.turned * w.radius, work += of.work, torque += of.torque, ++driven_wheels;
@@ -169,7 +174,7 @@ class Judge {
     double rolled = 0, driven = 0;
     for (const WatchedWheel& w : wheels_) {
       const sim::MonitorMeans turned = sim::means_between(sample(w.monitor, from), sample(w.monitor, to), step_);
-      p.sinkage += turned.drop / double(wheels_.size());
+      if (w.sinks) p.sinkage += turned.drop / sinking(wheels_);
       if (!w.driven) continue;
       rolled += turned.turned * w.radius, p.torque += turned.torque, ++driven;
     }
@@ -180,7 +185,7 @@ class Judge {
 
   static WheelRecord record_of(const WatchedWheel& w, const sim::MonitorMeans& of, double travelled) {
     const double rolled = of.turned * w.radius;
-    return {w.name, w.driven && rolled > 0 ? 1 - travelled / rolled : kNaN, of.drop, of.torque};
+    return {w.name, w.driven && rolled > 0 ? 1 - travelled / rolled : kNaN, w.sinks ? of.drop : kNaN, of.torque};
   }
 
   const TrialSetup& setup_;
@@ -200,7 +205,7 @@ SeenWheels mean_of_wheels(const TrialSetup& setup, SampleOf&& sample_of) {
   const auto wheels = watched_wheels(setup);
   for (const WatchedWheel& w : wheels) {
     const sim::MonitorSample now = sample_of(w.monitor);
-    seen.sinkage += now.drop / double(wheels.size());
+    if (w.sinks) seen.sinkage += now.drop / sinking(wheels);
     if (!w.driven) continue;
     seen.rolled += now.turned * w.radius, seen.torque += now.torque, ++driven;
   }

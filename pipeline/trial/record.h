@@ -32,9 +32,9 @@ inline constexpr std::array<Check, 5> kChecks{{{"not_finite", 1, "a velocity or 
 
 /// What one wheel did over the last half of the driving.
 struct WheelRecord {
-  std::string name;    // "front left"
-  double slip = 0;     // 1 - travelled / rolled distance [-]
-  double sinkage = 0;  // [m]
+  std::string name;    // "front left", of tracks also "left sprocket"
+  double slip = 0;     // 1 - travelled / rolled distance [-]; NaN for what is not driven
+  double sinkage = 0;  // [m]; NaN for what touches no ground
   double torque = 0;   // driving [N m]
 };
 

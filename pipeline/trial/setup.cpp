@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "pipeline/study/contract.h"
+#include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::pipeline {
@@ -92,19 +93,27 @@ void read_mover(TrialSetup& s) {
 /// Axles' distance and largest wheel, with lugs [m].
 struct Extent {
   double base = 0, wheel = 0, width = 0;
-  double ends() const { return base / 2 + wheel; }  // from the middle to the foremost point of a tyre
+  double overhang = 0;  // of sprocket or idler beyond the outer axles
+  /// From the middle to the foremost point of a tyre or belt.
+  double ends() const { return base / 2 + std::max(wheel, overhang); }
 };
 
 Extent extent_of(const TrialSetup& s) {
   if (!s.whole) return {0, s.rig.radius + s.rig.lug_height, s.rig.width};
   Extent e;
   double front = -1e9, rear = 1e9;
-  for (const vehicle::Station& w : vehicle::stations(*s.whole)) {
-    front = std::max(front, w.centre.x), rear = std::min(rear, w.centre.x);
-    e.wheel = std::max(e.wheel, w.wheel->radius + w.wheel->lug_height);
-    e.width = std::max(e.width, 2 * std::fabs(w.centre.y) + w.wheel->width);
+  for (const vehicle::RunningPart& p : vehicle::running_parts(*s.whole)) {
+    if (!(p.reach > 0)) continue;
+    front = std::max(front, p.centre.x), rear = std::min(rear, p.centre.x);
+    e.wheel = std::max(e.wheel, p.reach);
+    e.width = std::max(e.width, 2 * std::fabs(p.centre.y) + p.width);
   }
   e.base = front - rear;
+  for (const vehicle::Track& t : s.whole->track) {
+    const double thick = t.pad_below_pin + t.grouser_height;
+    e.overhang = std::max(t.sprocket.centre.x + t.sprocket_radius + thick - front,
+                          rear - t.idler_travel.x + vehicle::pin_circle(t, t.idler_radius) + thick);
+  }
   return e;
 }
 
@@ -149,7 +158,9 @@ void check_tyres(const TrialSetup& s) {
 }
 
 double grains_per_tyre(const TrialSetup& s) {
-  const double width = s.whole ? s.whole->wheel.front().width : s.rig.width;
+  const double width = !s.whole                 ? s.rig.width
+                       : s.whole->track.empty() ? s.whole->wheel.front().width
+                                                : s.whole->track[0].shoe_width;
   return width / s.calibration.grain_diameter;
 }
 

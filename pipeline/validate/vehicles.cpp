@@ -13,7 +13,8 @@ namespace {
 using vehicle::HardGroundCheck;
 using vehicle::HardGroundReport;
 
-constexpr double kFriction = 0.5, kBrakingFriction = 0.4, kBrakingSpeed = 20;  // [-], [m/s]
+constexpr double kFriction = 0.5, kBrakingFriction = 0.4, kBrakingSpeed = 20;   // [-], [m/s]
+constexpr double kSprocketSpeed = 6, kTrackFriction = 0.3, kTrackSlope = 0.22;  // [rad/s], [-], [rad]
 constexpr int kGears = 4;  // higher ones need minutes to reach their speed
 
 std::string csv_of(const HardGroundReport& r) {
@@ -48,6 +49,13 @@ std::vector<HardGroundReport> check_on_hard_ground(const vehicle::Vehicle& v, co
     stop_if_cancelled();
     reports.push_back(std::move(r));
   };
+  if (v.kind == vehicle::VehicleKind::tracked) {
+    add(check_belts_at_rest(v, run));
+    add(check_track_speed(v, kSprocketSpeed, run));
+    add(check_track_traction(v, kTrackFriction, run));
+    add(check_track_torque(v, kTrackSlope, run));
+    return reports;
+  }
   add(check_wheel_loads(v, run));
   add(check_gradeability(v, kFriction, run));
   add(check_top_speeds(v, gears, run));

@@ -98,6 +98,10 @@ Joint fixed(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& poin
   return joint_at(world, JointType::fixed, a, b, point_W, {0, 0, 1});
 }
 
+Joint in_line(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W, const Vec3d& axis_W) {
+  return joint_at(world, JointType::in_line, a, b, point_W, axis_W);
+}
+
 Joint distance(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_a_W, const Vec3d& point_b_W) {
   Joint j;
   j.type = JointType::distance;

@@ -24,7 +24,9 @@ struct Attachment {
 ///   fixed      all directions are equal
 ///   distance   only the distance of the points
 ///   universal  the axes are at right angles
-enum class JointType : std::int32_t { revolute, spherical, prismatic, fixed, distance, universal };
+///   in_line    a's point may move along b's axis, and nothing else: the last pin of a belt whose other pins, all
+///              parallel, leave it no other freedom
+enum class JointType : std::int32_t { revolute, spherical, prismatic, fixed, distance, universal, in_line };
 
 struct Joint {
   JointType type = JointType::fixed;
@@ -47,6 +49,8 @@ GONOGO_HD inline Index row_count(JointType type) {
       return 1;
     case JointType::universal:
       return 4;
+    case JointType::in_line:
+      return 2;
   }
   return 0;
 }

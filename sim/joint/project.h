@@ -17,13 +17,17 @@ struct Projection {
     return k - m.first_body >= m.body_count;
   }
 
-  /// All of body k of the mechanisms; for the host.
-  GONOGO_HD Velocity velocity(Index k) const {
-    Real sum[6];
+  /// All of `bodies` bodies of a mechanism from body k of the mechanisms on; for the host.
+  template <int bodies>
+  GONOGO_HD void velocities(Index k, Velocity (&v)[bodies]) const {
+    Real sum[6 * bodies];
     const Mechanism& m = mechanism[body[k].mechanism];
     const Real* from = projection.data + m.projection + 6 * (k - m.first_body);
     add_columns(m, from, gathered.data + m.first_body, sum);
-    return {{sum[0], sum[1], sum[2]}, 0, {sum[3], sum[4], sum[5]}, 0};
+    for (int i = 0; i < bodies; ++i) {
+      const Real* of = sum + 6 * i;
+      v[i] = {{of[0], of[1], of[2]}, 0, {of[3], of[4], of[5]}, 0};
+    }
   }
 
   /// `from`: the map's first column at the first number asked for; `gathered`: of the mechanism's first body.

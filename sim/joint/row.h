@@ -76,7 +76,7 @@ GONOGO_HD inline RowGeometry distance_row(const Link& link, double free_length) 
 
 /// Row `k` of a joint, 0 <= k < row_count(type).
 GONOGO_HD inline RowGeometry joint_row(JointType type, const Link& link, double joint_length, Index k) {
-  const bool holds_point = type != JointType::prismatic && type != JointType::distance;
+  const bool holds_point = type != JointType::prismatic && type != JointType::distance && type != JointType::in_line;
   if (holds_point && k < 3) return point_row(link, direction_of(link.b, k));
   switch (type) {
     case JointType::revolute:
@@ -86,6 +86,8 @@ GONOGO_HD inline RowGeometry joint_row(JointType type, const Link& link, double 
                    : angle_row(direction_of(link.b, k - 2), small_rotation(link));
     case JointType::fixed:
       return angle_row(direction_of(link.b, k - 3), small_rotation(link));
+    case JointType::in_line:
+      return point_row(link, direction_of(link.b, k + 1));
     case JointType::universal: {
       const Vec3d u = unit_or(cross(link.a.axis, link.b.axis), link.b.side);
       return {{}, u, -u, dot(link.a.axis, link.b.axis)};

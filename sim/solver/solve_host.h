@@ -95,6 +95,9 @@ struct GatherVelocity {
   static Pack in_pack(const Velocity& v) { return *reinterpret_cast<const PackInMemory*>(&v); }
 };
 
+/// Bodies of a mechanism whose velocities are added up side by side: the map is read in long runs.
+inline constexpr int kProjectedTogether = 8;
+
 /// Velocities of the jointed bodies from all that their mechanism gathered.
 struct ProjectMechanism {
   Projection projection;
@@ -103,12 +106,25 @@ struct ProjectMechanism {
   View<Velocity> velocity, extrapolated_velocity;
   bool first, carried;  // after CarryBody
 
+  /// The first of some bodies sees to all of them.
   void operator()(Index k) const {
     if (projection.is_empty(k)) return;
-    const BodyIndex b = projection.body[k].body;
-    const Momentum& m = momentum[world_of_body[b]];
+    const Momentum& m = momentum[world_of_body[projection.body[k].body]];
     if (m.done || (carried && !m.ends)) return;
-    const Velocity next = projection.velocity(k);
+    const Mechanism& of = projection.mechanism[projection.body[k].mechanism];
+    const Index place = k - of.first_body, together = of.body_count / kProjectedTogether * kProjectedTogether;
+    if (place >= together) return project<1>(k, m);
+    if (place % kProjectedTogether == 0) project<kProjectedTogether>(k, m);
+  }
+
+  template <int bodies>
+  void project(Index k, const Momentum& m) const {
+    Velocity next[bodies];
+    projection.velocities(k, next);
+    for (int i = 0; i < bodies; ++i) set(projection.body[k + i].body, next[i], m);
+  }
+
+  void set(BodyIndex b, const Velocity& next, const Momentum& m) const {
     if (carried) {
       const Velocity more = difference(next, velocity[b]);
       velocity[b] = next;

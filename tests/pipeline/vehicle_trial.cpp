@@ -18,11 +18,12 @@ namespace {
 namespace fs = std::filesystem;
 using test::agrees;
 
-/// The HMMWV on grains far too coarse for a label, so that a test is short.
-TrialSetup coarse_hmmwv(const std::string& task = "climb") {
+/// A vehicle on grains far too coarse for a label, so that a test is short.
+TrialSetup coarse_vehicle(const std::string& vehicle, const std::string& task) {
   const fs::path root = GONOGO_SOURCE_DIR;
-  TrialSetup s = vehicle_trial_setup(root / "configs/vehicles/hmmwv.json", root / "configs/soils/calibration_90mm.json",
-                                     parse_task(task), fs::temp_directory_path() / "gonogo-test-beds");
+  TrialSetup s =
+      vehicle_trial_setup(root / "configs/vehicles" / (vehicle + ".json"), root / "configs/soils/calibration_90mm.json",
+                          parse_task(task), fs::temp_directory_path() / "gonogo-test-beds");
   const double length = s.tiles_along * s.bed_length;
   s.calibration.grain_diameter = 0.2;
   s.bed_length = 2.2, s.bed_width = 1.6;
@@ -38,6 +39,8 @@ TrialSetup coarse_hmmwv(const std::string& task = "climb") {
   s.numerics.iterations = 100;
   return s;
 }
+
+TrialSetup coarse_hmmwv(const std::string& task = "climb") { return coarse_vehicle("hmmwv", task); }
 
 double measure(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
 
@@ -74,6 +77,34 @@ TEST_CASE("a HMMWV drives over a bed of tiles, and each of its wheels has its re
   CHECK(agrees("mean torque of the wheels [N m]", measure(r, "mean_torque"), torque, 1e-6 * std::fabs(torque)));
   CHECK(measure(r, "distance") > 0);
   CHECK(grains_per_tyre(setup) < kGrainsPerTyre);
+}
+
+TEST_CASE("an M113 drives over a bed on its belts: road wheels sink, sprockets drive and roll by teeth times pitch") {
+  const TrialSetup setup = coarse_vehicle("m113", "climb");
+  const DesignPoint p = design_point(0, 36, 0.4);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialRecord r = run_trial(setup, p);
+  INFO(contract().info(r.reason).name);
+  CHECK(r.verdict != Verdict::unknown);
+  REQUIRE(r.wheels.size() == 12);
+  double torque = 0, sinkage = 0;
+  for (std::size_t i = 0; i < r.wheels.size(); ++i) {
+    const WheelRecord& w = r.wheels[i];
+    const bool sprocket = i >= 10;
+    CHECK(std::isfinite(w.slip) == sprocket);
+    CHECK(std::isfinite(w.sinkage) != sprocket);
+    if (sprocket)
+      torque += w.torque / 2;
+    else
+      sinkage += w.sinkage / 10;
+  }
+  CHECK(r.wheels[10].name == "left sprocket");
+  CHECK(torque > 0);
+  CHECK(agrees("mean torque of the sprockets [N m]", measure(r, "mean_torque"), torque, 1e-6 * torque));
+  CHECK(agrees("mean sinkage of the road wheels [m]", measure(r, "sinkage"), sinkage, 1e-6));
+  CHECK(std::fabs(sinkage) < 0.15);
+  CHECK(measure(r, "distance") > 0);
+  CHECK(grains_per_tyre(setup) == 0.381 / 0.2);
 }
 
 TEST_CASE("a HMMWV stands before what a trial's type puts in its way, with all wheels on the ground") {

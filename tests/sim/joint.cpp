@@ -18,9 +18,10 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr JointType kTypes[] = {JointType::revolute, JointType::spherical, JointType::prismatic,
-                                JointType::fixed,    JointType::distance,  JointType::universal};
-constexpr const char* kNames[] = {"revolute", "spherical", "prismatic", "fixed", "distance", "universal"};
+constexpr JointType kTypes[] = {JointType::revolute, JointType::spherical, JointType::prismatic, JointType::fixed,
+                                JointType::distance, JointType::universal, JointType::in_line};
+constexpr int kTypeCount = 7;
+constexpr const char* kNames[] = {"revolute", "spherical", "prismatic", "fixed", "distance", "universal", "in_line"};
 
 Joint random_joint(const SceneWorld& w, Draw& draw, JointType type, BodyIndex a, BodyIndex b) {
   const Vec3d point = (w.body[a].position + w.body[b].position) * 0.5 + draw.direction() * 0.1;
@@ -36,6 +37,8 @@ Joint random_joint(const SceneWorld& w, Draw& draw, JointType type, BodyIndex a,
       return fixed(w, a, b, point);
     case JointType::distance:
       return distance(w, a, b, point, point + axis * 0.3);
+    case JointType::in_line:
+      return in_line(w, a, b, point, axis);
     default:
       return universal(w, a, b, point, axis, cross(axis, draw.direction()));
   }
@@ -62,7 +65,8 @@ SceneWorld random_mechanism(std::uint64_t seed, int type) {
   w.add_body({{}, draw.orientation(), {}, {}}, fixed_body());
   for (int k = 1; k <= 5; ++k) add_random_body(w, draw, draw.direction() * (0.7 * k));
   for (BodyIndex k = 1; k <= 5; ++k)
-    w.joint.push_back(random_joint(w, draw, kTypes[type < 6 ? type : draw.below(6)], k, draw.below(k)));
+    w.joint.push_back(
+        random_joint(w, draw, kTypes[type < kTypeCount ? type : draw.below(kTypeCount)], k, draw.below(k)));
   for (int i = 0; i < 3; ++i) {
     const BodyIndex a = 1 + draw.below(5), b = (a + 1 + draw.below(5)) % 6;
     const Vec3d p = w.body[a].position + draw.direction() * 0.2, q = w.body[b].position + draw.direction() * 0.2;
@@ -163,7 +167,7 @@ Eigen::Vector3d eigen(const Vec3d& v) { return {v.x, v.y, v.z}; }
 TEST_CASE("one step of every joint and of springs agrees with a dense solution of the same step") {
   const double h = 1e-3;
   for (const Backend backend : backends())
-    for (int type = 0; type <= 6; ++type) {
+    for (int type = 0; type <= kTypeCount; ++type) {
       double worst = 0, worst_load = 0;
       for (std::uint64_t seed = 0; seed < 10; ++seed) {
         const SceneWorld w = random_mechanism(seed, type);
@@ -189,8 +193,8 @@ TEST_CASE("one step of every joint and of springs agrees with a dense solution o
           worst_load = std::max(worst_load, (eigen(load.moment) - moment).norm() / size);
         }
       }
-      WARN(name_of(backend) << ", " << (type < 6 ? kNames[type] : "all kinds") << ": largest velocity error " << worst
-                            << " m/s or rad/s, of a joint's load " << worst_load);
+      WARN(name_of(backend) << ", " << (type < kTypeCount ? kNames[type] : "all kinds") << ": largest velocity error "
+                            << worst << " m/s or rad/s, of a joint's load " << worst_load);
       // Speeds are about 2 m/s and rad/s in single precision.
       CHECK(worst < 3e-6);
       CHECK(worst_load < 1e-5);

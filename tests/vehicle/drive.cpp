@@ -112,7 +112,11 @@ TEST_CASE("an open axle spins its wheel on ice, a limited-slip one pulls by its 
 
 TEST_CASE("vehicles that the engine cannot drive are refused with the reason") {
   sim::SceneWorld w;
-  refused([&] { add_vehicle(w, shipped_vehicle("m113"), {}, 1); }, "tracks");
+  Vehicle tracked = shipped_vehicle("m113");
+  tracked.driveline.wheel_motors = true;
+  refused([&] { HardGround(tracked, {}, 0.9); }, "wheel_motors");
+  tracked.track[0].belt.clear();
+  refused([&] { add_vehicle(w, tracked, {}, 1); }, "no track.belt");
   Vehicle v = hmmwv();
   v.driveline.centre = Differential::locked;
   refused([&] { HardGround(v, {}, 0.9); }, "centre differential");

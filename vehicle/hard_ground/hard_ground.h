@@ -67,6 +67,20 @@ HardGroundReport check_top_speeds(const Vehicle& v, const std::vector<int>& gear
 /// With locked wheels: v^2 / (2 mu g) within 2 %.
 HardGroundReport check_stopping(const Vehicle& v, double speed, double mu, const HardGroundRun& run);
 
+/// Tracks at rest: the ground carries the weight within 1 %, the two runs of a belt pull what its tensioner pushes
+/// within 2 %, pins stay together within 0.1 mm.
+HardGroundReport check_belts_at_rest(const Vehicle& v, const HardGroundRun& run);
+
+/// Way of two turns of the sprockets [rad/s] on level ground: teeth times pitch within 1 %, pins together as above.
+HardGroundReport check_track_speed(const Vehicle& v, double sprocket_speed, const HardGroundRun& run);
+
+/// Slope that spinning belts would just hold: tan = mu within 2 %.
+HardGroundReport check_track_traction(const Vehicle& v, double mu, const HardGroundRun& run);
+
+/// Slowly up a slope [rad], over whole teeth: the force of the ground is the weight's share within 2 %, and the torque
+/// of the sprockets over their rolling radius is that force within 3 %: what impacts and dampers take.
+HardGroundReport check_track_torque(const Vehicle& v, double slope, const HardGroundRun& run);
+
 /// Heave and pitch of a vehicle with two axles, within 5 %: eigenvalues of its mass over the axles (reduced
 /// coordinates, wheels held on the ground) on the static rates of its axles.
 HardGroundReport check_suspension(const Vehicle& v, const HardGroundRun& run);

@@ -101,21 +101,48 @@ void add_corner(const Corner& c) {
   }
 }
 
+std::string of_side(double side, const std::string& name) { return (side > 0 ? "left " : "right ") + name; }
+
+/// A part of a track's side that turns about its centre; returns its body.
+int add_turning(Assembly& a, Part p, int parent, double side) {
+  p.name = of_side(side, p.name);
+  a.body.push_back(p);
+  const int body = int(a.body.size()) - 1;
+  a.link.push_back({LinkType::revolute, parent, body, p.centre, {}, {0, 1, 0}});
+  return body;
+}
+
+Part moved(Part p, const Vec3d& centre) {
+  p.centre = centre;
+  return p;
+}
+
 /// Sprockets and idlers turn; the shoes' mass rides with the chassis, halfway up the belt.
 void add_track(const Vehicle& v, Assembly& a) {
   const Track& t = v.track[0];
   for (const double side : {1.0, -1.0}) {
-    for (const Part& turning : {t.sprocket, t.idler}) {
-      Part p = turning;
-      p.centre += Vec3d{0, side * t.offset, 0};
-      p.name = (side > 0 ? "left " : "right ") + p.name;
-      a.body.push_back(p);
-      a.link.push_back({LinkType::revolute, 0, int(a.body.size()) - 1, p.centre, {}, {0, 1, 0}});
-    }
+    for (const Part& turning : {t.sprocket, t.idler})
+      add_turning(a, moved(turning, turning.centre + Vec3d{0, side * t.offset, 0}), 0, side);
     const Vec3d middle = 0.5 * (t.sprocket.centre + t.idler.centre) + Vec3d{0, side * t.offset, 0.5 * t.road_wheel_z};
     const int count = side > 0 ? t.left_shoes : t.right_shoes;
     a.body[0] = joined(a.body[0], point_mass("", count * t.shoe_mass, middle));
   }
+}
+
+/// One side of assemble_without_belts().
+void add_running_gear(const Vehicle& v, double side, const Vec3d& idler, Assembly& a) {
+  const Track& t = v.track[0];
+  const Belt& b = t.belt.at(0);
+  const Vec3d beside{0, side * t.offset, 0};
+  TrackBodies bodies;
+  bodies.sprocket = add_turning(a, moved(t.sprocket, t.sprocket.centre + beside), 0, side);
+  a.body[0] = joined(a.body[0], point_mass("", -b.carrier_mass, t.idler.centre + beside));
+  a.body.push_back({of_side(side, "carrier"), b.carrier_mass, idler + beside, b.carrier_inertia, {}});
+  bodies.carrier = int(a.body.size()) - 1;
+  a.link.push_back(
+      {LinkType::prismatic, 0, bodies.carrier, idler + beside, {}, direction(t.idler.centre, t.idler_travel)});
+  bodies.idler = add_turning(a, moved(t.idler, idler + beside), bodies.carrier, side);
+  a.track.push_back(bodies);
 }
 
 std::vector<Station> road_wheels(const Vehicle& v) {
@@ -136,6 +163,15 @@ std::vector<Station> road_wheels(const Vehicle& v) {
       result.push_back(s);
     }
   return result;
+}
+
+/// The chassis with what is fixed to it.
+Assembly chassis_of(const Vehicle& v) {
+  Assembly a;
+  a.body.push_back(v.chassis);
+  for (const Part& p : v.fixed_parts) a.body[0] = joined(a.body[0], p);
+  a.body[0].name = "chassis";
+  return a;
 }
 
 }  // namespace
@@ -177,11 +213,16 @@ std::vector<Station> stations(const Vehicle& v) {
 }
 
 Assembly assemble(const Vehicle& v) {
-  Assembly a;
-  a.body.push_back(v.chassis);
-  for (const Part& p : v.fixed_parts) a.body[0] = joined(a.body[0], p);
-  a.body[0].name = "chassis";
+  Assembly a = chassis_of(v);
   if (v.kind == VehicleKind::tracked) add_track(v, a);
+  for (const Station& s : stations(v)) add_corner({s, a});
+  return a;
+}
+
+Assembly assemble_without_belts(const Vehicle& v, const std::vector<Vec3d>& idler) {
+  Assembly a = chassis_of(v);
+  add_running_gear(v, 1, idler.at(0), a);
+  add_running_gear(v, -1, idler.at(1), a);
   for (const Station& s : stations(v)) add_corner({s, a});
   return a;
 }

@@ -41,15 +41,26 @@ struct Strut {
   const Damper* damper = nullptr;
 };
 
+/// Bodies of a track's sprocket and idler, and of what slides in the chassis with the idler.
+struct TrackBodies {
+  int sprocket = 0, idler = 0, carrier = 0;
+};
+
 struct Assembly {
   std::vector<Part> body;  // 0 is the chassis; of positive mass
   std::vector<Link> link;  // a tree rooted in the chassis, and loops
   std::vector<Strut> strut;
-  std::vector<int> wheel;  // body of each station's wheel
+  std::vector<int> wheel;          // body of each station's wheel
+  std::vector<TrackBodies> track;  // left, right; only of tracks without belts
 };
 
-/// Takes pointers into the vehicle, which must outlive the assembly.
+/// Takes pointers into the vehicle, which must outlive the assembly. Idlers turn in the chassis, and the shoes' mass
+/// rides with it.
 Assembly assemble(const Vehicle& v);
+
+/// A tracked vehicle without its shoes, idlers [left, right] where they are given, on carriers that slide along the
+/// tensioners' travel; their mass is taken off the chassis.
+Assembly assemble_without_belts(const Vehicle& v, const std::vector<Vec3d>& idler);
 
 /// One rigid body from two.
 Part joined(const Part& a, const Part& b);

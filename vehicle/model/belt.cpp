@@ -20,9 +20,7 @@ double reach(const Circle& c, double direction) {
 
 }  // namespace
 
-double convex_belt_length(const std::vector<Circle>& circles) {
-  // Cauchy: the perimeter is the integral of the support function over all directions. Between the directions in which
-  // two circles reach equally far one circle is outermost, and its part of the integral is exact.
+std::vector<HullArc> hull_arcs(const std::vector<Circle>& circles) {
   std::vector<double> turn{0};
   for (std::size_t i = 0; i < circles.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
@@ -33,12 +31,28 @@ double convex_belt_length(const std::vector<Circle>& circles) {
     }
   std::sort(turn.begin(), turn.end());
   turn.push_back(2 * std::numbers::pi);
-  double length = 0;
+  // Between the directions in which two circles reach equally far one circle is outermost.
+  std::vector<HullArc> arcs;
   for (std::size_t i = 1; i < turn.size(); ++i) {
-    const double a = turn[i - 1], b = turn[i], middle = 0.5 * (a + b);
-    const Circle& outer = *std::max_element(circles.begin(), circles.end(), [&](const Circle& p, const Circle& q) {
+    const double middle = 0.5 * (turn[i - 1] + turn[i]);
+    const auto outer = std::max_element(circles.begin(), circles.end(), [&](const Circle& p, const Circle& q) {
       return reach(p, middle) < reach(q, middle);
     });
+    const auto circle = std::size_t(outer - circles.begin());
+    if (!arcs.empty() && arcs.back().circle == circle)
+      arcs.back().to = turn[i];
+    else
+      arcs.push_back({circle, turn[i - 1], turn[i]});
+  }
+  return arcs;
+}
+
+double convex_belt_length(const std::vector<Circle>& circles) {
+  // Cauchy: the perimeter is the integral of the support function over all directions; over an arc it is exact.
+  double length = 0;
+  for (const HullArc& arc : hull_arcs(circles)) {
+    const Circle& outer = circles[arc.circle];
+    const double a = arc.from, b = arc.to;
     length += outer.x * (std::sin(b) - std::sin(a)) - outer.z * (std::cos(b) - std::cos(a)) + outer.radius * (b - a);
   }
   return length;

@@ -8,6 +8,14 @@ struct Circle {
   double x = 0, z = 0, radius = 0;  // [m]
 };
 
+/// A part of the boundary of circles' convex hull: the directions [rad] in which a circle reaches furthest.
+struct HullArc {
+  std::size_t circle = 0;
+  double from = 0, to = 0;  // from x to z; 0 <= from < to <= 2 pi
+};
+/// All of them, by direction; a circle may have several, one that is not on the hull none.
+std::vector<HullArc> hull_arcs(const std::vector<Circle>& circles);
+
 /// Length of the shortest closed belt around circles [m]: the boundary of their convex hull.
 double convex_belt_length(const std::vector<Circle>& circles);
 

@@ -33,7 +33,8 @@ void add_belly(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e,
   constexpr double height = 0.3, gap = 0.05;  // [m]
   double half_width = v.width / 2, front = -1e9, rear = 1e9;
   for (const Station& s : e.station) {
-    if (s.side != 0) half_width = std::min(half_width, std::fabs(s.centre.y) - s.wheel->width / 2 - gap);
+    const double width = v.track.empty() ? s.wheel->width : v.track[0].shoe_width;
+    if (s.side != 0) half_width = std::min(half_width, std::fabs(s.centre.y) - width / 2 - gap);
     front = std::max(front, s.centre.x), rear = std::min(rear, s.centre.x);
   }
   if (!(half_width > 0) || !(v.length > 0)) return;
@@ -155,6 +156,7 @@ void set_driver(const DriverOrders& orders, const sim::SceneWorld& world, const 
   d.integral = kIntegral;
   for (std::size_t i = 0; i < e.station.size(); ++i)
     if (e.brake_motor[i] >= 0) d.brake[d.brake_count++] = {e.brake_motor[i], e.station[i].brake_torque};
+  for (const EngineTrack& t : e.track) d.brake[d.brake_count++] = {t.brake_motor, t.brake_torque};
 }
 
 void add_engine(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e, const DriverOrders& orders) {
@@ -171,6 +173,10 @@ void add_engine(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e
       throw InputError("vehicle " + v.name + ": at most " + std::to_string(sim::kMostDrivenAxles) +
                        " axles can be driven");
     d.axle[d.axle_count++] = driven_axle(world, v.axle[a], e, wheels_of(e, int(a)));
+  }
+  if (!e.track.empty()) {
+    d.axle_count = 1;
+    for (std::size_t k = 0; k < 2; ++k) d.axle[0].wheel[k] = e.track[k].drive_motor;
   }
   for (Index a = 0; a < d.axle_count; ++a)
     d.axle[a].share =
@@ -192,6 +198,31 @@ void add_wheel_motors(sim::SceneWorld& world, const Vehicle& v, const EngineVehi
     c.limit = {{0, most}};
     world.controller.push_back(c);
   }
+}
+
+/// Chassis, running gear and belts.
+EngineVehicle add_tracked(sim::SceneWorld& world, const Vehicle& v, const Vec3d& origin, int material) {
+  require_belt(v);
+  const TrackLoop loops[2] = {close_loop(v, true), close_loop(v, false)};
+  const Assembly assembly = assemble_without_belts(v, {loops[0].idler, loops[1].idler});
+  EngineVehicle e;
+  e.station = stations(v);
+  e.bodies = add_bodies(world, assembly, origin);
+  add_struts(world, assembly, e.bodies, origin);
+  e.chassis = e.bodies.body[0];
+  e.chassis_centre = assembly.body[0].centre;
+  add_belly(world, v, e, origin, material);
+  add_sprockets_and_idlers(world, v, loops, assembly, e.bodies, material);
+  world.set_law(material, material, {});  // see engine_track.h
+  for (std::size_t i = 0; i < e.station.size(); ++i) {
+    e.wheel.push_back(e.bodies.body[std::size_t(assembly.wheel[i])]);
+    e.drive_motor.push_back(-1), e.brake_motor.push_back(-1);
+    add_torsion_spring(world, e.station[i], assembly, assembly.wheel[i], e.bodies);
+    add_double_wheel(world, v, e.wheel.back(), e.station[i].wheel->radius, e.station[i].wheel->width, material);
+  }
+  for (std::size_t k = 0; k < 2; ++k)
+    e.track.push_back(add_belt(world, v, k == 0 ? 1 : -1, loops[k], assembly, e.bodies, origin, material));
+  return e;
 }
 
 /// Middle of an upright's ball joints [m].
@@ -257,18 +288,63 @@ void add_steering(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, co
   }
 }
 
+std::vector<RunningPart> running_parts(const Vehicle& v) {
+  std::vector<RunningPart> parts;
+  for (const Station& s : stations(v)) {
+    const double width = v.track.empty() ? s.wheel->width : v.track[0].shoe_width;
+    parts.push_back({s.name, s.centre, ground_reach(v, *s.wheel), width, s.wheel->radius, s.driven && v.track.empty()});
+  }
+  for (const Track& t : v.track)
+    for (const double side : {1.0, -1.0})
+      parts.push_back({side > 0 ? "left sprocket" : "right sprocket", t.sprocket.centre + Vec3d{0, side * t.offset, 0},
+                       0, 0, rolling_radius(t), true});
+  return parts;
+}
+
+std::vector<Vec3d> belt_bottom(const Vehicle& v) {
+  constexpr double every = 0.01;  // [m]
+  std::vector<Vec3d> points;
+  for (const Track& t : v.track)
+    for (const bool left : {true, false}) {
+      const std::vector<Vec3d> pin = close_loop(v, left).pin;
+      for (std::size_t k = 0; k < pin.size(); ++k) {
+        const Vec3d way = pin[(k + 1) % pin.size()] - pin[k], out{way.z / t.shoe_pitch, 0, -way.x / t.shoe_pitch};
+        if (out.z > -0.3) continue;  // faces forward, back or up
+        const Vec3d from =
+            pin[k] + (t.pad_below_pin + t.grouser_height) * out + Vec3d{0, left ? t.offset : -t.offset, 0};
+        for (double s = 0; s < t.shoe_pitch; s += every) points.push_back(from + (s / t.shoe_pitch) * way);
+      }
+    }
+  return points;
+}
+
+sim::BodyIndex running_body(const EngineVehicle& e, std::size_t part) {
+  return part < e.wheel.size() ? e.wheel[part] : e.track[part - e.wheel.size()].sprocket;
+}
+
+Index running_motor(const EngineVehicle& e, std::size_t part) {
+  return part < e.wheel.size() ? e.drive_motor[part] : e.track[part - e.wheel.size()].drive_motor;
+}
+
 Vehicle loaded(Vehicle v, double payload) {
   if (payload > 0) v.fixed_parts.push_back({"payload", payload, v.chassis.centre, {}, {}});
   return v;
 }
 
+double ground_reach(const Vehicle& v, const Wheel& wheel) {
+  if (v.track.empty()) return wheel.radius + wheel.lug_height;
+  const Track& t = v.track[0];
+  return pin_circle(t, wheel.radius) + t.pad_below_pin + t.grouser_height;
+}
+
 double standing_height(const Vehicle& v) {
   double height = -1e9;
-  for (const Station& s : stations(v)) height = std::max(height, s.wheel->radius + s.wheel->lug_height - s.centre.z);
+  for (const Station& s : stations(v)) height = std::max(height, ground_reach(v, *s.wheel) - s.centre.z);
   return height;
 }
 
 double driven_wheel_inertia(const Vehicle& v) {
+  if (v.kind == VehicleKind::tracked) return 2 * v.track[0].sprocket.moments.y;
   double sum = 0;
   for (const Station& s : stations(v))
     if (s.driven) sum += s.wheel->part.moments.y;
@@ -276,14 +352,14 @@ double driven_wheel_inertia(const Vehicle& v) {
 }
 
 EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d& origin, int tool_material) {
-  if (v.kind == VehicleKind::tracked)
-    throw InputError("vehicle " + v.name + " runs on tracks; trials drive wheeled vehicles only");
+  if (v.kind == VehicleKind::tracked) return add_tracked(world, v, origin, tool_material);
   const Assembly assembly = assemble(v);
   EngineVehicle e;
   e.station = stations(v);
   e.bodies = add_bodies(world, assembly, origin);
   add_struts(world, assembly, e.bodies, origin);
   e.chassis = e.bodies.body[0];
+  e.chassis_centre = assembly.body[0].centre;
   add_belly(world, v, e, origin, tool_material);
   for (std::size_t i = 0; i < e.station.size(); ++i) {
     const int body = assembly.wheel[i];
@@ -297,6 +373,9 @@ EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
 }
 
 void add_drive(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const DriverOrders& orders) {
+  if (v.driveline.wheel_motors && !e.track.empty())
+    throw InputError("vehicle " + v.name +
+                     ": driveline.type is wheel_motors; trials drive tracks by an engine, give \"engine\"");
   if (v.driveline.wheel_motors)
     add_wheel_motors(world, v, e, orders);
   else

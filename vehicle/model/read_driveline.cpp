@@ -23,6 +23,30 @@ void read_shoe(const Config& c, Track& t) {
   c.finish();
 }
 
+Belt read_belt(const Config& c, const Track& t) {
+  Belt b;
+  b.shoe_inertia = read_vector(c, "shoe_inertia_kg_m2", {1e-9, 1e6});
+  b.pin_radius = c.number("pin_radius_m", {1e-4, 0.25 * t.shoe_pitch});
+  b.disc_distance = c.number("disc_distance_m", {1e-3, t.shoe_width});
+  b.wheel_gap = c.number("wheel_gap_m", {1e-3, t.shoe_width});
+  b.idler_width = c.number("idler_width_m", {b.wheel_gap, t.shoe_width});
+  b.guide = read_vector(c, "guide_m", {1e-3, 1});
+  if (t.grouser_height > 0) b.grouser_thickness = c.number("grouser_thickness_m", {1e-3, t.shoe_pitch});
+  if (!(b.guide.y < b.wheel_gap))
+    c.fail("guide_m", "is " + std::to_string(b.guide.y) + " m wide and runs in a gap of " +
+                          std::to_string(b.wheel_gap) + " m; make it narrower than wheel_gap_m");
+  const Config carrier = c.object("carrier"), tensioner = c.object("tensioner");
+  b.carrier_mass = carrier.number("mass_kg", kMass);
+  b.carrier_inertia = read_vector(carrier, "inertia_kg_m2", {1e-9, 1e9});
+  carrier.finish();
+  b.tensioner_force = tensioner.number("force_N", {0, 1e7});
+  b.tensioner_stiffness = tensioner.number("stiffness_N_m", {1, 1e9});
+  b.tensioner_damping = tensioner.number("damping_N_s_m", {0, 1e8});
+  tensioner.finish();
+  c.finish();
+  return b;
+}
+
 void read_road_wheels(const Config& c, Track& t) {
   t.wheel = c.text("wheel");
   t.suspension[0] = c.text("suspension_with_damper");
@@ -105,6 +129,7 @@ Track read_track(const Config& c) {
   read_road_wheels(c.object("road_wheels"), t);
   read_shoe(c.object("shoe"), t);
   t.brake_torque = c.number("brake_torque_N_m", {0, 1e7});
+  if (const auto belt = c.object_if("belt")) t.belt.push_back(read_belt(*belt, t));
   c.finish();
   return t;
 }

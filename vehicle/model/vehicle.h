@@ -95,6 +95,21 @@ struct Axle {
   double torque_bias = 1;  // limited slip: largest ratio of the two torques
 };
 
+/// What a belt needs beyond a track's sizes to be simulated shoe by shoe.
+struct Belt {
+  Vec3d shoe_inertia;            // along, across, and at right angles to the plate [kg m^2]
+  double pin_radius = 0;         // of the bosses around the pins, which the sprocket's teeth push [m]
+  double disc_distance = 0;      // between the middles of the sprocket's two toothed discs [m]
+  double wheel_gap = 0;          // between the two discs of road wheels and idlers, where the guides run [m]
+  double idler_width = 0;        // over both discs [m]
+  Vec3d guide;                   // length, width, height over the pad of the horn on each shoe [m]
+  double grouser_thickness = 0;  // along the belt [m]
+  double carrier_mass = 0;       // of what slides with the idler, part of the chassis's mass [kg]
+  Vec3d carrier_inertia;         // [kg m^2]
+  double tensioner_force = 0;    // where the belt just closes [N]
+  double tensioner_stiffness = 0, tensioner_damping = 0;  // [N/m, N s/m]
+};
+
 /// Track of the left side; x and z relative to the vehicle's origin.
 struct Track {
   double offset = 0;  // y of the track's middle plane [m]
@@ -111,6 +126,7 @@ struct Track {
   double grouser_height = 0;
   int left_shoes = 0, right_shoes = 0;
   double brake_torque = 0;  // per sprocket [N m]
+  std::vector<Belt> belt;   // none or one
 };
 
 struct Driveline {

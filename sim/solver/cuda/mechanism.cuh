@@ -5,7 +5,9 @@
 
 namespace gonogo::sim {
 
-static_assert(6 * kMostMechanismBodies <= kTileSize);  // a thread for every number
+static_assert(kMostMechanismBodies <= kTileSize);  // a thread for every body
+/// Numbers of the velocities of a mechanism that a thread sees to.
+inline constexpr Index kNumbersPerThread = (6 * kMostMechanismBodies + kTileSize - 1) / kTileSize;
 
 /// What a team has at hand while it works on a mechanism, in shared memory.
 struct MechanismWork {
@@ -47,35 +49,42 @@ class MechanismMover {
     if (m.body_count == 0) return;
     const Momentum now = s.momentum[k < 0 ? 0 : k & 1][m.world];
     if (now.done) return;
-    const Index slot = team_.rank, number = team_.rank;
+    const Index slot = team_.rank;
     Velocity free;
     BodyMass mass;
     Vec3 moment;
-    Real before = 0;
+    Real before[kNumbersPerThread]{}, ahead[kNumbersPerThread]{};  // ahead: of the extrapolated velocity
     if (slot < m.body_count) {
       const BodyIndex b = work_.body[slot];
       mass = s.mass[b];
       free = k < 0 ? begin_body(s, b) : s.free_velocity[b];
       moment = s.motor_moment(m.first_body + slot);
     }
-    if (number < 6 * m.body_count) before = component(s.velocity[work_.body[number / 6]], number % 6);
+    for_each_number(m, [&](Index i, Index c) { before[i] = component(s.velocity[work_.body[c / 6]], c % 6); });
     for (Index other = 0; other < m.body_count; ++other) sum_contacts(other);
     team_.sync();
     if (slot < m.body_count) gather(m, slot, free, mass, moment);
     team_.sync();
     const bool holds = held != nullptr && m.projection_size() <= kHeldProjection;
     const Real* map = holds ? held : s.projection.projection.data + m.projection;
-    Real ahead = 0;  // of the extrapolated velocity
-    if (number < 6 * m.body_count) {
-      const Real next = projected(m, map, number);
-      ahead = k < 0 ? Real(0) : now.next_beta * (next - before);
-      set_velocity(number, next, k < 0 ? next : multiply_add(now.next_beta, next - before, next));
-      if (s.velocity_before.size > 0) component(s.velocity_before[work_.body[number / 6]], number % 6) = before;
-    }
+    for_each_number(m, [&](Index i, Index c) {
+      const Real next = projected(m, map, c);
+      ahead[i] = k < 0 ? Real(0) : now.next_beta * (next - before[i]);
+      set_velocity(c, next, k < 0 ? next : multiply_add(now.next_beta, next - before[i], next));
+      if (s.velocity_before.size > 0) component(s.velocity_before[work_.body[c / 6]], c % 6) = before[i];
+    });
     if (parts && k >= 0 && now.ends) carry(m, map, free, ahead);
   }
 
  private:
+  /// visit(i, c) for the numbers c of this thread, i counting them.
+  template <class Visit>
+  GONOGO_DEVICE void for_each_number(const Mechanism& m, Visit&& visit) {
+#pragma unroll
+    for (Index i = 0; i < kNumbersPerThread; ++i)
+      if (const Index c = team_.rank + i * kTileSize; c < m.unknowns()) visit(i, c);
+  }
+
   /// By a warp, or by the whole team where there are many.
   GONOGO_DEVICE void sum_contacts(Index slot) {
     const HalfRange c = work_.contacts[slot];
@@ -104,17 +113,19 @@ class MechanismMover {
   }
 
   /// Into the next part of the step.
-  GONOGO_DEVICE void carry(const Mechanism& m, const Real* map, Velocity& free, Real ahead) {
-    const Index slot = team_.rank, number = team_.rank;
+  GONOGO_DEVICE void carry(const Mechanism& m, const Real* map, Velocity& free,
+                           const Real (&ahead)[kNumbersPerThread]) {
+    const Index slot = team_.rank;
     team_.sync();
     if (slot < m.body_count) {
       const BodyIndex b = work_.body[slot];
       work_.gathered[slot] = sum(work_.gathered[slot], carry_body(s, b, s.velocity[b], free));
     }
     team_.sync();
-    if (number >= 6 * m.body_count) return;
-    const Real next = projected(m, map, number);
-    set_velocity(number, next, next + ahead);
+    for_each_number(m, [&](Index i, Index c) {
+      const Real next = projected(m, map, c);
+      set_velocity(c, next, next + ahead[i]);
+    });
   }
 
   /// One number of a body's velocity.

@@ -1,0 +1,212 @@
+#include "vehicle/model/track_loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.h"
+#include "vehicle/model/statics.h"
+
+namespace gonogo::vehicle {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Vec3d toward(double angle) { return {std::cos(angle), 0, std::sin(angle)}; }
+
+/// The boundary of circles' convex hull by its length, counterclockwise from x to z: arcs and the straight lines
+/// between them.
+class Hull {
+ public:
+  explicit Hull(const std::vector<Circle>& circles) {
+    const std::vector<HullArc> arcs = hull_arcs(circles);
+    for (std::size_t k = 0; k < arcs.size(); ++k) {
+      const Circle& c = circles[arcs[k].circle];
+      add({length_, {c.x, 0, c.z}, c.radius, arcs[k].from, {}}, c.radius * (arcs[k].to - arcs[k].from));
+      const HullArc& next = arcs[(k + 1) % arcs.size()];
+      const Circle& n = circles[next.circle];
+      const Vec3d from = point(c, arcs[k].to), to = point(n, next.from), way = to - from;
+      const double apart = gonogo::length(way);
+      if (apart > 1e-12) add({length_, from, 0, 0, way * (1 / apart)}, apart);
+    }
+  }
+
+  double length() const { return length_; }
+
+  Vec3d at(double s) const {
+    s -= length_ * std::floor(s / length_);
+    auto next = std::upper_bound(piece_.begin(), piece_.end(), s, [](double x, const Piece& p) { return x < p.begin; });
+    const Piece& p = *(next - 1);
+    if (p.radius > 0) return p.origin + p.radius * toward(p.angle + (s - p.begin) / p.radius);
+    return p.origin + (s - p.begin) * p.way;
+  }
+
+ private:
+  struct Piece {
+    double begin;
+    Vec3d origin;  // of an arc its middle, of a line its beginning
+    double radius, angle;
+    Vec3d way;
+  };
+
+  static Vec3d point(const Circle& c, double angle) { return Vec3d{c.x, 0, c.z} + c.radius * toward(angle); }
+
+  void add(const Piece& p, double length) {
+    piece_.push_back(p);
+    length_ += length;
+  }
+
+  std::vector<Piece> piece_;
+  double length_ = 0;
+};
+
+/// The way along the hull to the next point at a straight distance of one pitch.
+double next_pin(const Hull& hull, double s, double pitch) {
+  const Vec3d from = hull.at(s);
+  double low = s + 0.5 * pitch, high = s + 1.6 * pitch;  // half a circle of that pitch is longer by pi / 2
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (low + high);
+    (length(hull.at(middle) - from) < pitch ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+Vec3d idler_at(const Track& t, double tension) { return t.idler.centre + tension * (t.idler_travel - t.idler.centre); }
+
+Hull hull_of(const Vehicle& v, bool left, double tension) {
+  const Track& t = v.track[0];
+  const Vec3d idler = idler_at(t, tension);
+  std::vector<Circle> circles{{t.sprocket.centre.x, t.sprocket.centre.z, t.sprocket_radius},
+                              {idler.x, idler.z, pin_circle(t, t.idler_radius)}};
+  for (const Station& s : stations(v))
+    if ((s.side > 0) == left) circles.push_back({s.centre.x, s.centre.z, pin_circle(t, s.wheel->radius)});
+  return Hull(circles);
+}
+
+/// Pins by chords from the sprocket's foremost point on; how far the last chord ends beyond the first pin [m].
+double walk(const Vehicle& v, bool left, double tension, std::vector<Vec3d>* pin) {
+  const Track& t = v.track[0];
+  const Hull hull = hull_of(v, left, tension);
+  const int count = left ? t.left_shoes : t.right_shoes;
+  double s = 0;
+  for (int k = 0; k < count; ++k) {
+    if (pin) pin->push_back(hull.at(s));
+    s = next_pin(hull, s, t.shoe_pitch);
+  }
+  return s - hull.length();
+}
+
+/// Whether both loops close with their idlers within their travel.
+bool closes(const Vehicle& v) {
+  for (const bool left : {true, false})
+    if (walk(v, left, 0, nullptr) < 0 || walk(v, left, 1, nullptr) > 0) return false;
+  return true;
+}
+
+/// Turned about the y axis by an angle that takes z to x.
+Vec3d turned_about_y(const Vec3d& v, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * v.x + s * v.z, v.y, -s * v.x + c * v.z};
+}
+
+Part turned_about_y(Part p, const Vec3d& pivot, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle), xx = p.moments.x, zz = p.moments.z, xz = p.products.y;
+  p.centre = pivot + turned_about_y(p.centre - pivot, angle);
+  p.moments.x = c * c * xx + 2 * c * s * xz + s * s * zz;
+  p.moments.z = s * s * xx - 2 * c * s * xz + c * c * zz;
+  p.products.y = c * s * (zz - xx) + (c * c - s * s) * xz;
+  const double xy = p.products.x, yz = p.products.z;
+  p.products.x = c * xy + s * yz;
+  p.products.z = -s * xy + c * yz;
+  return p;
+}
+
+/// An arm whose wheel lies `angle` lower about its pivot; its spring is less wound there.
+Suspension turned_down(Suspension s, double angle) {
+  const Vec3d pivot = s.point.at("pivot");
+  const double about_y = s.point.at("wheel").x < pivot.x ? -angle : angle;
+  for (const char* name : {"wheel", "arm_centre", "damper_arm"})
+    if (const auto at = s.point.find(name); at != s.point.end())
+      at->second = pivot + turned_about_y(at->second - pivot, about_y);
+  s.part["arm"] = turned_about_y(s.part.at("arm"), pivot, about_y);
+  s.torsion.preload -= s.torsion.stiffness * angle;
+  return s;
+}
+
+/// How far an arm turns down from the design position until its spring carries a load on its wheel [rad].
+double static_angle(const Suspension& s, double load) {
+  double low = -1, high = 1;
+  for (int k = 0; k < 60; ++k) {
+    const double angle = 0.5 * (low + high);
+    const Suspension at = turned_down(s, angle);
+    const double lever = std::fabs(at.point.at("wheel").x - at.point.at("pivot").x);
+    (at.torsion.preload > load * lever ? low : high) = angle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// All arms turned down by a share of what their springs ask for.
+Vehicle lowered(Vehicle v, double share) {
+  const double load = (weigh(v).total - weigh(v).unsprung) * kGravity / double(stations(v).size());
+  const double ground = weigh(v).ground;
+  for (Suspension& s : v.suspension)
+    if (s.type == SuspensionType::trailing_arm) s = turned_down(s, share * static_angle(s, load));
+  v.clearance += ground - weigh(v).ground;
+  return v;
+}
+
+}  // namespace
+
+int sprocket_teeth(const Track& t) {
+  return int(std::lround(kPi / std::asin(std::min(1.0, 0.5 * t.shoe_pitch / t.sprocket_radius))));
+}
+
+double rolling_radius(const Track& t) { return sprocket_teeth(t) * t.shoe_pitch / (2 * kPi); }
+
+double pin_circle(const Track& t, double wheel_radius) {
+  return std::hypot(wheel_radius + t.pad_above_pin, 0.5 * t.shoe_pitch);
+}
+
+void check_sprocket(const Track& t, const std::string& where) {
+  constexpr double tolerance = 5e-4;  // [m]
+  const int teeth = sprocket_teeth(t);
+  const double fits = 0.5 * t.shoe_pitch / std::sin(kPi / teeth);
+  if (std::fabs(fits - t.sprocket_radius) > tolerance)
+    throw InputError(where + "track.sprocket.radius_m: pins one pitch apart go around a circle of " +
+                     std::to_string(fits) + " m with " + std::to_string(teeth) + " teeth, it is " +
+                     std::to_string(t.sprocket_radius) + " m; make it the pitch over twice the sine of pi over the " +
+                     "number of teeth, within 0.0005 m");
+}
+
+TrackLoop close_loop(const Vehicle& v, bool left) {
+  const Track& t = v.track[0];
+  const double loose = walk(v, left, 0, nullptr), tight = walk(v, left, 1, nullptr);
+  if (loose < 0 || tight > 0)
+    throw InputError("vehicle " + v.name + ": the " + (left ? "left" : "right") + " belt of " +
+                     std::to_string(left ? t.left_shoes : t.right_shoes) +
+                     " shoes does not close: with the idler at the beginning of its travel it is " +
+                     std::to_string(loose) + " m longer than its way, at the end " + std::to_string(tight) +
+                     " m; the first must not be below zero, the second not above, change the count or the travel");
+  double low = 0, high = 1;
+  for (int k = 0; k < 50; ++k) {
+    const double middle = 0.5 * (low + high);
+    (walk(v, left, middle, nullptr) > 0 ? low : high) = middle;
+  }
+  TrackLoop loop;
+  loop.tension = 0.5 * (low + high);
+  loop.idler = idler_at(t, loop.tension);
+  walk(v, left, loop.tension, &loop.pin);
+  const Vec3d first = loop.pin[0] - t.sprocket.centre;
+  loop.tooth_angle = std::atan2(first.z, first.x) + kPi / sprocket_teeth(t);
+  return loop;
+}
+
+Vehicle set_down(Vehicle v) {
+  if (v.kind != VehicleKind::tracked) return v;
+  constexpr int parts = 20;
+  for (int k = parts; k > 0; --k)
+    if (Vehicle down = lowered(v, double(k) / parts); closes(down)) return down;
+  return v;
+}
+
+}  // namespace gonogo::vehicle
