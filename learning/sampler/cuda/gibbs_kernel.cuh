@@ -4,6 +4,7 @@
 #include <cuda_fp16.h>
 
 #include "base/random.h"
+#include "learning/sampler/chain_share.h"
 
 namespace gonogo::learning {
 
@@ -37,6 +38,7 @@ struct GibbsMachine {
   PhiloxKeys keys;
   int chains;
   std::uint8_t* row;  // [chain x (left + right)]
+  unsigned* begun;    // [block]: 1 once the first stretch of the block lies in memory; 0 before the launch
 
   GONOGO_HD std::uint64_t blocks_per_sweep() const { return (left.units + right.units + 3) / 4; }
 };
@@ -103,8 +105,7 @@ class GibbsBlock {
         weight_(reinterpret_cast<__half*>(memory)),
         lane_(int(threadIdx.x) % 32),
         warp_(int(threadIdx.x) / 32),
-        warps_(int(blockDim.x) / 32),
-        first_chain_(int(blockIdx.x) * kChains * kTile) {
+        warps_(int(blockDim.x) / 32) {
     const GibbsRoom room(m.left, m.right, kChains * kTile);
     left_ = reinterpret_cast<__half*>(memory + room.left);
     right_ = reinterpret_cast<__half*>(memory + room.right);
@@ -112,7 +113,8 @@ class GibbsBlock {
     right_field_ = reinterpret_cast<float*>(memory + room.right_field);
   }
 
-  __device__ void load() {
+  /// Weights and biases, once.
+  __device__ void load_machine() {
     const int weights = m.left.width() * m.right.stride() / 8;
     for (int i = int(threadIdx.x); i < weights; i += int(blockDim.x))
       reinterpret_cast<uint4*>(weight_)[i] = reinterpret_cast<const uint4*>(m.weight)[i];
@@ -121,7 +123,12 @@ class GibbsBlock {
     clear(left_, m.left);
     clear(right_, m.right);
     __syncthreads();
-    visit_states([&](std::uint8_t& bit, __half& state) { state = __float2half(bit ? 1.0f : 0.0f); });
+  }
+
+  /// States of a group of chains, past the first cache: another block may have written them.
+  __device__ void load_states(int group) {
+    first_chain_ = group * kChains * kTile;
+    visit_states([&](std::uint8_t& bit, __half& state) { state = __float2half(__ldcg(&bit) ? 1.0f : 0.0f); });
     __syncthreads();
   }
 
@@ -133,8 +140,9 @@ class GibbsBlock {
     __syncthreads();
   }
 
-  __device__ void store() {
+  __device__ void store_states() {
     visit_states([&](std::uint8_t& bit, const __half& state) { bit = __half2float(state) > 0; });
+    __syncthreads();
   }
 
  private:
@@ -220,18 +228,39 @@ class GibbsBlock {
   const GibbsMachine& m;
   __half *weight_, *left_, *right_;
   float *left_field_, *right_field_;
-  int lane_, warp_, warps_, first_chain_;
+  int lane_, warp_, warps_, first_chain_ = 0;
 };
 
-/// Sweeps number `first` + 1 .. `first` + `count`.
+__device__ inline void announce(unsigned* flag) {
+  __threadfence();
+  atomicExch(flag, 1u);
+}
+__device__ inline void wait_for(unsigned* flag) {
+  while (atomicAdd(flag, 0u) == 0) __nanosleep(200);
+  __threadfence();
+}
+
+/// Sweeps number `first` + 1 .. `first` + `count`. All blocks run at once (cooperative launch) and none takes more than
+/// its share of the sweeps (chain_share.h).
 template <int kChains, int kSideTiles>
 __global__ void __launch_bounds__(32 * (kSideTiles > 0 ? kSideTiles : kMostWarps), 2)
     gibbs_kernel(const __grid_constant__ GibbsMachine machine, std::uint64_t first, std::uint64_t count) {
   extern __shared__ __align__(16) std::uint8_t memory[];
   GibbsBlock<kChains, kSideTiles> block(machine, memory);
-  block.load();
-  for (std::uint64_t k = 0; k < count; ++k) block.sweep(first + k + 1);
-  block.store();
+  block.load_machine();
+  const int groups = (machine.chains + kChains * kTile - 1) / (kChains * kTile);
+  ChainShare share(std::uint64_t(groups), count, int(blockIdx.x), int(gridDim.x));
+  while (!share.done()) {
+    const ChainStretch stretch = share.next();
+    if (stretch.begin > 0) {
+      if (threadIdx.x == 0) wait_for(machine.begun + blockIdx.x + 1);
+      __syncthreads();
+    }
+    block.load_states(int(stretch.group));
+    for (std::uint64_t k = stretch.begin; k < stretch.end; ++k) block.sweep(first + k + 1);
+    block.store_states();
+    if (stretch.end < count && threadIdx.x == 0) announce(machine.begun + blockIdx.x);
+  }
 }
 
 /// Independent fair bits: row 0 of the chain's random numbers.

@@ -80,12 +80,13 @@ bool gpu_answers() {
 }
 
 struct GpuChains::Device {
-  explicit Device(std::uint64_t seed) : machine{{}, {}, nullptr, PhiloxKeys(seed), 0, nullptr} {}
+  explicit Device(std::uint64_t seed) : machine{{}, {}, nullptr, PhiloxKeys(seed), 0, nullptr, nullptr} {}
 
   GibbsMachine machine;
   Buffer<__half, Cuda> weight;
   Buffer<float, Cuda> left_field, right_field;
   Buffer<Bit, Cuda> row;
+  Buffer<unsigned, Cuda> begun;
   int chains_per_block = kFewChains;
   int side_tiles = 0;  // see common_tiles
 
@@ -107,11 +108,19 @@ struct GpuChains::Device {
     const Kernel kernel = kernel_for<kChains>(side_tiles, std::make_integer_sequence<int, kMostWarps + 1>());
     const int tiles = std::max(machine.left.tiles, machine.right.tiles);
     const int rounds = (tiles + kMostWarps - 1) / kMostWarps, warps = (tiles + rounds - 1) / rounds;
-    const int blocks = (machine.chains + kChains * kTile - 1) / (kChains * kTile);
+    const int groups = (machine.chains + kChains * kTile - 1) / (kChains * kTile);
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room(kChains))),
                "shared memory of the sampler");
-    kernel<<<blocks, 32 * warps, room(kChains)>>>(machine, first, count);
-    check_cuda(cudaGetLastError(), "sampler launch");
+    int at_once = 0;  // blocks of a multiprocessor
+    check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&at_once, kernel, 32 * warps, room(kChains)),
+               "blocks of the sampler");
+    const int blocks = std::min(groups, at_once * device_attribute(cudaDevAttrMultiProcessorCount));
+    begun.fill_zero(std::size_t(blocks));
+    machine.begun = begun.data();
+    void* arguments[] = {&machine, &first, &count};
+    check_cuda(cudaLaunchCooperativeKernel(reinterpret_cast<const void*>(kernel), dim3(unsigned(blocks)),
+                                           dim3(unsigned(32 * warps)), arguments, room(kChains), nullptr),
+               "sampler launch");
     check_cuda(cudaDeviceSynchronize(), "sampler");
   }
 };
@@ -152,6 +161,7 @@ void GpuChains::set_rows(const std::vector<Bit>& rows) { device_->row.write(0, r
 std::vector<GpuChains::Bit> GpuChains::rows() const { return device_->row.download(); }
 
 void GpuChains::sweep(std::uint64_t first, std::uint64_t count) {
+  if (count == 0) return;
   if (device_->chains_per_block == kManyChains)
     device_->launch<kManyChains>(first, count);
   else
