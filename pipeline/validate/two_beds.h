@@ -1,41 +1,55 @@
-// A moving patch against a fixed bed so long that the vehicle never leaves it: the same virgin ground, the same
-// driving.
+// The same driving on the same virgin ground, on two beds: means over seeds and the differences of a seed's two trials.
 #pragma once
 #include <filesystem>
+#include <functional>
+#include <string>
 
 #include "base/json/json.h"
 #include "pipeline/validate/trials.h"
 
 namespace gonogo::pipeline {
 
-struct PatchRequest {
+struct BedsRequest {
   std::filesystem::path vehicle, calibration;
   double slope = 10, friction_angle = 0;  // 0: the middle of what the grains reach [deg]
   double speed = 1.5, distance = 8;       // [m/s], [m]
   int seeds = 4;
-  /// Of the solver in every step. Its tolerance is not used: it is a mean over the contacts of a world, which a longer
-  /// bed at rest meets sooner, so that beds of two lengths would be solved to two accuracies near the wheel.
+  /// Of the solver in every step. Its tolerance is not used: it is a mean over the contacts of a world, which a larger
+  /// bed at rest meets sooner, so that beds of two sizes would be solved to two accuracies near the wheel.
   int iterations = 60;
   BatchSettings batch;
 };
 
-/// Means over the seeds, on the same ground.
-struct PatchReport {
-  MeanOf slip[2], sinkage[2];                  // moving patch, fixed bed; over the last half of the driving [-], [m]
-  MeanOf slip_difference, sinkage_difference;  // of a seed's two trials
-  std::size_t grains[2] = {};
-  double cost[2][2] = {};  // contact-iterations per metre over the first and the second half of the way, each bed
-  double length[2] = {};   // of the bed [m]
-  int passed = 0;          // of trials, neither unknown nor no_go
-
-  /// Difference over the fixed bed's value.
-  double slip_deviation() const { return slip_difference.mean / slip[1].mean; }
-  double sinkage_deviation() const { return sinkage_difference.mean / sinkage[1].mean; }
+/// One of the two; the second one is the reference.
+struct BedSide {
+  std::string key, name;  // in JSON, in text
+  TrialSetup setup;
+  /// Sees a trial's start and end; may be empty.
+  std::function<void(std::size_t seed, const TrialFrame&)> frame;
 };
 
-PatchReport compare_patch(const PatchRequest& request);
+struct BedComparison {
+  std::string key[2], name[2];
+  MeanOf slip[2], sinkage[2];                  // over the last half of the driving [-], [m]
+  MeanOf slip_difference, sinkage_difference;  // of a seed's two trials
+  std::size_t grains[2] = {};
+  double cost[2][2] = {};             // contact-iterations per metre over the first and the second half of the way
+  double length[2] = {}, width[2]{};  // of the bed [m]
+  int passed = 0;                     // of trials, neither unknown nor no_go
 
-Json as_json(const PatchReport& r);
-std::string as_text(const PatchReport& r);
+  /// Difference over the reference's value.
+  double slip_deviation() const { return slip_difference.mean / slip[1].mean; }
+  double sinkage_deviation() const { return sinkage_difference.mean / sinkage[1].mean; }
+  double worst_deviation() const;
+};
+
+/// A bed as `r` asks for: its way, its time limit, its solver.
+void fit_to_request(const BedsRequest& r, TrialSetup& setup);
+
+/// Throws DeviceError when a trial fails its checks.
+BedComparison compare_beds(const BedsRequest& r, const BedSide& first, const BedSide& reference);
+
+Json as_json(const BedComparison& c);
+std::string as_text(const BedComparison& c);
 
 }  // namespace gonogo::pipeline
