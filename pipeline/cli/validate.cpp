@@ -249,12 +249,15 @@ void add_patch(CLI::App& command, const Globals& globals) {
 
 void add_folded(CLI::App& command, const Globals& globals) {
   CLI::App* folded = command.add_subcommand(
-      "folded", "A folded bed against three of it side by side; fails when slip or sinkage differ by more than 3 %");
+      "folded", "A folded bed against several of it side by side; fails when slip or sinkage differ by more than 3 %");
   const auto o = add_beds_options(*folded, "hmmwv");
+  const auto width = std::make_shared<double>(0);
+  folded->add_option("--width", *width, "Of the folded bed; without it two thirds of the track [m]")
+      ->check(CLI::Range(0.1, 100.0));
   folded->footer("Example:\n  gonogo validate folded --soil configs/soils/calibration_90mm.json --json");
-  folded->callback([&globals, o] {
+  folded->callback([&globals, o, width] {
     const auto run = [&](const BedsRequest& request) {
-      const FoldedReport r = compare_folded(request);
+      const FoldedReport r = compare_folded(request, *width);
       print_result(globals, pipeline::as_json(r), as_text(r));
       return r.beds.worst_deviation();
     };
@@ -275,6 +278,7 @@ void add_drawbar(CLI::App& command, const Globals& globals) {
   drawbar->add_option("--sweep", o->request.sweep, "Over which the load grows to the weight [s]")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
+  drawbar->add_flag("--folded", o->request.folded, "On a bed of two thirds of the track: a third of the grains");
   drawbar->add_option("--out", o->folder, "Folder for a table and a picture");
   drawbar->footer(
       "Example:\n  gonogo validate drawbar --soil configs/soils/calibration_90mm.json --out docs/validation");

@@ -12,9 +12,11 @@ namespace {
 
 constexpr double kBinWidth = 0.04;  // [m]
 
-TrialSetup folded_setup(const BedsRequest& r) {
+TrialSetup folded_setup(const BedsRequest& r, double width) {
   TrialSetup s = vehicle_trial_setup(r.vehicle, r.calibration);
   fold_bed(s);
+  if (width > 0) s.bed_width = width;
+  check_lanes(s);
   fit_to_request(r, s);
   return s;
 }
@@ -22,7 +24,7 @@ TrialSetup folded_setup(const BedsRequest& r) {
 TrialSetup wide_setup(const TrialSetup& folded) {
   TrialSetup s = folded;
   s.folded = false;
-  s.tiles_across = 3;
+  s.tiles_across = int(std::ceil(3 * folded_width(*s.whole) / s.bed_width - 1e-6));
   return s;
 }
 
@@ -72,8 +74,8 @@ class Rut {
  private:
   double length() const { return setup_.tiles_along * setup_.bed_length; }
   double width() const { return setup_.tiles_across * setup_.bed_width; }
-  /// Half the way to the next lane of a bed of three folded ones.
-  std::size_t bins() const { return std::size_t(width() / 4 / kBinWidth); }
+  /// Half the way to the next lane, which lies at least a track away.
+  std::size_t bins() const { return std::size_t(0.75 * folded_width(*setup_.whole) / kBinWidth); }
 
   bool passed(double ahead) const {
     const double d = std::remainder(ahead, length());
@@ -109,8 +111,8 @@ double half_width(const std::vector<double>& moved, double tyre_width) {
 
 }  // namespace
 
-FoldedReport compare_folded(const BedsRequest& r) {
-  const TrialSetup folded = folded_setup(r), wide = wide_setup(folded);
+FoldedReport compare_folded(const BedsRequest& r, double width) {
+  const TrialSetup folded = folded_setup(r, width), wide = wide_setup(folded);
   Rut rut(wide, r.seeds);
   FoldedReport report;
   report.beds = compare_beds(r, {"folded", "folded bed", folded, {}},

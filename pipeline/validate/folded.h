@@ -15,7 +15,8 @@ struct FoldedReport {
   double rut_half_width = 0;
 };
 
-FoldedReport compare_folded(const BedsRequest& request);
+/// `width` of the folded bed [m]; 0: two thirds of the track. Throws InputError for one whose lanes lie too close.
+FoldedReport compare_folded(const BedsRequest& request, double width = 0);
 
 Json as_json(const FoldedReport& r);
 std::string as_text(const FoldedReport& r);
