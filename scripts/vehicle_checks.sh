@@ -40,6 +40,9 @@ for trial in climb step:height_m=0.15 ditch:width_m=1,depth_m=0.2 crossing:lengt
 done
 run simulate --vehicle hmmwv --soil "$coarse" --trial side_slope --cross-slope 12 --gpu --threads "$threads"
 run simulate --vehicle hmmwv --soil "$coarse" --slope 12 --gpu --threads "$threads"
+for vehicle in fed_alpha viper; do
+  run simulate --vehicle "$vehicle" --soil "$coarse" --slope 5 --set commanded_speed=0.5 --gpu --threads "$threads"
+done
 run validate vehicles m113 --gpu
 run simulate --vehicle m113 --soil "$coarse" --slope 8 --gpu --threads "$threads"
 printf '0 10 2500 0.8 100\n15 10 2500 0.8 100\n30 10 2000 0.4 100\n' > "$results/original.txt"

@@ -91,6 +91,11 @@ void read_mover(TrialSetup& s) {
     s.rig = vehicle::read_wheel_rig(s.vehicle_file);
   else
     s.whole = vehicle::read_vehicle(s.vehicle_file);
+  if (s.whole && s.whole->kind == vehicle::VehicleKind::single_wheel)
+    throw InputError(
+        s.vehicle_file.string() +
+        ": a single-wheel rig does not stand by itself: trials drive its wheel under a carriage that holds "
+        "it upright; name its quarter vehicle, such as mgru3_wheel");
 }
 
 /// Axles' distance and largest wheel, with lugs [m].

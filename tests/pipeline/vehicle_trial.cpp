@@ -217,6 +217,16 @@ TEST_CASE("a folded bed is refused where lanes would meet, for one wheel, and fo
   CHECK(message("m113", 1).find("belts") != std::string::npos);
 }
 
+TEST_CASE("a single-wheel rig is refused as a whole vehicle") {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  try {
+    vehicle_trial_setup(configs / "vehicles/mgru3.json", configs / "soils/calibration_90mm.json");
+    FAIL("accepted");
+  } catch (const InputError& error) {
+    CHECK(std::string(error.what()).find("mgru3_wheel") != std::string::npos);
+  }
+}
+
 TEST_CASE("on a moving patch a trial has the same bits alone, in company, and cut off and gone on") {
   const TemporaryFolder folder;
   const TrialSetup setup = moving_rig();
