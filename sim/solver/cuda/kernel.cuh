@@ -176,19 +176,20 @@ class SolveKernel {
     if (mine) bodies = contact_.pair(i);
     Velocity a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
     if (m.done) return;
+    Real gap_bias = 0;
     if (parts && m.begins && mine) {
-      advance_contact(i, bodies, m);
+      gap_bias = advance_contact(i, bodies, m);
       // Again, so that nothing keeps them meanwhile.
       a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
     }
     UpdateSums sums;
     if constexpr (spectral) {
       SpectralSums spectral_sums;
-      if (mine) spectral_sums = update_spectrally(i, a, b, m, k & 1, sums);
+      if (mine) spectral_sums = update_spectrally(i, a, b, gap_bias, m, k & 1, sums);
       spectral_sums = team_.sum(spectral_sums);
       if (team_.rank == 0) s.spectral_sums[tile] = spectral_sums;
     } else {
-      if (mine) sums = update_contact(i, a, b, m, k & 1);
+      if (mine) sums = update_contact(i, a, b, gap_bias, m, k & 1);
       sums.uphill = team_.sum(sums.uphill);
     }
     if (m.test) sums.residual_square = team_.sum(sums.residual_square);
@@ -204,10 +205,11 @@ class SolveKernel {
     double residual = 0;
     if (mine) {
       const PairRecord bodies = contact_.pair(i);
-      if (parts && m.begins) advance_contact(i, bodies, m);
+      const Real gap_bias = parts && m.begins ? advance_contact(i, bodies, m) : Real(0);
       const Impulse before = contact_.own_impulse(k & 1, i);
-      residual = update_contact(i, s.extrapolated_velocity[bodies.a], s.extrapolated_velocity[bodies.b], m, k & 1)
-                     .residual_square;
+      residual =
+          update_contact(i, s.extrapolated_velocity[bodies.a], s.extrapolated_velocity[bodies.b], gap_bias, m, k & 1)
+              .residual_square;
       const Impulse after = contact_.own_impulse(1 - (k & 1), i);
       const Impulse change{after.linear - before.linear, 0, after.angular - before.angular, 0};
       const ContactNumbers<Real> c = contact_.unpack(i);
@@ -225,24 +227,37 @@ class SolveKernel {
     return resident ? loaded_early(s.extrapolated_velocity[b]) : s.extrapolated_velocity[b];
   }
 
-  /// The gap after a part of the step.
-  GONOGO_DEVICE void advance_contact(ContactIndex i, const PairRecord& bodies, const Momentum& m) {
+  /// The gap after a part of the step; returns its bias. The contact itself learns of the last one, for the residual.
+  GONOGO_DEVICE Real advance_contact(ContactIndex i, const PairRecord& bodies, const Momentum& m) {
     const ContactNumbers<Real> c = contact_.unpack(i);
-    GapRecord& own = s.gap[i];
+    GapRecord own = s.gap[i];
     own.gap = advanced_gap(own.gap, c, s.part_velocity[bodies.a], s.part_velocity[bodies.b], s.settings.substep());
-    contact_.frame(i).bias = bias_of_gap(own.gap, own.rate, c.softness, s.settings);
-    if (s.rules.target == Target::ccp && !is_last_part(m, s.rules)) return;
-    s.contact[i].gap = own.gap;
-    s.contact[i].gap_bias = contact_.frame(i).bias;
+    const Real bias = bias_of_gap(own.gap, own.rate, c.softness, s.settings);
+    s.gap[i].gap = own.gap;
+    if (!m.renew_slip) contact_.frame(i).bias = bias;
+    if (is_last_part(m, s.rules)) s.contact[i].gap = own.gap, s.contact[i].gap_bias = bias;
+    return bias;
   }
 
-  GONOGO_DEVICE UpdateSums update_contact(ContactIndex i, const Velocity& a, const Velocity& b, const Momentum& m,
-                                          Index now) {
+  /// The bias of `target_bias` from the sliding speed of now; `gap_bias`: of a gap that has just advanced.
+  GONOGO_DEVICE void renew_slip(ContactIndex i, const Velocity& a, const Velocity& b, Real gap_bias, const Momentum& m,
+                                ContactNumbers<Real>& c) {
+    if (!(parts && m.begins)) gap_bias = standing_gap_bias(i, c);
+    c.bias = gap_bias + opening_speed<turning, Real>(c, a, b);
+    contact_.frame(i).bias = c.bias;
+  }
+
+  GONOGO_DEVICE Real standing_gap_bias(ContactIndex i, const ContactNumbers<Real>& c) const {
+    if constexpr (!parts) return s.contact[i].gap_bias;
+    const GapRecord own = s.gap[i];
+    return bias_of_gap(own.gap, own.rate, c.softness, s.settings);
+  }
+
+  /// `gap_bias`: see renew_slip.
+  GONOGO_DEVICE UpdateSums update_contact(ContactIndex i, const Velocity& a, const Velocity& b, Real gap_bias,
+                                          const Momentum& m, Index now) {
     ContactNumbers<Real> c = contact_.unpack(i);
-    if (m.renew_slip) {
-      c.bias = s.contact[i].gap_bias + opening_speed<turning, Real>(c, a, b);
-      contact_.frame(i).bias = c.bias;
-    }
+    if (m.renew_slip) renew_slip(i, a, b, gap_bias, m, c);
     // A sweep has no momentum, and its velocities move on under way.
     const ContactUpdate<Real> u = accelerated_update<turning, Real>(
         c, a, b, contact_.own_impulse(now, i), contact_.own_impulse(1 - now, i), sweeps ? Real(0) : m.beta);
@@ -250,13 +265,10 @@ class SolveKernel {
     return {u.uphill, m.test ? residual_square<turning, Real>(c, u) : Real(0)};
   }
 
-  GONOGO_DEVICE SpectralSums update_spectrally(ContactIndex i, const Velocity& a, const Velocity& b, const Momentum& m,
-                                               Index now, UpdateSums& sums) {
+  GONOGO_DEVICE SpectralSums update_spectrally(ContactIndex i, const Velocity& a, const Velocity& b, Real gap_bias,
+                                               const Momentum& m, Index now, UpdateSums& sums) {
     ContactNumbers<Real> c = contact_.unpack(i);
-    if (m.renew_slip) {
-      c.bias = s.contact[i].gap_bias + opening_speed<turning, Real>(c, a, b);
-      contact_.frame(i).bias = c.bias;
-    }
+    if (m.renew_slip) renew_slip(i, a, b, gap_bias, m, c);
     const PairRecord bodies = contact_.pair(i);
     const Real length = Real(s.length[s.contact[i].world].length);
     const SpectralUpdate<Real> u =
