@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 #include "base/error.h"
 #include "base/progress.h"
-#include "base/random.h"
 
 namespace gonogo::pipeline {
 namespace {
-
-struct Sphere {
-  Vec3d centre;
-  double radius;
-};
 
 /// A floor of `copies` x `copies` blocks, each of `side` x `side` columns of `layers` spheres.
 struct Blocks {
@@ -41,57 +36,21 @@ Blocks choose_blocks(const TankSpec& spec) {
   return b;
 }
 
-double largest_diameter(const TankSpec& spec) { return spec.diameter * (1 + spec.size_spread); }
-
-/// Columns are so far apart that no two spheres overlap, wherever their draws put them.
-double pitch(const TankSpec& spec) { return 1.01 * largest_diameter(spec); }
-
-/// Spheres of a cubic lattice, each a little aside so that columns buckle.
 std::vector<Sphere> loose_block(const TankSpec& spec, const Blocks& blocks) {
-  std::vector<Sphere> spheres;
-  std::uint64_t draw = 0;
-  const auto between = [&](double low, double high) { return low + (high - low) * random_unit(spec.seed, 0, draw++); };
-  const double aside = 0.005 * largest_diameter(spec);
-  for (int z = 0; z < blocks.layers; ++z)
-    for (int y = 0; y < blocks.side; ++y)
-      for (int x = 0; x < blocks.side; ++x) {
-        const double dx = between(-aside, aside), dy = between(-aside, aside);
-        const Vec3d at{(x + 0.5) * pitch(spec) + dx, (y + 0.5) * pitch(spec) + dy, (z + 0.5) * pitch(spec)};
-        spheres.push_back({at, spec.diameter / 2 * (1 + spec.size_spread * between(-1, 1))});
-      }
-  return spheres;
-}
-
-void add_plane(sim::SceneWorld& world, sim::BodyIndex body, const Vec3d& at, const Quat& turn) {
-  sim::Shape plane;
-  plane.type = sim::ShapeType::plane;
-  plane.body = body;
-  plane.offset_B = static_cast<Vec3>(at);
-  plane.turn_B = turn;
-  world.add_shape(plane);
-}
-
-/// Turns the z axis, along which a plane looks, into x, -x, y or -y.
-Quat towards(int axis, double sign) {
-  const Real c = Real(std::sqrt(0.5)), s = Real(sign * std::sqrt(0.5));
-  return axis == 0 ? Quat{c, 0, s, 0} : Quat{c, -s, 0, 0};
+  return loose_lattice(
+      spec.of, {}, blocks.side, blocks.side, blocks.layers, [](const Vec3d&) { return true; },
+      std::size_t(blocks.side) * std::size_t(blocks.side) * std::size_t(blocks.layers));
 }
 
 /// Without walls: periodic sides of this length.
 sim::SceneWorld world_of(const TankSpec& spec, const std::vector<Sphere>& spheres, double side, double height) {
   sim::SceneWorld world;
-  world.origin = {0, 0, -2 * spec.diameter};
-  world.size = {side, side, height + 4 * spec.diameter};
-  world.set_law(0, 0, {Real(spec.friction), 0, 0});
-  for (const Sphere& s : spheres) world.add_sphere(s.centre, Real(s.radius), Real(spec.density), 0);
+  world.origin = {0, 0, -2 * spec.of.diameter};
+  world.size = {side, side, height + 4 * spec.of.diameter};
+  world.set_law(0, 0, {Real(spec.of.friction), 0, 0});
+  for (const Sphere& s : spheres) world.add_sphere(s.centre, Real(s.radius), Real(spec.of.density), 0);
   add_plane(world, world.add_body({}, sim::fixed_body()), {}, {});
   return world;
-}
-
-double height_of(const std::vector<Sphere>& spheres) {
-  double height = 0;
-  for (const Sphere& s : spheres) height = std::max(height, s.centre.z + s.radius);
-  return height;
 }
 
 /// Less than the spheres have later: they pack more densely.
@@ -100,14 +59,13 @@ constexpr double kSettlingFriction = 0.1;
 /// Falls and comes to rest: twice as long as the topmost sphere needs to fall through a third of the height.
 std::vector<Sphere> settled(const TankSpec& spec, const Blocks& blocks, sim::Backend backend, int threads) {
   std::vector<Sphere> spheres = loose_block(spec, blocks);
-  const double side = blocks.side * pitch(spec), height = height_of(spheres);
+  const double side = blocks.side * spec.of.pitch(), height = height_of(spheres);
   sim::SceneWorld world = world_of(spec, spheres, side, height);
   world.periodic_x = world.periodic_y = true;
   world.set_law(0, 0, {Real(kSettlingFriction), 0, 0});
-  const sim::StepSettings settings = tank_step_settings(spec, 20);
+  const sim::StepSettings settings = many_step_settings(spec.of, 20);
   const auto simulation = sim::make_simulation(backend, {world}, settings, threads);
-  const double fall = std::sqrt(2 * (height / 3) / 9.81);
-  simulation->advance(Index(std::ceil(2 * fall / settings.step)));
+  simulation->advance(Index(std::ceil(2 * fall_time(height / 3) / settings.step)));
   if (const sim::StepReport report = simulation->report(0); report.flags != 0)
     throw DeviceError("tank: settling failed: " + sim::description(report.fault, settings.step));
   const auto bodies = simulation->bodies(0);
@@ -137,26 +95,23 @@ void keep_lowest(std::vector<Sphere>& spheres, std::size_t count) {
   spheres.resize(count);
 }
 
-}  // namespace
-
-sim::StepSettings tank_step_settings(const TankSpec& spec, int iterations) {
-  sim::StepSettings s;
-  s.step = Real(2e-3);
-  s.iterations = iterations;
-  s.envelope = Real(0.06 * spec.diameter);  // about 3.6 contacts a sphere, as in the published tank
-  s.recovery_speed = Real(std::sqrt(9.81 * spec.diameter) / 10);
-  return s;
+/// Of a sphere about the origin, between two heights.
+double volume_between(double radius, double low, double high) {
+  const double a = std::clamp(low, -radius, radius), b = std::clamp(high, -radius, radius);
+  return std::numbers::pi * (radius * radius * (b - a) - (b * b * b - a * a * a) / 3);
 }
+
+}  // namespace
 
 sim::SceneWorld tank_world(const TankSpec& spec, sim::Backend backend, int threads) {
   const Blocks blocks = choose_blocks(spec);
-  const double block_side = blocks.side * pitch(spec), side = blocks.copies * block_side;
+  const double block_side = blocks.side * spec.of.pitch(), side = blocks.copies * block_side;
   log_line("bench", "settling " + std::to_string(blocks.side * blocks.side * blocks.layers) + " spheres, laid out " +
                         std::to_string(blocks.copies * blocks.copies) + " times");
   std::vector<Sphere> spheres = laid_out(settled(spec, blocks, backend, threads), blocks, block_side);
   keep_lowest(spheres, std::size_t(spec.spheres));
   sim::SceneWorld world = world_of(spec, spheres, side, height_of(spheres));
-  const double room = largest_diameter(spec) / 2;  // centres lie anywhere between the periodic sides
+  const double room = spec.of.largest_diameter() / 2;  // centres lie anywhere between the periodic sides
   const sim::BodyIndex tank = sim::BodyIndex(world.body.size()) - 1;
   add_plane(world, tank, {-room, 0, 0}, towards(0, 1));
   add_plane(world, tank, {side + room, 0, 0}, towards(0, -1));
@@ -165,6 +120,43 @@ sim::SceneWorld tank_world(const TankSpec& spec, sim::Backend backend, int threa
   world.origin = {-2 * room, -2 * room, world.origin.z};
   world.size.x = world.size.y = side + 4 * room;
   return world;
+}
+
+double solid_fraction(const TankSpec& spec, const sim::SceneWorld& world) {
+  const double d = spec.of.diameter;
+  double surface = 0;
+  Vec3d low{1e30, 1e30, 2 * d}, high{-1e30, -1e30, 0};
+  for (Index b = 0; b < spec.spheres; ++b) {
+    const Vec3d& p = world.body[b].position;
+    low.x = std::min(low.x, p.x), low.y = std::min(low.y, p.y);
+    high.x = std::max(high.x, p.x), high.y = std::max(high.y, p.y);
+    surface = std::max(surface, p.z);
+  }
+  const Vec3d aside{2 * d, 2 * d, 0};
+  low += aside, high -= aside;
+  high.z = surface - 2 * d;
+  // A sphere counts with the share of its height that lies between the two levels, and whole across them.
+  double solid = 0;
+  for (const sim::Shape& s : world.shape) {
+    if (s.type != sim::ShapeType::sphere) continue;
+    const Vec3d& p = world.body[s.body].position;
+    if (p.x < low.x || p.x >= high.x || p.y < low.y || p.y >= high.y) continue;
+    solid += volume_between(double(s.size.x), low.z - p.z, high.z - p.z);
+  }
+  return solid / ((high.x - low.x) * (high.y - low.y) * (high.z - low.z));
+}
+
+ManyScene shaken_tank(const TankSpec& spec, int iterations, sim::Backend backend, int threads) {
+  ManyScene scene;
+  scene.name = "tank";
+  scene.world = tank_world(spec, backend, threads);
+  scene.settings = many_step_settings(spec.of, iterations);
+  scene.duration = 60 * scene.settings.step;  // the spheres meet the walls
+  scene.drive = [](sim::Simulation& simulation, double time) {
+    const double acceleration = 0.5 * 9.81 * std::sin(2 * std::numbers::pi * 2 * time);
+    simulation.set_gravity(0, {Real(-acceleration), 0, Real(-9.81)});
+  };
+  return scene;
 }
 
 }  // namespace gonogo::pipeline
