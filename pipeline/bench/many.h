@@ -34,7 +34,7 @@ struct ManyRun {
   int repeats = 11;               // timed samples; 0: nothing is timed
   int steps_per_sample = 4;       // at most kStepsPerDrive
   std::filesystem::path vtk;      // folder of a VTK series, see sim/io/vtk_series.h; empty: not wanted
-  std::filesystem::path picture;  // .png of the end, without walls that are meshes; empty: not wanted
+  std::filesystem::path picture;  // .png of the end, without what is fixed; empty: not wanted
   double every = 0.1;             // simulated time between two frames of the series [s]
 };
 

@@ -65,7 +65,8 @@ Parts add_silo(sim::SceneWorld& world, const SiloSpec& spec, double height) {
 /// What a run of the silo remembers from drive to drive.
 struct Flow {
   bool open = false;
-  double floor_share = 0;                // of the weight, when the hole was opened
+  double floor_force = 0, looks = 0;     // sum over looks before the hole is opened [N]
+  double fill_over_width = 0;            // when it is
   double first_time = 0, last_time = 0;  // between which the flow is taken [s]
   double first_mass = 0, last_mass = 0;  // that has left by then [kg]
 };
@@ -75,6 +76,27 @@ double mass_below(const sim::SceneWorld& world, Index spheres, const std::vector
   for (Index b = 0; b < spheres; ++b)
     if (bodies[b].position.z < z) mass += 1 / double(world.mass[b].inverse_mass.x);
   return mass;
+}
+
+/// Share of the time before the opening after which the wall is drawn upward.
+constexpr double kStirs = 0.75;
+
+/// Upward at a speed [m/s].
+void move_wall(sim::Simulation& simulation, sim::BodyIndex wall, double speed) {
+  sim::BodyState state = simulation.body(0, wall);
+  state.velocity.z = Real(speed);
+  simulation.set_body(0, wall, state);
+}
+
+/// Twice the height of the centre of mass.
+double fill_height(const sim::SceneWorld& world, Index spheres, const std::vector<sim::BodyState>& bodies) {
+  double mass = 0, moment = 0;
+  for (Index b = 0; b < spheres; ++b) {
+    const double m = 1 / double(world.mass[b].inverse_mass.x);
+    mass += m;
+    moment += m * bodies[b].position.z;
+  }
+  return 2 * moment / mass;
 }
 
 }  // namespace
@@ -100,16 +122,22 @@ ManyScene silo_scene(const SiloSpec& spec, int iterations) {
   for (const Sphere& s : fill) world.add_sphere(s.centre, Real(s.radius), Real(spec.of.density), 0);
   const auto spheres = Index(fill.size());
   const Parts parts = add_silo(world, spec, height);
-  const double opens = 3 * fall_time(height / 3), ends = opens + spec.flow_time;
+  const double opens = 4 * fall_time(height / 3), ends = opens + spec.flow_time;
   scene.duration = ends;
   const auto flow = std::make_shared<Flow>();
   const auto kept = std::make_shared<const sim::SceneWorld>(world);
   const double mouth = -wall_thickness(spec), weight = 9.81 * mass_below(world, spheres, world.body, 1e30);
   scene.drive = [=](sim::Simulation& simulation, double time) {
-    if (time < opens) return;
+    if (time < opens) {
+      if (time < kStirs * opens) return;
+      if (flow->looks == 0) move_wall(simulation, parts.wall, spec.of.diameter / 2);
+      flow->floor_force -= simulation.contact_force(0, parts.floor).z + simulation.contact_force(0, parts.plug).z;
+      ++flow->looks;
+      return;
+    }
     if (!flow->open) {
-      flow->floor_share =
-          -(simulation.contact_force(0, parts.floor).z + simulation.contact_force(0, parts.plug).z) / weight;
+      flow->fill_over_width = fill_height(*kept, spheres, simulation.bodies(0)) / (2 * spec.radius());
+      move_wall(simulation, parts.wall, 0);
       sim::BodyState away = simulation.body(0, parts.plug);
       away.position.z = -depth_below(spec) - 1;
       simulation.set_body(0, parts.plug, away);
@@ -122,7 +150,8 @@ ManyScene silo_scene(const SiloSpec& spec, int iterations) {
   };
   scene.measure = [flow, weight](sim::Simulation&) -> std::vector<Measured> {
     const double time = flow->last_time - flow->first_time;
-    return {{"floor_share_of_weight", flow->floor_share},
+    return {{"floor_share_of_weight", flow->floor_force / flow->looks / weight},
+            {"fill_over_width", flow->fill_over_width},
             {"flow_kg_per_s", time > 0 ? (flow->last_mass - flow->first_mass) / time : 0},
             {"left_share", flow->last_mass / (weight / 9.81)}};
   };

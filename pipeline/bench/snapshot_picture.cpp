@@ -39,7 +39,7 @@ void require_pictures() {}
 void draw_snapshot(const std::filesystem::path& path, const ManyScene& scene, const sim::Capture& state, int threads) {
   sim::SceneWorld shown = scene.world;
   for (sim::Shape& s : shown.shape)
-    if (s.type == sim::ShapeType::mesh) s.type = sim::ShapeType::none;
+    if (sim::is_fixed(shown.mass[s.body])) s.type = sim::ShapeType::none;
   const double high = high_speed(state);
   const Model model = model_of(shown, state, {GrainColour::speed, 0, high, -1});
   const Camera camera = frame_model(model, 0.5, 0.3, double(kWidth) / kHeight, {0.03, 0.12, 0.12, 0.15});

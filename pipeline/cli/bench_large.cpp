@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "pipeline/bench/ball.h"
+#include "pipeline/bench/collapse.h"
 #include "pipeline/bench/collide.h"
 #include "pipeline/bench/drum.h"
 #include "pipeline/bench/nut.h"
@@ -116,7 +117,7 @@ CLI::App* add_many(CLI::App& parent, const Globals& globals, const char* name, c
   command->add_option("--repeats", o->run.repeats, "Timed samples at the end; 0: none")->check(CLI::Range(0, 100000));
   command->add_option("--vtk", o->run.vtk, "Folder for VTK files that ParaView opens");
   command->add_option("--every", o->run.every, "Time between two frames of --vtk [s]")->check(CLI::Range(1e-3, 1e3));
-  command->add_option("--picture", o->run.picture, "PNG of the end, walls that are meshes left out");
+  command->add_option("--picture", o->run.picture, "PNG of the end; walls and floors are left out");
   add_choice(*command, "--backend", o->run.backend, kBackends, "cpu or cuda");
   command->callback([&globals, o, make] {
     o->run.threads = bench_threads(globals);
@@ -155,6 +156,21 @@ void add_silo(CLI::App& parent, const Globals& globals) {
   command->add_option("--friction", spec->of.friction, "Friction of spheres and walls [-]")
       ->check(CLI::Range(0.0, 10.0));
   command->footer("Example:\n  gonogo bench silo --spheres 128000 --backend cuda --json");
+}
+
+void add_collapse(CLI::App& parent, const Globals& globals) {
+  auto spec = std::make_shared<CollapseSpec>();
+  CLI::App* command = add_many(parent, globals, "collapse", "A round column that falls apart when its wall is gone",
+                               spec->spheres, [spec](const ManyOptions& o) {
+                                 spec->spheres = o.spheres;
+                                 return collapse_scene(*spec, o.iterations);
+                               });
+  command->add_option("--aspect", spec->aspect, "Height of the column over its radius, about")
+      ->check(CLI::Range(0.1, 20.0));
+  command->add_option("--friction", spec->of.friction, "Friction of spheres and floor [-]")
+      ->check(CLI::Range(0.0, 10.0));
+  command->add_option("--rolling", spec->rolling_friction, "Rolling friction [-]")->check(CLI::Range(0.0, 10.0));
+  command->footer("Example:\n  gonogo bench collapse --aspect 1 --picture out/collapse.png");
 }
 
 void add_drum(CLI::App& parent, const Globals& globals) {
@@ -213,6 +229,7 @@ void add_large_scenes(CLI::App& bench, const Globals& globals) {
   add_tank(bench, globals);
   add_collide(bench, globals);
   add_silo(bench, globals);
+  add_collapse(bench, globals);
   add_drum(bench, globals);
   add_nut(bench, globals);
   add_ball(bench, globals);
