@@ -38,7 +38,7 @@ void add_drum(sim::SceneWorld& world, const DrumSpec& spec, double radius, doubl
   rim.type = sim::ShapeType::mesh;
   rim.surface = world.add_mesh(sim::revolved_mesh({{r, -half}, {r + t, -half}, {r + t, half}, {r, half}}, kSegments));
   rim.turn_B = towards(1, 1);  // the mesh's axis, z, along y
-  rim.group = 1;
+  rim.group = rim.material = 1;
   rim.body = world.add_body({{}, {}, {}, {0, Real(speed_of(spec)), 0}}, sim::fixed_body());
   world.add_shape(rim);
   const sim::BodyIndex caps = world.add_body({}, sim::fixed_body());

@@ -14,7 +14,7 @@ struct DrumSpec {
   double froude = 0.05;  // angular speed squared times radius over g: rolling rather than cascading
 };
 
-/// Half full, smooth caps, the rim as rough as the first material; spheres with x < 0 are of the first material. The
+/// Half full, smooth caps, the rim as rough as the second material; spheres with x < 0 are of the first material. The
 /// drum turns about the y axis. Measured: mixing index of Lacey (1954) at the end over samples of about 30 spheres, 0
 /// for what starts and 1 for a random mixture.
 ManyScene drum_scene(const DrumSpec& spec, int iterations);
