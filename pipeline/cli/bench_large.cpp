@@ -4,6 +4,7 @@
 #include "pipeline/bench/ball.h"
 #include "pipeline/bench/collapse.h"
 #include "pipeline/bench/collide.h"
+#include "pipeline/bench/crater.h"
 #include "pipeline/bench/drum.h"
 #include "pipeline/bench/nut.h"
 #include "pipeline/bench/silo.h"
@@ -173,6 +174,19 @@ void add_collapse(CLI::App& parent, const Globals& globals) {
   command->footer("Example:\n  gonogo bench collapse --aspect 1 --picture out/collapse.png");
 }
 
+void add_crater(CLI::App& parent, const Globals& globals) {
+  auto spec = std::make_shared<CraterSpec>();
+  CLI::App* command =
+      add_many(parent, globals, "crater", "A ball dropped onto a bed of spheres", 8000, [spec](const ManyOptions& o) {
+        spec->tank.spheres = o.spheres;
+        return crater_scene(*spec, o.iterations, o.run.backend, o.run.threads);
+      });
+  command->add_option("--height", spec->drop_height, "It falls from [m]")->check(CLI::Range(0.0, 100.0));
+  command->add_option("--ball", spec->size_ratio, "Diameter of the ball, in those of the spheres")
+      ->check(CLI::Range(1.5, 1000.0));
+  command->footer("Example:\n  gonogo bench crater --height 1.6 --picture out/crater.png");
+}
+
 void add_drum(CLI::App& parent, const Globals& globals) {
   auto spec = std::make_shared<DrumSpec>();
   CLI::App* command = add_many(parent, globals, "drum", "Spheres of two materials in a turning drum", spec->spheres,
@@ -230,6 +244,7 @@ void add_large_scenes(CLI::App& bench, const Globals& globals) {
   add_collide(bench, globals);
   add_silo(bench, globals);
   add_collapse(bench, globals);
+  add_crater(bench, globals);
   add_drum(bench, globals);
   add_nut(bench, globals);
   add_ball(bench, globals);

@@ -1,27 +1,18 @@
 // Scenes of many bodies: what they are made of and what they measure.
-#include <set>
+#include <algorithm>
+#include <cstdio>
 
 #include "pipeline/bench/collide.h"
 #include "pipeline/bench/drum.h"
 #include "pipeline/bench/silo.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
+#include "tests/support/many.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;
 using namespace gonogo::test;
-
-namespace {
-
-double value_of(const ManyResult& r, const std::string& key) {
-  for (const Measured& m : r.measured)
-    if (m.key == key) return m.value;
-  FAIL("nothing measured is called " << key);
-  return 0;
-}
-
-}  // namespace
 
 TEST_CASE("a tank laid out from blocks holds the spheres asked for, inside of its walls, and steps take time") {
   TankSpec spec;
