@@ -1,5 +1,5 @@
 // Solids made of spheres, and their mass properties.
-#include "sim/shape/sphere_cover.h"
+#include "sim/shape/compound.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/message.h"
+#include "tests/support/scenes.h"
 
 using namespace gonogo;
 using namespace gonogo::sim;
@@ -102,6 +103,47 @@ TEST_CASE("mass properties of meshes are those of their solids, wherever the axe
   const SolidMoments r = moments_of(ring());
   const double polygon = 24 * std::sin(2 * kPi / 48), round = (2 + std::cos(2 * kPi / 48)) / 3;
   CHECK(r.inertia[2][2] == Approx(polygon * 0.2 * round * (std::pow(0.5, 4) - std::pow(0.3, 4)) / 2).epsilon(1e-4));
+}
+
+TEST_CASE("a compound has the mass and inertia of its mesh about its centre, and its spheres where the mesh is") {
+  TriangleMesh mesh = box_mesh({0.1f, 0.2f, 0.3f}, 1);
+  const Quat lean = normalised(Quat{0.8f, 0.3f, -0.2f, 0.4f});
+  for (Vec3& v : mesh.vertex) v = rotate(lean, v) + Vec3{0.5f, 0, 0};
+  const SphereCover cover = cover_by_spheres(mesh, {.count = 12});
+  SceneWorld w = open_world({});
+  const BodyState at{{1, 2, 3}, about_x(0.7), {}, {}};
+  const BodyIndex b = add_compound(w, at, mesh, cover, 1000, 0);
+  CHECK(1 / w.mass[b].inverse_mass.x == Approx(48).epsilon(1e-5));
+  const Vec3& i = w.mass[b].inverse_inertia_B;  // ascending inertia: about the long axis first
+  CHECK(1 / i.x == Approx(16 * (0.01 + 0.04)).epsilon(1e-4));
+  CHECK(1 / i.y == Approx(16 * (0.01 + 0.09)).epsilon(1e-4));
+  CHECK(1 / i.z == Approx(16 * (0.04 + 0.09)).epsilon(1e-4));
+  // The body's x axis is the mesh's long one, up to its sign.
+  const Vec3 long_axis = rotate(at.orientation, rotate(lean, {0, 0, 1}));
+  CHECK(std::abs(dot(rotate(w.body[b].orientation, {1, 0, 0}), long_axis)) == Approx(1).epsilon(1e-5));
+  CHECK(w.shape.size() == 12);
+  for (std::size_t k = 0; k < 12; ++k) {
+    const Vec3d expected =
+        at.position + static_cast<Vec3d>(rotate(at.orientation, static_cast<Vec3>(cover.sphere[k].centre)));
+    const Vec3d centre = w.body[b].position + static_cast<Vec3d>(rotate(w.body[b].orientation, w.shape[k].offset_B));
+    CHECK(length(centre - expected) < 1e-5);
+  }
+}
+
+TEST_CASE("a box of spheres falls flat onto a plane and rests on its lowest spheres") {
+  const TriangleMesh mesh = box_mesh({0.2f, 0.2f, 0.1f}, 1);
+  const SphereCover cover = cover_by_spheres(mesh, {.count = 25});
+  double lowest = 0;
+  for (const CoverSphere& s : cover.sphere) lowest = std::min(lowest, s.centre.z - s.radius);
+  SceneWorld w = open_world({Real(0.5), 0, 0});
+  add_plane(w);
+  const BodyIndex b = add_compound(w, {{0, 0, 0.15}, about_x(0.1), {}, {}}, mesh, cover, 1000, 0);
+  const auto simulation = simulate(sim::Backend::cpu, w, settings_with(50));
+  advance_for(*simulation, 1.5);
+  const BodyState end = simulation->body(0, b);
+  CHECK(end.position.z == Approx(-lowest).margin(2e-3));
+  CHECK(length(end.velocity) < 1e-3f);
+  CHECK(simulation->contact_force(0, b).z == Approx(9.81 * 32).epsilon(1e-3));
 }
 
 TEST_CASE("solids that cannot be made of spheres are refused") {
