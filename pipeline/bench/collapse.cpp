@@ -13,6 +13,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kPacked = 0.6;  // solid fraction of the column, about
 constexpr int kSegments = 48;
+/// With the friction that they have later the rows of the lattice would stand on each other as they are.
+constexpr double kSettlingFriction = 0.1;
 
 std::vector<Sphere> loose_column(const CollapseSpec& spec) {
   const double inside = spec.radius() * std::cos(kPi / kSegments) - spec.of.largest_diameter() / 2;
@@ -78,7 +80,7 @@ ManyScene collapse_scene(const CollapseSpec& spec, int iterations) {
   sim::SceneWorld& world = scene.world;
   world.origin = {-reach, -reach, -spec.of.diameter};
   world.size = {2 * reach, 2 * reach, height + spec.of.diameter};
-  world.set_law(0, 0, {Real(spec.of.friction), Real(spec.rolling_friction), 0});
+  world.set_law(0, 0, {Real(kSettlingFriction), 0, 0});
   for (const Sphere& s : column) world.add_sphere(s.centre, Real(s.radius), Real(spec.of.density), 0);
   add_plane(world, world.add_body({}, sim::fixed_body()), {}, {});
   world.shape.back().group = 1;
@@ -89,6 +91,7 @@ ManyScene collapse_scene(const CollapseSpec& spec, int iterations) {
   scene.drive = [=](sim::Simulation& simulation, double time) {
     if (time < falls || *column_height > 0) return;
     *column_height = 2 * mean_height(simulation.bodies(0), spheres);
+    simulation.set_law(0, 0, 0, {Real(spec.of.friction), Real(spec.rolling_friction), 0});
     sim::BodyState away = simulation.body(0, wall);
     away.position.z = 100 * height;
     simulation.set_body(0, wall, away);

@@ -15,7 +15,8 @@ struct CollapseSpec {
   double radius() const;  // of the column [m]
 };
 
-/// Settled inside of a smooth cylinder of 48 chords on a plane, which is then gone. Measured: height over radius of the
+/// Settled at little friction inside of a smooth cylinder of 48 chords on a plane, which is then gone, and the spheres
+/// as rough as they are. Measured: height over radius of the
 /// column just before, as twice the height of its centre of mass; run-out (R - R_0) / R_0, where R is the radius of the
 /// outermost ring, a diameter wide, whose ground spheres cover to a half (the heap), and within which 99 in 100 of them
 /// lie (with most of those that roll on by themselves); height of the heap over R_0.

@@ -63,21 +63,46 @@ void check_flags(const ManyScene& scene, sim::Simulation& simulation) {
     throw DeviceError(scene.name + ": " + sim::description(report.fault, scene.settings.step));
 }
 
+/// Frames of a run while it goes on.
+class Frames {
+ public:
+  Frames(const ManyScene& scene, const ManyRun& run) : run_(run) {
+    if (!run.vtk.empty()) series_.emplace(run.vtk, scene.world);
+  }
+
+  void add(sim::Simulation& simulation) {
+    if (!series_ && run_.video.empty()) return;
+    sim::Capture state = sim::capture_world(simulation, 0);
+    if (series_) series_->write(state);
+    if (run_.video.empty()) return;
+    state.contact = {};
+    held_.push_back(std::move(state));
+  }
+
+  void finish(const ManyScene& scene) const {
+    if (!run_.video.empty()) draw_video(run_.video, scene, held_, run_.every, run_.threads);
+  }
+
+ private:
+  const ManyRun& run_;
+  std::optional<sim::VtkSeries> series_;
+  std::vector<sim::Capture> held_;
+};
+
 /// The scene's duration, in stretches between frames.
 void play(const ManyScene& scene, const ManyRun& run, sim::Simulation& simulation, Driven& driven) {
-  std::optional<sim::VtkSeries> series;
-  if (!run.vtk.empty()) series.emplace(run.vtk, scene.world);
+  Frames frames(scene, run);
   const int per_frame = std::max(1, int(std::lround(run.every / scene.settings.step)));
-  int left = int(std::lround(scene.duration / scene.settings.step));
-  if (series) series->write(sim::capture_world(simulation, 0));
-  while (left > 0) {
+  frames.add(simulation);
+  for (int left = int(std::lround(scene.duration / scene.settings.step)); left > 0;) {
     stop_if_cancelled();
     const int steps = std::min(left, per_frame);
     driven.advance(steps);
     left -= steps;
     check_flags(scene, simulation);
-    if (series) series->write(sim::capture_world(simulation, 0));
+    frames.add(simulation);
   }
+  frames.finish(scene);
 }
 
 void time_steps(const ManyRun& run, sim::Simulation& simulation, Driven& driven, ManyResult& r) {
@@ -111,7 +136,7 @@ sim::StageTimes median_times(const std::vector<sim::StageTimes>& samples) {
 
 ManyResult run_many(const ManyScene& scene, const ManyRun& run) {
   sim::require_backend(run.backend);
-  if (!run.picture.empty()) require_pictures();
+  if (!run.picture.empty() || !run.video.empty()) require_pictures(!run.video.empty());
   const double start = seconds();
   const auto simulation = sim::make_simulation(run.backend, {scene.world}, scene.settings, run.threads);
   Driven driven(scene, *simulation);
@@ -121,7 +146,10 @@ ManyResult run_many(const ManyScene& scene, const ManyRun& run) {
   play(scene, run, *simulation, driven);
   r.run_seconds = seconds() - start - r.build_seconds;
   if (scene.measure) r.measured = scene.measure(*simulation);
-  if (!run.picture.empty()) draw_snapshot(run.picture, scene, sim::capture_world(*simulation, 0), run.threads);
+  if (!run.picture.empty()) {
+    const sim::Capture state = sim::capture_world(*simulation, 0);
+    draw_snapshot(run.picture, scene, state, view_of(scene, {&state}), run.threads);
+  }
   r.bodies = std::int64_t(scene.world.body.size());
   r.iterations = scene.settings.iterations;
   if (run.repeats > 0) time_steps(run, *simulation, driven, r);

@@ -35,7 +35,8 @@ struct ManyRun {
   int steps_per_sample = 4;       // at most kStepsPerDrive
   std::filesystem::path vtk;      // folder of a VTK series, see sim/io/vtk_series.h; empty: not wanted
   std::filesystem::path picture;  // .png of the end, without what is fixed; empty: not wanted
-  double every = 0.1;             // simulated time between two frames of the series [s]
+  std::filesystem::path video;    // .mp4, the same way, by the program ffmpeg; its frames are held in memory
+  double every = 0.1;             // simulated time between two frames [s]
 };
 
 struct ManyResult {
@@ -53,8 +54,8 @@ struct ManyResult {
   std::vector<Measured> measured;
 };
 
-/// Throws InputError for a picture that this build cannot draw, before time is spent; DeviceError when a body left the
-/// domain or worse.
+/// Throws InputError for a picture or video that this build or machine cannot make, before time is spent; DeviceError
+/// when a body left the domain or worse.
 ManyResult run_many(const ManyScene& scene, const ManyRun& run);
 
 /// Median of each stage.

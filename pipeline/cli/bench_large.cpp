@@ -117,8 +117,9 @@ CLI::App* add_many(CLI::App& parent, const Globals& globals, const char* name, c
   command->add_option("--iterations", o->iterations, "Solver iterations per step")->check(CLI::Range(1, 100000));
   command->add_option("--repeats", o->run.repeats, "Timed samples at the end; 0: none")->check(CLI::Range(0, 100000));
   command->add_option("--vtk", o->run.vtk, "Folder for VTK files that ParaView opens");
-  command->add_option("--every", o->run.every, "Time between two frames of --vtk [s]")->check(CLI::Range(1e-3, 1e3));
+  command->add_option("--every", o->run.every, "Time between two frames [s]")->check(CLI::Range(1e-3, 1e3));
   command->add_option("--picture", o->run.picture, "PNG of the end; walls and floors are left out");
+  command->add_option("--video", o->run.video, "MP4 of the run, made by ffmpeg; walls and floors are left out");
   add_choice(*command, "--backend", o->run.backend, kBackends, "cpu or cuda");
   command->callback([&globals, o, make] {
     o->run.threads = bench_threads(globals);

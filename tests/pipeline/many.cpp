@@ -1,7 +1,9 @@
 // Scenes of many bodies: what they are made of and what they measure.
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 
+#include "base/error.h"
 #include "pipeline/bench/collide.h"
 #include "pipeline/bench/drum.h"
 #include "pipeline/bench/silo.h"
@@ -85,3 +87,22 @@ TEST_CASE("a turning drum mixes, a standing one does not; pictures and frames of
   CHECK(stood < 0.35);
   CHECK(turned > stood + 0.15);
 }
+
+#ifdef GONOGO_WITH_PICTURES
+TEST_CASE("a run can be shown as a video, where there is ffmpeg") {
+  TankSpec spec;
+  spec.spheres = 200;
+  const TemporaryFolder folder;
+  ManyRun run;
+  run.repeats = 0;
+  run.every = 0.04;
+  run.video = folder / "tank.mp4";
+  ManyScene scene = shaken_tank(spec, 10, sim::Backend::cpu, 1);
+  if (std::system("ffmpeg -version > /dev/null 2>&1") == 0) {
+    run_many(scene, run);
+    CHECK(std::filesystem::file_size(run.video) > 5000);
+  } else {
+    CHECK_THROWS_AS(run_many(scene, run), InputError);
+  }
+}
+#endif
