@@ -1,5 +1,6 @@
 // The engine on a GPU: the same stages, queued as graphs.
 #include "sim/backend/simulation_on.h"
+#include "sim/solver/cuda/traffic.cuh"
 #include "sim/solver/solve_cuda.cuh"
 
 namespace gonogo::sim {
