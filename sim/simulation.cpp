@@ -5,22 +5,25 @@
 #include <limits>
 
 #include "base/error.h"
+#include "sim/contact/find.h"
 #include "sim/device.h"
+#include "sim/stages.h"
 #include "sim/world/check.h"
 
 namespace gonogo::sim {
 namespace {
 
-/// Bodies, shapes and bins of all worlds are each counted by one Index, and so are the contacts made room for.
+/// Bodies, shapes and bins of all worlds are each counted by one Index, and so are the pairs that the search notes
+/// down: the most of all, and so many more than the contacts made room for at first.
 void check_totals(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
-  double bodies = 0, contacts = 0, bins = 0;
+  double bodies = 0, pairs = 0, bins = 0;
   for (const FlatWorld& world : worlds) {
     bodies += std::max(world.size().bodies, room.bodies);
-    contacts += 4.0 * std::max(world.size().shapes, room.shapes);
+    pairs += double(kNeighbourRows * kNotedPairs) * std::max(world.size().shapes, room.shapes);
     bins += std::max(world.size().bins, room.bins);
   }
   const std::pair<const char*, double> totals[] = {
-      {"bodies", bodies}, {"places for contacts", contacts}, {"bins", bins}};
+      {"bodies", bodies}, {"places for pairs of shapes", pairs}, {"bins", bins}};
   for (const auto& [name, count] : totals)
     if (count >= std::numeric_limits<Index>::max())
       throw InputError("the batch needs " + std::to_string(std::int64_t(count)) + " " + name + ", more than " +
@@ -62,6 +65,16 @@ std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene,
   if (backend == Backend::cuda) return make_cuda_simulation(std::move(worlds), settings, room);
 #endif
   return make_cpu_simulation(std::move(worlds), settings, room, threads);
+}
+
+StepByStage& by_stage(Simulation& simulation) { return dynamic_cast<StepByStage&>(simulation); }
+
+double copy_bandwidth(Backend backend, int threads) {
+  require_backend(backend);
+#ifdef GONOGO_WITH_CUDA
+  if (backend == Backend::cuda) return cuda_copy_bandwidth();
+#endif
+  return cpu_copy_bandwidth(threads);
 }
 
 }  // namespace gonogo::sim

@@ -6,31 +6,17 @@
 #include "pipeline/bench/bed.h"
 #include "pipeline/bench/gibbs.h"
 #include "pipeline/bench/wheel.h"
-#include "pipeline/cli/command.h"
+#include "pipeline/cli/bench_parts.h"
 #include "pipeline/trial/setup.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
 
-const std::map<std::string, sim::Backend> kBackends{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
 const std::map<std::string, sim::Solver> kSolvers{{"apgd", sim::Solver::apgd},
                                                   {"jacobi", sim::Solver::jacobi},
                                                   {"gauss_seidel", sim::Solver::gauss_seidel},
                                                   {"bb", sim::Solver::bb}};
 const std::map<std::string, sim::Target> kTargets{{"ccp", sim::Target::ccp}, {"coulomb", sim::Target::coulomb}};
-
-template <class Value>
-std::string name_in(const std::map<std::string, Value>& names, Value value) {
-  for (const auto& [name, v] : names)
-    if (v == value) return name;
-  return "?";
-}
-
-template <class Value>
-void add_choice(CLI::App& command, const std::string& flag, Value& value, const std::map<std::string, Value>& names,
-                const std::string& what) {
-  command.add_option(flag, value, what)->transform(CLI::CheckedTransformer(names));
-}
 
 Json bed_json(const char* scene, const BedBench& request, const BedBenchResult& r) {
   Json json;
@@ -104,7 +90,7 @@ void add_bed(CLI::App& parent, const Globals& globals) {
   add_bed_options(*command, *request);
   command->footer("Example:\n  gonogo bench bed --json            one core; --threads 2 uses two");
   command->callback([&globals, request] {
-    request->threads = globals.threads > 0 ? globals.threads : 1;
+    request->threads = bench_threads(globals);
     request->packing_folder = default_packing_folder();
     print_bed(globals, "bed", *request);
   });
@@ -128,7 +114,7 @@ void add_batch(CLI::App& parent, const Globals& globals) {
       "Examples:\n  gonogo bench batch --beside-one --json          512 worlds, and one with as many grains\n"
       "  gonogo bench batch --tiny --beside-one --json   4096 worlds of about 40 grains, and one");
   command->callback([&globals, request, tiny, beside_one] {
-    request->threads = globals.threads > 0 ? globals.threads : 1;
+    request->threads = bench_threads(globals);
     request->packing_folder = default_packing_folder();
     if (*tiny) make_tiny(*request);
     print_batch(globals, *request, *beside_one);
@@ -185,7 +171,7 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   add_choice(*command, "--target", request->target, kTargets, "ccp or coulomb");
   command->footer("Example:\n  gonogo bench wheel --backend cuda --worlds 8 --json");
   command->callback([&globals, request] {
-    request->threads = globals.threads > 0 ? globals.threads : 1;
+    request->threads = bench_threads(globals);
     request->packing_folder = default_packing_folder();
     print_wheel(globals, *request);
   });
@@ -222,7 +208,7 @@ void add_gibbs(CLI::App& parent, const Globals& globals) {
   add_choice(*command, "--backend", *backend, kBackends, "cpu or cuda");
   command->footer("Example:\n  gonogo bench gibbs --backend cuda --chains 65536 --json");
   command->callback([&globals, request, backend] {
-    request->threads = globals.threads > 0 ? globals.threads : 1;
+    request->threads = bench_threads(globals);
     request->on_gpu = *backend == sim::Backend::cuda;
     print_gibbs(globals, *request);
   });
@@ -238,6 +224,7 @@ void add_bench_command(CLI::App& app, const Globals& globals) {
   add_batch(*command, globals);
   add_wheel(*command, globals);
   add_gibbs(*command, globals);
+  add_large_scenes(*command, globals);
 }
 
 }  // namespace gonogo::pipeline::cli

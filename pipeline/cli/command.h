@@ -40,6 +40,7 @@ void add_compare_command(CLI::App& app, const Globals& globals);
 void add_view_command(CLI::App& app, const Globals& globals);
 void add_map_command(CLI::App& app, const Globals& globals);
 void add_route_command(CLI::App& app, const Globals& globals);
+void add_mesh_command(CLI::App& app, const Globals& globals);
 void add_bench_command(CLI::App& app, const Globals& globals);
 void add_validate_command(CLI::App& app, const Globals& globals);
 void add_doctor_command(CLI::App& app, const Globals& globals);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sim/backend/batch_arrays.h"
+#include "sim/backend/stage_clock.h"
 #include "sim/world/order.h"
 #include "sim/world/step.h"
 
@@ -13,7 +14,7 @@ template <class Exec>
 class StepQueue;
 
 template <class Exec>
-class SimulationOn final : public Simulation {
+class SimulationOn final : public Simulation, public StepByStage {
  public:
   SimulationOn(Exec exec, std::vector<FlatWorld> worlds, const StepSettings& settings, const WorldSize& room)
       : settings_(settings),
@@ -25,12 +26,34 @@ class SimulationOn final : public Simulation {
   void advance(Index count) override {
     for (Index done = 0; done < count;) {
       const Index next = std::min(count - done, sort_worlds());
-      if (std::exchange(batch_.changed, false)) queue_.forget();
+      forget_if_changed();
       queue_.advance(batch_.state, settings_, next);
       done += next;
-      for (Index& steps : steps_) steps += next;
-      restored_contacts_ = 0, stepped_.assign(stepped_.size(), true);
+      count_steps(next);
     }
+  }
+
+  StageTimes timed_step() override {
+    sort_worlds();
+    forget_if_changed();
+    const StageTimes times = queue_.timed_step(batch_.state, settings_);
+    count_steps(1);
+    return times;
+  }
+
+  SearchReport timed_search() override {
+    forget_if_changed();
+    const Progress before = batch_.state.progress.read(0);
+    SearchReport report;
+    report.times = queue_.timed_search(batch_.state, settings_);
+    report.contact_count = batch_.state.progress.read(0).contact_total;
+    batch_.state.progress.write(0, before);  // the latest step's contacts still hold their impulses
+    stepped_.assign(stepped_.size(), false);
+    return report;
+  }
+
+  std::optional<double> solver_traffic() override {
+    return queue_.traffic(batch_.state, batch_.state.progress.read(0).contact_total);
   }
 
   StepReport report(WorldIndex w) override {
@@ -245,6 +268,15 @@ class SimulationOn final : public Simulation {
   const StepSettings& settings() const override { return settings_; }
 
  private:
+  void forget_if_changed() {
+    if (std::exchange(batch_.changed, false)) queue_.forget();
+  }
+
+  void count_steps(Index count) {
+    for (Index& steps : steps_) steps += count;
+    restored_contacts_ = 0, stepped_.assign(stepped_.size(), true);
+  }
+
   /// `place`: of a body in its world's arrays.
   BodyIndex body_in_scene(WorldIndex w, Index place) const {
     const auto& places = batch_.flat[w].place_of_body;

@@ -1,6 +1,8 @@
 // Contacts in the order of their owning shape, counted, then written. The count notes down most pairs of spheres; the
 // others are found a second time by the same code.
 #pragma once
+#include <limits>
+
 #include "base/beside.h"
 #include "base/words.h"
 #include "sim/contact/finder.h"
@@ -209,6 +211,17 @@ struct CheckCapacity {
     if (progress[0].contact_total > capacity) progress[0].halted = 1;
   }
 };
+
+/// Bodies see two halves of every contact, counted by one Index.
+inline constexpr Index kMostContacts = std::numeric_limits<Index>::max() / 2;
+
+/// Room to make when so many contacts have been found: half as many more. Throws InputError beyond kMostContacts.
+inline Index roomier(Index found) {
+  if (found < 0 || found > kMostContacts)
+    throw InputError("the worlds have more than " + std::to_string(kMostContacts) +
+                     " contacts; use fewer or smaller worlds, or a smaller envelope");
+  return Index(std::min<std::int64_t>(std::int64_t(found) + found / 2, kMostContacts));
+}
 
 template <class Exec>
 void reserve_contacts(State<Exec>& s, Index count) {

@@ -108,6 +108,28 @@ TriangleMesh tyre_mesh(const Shape& wheel, int segments) {
   return mesh;
 }
 
+TriangleMesh revolved_mesh(const std::vector<std::pair<Real, Real>>& profile, int segments) {
+  if (segments < 3 || profile.size() < 3)
+    throw InputError("a solid of revolution needs at least 3 segments and 3 points of its profile");
+  TriangleMesh mesh;
+  mesh.name = "solid of revolution";
+  const auto n = Index(profile.size());
+  for (int k = 0; k < segments; ++k) {
+    const double angle = 2 * std::numbers::pi * k / segments, c = std::cos(angle), s = std::sin(angle);
+    for (const auto& [r, z] : profile) {
+      if (!(r > 0)) throw InputError("a solid of revolution must keep off its axis");
+      mesh.vertex.push_back({Real(r * c), Real(r * s), z});
+    }
+  }
+  for (int k = 0; k < segments; ++k)
+    for (Index i = 0; i < n; ++i) {
+      const Index j = (i + 1) % n, here = k * n, next = (k + 1) % segments * n;
+      mesh.triangle.push_back({here + i, next + j, here + j});
+      mesh.triangle.push_back({here + i, next + i, next + j});
+    }
+  return mesh;
+}
+
 TriangleMesh floor_mesh(Real half_edge, int cells) {
   TriangleMesh mesh;
   mesh.name = "floor";

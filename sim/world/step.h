@@ -9,6 +9,7 @@
 #include "sim/element/watch.h"
 #include "sim/joint/prepare.h"
 #include "sim/solver/tiles.h"
+#include "sim/stages.h"
 #include "sim/world/spin.h"
 
 namespace gonogo::sim {
@@ -91,12 +92,33 @@ void prepare_motion(Exec exec, State<Exec>& s, const StepSettings& settings) {
   prepare_mechanisms(exec, s, settings);
 }
 
+/// What the solver needs to know of the contacts besides themselves.
+template <class Exec>
+void list_contacts(Exec exec, State<Exec>& s) {
+  beside(
+      exec, [&](Exec main) { build_incidence(main, s); }, [&](Exec side) { cut_into_tiles(side, s); });
+}
+
 template <class Exec>
 void prepare_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   sort_into_bins(exec, s);
   find_contacts(exec, s, settings);
-  beside(
-      exec, [&](Exec main) { build_incidence(main, s); }, [&](Exec side) { cut_into_tiles(side, s); });
+  list_contacts(exec, s);
+}
+
+template <class Exec>
+void apply_forces(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  apply_controllers(exec, s, settings);
+  apply_force_elements(exec, s, settings);
+}
+
+template <class Exec>
+void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  for_each_index(
+      exec, s.body_count,
+      Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.earlier_velocity.view(),
+                s.position.view(), s.orientation.view(), s.steps.view(), s.flags.view(), s.fault.view(), settings});
+  finish_step(exec, s, settings);
 }
 
 template <class Exec>
@@ -104,14 +126,28 @@ void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   beside(
       exec, [&](Exec main) { prepare_contacts(main, s, settings); },
       [&](Exec side) { prepare_motion(side, s, settings); });
-  apply_controllers(exec, s, settings);
-  apply_force_elements(exec, s, settings);
+  apply_forces(exec, s, settings);
   solve(exec, s, settings);
-  for_each_index(
-      exec, s.body_count,
-      Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.earlier_velocity.view(),
-                s.position.view(), s.orientation.view(), s.steps.view(), s.flags.view(), s.fault.view(), settings});
-  finish_step(exec, s, settings);
+  integrate(exec, s, settings);
+}
+
+/// The same step, one stage after the other: calls timed(stage, work) for each.
+template <class Exec, class Timed>
+void step_by_stage(Exec exec, State<Exec>& s, const StepSettings& settings, const Timed& timed) {
+  timed(Stage::bins, [&] { sort_into_bins(exec, s); });
+  timed(Stage::contacts, [&] { find_contacts(exec, s, settings); });
+  timed(Stage::lists, [&] { list_contacts(exec, s); });
+  timed(Stage::motion, [&] { prepare_motion(exec, s, settings); });
+  timed(Stage::forces, [&] { apply_forces(exec, s, settings); });
+  timed(Stage::solve, [&] { solve(exec, s, settings); });
+  timed(Stage::integrate, [&] { integrate(exec, s, settings); });
+}
+
+/// The search for contacts alone.
+template <class Exec, class Timed>
+void search_by_stage(Exec exec, State<Exec>& s, const StepSettings& settings, const Timed& timed) {
+  timed(Stage::bins, [&] { sort_into_bins(exec, s); });
+  timed(Stage::contacts, [&] { find_contacts(exec, s, settings); });
 }
 
 }  // namespace gonogo::sim

@@ -55,7 +55,8 @@ TEST_CASE("pictures and videos that cannot be made are refused before the trial 
 TEST_CASE("a GPU that is not there is refused before any work") {
   RunOptions none;
   none.before = [] { ::setenv("CUDA_VISIBLE_DEVICES", "", 1); };
-  for (const char* scene : {"bed", "batch", "wheel"})
+  for (const char* scene :
+       {"bed", "batch", "wheel", "tank", "collide", "silo", "drum", "nut", "ball", "crater", "collapse"})
     check_refusal(run_gonogo({"bench", scene, "--backend", "cuda"}, none), 2, {"CUDA", "ask for the cpu backend"});
   const TemporaryFolder folder;
   const std::string study = std::string(GONOGO_SOURCE_DIR) + "/configs/studies/demo.json";
@@ -63,6 +64,7 @@ TEST_CASE("a GPU that is not there is refused before any work") {
                 {"GPU", "--device cpu"});
   CHECK(files_below(folder.path()).empty());
   check_refusal(run_gonogo({"bench", "bed", "--backend", "tpu"}), 2, {"--backend", "cpu", "cuda"});
+  check_refusal(run_gonogo({"bench", "tank", "--spheres", "7"}), 2, {"--spheres", "100"});
   check_refusal(run_gonogo({"bench", "wheel", "--solver", "magic"}), 2, {"--solver", "apgd", "jacobi"});
   check_refusal(run_gonogo({"bench", "wheel", "--target", "magic"}), 2, {"--target", "ccp", "coulomb"});
 }

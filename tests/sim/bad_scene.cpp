@@ -162,7 +162,7 @@ TEST_CASE("a batch with more bodies, contacts or bins than can be counted is ref
   CHECK(contains(refused_room(room), "the batch needs 4000000000 bodies, more than 2147483647; use fewer worlds"));
   room = {};
   room.shapes = 400'000'000;
-  CHECK(contains(refused_room(room), "3200000000 places for contacts"));
+  CHECK(contains(refused_room(room), "12000000000 places for pairs of shapes"));
   room = {};
   room.bins = 2'000'000'000;
   CHECK(contains(refused_room(room), "4000000000 bins"));

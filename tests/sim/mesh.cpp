@@ -145,6 +145,18 @@ TEST_CASE("meshes made from numbers are closed solids of the right volume") {
   const double face = 12 * (6 * 0.5 * r * r * std::sin(step) + 0.5 * r * r * std::sin(2 * foot) +
                             2 * half * (0.43 - r * std::cos(foot)));
   CHECK(volume(lugged_tyre()) == Approx(face * 0.24).epsilon(1e-5));
+  // A ring: the outer prism less the inner one. A step inside of it takes another ring away.
+  const double polygon = 12 * std::sin(kPi / 12);
+  CHECK(volume(revolved_mesh({{0.3f, -0.1f}, {0.5f, -0.1f}, {0.5f, 0.3f}, {0.3f, 0.3f}}, 24)) ==
+        Approx(polygon * (0.25 - 0.09) * 0.4).epsilon(1e-5));
+  CHECK(volume(revolved_mesh({{0.3f, 0}, {0.5f, 0}, {0.5f, 0.3f}, {0.4f, 0.3f}, {0.4f, 0.1f}, {0.3f, 0.1f}}, 24)) ==
+        Approx(polygon * ((0.25 - 0.16) * 0.3 + (0.16 - 0.09) * 0.1)).epsilon(1e-5));
+  CHECK(contains(input_error([] { revolved_mesh({{0, 0}, {1, 0}, {1, 1}}, 24); }), "must keep off its axis"));
+  // Clockwise: inside out.
+  CHECK(contains(input_error([] {
+                   check_mesh(revolved_mesh({{0.3f, 0}, {0.3f, 1}, {0.5f, 1}, {0.5f, 0}}, 24));
+                 }),
+                 "solid of revolution"));
 }
 
 TEST_CASE("the tree of a mesh holds every triangle once, inside the boxes above it") {
