@@ -28,8 +28,7 @@ VisibleLayout mixed_layout() {
 Problem machine(const VisibleLayout& layout) {
   RbmWeights weights = RbmWeights::zeros(layout.unit_count(), 2);
   for (std::size_t k = 0; k < weights.weight.size(); ++k) weights.weight[k] = 4 * random_unit(3, 1, k) - 2;
-  for (std::size_t k = 0; k < weights.visible_bias.size(); ++k)
-    weights.visible_bias[k] = 2 * random_unit(3, 2, k) - 1;
+  for (std::size_t k = 0; k < weights.visible_bias.size(); ++k) weights.visible_bias[k] = 2 * random_unit(3, 2, k) - 1;
   return to_qubo(weights, layout.unit_labels());
 }
 

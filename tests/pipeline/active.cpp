@@ -27,7 +27,8 @@ class Surrogate {
     const auto n = Eigen::Index(points.size());
     Eigen::VectorXd label(n);
     for (const DesignPoint& point : points) at_.push_back(unit(spec, point.variables));
-    for (Eigen::Index i = 0; i < n; ++i) label(i) = 2 * known_boundary_passes(spec, points[std::size_t(i)].variables) - 1;
+    for (Eigen::Index i = 0; i < n; ++i)
+      label(i) = 2 * known_boundary_passes(spec, points[std::size_t(i)].variables) - 1;
     Eigen::MatrixXd covariance(n, n);
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < n; ++j) covariance(i, j) = kernel(at_[std::size_t(i)], at_[std::size_t(j)]);

@@ -72,11 +72,10 @@ std::map<std::uint64_t, double> active_scores(const Study& study, std::uint64_t 
     const Predictor model = study.train(spec, points);
     scores[points.size()] = brier(spec, model);
     if (points.size() >= kMostActive) return scores;
-    const ModelAnswers answers{
-        .p_go = [&](std::span<const double> x, std::span<double> p) { model.p_go(x, p); },
-        .novelty = [&](std::span<const double> x) { return model.novelty(x); }};
-    for (DesignPoint& point : choose_batch(
-             spec, answers, {.count = kBatch, .skip = 128 * points.size(), .candidates = 128 * kBatch}))
+    const ModelAnswers answers{.p_go = [&](std::span<const double> x, std::span<double> p) { model.p_go(x, p); },
+                               .novelty = [&](std::span<const double> x) { return model.novelty(x); }};
+    for (DesignPoint& point :
+         choose_batch(spec, answers, {.count = kBatch, .skip = 128 * points.size(), .candidates = 128 * kBatch}))
       points.push_back(std::move(point));
   }
 }

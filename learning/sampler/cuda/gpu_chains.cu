@@ -111,6 +111,10 @@ struct GpuChains::Device {
     const int groups = (machine.chains + kChains * kTile - 1) / (kChains * kTile);
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room(kChains))),
                "shared memory of the sampler");
+    // All of it: the blocks that the next call counts have to be there at the same time.
+    check_cuda(
+        cudaFuncSetAttribute(kernel, cudaFuncAttributePreferredSharedMemoryCarveout, cudaSharedmemCarveoutMaxShared),
+        "shared memory of the sampler");
     int at_once = 0;  // blocks of a multiprocessor
     check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&at_once, kernel, 32 * warps, room(kChains)),
                "blocks of the sampler");
