@@ -125,10 +125,22 @@ class GibbsBlock {
     __syncthreads();
   }
 
-  /// States of a group of chains, past the first cache: another block may have written them.
+  /// States of a group of chains, past the first cache: another block may have written them. Many loads are under way at
+  /// once.
   __device__ void load_states(int group) {
+    constexpr int kAtOnce = 8;
     first_chain_ = group * kChains * kTile;
-    visit_states([&](std::uint8_t& bit, __half& state) { state = __float2half(__ldcg(&bit) ? 1.0f : 0.0f); });
+    const int count = state_count(), step = int(blockDim.x);
+    const std::uint8_t* from = row();
+    for (int first = int(threadIdx.x); first < count; first += kAtOnce * step) {
+      std::uint8_t bit[kAtOnce];
+#pragma unroll
+      for (int n = 0; n < kAtOnce; ++n)
+        if (const int i = first + n * step; i < count) bit[n] = __ldcg(from + i);
+#pragma unroll
+      for (int n = 0; n < kAtOnce; ++n)
+        if (const int i = first + n * step; i < count) state(i) = __float2half(bit[n] ? 1.0f : 0.0f);
+    }
     __syncthreads();
   }
 
@@ -141,7 +153,8 @@ class GibbsBlock {
   }
 
   __device__ void store_states() {
-    visit_states([&](std::uint8_t& bit, const __half& state) { bit = __half2float(state) > 0; });
+    std::uint8_t* to = row();
+    for (int i = int(threadIdx.x); i < state_count(); i += int(blockDim.x)) to[i] = __half2float(state(i)) > 0;
     __syncthreads();
   }
 
@@ -151,18 +164,18 @@ class GibbsBlock {
       state[i] = __float2half(0.0f);
   }
 
-  /// visit(bit in memory, state of the same unit) for all units of all chains.
-  template <class Visit>
-  __device__ void visit_states(Visit&& visit) {
-    const int units = m.left.units + m.right.units;
-    for (int i = int(threadIdx.x); i < kChains * kTile * units; i += int(blockDim.x)) {
-      const int chain = i / units, unit = i % units;
-      if (first_chain_ + chain >= m.chains) return;
-      const bool left = unit < m.left.units;
-      __half& state = left ? left_[chain * m.left.stride() + column_of_unit(unit, m.left.shift)]
-                           : right_[chain * m.right.stride() + column_of_unit(unit - m.left.units, m.right.shift)];
-      visit(m.row[std::size_t(first_chain_ + chain) * units + unit], state);
-    }
+  /// Units of all chains of the group, one after another as they lie in memory.
+  __device__ int state_count() const {
+    const int rest = m.chains - first_chain_;
+    return (rest < kChains * kTile ? rest : kChains * kTile) * units();
+  }
+  __device__ int units() const { return m.left.units + m.right.units; }
+  __device__ std::uint8_t* row() const { return m.row + std::size_t(first_chain_) * units(); }
+
+  __device__ __half& state(int i) const {
+    const int chain = i / units(), unit = i % units();
+    return unit < m.left.units ? left_[chain * m.left.stride() + column_of_unit(unit, m.left.shift)]
+                               : right_[chain * m.right.stride() + column_of_unit(unit - m.left.units, m.right.shift)];
   }
 
   __device__ static int tiles(const GibbsSide& side) { return kSideTiles > 0 ? kSideTiles : side.tiles; }

@@ -80,6 +80,8 @@ inline void reserve_solver(State<Cuda>& s, const StepSettings& settings) {
   own.body_tile_measures.resize(s.world_of_body_tile.size());
   own.other_momentum.resize(s.world_count);
   own.motor_before.resize(s.mechanisms.motor.size());
+  own.mechanism_slot.resize(s.mechanisms.gathered.size());
+  own.mechanism_gathered.resize(s.mechanisms.gathered.size());
   if (settings.solver == Solver::gauss_seidel) own.colour.resize(s.contact_capacity);
   if (settings.solver != Solver::bb) return;
   own.velocity_before.resize(s.body_count);
@@ -107,6 +109,8 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           projection(s.mechanisms),
           motor_moment(s.mechanisms),
           s.mechanisms.gathered.view(),
+          own.mechanism_slot.view(),
+          own.mechanism_gathered.view(),
           s.mechanisms.motor.view(),
           s.mechanisms.drive.view(),
           s.mechanisms.motor_impulse.view(),

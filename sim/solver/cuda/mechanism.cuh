@@ -6,16 +6,18 @@
 namespace gonogo::sim {
 
 static_assert(kMostMechanismBodies <= kTileSize);  // a thread for every body
-/// Numbers of the velocities of a mechanism that a thread sees to.
-inline constexpr Index kNumbersPerThread = (6 * kMostMechanismBodies + kTileSize - 1) / kTileSize;
+/// Bodies of a mechanism that a team has room for in shared memory; larger ones, belts, are worked on in global memory.
+/// More room would be taken from the cache, in which all other contacts are.
+inline constexpr Index kHeldMechanismBodies = 16;
+static_assert(6 * kHeldMechanismBodies <= kTileSize);  // and a thread for every number
 
 /// What a team has at hand while it works on a mechanism, in shared memory.
 struct MechanismWork {
   Mechanism mechanism;
-  BodyIndex body[kMostMechanismBodies];
-  HalfRange contacts[kMostMechanismBodies];
-  Vec3 linear[kMostMechanismBodies], angular[kMostMechanismBodies];  // sums over contacts
-  Velocity gathered[kMostMechanismBodies];
+  MechanismSlot* slot;  // [body of the mechanism]: held_slot, or in global memory
+  Velocity* gathered;   // likewise
+  MechanismSlot held_slot[kHeldMechanismBodies];
+  Velocity held_gathered[kHeldMechanismBodies];
   Vec3 partial[2][kTileSize / 32];  // of the warps
 };
 
@@ -29,12 +31,18 @@ class MechanismMover {
   /// `held`: room for the map in shared memory, or null.
   GONOGO_DEVICE void load(Index index, Real* held) {
     team_.sync();
-    if (team_.rank == 0) work_.mechanism = s.projection.mechanism[index];
+    if (team_.rank == 0) {
+      work_.mechanism = s.projection.mechanism[index];
+      const bool fits = work_.mechanism.body_count <= kHeldMechanismBodies;
+      work_.slot = fits ? work_.held_slot : &s.mechanism_slot[work_.mechanism.first_body];
+      work_.gathered = fits ? work_.held_gathered : &s.mechanism_gathered[work_.mechanism.first_body];
+    }
     team_.sync();
     const Mechanism& m = work_.mechanism;
     for (Index slot = team_.rank; slot < m.body_count; slot += kTileSize) {
-      work_.body[slot] = s.projection.body[m.first_body + slot].body;
-      work_.contacts[slot] = s.of_body[work_.body[slot]];
+      const BodyIndex b = s.projection.body[m.first_body + slot].body;
+      work_.slot[slot].body = b;
+      work_.slot[slot].contacts = s.of_body[b];
     }
     if (held != nullptr && m.projection_size() <= kHeldProjection)
       for (Index i = team_.rank; i < m.projection_size(); i += kTileSize)
@@ -49,45 +57,43 @@ class MechanismMover {
     if (m.body_count == 0) return;
     const Momentum now = s.momentum[k < 0 ? 0 : k & 1][m.world];
     if (now.done) return;
-    const Index slot = team_.rank;
+    const Index slot = team_.rank, number = team_.rank;
     Velocity free;
     BodyMass mass;
     Vec3 moment;
-    Real before[kNumbersPerThread]{}, ahead[kNumbersPerThread]{};  // ahead: of the extrapolated velocity
+    Real before = 0;
     if (slot < m.body_count) {
-      const BodyIndex b = work_.body[slot];
+      const BodyIndex b = work_.slot[slot].body;
       mass = s.mass[b];
       free = k < 0 ? begin_body(s, b) : s.free_velocity[b];
       moment = s.motor_moment(m.first_body + slot);
     }
-    for_each_number(m, [&](Index i, Index c) { before[i] = component(s.velocity[work_.body[c / 6]], c % 6); });
+    if (number < m.unknowns()) before = component(s.velocity[body_of(number)], number % 6);
     for (Index other = 0; other < m.body_count; ++other) sum_contacts(other);
     team_.sync();
     if (slot < m.body_count) gather(m, slot, free, mass, moment);
     team_.sync();
     const bool holds = held != nullptr && m.projection_size() <= kHeldProjection;
     const Real* map = holds ? held : s.projection.projection.data + m.projection;
-    for_each_number(m, [&](Index i, Index c) {
+    for (Index c = number; c < m.unknowns(); c += kTileSize) {
+      if (c != number) before = component(s.velocity[body_of(c)], c % 6);
       const Real next = projected(m, map, c);
-      ahead[i] = k < 0 ? Real(0) : now.next_beta * (next - before[i]);
-      set_velocity(c, next, k < 0 ? next : multiply_add(now.next_beta, next - before[i], next));
-      if (s.velocity_before.size > 0) component(s.velocity_before[work_.body[c / 6]], c % 6) = before[i];
-    });
-    if (parts && k >= 0 && now.ends) carry(m, map, free, ahead);
+      Real ahead = 0;  // of the extrapolated velocity
+      if (k >= 0) ahead = now.next_beta * (next - before);
+      set_velocity(c, next, k < 0 ? next : multiply_add(now.next_beta, next - before, next));
+      if (s.velocity_before.size > 0) component(s.velocity_before[body_of(c)], c % 6) = before;
+      work_.slot[c / 6].ahead[c % 6] = ahead;
+    }
+    if (parts && k >= 0 && now.ends) carry(m, map, free);
   }
 
  private:
-  /// visit(i, c) for the numbers c of this thread, i counting them.
-  template <class Visit>
-  GONOGO_DEVICE void for_each_number(const Mechanism& m, Visit&& visit) {
-#pragma unroll
-    for (Index i = 0; i < kNumbersPerThread; ++i)
-      if (const Index c = team_.rank + i * kTileSize; c < m.unknowns()) visit(i, c);
-  }
+  /// To which a number of the mechanism's velocities belongs.
+  GONOGO_DEVICE BodyIndex body_of(Index number) const { return work_.slot[number / 6].body; }
 
   /// By a warp, or by the whole team where there are many.
   GONOGO_DEVICE void sum_contacts(Index slot) {
-    const HalfRange c = work_.contacts[slot];
+    const HalfRange c = work_.slot[slot].contacts;
     const Index warp = team_.rank / 32, lane = team_.rank % 32;
     const bool many = c.end - c.begin > kTileSize / 4;
     if (!many && warp != slot % (kTileSize / 32)) return;
@@ -102,30 +108,29 @@ class MechanismMover {
       for (Index w = 0; w < kTileSize / 32; ++w) linear += work_.partial[0][w], angular += work_.partial[1][w];
       team_.sync();
     }
-    if (many ? team_.rank == 0 : lane == 0) work_.linear[slot] = linear, work_.angular[slot] = angular;
+    if (many ? team_.rank == 0 : lane == 0) work_.slot[slot].linear = linear, work_.slot[slot].angular = angular;
   }
 
   GONOGO_DEVICE void gather(const Mechanism& m, Index slot, const Velocity& free, const BodyMass& mass,
                             const Vec3& moment) {
-    const Vec3 angular = work_.angular[slot] + moment;
-    work_.gathered[slot] = driven(s, work_.body[slot], free, mass, work_.linear[slot], angular);
+    const MechanismSlot& own = work_.slot[slot];
+    work_.gathered[slot] = driven(s, own.body, free, mass, own.linear, own.angular + moment);
     s.gathered[m.first_body + slot] = work_.gathered[slot];  // for the joints' loads
   }
 
   /// Into the next part of the step.
-  GONOGO_DEVICE void carry(const Mechanism& m, const Real* map, Velocity& free,
-                           const Real (&ahead)[kNumbersPerThread]) {
+  GONOGO_DEVICE void carry(const Mechanism& m, const Real* map, Velocity& free) {
     const Index slot = team_.rank;
     team_.sync();
     if (slot < m.body_count) {
-      const BodyIndex b = work_.body[slot];
+      const BodyIndex b = work_.slot[slot].body;
       work_.gathered[slot] = sum(work_.gathered[slot], carry_body(s, b, s.velocity[b], free));
     }
     team_.sync();
-    for_each_number(m, [&](Index i, Index c) {
+    for (Index c = team_.rank; c < m.unknowns(); c += kTileSize) {
       const Real next = projected(m, map, c);
-      set_velocity(c, next, next + ahead[i]);
-    });
+      set_velocity(c, next, next + work_.slot[c / 6].ahead[c % 6]);
+    }
   }
 
   /// One number of a body's velocity.
@@ -136,7 +141,7 @@ class MechanismMover {
   }
 
   GONOGO_DEVICE void set_velocity(Index c, Real velocity, Real extrapolated) {
-    const BodyIndex b = work_.body[c / 6];
+    const BodyIndex b = body_of(c);
     component(s.velocity[b], c % 6) = velocity;
     component(s.extrapolated_velocity[b], c % 6) = extrapolated;
   }

@@ -42,6 +42,14 @@ struct alignas(8) HalfRange {
   Index begin, end;
 };
 
+/// A body of a mechanism while its velocity is worked out.
+struct MechanismSlot {
+  BodyIndex body;
+  HalfRange contacts;
+  Vec3 linear, angular;  // sums over contacts
+  Real ahead[6];         // by which its velocities were extrapolated last
+};
+
 template <>
 struct SolverStorage<Cuda> {
   Buffer<FrameRecord, Cuda> frame;  // [contact], as are the next eight
@@ -60,6 +68,8 @@ struct SolverStorage<Cuda> {
   Buffer<WorldSums, Cuda> tile_measures, body_tile_measures;
   Buffer<Momentum, Cuda> other_momentum;  // [world]
   Buffer<Real, Cuda> motor_before;
+  Buffer<MechanismSlot, Cuda> mechanism_slot;  // [mechanism body], as is the next
+  Buffer<Velocity, Cuda> mechanism_gathered;   // with the free motion of the next part
   Buffer<Index, Cuda> colour;              // [contact] for Gauss-Seidel
   Buffer<Velocity, Cuda> velocity_before;  // [body] of the update before, for spectral gradients
   Buffer<SpectralStep, Cuda> length;       // [world]
@@ -84,7 +94,9 @@ struct SolveViews {
   View<const Index> first_body_tile;
   Projection projection;
   MotorMoment motor_moment;
-  View<Velocity> gathered;  // [mechanism body]
+  View<Velocity> gathered;             // [mechanism body], as are the next two
+  View<MechanismSlot> mechanism_slot;  // of mechanisms too large for shared memory
+  View<Velocity> mechanism_gathered;
   View<const Motor> motor;
   View<const MotorDrive> drive;
   View<Real> motor_impulse, motor_before;
