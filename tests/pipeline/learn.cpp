@@ -48,6 +48,10 @@ TEST_CASE("rows are weighted by prior over proposal, replicates share a group, f
   double sum = 0;
   for (double w : data.table.weight) sum += w;
   CHECK(sum == Approx(20));
+  TrainingData half = data, none = data;
+  temper_weights(half, 0.5), temper_weights(none, 0);
+  CHECK(half.table.weight[0] == Approx(half.table.weight[1] / 2));
+  CHECK(none.table.weight == std::vector<double>(20, 1.0));
   CHECK(data.table.group[9] == data.table.group[8]);
   CHECK(data.table.group[7] != data.table.group[8]);
   const LearningSettings defaults;
@@ -55,6 +59,16 @@ TEST_CASE("rows are weighted by prior over proposal, replicates share a group, f
   CHECK(layout.encoders()[layout.variable_index("bed_depth")].unit_count() == 0);
   CHECK(layout.encoders()[layout.variable_index("slope_along")].unit_count() == 10);
   CHECK(layout.outcome_count() == contract().outcomes.size());
+
+  const auto with = [](const char* encoders) { return read_learning_settings(Config::parse(encoders, "study.json")); };
+  const auto given = with(R"({"encoders": {"cohesion": {"code": "thermometer", "edges": [1, 3, 10]}}})");
+  const learning::Encoder cohesion = make_layout(data, given).encoders()[layout.variable_index("cohesion")];
+  CHECK(cohesion.edges() == std::vector<double>{1, 3, 10});
+  CHECK(cohesion.upper() == data.upper[layout.variable_index("cohesion")]);
+  CHECK(to_json(given).at("encoders").at("cohesion").at("edges").items().size() == 3);
+  const auto outside = with(R"({"encoders": {"cohesion": {"code": "thermometer", "edges": [1, 3, 100]}}})");
+  refused([&] { make_layout(data, outside); }, "encoder of cohesion: edge 100");
+  refused([&] { with(R"({"encoders": {"cohesion": {"code": "gray", "bits": 3, "edges": [1]}}})"); }, "edges");
 
   const Config design = Config::parse(R"({"ranges": {"slope_along": [-5, 40]}, "points": 9})", "study");
   CHECK(make_training_data(records, design).lower[0] == -5);
@@ -166,6 +180,27 @@ TEST_CASE(
   }
   CHECK(whole(3, "visible") > whole(0, "visible"));
   CHECK(capacity_text(report).find("sparse:0.5") != std::string::npos);
+  // 100 trials in 6 bins of each of seven variables: each bin has some, and most of the pairs.
+  CHECK(whole(3, "fewest_in_a_bin") >= 5);
+  CHECK(whole(3, "fewest_in_a_bin") < 100 / 6);
+  CHECK(machines[3].at("empty_pairs_of_bins").number() > machines[0].at("empty_pairs_of_bins").number());
+  CHECK(machines[3].at("empty_pairs_of_bins").number() < 0.3);
+
+  request.bits = {2}, request.connectivity = {"full"}, request.variable_bits = {0, 4};
+  const Json own = measure_capacity(request);
+  const auto& each = own.at("machines").items();
+  REQUIRE(each.size() == 1 + 7 * 2);  // seven variables vary
+  const double all = each[0].at("held_out_loss_nat").number();
+  CHECK(each[1].at("variable").string() == "slope_along");
+  CHECK(each[1].at("visible").integer() == each[0].at("visible").integer() - 2);
+  CHECK(each[2].at("visible").integer() == each[0].at("visible").integer() + 2);
+  CHECK(each[1].at("held_out_loss_nat").number() > all + 0.03);
+  for (std::size_t k = 3; k < each.size(); k += 2) {  // one of the others left out costs less: the slope decides
+    CHECK(each[k].at("bits").integer() == 0);
+    CHECK(each[k].at("held_out_loss_nat").number() < each[1].at("held_out_loss_nat").number() - 0.01);
+  }
+  CHECK(capacity_text(own).find("one variable with other bits") != std::string::npos);
+  request.variable_bits = {};
   request.connectivity = {"sparse:2"};
   refused([&] { measure_capacity(request); }, "share");
   request.connectivity = {"chimra:12"};

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/buffer.h"
+#include "base/device.h"
 #include "base/for_each.h"
 #include "learning/sampler/cuda/gibbs_kernel.cuh"
 
@@ -27,13 +28,6 @@ int common_tiles(int left, int right) {
 
 /// Tiles of 16 chains in a block: many where the batch fills the GPU all the same.
 constexpr int kManyChains = 4, kFewChains = 1;
-
-int device_attribute(cudaDeviceAttr attribute) {
-  int device = 0, value = 0;
-  check_cuda(cudaGetDevice(&device), "device");
-  check_cuda(cudaDeviceGetAttribute(&value, attribute, device), "device attribute");
-  return value;
-}
 
 void require_gpu() {
   int count = 0;
