@@ -5,6 +5,7 @@
 #include "base/line.h"
 #include "pipeline/campaign/campaign.h"
 #include "pipeline/campaign/slurm.h"
+#include "pipeline/campaign/snapshot.h"
 #include "pipeline/campaign/study_campaign.h"
 #include "pipeline/cli/command.h"
 #ifdef GONOGO_WITH_MPI
@@ -306,6 +307,24 @@ void add_status(CLI::App& parent, const Globals& globals) {
   });
 }
 
+void add_snapshot(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand(
+      "snapshot", "The trials done so far as a dataset, up to the first that is missing; may be taken while it runs");
+  auto options = std::make_shared<Options>();
+  auto out = std::make_shared<std::string>();
+  command->add_option("folder", options->folder, "Folder of the campaign")->required();
+  command->add_option("--out", *out, "File to write (HDF5)")->required();
+  command->footer("Example:\n  gonogo campaign snapshot out/demo --out so_far.h5");
+  command->callback([options, out, &globals] {
+    const Dataset dataset = campaign_snapshot(options->folder);
+    write_dataset(*out, dataset);
+    Json result;
+    result["dataset"] = *out;
+    result["trials"] = std::uint64_t(dataset.records.size());
+    print_result(globals, result, *out + ": " + std::to_string(dataset.records.size()) + " trials");
+  });
+}
+
 /// Hidden: what run starts in each worker process.
 void add_worker(CLI::App& parent) {
   CLI::App* command = parent.add_subcommand("worker", "")->group("");
@@ -330,6 +349,7 @@ void add_campaign_command(CLI::App& app, const Globals& globals) {
   add_run(*command, globals);
   add_submit(*command, globals);
   add_status(*command, globals);
+  add_snapshot(*command, globals);
   add_collect(*command, globals);
   add_task(*command, globals);
 #ifdef GONOGO_WITH_TORCH
