@@ -1,7 +1,9 @@
 // Active design against Sobol' with the model that `gonogo campaign active` trains, on a study whose boundary is known
 // (docs/campaigns.md). test_pipeline_active asks the same of a Gaussian process, which takes seconds.
 //
-//   learning_active [repeats=5] [name=value ...]      settings of the section "learning"
+//   learning_active [repeats=5] [active=128] [name=value ...]      settings of the section "learning"
+//
+// An active design of so many trials against Sobol' designs of as many and of twice as many.
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -20,7 +22,7 @@ using namespace gonogo::pipeline;
 
 namespace {
 
-constexpr std::uint64_t kSeeds = 64, kBatch = 32, kMostActive = 192;
+constexpr std::uint64_t kSeeds = 64, kBatch = 32;
 
 TrialRecord trial(const DesignSpec& spec, DesignPoint point, std::size_t index) {
   point.index = point.seed = index;
@@ -64,14 +66,14 @@ double brier(const DesignSpec& spec, const Predictor& model) {
 }
 
 /// Trials -> Brier score, after the seeds and after each batch, as run_active chooses them.
-std::map<std::uint64_t, double> active_scores(const Study& study, std::uint64_t seed) {
+std::map<std::uint64_t, double> active_scores(const Study& study, std::uint64_t seed, std::uint64_t most) {
   const DesignSpec spec = known_boundary_box(seed, kSeeds);
   std::vector<DesignPoint> points = make_design(spec);
   std::map<std::uint64_t, double> scores;
   for (;;) {
     const Predictor model = study.train(spec, points);
     scores[points.size()] = brier(spec, model);
-    if (points.size() >= kMostActive) return scores;
+    if (points.size() >= most) return scores;
     const ModelAnswers answers{.p_go = [&](std::span<const double> x, std::span<double> p) { model.p_go(x, p); },
                                .novelty = [&](std::span<const double> x) { return model.novelty(x); }};
     for (DesignPoint& point :
@@ -90,25 +92,32 @@ struct Spread {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::uint64_t repeats = 5;
+  std::uint64_t repeats = 5, most = 128;
   std::string section;
   for (int k = 1; k < argc; ++k) {
     const std::string word = argv[k], name = word.substr(0, word.find('=')), value = word.substr(word.find('=') + 1);
     if (name == "repeats")
       repeats = std::strtoul(value.c_str(), nullptr, 10);
+    else if (name == "active")
+      most = std::strtoul(value.c_str(), nullptr, 10);
     else
       section += (section.empty() ? "\"" : ", \"") + name + "\": " + value;
   }
   const Study study(section);
   std::map<std::uint64_t, Spread> active, sobol;
   for (std::uint64_t seed = 1; seed <= repeats; ++seed) {
-    for (const auto& [trials, score] : active_scores(study, seed)) active[trials].add(score);
-    for (std::uint64_t trials : {128, 192, 256, 384}) {
+    std::printf("repeat %d:", int(seed));
+    const auto add = [](const char* design, std::uint64_t trials, double score, Spread& spread) {
+      spread.add(score);
+      std::printf(" %s %d %.5f", design, int(trials), score);
+      std::fflush(stdout);
+    };
+    for (const auto& [trials, score] : active_scores(study, seed, most)) add("active", trials, score, active[trials]);
+    for (std::uint64_t trials : {most, 2 * most}) {
       const DesignSpec spec = known_boundary_box(seed, trials);
-      sobol[trials].add(brier(spec, study.train(spec, make_design(spec))));
+      add("Sobol'", trials, brier(spec, study.train(spec, make_design(spec))), sobol[trials]);
     }
-    std::printf("repeat %d done\n", int(seed));
-    std::fflush(stdout);
+    std::printf("\n");
   }
   for (const auto& [name, scores] : {std::pair("active", active), std::pair("Sobol'", sobol)})
     for (const auto& [trials, score] : scores)

@@ -125,7 +125,8 @@ TEST_CASE("a penalty leaves few rows that are no code words, and the outcomes' f
     CHECK(invalid[k] / (1 - invalid[k]) < 1.1 * odds);
   }
   refused([&] { export_problem(kModel, kProblem, clamped, learning::Vartype::binary, {}, -1); }, "at least 0");
-  refused([&] { sample_problem(kProblem, kAnswer, *learning::make_sampler("block_gibbs"), {.reads = 10}); }, "bipartite");
+  refused([&] { sample_problem(kProblem, kAnswer, *learning::make_sampler("block_gibbs"), {.reads = 10}); },
+          "tempering");
   replace_in_file(learning::sidecar_path(kProblem), "\"code_penalty\": 6.0", "\"code_penalty\": -6.0");
   refused([] { read_sidecar(learning::sidecar_path(kProblem)); }, "code_penalty");
 }
