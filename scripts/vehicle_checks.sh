@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Long runs of whole vehicles for a GPU: the moving patch against long fixed beds, the HMMWV's drawbar curve beside
-# semi-empirical bands, every type of trial, and three runs of the original study's bin. Builds the CUDA preset without
-# GDAL, LibTorch and cairo when there is no program yet. One JSON line per run in results.jsonl, texts in run.log.
+# Long runs of whole vehicles for a GPU: the moving patch against long fixed beds, folded beds against wide ones, the
+# HMMWV's drawbar curve beside semi-empirical bands, every type of trial, the M113, and three runs of the original
+# study's bin. Builds the CUDA preset without GDAL, LibTorch and cairo when there is no program yet. One JSON line per
+# run in results.jsonl, texts in run.log.
 #
 #   scripts/vehicle_checks.sh [results-folder]
 #
@@ -32,15 +33,21 @@ coarse="$results/grains_0.064.json"
 fine="$results/grains_0.032.json"
 run validate patch --soil "$coarse" --seeds 64 --distance 12 --gpu --threads "$threads"
 run validate patch --vehicle hmmwv --soil "$coarse" --seeds 4 --distance 12 --gpu --threads "$threads"
+run validate folded --soil "$coarse" --seeds 8 --distance 6 --friction-angle 26 --slope 4 --gpu --threads "$threads"
 run validate drawbar --soil "$coarse" --friction-angle 32 --seeds 4 --gpu --threads "$threads" --out "$results"
 for trial in climb step:height_m=0.15 ditch:width_m=1,depth_m=0.2 crossing:length_m=2,friction_angle_deg=20; do
   run simulate --vehicle hmmwv --soil "$coarse" --trial "$trial" --gpu --threads "$threads"
 done
 run simulate --vehicle hmmwv --soil "$coarse" --trial side_slope --cross-slope 12 --gpu --threads "$threads"
 run simulate --vehicle hmmwv --soil "$coarse" --slope 12 --gpu --threads "$threads"
+for vehicle in fed_alpha viper; do
+  run simulate --vehicle "$vehicle" --soil "$coarse" --slope 5 --set commanded_speed=0.5 --gpu --threads "$threads"
+done
+run validate vehicles m113 --gpu
+run simulate --vehicle m113 --soil "$coarse" --slope 8 --gpu --threads "$threads"
 printf '0 10 2500 0.8 100\n15 10 2500 0.8 100\n30 10 2000 0.4 100\n' > "$results/original.txt"
 for line in 1 2 3; do
   run original "$results/original.txt" --line "$line" --out "$results/original" --gpu --threads "$threads"
 done
-run validate drawbar --soil "$fine" --friction-angle 32 --seeds 1 --gpu --threads "$threads"
+run validate drawbar --soil "$fine" --folded --friction-angle 32 --seeds 4 --gpu --threads "$threads"
 echo "$failed runs ended with an error"

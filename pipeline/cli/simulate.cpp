@@ -13,6 +13,7 @@
 #include "base/shipped.h"
 #include "pipeline/cli/command.h"
 #include "pipeline/film/film.h"
+#include "pipeline/trial/lanes.h"
 #include "pipeline/vehicle/locate.h"
 
 namespace gonogo::pipeline::cli {
@@ -26,7 +27,7 @@ struct Options {
   FilmRequest film;
   TrialCheckpoint checkpoint;
   std::string size = "1280x720", colour = "speed";
-  bool gpu = false, compliant = false;
+  bool gpu = false, compliant = false, folded = false;
 };
 
 sim::Backend device_of(const Options& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
@@ -140,6 +141,7 @@ Request request_of(const Options& options) {
   if (options.vehicle.empty()) {
     if (options.compliant)
       throw InputError("--compliant-tyres goes with --vehicle; in a study it is trial.compliant_tyres");
+    if (options.folded) throw InputError("--folded goes with --vehicle; in a study it is trial.bed.folded");
     if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
     const Study study = read_study(options.study);
     r.setup = read_trial_setup(study, default_packing_folder(), device_of(options));
@@ -150,6 +152,7 @@ Request request_of(const Options& options) {
     throw InputError("--vehicle needs --soil: a calibration, such as calibration_90mm");
   r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), shipped_file("soils", "calibration", options.soil),
                                 options.task.empty() ? default_task() : parse_task(options.task));
+  if (options.folded) fold_bed(r.setup);
   r.setup.settled_on = device_of(options);
   r.setup.compliant_tyres = options.compliant;
   check_tyres(r.setup);
@@ -232,6 +235,8 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
                       "Value of a variable, name=value; others: the study's fixed value or mid-range");
   command->add_option("--seed", options->seed, "Seed of the bed");
   command->add_flag("--compliant-tyres", options->compliant, "With the stiffness that the vehicle's file names");
+  command->add_flag("--folded", options->folded,
+                    "On a bed of two thirds of the track, periodic across: a third of the grains");
   command->add_flag("--gpu", options->gpu, "On the GPU");
   command->add_option("--csv", options->csv, "Write the run step by step to this file");
   command->add_option("--checkpoint", options->checkpoint.path,

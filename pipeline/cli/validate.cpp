@@ -12,6 +12,7 @@
 #include "pipeline/cli/numerics_options.h"
 #include "pipeline/validate/drawbar.h"
 #include "pipeline/validate/fclib.h"
+#include "pipeline/validate/folded.h"
 #include "pipeline/validate/patch.h"
 #include "pipeline/validate/slope_slip.h"
 #include "pipeline/validate/soils.h"
@@ -202,32 +203,65 @@ BatchSettings batch_of(const Globals& globals, bool gpu, int seeds) {
   return {gpu ? sim::Backend::cuda : sim::Backend::cpu, gpu ? seeds : 1, std::max(1, globals.threads)};
 }
 
+struct BedsOptions {
+  BedsRequest request;
+  std::string vehicle;
+  bool gpu = false;
+};
+
+/// What the comparisons of two beds have in common. Everything that runs later holds on to what is returned.
+std::shared_ptr<BedsOptions> add_beds_options(CLI::App& command, const std::string& vehicle) {
+  auto o = std::make_shared<BedsOptions>();
+  o->vehicle = vehicle;
+  add_trial_options(command, o->request, o->vehicle, o->gpu);
+  command.add_option("--slope", o->request.slope, "Uphill [deg]")->check(CLI::Range(-40.0, 40.0))->capture_default_str();
+  command.add_option("--distance", o->request.distance, "To drive [m]")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  command.add_option("--iterations", o->request.iterations, "Of the solver per step")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  return o;
+}
+
+/// Runs the comparison, prints it, and fails when slip or sinkage differ too much.
+template <class Compare>
+void compare(const Globals& globals, BedsOptions& o, Compare&& compare_two, const std::string& failure) {
+  o.request.vehicle = vehicle_file(o.vehicle);
+  o.request.batch = batch_of(globals, o.gpu, o.request.seeds);
+  if (compare_two(o.request) > 0.03) throw DeviceError(failure);
+}
+
 void add_patch(CLI::App& command, const Globals& globals) {
   CLI::App* patch = command.add_subcommand(
       "patch", "A moving patch against a long fixed bed; fails when slip or sinkage differ by more than 3 %");
-  struct Options {
-    PatchRequest request;
-    std::string vehicle = "hmmwv_quarter";
-    bool gpu = false;
-  };
-  auto o = std::make_shared<Options>();
-  add_trial_options(*patch, o->request, o->vehicle, o->gpu);
-  patch->add_option("--slope", o->request.slope, "Uphill [deg]")->check(CLI::Range(-40.0, 40.0))->capture_default_str();
-  patch->add_option("--distance", o->request.distance, "To drive [m]")
-      ->check(CLI::Range(1.0, 1000.0))
-      ->capture_default_str();
-  patch->add_option("--iterations", o->request.iterations, "Of the solver per step")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  const auto o = add_beds_options(*patch, "hmmwv_quarter");
   patch->footer("Example:\n  gonogo validate patch --soil configs/soils/calibration_90mm.json --json");
   patch->callback([&globals, o] {
-    o->request.vehicle = vehicle_file(o->vehicle);
-    o->request.batch = batch_of(globals, o->gpu, o->request.seeds);
-    const PatchReport r = compare_patch(o->request);
-    print_result(globals, pipeline::as_json(r), as_text(r));
-    constexpr double most = 0.03;
-    if (std::fabs(r.slip_deviation()) > most || std::fabs(r.sinkage_deviation()) > most)
-      throw DeviceError("slip or sinkage on the moving patch differ by more than 3 % from those on the long bed");
+    const auto run = [&](const BedsRequest& request) {
+      const BedComparison c = compare_patch(request);
+      print_result(globals, pipeline::as_json(c), as_text(c));
+      return c.worst_deviation();
+    };
+    compare(globals, *o, run, "slip or sinkage on the moving patch differ by more than 3 % from those on the long bed");
+  });
+}
+
+void add_folded(CLI::App& command, const Globals& globals) {
+  CLI::App* folded = command.add_subcommand(
+      "folded", "A folded bed against several of it side by side; fails when slip or sinkage differ by more than 3 %");
+  const auto o = add_beds_options(*folded, "hmmwv");
+  const auto width = std::make_shared<double>(0);
+  folded->add_option("--width", *width, "Of the folded bed; without it two thirds of the track [m]")
+      ->check(CLI::Range(0.1, 100.0));
+  folded->footer("Example:\n  gonogo validate folded --soil configs/soils/calibration_90mm.json --json");
+  folded->callback([&globals, o, width] {
+    const auto run = [&](const BedsRequest& request) {
+      const FoldedReport r = compare_folded(request, *width);
+      print_result(globals, pipeline::as_json(r), as_text(r));
+      return r.beds.worst_deviation();
+    };
+    compare(globals, *o, run, "slip or sinkage on the folded bed differ by more than 3 % from those on the wide one");
   });
 }
 
@@ -244,6 +278,7 @@ void add_drawbar(CLI::App& command, const Globals& globals) {
   drawbar->add_option("--sweep", o->request.sweep, "Over which the load grows to the weight [s]")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
+  drawbar->add_flag("--folded", o->request.folded, "On a bed of two thirds of the track: a third of the grains");
   drawbar->add_option("--out", o->folder, "Folder for a table and a picture");
   drawbar->footer(
       "Example:\n  gonogo validate drawbar --soil configs/soils/calibration_90mm.json --out docs/validation");
@@ -265,6 +300,7 @@ void add_validate_command(CLI::App& app, const Globals& globals) {
   add_vehicles(*command, globals);
   add_soils(*command, globals);
   add_patch(*command, globals);
+  add_folded(*command, globals);
   add_drawbar(*command, globals);
   command->footer(example);
   CLI::App* fclib = command->add_subcommand(

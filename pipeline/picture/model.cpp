@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/random.h"
+#include "pipeline/picture/unfolded.h"
 #include "sim/io/surface.h"
 #include "sim/shape/touch.h"
 
@@ -46,6 +47,8 @@ class Placement {
     if (world_.periodic_y) d.y = std::remainder(d.y, world_.size.y);
     return turned(static_cast<Vec3>(d));
   }
+  /// Of a place that has been put beside the focus already.
+  Vec3 held(const Vec3d& p) const { return turned(static_cast<Vec3>(p - origin_)); }
   /// Of a place given from the focus in axes of the world.
   Vec3 beside_focus(const Vec3d& d) const { return turned(static_cast<Vec3>(d)); }
 
@@ -131,9 +134,9 @@ Real lowest_point(const Model& model) {
   return low;
 }
 
-/// The block of ground between a periodic bed and the floor, with upright sides.
-void add_ground(Model& model, const SceneWorld& world, const Placement& place, double top) {
-  const double x = world.size.x / 2, y = world.size.y / 2;
+/// The block of ground between a periodic bed, so many times as wide, and the floor, with upright sides.
+void add_ground(Model& model, const SceneWorld& world, const Placement& place, double top, int copies) {
+  const double x = world.size.x / 2, y = copies * world.size.y / 2;
   const Vec3d corner[4] = {{-x, -y, top}, {x, -y, top}, {x, y, top}, {-x, y, top}};
   Vec3 high[4], low[4];
   Real lowest = std::numeric_limits<Real>::max();
@@ -165,21 +168,26 @@ Light bar_colour(double share) {
 
 Model model_of(const SceneWorld& world, const sim::Capture& frame, const ModelStyle& style) {
   const Placement place(world, frame, style.focus);
+  const Unfolded shown = unfolded(world, frame, style.focus);
   Model model;
   double lowest_fixed = std::numeric_limits<double>::max();
   const auto detail = sim::SurfaceDetail{96, Real(std::max(world.size.x, world.size.y) / 2)};
   for (std::size_t i = 0; i < world.shape.size(); ++i) {
     const Shape& s = world.shape[i];
-    const BodyState& body = frame.body[s.body];
+    const BodyState& body = shown.body[s.body];
     const Vec3d centre = sim::centre_of(s, body);
+    const Vec3 middle = shown.beside[s.body] ? place.held(centre) : place.placed(centre);
     if (s.type == ShapeType::sphere) {
       // All lobes of a grain alike; of what is fixed, each by itself.
       const std::size_t own = moves(world, s.body) ? std::size_t(s.body) : i;
-      model.ball.push_back({place.placed(centre), s.size.x, varied(ball_colour(world, body, s, style), own)});
+      const Light colour = varied(ball_colour(world, body, s, style), own);
+      const int beside = shown.beside[s.body] ? 0 : shown.copies / 2;
+      for (int k = -beside; k <= beside; ++k)
+        model.ball.push_back({middle + place.beside_focus({0, k * world.size.y, 0}), s.size.x, colour});
       if (!moves(world, s.body)) lowest_fixed = std::min(lowest_fixed, centre.z);
       continue;
     }
-    const Pose pose{place, place.placed(centre), sim::shape_orientation(s, body.orientation)};
+    const Pose pose{place, middle, sim::shape_orientation(s, body.orientation)};
     const bool wheel = s.type == ShapeType::wheel;
     add_surface(model, sim::surface_of(world, s, detail), pose,
                 wheel                  ? kRubber
@@ -189,7 +197,7 @@ Model model_of(const SceneWorld& world, const sim::Capture& frame, const ModelSt
   }
   const bool bed = world.periodic_x && world.periodic_y && lowest_fixed < std::numeric_limits<double>::max();
   if (bed)
-    add_ground(model, world, place, lowest_fixed);
+    add_ground(model, world, place, lowest_fixed, shown.copies);
   else
     model.floor = lowest_point(model);
   return model;

@@ -39,7 +39,8 @@ struct ModelStyle {
 Light bar_colour(double share);
 
 /// Moving spheres in the colours of the bar, fixed ones as base, wheels in rubber with a rim, all else in steel. Under
-/// a periodic bed a block of ground fills the space down to the floor.
+/// a periodic bed a block of ground fills the space down to the floor. Under a vehicle wider than its bed the bed is
+/// drawn as often as it takes.
 Model model_of(const sim::SceneWorld& world, const sim::Capture& frame, const ModelStyle& style);
 
 }  // namespace gonogo::pipeline

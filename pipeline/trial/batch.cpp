@@ -63,12 +63,8 @@ void TrialBatch::take_steps(std::uint64_t attempt) {
 
 void TrialBatch::save() {
   const bool cancelled = cancel_requested();
-  bool saved = false;
-  for (const auto& trial : trial_) {
-    trial->save_when_due(cancelled);
-    saved = saved || trial->saves();
-  }
-  if (saved) stop_if_cancelled();
+  for (const auto& trial : trial_) trial->save_when_due(cancelled);
+  if (cancelled) throw Cancelled();
 }
 
 std::vector<TrialRecord> TrialBatch::collect() {

@@ -28,8 +28,8 @@ class TrialBatch {
   /// Needs a free place. Throws InputError for a design point or a checkpoint that cannot be used.
   void start(const DesignPoint& point, const TrialWatch& watch = {}, const TrialCheckpoint& checkpoint = {});
 
-  /// Takes all trials to the next look; returns the records of those that ended. On Ctrl-C trials with a checkpoint
-  /// are saved and Cancelled is thrown.
+  /// Takes all trials to the next look; returns the records of those that ended. On Ctrl-C Cancelled is thrown;
+  /// trials with a checkpoint have been saved.
   std::vector<TrialRecord> advance();
 
  private:

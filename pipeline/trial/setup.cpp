@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "pipeline/study/contract.h"
+#include "pipeline/trial/lanes.h"
 #include "terrain/bed/target_name.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
@@ -16,7 +17,9 @@ namespace {
 
 void read_bed(const Config& bed, TrialSetup& s) {
   s.bed_length = bed.number_or("length_m", s.bed_length, {0.1, 100});
-  s.bed_width = bed.number_or("width_m", s.bed_width, {0.05, 100});
+  s.folded = bed.boolean_or("folded", s.folded);
+  if (s.folded) check_foldable(s);
+  s.bed_width = bed.number_or("width_m", s.folded ? folded_width(*s.whole) : s.bed_width, {0.05, 100});
   s.tiles_along = int(bed.integer_or("tiles_along", s.tiles_along, {1, 100}));
   s.tiles_across = int(bed.integer_or("tiles_across", s.tiles_across, {1, 100}));
   s.moving_patch = bed.boolean_or("moving_patch", s.moving_patch);
@@ -89,6 +92,11 @@ void read_mover(TrialSetup& s) {
     s.rig = vehicle::read_wheel_rig(s.vehicle_file);
   else
     s.whole = vehicle::read_vehicle(s.vehicle_file);
+  if (s.whole && s.whole->kind == vehicle::VehicleKind::single_wheel)
+    throw InputError(
+        s.vehicle_file.string() +
+        ": a single-wheel rig does not stand by itself: trials drive its wheel under a carriage that holds "
+        "it upright; name its quarter vehicle, such as mgru3_wheel");
 }
 
 /// Axles' distance and largest wheel, with lugs [m].
@@ -118,17 +126,17 @@ Extent extent_of(const TrialSetup& s) {
   return e;
 }
 
-/// Every wheel must stand on the bed, beside and not on its own image.
+/// Every wheel must stand on the bed, beside and not on its own image; on a folded one beside the other lane.
 void check_wheels_on_bed(const TrialSetup& s) {
   const Extent e = extent_of(s);
   const double length = s.tiles_along * s.bed_length, width = s.tiles_across * s.bed_width;
   const auto too_small = [&](const char* side, double has, double needs) {
     throw InputError("the bed is " + std::to_string(has) + " m " + side + ", and the wheels of the vehicle take " +
-                     std::to_string(needs) +
-                     " m: a wheel would stand outside the bed; enlarge trial.bed, or put more " +
-                     "tiles side by side with tiles_along and tiles_across");
+                     std::to_string(needs) + " m: a wheel would stand outside the bed; enlarge trial.bed, put more " +
+                     "tiles side by side with tiles_along and tiles_across, or fold its width (trial.bed.folded)");
   };
   if (length < 2 * e.ends()) too_small("long", length, 2 * e.ends());
+  if (s.folded) return check_lanes(s);
   if (width < e.width) too_small("wide", width, e.width);
 }
 

@@ -39,6 +39,7 @@ struct TrialSetup {
   double grain_density = 2650;             // of the solid [kg/m^3]
   int tiles_along = 1, tiles_across = 1;   // copies of the settled bed side by side
   bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
+  bool folded = false;                     // a bed narrower than the vehicle, see pipeline/trial/lanes.h
   bool compliant_tyres = false;            // contacts of tyres give way as the vehicle's file says
   double start = 0;                        // x where the vehicle starts; 0: as course() says [m]
   int packing_seeds = 2;                   // beds per packing level

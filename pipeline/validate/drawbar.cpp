@@ -8,6 +8,7 @@
 #include "base/file.h"
 #include "base/line.h"
 #include "pipeline/report/line_plot.h"
+#include "pipeline/trial/lanes.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/semi_empirical/bekker_wong.h"
 #include "vehicle/semi_empirical/traction.h"
@@ -106,6 +107,7 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   TrialSetup setup = vehicle_trial_setup(r.vehicle, r.calibration, parse_task(task));
   setup.settled_on = r.batch.backend;
   if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
+  if (r.folded) fold_bed(setup);
   const vehicle::Vehicle& v = *setup.whole;
   const auto points = replicates(plain_variables(setup, 0, r.friction_angle, r.speed), r.seeds);
   std::vector<PartSum> part;

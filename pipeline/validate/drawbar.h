@@ -14,6 +14,7 @@ struct DrawbarRequest {
   double friction_angle = 30, speed = 1.5;  // of the sand [deg], [m/s]
   double sweep = 12;                        // over which the load grows to the weight [s]
   int seeds = 1;
+  bool folded = false;  // bed, see pipeline/trial/lanes.h
   BatchSettings batch;
 };
 

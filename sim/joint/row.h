@@ -23,7 +23,7 @@ GONOGO_HD inline PlacedAttachment placed(const Attachment& at, const Quat& q) {
   return {rotate_precisely(q, at.point_B), rotate_precisely(q, at.axis_B), rotate_precisely(q, at.side_B)};
 }
 
-/// Two attachments and the vector from b's point to a's.
+/// Two attachments and the vector from b's point to the nearest image of a's.
 struct Link {
   PlacedAttachment a, b;
   Vec3d offset;  // [m]
@@ -32,7 +32,9 @@ struct Link {
 GONOGO_HD inline Link link_between(const Attachment& a, const Attachment& b, View<const Vec3d> position,
                                    View<const Quat> orientation, const Vec3d& period) {
   Link l{placed(a, orientation[a.body]), placed(b, orientation[b.body]), {}};
-  l.offset = nearest_image(position[a.body] - position[b.body], period) + l.a.arm - l.b.arm;
+  const Vec3d centres = nearest_image(position[a.body] - position[b.body], period);
+  // Of the points, too: on a side shorter than the vehicle is wide, arms reach beyond half a period.
+  l.offset = nearest_image(centres + l.a.arm - l.b.arm, period);
   return l;
 }
 

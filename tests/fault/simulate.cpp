@@ -56,6 +56,21 @@ TEST_CASE("a trial that was killed or interrupted goes on to the same result") {
   }
 }
 
+TEST_CASE("a trial without a checkpoint ends at SIGINT and SIGTERM, too") {
+  const TemporaryFolder folder;
+  const fs::path study = short_study(folder), vtk = folder / "vtk";
+  for (const int signal : {SIGINT, SIGTERM}) {
+    RunOptions options;
+    options.signal = signal;
+    options.when = [&] { return fs::exists(vtk); };
+    const Ending cut = run_gonogo({"simulate", study, "--csv", folder / "run.csv", "--vtk", vtk}, options);
+    CHECK(cut.exit_code == 130);
+    CHECK(cut.out == "");
+    CHECK_FALSE(fs::exists(folder / "run.csv"));
+    fs::remove_all(vtk);
+  }
+}
+
 TEST_CASE("a checkpoint that belongs to another trial is refused with what to do") {
   const TemporaryFolder folder;
   const fs::path study = short_study(folder), saved = folder / "trial.h5";

@@ -6,6 +6,7 @@
 #include "pipeline/picture/light.h"
 #include "pipeline/picture/render.h"
 #include "pipeline/picture/visible.h"
+#include "sim/joint/build.h"
 #include "sim/shape/mesh_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -175,6 +176,29 @@ TEST_CASE("a bed under tilted gravity is drawn rising by its slope, around the w
   CHECK(length(front - middle) == Approx(1));
   CHECK(length(back - middle) == Approx(0.6));
   CHECK(back.x < middle.x);
+}
+
+TEST_CASE("a vehicle wider than its bed is drawn in one piece, on as many beds as it takes") {
+  sim::SceneWorld w;
+  w.size = {4, 1, 2};
+  w.periodic_x = w.periodic_y = true;
+  w.add_sphere({1, 0.1, 0.2}, 0.05f, 2600, 0);
+  const auto frame = w.add_body({{2, 0.5, 1}, {}, {}, {}}, sim::solid(10, {1, 1, 1}));
+  for (const double side : {0.7, -0.7}) {
+    const auto hub = w.add_sphere({2, 0.5 + side, 1}, 0.3f, 1000, 0);
+    w.joint.push_back(sim::revolute(w, hub, frame, {2, 0.5 + side, 1}, {0, 1, 0}));
+  }
+  sim::Capture now{0, w.body, {}};
+  for (sim::BodyState& b : now.body) b.position.y -= std::floor(b.position.y);
+  now.body[std::size_t(frame)].position.x = 3.9;  // its hubs have gone through the end
+  now.body[std::size_t(frame) + 1].position.x = now.body[std::size_t(frame) + 2].position.x = 3.9 - 4;
+  const Model m = model_of(w, now, {GrainColour::speed, 0, 1, frame});
+  REQUIRE(m.ball.size() == 3 + 2);  // a grain and its images; the hubs once each
+  CHECK(m.ball[1].centre.y - m.ball[0].centre.y == Approx(1));
+  CHECK(m.ball[2].centre.y - m.ball[1].centre.y == Approx(1));
+  CHECK(m.ball[3].centre.y == Approx(0.7));
+  CHECK(m.ball[4].centre.y == Approx(-0.7));
+  for (const std::size_t k : {3u, 4u}) CHECK(m.ball[k].centre.x == Approx(0).margin(1e-5));
 }
 
 TEST_CASE("a bed stands on a block of ground that is level below") {

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "pipeline/trial/batch.h"
 #include "pipeline/trial/conditions.h"
+#include "pipeline/trial/lanes.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -147,6 +148,82 @@ TEST_CASE("a study whose bed is narrower than its vehicle is refused") {
     FAIL("accepted");
   } catch (const InputError& error) {
     CHECK(std::string(error.what()).find("outside the bed") != std::string::npos);
+  }
+}
+
+TEST_CASE("on a folded bed a HMMWV stands as on three of it side by side") {
+  TrialSetup folded = coarse_hmmwv();
+  folded.calibration.grain_diameter = 0.12;
+  folded.bed_length = 2.2, folded.park_time = 2;
+  fold_bed(folded);
+  TrialSetup wide = folded;
+  wide.folded = false, wide.tiles_across = 3;
+  DesignPoint p = design_point(0, 36, 0.25);
+  p.variables[contract().variable_index("slope_across")] = 8;
+  prepare_trials(folded, {&p, 1}, 1);
+  double load[2][4] = {}, height[2][4] = {}, apart[2] = {};
+  for (int k = 0; k < 2; ++k) {
+    const TrialSetup& setup = k == 0 ? folded : wide;
+    const terrain::Packing bed = settled_bed(setup, p);
+    TiltedBed tilted;
+    for (const terrain::Grain& g : bed.grain) tilted.grain.push_back({g.position});
+    const sim::SceneWorld world = vehicle_on_bed(setup, bed, tilted, conditions_of(setup, p));
+    sim::StepSettings settings = attempt_settings(setup, 1);
+    settings.iterations = 150, settings.tolerance = 0;
+    const auto s = sim::make_simulation(sim::Backend::cpu, {world}, settings, 1);
+    s->advance(250);  // 1 s
+    CHECK(s->report(0).flags == 0);
+    constexpr int steps = 50;
+    for (int t = 0; t < steps; ++t) {
+      s->advance(1);
+      for (int i = 0; i < 4; ++i) {
+        const sim::BodyIndex wheel = world.monitor[std::size_t(i) + 1].body;
+        load[k][i] += s->contact_force(0, wheel).z / steps;
+        height[k][i] += s->body(0, wheel).position.z / steps;
+      }
+    }
+    apart[k] = s->body(0, world.monitor[1].body).position.y - s->body(0, world.monitor[2].body).position.y;
+  }
+  CHECK(agrees("from right to left front wheel, modulo the bed [m]", 0,
+               std::remainder(apart[1] - apart[0], folded.bed_width), 0.005));
+  const double weight = wide.weight(0);
+  for (int i = 0; i < 4; ++i) {
+    CHECK(agrees("load of wheel " + std::to_string(i) + " over the weight", load[1][i] / weight, load[0][i] / weight,
+                 0.02));
+    CHECK(agrees("height of its axle [m]", height[1][i], height[0][i], 0.005));
+  }
+  CHECK(load[0][1] > 1.1 * load[0][0]);  // the right side is the lower one
+}
+
+TEST_CASE("a folded bed is refused where lanes would meet, for one wheel, and for tracks") {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  const auto message = [&](const std::string& vehicle, double width) {
+    Study study = read_study(configs / "studies/hmmwv_32mm.json");
+    study.vehicle = configs / "vehicles" / (vehicle + ".json");
+    try {
+      TrialSetup s = read_trial_setup(study, fs::temp_directory_path() / "gonogo-test-beds");
+      CHECK(s.bed_width == Approx(2.0 / 3 * 1.8194).margin(1e-3));
+      s.bed_width = width;
+      check_lanes(s);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  CHECK(message("hmmwv", 1.2129).empty());
+  CHECK(message("hmmwv", 0.91).find("neighbouring lanes") != std::string::npos);  // left and right in one lane
+  CHECK(message("hmmwv", 0.728).find("neighbouring lanes") != std::string::npos);
+  CHECK(message("hmmwv_quarter", 1).find("quarter vehicle") != std::string::npos);
+  CHECK(message("m113", 1).find("belts") != std::string::npos);
+}
+
+TEST_CASE("a single-wheel rig is refused as a whole vehicle") {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  try {
+    vehicle_trial_setup(configs / "vehicles/mgru3.json", configs / "soils/calibration_90mm.json");
+    FAIL("accepted");
+  } catch (const InputError& error) {
+    CHECK(std::string(error.what()).find("mgru3_wheel") != std::string::npos);
   }
 }
 

@@ -1,4 +1,5 @@
 // Jointed worlds in batches: bits that depend on nothing else, and refusal of what cannot work.
+#include <cmath>
 #include <cstring>
 
 #include "sim/joint/build.h"
@@ -116,6 +117,41 @@ TEST_CASE("joints across a periodic side hold the nearest images together") {
     CHECK(simulation->body(0, a).position.x == Approx(0.1).margin(1e-5));
     CHECK(simulation->body(0, b).position.x == Approx(0.9).margin(1e-5));
     CHECK(simulation->body(0, a).velocity.x == Approx(1).epsilon(1e-5));
+  }
+}
+
+TEST_CASE("arms longer than half a periodic side: a frame wider than its domain moves as in a wide one") {
+  // Wheels 1.2 m apart on a bar of 0.8 m period: their hubs, folded, lie 0.4 m from each other.
+  const auto bar = [](double period) {
+    SceneWorld w;
+    w.size = {10, period, 2};
+    w.periodic_y = true;
+    w.gravity = {};
+    const BodyIndex frame = w.add_body({{5, 0.4, 1}, {}, {0, 1, 0}, {0.5, 0, 0.3}}, solid(20, {3, 1, 3}));
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3d at{5, 0.4 + 0.6 * side, 1};
+      const BodyIndex hub = w.add_body({at, {}, {0, 1, 0}, {}}, solid(5, {0.1, 0.2, 0.1}));
+      w.joint.push_back(revolute(w, hub, frame, at, {0, 1, 0}));
+      w.spring.push_back(spring_between(w, hub, frame, at + Vec3d{0.1, 0, 0}, at + Vec3d{0.1, 0, 0.3}, 500, 5));
+    }
+    return w;
+  };
+  for (const Backend backend : backends()) {
+    const SceneWorld narrow = bar(0.8), wide = bar(8);
+    const auto folded = simulate(backend, narrow, {}), open = simulate(backend, wide, {});
+    for (int k = 0; k < 10; ++k) {
+      folded->advance(100);
+      open->advance(100);
+      for (BodyIndex b = 0; b < 3; ++b) {
+        const BodyState f = folded->body(0, b), o = open->body(0, b);
+        CHECK(std::remainder(f.position.y - o.position.y, 0.8) == Approx(0).margin(1e-5));
+        CHECK(f.position.x == Approx(o.position.x).margin(1e-5));
+        CHECK(f.position.z == Approx(o.position.z).margin(1e-5));
+        CHECK(length(f.velocity - o.velocity) < 1e-4f);
+        CHECK(length(f.angular_velocity - o.angular_velocity) < 1e-4f);
+      }
+    }
+    CHECK(folded->body(0, 1).position.y != Approx(open->body(0, 1).position.y).margin(0.1));
   }
 }
 
