@@ -46,3 +46,14 @@ build() {
   say "building ${*:-everything} with $(build_jobs) jobs"
   cmake --build --preset "$preset" -j "$(build_jobs)" "${targets[@]}"
 }
+
+# The program for campaigns on GPUs, from a bare checkout: the CUDA preset without GDAL, LibTorch and cairo, where there is no
+# program yet. Headers that the machine lacks (nlohmann-json, CLI11, xxhash) may lie in .carry/usr, laid out like /usr.
+build_gpu_program() {
+  [[ ! -x build/cuda-release/gonogo ]] || return 0
+  [[ ! -d .carry/usr ]] || export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
+  mkdir -p build
+  cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF -DGONOGO_TESTS=OFF > build/gpu_configure.log
+  cmake --build build/cuda-release -j "$(nproc)" --target gonogo > build/gpu_build.log 2>&1 ||
+    { grep -E 'error|FAILED' build/gpu_build.log | head; exit 1; }
+}

@@ -7,19 +7,13 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "base/random.h"
+#include "base/normal.h"
 #include "learning/sampler/annealing.h"
 
 namespace gonogo::learning {
 namespace {
 
 enum Stream : std::uint64_t { kScale = 1, kField, kFlux, kCoupling, kReadout };
-
-/// Standard normal (Box and Muller); a function of its arguments.
-double normal(std::uint64_t seed, std::uint64_t stream, std::uint64_t index) {
-  const double u = 1 - random_unit(seed, stream, 2 * index), v = random_unit(seed, stream, 2 * index + 1);
-  return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
-}
 
 /// The nearest value the converters can make; their step changes linearly over the range.
 double quantised(double x, double low, double high, double step_low, double step_high) {
@@ -117,14 +111,14 @@ Problem disturbed(const Problem& ising, const Device& device, std::uint64_t prog
     c.value = quantised(c.value, range.j_low, range.j_high, e.j_step_low, e.j_step_high);
   for (std::size_t i = 0; i < result.linear.size(); ++i) {
     const std::uint64_t q = qubit_of(ising, i);
-    result.linear[i] *= 1 + e.h_scale_deviation * normal(device.serial, kScale, q);
-    result.linear[i] +=
-        e.h_mean + e.h_deviation * normal(programming, kField, q) + e.flux_deviation * normal(programming, kFlux, q);
+    result.linear[i] *= 1 + e.h_scale_deviation * random_normal(device.serial, kScale, q);
+    result.linear[i] += e.h_mean + e.h_deviation * random_normal(programming, kField, q) +
+                        e.flux_deviation * random_normal(programming, kFlux, q);
   }
   for (Coupling& c : result.couplings)
-    c.value +=
-        e.j_mean + e.j_deviation * normal(programming, kCoupling,
-                                          qubit_of(ising, c.a) * device.graph.chip_size() + qubit_of(ising, c.b));
+    c.value += e.j_mean +
+               e.j_deviation * random_normal(programming, kCoupling,
+                                             qubit_of(ising, c.a) * device.graph.chip_size() + qubit_of(ising, c.b));
   leak(result, e.susceptibility);
   return result;
 }

@@ -7,16 +7,6 @@
 #include "learning/model/question.h"
 
 namespace gonogo::learning {
-namespace {
-
-/// Log weights to probabilities.
-void normalise(std::span<double> log_weight) {
-  const double total = log_sum_exp(log_weight);
-  for (double& x : log_weight) x = std::exp(x - total);
-}
-
-}  // namespace
-
 Posterior::Question Posterior::question(std::span<const double> variables, std::optional<std::size_t> outcome) const {
   GONOGO_ASSERT(variables.size() == nodes_.size());
   Question asked{hidden_bias_, {}, outcome, 1};
@@ -71,7 +61,7 @@ JointAnswer Posterior::joint_sum(const Question& asked) const {
     for (std::size_t y = 0; y < outcomes; ++y)
       log_weight.push_back(!asked.outcome || *asked.outcome == y ? score[y] - total + bias : -INFINITY);
   }
-  normalise(log_weight);
+  normalise_logs(log_weight);
   JointAnswer answer;
   answer.variables.resize(nodes_.size());
   answer.outcome.probability.assign(outcomes, 0.0);
@@ -140,7 +130,7 @@ class Posterior::TemperedChain {
       for (std::size_t k = 0; k < p.size(); ++k)
         for (std::size_t j = 0; j < hidden_; ++j) p[k] += h[j] * weight[k * hidden_ + j];
       for (double& x : p) x *= strength;
-      normalise(p);
+      normalise_logs(p);
       return draw(p, uniform());
     };
     conditional.resize(asked_.unknown.size() + 1);

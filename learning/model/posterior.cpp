@@ -5,17 +5,12 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "learning/model/combinations.h"
 
 namespace gonogo::learning {
 namespace {
 
 constexpr std::size_t kMostHidden = 1024;  // hidden units whose fields fit on the stack
-
-/// Turns log weights into probabilities in place; the common way to end every sum here.
-void normalise(std::span<double> log_weight) {
-  const double total = log_sum_exp(log_weight);
-  for (double& x : log_weight) x = std::exp(x - total);
-}
 
 }  // namespace
 
@@ -166,27 +161,28 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
   return joint(variables, std::nullopt, options).outcome;
 }
 
+std::vector<std::size_t> Posterior::bin_counts(const std::vector<std::size_t>& variables) const {
+  std::vector<std::size_t> counts;
+  for (std::size_t v : variables) counts.push_back(nodes_[v].middle.size());
+  return counts;
+}
+
 template <class Visit>
 void Posterior::visit_combinations(std::vector<double> field, const std::vector<std::size_t>& unknown,
                                    Visit&& visit) const {
   const std::size_t hidden = field.size(), depth = unknown.size();
-  // Odometer over the code words; level k of `partial` is the field with the first k unknown variables set.
-  std::vector<std::size_t> bin(depth, 0);
+  // Level k: the field and the bias with the first k unknown variables set.
   std::vector<std::vector<double>> partial(depth + 1, field);
   std::vector<double> bias(depth + 1, 0.0);
-  std::size_t level = 0;
-  for (;;) {
-    for (; level < depth; ++level) {
-      const Nodes& nodes = nodes_[unknown[level]];
-      const double* add = nodes.field.data() + bin[level] * hidden;
-      for (std::size_t j = 0; j < hidden; ++j) partial[level + 1][j] = partial[level][j] + add[j];
-      bias[level + 1] = bias[level] + nodes.bias[bin[level]];
-    }
-    visit(partial[depth], bias[depth]);
-    while (level > 0 && ++bin[level - 1] == nodes_[unknown[level - 1]].middle.size()) bin[--level] = 0;
-    if (level == 0) break;
-    --level;
-  }
+  for_each_combination(
+      bin_counts(unknown),
+      [&](std::size_t k, std::size_t bin) {
+        const Nodes& nodes = nodes_[unknown[k]];
+        const double* add = nodes.field.data() + bin * hidden;
+        for (std::size_t j = 0; j < hidden; ++j) partial[k + 1][j] = partial[k][j] + add[j];
+        bias[k + 1] = bias[k] + nodes.bias[bin];
+      },
+      [&] { visit(partial[depth], bias[depth]); });
 }
 
 PosteriorAnswer Posterior::sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
@@ -219,7 +215,7 @@ PosteriorAnswer Posterior::sum_logarithms(std::vector<double> field, const std::
       }
     });
     for (std::size_t y = 0; y < sum.size(); ++y) answer.probability.push_back(highest[y] + std::log(sum[y]));
-    normalise(answer.probability);
+    normalise_logs(answer.probability);
   }
   return answer;
 }

@@ -94,6 +94,7 @@ class Posterior {
   void prepare_products();
   bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
   std::vector<double> outcome_products(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
+  std::vector<std::size_t> bin_counts(const std::vector<std::size_t>& variables) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>
   void visit_combinations(std::vector<double> field, const std::vector<std::size_t>& unknown, Visit&& visit) const;

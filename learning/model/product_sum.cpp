@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "learning/model/combinations.h"
 #include "learning/model/posterior.h"
 
 namespace gonogo::learning {
@@ -75,26 +76,24 @@ bool Posterior::products_fit(std::span<const double> field, const std::vector<st
 std::vector<double> Posterior::outcome_products(std::span<const double> field,
                                                 const std::vector<std::size_t>& unknown) const {
   const std::size_t hidden = field.size(), depth = unknown.size();
-  // Odometer over the code words; level k is what the known and the first k unknown variables give.
-  std::vector<std::size_t> bin(depth, 0);
+  // Level k: what the known and the first k unknown variables give.
   std::vector<std::vector<double>> power(depth + 1, std::vector<double>(hidden));
   std::vector<double> weight(depth + 1, 1.0), product(padded_outcomes()), sum(padded_outcomes(), 0.0);
   for (std::size_t j = 0; j < hidden; ++j) power[0][j] = std::exp(field[j]);
-  for (std::size_t level = 0;;) {
-    for (; level < depth; ++level) {
-      const Nodes& nodes = nodes_[unknown[level]];
-      const double* factor = nodes.factor.data() + bin[level] * hidden;
-      for (std::size_t j = 0; j < hidden; ++j) power[level + 1][j] = power[level][j] * factor[j];
-      weight[level + 1] = weight[level] * nodes.weight[bin[level]];
-    }
-    multiply<kOutcomesAtOnce>(power[depth], outcome_base_, outcome_factor_by_hidden_, product);
-    const double share =
-        has_prior_ ? weight[depth] / std::accumulate(product.begin(), product.end(), 0.0) : weight[depth];
-    for (std::size_t y = 0; y < sum.size(); ++y) sum[y] += share * product[y];
-    while (level > 0 && ++bin[level - 1] == nodes_[unknown[level - 1]].middle.size()) bin[--level] = 0;
-    if (level == 0) break;
-    --level;
-  }
+  for_each_combination(
+      bin_counts(unknown),
+      [&](std::size_t k, std::size_t bin) {
+        const Nodes& nodes = nodes_[unknown[k]];
+        const double* factor = nodes.factor.data() + bin * hidden;
+        for (std::size_t j = 0; j < hidden; ++j) power[k + 1][j] = power[k][j] * factor[j];
+        weight[k + 1] = weight[k] * nodes.weight[bin];
+      },
+      [&] {
+        multiply<kOutcomesAtOnce>(power[depth], outcome_base_, outcome_factor_by_hidden_, product);
+        const double share =
+            has_prior_ ? weight[depth] / std::accumulate(product.begin(), product.end(), 0.0) : weight[depth];
+        for (std::size_t y = 0; y < sum.size(); ++y) sum[y] += share * product[y];
+      });
   sum.resize(outcome_count());
   return sum;
 }

@@ -22,6 +22,11 @@ double log_sum_exp(std::span<const double> terms) {
   return highest + std::log(sum);
 }
 
+void normalise_logs(std::span<double> log_weight) {
+  const double total = log_sum_exp(log_weight);
+  for (double& x : log_weight) x = std::exp(x - total);
+}
+
 double free_energy(const RbmWeights& weights, std::span<const double> v) {
   GONOGO_ASSERT(v.size() == weights.visible_count);
   std::vector<double> field = weights.hidden_bias;

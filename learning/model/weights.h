@@ -22,6 +22,8 @@ struct RbmWeights {
 double softplus(double x);
 /// log of a sum of exponentials, without overflow.
 double log_sum_exp(std::span<const double> terms);
+/// Logarithms of weights become probabilities, which sum to 1.
+void normalise_logs(std::span<double> log_weight);
 
 /// F(v) = -a.v - sum_j log(1 + exp(b_j + (v' W)_j)), so that P(v) = exp(-F(v)) / Z. v: [visible_count], in {0, 1} or
 /// between (a mean of rows).

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "base/random.h"
+#include "base/normal.h"
 #include "learning/rbm/tensors.h"
 
 namespace gonogo::learning {
@@ -34,11 +34,7 @@ LabelledRows tensors_of(const TrainingTable& table, std::span<const int> label, 
 torch::Tensor initial(std::vector<std::int64_t> shape, double inputs, std::uint64_t seed, std::uint64_t stream) {
   torch::Tensor result = torch::empty(shape, torch::kFloat64);
   double* value = result.data_ptr<double>();
-  for (std::int64_t k = 0; k < result.numel(); ++k) {
-    const double u = 1 - random_unit(seed, stream, 2 * std::uint64_t(k));
-    const double v = random_unit(seed, stream, 2 * std::uint64_t(k) + 1);
-    value[k] = std::sqrt(-2 * std::log(u) / inputs) * std::cos(2 * std::numbers::pi * v);
-  }
+  for (std::int64_t k = 0; k < result.numel(); ++k) value[k] = random_normal(seed, stream, std::uint64_t(k), inputs);
   return result.set_requires_grad(true);
 }
 

@@ -8,7 +8,7 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
-#include "base/random.h"
+#include "base/normal.h"
 #include "learning/rbm/negative.h"
 
 namespace gonogo::learning {
@@ -16,11 +16,6 @@ namespace {
 
 /// Streams of random numbers under one seed.
 enum Stream : std::uint64_t { kInitial = 1, kCompletions = 3, kBatches = 1000 };  // 2: the negative phase
-
-double normal_draw(std::uint64_t seed, std::uint64_t index) {
-  const double u = 1 - random_unit(seed, kInitial, 2 * index), v = random_unit(seed, kInitial, 2 * index + 1);
-  return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
-}
 
 void check_table(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings) {
   if (table.row_count() == 0) throw InputError("training table: no valid trial to train on");
@@ -39,7 +34,7 @@ void check_table(const VisibleLayout& layout, const TrainingTable& table, const 
 RbmWeights initial_weights(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings) {
   RbmWeights weights = RbmWeights::zeros(layout.unit_count(), settings.hidden);
   for (std::size_t k = 0; k < weights.weight.size(); ++k)
-    weights.weight[k] = settings.initial_weight * normal_draw(settings.seed, k);
+    weights.weight[k] = settings.initial_weight * random_normal(settings.seed, kInitial, k);
   std::vector<double> on(layout.unit_count(), 0.0), known(layout.unit_count(), 0.0);
   std::vector<Bit> units(layout.input_unit_count());
   const std::size_t inputs = layout.input_unit_count();

@@ -81,7 +81,7 @@ SampleSet BlockGibbs::sample(const Problem& problem, const SampleRequest& reques
   if (!sides)
     throw InputError(
         "sampler block_gibbs: the problem is not bipartite (three or another odd number of variables are "
-        "coupled in a ring); use the sampler exact when it is small");
+        "coupled in a ring); use anneal, tempering or population, or exact when it is small");
   const std::size_t n = problem.variable_count();
   SampleSet result;
   result.vartype = problem.vartype;

@@ -25,13 +25,14 @@ ModelAnswers answers_of(const Predictor& predictor) {
           .novelty = [&](std::span<const double> point) { return predictor.novelty(point); }};
 }
 
-Predictor train(const ActiveRequest& request, const fs::path& dataset) {
-  const fs::path model = request.folder / "model.h5";
+/// study: the one of the table.
+Predictor train(const Study& study, const fs::path& folder, const fs::path& dataset) {
+  const fs::path model = folder / "model.h5";
   train_model({.dataset = dataset,
                .model = model,
-               .seed = request.study.seed,
-               .learning = request.study.config.object_if("learning"),
-               .design = request.study.config.object_if("design")});
+               .seed = study.seed,
+               .learning = study.config.object_if("learning"),
+               .design = study.config.object_if("design")});
   return Predictor::read(model);
 }
 
@@ -60,6 +61,9 @@ Json design_of_table(const DesignSpec& box, const Config& section) {
 Study study_of_table(const ActiveRequest& request, const DesignSpec& box) {
   Json json = request.study.config.json();
   json["design"] = design_of_table(box, request.study.section("design"));
+  // Points crowd where the verdict changes: weighed back to the box, just these would hardly count (docs/campaigns.md).
+  Json& learning = json["learning"];
+  if (learning.is_null() || !learning.find("importance")) learning["importance"] = 0;
   if (!request.study.vehicle.empty()) json["vehicle"] = fs::absolute(request.study.vehicle).string();
   if (!request.study.region.empty()) json["region"] = fs::absolute(request.study.region).string();
   json["soil"]["calibration"] = fs::absolute(request.study.section("soil").path("calibration")).string();
@@ -83,7 +87,7 @@ ActiveSummary run_active(const ActiveRequest& request) {
     summary.campaign = run_campaign(plan_study_campaign(study, request.folder, request.compute));
     summary.campaign.computed += computed;
     summary.campaign.reused = summary.campaign.trials - summary.campaign.computed;
-    const Predictor predictor = train(request, summary.campaign.dataset);
+    const Predictor predictor = train(study, request.folder, summary.campaign.dataset);
     summary.confidence = 1 - expected_error(box, answers_of(predictor));
     summary.reached = summary.confidence >= request.confidence;
     log_line("active", line("%llu points: the model expects to be right in %.1f %% of the box",

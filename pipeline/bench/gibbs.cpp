@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "base/random.h"
+#include "base/normal.h"
 #include "learning/model/weights.h"
 #include "learning/sampler/block_gibbs.h"
 #include "learning/sampler/gpu_chains.h"
@@ -14,17 +14,11 @@
 namespace gonogo::pipeline {
 namespace {
 
-/// Box & Muller (1958).
-double normal(std::uint64_t stream, std::uint64_t index) {
-  const double u = 1 - random_unit(1, stream, 2 * index), v = random_unit(1, stream, 2 * index + 1);
-  return std::sqrt(-2 * std::log(u)) * std::cos(2 * 3.14159265358979323846 * v);
-}
-
 learning::Problem random_machine(std::size_t visible, std::size_t hidden) {
   learning::RbmWeights machine = learning::RbmWeights::zeros(visible, hidden);
-  for (std::size_t k = 0; k < machine.weight.size(); ++k) machine.weight[k] = 0.1 * normal(0, k);
-  for (std::size_t k = 0; k < visible; ++k) machine.visible_bias[k] = 0.5 * normal(1, k);
-  for (std::size_t k = 0; k < hidden; ++k) machine.hidden_bias[k] = 0.5 * normal(2, k);
+  for (std::size_t k = 0; k < machine.weight.size(); ++k) machine.weight[k] = 0.1 * random_normal(1, 0, k);
+  for (std::size_t k = 0; k < visible; ++k) machine.visible_bias[k] = 0.5 * random_normal(1, 1, k);
+  for (std::size_t k = 0; k < hidden; ++k) machine.hidden_bias[k] = 0.5 * random_normal(1, 2, k);
   std::vector<std::string> labels;
   for (std::size_t k = 0; k < visible; ++k) labels.push_back("v" + std::to_string(k));
   return learning::to_qubo(machine, labels);

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/gravity.h"
 #include "base/json/config.h"
 #include "base/progress.h"
 #include "pipeline/bench/timing.h"
@@ -13,8 +14,6 @@
 
 namespace gonogo::pipeline {
 namespace {
-
-constexpr double kGravity = 9.81;  // [m/s^2]
 
 struct WheelScene {
   vehicle::WheelRig rig;

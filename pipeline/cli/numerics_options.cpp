@@ -1,5 +1,7 @@
 #include "pipeline/cli/numerics_options.h"
 
+#include "terrain/bed/target_name.h"
+
 namespace gonogo::pipeline::cli {
 
 void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::string& whose) {
@@ -13,13 +15,11 @@ void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::st
   command.add_option("--tolerance", n.tolerance, whose + ": residual at which the solver stops [m/s]; 0: never")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  const auto set = [&n](const std::string& name) {
-    n.target = name == "coulomb" ? sim::Target::coulomb : sim::Target::ccp;
-  };
+  const auto set = [&n](const std::string& name) { n.target = terrain::target_named(name); };
   command
       .add_option_function<std::string>("--target", set,
                                         whose + ": ccp, whose contacts open as they slide or roll, or coulomb")
-      ->check(CLI::IsMember({"ccp", "coulomb"}))
+      ->check(CLI::IsMember(terrain::target_names()))
       ->default_str(terrain::name_of(n.target));
 }
 

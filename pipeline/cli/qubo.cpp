@@ -22,6 +22,7 @@ struct Options {
   std::uint64_t gauge = 0;
   std::string chains = "weighted_random";
   std::vector<std::string> clamp;
+  double penalty = 0;
   bool spin = false;
   std::size_t reads = 1000, sweeps = 1000;
   std::uint64_t seed = 1;
@@ -68,15 +69,20 @@ void add_export(CLI::App& qubo, const Shared& options, const Globals& globals) {
   command->add_option("--out", options->out, "Problem file to write; the sidecar goes beside it")->required();
   command->add_option("--clamp", options->clamp,
                       "variable=number: take this variable out at its value; may be repeated");
+  command
+      ->add_option("--penalty", options->penalty,
+                   "Energy, at least, of units that are no code word; code words keep their energies. Couples visible "
+                   "units: sample with anneal, tempering, population or exact")
+      ->capture_default_str();
   command->add_option("--format", options->to.format,
                       "Format: " + format_names() + "; default: by extension, .json being dimod_json");
   command->add_flag("--spin", options->spin, "Ising form (SPIN) instead of QUBO (BINARY)");
   command->footer("Example:\n  gonogo qubo export --model out/demo/model.h5 --out problem.json --clamp slope_along=12");
   command->callback([options, &globals] {
     const auto vartype = options->spin ? learning::Vartype::spin : learning::Vartype::binary;
-    print_export(
-        globals, options->out,
-        export_problem(options->model, options->out, parse_named_values(options->clamp), vartype, options->to));
+    print_export(globals, options->out,
+                 export_problem(options->model, options->out, parse_named_values(options->clamp), vartype, options->to,
+                                options->penalty));
   });
 }
 

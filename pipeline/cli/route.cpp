@@ -1,9 +1,7 @@
 #include <memory>
 
-#include "pipeline/cli/command.h"
-#include "pipeline/map/map_request.h"
+#include "pipeline/cli/map_options.h"
 #include "pipeline/route/plan_route.h"
-#include "pipeline/vehicle/locate.h"
 
 namespace gonogo::pipeline::cli {
 namespace {
@@ -25,10 +23,7 @@ void route(const Options& options, const Globals& globals) {
   request.isochrones = options.isochrones;
   request.interval = options.interval;
   request.regions = options.regions;
-  MapFiles files = options.files;
-  files.threads = globals.threads;
-  if (!files.vehicle.empty()) files.vehicle = vehicle_file(files.vehicle.string());
-  request.map = read_map_request(files);
+  request.map = map_request_of(options.files, globals);
   const Json result = plan_route(request);
   print_result(globals, result, route_text(result));
 }
@@ -39,13 +34,7 @@ void add_route_command(CLI::App& app, const Globals& globals) {
   CLI::App* command = app.add_subcommand(
       "route", "Ways over a region: fastest, safest, of least energy, shortest; what can be reached");
   auto options = std::make_shared<Options>();
-  command->add_option("--model", options->files.model, "Trained model (model.h5)")->required();
-  command->add_option("--region", options->files.region, "Region file; by default the one that the study names");
-  command->add_option("--study", options->files.study, "Study file: thresholds and values of its section \"map\"");
-  command->add_option("--dataset", options->files.dataset, "Trials (dataset.h5): speed and energy");
-  command->add_option("--vehicle", options->files.vehicle,
-                      "Vehicle (file or name) whose cone index fine-grained soil must reach; by default the study's");
-  command->add_option("--moisture", options->files.moisture, "Scenario: dry, moist or wet");
+  add_map_file_options(*command, options->files);
   command->add_option("--from", options->from, "Start: easting,northing in the region's coordinate system");
   command->add_option("--to", options->to, "End, likewise");
   command->add_option("--cost", options->costs, "fastest, safest, least-energy or shortest; several give several lines")

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/error.h"
+#include "base/line.h"
 #include "base/progress.h"
 #include "base/random.h"
 #include "learning/hardware/embedding.h"
 #include "learning/rbm/train.h"
 #include "pipeline/dataset/dataset.h"
+#include "pipeline/learn/bin_coverage.h"
 #include "pipeline/learn/training_data.h"
 #include "pipeline/learn/training_sampler.h"
 
@@ -87,6 +88,9 @@ Json measured(const TrainingData& data, LearningSettings settings, const std::st
   entry["hidden"] = Json(std::uint64_t(hidden));
   entry["connectivity"] = connectivity;
   entry["visible"] = Json(std::uint64_t(visible));
+  const BinCoverage coverage = bin_coverage(layout, data.table);
+  entry["fewest_in_a_bin"] = Json(std::uint64_t(coverage.fewest));
+  entry["empty_pairs_of_bins"] = coverage.empty_pairs;
   Connectivity pairs;
   try {
     pairs = connectivity_named(connectivity, visible, hidden, seed);
@@ -111,19 +115,51 @@ Json measured(const TrainingData& data, LearningSettings settings, const std::st
   return entry;
 }
 
+/// One variable's code of another length, all else as in the first combination.
+Json measured_with(const TrainingData& data, LearningSettings settings, const CapacityRequest& request,
+                   const Variable& variable, int bits) {
+  settings.training.hidden = request.hidden.front();
+  const auto given = settings.encoders.find(variable.name);
+  settings.encoders[variable.name] = {given == settings.encoders.end() ? variable.encoder.code : given->second.code,
+                                      bits};
+  settings.edges.erase(variable.name);
+  Json entry = measured(data, settings, request.connectivity.front(), request.bits.front(), request.seed);
+  entry["variable"] = variable.name;
+  entry["bits"] = std::int64_t(bits);
+  return entry;
+}
+
+std::vector<Variable> varying(const TrainingData& data) {
+  std::vector<Variable> variables;
+  for (std::size_t v = 0; v < contract().variables.size(); ++v)
+    if (data.lower[v] < data.upper[v]) variables.push_back(contract().variables[v]);
+  return variables;
+}
+
+/// "" for machines of all variables alike.
+std::string variable_of(const Json& machine) {
+  const Json* name = machine.find("variable");
+  return name ? name->string() : "";
+}
+
 }  // namespace
 
 Json measure_capacity(const CapacityRequest& request) {
   LearningSettings settings = read_learning_settings(request.learning);
   if (settings.sampler == "emulator")
     throw InputError("capacity: the sampler emulator has a graph of its own; name graphs by --connectivity");
-  const TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
+  TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
+  temper_weights(data, settings.importance);
   for (const std::string& name : request.connectivity)  // a wrong name is said before anything is trained
     if (name.rfind("sparse:", 0) == 0)
       share_in(name.substr(7), name);
     else if (name != "full")
       learning::graph_named(name.substr(0, name.find(',')));
-  const std::size_t count = request.bits.size() * request.hidden.size() * request.connectivity.size();
+  if (request.bits.empty() || request.hidden.empty() || request.connectivity.empty())
+    throw InputError("capacity: bits, hidden units and connectivity need one value each at least");
+  const std::vector<Variable> variables = varying(data);
+  const std::size_t count = request.bits.size() * request.hidden.size() * request.connectivity.size() +
+                            variables.size() * request.variable_bits.size();
   Progress progress("capacity", "machines", count);
   Json report, entries = Json::array();
   std::size_t done = 0;
@@ -134,6 +170,11 @@ Json measure_capacity(const CapacityRequest& request) {
         entries.push_back(measured(data, settings, name, bits, request.seed));
         progress.update(++done);
       }
+  for (const Variable& variable : variables)
+    for (int bits : request.variable_bits) {
+      entries.push_back(measured_with(data, settings, request, variable, bits));
+      progress.update(++done);
+    }
   report["trials"] = Json(std::uint64_t(data.table.row_count()));
   report["base_loss_nat"] = base_loss(data.table, contract().outcomes.size());
   report["machines"] = std::move(entries);
@@ -141,36 +182,45 @@ Json measure_capacity(const CapacityRequest& request) {
 }
 
 std::string capacity_text(const Json& report) {
-  char line[256];
-  std::snprintf(line, sizeof line,
-                "%lld trials; %.4f nat without any variable\n%5s %7s %7s %-20s %9s %10s %7s %10s %8s\n",
-                static_cast<long long>(report.at("trials").integer()), report.at("base_loss_nat").number(), "bits",
-                "visible", "hidden", "connectivity", "couplers", "parameters", "qubits", "held out", "gain");
-  std::string text = line;
+  std::string text = line("%lld trials; %.4f nat without any variable\n",
+                          static_cast<long long>(report.at("trials").integer()), report.at("base_loss_nat").number());
+  bool of_variables = false;
+  const auto heading = [&] {
+    text += line("%5s %7s %7s %-20s %9s %10s %7s %10s %8s %8s %8s\n", "bits", "visible", "hidden",
+                 of_variables ? "variable" : "connectivity", "couplers", "parameters", "qubits", "held out", "gain",
+                 "fewest", "empty");
+  };
+  heading();
   for (const Json& m : report.at("machines").items()) {
     const auto whole = [&](const char* key) { return static_cast<long long>(m.at(key).integer()); };
-    std::snprintf(line, sizeof line, "%5lld %7lld %7lld %-20s ", whole("bits"), whole("visible"), whole("hidden"),
-                  m.at("connectivity").string().c_str());
-    text += line;
+    const std::string variable = variable_of(m);
+    if (!of_variables && !variable.empty()) {
+      of_variables = true;
+      text += "\none variable with other bits, the others as in the first line:\n";
+      heading();
+    }
+    text += line("%5lld %7lld %7lld %-20s ", whole("bits"), whole("visible"), whole("hidden"),
+                 variable.empty() ? m.at("connectivity").string().c_str() : variable.c_str());
     if (const Json* reason = m.find("impossible")) {
       text += reason->string() + "\n";
       continue;
     }
-    std::snprintf(line, sizeof line, "%9lld %10lld %7lld %10.4f %8.4f\n", whole("couplers"), whole("parameters"),
-                  whole("qubits"), m.at("held_out_loss_nat").number(), m.at("gain_nat").number());
-    text += line;
+    text += line("%9lld %10lld %7lld %10.4f %8.4f %8lld %7.1f%%\n", whole("couplers"), whole("parameters"),
+                 whole("qubits"), m.at("held_out_loss_nat").number(), m.at("gain_nat").number(),
+                 whole("fewest_in_a_bin"), 100 * m.at("empty_pairs_of_bins").number());
   }
-  return text;
+  return text + "fewest: trials in the emptiest bin; empty: pairs of bins of two variables without a trial\n";
 }
 
 std::string capacity_csv(const Json& report) {
-  const std::vector<const char*> keys = {"bits",   "visible",       "hidden", "couplers",          "parameters",
-                                         "qubits", "longest_chain", "epochs", "held_out_loss_nat", "gain_nat"};
-  std::string text = "connectivity";
+  const std::vector<const char*> keys = {
+      "bits",   "visible",           "hidden",   "couplers",        "parameters",         "qubits", "longest_chain",
+      "epochs", "held_out_loss_nat", "gain_nat", "fewest_in_a_bin", "empty_pairs_of_bins"};
+  std::string text = "connectivity,variable";
   for (const char* key : keys) text += std::string(",") + key;
   text += "\n";
   for (const Json& m : report.at("machines").items()) {
-    text += "\"" + m.at("connectivity").string() + "\"";
+    text += "\"" + m.at("connectivity").string() + "\"," + variable_of(m);
     for (const char* key : keys) text += "," + (m.find(key) ? m.at(key).dump() : std::string());
     text += "\n";
   }

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/hash.h"
 #include "base/json/config.h"
+#include "learning/encoding/code_penalty.h"
 #include "learning/qubo/dimod.h"
 #include "pipeline/learn/decode_answer.h"
 #include "pipeline/learn/qubo_embed.h"
@@ -38,6 +39,7 @@ Json to_json(const Sidecar& sidecar) {
   Json& model = json["model"];
   model["hash"] = sidecar.model_hash;
   model["clamped"] = std::move(clamped);
+  if (sidecar.code_penalty > 0) model["code_penalty"] = sidecar.code_penalty;
   model["layout"] = sidecar.layout.to_json();
   return json;
 }
@@ -48,6 +50,7 @@ void read_model_part(const Config& config, const fs::path& path, Sidecar& sideca
   if (sidecar.model_hash.empty()) model.fail("hash", "is empty");
   const Config clamped = model.object("clamped");
   for (const auto& [name, value] : clamped.json().members()) sidecar.clamped[name] = clamped.number(name);
+  if (model.has("code_penalty")) sidecar.code_penalty = model.number("code_penalty", {.minimum = 0});
   sidecar.layout = learning::VisibleLayout::from_json(model.object("layout").json(), path.string() + ": model.layout");
   model.finish();
 }
@@ -94,11 +97,14 @@ Exported write(const learning::Problem& problem, Sidecar sidecar, const fs::path
 
 Exported export_problem(const fs::path& model_file, const fs::path& problem_file,
                         const std::map<std::string, double>& clamped, learning::Vartype vartype,
-                        const FileChoice& choice) {
+                        const FileChoice& choice, double code_penalty) {
   const learning::Model model = learning::read_model(model_file);
-  const learning::Problem whole = learning::to_qubo(model.weights, model.layout.unit_labels());
-  const learning::Problem problem = learning::to_vartype(learning::clamp(whole, unit_values(model, clamped)), vartype);
+  const std::vector<double> fixed = unit_values(model, clamped);
+  const learning::Problem machine = learning::to_qubo(model.weights, model.layout.unit_labels());
+  const learning::Problem whole = learning::with_code_penalty(machine, model.layout, fixed, code_penalty);
+  const learning::Problem problem = learning::to_vartype(learning::clamp(whole, fixed), vartype);
   Sidecar sidecar;
+  sidecar.code_penalty = code_penalty;
   sidecar.model_hash = file_hash(model_file);
   sidecar.clamped = clamped;
   sidecar.layout = model.layout;

@@ -22,6 +22,7 @@ namespace gonogo::pipeline {
 struct Sidecar : learning::ProblemSidecar {
   std::string model_hash;                 // empty: the problem was not exported from a model
   std::map<std::string, double> clamped;  // variable -> value [unit of the variable]
+  double code_penalty = 0;                // energy of words that are no code words (learning/encoding/code_penalty.h)
   learning::VisibleLayout layout;
   bool of_model() const { return !model_hash.empty(); }
 };
@@ -39,11 +40,11 @@ struct Exported {
   std::vector<std::string> notes;  // what was converted, and what the problem file cannot hold
 };
 
-/// Writes problem and sidecar. `clamped` variables are taken out of the problem by their smooth code. Throws InputError
-/// for variables that are not in the model or not finite.
+/// Writes problem and sidecar. `clamped` variables are taken out of the problem by their smooth code, the others get
+/// `code_penalty`. Throws InputError for variables that are not in the model or not finite and for a penalty below 0.
 Exported export_problem(const std::filesystem::path& model, const std::filesystem::path& problem,
                         const std::map<std::string, double>& clamped, learning::Vartype vartype,
-                        const FileChoice& choice = {});
+                        const FileChoice& choice = {}, double code_penalty = 0);
 
 struct LoadedProblem {
   learning::Problem problem;

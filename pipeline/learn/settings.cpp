@@ -5,17 +5,19 @@
 namespace gonogo::pipeline {
 namespace {
 
-std::map<std::string, EncoderSpec> read_encoders(const Config& section) {
-  std::map<std::string, EncoderSpec> encoders;
+void read_encoders(const Config& section, LearningSettings& settings) {
   for (const auto& [name, entry] : section.members()) {
     contract().variable_index(name);
     EncoderSpec spec;
     spec.code = entry.choice("code", {"thermometer", "one_hot", "gray"});
-    spec.bits = int(entry.integer("bits", {.minimum = 1, .maximum = spec.code == "gray" ? 8.0 : 64.0}));
+    if (entry.has("edges") && entry.has("bits")) entry.fail("edges", "say how many bins there are; leave out bits");
+    if (entry.has("edges"))
+      settings.edges[name] = entry.numbers("edges");
+    else
+      spec.bits = int(entry.integer("bits", {.minimum = 1, .maximum = spec.code == "gray" ? 8.0 : 64.0}));
     entry.finish();
-    encoders[name] = spec;
+    settings.encoders[name] = spec;
   }
-  return encoders;
 }
 
 }  // namespace
@@ -59,11 +61,12 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
         section->choice("negative", {"persistent", "contrastive", "tempering", "trajectory"}));
   if (training.negative != learning::NegativePhaseKind::persistent && settings.sampler != "block_gibbs")
     section->fail("negative", "only persistent chains can come from the sampler " + settings.sampler);
+  settings.importance = section->number_or("importance", settings.importance, {.minimum = 0, .maximum = 1});
   settings.calibrate = section->boolean_or("calibrate", settings.calibrate);
   if (section->has("unknown_inputs"))
     settings.uniform_inputs = section->choice("unknown_inputs", {"prior", "machine"}) == "prior";
   if (section->has("bins")) settings.quantile_bins = section->choice("bins", {"range", "quantile"}) == "quantile";
-  if (const auto encoders = section->object_if("encoders")) settings.encoders = read_encoders(*encoders);
+  if (const auto encoders = section->object_if("encoders")) read_encoders(*encoders, settings);
   section->finish();
   return settings;
 }
@@ -96,6 +99,7 @@ Json to_json(const LearningSettings& settings) {
   json["chains"] = Json(std::uint64_t(training.chains));
   json["sweeps"] = Json(std::uint64_t(training.sweeps));
   json["folds"] = Json(std::uint64_t(settings.folds));
+  json["importance"] = settings.importance;
   json["calibrate"] = settings.calibrate;
   json["unknown_inputs"] = settings.uniform_inputs ? "prior" : "machine";
   json["gpu"] = settings.gpu ? "auto" : "never";
@@ -108,7 +112,10 @@ Json to_json(const LearningSettings& settings) {
   for (const auto& [name, spec] : settings.encoders) {
     Json entry;
     entry["code"] = spec.code;
-    entry["bits"] = spec.bits;
+    if (const auto edges = settings.edges.find(name); edges != settings.edges.end())
+      entry["edges"] = Json(edges->second);
+    else
+      entry["bits"] = spec.bits;
     encoders[name] = std::move(entry);
   }
   json["encoders"] = std::move(encoders);

@@ -13,16 +13,17 @@
 //   chains, sweeps persistent chains and their sweeps per update    folds          of the cross-validation
 //   optimizer      "adam" (default) or "sgd"                        momentum       of sgd
 //   final_learning_rate  share of the learning rate at the last epoch (default 1)
-//   discriminative share of the conditional likelihood (default 1)  centred        gradients in centred units (default
-//   no) negative       "persistent" (default), "contrastive", "tempering" or "trajectory": how the chains of the
-//   negative
+//   discriminative share of the conditional likelihood (default 1)
+//   centred        gradients in centred units (default no)
+//   negative       "persistent" (default), "contrastive", "tempering" or "trajectory": how the chains of the negative
 //                  phase start; the last two have "rungs" machines on a ladder
+//   importance     power in [0, 1] to which trials' weights prior / proposal density are raised (default 1)
 //   calibrate      whether a power that the held-out folds choose sharpens or blunts all probabilities (default no)
 //   unknown_inputs "prior" (default): answers sum unknown variables out over the design's distribution, uniform over
-//   the
-//                  sampled box; "machine": over the machine's own joint distribution
+//                  the sampled box; "machine": over the machine's own joint distribution
 //   bins           "range" (default) or "quantile"
-//   encoders       { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }, default: the contract's
+//   encoders       { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }; in place of "bits"
+//                  "edges", the inner edges of the bins [unit of the variable], increasing; default: the contract's
 //
 // Defaults are those of learning::TrainingSettings; docs/learning.md shows the experiments behind them.
 #pragma once
@@ -47,10 +48,12 @@ struct LearningSettings {
   bool batch_given = false;
   bool quantile_bins = false;
   bool calibrate = false;
-  bool uniform_inputs = true;                   // of answers with unknown variables; false: the machine's own
-  std::vector<std::string> command;             // of the sampler "command"
-  std::string stand_in = "block_gibbs";         // for a sampler that cannot be reached
-  std::map<std::string, EncoderSpec> encoders;  // by variable, where the study overrides the contract
+  double importance = 1;                             // see temper_weights() in training_data.h
+  bool uniform_inputs = true;                        // of answers with unknown variables; false: the machine's own
+  std::vector<std::string> command;                  // of the sampler "command"
+  std::string stand_in = "block_gibbs";              // for a sampler that cannot be reached
+  std::map<std::string, EncoderSpec> encoders;       // by variable, where the study overrides the contract
+  std::map<std::string, std::vector<double>> edges;  // of bins, for those of `encoders` that give them [unit]
 };
 
 /// Without a section: the defaults. Throws InputError for unknown keys, values out of range and unknown variables.

@@ -38,6 +38,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
                      "; train it anew with gonogo train");
   const LearningSettings settings = read_learning_settings(request.learning);
   TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
+  temper_weights(data, settings.importance);
   if (request.hold_out > 0) hold_out(data, request.hold_out, request.seed);
   learning::TrainingSettings training = training_settings(settings, data.table.row_count(), request.seed);
   training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());

@@ -127,6 +127,7 @@ Json train_model(const TrainRequest& request) {
   const LearningSettings settings = read_learning_settings(request.learning);
   const Dataset dataset = read_dataset(request.dataset);
   TrainingData data = make_training_data(dataset.records, request.design);
+  temper_weights(data, settings.importance);
   const std::size_t held_out = request.hold_out > 0 ? hold_out(data, request.hold_out, request.seed).row_count() : 0;
   learning::Model model;
   model.layout = make_layout(data, settings);

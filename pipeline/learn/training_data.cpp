@@ -27,11 +27,15 @@ void extend_box(TrainingData& data, const Config& ranges) {
   }
 }
 
+void make_mean_one(std::vector<double>& weight) {
+  double sum = 0;
+  for (double w : weight) sum += w;
+  for (double& w : weight) w *= double(weight.size()) / sum;
+}
+
 /// Weights of mean 1; a variable that no trial knows has the contract's whole range as its box.
 void finish(TrainingData& data) {
-  double sum = 0;
-  for (double w : data.table.weight) sum += w;
-  for (double& w : data.table.weight) w *= double(data.table.weight.size()) / sum;
+  make_mean_one(data.table.weight);
   for (std::size_t v = 0; v < data.lower.size(); ++v) {
     if (data.lower[v] <= data.upper[v]) continue;
     data.lower[v] = contract().variables[v].minimum;
@@ -82,6 +86,12 @@ TrainingData make_training_data(const std::vector<TrialRecord>& records, const s
   return data;
 }
 
+void temper_weights(TrainingData& data, double importance) {
+  if (importance == 1) return;
+  for (double& w : data.table.weight) w = std::pow(w, importance);
+  make_mean_one(data.table.weight);
+}
+
 learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed) {
   constexpr std::uint64_t kHoldOut = 0x686f6c64;  // stream of random numbers
   std::map<std::uint64_t, std::vector<std::size_t>> groups;
@@ -122,6 +132,9 @@ learning::VisibleLayout make_layout(const TrainingData& data, const LearningSett
     if (values.empty() || data.lower[v] == data.upper[v])
       encoders.push_back(learning::Encoder::by_range(variable.name, variable.unit, learning::Code::thermometer, 1,
                                                      data.lower[v], data.upper[v]));
+    else if (const auto edges = settings.edges.find(variable.name); edges != settings.edges.end())
+      encoders.push_back(
+          learning::Encoder::by_edges(variable.name, variable.unit, code, edges->second, data.lower[v], data.upper[v]));
     else if (settings.quantile_bins)
       encoders.push_back(learning::Encoder::by_quantile(variable.name, variable.unit, code, bins, std::move(values)));
     else

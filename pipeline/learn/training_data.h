@@ -24,6 +24,11 @@ struct TrainingData {
 /// what the trials span. Throws InputError when no valid trial is left.
 TrainingData make_training_data(const std::vector<TrialRecord>& records, const std::optional<Config>& design);
 
+/// Raises the weights to a power in [0, 1] and makes their mean 1 again. 1: forecasts suit the whole box, at the price
+/// of few trials that count where a design put many; 0: every trial counts alike, which is better where the machine can
+/// follow the outcomes anyway (Shimodaira, J. Statist. Plann. Inference 90:227, 2000).
+void temper_weights(TrainingData& data, double importance);
+
 /// Takes at least `count` valid trials out of the table, whole groups of replicates, drawn from the seed; returns them.
 /// Throws InputError when fewer than two groups would be left to train on.
 learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed);

@@ -7,6 +7,7 @@
 #include "base/file.h"
 #include "base/line.h"
 #include "base/version.h"
+#include "pipeline/map/map_record.h"
 #include "pipeline/map/page_tables.h"
 #include "pipeline/page/page.h"
 
@@ -71,15 +72,6 @@ Json grid_json(const terrain::MapGrid& grid) {
   json["metres_per_unit"] = grid.metres_per_unit;
   json["unit_name"] = grid.unit_name;
   json["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_name + " (" + grid.crs_code + ")";
-  return json;
-}
-
-Json rules_json(const MapRules& rules) {
-  Json json = Json::object();
-  json["go"] = rules.go;
-  json["no_go"] = rules.no_go;
-  json["tolerated_outside_share"] = rules.tolerated_outside_share;
-  json["correlation_length_m"] = rules.correlation_length;
   return json;
 }
 

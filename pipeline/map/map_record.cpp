@@ -27,6 +27,8 @@ Json spreads_json(const Spreads& spreads) {
   return json;
 }
 
+}  // namespace
+
 Json rules_json(const MapRules& rules) {
   Json json = Json::object();
   json["go"] = rules.go;
@@ -40,8 +42,6 @@ Json rules_json(const MapRules& rules) {
   json["values"] = spreads_json(rules.values);
   return json;
 }
-
-}  // namespace
 
 std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region) {
   std::vector<std::pair<std::string, std::string>> hashes;

@@ -11,6 +11,9 @@ namespace gonogo::pipeline {
 /// Hash of every raster of a region by its role; of a VRT or of tiles over all files that it reads.
 std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region);
 
+/// The rules of section "map", as map.json and the page hold them.
+Json rules_json(const MapRules& rules);
+
 /// Everything the result depends on: program version, hashes of model, region and rasters, rules, palette.
 Json map_inputs(const MapRequest& request);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/gravity.h"
 #include "pipeline/trial/trial.h"
 #include "terrain/bed/hard_layer.h"
 #include "vehicle/compliant_tyre.h"
@@ -23,7 +24,7 @@ Vec3d bed_gravity(double slope_along_deg, double slope_across_deg) {
   const double n = std::sqrt(1 + a * a + b * b);
   // With s the slope and psi the heading from the fall line, a = tan s cos psi and b = tan s sin psi: this is
   // -g (sin s cos psi, sin s sin psi, cos s).
-  return Vec3d{a, b, 1} * (-9.81 / n);
+  return Vec3d{a, b, 1} * (-kGravity / n);
 }
 
 TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point) {

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "pipeline/study/contract.h"
 #include "pipeline/trial/lanes.h"
+#include "terrain/bed/target_name.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
@@ -43,7 +44,7 @@ void read_numerics(const Config& c, terrain::Numerics& n) {
   n.substeps = int(c.integer_or("substeps", n.substeps, {1, 1000}));
   n.iterations = int(c.integer_or("iterations", n.iterations, {1, 100000}));
   n.tolerance = c.number_or("tolerance_m_per_s", n.tolerance, {0, 1});
-  if (c.has("target") && c.choice("target", {"ccp", "coulomb"}) == "coulomb") n.target = sim::Target::coulomb;
+  if (c.has("target")) n.target = terrain::target_named(c.choice("target", terrain::target_names()));
   c.finish();
 }
 

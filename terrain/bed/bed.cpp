@@ -6,6 +6,7 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
+#include "base/gravity.h"
 #include "base/hash.h"
 #include "base/json/json.h"
 #include "base/random.h"
@@ -90,7 +91,7 @@ double rms_speed(const std::vector<sim::BodyState>& bodies, std::size_t count) {
 }
 
 /// At rest, grains move less than a thousandth of their diameter in the time they need to fall through it [m/s].
-double quiet_speed(const BedSpec& s) { return 1e-2 * std::sqrt(9.81 * s.grain_diameter); }
+double quiet_speed(const BedSpec& s) { return 1e-2 * std::sqrt(kGravity * s.grain_diameter); }
 
 void check(const BedSpec& s) {
   if (!(s.grain_diameter > 0) || !(s.size_spread >= 0 && s.size_spread < 0.5))
@@ -132,7 +133,7 @@ sim::StepSettings bed_step_settings(double grain_diameter, double step, int iter
   s.tolerance = Real(tolerance);
   s.envelope = Real(0.025 * grain_diameter);
   s.cohesion_range = Real(0.01 * grain_diameter);
-  s.recovery_speed = Real(std::sqrt(9.81 * grain_diameter) / 10);
+  s.recovery_speed = Real(std::sqrt(kGravity * grain_diameter) / 10);
   return s;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/gravity.h"
+
 namespace gonogo::terrain {
 
 inline constexpr double kPascalPerPsi = 6894.757;
@@ -25,7 +27,7 @@ inline double surcharge_factor(double friction_angle) {
 
 /// Weight of the soil above the middle of the layer that carries wheels of less than 2,000 lb, 3 to 9 inches deep
 /// (ERDC/GSL SR-13-2), where cone indices of vehicles are read; 1,500 kg/m^3 is a light moist soil [Pa].
-inline constexpr double kOverburden = 1500 * 9.81 * 0.1524;
+inline constexpr double kOverburden = 1500 * kGravity * 0.1524;
 
 /// Cone index of fine-grained soil [Pa] by Terzaghi's sum of what cohesion and the soil above carry. Depth and round
 /// shape raise the strip's factor of cohesion from 5.14 to 9 (Skempton 1951, "The bearing capacity of clays"); that of

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/gravity.h"
+
 namespace gonogo::terrain {
 namespace {
 
@@ -38,7 +40,7 @@ GeostaticResult geostatic_test(const TestSoil& soil, double grains_deep, const T
   const Packing bed = test_bed(soil, 10, 6, grains_deep, pace.threads);
   const double area = bed.spec.length * bed.spec.width;
   sim::SceneWorld world = bed_world(bed, soil.laws(), 3 * d);
-  TestRun run("geostatic test", std::move(world), test_settings(d, h, 0.1 * std::sqrt(9.81 * d), pace), pace);
+  TestRun run("geostatic test", std::move(world), test_settings(d, h, 0.1 * std::sqrt(kGravity * d), pace), pace);
   run.advance(kRestSteps);
   std::vector<Cut> cuts;
   for (double depth = d; depth < bed.surface; depth += d) cuts.push_back({bed.surface - depth, 0});
@@ -54,7 +56,7 @@ GeostaticResult geostatic_test(const TestSoil& soil, double grains_deep, const T
     double weight = 0;
     for (std::size_t i = 0; i < bed.grain.size(); ++i)
       if (bodies[i].position.z > c.z)
-        weight += 9.81 * soil.grain_density * std::numbers::pi / 6 * std::pow(2 * bed.grain[i].radius, 3);
+        weight += kGravity * soil.grain_density * std::numbers::pi / 6 * std::pow(2 * bed.grain[i].radius, 3);
     r.profile.push_back({bed.surface - c.z, c.upward / area, weight / area});
     if (bed.surface - c.z > 2.5 * d) r.worst_error = std::max(r.worst_error, std::fabs(c.upward / weight - 1));
   }

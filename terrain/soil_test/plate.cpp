@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/gravity.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -79,7 +80,7 @@ PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSett
   const double d = soil.grain_diameter, width = settings.width_grains * d;
   sim::SceneWorld world = bed_world(bed, soil.laws(), 3 * d);
   const sim::BodyIndex plate = add_plate(world, bed, width);
-  const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(9.81 * d);
+  const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(kGravity * d);
   TestRun run("plate test", std::move(world), test_settings(d, h, speed, pace), pace);
   run.advance(kRestSteps);
   run.set_velocity(plate, {0, 0, Real(-speed)});

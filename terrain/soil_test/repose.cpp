@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/gravity.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -131,7 +132,7 @@ Index repose_steps(const ReposeSettings& settings) {
 }
 
 ReposeResult repose_test(const TestSoil& soil, const ReposeSettings& settings, const TestPace& pace, TestScene* scene) {
-  const double d = soil.grain_diameter, h = gravity_time(d) / settings.steps_per_time, unit = std::sqrt(9.81 * d);
+  const double d = soil.grain_diameter, h = gravity_time(d) / settings.steps_per_time, unit = std::sqrt(kGravity * d);
   const Packing bed = test_bed(soil, settings.length, settings.width, settings.height, pace.threads);
   const Place place = place_of(bed);
   sim::BodyIndex gate = 0;

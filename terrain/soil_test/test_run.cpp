@@ -7,6 +7,7 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
+#include "base/gravity.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -80,7 +81,7 @@ double stress_time(double grain_diameter, double grain_density, double stress) {
   return grain_diameter * std::sqrt(grain_density / stress);
 }
 
-double gravity_time(double grain_diameter) { return std::sqrt(grain_diameter / 9.81); }
+double gravity_time(double grain_diameter) { return std::sqrt(grain_diameter / kGravity); }
 
 TestRun::TestRun(std::string test, sim::SceneWorld world, const sim::StepSettings& settings, const TestPace& pace)
     : test_(std::move(test)),

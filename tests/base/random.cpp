@@ -1,8 +1,11 @@
 #include "base/random.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
+#include "base/normal.h"
 #include "tests/support/catch.h"
 
 namespace gonogo {
@@ -59,6 +62,27 @@ TEST_CASE("the uniform numbers fill [0, 1) evenly") {
 TEST_CASE("the largest words stay below one") {
   CHECK(random_unit_float(0xffffffff) < 1.0f);
   CHECK(random_unit_float(0) == 0.0f);
+}
+
+TEST_CASE("normal draws have the normal distribution, its moments and a variance of 1 / precision") {
+  constexpr std::uint64_t kDraws = 100000;
+  std::vector<double> x;
+  double mean = 0, square = 0, fourth = 0, scaled = 0;
+  for (std::uint64_t k = 0; k < kDraws; ++k) {
+    x.push_back(random_normal(5, 2, k));
+    mean += x.back() / kDraws, square += x.back() * x.back() / kDraws, fourth += std::pow(x.back(), 4) / kDraws;
+    scaled += std::pow(random_normal(5, 2, k, 16), 2) / kDraws;
+  }
+  const double error = 1 / std::sqrt(double(kDraws));
+  CHECK(std::abs(mean) < 4 * error);
+  CHECK(std::abs(square - 1) < 4 * std::sqrt(2.0) * error);  // variances of x^2 and x^4: 2 and 96
+  CHECK(std::abs(fourth - 3) < 4 * std::sqrt(96.0) * error);
+  CHECK(scaled == Approx(square / 16));
+  std::sort(x.begin(), x.end());
+  double distance = 0;  // of Kolmogorov and Smirnov
+  for (std::size_t k = 0; k < x.size(); ++k)
+    distance = std::max(distance, std::abs(0.5 * std::erfc(-x[k] / std::sqrt(2.0)) - (double(k) + 0.5) / kDraws));
+  CHECK(distance < 1.95 * error);  // passed by chance once in a thousand times
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ TEST_CASE(
     CHECK(density(table[i]) != 1);
   }
   CHECK(active(s, "6").at("computed").integer() == 0);
+  CHECK(Json::read(s.out() / "study.json").at("learning").at("importance").number() == 0);  // the study names none
 
   const Json more = active(s, "7");
   CHECK(more.at("computed").integer() == 1);

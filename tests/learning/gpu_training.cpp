@@ -99,13 +99,20 @@ TEST_CASE("a machine trained with rows of the GPU is the CPU's bit by bit where 
   CHECK(cpu == gpu);
 }
 
-TEST_CASE("a machine trained with rows of the GPU is as good as the CPU's, weights of any size") {
+TEST_CASE("machines trained with rows of the GPU score like the CPU's, weights of any size") {
+  // What 16 bits round makes another course of training out of it, as another seed does: the CPU's seeds show how much
+  // a course matters. Seven scores of one distribution put one of them, named before, 7 deviations of the other six
+  // from their mean once in a thousand times.
   const double best = -std::log(16.0);
-  const double cpu = mean_log_likelihood(trained(kCpu, 1500, 0, 3), bars());
-  const double gpu = mean_log_likelihood(trained(kGpu, 1500, 0, 3), bars());
-  const double other = mean_log_likelihood(trained(kCpu, 1500, 0, 4), bars());
-  std::printf("bars: CPU %.4f, GPU %.4f, CPU with another seed %.4f, best possible %.4f nat per row\n", cpu, gpu, other,
-              best);
+  std::vector<double> cpu;
+  for (std::uint64_t seed = 3; seed < 9; ++seed)
+    cpu.push_back(mean_log_likelihood(trained(kCpu, 1500, 0, seed), bars()));
+  double mean = 0, square = 0;
+  for (double x : cpu) mean += x / double(cpu.size());
+  for (double x : cpu) square += (x - mean) * (x - mean) / double(cpu.size() - 1);
+  const double deviation = std::sqrt(square), gpu = mean_log_likelihood(trained(kGpu, 1500, 0, 3), bars());
+  std::printf("bars: CPU %.4f, deviation %.4f over %zu seeds; GPU %.4f; best possible %.4f nat per row\n", mean,
+              deviation, cpu.size(), gpu, best);
   CHECK(gpu > best - 0.9);
-  CHECK(std::abs(gpu - cpu) < 3 * std::abs(other - cpu));
+  CHECK(std::abs(gpu - mean) < 7 * deviation);
 }

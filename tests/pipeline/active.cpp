@@ -6,41 +6,17 @@
 
 #include "base/random.h"
 #include "pipeline/active/choose.h"
+#include "tests/pipeline/known_boundary.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::pipeline {
 namespace {
-
-DesignSpec box(std::uint64_t seed, std::uint64_t points) {
-  DesignSpec spec{.method = "sobol",
-                  .seed = seed,
-                  .points = points,
-                  .replicate_every = 0,
-                  .ranges = {},
-                  .fixed = std::vector<double>(contract().variables.size(), 0.0)};
-  const std::vector<std::pair<const char*, std::pair<double, double>>> ranges{
-      {"slope_along", {0, 35}}, {"friction_angle", {18, 40}}, {"cohesion", {0, 10}}};
-  for (const auto& [name, range] : ranges) {
-    const std::size_t i = contract().variable_index(name);
-    spec.fixed[i] = std::nan("");
-    spec.ranges.push_back({i, range.first, range.second});
-  }
-  return spec;
-}
 
 std::vector<double> unit(const DesignSpec& spec, std::span<const double> variables) {
   std::vector<double> u;
   for (const SampledVariable& r : spec.ranges)
     u.push_back((variables[r.variable] - r.minimum) / (r.maximum - r.minimum));
   return u;
-}
-
-/// Climbs while tan(slope) is below a grip that friction and cohesion give.
-double passes(const DesignSpec& spec, std::span<const double> variables) {
-  constexpr double degree = 0.017453292519943295;
-  const double slope = variables[spec.ranges[0].variable], angle = variables[spec.ranges[1].variable];
-  const double cohesion = variables[spec.ranges[2].variable];
-  return std::tan(slope * degree) < 0.6 * std::tan(angle * degree) + 0.02 * cohesion ? 1 : 0;
 }
 
 /// Gaussian process regression of +1 and -1 (C. E. Rasmussen and C. K. I. Williams, 2006, equations 2.25 and 2.26),
@@ -51,7 +27,8 @@ class Surrogate {
     const auto n = Eigen::Index(points.size());
     Eigen::VectorXd label(n);
     for (const DesignPoint& point : points) at_.push_back(unit(spec, point.variables));
-    for (Eigen::Index i = 0; i < n; ++i) label(i) = 2 * passes(spec, points[std::size_t(i)].variables) - 1;
+    for (Eigen::Index i = 0; i < n; ++i)
+      label(i) = 2 * known_boundary_passes(spec, points[std::size_t(i)].variables) - 1;
     Eigen::MatrixXd covariance(n, n);
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < n; ++j) covariance(i, j) = kernel(at_[std::size_t(i)], at_[std::size_t(j)]);
@@ -92,23 +69,17 @@ class Surrogate {
 };
 
 double held_out_brier(const DesignSpec& spec, const Surrogate& model) {
-  const std::vector<DesignPoint> held_out = make_design(box(991, 1000));
-  double sum = 0;
-  for (const DesignPoint& point : held_out) {
-    const double error = model.p_go(point.variables) - passes(spec, point.variables);
-    sum += error * error;
-  }
-  return sum / double(held_out.size());
+  return known_boundary_brier(spec, [&](const std::vector<double>& x) { return model.p_go(x); });
 }
 
 double brier_of_sobol(std::uint64_t seed, std::uint64_t points) {
-  const DesignSpec spec = box(seed, points);
+  const DesignSpec spec = known_boundary_box(seed, points);
   return held_out_brier(spec, Surrogate(spec, make_design(spec)));
 }
 
 /// 64 seeds, then batches of 32.
 double brier_of_active(std::uint64_t seed, std::uint64_t points) {
-  const DesignSpec spec = box(seed, 64);
+  const DesignSpec spec = known_boundary_box(seed, 64);
   std::vector<DesignPoint> trials = make_design(spec);
   for (std::uint64_t skip = 64; trials.size() < points; skip += 1024) {
     const Surrogate model(spec, trials);
@@ -132,7 +103,7 @@ TEST_CASE("five repeats: an active design needs at most half the trials of a Sob
 }
 
 TEST_CASE("points are drawn as often as their density says, and weighing by it gives back the uniform box") {
-  const DesignSpec spec = box(4, 1);
+  const DesignSpec spec = known_boundary_box(4, 1);
   const std::size_t slope = spec.ranges[0].variable, width = spec.fixed.size();
   // Unsure between 10 and 20 degrees, 10/35 of the box; sure elsewhere.
   const ModelAnswers model{.p_go =
@@ -161,7 +132,7 @@ TEST_CASE("points are drawn as often as their density says, and weighing by it g
 }
 
 TEST_CASE("places that no trial is near are chosen though the model is sure of them") {
-  const DesignSpec spec = box(4, 1);
+  const DesignSpec spec = known_boundary_box(4, 1);
   const std::size_t slope = spec.ranges[0].variable;
   const ModelAnswers model{
       .p_go = [](std::span<const double>, std::span<double> p) { std::fill(p.begin(), p.end(), 1.0); },

@@ -97,6 +97,40 @@ TEST_CASE("the whole machine goes out with every unit and its energies intact") 
   CHECK(read_sidecar(learning::sidecar_path(kProblem)).problem_hash == sidecar.problem_hash);
 }
 
+TEST_CASE("a penalty leaves few rows that are no code words, and the outcomes' frequencies as they were") {
+  const learning::Model model = write_small_model();
+  const std::map<std::string, double> clamped = {{"slope_along", 12}, {"friction_angle", 31}};
+  const auto expected = learning::Posterior(model.layout, model.weights).marginal(to_variables(clamped)).probability;
+  std::vector<double> invalid;
+  for (double penalty : {0.0, 3.0, 6.0}) {
+    const Sidecar sidecar = export_problem(kModel, kProblem, clamped, learning::Vartype::spin, {}, penalty).sidecar;
+    CHECK(read_sidecar(learning::sidecar_path(kProblem)).code_penalty == penalty);
+    sample_problem(kProblem, kAnswer, *learning::make_sampler("exact"), {.reads = 40000, .seed = 11, .sweeps = 1});
+    const Json answer = import_answer(import_request());
+    double worst = 0;
+    for (std::size_t y = 0; y < expected.size(); ++y) {
+      const double error = std::sqrt(expected[y] * (1 - expected[y]) / answer.at("valid").number());
+      const double found = answer.at("outcomes").at(contract().outcomes[y].name).at("frequency").number();
+      worst = std::max(worst, std::abs(found - expected[y]) / error);
+    }
+    invalid.push_back(answer.at("invalid_share").number());
+    std::printf("penalty %.0f: %.4f of the rows invalid, largest z %.2f\n", penalty, invalid.back(), worst);
+    CHECK(worst < 4);
+  }
+  CHECK(invalid[0] > 0.5);
+  // Every invalid row weighs exp(-penalty) of what it did, or less.
+  for (std::size_t k : {1, 2}) {
+    const double odds = invalid[0] / (1 - invalid[0]) * std::exp(-3.0 * double(k));
+    CHECK(invalid[k] > 0);
+    CHECK(invalid[k] / (1 - invalid[k]) < 1.1 * odds);
+  }
+  refused([&] { export_problem(kModel, kProblem, clamped, learning::Vartype::binary, {}, -1); }, "at least 0");
+  refused([&] { sample_problem(kProblem, kAnswer, *learning::make_sampler("block_gibbs"), {.reads = 10}); },
+          "tempering");
+  replace_in_file(learning::sidecar_path(kProblem), "\"code_penalty\": 6.0", "\"code_penalty\": -6.0");
+  refused([] { read_sidecar(learning::sidecar_path(kProblem)); }, "code_penalty");
+}
+
 TEST_CASE("repair keeps rows whose thermometer codes have gaps and reports how many") {
   const TrainingData data = make_training_data(synthetic_trials(60, 8), {});
   learning::Model model;

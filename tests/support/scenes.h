@@ -3,12 +3,11 @@
 #include <cmath>
 #include <memory>
 
+#include "base/gravity.h"
 #include "sim/simulation.h"
 #include "tests/support/draw.h"
 
 namespace gonogo::test {
-
-inline constexpr double kGravity = 9.81;  // [m/s^2], the default of SceneWorld
 
 inline Quat about_x(double angle) { return {Real(std::cos(angle / 2)), Real(std::sin(angle / 2)), 0, 0}; }
 inline Quat about_y(double angle) { return {Real(std::cos(angle / 2)), 0, Real(std::sin(angle / 2)), 0}; }

@@ -134,7 +134,7 @@ TEST_CASE("a clump let go askew over a plane comes to lie flat on it and presses
       CHECK(agrees(name + ": height of the centre of mass [lobe radii]", 1, s->body(0, b).position.z / c.lobe_radius,
                    0.01));
       CHECK(agrees(name + ": force of the plane [weights]", 1,
-                   s->contact_force(0, b).z / (density * c.volume * test::kGravity), 0.01));
+                   s->contact_force(0, b).z / (density * c.volume * kGravity), 0.01));
       // One contact per lobe, and none between the lobes of the clump.
       CHECK(s->contacts(0).size() == c.lobe.size());
       CHECK(double(length(s->body(0, b).velocity)) < 1e-3);
@@ -152,7 +152,7 @@ TEST_CASE("a trefoil lies on another: lobes of two bodies touch, lobes of one bo
         add_grain(w, GrainShape::trefoil, {{0, 0, 3 * c.lobe_radius}, radius, {0, 0, 0, 1}}, 2000, 0);
     const auto s = test::simulate(backend, w, fine_steps());
     s->advance(1500);
-    const double weight = 2000 * c.volume * test::kGravity;
+    const double weight = 2000 * c.volume * kGravity;
     int between = 0;
     for (const sim::Contact& k : s->contacts(0)) {
       CHECK(k.body_a != k.body_b);

@@ -30,7 +30,7 @@ constexpr double kDegree = test::kPi / 180;
 
 /// Gravity on 25 degrees whose fall line is turned by `heading` from x.
 Vec3 gravity_on_slope(double heading) {
-  const double s = 25 * kDegree, g = test::kGravity;
+  const double s = 25 * kDegree, g = kGravity;
   return {Real(-g * std::sin(s) * std::cos(heading)), Real(-g * std::sin(s) * std::sin(heading)),
           Real(-g * std::cos(s))};
 }

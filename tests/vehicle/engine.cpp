@@ -20,7 +20,7 @@ using namespace gonogo::vehicle::multibody;
 
 namespace {
 
-const Vector3 kDown(0, 0, -test::kGravity);
+const Vector3 kDown(0, 0, -kGravity);
 
 Matrix3 rotation(const Quat& q) { return Eigen::Quaterniond(q.w, q.x, q.y, q.z).normalized().toRotationMatrix(); }
 

@@ -1,10 +1,11 @@
 // Weights, wheel loads and speeds that follow from a vehicle's file by closed forms.
 #pragma once
+#include "base/gravity.h"
 #include "vehicle/model/assembly.h"
 
 namespace gonogo::vehicle {
 
-inline constexpr double kGravity = 9.81;  // [m/s^2]
+using gonogo::kGravity;
 
 struct Weights {
   double total = 0;     // [kg]

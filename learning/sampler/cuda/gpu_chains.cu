@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/buffer.h"
+#include "base/device.h"
 #include "base/for_each.h"
 #include "learning/sampler/cuda/gibbs_kernel.cuh"
 
@@ -27,13 +28,6 @@ int common_tiles(int left, int right) {
 
 /// Tiles of 16 chains in a block: many where the batch fills the GPU all the same.
 constexpr int kManyChains = 4, kFewChains = 1;
-
-int device_attribute(cudaDeviceAttr attribute) {
-  int device = 0, value = 0;
-  check_cuda(cudaGetDevice(&device), "device");
-  check_cuda(cudaDeviceGetAttribute(&value, attribute, device), "device attribute");
-  return value;
-}
 
 void require_gpu() {
   int count = 0;
@@ -111,6 +105,10 @@ struct GpuChains::Device {
     const int groups = (machine.chains + kChains * kTile - 1) / (kChains * kTile);
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room(kChains))),
                "shared memory of the sampler");
+    // All of it: the blocks that the next call counts have to be there at the same time.
+    check_cuda(
+        cudaFuncSetAttribute(kernel, cudaFuncAttributePreferredSharedMemoryCarveout, cudaSharedmemCarveoutMaxShared),
+        "shared memory of the sampler");
     int at_once = 0;  // blocks of a multiprocessor
     check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&at_once, kernel, 32 * warps, room(kChains)),
                "blocks of the sampler");

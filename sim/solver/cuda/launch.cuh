@@ -3,6 +3,7 @@
 // solve_host.h end; its threads work in teams of one tile each. Where all contacts have threads of their own, they stay
 // on the multiprocessors (residence.cuh).
 #pragma once
+#include "base/device.h"
 #include "sim/solver/cuda/kernel.cuh"
 
 namespace gonogo::sim {
@@ -146,13 +147,6 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           own.velocity_before.view(),
           own.length.view(),
           own.spectral_sums.view()};
-}
-
-inline int device_attribute(cudaDeviceAttr attribute) {
-  int device = 0, value = 0;
-  check_cuda(cudaGetDevice(&device), "device");
-  check_cuda(cudaDeviceGetAttribute(&value, attribute, device), "device attribute");
-  return value;
 }
 
 /// One block per multiprocessor, and no more than there is work for: a barrier costs less with fewer.

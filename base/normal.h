@@ -1,0 +1,18 @@
+// Normally distributed numbers: value = f(seed, stream, index), as base/random.h.
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "base/random.h"
+
+namespace gonogo {
+
+/// Of mean 0 and variance 1 / precision (Box and Muller, Ann. Math. Statist. 29:610, 1958). Takes the uniform numbers
+/// 2 index and 2 index + 1 of the stream.
+inline double random_normal(std::uint64_t seed, std::uint64_t stream, std::uint64_t index, double precision = 1) {
+  const double u = 1 - random_unit(seed, stream, 2 * index), v = random_unit(seed, stream, 2 * index + 1);
+  return std::sqrt(-2 * std::log(u) / precision) * std::cos(2 * std::numbers::pi * v);
+}
+
+}  // namespace gonogo
