@@ -4,6 +4,7 @@
 #include "pipeline/trial/conditions.h"
 #include "pipeline/trial/drive.h"
 #include "tests/support/catch.h"
+#include "tests/support/locked_grains.h"
 #include "tests/support/measure.h"
 #include "tests/support/short_trial.h"
 
@@ -48,8 +49,8 @@ DesignPoint traverse(double across) {
 
 TEST_CASE("headings psi and -psi mirror each other: the same slip and sinkage, opposite drift") {
   TrialSetup setup = short_setup(0.6);
-  setup.numerics.iterations = 400;
-  setup.numerics.tolerance = 1e-4;
+  setup.calibration = test::locked_grains();
+  setup.numerics = {2e-3, 1, 400, 1e-4};
   const DesignPoint left = traverse(14), right = traverse(-14);
   prepare_trials(setup, {&left, 1}, 1);
   const terrain::Packing bed = settled_bed(setup, left);

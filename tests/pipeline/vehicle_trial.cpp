@@ -9,6 +9,7 @@
 #include "pipeline/trial/lanes.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
+#include "tests/support/locked_grains.h"
 #include "tests/support/measure.h"
 #include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
@@ -153,6 +154,7 @@ TEST_CASE("a study whose bed is narrower than its vehicle is refused") {
 
 TEST_CASE("on a folded bed a HMMWV stands as on three of it side by side") {
   TrialSetup folded = coarse_hmmwv();
+  folded.calibration = test::locked_grains();
   folded.calibration.grain_diameter = 0.12;
   folded.bed_length = 2.2, folded.park_time = 2;
   fold_bed(folded);
