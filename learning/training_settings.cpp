@@ -15,6 +15,8 @@ constexpr std::array<std::pair<const char*, NegativePhaseKind>, 4> kNegativePhas
      {"trajectory", NegativePhaseKind::trajectory}}};
 constexpr std::array<std::pair<const char*, Optimizer>, 2> kOptimizers = {
     {{"adam", Optimizer::adam}, {"sgd", Optimizer::sgd}}};
+constexpr std::array<std::pair<const char*, GradientDevice>, 2> kGradientDevices = {
+    {{"cpu", GradientDevice::cpu}, {"cuda", GradientDevice::cuda}}};
 
 template <class Table, class Value>
 std::string name_in(const Table& table, Value value) {
@@ -41,5 +43,9 @@ NegativePhaseKind negative_phase_named(const std::string& name) {
 }
 std::string optimizer_name(Optimizer optimizer) { return name_in(kOptimizers, optimizer); }
 Optimizer optimizer_named(const std::string& name) { return value_in(kOptimizers, name, "optimizer"); }
+std::string gradient_device_name(GradientDevice device) { return name_in(kGradientDevices, device); }
+GradientDevice gradient_device_named(const std::string& name) {
+  return value_in(kGradientDevices, name, "device of gradients");
+}
 
 }  // namespace gonogo::learning

@@ -17,6 +17,9 @@ enum class NegativePhaseKind {
 
 enum class Optimizer { adam, sgd };
 
+/// `cuda` needs a LibTorch that was built for it, and a GPU: see gradients_on_gpu() in learning/rbm/train.h.
+enum class GradientDevice { cpu, cuda };
+
 struct TrainingSettings {
   std::size_t hidden = 8;
   std::size_t epochs = 400;               // most passes over the table
@@ -36,6 +39,9 @@ struct TrainingSettings {
   std::size_t sweeps = 2;   // of every chain between updates
   std::size_t rungs = 8;    // tempering: machines on the ladder; trajectory: most machines on it
   std::uint64_t seed = 1;
+  /// Where LibTorch works out gradients; a machine of tens of units is quicker on one core. The sampler has its own
+  /// say.
+  GradientDevice gradients = GradientDevice::cpu;
   /// Weights that stay 0, as (visible unit, hidden unit): pairs that hardware with dead qubits cannot couple.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> masked;
 };
@@ -45,5 +51,7 @@ std::string negative_phase_name(NegativePhaseKind kind);
 NegativePhaseKind negative_phase_named(const std::string& name);
 std::string optimizer_name(Optimizer optimizer);
 Optimizer optimizer_named(const std::string& name);
+std::string gradient_device_name(GradientDevice device);
+GradientDevice gradient_device_named(const std::string& name);
 
 }  // namespace gonogo::learning

@@ -20,7 +20,7 @@ torch::Tensor bits_tensor(const LadderChains& ladder, std::size_t visible) {
 
 /// Rows to start chains from: the data, and hidden units that the first half sweep draws anew.
 SampleSet start_rows(const torch::Tensor& data, const Problem& problem) {
-  const torch::Tensor flat = data.contiguous();
+  const torch::Tensor flat = data.cpu().contiguous();
   const double* in = flat.data_ptr<double>();
   const std::size_t rows = std::size_t(data.size(0)), visible = std::size_t(data.size(1));
   SampleSet start;

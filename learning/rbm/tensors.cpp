@@ -44,7 +44,7 @@ torch::Tensor matrix(const std::vector<double>& values, std::int64_t rows, std::
 }
 
 std::vector<double> values_of(const torch::Tensor& tensor) {
-  const torch::Tensor flat = tensor.detach().contiguous();
+  const torch::Tensor flat = tensor.detach().cpu().contiguous();
   return std::vector<double>(flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel());
 }
 
@@ -70,7 +70,15 @@ torch::Tensor sum_completions(const torch::Tensor& scores, const std::vector<std
 
 }  // namespace
 
-RowTensors make_rows(const VisibleLayout& layout, const TrainingTable& table, const std::vector<std::size_t>& rows) {
+torch::Device torch_device(GradientDevice device) {
+  if (device == GradientDevice::cpu) return torch::kCPU;
+  if (!torch::cuda::is_available())
+    throw InputError("training: gradients are to be worked out on a GPU, and LibTorch sees none here");
+  return torch::kCUDA;
+}
+
+RowTensors make_rows(const VisibleLayout& layout, const TrainingTable& table, const std::vector<std::size_t>& rows,
+                     torch::Device device) {
   RowTensors result;
   std::vector<double> smooth, hard, weight;
   std::vector<std::int64_t> outcome;
@@ -85,10 +93,10 @@ RowTensors make_rows(const VisibleLayout& layout, const TrainingTable& table, co
     weight.push_back(table.weight[n]);
   }
   result.first.push_back(completions);
-  result.smooth = matrix(smooth, completions, units);
-  result.hard = matrix(hard, completions, units);
-  result.outcome = torch::tensor(outcome, torch::kInt64);
-  result.weight = torch::tensor(weight, torch::kFloat64);
+  result.smooth = matrix(smooth, completions, units).to(device);
+  result.hard = matrix(hard, completions, units).to(device);
+  result.outcome = torch::tensor(outcome, torch::kInt64).to(device);
+  result.weight = torch::tensor(weight, torch::kFloat64).to(device);
   return result;
 }
 
@@ -96,17 +104,19 @@ torch::Tensor RowTensors::visible(std::int64_t outcome_count) const {
   if (outcome_count == 0) return hard;
   std::vector<std::int64_t> row;
   for (std::size_t n = 0; n + 1 < first.size(); ++n) row.insert(row.end(), std::size_t(first[n + 1] - first[n]), n);
-  const torch::Tensor label = outcome.index_select(0, torch::tensor(row, torch::kInt64)).unsqueeze(1);
-  const torch::Tensor units = torch::zeros({hard.size(0), outcome_count}, torch::kFloat64).scatter(1, label, 1.0);
+  const torch::Tensor of_row = torch::tensor(row, torch::kInt64).to(outcome.device());
+  const torch::Tensor label = outcome.index_select(0, of_row).unsqueeze(1);
+  const torch::Tensor units = torch::zeros({hard.size(0), outcome_count}, hard.options()).scatter(1, label, 1.0);
   return torch::cat({hard, units}, 1);
 }
 
-Machine::Machine(const RbmWeights& weights, std::size_t input_unit_count)
-    : weight(matrix(weights.weight, std::int64_t(weights.visible_count), std::int64_t(weights.hidden_count))),
-      centred_visible(torch::tensor(weights.visible_bias, torch::kFloat64)),
-      centred_hidden(torch::tensor(weights.hidden_bias, torch::kFloat64)),
-      visible_mean(torch::zeros({std::int64_t(weights.visible_count)}, torch::kFloat64)),
-      hidden_mean(torch::zeros({std::int64_t(weights.hidden_count)}, torch::kFloat64)),
+Machine::Machine(const RbmWeights& weights, std::size_t input_unit_count, torch::Device device)
+    : weight(
+          matrix(weights.weight, std::int64_t(weights.visible_count), std::int64_t(weights.hidden_count)).to(device)),
+      centred_visible(torch::tensor(weights.visible_bias, torch::kFloat64).to(device)),
+      centred_hidden(torch::tensor(weights.hidden_bias, torch::kFloat64).to(device)),
+      visible_mean(torch::zeros({std::int64_t(weights.visible_count)}, weight.options())),
+      hidden_mean(torch::zeros({std::int64_t(weights.hidden_count)}, weight.options())),
       input_units(std::int64_t(input_unit_count)) {
   for (torch::Tensor* parameter : {&weight, &centred_visible, &centred_hidden}) parameter->set_requires_grad(true);
 }
@@ -142,7 +152,7 @@ torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std
     for (double u = random_unit(seed, update, n) - p[0]; u >= 0 && k + 1 < p.size();) u -= p[++k];
     chosen.push_back(rows.first[n] + std::int64_t(k));
   }
-  return visible.index_select(0, torch::tensor(chosen, torch::kInt64));
+  return visible.index_select(0, torch::tensor(chosen, torch::kInt64).to(visible.device()));
 }
 
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,

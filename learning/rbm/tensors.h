@@ -20,6 +20,9 @@ class OneTorchThread {
   int before_;
 };
 
+/// Throws InputError where this LibTorch has no GPU and one is asked for.
+torch::Device torch_device(GradientDevice device);
+
 /// Rows with their unknown variables filled by every combination of code words: the completions of row n are
 /// first[n] .. first[n + 1] - 1, one when all is known.
 struct RowTensors {
@@ -29,7 +32,8 @@ struct RowTensors {
   torch::Tensor outcome, weight;    // [row]
   std::vector<std::int64_t> first;  // [row + 1]
 };
-RowTensors make_rows(const VisibleLayout& layout, const TrainingTable& table, const std::vector<std::size_t>& rows);
+RowTensors make_rows(const VisibleLayout& layout, const TrainingTable& table, const std::vector<std::size_t>& rows,
+                     torch::Device device = torch::kCPU);
 
 /// The machine in centred units: E = -A.(v - mu) - B.(h - lambda) - (v - mu)' W (h - lambda), which is the machine with
 /// biases a = A - W lambda and b = B - W' mu. With mu = lambda = 0 these are the usual parameters.
@@ -46,7 +50,8 @@ struct Machine {
   /// New constants, same machine.
   void move_means(const torch::Tensor& new_visible_mean, const torch::Tensor& new_hidden_mean);
 
-  Machine(const RbmWeights& weights, std::size_t input_unit_count);
+  Machine(const RbmWeights& weights, std::size_t input_unit_count, torch::Device device = torch::kCPU);
+  torch::Device device() const { return weight.device(); }
   RbmWeights weights() const;
   RbmWeights gradient() const;
   std::vector<torch::Tensor> parameters() const { return {weight, centred_visible, centred_hidden}; }

@@ -97,10 +97,10 @@ class Run {
       : layout_(layout),
         table_(table),
         settings_(settings),
-        machine_(start, layout.input_unit_count()),
+        machine_(start, layout.input_unit_count(), torch_device(settings.gradients)),
         optimizer_(make_optimizer(machine_, settings)),
         negative_(layout, settings, sampler, start.visible_bias) {
-    if (!settings.masked.empty()) coupled_ = coupled_weights(settings, start);
+    if (!settings.masked.empty()) coupled_ = coupled_weights(settings, start).to(machine_.device());
     mask_weights();
     if (settings.centred) centre_on_table();
   }
@@ -118,9 +118,10 @@ class Run {
 
  private:
   void update(const std::vector<std::size_t>& row_numbers) {
-    const RowTensors rows = make_rows(layout_, table_, row_numbers);
+    const RowTensors rows = make_rows(layout_, table_, row_numbers, machine_.device());
     const torch::Tensor data = completed_rows(machine_, rows, random_bits(settings_.seed, kCompletions, 0), ++updates_);
-    const torch::Tensor drawn = settings_.generative > 0 ? negative_.draw(machine_.weights(), data) : torch::Tensor();
+    torch::Tensor drawn;
+    if (settings_.generative > 0) drawn = negative_.draw(machine_.weights(), data).to(machine_.device());
     optimizer_->zero_grad();
     objective(machine_, rows, drawn, settings_, table_.row_count()).backward();
     optimizer_->step();
@@ -138,7 +139,7 @@ class Run {
   void centre_on_table() {
     std::vector<std::size_t> all(table_.row_count());
     std::iota(all.begin(), all.end(), std::size_t(0));
-    const RowTensors rows = make_rows(layout_, table_, all);
+    const RowTensors rows = make_rows(layout_, table_, all, machine_.device());
     const torch::Tensor data = completed_rows(machine_, rows, random_bits(settings_.seed, kCompletions, 0), 0);
     machine_.move_means(data.mean(0), hidden_means(machine_, data));
   }
@@ -155,6 +156,8 @@ class Run {
 };
 
 }  // namespace
+
+bool gradients_on_gpu() { return torch::cuda::is_available(); }
 
 double conditional_loss(const Posterior& posterior, const TrainingTable& table) {
   double sum = 0, total = 0;
@@ -187,11 +190,12 @@ TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table
 Objective training_objective(const RbmWeights& weights, const VisibleLayout& layout, const TrainingTable& table,
                              const TrainingSettings& settings, const SampleSet& negative) {
   const OneTorchThread one_thread;
-  Machine machine(weights, layout.input_unit_count());
+  Machine machine(weights, layout.input_unit_count(), torch_device(settings.gradients));
   std::vector<std::size_t> all(table.row_count());
   std::iota(all.begin(), all.end(), std::size_t(0));
-  const torch::Tensor loss = objective(machine, make_rows(layout, table, all),
-                                       rows_tensor(negative, weights.visible_count), settings, table.row_count());
+  const torch::Tensor drawn = rows_tensor(negative, weights.visible_count).to(machine.device());
+  const torch::Tensor loss =
+      objective(machine, make_rows(layout, table, all, machine.device()), drawn, settings, table.row_count());
   loss.backward();
   return {loss.item<double>(), machine.gradient()};
 }

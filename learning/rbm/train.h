@@ -30,6 +30,9 @@ struct TrainingResult {
   std::vector<EpochLog> log;
 };
 
+/// Whether this LibTorch works out gradients on a GPU here.
+bool gradients_on_gpu();
+
 /// Called at every report epoch with the machine so far; return false to stop.
 using EpochHook = std::function<bool(std::size_t epoch, const RbmWeights& weights)>;
 

@@ -11,6 +11,7 @@
 #include "learning/rbm/train.h"
 #include "pipeline/dataset/dataset.h"
 #include "pipeline/learn/bin_coverage.h"
+#include "pipeline/learn/train_model.h"
 #include "pipeline/learn/training_data.h"
 #include "pipeline/learn/training_sampler.h"
 
@@ -145,7 +146,7 @@ std::string variable_of(const Json& machine) {
 }  // namespace
 
 Json measure_capacity(const CapacityRequest& request) {
-  LearningSettings settings = read_learning_settings(request.learning);
+  LearningSettings settings = trainable_settings(request.learning);
   if (settings.sampler == "emulator")
     throw InputError("capacity: the sampler emulator has a graph of its own; name graphs by --connectivity");
   TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);

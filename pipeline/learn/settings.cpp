@@ -56,6 +56,8 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   training.centred = section->boolean_or("centred", training.centred);
   if (section->has("optimizer"))
     training.optimizer = learning::optimizer_named(section->choice("optimizer", {"adam", "sgd"}));
+  if (section->has("gradients"))
+    training.gradients = learning::gradient_device_named(section->choice("gradients", {"cpu", "cuda"}));
   if (section->has("negative"))
     training.negative = learning::negative_phase_named(
         section->choice("negative", {"persistent", "contrastive", "tempering", "trajectory"}));
@@ -103,6 +105,7 @@ Json to_json(const LearningSettings& settings) {
   json["calibrate"] = settings.calibrate;
   json["unknown_inputs"] = settings.uniform_inputs ? "prior" : "machine";
   json["gpu"] = settings.gpu ? "auto" : "never";
+  json["gradients"] = learning::gradient_device_name(training.gradients);
   if (settings.sampler == "emulator") json["emulator"] = to_json(settings.emulator);
   if (settings.sampler == "command") {
     json["command"] = Json(settings.command);

@@ -4,6 +4,7 @@
 //                  D-Wave 2X, see annealer_training.h): where the negative phase comes from
 //   gpu            "auto" (default): block_gibbs samples on a GPU where one answers and an update is large enough to
 //                  gain by it; "never"
+//   gradients      "cpu" (default) or "cuda": where LibTorch computes; a machine of tens of units is quicker on one core
 //   command        of the sampler "command": list of program and arguments with {problem} {answer} {reads} {seed}
 //   stand_in       sampler that takes over when "command" fails (default "block_gibbs"); log, model and report say so
 //   hidden         hidden units                                     epochs         most passes over the trials

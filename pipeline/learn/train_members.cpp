@@ -36,7 +36,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
   if (base.provenance.at("data_hash").string() != file_hash(request.dataset))
     throw InputError(request.model.string() + ": was trained on other trials than " + request.dataset.string() +
                      "; train it anew with gonogo train");
-  const LearningSettings settings = read_learning_settings(request.learning);
+  const LearningSettings settings = trainable_settings(request.learning);
   TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
   temper_weights(data, settings.importance);
   if (request.hold_out > 0) hold_out(data, request.hold_out, request.seed);

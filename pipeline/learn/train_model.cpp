@@ -123,8 +123,17 @@ Json counts_report(const TrainingData& data) {
 
 }  // namespace
 
+LearningSettings trainable_settings(const std::optional<Config>& section) {
+  const LearningSettings settings = read_learning_settings(section);
+  if (settings.training.gradients == learning::GradientDevice::cuda && !learning::gradients_on_gpu())
+    section->fail("gradients",
+                  "is cuda, but LibTorch sees no GPU here; Debian's libtorch-dev has no CUDA: choose cpu, or build "
+                  "against a LibTorch that has (README.md, GONOGO_TORCH)");
+  return settings;
+}
+
 Json train_model(const TrainRequest& request) {
-  const LearningSettings settings = read_learning_settings(request.learning);
+  const LearningSettings settings = trainable_settings(request.learning);
   const Dataset dataset = read_dataset(request.dataset);
   TrainingData data = make_training_data(dataset.records, request.design);
   temper_weights(data, settings.importance);

@@ -20,6 +20,9 @@ struct TrainRequest {
   std::size_t hold_out = 0;        // valid trials that are not trained on, drawn from the seed; evaluate scores them
 };
 
+/// read_learning_settings(), and throws InputError for what this LibTorch on this machine cannot do.
+LearningSettings trainable_settings(const std::optional<Config>& section);
+
 /// Trains and writes the model. Returns the report that the model file also holds (see report_text). Same dataset, seed
 /// and settings: same bytes, for any number of threads. Throws InputError for a dataset without valid trials.
 Json train_model(const TrainRequest& request);

@@ -50,7 +50,7 @@ RunPlan plan_run(const RunRequest& request) {
                .out = request.out,
                .threads = request.threads,
                .campaign = std::move(campaign),
-               .learning = read_learning_settings(study.config.object_if("learning")),
+               .learning = trainable_settings(study.config.object_if("learning")),
                .region = read_region(study.region),
                .map = read_map_rules(study.config.object_if("map"))};
   check_rasters(plan.region);

@@ -8,10 +8,12 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "learning/rbm/train.h"
 #include "learning/score/calibration.h"
 #include "pipeline/learn/capacity.h"
 #include "pipeline/learn/evaluate_model.h"
 #include "pipeline/learn/predictor.h"
+#include "pipeline/learn/train_model.h"
 #include "tests/pipeline/trained_model.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -224,6 +226,12 @@ TEST_CASE("settings are read strictly") {
           "dead_share");
   CHECK(read(R"({"sampler": "emulator", "emulator": {"gauges": 7}})").emulator.gauges == 7);
   CHECK_FALSE(read(R"({"gpu": "never"})").gpu);
+  refused([&] { read(R"({"gradients": "gpu"})"); }, "cuda");
+  const Config on_gpu = Config::parse(R"({"gradients": "cuda"})", "study.json");
+  if (learning::gradients_on_gpu())
+    CHECK(trainable_settings(on_gpu).training.gradients == learning::GradientDevice::cuda);
+  else
+    refused([&] { trainable_settings(on_gpu); }, "LibTorch sees no GPU");
   CHECK_FALSE(read(R"({"unknown_inputs": "machine"})").uniform_inputs);
   refused([&] { read(R"({"unknown_inputs": "mean"})"); }, "prior");
   CHECK(to_json(read(R"({"negative": "trajectory", "optimizer": "sgd", "centred": true})")).at("negative").string() ==
