@@ -4,6 +4,7 @@
 #include "base/hash.h"
 #include "pipeline/campaign/study_campaign.h"
 #include "pipeline/map/block.h"
+#include "pipeline/learn/train_model.h"
 #include "pipeline/map/map_request.h"
 
 namespace gonogo::pipeline {

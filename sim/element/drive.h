@@ -53,9 +53,9 @@ struct ApplyDriveline {
     if (d.world < 0) return;
     DrivelineState& own = state[i];
     const double time = double(steps[d.world]) * double(step);
-    const double forward = dot(velocity[d.body].linear, rotate(orientation[d.body], d.axis_B));
-    const Pedals p = pedals(table, d, time, forward, step, own);
-    const double torque = gearbox_torque(table, d, p.throttle, shaft_speed(d), step, own);
+    const double shaft = shaft_speed(d);
+    const Pedals p = pedals(table, d, time, speed_seen(d, shaft), step, own);
+    const double torque = gearbox_torque(table, d, p.throttle, shaft, step, own);
     shift(d, time, own);
     for (Index a = 0; a < d.axle_count; ++a) drive(d.axle[a], d.axle[a].share * torque);
     for (Index b = 0; b < d.brake_count; ++b) set(d.brake[b].motor, {0, p.brake * d.brake[b].torque});
@@ -64,6 +64,11 @@ struct ApplyDriveline {
   GONOGO_HD void set(Index m, const MotorCommand& command) const {
     motor[m].target = Real(command.speed);
     motor[m].max_torque = Real(command.max_torque);
+  }
+
+  GONOGO_HD double speed_seen(const DrivelinePlan& d, double shaft) const {
+    if (d.way_per_radian > 0) return d.way_per_radian * shaft;
+    return dot(velocity[d.body].linear, rotate(orientation[d.body], d.axis_B));
   }
 
   GONOGO_HD double speed_of(Index m) const {

@@ -48,7 +48,9 @@ struct DrivelineNumbers {
   double engaged_speed = 0;   // engine speed at which the clutch is engaged; open at the idle speed [rad/s]
 
   // Driver who holds a speed: u = p e + i (integral of e) of e = command - speed; u in [-1, 1] is throttle, below zero
-  // the brake.
+  // the brake. The speed is what the speedometer shows, which counts the turns of the shaft behind the gearbox: a driver
+  // who gave full throttle until the body moves would race spinning wheels through all gears.
+  double way_per_radian = 0;  // of that shaft; 0: the driver sees the speed of the body instead [m]
   BodyIndex body = 0;
   Vec3 axis_B{1, 0, 0};     // unit: forward in the body's frame
   double proportional = 0;  // [s/m]

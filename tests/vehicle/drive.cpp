@@ -78,6 +78,28 @@ TEST_CASE("a driver who holds a speed brings the HMMWV to it and keeps it there"
   CHECK(agrees("speed held up a slope of 10 deg [m/s]", 3, speed_of(*s, d), 0.1));
 }
 
+TEST_CASE("a driver whose wheels find no hold turns them at the speed that he is told, and no faster") {
+  const double speed = 3, mu = 0.05;  // up a slope that ten times as much would be needed on
+  DriverOrders orders;
+  orders.release = 0.3;
+  orders.throttle_ramp = 0.5;
+  orders.speed = speed;
+  const Vehicle v = hmmwv();
+  const HardGround d(v, orders, mu, 25 * kPi / 180);
+  const auto s = started(sim::Backend::cpu, d.world, 1e-3);
+  double fastest = 0;
+  for (int k = 0; k < 300; ++k) {
+    s->advance(10);
+    double rim = 0;
+    for (std::size_t i = 0; i < 4; ++i) rim += 0.25 * s->body(0, d.e.wheel[i]).angular_velocity.y * 0.467;
+    fastest = std::fmax(fastest, rim);
+    if (k == 299) CHECK(agrees("mean speed of the rims at the end [m/s]", speed, rim, 0.02 * speed));
+  }
+  CHECK(fastest < 1.3 * speed);
+  CHECK(speed_of(*s, d) < 0);  // it slides back
+  CHECK(s->snapshot(0).element.driveline.at(0).gear == 0);
+}
+
 TEST_CASE("an open axle spins its wheel on ice, a limited-slip one pulls by its bias, a locked one turns both alike") {
   // Rear-wheel drive on level ground, left wheels on ice: T_right / T_left <= bias with T_left = mu_ice N r.
   const double mu_ice = 0.1, mu = 0.8;

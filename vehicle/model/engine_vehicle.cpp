@@ -143,13 +143,22 @@ void set_gears(const Vehicle& v, int gear, sim::Driveline& d) {
   d.shift_time = v.driveline.shift_time;
 }
 
-void set_driver(const DriverOrders& orders, const sim::SceneWorld& world, const EngineVehicle& e, sim::Driveline& d) {
+/// As the speedometer counts: of the first part that is driven [m].
+double way_per_radian(const Vehicle& v) {
+  for (const RunningPart& p : running_parts(v))
+    if (p.driven) return p.rolling_radius;
+  return 0;
+}
+
+void set_driver(const Vehicle& v, const DriverOrders& orders, const sim::SceneWorld& world, const EngineVehicle& e,
+                sim::Driveline& d) {
   const double end = std::max(orders.brake_from, orders.release + orders.throttle_ramp + 2e-3), moment = 1e-3;
   d.throttle = ramp_up(orders.release, orders.speed > 0 ? 0 : orders.throttle_ramp, 1);
   d.throttle.insert(d.throttle.end(), {{end, 1}, {end + moment, 0}});
   d.braking = {{orders.release, 1}, {orders.release + moment, 0}, {end, 0}, {end + moment, 1}};
   if (orders.release <= 0) d.braking.erase(d.braking.begin(), d.braking.begin() + 2);
   if (orders.speed > 0) d.speed = ramp_up(orders.release, orders.throttle_ramp, orders.speed);
+  d.way_per_radian = way_per_radian(v);
   d.body = e.chassis;
   d.axis_B = rotate_back(world.body[std::size_t(e.chassis)].orientation, {1, 0, 0});
   d.proportional = kProportional;
@@ -181,7 +190,7 @@ void add_engine(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e
   for (Index a = 0; a < d.axle_count; ++a)
     d.axle[a].share =
         d.axle_count == 2 ? (a == 0 ? v.driveline.front_share : 1 - v.driveline.front_share) : 1.0 / d.axle_count;
-  set_driver(orders, world, e, d);
+  set_driver(v, orders, world, e, d);
   world.driveline.push_back(d);
 }
 

@@ -8,7 +8,7 @@ namespace gonogo::vehicle {
 struct DriverOrders {
   double release = 0;        // the brakes are on until then [s]
   double throttle_ramp = 0;  // of the throttle, or of the commanded speed, from zero on [s]
-  double speed = 0;          // to hold [m/s]; 0: full throttle
+  double speed = 0;          // to hold, on the speedometer [m/s]; 0: full throttle
   double brake_from = 1e9;   // throttle off and brakes fully on from then [s]
   int gear = 0;              // to stay in, 1 the lowest; 0: shifts by itself from the lowest one on
 };
