@@ -5,11 +5,11 @@
 #include <cstdio>
 #include <vector>
 
-#include "pipeline/bench/ball.h"
-#include "pipeline/bench/collapse.h"
-#include "pipeline/bench/silo.h"
+#include "pipeline/scenes/ball.h"
+#include "pipeline/scenes/collapse.h"
+#include "pipeline/scenes/silo.h"
 #include "tests/support/catch.h"
-#include "tests/support/many.h"
+#include "tests/support/run_scene.h"
 #include "tests/support/measure.h"
 
 using namespace gonogo;
@@ -32,8 +32,8 @@ double janssen_exponent(double share) {
 
 TEST_CASE("poured spheres pack at random: between loose and close packing") {
   TankSpec spec;
-  spec.spheres = 4000;
-  const double fraction = solid_fraction(spec, tank_world(spec, sim::Backend::cpu, 1));
+  spec.of.count = 4000;
+  const double fraction = solid_fraction(spec, tank_world(spec, {}));
   // 0.55 to 0.64 are reported for friction from much to none; settled at friction 0.1.
   CHECK(agrees("random packing, solid fraction [-]", 0.61, fraction, 0.03));
 }
@@ -42,10 +42,10 @@ TEST_CASE("a silo's floor carries what Janssen says, with one ratio of stresses 
   std::vector<double> ratio;
   for (const int slenderness : {1, 2, 3}) {
     SiloSpec spec;
-    spec.spheres = 1000 * slenderness;
+    spec.of.count = 1000 * slenderness;
     spec.slenderness = slenderness;
     spec.flow_time = 0.03;
-    const ManyResult r = run_on_one_core(silo_scene(spec, 50));
+    const ManyResult r = run_on_one_core(silo_scene(spec, {.iterations = 50}));
     const double share = value_of(r, "floor_share_of_weight"), fill = value_of(r, "fill_over_width");
     // x = 4 mu K H / D.
     ratio.push_back(janssen_exponent(share) / (4 * spec.of.friction * fill));
@@ -62,11 +62,11 @@ TEST_CASE("a silo's floor carries what Janssen says, with one ratio of stresses 
 TEST_CASE("a ball on smooth spheres floats as deep as on a fluid of their bulk density") {
   for (const double density : {0.3, 0.7}) {
     BallSpec spec;
-    spec.tank.spheres = 2500;
+    spec.tank.of.count = 2500;
     spec.size_ratio = 6;
     spec.relative_density = density;
     spec.floated = 1.5;
-    const ManyResult r = run_on_one_core(ball_scene(spec, 40, sim::Backend::cpu, 1));
+    const ManyResult r = run_on_one_core(ball_scene(spec, {.iterations = 40}));
     // The surface is known to a third of a sphere, a twentieth of the ball's volume; spheres do not fill the gap
     // around the ball.
     CHECK(agrees("floating ball, share of its volume below the surface [-]", density, value_of(r, "sunk_share"), 0.12));
@@ -78,9 +78,9 @@ TEST_CASE(
   std::vector<double> slope;
   for (const double aspect : {0.6, 1.0}) {
     CollapseSpec spec;
-    spec.spheres = 2000;
+    spec.of.count = 2000;
     spec.aspect = aspect;
-    const ManyResult r = run_on_one_core(collapse_scene(spec, 30));
+    const ManyResult r = run_on_one_core(collapse_scene(spec, {.iterations = 30}));
     const double a = value_of(r, "aspect"), heap = value_of(r, "run_out_covered"),
                  all = value_of(r, "run_out_of_99_in_100");
     // Lube et al. (2004), a < 1.7: 1.24 a, of columns hundreds of grains wide. Here the column is 16 wide and its rim
