@@ -45,6 +45,8 @@ void add_silo(CLI::App& parent, const Globals& globals) {
   CLI::App* command =
       add_scene(parent, globals, "silo", "A silo with a flat floor, filled and opened", spec, spec->of, silo_scene);
   add_friction(*command, spec->of, kAll);
+  command->add_option("--rolling", spec->rolling_friction, "Rolling friction of spheres and walls [-]")
+      ->check(CLI::Range(0.0, 10.0));
   command->add_option("--orifice", spec->orifice_diameters, "Hole, in sphere diameters; 0: a third of the silo's width")
       ->check(CLI::Range(0.0, 1000.0));
   command->add_option("--flow-time", spec->flow_time, "Simulated after the opening [s]")->check(CLI::Range(0.01, 1e4));

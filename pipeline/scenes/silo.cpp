@@ -65,7 +65,7 @@ Parts add_silo(sim::SceneWorld& world, const SiloSpec& spec, double height) {
 
 /// What a run of the silo remembers from drive to drive.
 struct Flow {
-  bool open = false;
+  bool pulled = false, open = false;
   double floor_force = 0, looks = 0;     // sum over looks before the hole is opened [N]
   double fill_over_width = 0;            // when it is
   WallStress stress;                     // of the same looks
@@ -80,8 +80,9 @@ double mass_below(const sim::SceneWorld& world, Index spheres, const std::vector
   return mass;
 }
 
-/// Share of the time before the opening after which the wall is drawn upward.
-constexpr double kStirs = 0.75;
+/// The wall is drawn upward for so long before the opening, at so many diameters a second; over the second half of
+/// this its friction has built up as far as it does, and the sums are taken.
+constexpr double kPull = 2, kPullSpeed = 0.1;  // [s], [1/s]
 
 /// Upward at a speed [m/s].
 void move_wall(sim::Simulation& simulation, sim::BodyIndex wall, double speed) {
@@ -124,15 +125,20 @@ ManyScene silo_scene(const SiloSpec& spec, const RunOn& on) {
   for (const Sphere& s : fill) world.add_sphere(s.centre, Real(s.radius), Real(spec.of.density), 0);
   const auto spheres = Index(fill.size());
   const Parts parts = add_silo(world, spec, height);
-  const double opens = 4 * fall_time(height / 3), ends = opens + spec.flow_time;
+  const double pulled = 3 * fall_time(height / 3), opens = pulled + kPull, ends = opens + spec.flow_time;
   scene.duration = ends;
   const auto flow = std::make_shared<Flow>();
   const auto kept = std::make_shared<const sim::SceneWorld>(world);
   const double mouth = -wall_thickness(spec), weight = 9.81 * mass_below(world, spheres, world.body, 1e30);
   scene.drive = [=](sim::Simulation& simulation, double time) {
     if (time < opens) {
-      if (time < kStirs * opens) return;
-      if (flow->looks == 0) move_wall(simulation, parts.wall, spec.of.diameter / 2);
+      if (time < pulled) return;
+      if (!flow->pulled) {
+        move_wall(simulation, parts.wall, kPullSpeed * spec.of.diameter);
+        simulation.set_law(0, 0, 0, {Real(spec.of.friction), Real(spec.rolling_friction), 0});
+        flow->pulled = true;
+      }
+      if (time < pulled + kPull / 2) return;
       flow->floor_force -= simulation.contact_force(0, parts.floor).z + simulation.contact_force(0, parts.plug).z;
       flow->stress.add(sim::capture_world(simulation, 0), *kept, spheres, parts.wall, simulation.settings().step);
       ++flow->looks;
