@@ -1,8 +1,6 @@
 // Where the time of a step goes, and the search for contacts by itself: for measurements, apart from what users of a
 // simulation need.
 #pragma once
-#include <optional>
-
 #include "sim/simulation.h"
 
 namespace gonogo::sim {
@@ -35,8 +33,8 @@ class StepByStage {
   /// contacts(), impulses() and contact_force() are empty until the next one.
   virtual SearchReport timed_search() = 0;
   /// Bytes that one update of the latest step's contacts and of their bodies moves to and from memory when every record
-  /// that it needs is moved once; none where nobody has counted them (on the host).
-  virtual std::optional<double> solver_traffic() = 0;
+  /// that it needs is moved once. Caches hold records of few bodies between two updates and spare the memory.
+  virtual double solver_traffic() = 0;
 };
 
 /// The same simulation, seen stage by stage.

@@ -65,6 +65,7 @@ Light varied(const Light& colour, std::uint64_t index) { return colour * Real(0.
 
 Light ball_colour(const SceneWorld& world, const BodyState& body, const Shape& shape, const ModelStyle& style) {
   if (!moves(world, shape.body)) return kBase;
+  if (style.colour == GrainColour::material) return material_colour(shape.material);
   const double value = style.colour == GrainColour::speed ? length(sim::velocity_of(shape, body))
                                                           : sim::centre_of(shape, body).z + shape.size.x;
   return bar_colour((value - style.low) / std::max(1e-12, style.high - style.low));
@@ -153,6 +154,12 @@ void add_ground(Model& model, const SceneWorld& world, const Placement& place, d
 Light mixed(const Light& a, const Light& b, Real share) { return a * (1 - share) + b * share; }
 
 }  // namespace
+
+Light material_colour(int material) {
+  constexpr Light colour[sim::kMaxMaterials] = {
+      {0.66f, 0.50f, 0.30f}, {0.02f, 0.13f, 0.33f}, {0.60f, 0.10f, 0.03f}, {0.10f, 0.36f, 0.22f}};
+  return colour[material];
+}
 
 Light bar_colour(double share) {
   // Sand at rest, then amber, vermilion and plum: darker with speed, and told apart by the colour-blind too.

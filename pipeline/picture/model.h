@@ -27,7 +27,7 @@ struct Model {
   Real floor = 0;  // height of the level ground that everything stands on [m]
 };
 
-enum class GrainColour { speed, height };
+enum class GrainColour { speed, height, material };
 
 struct ModelStyle {
   GrainColour colour = GrainColour::speed;
@@ -35,12 +35,15 @@ struct ModelStyle {
   sim::BodyIndex focus = -1;  // body that a periodic world is drawn around; -1: the world's middle
 };
 
+/// Of the grains of a material, told apart by the colour-blind too.
+Light material_colour(int material);
+
 /// Colour of a share of the colour bar, 0 to 1.
 Light bar_colour(double share);
 
-/// Moving spheres in the colours of the bar, fixed ones as base, wheels in rubber with a rim, all else in steel. Under
-/// a periodic bed a block of ground fills the space down to the floor. Under a vehicle wider than its bed the bed is
-/// drawn as often as it takes.
+/// Moving spheres in the colours of the bar or of their material, fixed ones as base, wheels in rubber with a rim, all
+/// else in steel. Under a periodic bed a block of ground fills the space down to the floor. Under a vehicle wider than
+/// its bed the bed is drawn as often as it takes.
 Model model_of(const sim::SceneWorld& world, const sim::Capture& frame, const ModelStyle& style);
 
 }  // namespace gonogo::pipeline

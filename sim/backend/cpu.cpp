@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "sim/backend/simulation_on.h"
+#include "sim/solver/host_traffic.h"
 #include "sim/solver/solve_host.h"
 
 namespace gonogo::sim {
@@ -33,8 +34,9 @@ class StepQueue<Cpu> {
     stage(exec_);
   }
 
-  /// Caches hold most of it between two stages.
-  static std::optional<double> traffic(const State<Cpu>&, Index) { return std::nullopt; }
+  static double traffic(const State<Cpu>& s, Index contacts) {
+    return double(contacts) * host_bytes_per_contact() + double(s.body_count) * host_bytes_per_body();
+  }
 
  private:
   Cpu exec_;

@@ -58,7 +58,7 @@ class StepQueue<Cuda> {
     check_cuda(cudaStreamSynchronize(stream_of(exec_)), "stage");
   }
 
-  static std::optional<double> traffic(const State<Cuda>& s, Index contacts) {
+  static double traffic(const State<Cuda>& s, Index contacts) {
     return double(contacts) * bytes_per_contact(s.turning) + double(s.body_count) * bytes_per_body();
   }
 

@@ -52,7 +52,7 @@ class SimulationOn final : public Simulation, public StepByStage {
     return report;
   }
 
-  std::optional<double> solver_traffic() override {
+  double solver_traffic() override {
     return queue_.traffic(batch_.state, batch_.state.progress.read(0).contact_total);
   }
 

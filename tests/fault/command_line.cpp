@@ -55,8 +55,8 @@ TEST_CASE("pictures and videos that cannot be made are refused before the trial 
 TEST_CASE("a GPU that is not there is refused before any work") {
   RunOptions none;
   none.before = [] { ::setenv("CUDA_VISIBLE_DEVICES", "", 1); };
-  for (const char* scene :
-       {"bed", "batch", "wheel", "tank", "collide", "silo", "drum", "nut", "ball", "crater", "collapse"})
+  for (const char* scene : {"bed", "batch", "wheel", "tank", "collide", "silo", "drum", "screen", "pebbles", "nut",
+                            "ball", "crater", "collapse"})
     check_refusal(run_gonogo({"bench", scene, "--backend", "cuda"}, none), 2, {"CUDA", "ask for the cpu backend"});
   const TemporaryFolder folder;
   const std::string study = std::string(GONOGO_SOURCE_DIR) + "/configs/studies/demo.json";

@@ -3,10 +3,10 @@
 #include <cstdio>
 #include <vector>
 
-#include "pipeline/bench/crater.h"
-#include "pipeline/bench/nut.h"
+#include "pipeline/scenes/crater.h"
+#include "pipeline/scenes/nut.h"
 #include "tests/support/catch.h"
-#include "tests/support/many.h"
+#include "tests/support/run_scene.h"
 #include "tests/support/measure.h"
 
 using namespace gonogo;
@@ -17,10 +17,10 @@ TEST_CASE("a ball that falls onto spheres sinks in with the third root of its fa
   std::vector<double> fall, depth;
   for (const double height : {0.2, 0.6, 1.8}) {
     CraterSpec spec;
-    spec.tank.spheres = 5000;
+    spec.tank.of.count = 5000;
     spec.tank.layers = 14;
     spec.drop_height = height;
-    const ManyResult r = run_on_one_core(crater_scene(spec, 30, sim::Backend::cpu, 1));
+    const ManyResult r = run_on_one_core(crater_scene(spec, {.iterations = 30}));
     depth.push_back(std::log(value_of(r, "depth_m"))), fall.push_back(std::log(value_of(r, "total_fall_m")));
     std::printf("crater, dropped from %.1f m: depth %.4f m\n", height, std::exp(depth.back()));
   }
@@ -33,10 +33,10 @@ TEST_CASE("a ball that falls onto spheres sinks in with the third root of its fa
 
 TEST_CASE("a large sphere rises through small ones that are shaken, and stays in a tank at rest") {
   NutSpec spec;
-  spec.tank.spheres = 1000;
-  const ManyResult shaken = run_on_one_core(nut_scene(spec, 25, sim::Backend::cpu, 1));
+  spec.tank.of.count = 1000;
+  const ManyResult shaken = run_on_one_core(nut_scene(spec, {.iterations = 25}));
   spec.acceleration = 0, spec.shaken = 1;
-  const ManyResult still = run_on_one_core(nut_scene(spec, 25, sim::Backend::cpu, 1));
+  const ManyResult still = run_on_one_core(nut_scene(spec, {.iterations = 25}));
   const double start = value_of(shaken, "height_over_depth_start");
   // The fill sinks a little into the room of the spheres that the large one replaced.
   // Brazil nut: from the floor, where its centre is at a quarter of the depth, to the surface.

@@ -1,0 +1,77 @@
+// Scenes of many bodies: run for a while, shown where asked, measured, then timed stage by stage.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/stages.h"
+
+namespace gonogo::pipeline {
+
+/// Where a scene is settled and run, and how accurately.
+struct RunOn {
+  int iterations = 50;  // of the solver in a step
+  sim::Backend backend = sim::Backend::cpu;
+  int threads = 1;
+};
+
+/// What a scene itself tells.
+struct Measured {
+  std::string key;  // with its unit, as everywhere in JSON
+  double value;
+};
+
+struct ManyScene {
+  std::string name;
+  sim::SceneWorld world;
+  sim::StepSettings settings;
+  double duration = 0;  // simulated before anything is timed [s]
+  /// Called before the first step and then every kStepsPerDrive steps: sets what acts meanwhile. May be empty.
+  std::function<void(sim::Simulation&, double time)> drive;
+  std::function<std::vector<Measured>(sim::Simulation&)> measure;  // after `duration`; may be empty
+  /// Looked at at the start, every `watch_every` seconds and at the end; the first number is what the others
+  /// are shown over. May be empty.
+  std::function<std::vector<Measured>(sim::Simulation&, double time)> watch;
+  double watch_every = 0.25;      // [s]
+  bool show_by_material = false;  // in pictures spheres have the colours of their materials instead of their speeds
+};
+
+/// Steps between two calls of a scene's drive.
+inline constexpr int kStepsPerDrive = 10;
+
+struct ManyRun {
+  RunOn on;
+  int repeats = 11;               // timed samples; 0: nothing is timed
+  int steps_per_sample = 4;       // at most kStepsPerDrive
+  std::filesystem::path vtk;      // folder of a VTK series, see sim/io/vtk_series.h; empty: not wanted
+  std::filesystem::path picture;  // .png of the end, without what is fixed; empty: not wanted
+  std::filesystem::path video;    // .mp4, the same way, by the program ffmpeg; its frames are held in memory
+  std::filesystem::path plot;     // .png of what was watched
+  double every = 0.1;             // simulated time between two frames [s]
+};
+
+struct ManyResult {
+  std::int64_t bodies = 0, contacts = 0;  // contacts of the last step
+  int iterations = 0;
+  double build_seconds = 0;                    // from the call to the first step taken, the scene's own making excluded
+  double run_seconds = 0;                      // wall clock for `duration`
+  double ms_per_step = 0;                      // median, stages queued as in any run
+  sim::StageTimes stages;                      // medians of steps taken stage by stage
+  double ns_per_contact_iteration = 0;         // whole step over contacts times iterations
+  double ns_per_contact_iteration_solver = 0;  // the solver's stage over contacts times iterations
+  double residual_m_per_s = 0;                 // root mean square after the last step
+  double copy_bandwidth = 0;                   // [B/s]
+  double bandwidth_share = 0;                  // what the solver moves over what a copy would move meanwhile
+  std::vector<Measured> measured;
+  std::vector<std::vector<Measured>> watched;  // [look] the same keys in each
+};
+
+/// Throws InputError for a picture or video that this build or machine cannot make, before time is spent; DeviceError
+/// when a body left the domain or worse.
+ManyResult run_many(const ManyScene& scene, const ManyRun& run);
+
+/// Median of each stage.
+sim::StageTimes median_times(const std::vector<sim::StageTimes>& samples);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,23 @@
+// Scenes of many bodies, run for what they measure.
+#pragma once
+#include <string>
+
+#include "pipeline/scenes/scene.h"
+#include "tests/support/catch.h"
+
+namespace gonogo::test {
+
+inline double value_of(const pipeline::ManyResult& r, const std::string& key) {
+  for (const pipeline::Measured& m : r.measured)
+    if (m.key == key) return m.value;
+  FAIL("nothing measured is called " << key);
+  return 0;
+}
+
+inline pipeline::ManyResult run_on_one_core(const pipeline::ManyScene& scene) {
+  pipeline::ManyRun run;
+  run.repeats = 0;
+  return run_many(scene, run);
+}
+
+}  // namespace gonogo::test
