@@ -2,11 +2,17 @@
 #pragma once
 #include "pipeline/cli/command.h"
 #include "terrain/bed/numerics.h"
+#include "terrain/soil/table_numerics.h"
 
 namespace gonogo::pipeline::cli {
 
 /// --step, --substeps, --iterations, --tolerance, --target. `whose`: trials or a test, for the help.
 void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const std::string& whose);
+
+/// The same for commands that meet a soil through a table: what is not given is the table's. `tolerance`: with
+/// --tolerance.
+void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
+                                bool tolerance = true);
 
 /// Whether any of those was given.
 bool numerics_given(const CLI::App& command);

@@ -12,6 +12,7 @@
 #include "base/line.h"
 #include "base/shipped.h"
 #include "pipeline/cli/command.h"
+#include "pipeline/cli/numerics_options.h"
 #include "pipeline/film/film.h"
 #include "pipeline/trial/lanes.h"
 #include "pipeline/vehicle/locate.h"
@@ -26,8 +27,9 @@ struct Options {
   std::uint64_t seed = 0;
   FilmRequest film;
   TrialCheckpoint checkpoint;
+  terrain::AskedNumerics numerics;
   std::string size = "1280x720", colour = "speed";
-  bool gpu = false, compliant = false, folded = false;
+  bool gpu = false, compliant = false, folded = false, numerics_given = false;
 };
 
 sim::Backend device_of(const Options& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
@@ -142,16 +144,19 @@ Request request_of(const Options& options) {
     if (options.compliant)
       throw InputError("--compliant-tyres goes with --vehicle; in a study it is trial.compliant_tyres");
     if (options.folded) throw InputError("--folded goes with --vehicle; in a study it is trial.bed.folded");
+    if (options.numerics_given)
+      throw InputError(
+          "--step, --substeps, --iterations, --tolerance and --target go with --vehicle; in a study they are "
+          "trial.numerics");
     if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
     const Study study = read_study(options.study);
     r.setup = read_trial_setup(study, default_packing_folder(), device_of(options));
     r.point.variables = with_settings(variables_of(study), options);
     return r;
   }
-  if (options.soil.empty())
-    throw InputError("--vehicle needs --soil: a calibration, such as calibration_90mm");
+  if (options.soil.empty()) throw InputError("--vehicle needs --soil: a calibration, such as calibration_90mm");
   r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), shipped_file("soils", "calibration", options.soil),
-                                options.task.empty() ? default_task() : parse_task(options.task));
+                                options.task.empty() ? default_task() : parse_task(options.task), options.numerics);
   if (options.folded) fold_bed(r.setup);
   r.setup.settled_on = device_of(options);
   r.setup.compliant_tyres = options.compliant;
@@ -212,6 +217,8 @@ void simulate(const Globals& globals, const Options& options) {
     json["measures"][measure.name] = record.measures[m];
     text += line("%-18s %10.4g %s\n", measure.name.c_str(), record.measures[m], measure.unit.c_str());
   }
+  terrain::write_numerics(json["numerics"], setup.numerics);
+  text += "numerics  " + terrain::description(setup.numerics) + "\n";
   add_vehicle(setup, record, json, text);
   add_pull(record, json, text);
   print_result(globals, json, text);
@@ -224,7 +231,8 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   auto options = std::make_shared<Options>();
   command->add_option("study", options->study, "Study JSON; or --vehicle and --soil");
   command->add_option("--vehicle", options->vehicle, "Vehicle file, or the name of one in configs/vehicles");
-  command->add_option("--soil", options->soil, "Calibration of the grains, a file or the name of one in configs/soils, with --vehicle");
+  command->add_option("--soil", options->soil,
+                      "Calibration of the grains, a file or the name of one in configs/soils, with --vehicle");
   command->add_option("--trial", options->task,
                       "Type of trial with its numbers, with --vehicle: climb, side_slope, drawbar, "
                       "single_wheel:slip=0.2, step:height_m=0.2, "
@@ -237,6 +245,7 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   command->add_flag("--compliant-tyres", options->compliant, "With the stiffness that the vehicle's file names");
   command->add_flag("--folded", options->folded,
                     "On a bed of two thirds of the track, periodic across: a third of the grains");
+  add_asked_numerics_options(*command, options->numerics, "With --vehicle");
   command->add_flag("--gpu", options->gpu, "On the GPU");
   command->add_option("--csv", options->csv, "Write the run step by step to this file");
   command->add_option("--checkpoint", options->checkpoint.path,
@@ -257,7 +266,10 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
       "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --slope 12 --video out/climb.mp4\n"
       "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --trial drawbar\n"
       "  gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05");
-  command->callback([&globals, options] { simulate(globals, *options); });
+  command->callback([&globals, options, command] {
+    options->numerics_given = numerics_given(*command);
+    simulate(globals, *options);
+  });
 }
 
 }  // namespace gonogo::pipeline::cli

@@ -133,7 +133,7 @@ void validate_soils(const Globals& globals, SoilsRequest& request) {
 }
 
 void add_wheel_options(CLI::App& soils, SlopeSlipRun& wheel) {
-  add_numerics_options(soils, wheel.numerics, "mgru3");
+  add_asked_numerics_options(soils, wheel.numerics, "mgru3");
   soils.add_option("--depth", wheel.depth, "mgru3: of the bed [m]")
       ->check(CLI::Range(0.05, 2.0))
       ->capture_default_str();
@@ -214,13 +214,13 @@ std::shared_ptr<BedsOptions> add_beds_options(CLI::App& command, const std::stri
   auto o = std::make_shared<BedsOptions>();
   o->vehicle = vehicle;
   add_trial_options(command, o->request, o->vehicle, o->gpu);
-  command.add_option("--slope", o->request.slope, "Uphill [deg]")->check(CLI::Range(-40.0, 40.0))->capture_default_str();
+  command.add_option("--slope", o->request.slope, "Uphill [deg]")
+      ->check(CLI::Range(-40.0, 40.0))
+      ->capture_default_str();
   command.add_option("--distance", o->request.distance, "To drive [m]")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
-  command.add_option("--iterations", o->request.iterations, "Of the solver per step")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
+  add_asked_numerics_options(command, o->request.numerics, "Trials", false);
   return o;
 }
 
@@ -275,6 +275,7 @@ void add_drawbar(CLI::App& command, const Globals& globals) {
   };
   auto o = std::make_shared<Options>();
   add_trial_options(*drawbar, o->request, o->vehicle, o->gpu);
+  add_asked_numerics_options(*drawbar, o->request.numerics, "Trials");
   drawbar->add_option("--sweep", o->request.sweep, "Over which the load grows to the weight [s]")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();

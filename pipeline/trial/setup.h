@@ -10,6 +10,7 @@
 #include "terrain/bed/moving_patch.h"
 #include "terrain/bed/numerics.h"
 #include "terrain/soil/calibration.h"
+#include "terrain/soil/table_numerics.h"
 #include "vehicle/model/vehicle.h"
 #include "vehicle/wheel_rig.h"
 
@@ -76,9 +77,11 @@ struct TrialSetup {
 std::filesystem::path default_packing_folder();
 
 /// A trial of the vehicle of a file on the soil of a calibration, without a study: a whole vehicle gets a bed of tiles
-/// that is wide and long enough, a moving patch, and two of its lengths or what the task asks for to cover.
+/// that is wide and long enough, a moving patch, and two of its lengths or what the task asks for to cover. Numerics
+/// are the table's (terrain::numerics_by_table), limits of residual and energy those of the shipped studies.
 TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
                                std::shared_ptr<const TrialTask> task = default_task(),
+                               const terrain::AskedNumerics& asked = {},
                                const std::filesystem::path& packing_folder = default_packing_folder());
 
 /// Throws InputError where compliant tyres are asked of a vehicle whose file has none.

@@ -104,7 +104,7 @@ TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double 
 
 DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   const std::string task = line("drawbar:most_pull_per_weight=1,sweep_s=%g", r.sweep);
-  TrialSetup setup = vehicle_trial_setup(r.vehicle, r.calibration, parse_task(task));
+  TrialSetup setup = vehicle_trial_setup(r.vehicle, r.calibration, parse_task(task), r.numerics);
   setup.settled_on = r.batch.backend;
   if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
   if (r.folded) fold_bed(setup);

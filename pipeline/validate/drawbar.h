@@ -11,6 +11,7 @@ namespace gonogo::pipeline {
 
 struct DrawbarRequest {
   std::filesystem::path vehicle, calibration;
+  terrain::AskedNumerics numerics;          // in the place of the table's
   double friction_angle = 30, speed = 1.5;  // of the sand [deg], [m/s]
   double sweep = 12;                        // over which the load grows to the weight [s]
   int seeds = 1;

@@ -13,7 +13,7 @@ namespace {
 constexpr double kBinWidth = 0.04;  // [m]
 
 TrialSetup folded_setup(const BedsRequest& r, double width) {
-  TrialSetup s = vehicle_trial_setup(r.vehicle, r.calibration);
+  TrialSetup s = setup_of(r);
   fold_bed(s);
   if (width > 0) s.bed_width = width;
   check_lanes(s);

@@ -8,7 +8,7 @@ namespace {
 
 /// A quarter vehicle's bed as tiles a metre long; a whole vehicle's has tiles already.
 TrialSetup patch_setup(const BedsRequest& r) {
-  TrialSetup s = vehicle_trial_setup(r.vehicle, r.calibration);
+  TrialSetup s = setup_of(r);
   if (!s.whole) {
     const double d = s.calibration.grain_diameter, wheel = s.rig.radius + s.rig.lug_height;
     s.bed_length = std::max(12 * d, 1.0), s.bed_width = std::max(8 * d, 2.5 * s.rig.width);

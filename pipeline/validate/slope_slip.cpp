@@ -40,7 +40,7 @@ TrialSetup setup_of(const SlopeSlipRun& run, const terrain::Calibration& table, 
   s.thresholds.immobile_speed = 0, s.thresholds.slid_back_share = 10;
   // So slow a wheel does little work: pushing settled grains apart by a hair is much beside it.
   s.thresholds.energy_error = 10;
-  s.numerics = run.numerics;
+  s.numerics = terrain::numerics_by_table(table, run.calibration, run.numerics);
   terrain::check_patch(s.patch(), s.calibration.grain_diameter);
   return s;
 }

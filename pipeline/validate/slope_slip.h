@@ -7,16 +7,16 @@
 #include <vector>
 
 #include "pipeline/validate/soil_figure.h"
-#include "terrain/bed/numerics.h"
+#include "terrain/soil/table_numerics.h"
 
 namespace gonogo::pipeline {
 
 struct SlopeSlipRun {
-  std::filesystem::path calibration;  // of the grain size to be used
-  int seeds = 2;                      // beds per slope
-  int threads = 1;                    // trials at a time
-  bool gpu = false;                   // all trials as one batch
-  terrain::Numerics numerics{1e-3, 1, 200, 2e-3};
+  std::filesystem::path calibration;            // of the grain size to be used
+  int seeds = 2;                                // beds per slope
+  int threads = 1;                              // trials at a time
+  bool gpu = false;                             // all trials as one batch
+  terrain::AskedNumerics numerics;              // in the place of the table's
   double depth = 0.2, length = 2, width = 0.7;  // of the bed [m]
   double time = 8;                              // driven; slip is that of the last half [s]
 };

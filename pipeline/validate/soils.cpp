@@ -10,6 +10,7 @@
 #include "base/shipped.h"
 #include "pipeline/soil/soil_tests.h"
 #include "terrain/soil/soil_file.h"
+#include "terrain/soil/table_numerics.h"
 #include "terrain/soil_test/geostatic.h"
 #include "terrain/soil_test/shear.h"
 #include "terrain/soil_test/triaxial.h"
@@ -132,8 +133,8 @@ std::vector<Inverted> soils_of(const Calibration& c) {
 }
 
 /// A specimen of the soil's grains under one confining stress, at the numerics of the table's trials.
-terrain::TriaxialResult compressed(const Calibration& c, const terrain::SoilFit& fit, double stress,
-                                   std::uint64_t seed) {
+terrain::TriaxialResult compressed(const Calibration& c, const std::filesystem::path& table,
+                                   const terrain::SoilFit& fit, double stress, std::uint64_t seed) {
   terrain::TestSoil soil;
   soil.grain_diameter = c.grain_diameter, soil.shape = c.shape;
   soil.grain = fit.law;
@@ -141,13 +142,10 @@ terrain::TriaxialResult compressed(const Calibration& c, const terrain::SoilFit&
   soil.relative_density = terrain::relative_density_of(c.packing[fit.packing].settle_friction);
   soil.seed = seed;
   terrain::TriaxialSettings settings;
-  terrain::TestPace pace;
   settings.confining_stress = stress;
-  if (c.provenance.find("step_s")) {
-    const terrain::Numerics numerics = terrain::read_numerics(c.provenance);
-    settings.steps_per_time = terrain::stress_time(c.grain_diameter, fit.grain_density, stress) / numerics.step;
-    pace = terrain::pace_of(numerics);
-  }
+  const terrain::Numerics numerics = terrain::numerics_by_table(c, table);
+  settings.steps_per_time = terrain::stress_time(c.grain_diameter, fit.grain_density, stress) / numerics.step;
+  const terrain::TestPace pace = terrain::pace_of(numerics);
   return triaxial_test(soil, settings, pace);
 }
 
@@ -168,7 +166,7 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
     const std::size_t within = k % each;
     const std::uint64_t seed = kNewSeed + within / loads;
     const terrain::SoilFit& fit = soils[k / each].fit;
-    results[k] = compressed(c, fit, kInversionStress[within % loads], seed);
+    results[k] = compressed(c, run.calibration, fit, kInversionStress[within % loads], seed);
     density[k] = bulk_density_of(c, fit, seed);
 #pragma omp critical(inversion_progress)
     progress.update(++done, "");

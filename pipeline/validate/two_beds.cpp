@@ -44,7 +44,8 @@ Side run_side(const BedSide& bed, const BedsRequest& r, const std::vector<Design
     if (record.verdict == Verdict::unknown)
       throw DeviceError("a trial on the " + bed.name + " failed its checks: residual " +
                         std::to_string(measure_of(record, "worst_residual")) + " m/s, energy error " +
-                        std::to_string(measure_of(record, "energy_error")) + "; give more --iterations");
+                        std::to_string(measure_of(record, "energy_error")) +
+                        "; give more --iterations or a smaller --step");
     side.passed += record.verdict != Verdict::no_go;
     side.slip.push_back(measure_of(record, "slip"));
     side.sinkage.push_back(measure_of(record, "sinkage"));
@@ -67,12 +68,17 @@ double BedComparison::worst_deviation() const {
   return std::max(std::fabs(slip_deviation()), std::fabs(sinkage_deviation()));
 }
 
+TrialSetup setup_of(const BedsRequest& r) {
+  terrain::AskedNumerics asked = r.numerics;
+  asked.tolerance = 0;
+  return vehicle_trial_setup(r.vehicle, r.calibration, default_task(), asked);
+}
+
 void fit_to_request(const BedsRequest& r, TrialSetup& s) {
   s.settled_on = r.batch.backend;
   s.run_in_distance = 0.25 * r.distance;
   s.test_distance = 0.75 * r.distance;
   s.time_limit = 3 * r.distance / r.speed + 2;
-  s.numerics.iterations = r.iterations, s.numerics.tolerance = 0;
 }
 
 BedComparison compare_beds(const BedsRequest& r, const BedSide& first, const BedSide& reference) {

@@ -14,9 +14,9 @@ struct BedsRequest {
   double slope = 10, friction_angle = 0;  // 0: the middle of what the grains reach [deg]
   double speed = 1.5, distance = 8;       // [m/s], [m]
   int seeds = 4;
-  /// Of the solver in every step. Its tolerance is not used: it is a mean over the contacts of a world, which a larger
+  /// In the place of the table's. A tolerance is not used: it is a mean over the contacts of a world, which a larger
   /// bed at rest meets sooner, so that beds of two sizes would be solved to two accuracies near the wheel.
-  int iterations = 60;
+  terrain::AskedNumerics numerics;
   BatchSettings batch;
 };
 
@@ -43,7 +43,10 @@ struct BedComparison {
   double worst_deviation() const;
 };
 
-/// A bed as `r` asks for: its way, its time limit, its solver.
+/// Vehicle, table and numerics of `r`.
+TrialSetup setup_of(const BedsRequest& r);
+
+/// A bed as `r` asks for: its way and its time limit.
 void fit_to_request(const BedsRequest& r, TrialSetup& setup);
 
 /// Throws DeviceError when a trial fails its checks.

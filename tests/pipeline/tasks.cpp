@@ -23,9 +23,9 @@ TrialSetup rig_setup(const std::string& task) {
   const std::filesystem::path root = GONOGO_SOURCE_DIR;
   TrialSetup s =
       vehicle_trial_setup(root / "configs/vehicles/hmmwv_quarter.json", root / "configs/soils/calibration_90mm.json",
-                          parse_task(task), std::filesystem::temp_directory_path() / "gonogo-test-beds");
+                          parse_task(task), {}, std::filesystem::temp_directory_path() / "gonogo-test-beds");
   s.bed_width = 0.7;
-  s.numerics.iterations = 60;
+  s.numerics = {2e-3, 1, 60, 0.01};
   s.bed_settle_time = 0.1;
   s.packing_seeds = 1;
   return s;

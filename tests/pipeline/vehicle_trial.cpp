@@ -25,7 +25,7 @@ TrialSetup coarse_vehicle(const std::string& vehicle, const std::string& task) {
   const fs::path root = GONOGO_SOURCE_DIR;
   TrialSetup s =
       vehicle_trial_setup(root / "configs/vehicles" / (vehicle + ".json"), root / "configs/soils/calibration_90mm.json",
-                          parse_task(task), fs::temp_directory_path() / "gonogo-test-beds");
+                          parse_task(task), {}, fs::temp_directory_path() / "gonogo-test-beds");
   const double length = s.tiles_along * s.bed_length;
   s.calibration.grain_diameter = 0.2;
   s.bed_length = 2.2, s.bed_width = 1.6;
@@ -37,8 +37,7 @@ TrialSetup coarse_vehicle(const std::string& vehicle, const std::string& task) {
   s.run_in_distance = 0.1;
   s.test_distance = 0.4;
   s.time_limit = 1.2;
-  s.numerics.step = 4e-3;
-  s.numerics.iterations = 100;
+  s.numerics = {4e-3, 1, 100, 0.01};
   return s;
 }
 
@@ -217,6 +216,27 @@ TEST_CASE("a folded bed is refused where lanes would meet, for one wheel, and fo
   CHECK(message("hmmwv", 0.728).find("neighbouring lanes") != std::string::npos);
   CHECK(message("hmmwv_quarter", 1).find("quarter vehicle") != std::string::npos);
   CHECK(message("m113", 1).find("belts") != std::string::npos);
+}
+
+TEST_CASE("a vehicle without a study steps by the numerics of its soil's table, or by those that are asked for") {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  const auto setup = [&](const char* vehicle, const char* table, const terrain::AskedNumerics& asked) {
+    return vehicle_trial_setup(configs / "vehicles" / vehicle, configs / "soils" / table, default_task(), asked);
+  };
+  const terrain::Numerics table_32mm{1e-3, 14, 2, 0, sim::Target::coulomb};
+  CHECK(setup("hmmwv_quarter.json", "calibration_32mm.json", {}).numerics == table_32mm);
+  CHECK(setup("hmmwv.json", "calibration_90mm.json", {}).numerics ==
+        terrain::Numerics{2e-3, 14, 2, 0, sim::Target::coulomb});
+  terrain::AskedNumerics asked;
+  asked.iterations = 20;
+  CHECK(setup("hmmwv.json", "calibration_32mm.json", asked).numerics ==
+        terrain::Numerics{1e-3, 14, 20, 0, sim::Target::coulomb});
+  // The shipped study that was gathered with this table has the same numerics and limits.
+  const TrialSetup study = read_trial_setup(read_study(configs / "studies/quarter_wheel_32mm.json"));
+  CHECK(study.numerics == table_32mm);
+  const Thresholds limits = setup("hmmwv.json", "calibration_32mm.json", {}).thresholds;
+  CHECK(limits.residual == study.thresholds.residual);
+  CHECK(limits.energy_error == study.thresholds.energy_error);
 }
 
 TEST_CASE("a single-wheel rig is refused as a whole vehicle") {
