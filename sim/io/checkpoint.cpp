@@ -37,7 +37,7 @@ static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 44 && sizeof(Shap
                   sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 376 &&
                   sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
                   sizeof(ForceElement) == 80 && sizeof(Controller) == 152 && sizeof(Monitor) == 112 &&
-                  sizeof(Driveline) == 656 && sizeof(SceneWorld) == 744,
+                  sizeof(Driveline) == 664 && sizeof(SceneWorld) == 744,
               "list the new fields in scene_hash");
 static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 888,
               "store the new fields, load them and raise kVersion");
