@@ -13,6 +13,7 @@
 #include "pipeline/validate/drawbar.h"
 #include "pipeline/validate/fclib.h"
 #include "pipeline/validate/folded.h"
+#include "pipeline/validate/grade.h"
 #include "pipeline/validate/patch.h"
 #include "pipeline/validate/slope_slip.h"
 #include "pipeline/validate/soils.h"
@@ -292,6 +293,33 @@ void add_drawbar(CLI::App& command, const Globals& globals) {
   });
 }
 
+void add_grade(CLI::App& command, const Globals& globals) {
+  CLI::App* grade = command.add_subcommand(
+      "grade", "Slopes that the quarter wheel of a dataset climbs at its slips, beside semi-empirical bands");
+  struct Options {
+    GradeRequest request;
+    std::string vehicle = "hmmwv_quarter", folder;
+  };
+  auto o = std::make_shared<Options>();
+  grade->add_option("dataset", o->request.dataset, "Dataset of quarter-vehicle trials")->required();
+  grade->add_option("--vehicle", o->vehicle, "Its quarter vehicle, a file or the name of one in configs/vehicles")
+      ->capture_default_str();
+  grade->add_option("--cohesion", o->request.most_cohesion, "Most of the trials looked at [kPa]")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  grade->add_option("--cross-slope", o->request.most_across, "Most of the trials looked at, either way [deg]")
+      ->check(CLI::Range(0.0, 90.0))
+      ->capture_default_str();
+  grade->add_option("--out", o->folder, "Folder for a table and a picture");
+  grade->footer("Example:\n  gonogo validate grade data/quarter_wheel_32mm/dataset.h5 --out docs/validation");
+  grade->callback([&globals, o] {
+    o->request.vehicle = vehicle_file(o->vehicle);
+    const GradeReport r = grade_report(o->request);
+    if (!o->folder.empty()) write_grade(o->folder, r);
+    print_result(globals, pipeline::as_json(r), as_text(r));
+  });
+}
+
 }  // namespace
 
 void add_validate_command(CLI::App& app, const Globals& globals) {
@@ -303,6 +331,7 @@ void add_validate_command(CLI::App& app, const Globals& globals) {
   add_patch(*command, globals);
   add_folded(*command, globals);
   add_drawbar(*command, globals);
+  add_grade(*command, globals);
   command->footer(example);
   CLI::App* fclib = command->add_subcommand(
       "fclib", "Frictional contact problems in the formats of FCLib and Siconos; fails when one is not solved");

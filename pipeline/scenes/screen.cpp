@@ -11,9 +11,9 @@ namespace gonogo::pipeline {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSizeRatio = 2;                    // of large spheres to small ones; a lattice cell holds 1 or 8
-constexpr double kOpening = 1.4, kBarRadius = 0.3;  // in small diameters
-constexpr double kSlope = kPi / 4;                  // of the deck's stroke
+constexpr double kSizeRatio = 2;                  // of large spheres to small ones; a lattice cell holds 1 or 8
+constexpr double kOpening = 1.4, kBarHalf = 0.3;  // between bars; half of their width; in small diameters
+constexpr double kSlope = kPi / 4;                // of the deck's stroke
 constexpr double kLengthOverWidth = 3, kFeedLength = 0.4;  // of the deck; of the feed over the deck's length
 constexpr double kBinLength = 0.5;                         // for what goes over, in lengths of the deck
 constexpr double kFeedHeight = 0.5;                        // over the deck's width
@@ -24,8 +24,8 @@ constexpr std::int32_t kMachineGroup = 1;
 
 double pitch(const ScreenSpec& spec) { return kSizeRatio * spec.of.pitch(); }
 double depth(const ScreenSpec& spec) { return 0.7 * spec.width(); }  // of the bin under the deck
-double bars_apart(const ScreenSpec& spec) { return (kOpening + 2 * kBarRadius) * spec.of.diameter; }
-double thickness(const ScreenSpec& spec) { return 2 * kBarRadius * spec.of.diameter; }
+double bars_apart(const ScreenSpec& spec) { return (kOpening + 2 * kBarHalf) * spec.of.diameter; }
+double thickness(const ScreenSpec& spec) { return 2 * kBarHalf * spec.of.diameter; }
 
 /// Where the deck begins along x, before its rear wall, at the start and at the furthest forward [m].
 double deck_rear(const ScreenSpec& spec) { return thickness(spec) + 2 * spec.crank(); }
@@ -80,9 +80,9 @@ sim::BodyMass solid_box(double mass, double x, double y, double z) {
   return sim::solid(Real(mass), {Real(c * (y * y + z * z)), Real(c * (x * x + z * z)), Real(c * (x * x + y * y))});
 }
 
-/// Of the motor: several times what the deck and all of the feed on it take.
+/// Of the motor: several times what holds the deck with all of the feed on it, and throws it.
 double torque_of(const ScreenSpec& spec, double mass) {
-  return 10 * mass * std::pow(spec.crank() * spec.crank_speed(), 2);
+  return 10 * mass * spec.crank() * (9.81 + spec.crank() * std::pow(spec.crank_speed(), 2));
 }
 
 /// Bars along x, held by three beams below, and a rear wall, so that nothing gets between the deck and what stands
@@ -91,23 +91,16 @@ void add_deck(sim::SceneWorld& world, const ScreenSpec& spec, double wall_height
   const double d = spec.of.diameter, length = spec.length(), width = spec.width(), apart = bars_apart(spec);
   const sim::BodyIndex deck = world.add_body({{deck_rear(spec) + length / 2, 0, 0}, {}, {}, {}},
                                              solid_box(mass, length, width, thickness(spec)));
-  const Real c = Real(std::sqrt(0.5));
   const auto bars = int(std::lround(width / apart)) + 1;
-  for (int k = 0; k < bars; ++k) {
-    sim::Shape bar;
-    bar.type = sim::ShapeType::capsule;
-    bar.body = deck;
-    bar.size = {Real(kBarRadius * d), Real(length / 2), 0};
-    bar.turn_B = {c, 0, 0, c};  // its axis, y, along x
-    bar.offset_B = {0, Real((k - 0.5 * (bars - 1)) * apart), 0};
-    add_machine_shape(world, bar);
-  }
+  const Real thin = Real(thickness(spec) / 2);
+  for (int k = 0; k < bars; ++k)
+    add_machine_shape(world, box(deck, {0, Real((k - 0.5 * (bars - 1)) * apart), 0}, {Real(length / 2), thin, thin}));
   const double half = 0.2 * d;
   for (const double at : {-0.5, 0.0, 0.5})
-    add_machine_shape(world, box(deck, {Real(at * (length - d)), 0, Real(-(kBarRadius * d + half))},
+    add_machine_shape(world, box(deck, {Real(at * (length - d)), 0, Real(-(kBarHalf * d + half))},
                                  {Real(half), Real(width / 2), Real(half)}));
-  const Real thick = Real(thickness(spec) / 2), tall = Real(wall_height / 2);
-  add_machine_shape(world, box(deck, {Real(-length / 2) - thick, 0, tall}, {thick, Real(width / 2), tall}));
+  const Real tall = Real(wall_height / 2);
+  add_machine_shape(world, box(deck, {Real(-length / 2) - thin, 0, tall}, {thin, Real(width / 2), tall}));
 }
 
 /// Crank and rod, the rod along the stroke with its far end on the deck, and the joints and the motor between them. The

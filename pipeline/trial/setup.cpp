@@ -65,18 +65,57 @@ void read_thresholds(const Config& c, Thresholds& t) {
   c.finish();
 }
 
-/// Every friction angle of the design must be within reach of the grains, or trials would fail one by one later.
+/// A variable of a design: the part of it that says so, least and most.
+struct Span {
+  Config part;
+  double low, high;
+};
+
+/// Nothing for a variable that comes from a file of points.
+std::optional<Span> span_of(const Config& design, const char* variable, Range allowed) {
+  if (const auto fixed = design.object_if("fixed"); fixed && fixed->has(variable)) {
+    const double value = fixed->number(variable);
+    return Span{*fixed, value, value};
+  }
+  const auto ranges = design.object_if("ranges");
+  if (!ranges || !ranges->has(variable)) return {};
+  const auto range = ranges->numbers(variable, allowed);
+  if (range.size() != 2) return {};
+  return Span{*ranges, range[0], range[1]};
+}
+
+void check_angles(const TrialSetup& s, const Span& angle) {
+  const terrain::AngleRange reach = terrain::reachable_angles(s.calibration);
+  if (angle.low >= reach.lowest && angle.high <= reach.highest) return;
+  angle.part.fail("friction_angle", "grains of " + std::to_string(s.calibration.grain_diameter) + " m reach " +
+                                        std::to_string(reach.lowest) + " to " + std::to_string(reach.highest) +
+                                        " deg; narrow the range to that");
+}
+
+/// Cohesion is a share of the contacts' pull that changes along the line: held to its least over the angles, in steps
+/// of a quarter of a degree.
+void check_cohesion(const TrialSetup& s, const Span& angle, const Span& cohesion) {
+  for (const terrain::PackingLevel& packing : s.calibration.packing)
+    for (double phi = angle.low;; phi = std::min(phi + 0.25, angle.high)) {
+      const double reach = 1e-3 * terrain::reachable_cohesion(s.calibration, phi, packing.relative_density);
+      if (cohesion.high > reach)
+        cohesion.part.fail("cohesion", "goes to " + std::to_string(cohesion.high) +
+                                           " kPa, and at a friction angle of " + std::to_string(phi) +
+                                           " deg grains of " + std::to_string(s.calibration.grain_diameter) +
+                                           " m reach " + std::to_string(reach) +
+                                           " kPa; narrow the range to that or start at a larger friction angle");
+      if (phi >= angle.high) break;
+    }
+}
+
+/// Every soil of the design must be within reach of the grains, or trials would fail one by one later.
 void check_reach(const Study& study, const TrialSetup& s) {
   const auto design = study.config.object_if("design");
-  if (!design || !design->has("ranges")) return;
-  const Config ranges = design->object("ranges");
-  if (!ranges.has("friction_angle")) return;
-  const auto range = ranges.numbers("friction_angle", {0, 90});
-  const terrain::AngleRange reach = terrain::reachable_angles(s.calibration);
-  if (range.size() == 2 && (range[0] < reach.lowest || range[1] > reach.highest))
-    ranges.fail("friction_angle", "grains of " + std::to_string(s.calibration.grain_diameter) + " m reach " +
-                                      std::to_string(reach.lowest) + " to " + std::to_string(reach.highest) +
-                                      " deg; narrow the range to that");
+  if (!design) return;
+  const auto angle = span_of(*design, "friction_angle", {0, 90});
+  if (!angle) return;
+  check_angles(s, *angle);
+  if (const auto cohesion = span_of(*design, "cohesion", {0, 1000})) check_cohesion(s, *angle, *cohesion);
 }
 
 /// Beds are cut from packings of the depth that the study names.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -10,66 +9,17 @@
 #include "pipeline/report/line_plot.h"
 #include "pipeline/trial/lanes.h"
 #include "vehicle/model/statics.h"
-#include "vehicle/semi_empirical/bekker_wong.h"
-#include "vehicle/semi_empirical/traction.h"
 
 namespace gonogo::pipeline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-/// Dry sand of the Land Locomotion Laboratory and LETE sand (Wong, Theory of Ground Vehicles, table of terrain values;
-/// configs/soils); shear displacement K of sands, 10 to 25 mm there.
-struct BekkerSand {
-  double n, k_c, k_phi, cohesion;  // [N/m^(n+1)], [N/m^(n+2)], [Pa]
-};
-constexpr BekkerSand kSand[] = {{1.1, 0.99e3, 1528.43e3, 1040}, {0.793, 102e3, 5301e3, 1300}};
-constexpr double kShear[] = {0.010, 0.025};
-/// Cone index of dry sand at tyre depth, loose to dense [Pa]: 30 to 150 psi, the range in which Turnage's and Mason's
-/// sand data lie.
-constexpr double kConeIndex[] = {207e3, 414e3, 1034e3};
-
-void widen(double (&range)[2], double x) {
-  range[0] = std::min(range[0], x);
-  range[1] = std::max(range[1], x);
-}
-
-struct TyreLoad {
-  const vehicle::Wheel* wheel = nullptr;
-  double load = 0;  // mean of the wheels [N]
-};
-
-TyreLoad tyre_load(const vehicle::Vehicle& v) {
+/// A tyre under the mean load of the wheels. As for the mobility index, 15 % of the section's height is its deflection
+/// where the file gives none.
+WheelOnSand tyre_of(const vehicle::Vehicle& v) {
   const auto wheels = vehicle::stations(v);
-  return {wheels.front().wheel, vehicle::weigh(v).total * vehicle::kGravity / double(wheels.size())};
-}
-
-void add_wong_reece(const TyreLoad& t, double friction_angle, double slip, TractionBand& band) {
-  for (const BekkerSand& sand : kSand)
-    for (const double shear : kShear)
-      for (const double cohesion : {0.0, sand.cohesion}) {
-        const vehicle::BekkerSoil soil{sand.n, sand.k_c, sand.k_phi, cohesion, friction_angle * kDegree, shear};
-        const vehicle::WheelForces f = vehicle::wheel_forces_under(soil, t.wheel->radius, t.wheel->width, slip, t.load);
-        const double pull = f.drawbar_pull / t.load;
-        widen(band.pull, pull);
-        widen(band.resistance, f.torque / t.wheel->radius / t.load - pull);
-      }
-}
-
-void add_cone_index(const TyreLoad& t, double slip, TractionBand& band) {
-  const vehicle::Wheel& w = *t.wheel;
-  // As for the mobility index: 15 % of the section's height where the file gives no deflection.
-  const double height = w.size_section_height, deflection = w.size_deflection > 0 ? w.size_deflection : 0.15 * height;
-  if (!(height > 0)) return;
-  for (const double index : kConeIndex) {
-    const vehicle::WheelOnSoil on{t.load, 2 * w.radius, w.width, height, deflection, index};
-    // Contact pressure of the mobility index: load over width times radius.
-    const double ratio = t.load / (w.width * w.radius) / index;
-    if (ratio < vehicle::kLeastPressureRatio) continue;
-    const double net = vehicle::sand_net_traction(ratio, slip);
-    widen(band.pull, net);
-    widen(band.resistance, vehicle::sand_gross_traction(vehicle::sand_numeric(on), slip) - net);
-  }
+  const vehicle::Wheel& w = *wheels.front().wheel;
+  return {w.radius, w.width, vehicle::weigh(v).total * vehicle::kGravity / double(wheels.size()), w.size_section_height,
+          w.size_deflection > 0 ? w.size_deflection : 0.15 * w.size_section_height};
 }
 
 /// Sums over the seeds of one part of the sweep.
@@ -95,11 +45,7 @@ Json range(const double (&x)[2]) {
 }  // namespace
 
 TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double slip) {
-  TractionBand band{slip, {1e9, -1e9}, {1e9, -1e9}};
-  const TyreLoad t = tyre_load(v);
-  add_wong_reece(t, friction_angle, slip, band);
-  add_cone_index(t, slip, band);
-  return band;
+  return sand_band(tyre_of(v), friction_angle, slip);
 }
 
 DrawbarReport measure_drawbar(const DrawbarRequest& r) {
@@ -113,7 +59,7 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   std::vector<PartSum> part;
   double driven = 0;
   for (const vehicle::Station& s : vehicle::stations(v)) driven += s.driven;
-  const double radius = tyre_load(v).wheel->radius, weight = setup.weight(0);
+  const double radius = tyre_of(v).radius, weight = setup.weight(0);
   for (const TrialRecord& record : run_trials(setup, points, r.batch)) {
     if (record.verdict == Verdict::unknown) throw DeviceError("a trial of the drawbar curve failed its checks");
     part.resize(std::max(part.size(), record.pull.size()));

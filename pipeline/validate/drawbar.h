@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/json/json.h"
+#include "pipeline/validate/sand_band.h"
 #include "pipeline/validate/trials.h"
 
 namespace gonogo::pipeline {
@@ -17,12 +18,6 @@ struct DrawbarRequest {
   int seeds = 1;
   bool folded = false;  // bed, see pipeline/trial/lanes.h
   BatchSettings batch;
-};
-
-/// What formulas say at one slip, least and most of them; shares of the load.
-struct TractionBand {
-  double slip = 0;
-  double pull[2] = {}, resistance[2] = {};
 };
 
 /// One part of a sweep, mean over the seeds.
@@ -44,8 +39,7 @@ struct DrawbarReport {
   std::vector<TractionBand> band;   // for a picture
 };
 
-/// A wheel of mean load: Wong and Reece on the Bekker sands below with the sand's own friction angle and none or their
-/// cohesion, sand_net_traction and sand_gross_traction over the cone indices of dry sand.
+/// The band of a vehicle's front tyre under the mean load of its wheels.
 TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double slip);
 
 DrawbarReport measure_drawbar(const DrawbarRequest& request);

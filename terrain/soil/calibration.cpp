@@ -107,10 +107,41 @@ void check_cohesion(const Calibration& c, const MacroscopicSoil& soil, const Pla
   throw InputError(text.str());
 }
 
+double most_cohesion(const Calibration& c, const PlaceOnLine& at) {
+  return kMostCohesionRatio * kWheelStress * gain_at(c, at);
+}
+
+/// Up to which share of the confining stress the tests went, in words.
+std::string tested_ratio(const Calibration& c) {
+  const Json* tested =
+      c.provenance.is_object() ? c.provenance.find("cohesion_pressure_over_confining_stress") : nullptr;
+  if (!tested || tested->items().empty()) return "";
+  std::ostringstream text;
+  text << "; its tests went to " << tested->items().back().number() << " times";
+  return text.str();
+}
+
+void check_cohesion_reach(const Calibration& c, const MacroscopicSoil& soil, const PlaceOnLine& at) {
+  const double most = most_cohesion(c, at);
+  if (soil.cohesion <= most) return;
+  std::ostringstream text;
+  text << "soil: cohesion " << soil.cohesion << " Pa at friction angle " << soil.friction_angle
+       << " deg needs grains of " << c.grain_diameter << " m that pull with "
+       << soil.cohesion / gain_at(c, at) / kWheelStress << " times the stress under a wheel (" << kWheelStress
+       << " Pa), and the table serves up to " << kMostCohesionRatio << " times" << tested_ratio(c)
+       << "; choose at most " << most << " Pa there, or leave the soil out: maps call it unknown";
+  throw InputError(text.str());
+}
+
 }  // namespace
+
+double reachable_cohesion(const Calibration& c, double friction_angle, double relative_density) {
+  return most_cohesion(c, place_on_line(c, {friction_angle, 0, 0, relative_density}));
+}
 
 sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil) {
   const PlaceOnLine at = place_on_line(c, soil);
+  check_cohesion_reach(c, soil, at);
   const ContactLevel &a = c.contact[at.level - 1], &b = c.contact[at.level];
   return {Real(at.between(a.friction, b.friction)), Real(at.between(a.rolling_friction, b.rolling_friction)),
           Real(soil.cohesion / gain_at(c, at))};

@@ -55,7 +55,7 @@ struct MacroscopicSoil {
 };
 
 /// Contact law whose bed has this soil's friction angle and cohesion. Throws InputError that states the reachable range
-/// when the table does not contain the soil.
+/// when the table does not contain the soil, its cohesion (reachable_cohesion) included.
 sim::PairLaw contact_law(const Calibration& calibration, const MacroscopicSoil& soil);
 
 /// How far grains of the table's size come to a soil: contact law, packing and density of the solid, and what a bed of
@@ -80,6 +80,18 @@ struct AngleRange {
 };
 AngleRange reachable_angles(const Calibration& calibration);
 AngleRange reachable_angles(const Calibration& calibration, double relative_density);
+
+/// Largest cohesion [Pa] that is met at a friction angle and relative density. Tests know cohesion as a share of the
+/// contacts' cohesion pressure, up to one times the confining stress; without gravity that ratio is all that counts. It
+/// holds on to twice the stress, and at more rough grains move in lumps (docs/soils.md, "How far cohesion goes"). The
+/// stress is what a wheel presses with, kWheelStress. Throws InputError for angles out of reach.
+double reachable_cohesion(const Calibration& calibration, double friction_angle, double relative_density);
+
+/// Mean normal stress under an HMMWV's wheel [Pa]: 6.3 to 10 kN, by payload, over 0.254 m times the chord of a wheel of
+/// 0.467 m that has sunk 0.1 m (0.29 m) are 86 to 136 kPa.
+inline constexpr double kWheelStress = 110e3;
+/// Cohesion pressure between grains over that stress, at most [-].
+inline constexpr double kMostCohesionRatio = 2;
 
 /// The packing level nearest to a relative density.
 std::size_t packing_level(const Calibration& calibration, double relative_density);

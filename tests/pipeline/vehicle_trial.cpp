@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "pipeline/trial/batch.h"
 #include "pipeline/trial/conditions.h"
 #include "pipeline/trial/lanes.h"
@@ -237,6 +238,36 @@ TEST_CASE("a vehicle without a study steps by the numerics of its soil's table, 
   const Thresholds limits = setup("hmmwv.json", "calibration_32mm.json", {}).thresholds;
   CHECK(limits.residual == study.thresholds.residual);
   CHECK(limits.energy_error == study.thresholds.energy_error);
+}
+
+TEST_CASE("shipped studies lie within reach of their tables, and one with more cohesion than that is refused at once") {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  for (const char* study : {"demo", "quarter_wheel_32mm", "hmmwv_32mm"})
+    CHECK_NOTHROW(read_trial_setup(read_study(configs / "studies" / (std::string(study) + ".json"))));
+  const TemporaryFolder folder;
+  std::string text = read_file(configs / "studies/quarter_wheel_32mm.json");
+  const auto replace = [&](const std::string& from, const std::string& to) {
+    for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+      text.replace(at, from.size(), to);
+  };
+  const auto refusal = [&] {
+    write_file_atomically(folder / "study.json", text);
+    try {
+      read_trial_setup(read_study(folder / "study.json"));
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  replace("../", configs.string() + "/");
+  CHECK(refusal().empty());
+  replace("\"cohesion\": [0, 15]", "\"cohesion\": [0, 25]");
+  CHECK(refusal().find("study.json: design.ranges.cohesion") != std::string::npos);
+  CHECK(refusal().find("goes to 25.000000 kPa, and at a friction angle of 14.000000 deg") != std::string::npos);
+  replace("\"friction_angle\": [14, 45]", "\"friction_angle\": [17, 45]");
+  CHECK(refusal().empty());
+  replace("\"friction_angle\": [17, 45]", "\"friction_angle\": [12, 45]");
+  CHECK(refusal().find("design.ranges.friction_angle") != std::string::npos);
 }
 
 TEST_CASE("a single-wheel rig is refused as a whole vehicle") {

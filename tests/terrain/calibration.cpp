@@ -157,4 +157,46 @@ TEST_CASE("a soil within reach is met in friction angle, cohesion and density; o
   std::filesystem::remove_all(folder);
 }
 
+TEST_CASE("cohesion is met up to twice the stress under a wheel, and refused above it with how close the grains come") {
+  Calibration c;
+  c.grain_diameter = 0.03;
+  c.packing = {{0.8, 0.57, 0}, {0.02, 0.63, 1}};
+  c.contact = {{0.1, 0, 14, 0, 0.1, 0}, {0.5, 0.2, 30, 0, 0.5, 0}};
+  for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t p = 0; p < 2; ++p) {
+      SoilResponse r;
+      r.contact = k, r.packing = p, r.friction_angle = k == 0 ? 14 : 30;
+      c.response.push_back(r);
+    }
+  // Half-way along the line 0.3 Pa of cohesion come from 1 Pa between grains: 220 kPa there give 66.
+  CHECK(reachable_cohesion(c, 22, 0) == Approx(66e3));
+  CHECK(reachable_cohesion(c, 14, 1) == Approx(22e3));
+  CHECK(reachable_cohesion(c, 30, 1) == Approx(110e3));
+  CHECK(double(contact_law(c, {22, 65.9e3, 0, 0}).cohesion_pressure) == Approx(65.9e3 / 0.3));
+  CHECK(fit_soil(c, {22, 65.9e3, 0, 0}).cohesion == Approx(65.9e3));
+  for (const auto& refused : {refusal([&] {
+                                contact_law(c, {22, 66.1e3, 0, 0});
+                              }),
+                              refusal([&] {
+                                fit_soil(c, {22, 66.1e3, 0, 0});
+                              })}) {
+    CHECK(refused.find("cohesion 66100 Pa at friction angle 22 deg") != std::string::npos);
+    CHECK(refused.find("choose at most 66000 Pa") != std::string::npos);
+  }
+  CHECK(refusal([&] { contact_law(c, {22, 0, 0, 0}); }).empty());
+}
+
+TEST_CASE("of the shipped soils lean clay with little water is out of reach of both tables, loose soils are not") {
+  const std::filesystem::path soils = std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils";
+  for (const char* table : {"calibration_32mm.json", "calibration_90mm.json"}) {
+    const Calibration c = read_calibration(soils / table);
+    const MacroscopicSoil lean_clay{20, 68.95e3, 0, 0.5}, sandy_loam{20, 4.83e3, 0, 0.5}, hanamoto{22, 13.79e3, 0, 0.5};
+    const std::string refused = refusal([&] { fit_soil(c, lean_clay); });
+    CHECK(refused.find("cohesion 68950 Pa") != std::string::npos);
+    CHECK(refused.find("its tests went to 1 times") != std::string::npos);
+    CHECK(fit_soil(c, sandy_loam).cohesion == Approx(4.83e3));
+    CHECK(fit_soil(c, hanamoto).cohesion == Approx(13.79e3));
+  }
+}
+
 }  // namespace gonogo::terrain
