@@ -29,7 +29,7 @@ run() {
   echo "   $((SECONDS - begin)) s" | tee -a "$results/run.log"
 }
 threads=$(nproc)
-run validate patch --soil "$coarse" --seeds 96 --distance 8 --slope 6 --friction-angle 34 --gpu --threads "$threads"
+run validate patch --soil "$coarse" --seeds 160 --distance 6 --gpu --threads "$threads"
 run validate patch --vehicle hmmwv --soil "$coarse" --seeds 4 --distance 12 --gpu --threads "$threads"
 run validate folded --soil "$coarse" --seeds 8 --distance 6 --friction-angle 26 --slope 4 --gpu --threads "$threads"
 run validate drawbar --soil "$coarse" --friction-angle 32 --seeds 4 --gpu --threads "$threads" --out "$results"
