@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The whole GPU check in one call: builds the CUDA preset without GDAL, LibTorch and cairo, runs the engine's tests on CPU and
-# GPU, runs the tiny worlds of test_sim_sanitize under compute-sanitizer (memcheck, racecheck, initcheck), and times the bench
+# GPU, gradients by a LibTorch with CUDA where python3 has one, runs the tiny worlds of test_sim_sanitize under compute-sanitizer (memcheck, racecheck, initcheck), and times the bench
 # scenes. Needs nvcc and a GPU. Headers that the machine lacks (nlohmann-json, CLI11, Catch2, xxhash) may lie in .carry/usr, laid
 # out like /usr. Ends with status 1 when a test failed or a sanitizer found something; the logs are in the results folder.
 #
@@ -16,6 +16,16 @@ cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTUR
 tests=$(cmake --build build/cuda-release --target help | grep -oE '^test_(sim|validation|base_kernels|terrain_beds|pipeline_batch|learning_gpu)[a-z_]*' | sort -u)
 cmake --build build/cuda-release -j "$(nproc)" --target gonogo $tests > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
 ctest --test-dir build/cuda-release -j 4 -R '^(sim|validation|base_kernels|terrain_beds|pipeline_batch|learning_gpu)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || failed+=(tests)
+
+# Gradients by LibTorch on the GPU, where python3 has a LibTorch with CUDA; a build of its own, so that the program's needs none.
+torch=$(python3 -c 'import torch; print(torch.utils.cmake_prefix_path if torch.version.cuda else "")' 2> /dev/null || true)
+if [ -n "$torch" ]; then
+  CMAKE_PREFIX_PATH="${CMAKE_PREFIX_PATH:-}:$torch" cmake --preset cuda-release -B build/torch -DGONOGO_TORCH=ON -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/torch.log" 2>&1 &&
+    cmake --build build/torch -j "$(nproc)" --target test_learning_gpu_gradients >> "$results/torch.log" 2>&1 &&
+    build/torch/tests/learning/test_learning_gpu_gradients || { tail -20 "$results/torch.log"; failed+=(gradients); }
+else
+  echo "gradients on the GPU: not run, python3 has no LibTorch with CUDA"
+fi
 
 # A sanitizer that cannot work on this machine is told apart from one that found something.
 sanitizer=$(command -v compute-sanitizer || echo /usr/local/cuda/bin/compute-sanitizer)
