@@ -63,8 +63,8 @@ void check_surface_index(const SceneWorld& world, const Shape& s, const Name& na
 }  // namespace
 
 const char* name_of(ShapeType type) {
-  constexpr const char* names[] = {"sphere", "capsule",     "ellipsoid", "cylinder", "box", "wheel",
-                                   "mesh",   "plane",   "heightfield", "empty place"};
+  constexpr const char* names[] = {"sphere", "capsule", "ellipsoid", "cylinder",    "box",
+                                   "wheel",  "mesh",    "plane",     "heightfield", "empty place"};
   static_assert(std::size(names) == kShapeTypes + 1);
   return names[int(type)];
 }

@@ -1,5 +1,5 @@
-// Capsules, ellipsoids, cylinders and boxes seen as convex bodies: how far they reach, where they are nearest, and which corner,
-// edge or face they turn towards a direction. All in world axes.
+// Capsules, ellipsoids, cylinders and boxes seen as convex bodies: how far they reach, where they are nearest, and
+// which corner, edge or face they turn towards a direction. All in world axes.
 #pragma once
 #include <initializer_list>
 

@@ -1,8 +1,8 @@
-// The direction in which two convex bodies are furthest apart, one of them at least an ellipsoid: Newton's method on the
-// unit sphere for  f(n) = n.d - reach_a(n) - reach_b(n)  (bodies symmetric about their centres; d: from b's centre to
-// a's). The gradient of a reach is the point that is furthest out, its Hessian that point's rate of turning.
-// Against flat faces, edges and sides f has a crease where n is square to an axis of the body: there the best direction
-// is sought along the crease.
+// The direction in which two convex bodies are furthest apart, one of them at least an ellipsoid: Newton's method on
+// the unit sphere for  f(n) = n.d - reach_a(n) - reach_b(n)  (bodies symmetric about their centres; d: from b's centre
+// to a's). The gradient of a reach is the point that is furthest out, its Hessian that point's rate of turning. Against
+// flat faces, edges and sides f has a crease where n is square to an axis of the body: there the best direction is
+// sought along the crease.
 #pragma once
 #include "sim/shape/convex.h"
 
@@ -21,7 +21,9 @@ GONOGO_HD inline bool runs_along(const Convex& c, int k) {
 /// Point furthest out along a unit direction, from the centre; the middle of an edge or side square to it.
 GONOGO_HD inline Vec3 furthest(const Convex& c, const Vec3& direction) {
   const Vec3 n = c.into(direction);
-  const auto end = [](Real toward, Real half) { return std::fabs(toward) < Real(1e-6) ? Real(0) : toward > 0 ? half : -half; };
+  const auto end = [](Real toward, Real half) {
+    return std::fabs(toward) < Real(1e-6) ? Real(0) : toward > 0 ? half : -half;
+  };
   if (c.type == ShapeType::ellipsoid) return c.out_of(ellipsoid_support(c.size, n));
   if (c.type == ShapeType::box) return c.out_of({end(n.x, c.size.x), end(n.y, c.size.y), end(n.z, c.size.z)});
   if (c.type == ShapeType::capsule) return direction * c.size.x + c.axis[1] * end(n.y, c.size.y);

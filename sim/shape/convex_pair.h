@@ -223,7 +223,8 @@ GONOGO_HD inline void visit_convex_touches(const Convex& a, const Convex& b, Rea
     const Facet &corner = of_a ? fa : fb, &other = of_a ? fb : fa;
     const Real inward = of_a ? -s.gap / 2 : s.gap / 2;
     const bool beside = other.count > 2 && !in_facet(other, corner.point[0], s.normal, handicap);
-    const Vec3 middle = !smooth && (search.by_nearest || beside) ? search.middle() : corner.point[0] + s.normal * inward;
+    const Vec3 middle =
+        !smooth && (search.by_nearest || beside) ? search.middle() : corner.point[0] + s.normal * inward;
     emit((of_a ? 256 : 512) + corner.id[0], s.gap, middle);
   } else {
     FacetPair<decltype(emit)> pair{fa, fb, s.normal, scale, emit};

@@ -10,7 +10,18 @@ using WorldIndex = Index;
 
 /// In the order in which a pair is looked at: the earlier of the two types comes first.
 /// none: an empty place in a batch; it touches nothing.
-enum class ShapeType : std::int32_t { sphere, capsule, ellipsoid, cylinder, box, wheel, mesh, plane, heightfield, none };
+enum class ShapeType : std::int32_t {
+  sphere,
+  capsule,
+  ellipsoid,
+  cylinder,
+  box,
+  wheel,
+  mesh,
+  plane,
+  heightfield,
+  none
+};
 inline constexpr int kShapeTypes = 9;
 
 /// Number of materials a world can tell apart.
@@ -25,9 +36,9 @@ struct Shape {
   std::int32_t surface =
       -1;         // mesh, heightfield: index in the world's list of them; set by flatten to the batch's list
   Vec3 offset_B;  // of the shape's centre from the body's centre of mass [m]
-  /// sphere: (radius, -, -). ellipsoid: half axes. box: half edges. plane: through the centre, its normal is the z axis.
-  /// capsule, cylinder: (radius, half length without caps, -). wheel: (radius without lugs, half width, lug height).
-  /// Capsules, cylinders and wheels turn about their y axis. mesh, heightfield: set by flatten. [m]
+  /// sphere: (radius, -, -). ellipsoid: half axes. box: half edges. plane: through the centre, its normal is the z
+  /// axis. capsule, cylinder: (radius, half length without caps, -). wheel: (radius without lugs, half width, lug
+  /// height). Capsules, cylinders and wheels turn about their y axis. mesh, heightfield: set by flatten. [m]
   Vec3 size;
   Real lug_thickness = 0;  // along the circumference [m]
   Quat turn_B;             // from the shape's axes to the body's

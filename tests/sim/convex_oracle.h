@@ -24,9 +24,9 @@ struct Axes {
   Vec3d out_of(const Vec3d& v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
-/// Signed distance of a point from an ellipsoid with half axes e: the nearest point is x_k = e_k^2 p_k / (t + e_k^2), with
-/// the largest t for which sum (x_k / e_k)^2 is one, found by halving. On a plane of symmetry, deep inside, there is none:
-/// then t is that of the least half axis, and the rest of the sum is along it.
+/// Signed distance of a point from an ellipsoid with half axes e: the nearest point is x_k = e_k^2 p_k / (t + e_k^2),
+/// with the largest t for which sum (x_k / e_k)^2 is one, found by halving. On a plane of symmetry, deep inside, there
+/// is none: then t is that of the least half axis, and the rest of the sum is along it.
 inline double ellipsoid_distance(const Vec3d& e, const Vec3d& p) {
   const double least = std::min({e.x, e.y, e.z});
   const auto sum = [&](double t) {
@@ -97,8 +97,8 @@ inline double separation(const Body& a, const Body& b, const Vec3d& n) {
   return dot(n, a.centre - b.centre) - a.reach(n) - b.reach(n);
 }
 
-/// Largest separation over the directions square to an edge or side that runs along `u`, which make a crease that a search
-/// among all directions does not follow: sampled around the circle, then finer about the best.
+/// Largest separation over the directions square to an edge or side that runs along `u`, which make a crease that a
+/// search among all directions does not follow: sampled around the circle, then finer about the best.
 inline double separation_around(const Body& a, const Body& b, const Vec3d& u) {
   const Vec3d helper = std::abs(u.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, across = cross(u, helper);
   const Vec3d v = across * (1 / length(across)), w = cross(u, v);
@@ -151,8 +151,7 @@ inline double signed_distance(const Body& a, const Body& b) {
     best = std::max(best, value);
   }
   for (const Body* body : {&a, &b})
-    for (const Vec3d& u : {body->axes.x, body->axes.y, body->axes.z})
-      best = std::max(best, separation_around(a, b, u));
+    for (const Vec3d& u : {body->axes.x, body->axes.y, body->axes.z}) best = std::max(best, separation_around(a, b, u));
   return best;
 }
 

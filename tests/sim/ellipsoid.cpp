@@ -1,5 +1,5 @@
-// Ellipsoids: distances against a Lagrange solve in double precision, equal axes against the sphere, floors cut coarsely
-// and finely against the plane, mass properties against a sum over small cubes.
+// Ellipsoids: distances against a Lagrange solve in double precision, equal axes against the sphere, floors cut
+// coarsely and finely against the plane, mass properties against a sum over small cubes.
 #include "sim/shape/ellipsoid.h"
 
 #include <algorithm>
@@ -66,8 +66,8 @@ TEST_CASE("a sphere's gap to an ellipsoid is the distance of a Lagrange solve in
 TEST_CASE("an ellipsoid with equal axes touches every shape as the sphere does") {
   Draw draw(42);
   const Shape others[] = {shape_of(ShapeType::sphere, {0.2f, 0, 0}), shape_of(ShapeType::capsule, {0.1f, 0.2f, 0}),
-                          shape_of(ShapeType::cylinder, {0.2f, 0.15f, 0}),
-                          shape_of(ShapeType::box, {0.3f, 0.2f, 0.1f}), shape_of(ShapeType::plane, {})};
+                          shape_of(ShapeType::cylinder, {0.2f, 0.15f, 0}), shape_of(ShapeType::box, {0.3f, 0.2f, 0.1f}),
+                          shape_of(ShapeType::plane, {})};
   double gap = 0, normal = 0, point = 0;
   int met = 0;
   for (int i = 0; i < 4000; ++i) {
@@ -75,7 +75,8 @@ TEST_CASE("an ellipsoid with equal axes touches every shape as the sphere does")
                 ball = shape_of(ShapeType::ellipsoid, {0.15f, 0.15f, 0.15f});
     const Quat q = draw.orientation(), qb = draw.orientation();
     Vec3d d = draw.direction() * draw.between(0.15, 0.5);
-    if (other.type == ShapeType::plane) d = static_cast<Vec3d>(rotate(qb, {0.1f, 0.2f, Real(draw.between(0.14, 0.16))}));
+    if (other.type == ShapeType::plane)
+      d = static_cast<Vec3d>(rotate(qb, {0.1f, 0.2f, Real(draw.between(0.14, 0.16))}));
     const std::vector<Touch> expected = touches(sphere, q, other, qb, d);
     if (expected.empty() || expected[0].gap < -0.003f) continue;
     const bool after = other.type == ShapeType::sphere || other.type == ShapeType::capsule;  // in the order of types
@@ -107,7 +108,8 @@ TEST_CASE("an ellipsoid has one contact with flat ground, however finely it is c
       const Quat q = draw.orientation();
       const Vec3 low = rotate(q, -ellipsoid_support(body.size, rotate_back(q, {0, 0, 1})));
       // Every fourth with its lowest point on an inner edge, every eighth on a corner of the triangles.
-      const double x = i % 4 == 0 ? 0.1 - low.x : draw.between(-1, 1), y = i % 8 == 0 ? 0.2 - low.y : draw.between(-1, 1);
+      const double x = i % 4 == 0 ? 0.1 - low.x : draw.between(-1, 1),
+                   y = i % 8 == 0 ? 0.2 - low.y : draw.between(-1, 1);
       const Vec3d d{x, y, -double(low.z) + draw.between(-0.004, 0.009)};
       const std::vector<Touch> on_plane = touches(body, q, shape_of(ShapeType::plane, {}), {}, d),
                                on_mesh = touches(body, q, mesh, {}, d, library.view());

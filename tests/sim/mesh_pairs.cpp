@@ -287,8 +287,8 @@ TriangleMesh angle_beam() {
   return m;
 }
 
-constexpr Kind kBox{ShapeType::box, false, 0}, kEllipsoid{ShapeType::ellipsoid, false, 0}, kCylinder{ShapeType::cylinder, false, 0},
-    kWheel{ShapeType::wheel, false, 0};
+constexpr Kind kBox{ShapeType::box, false, 0}, kEllipsoid{ShapeType::ellipsoid, false, 0},
+    kCylinder{ShapeType::cylinder, false, 0}, kWheel{ShapeType::wheel, false, 0};
 constexpr Kind mesh_box(int cells) { return {ShapeType::box, true, cells}; }
 
 }  // namespace

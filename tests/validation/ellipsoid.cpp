@@ -54,8 +54,8 @@ Rocking rock(Simulation& simulation, BodyIndex b, double step, int steps) {
 }  // namespace
 
 TEST_CASE("an ellipsoid rocks on its flattest side with the period of its radius of curvature") {
-  // Rolling without slip about a stable rest: w^2 = m g (R - h) / (I + m h^2), R = a^2 / c, h = c. Swings of 0.01 rad: the
-  // radius of curvature falls fast beside the flattest point, by 0.1 % of the period here.
+  // Rolling without slip about a stable rest: w^2 = m g (R - h) / (I + m h^2), R = a^2 / c, h = c. Swings of 0.01 rad:
+  // the radius of curvature falls fast beside the flattest point, by 0.1 % of the period here.
   const double a = 0.3, b = 0.2, c = 0.1, start = 0.01, step = 2.5e-4;
   const double inertia = (a * a + c * c) / 5, curvature = a * a / c;
   const double period = 2 * kPi / std::sqrt(kGravity * (curvature - c) / (inertia + c * c));
@@ -64,8 +64,8 @@ TEST_CASE("an ellipsoid rocks on its flattest side with the period of its radius
       SceneWorld w = open_world({Real(0.9), 0});
       add_ground(w, cells);
       const double height = std::hypot(c * std::cos(start), a * std::sin(start));
-      const BodyIndex e = w.add_ellipsoid({{0.02, 0.03, height}, about_y(start), {}, {}},
-                                          {Real(a), Real(b), Real(c)}, 1000, 0);
+      const BodyIndex e =
+          w.add_ellipsoid({{0.02, 0.03, height}, about_y(start), {}, {}}, {Real(a), Real(b), Real(c)}, 1000, 0);
       StepSettings settings = settings_with(60);
       settings.step = Real(step);
       const auto simulation = simulate(backend, w, settings);
@@ -89,8 +89,10 @@ TEST_CASE("an ellipsoid rolls down a slope about its long axis as a ball of its 
       advance_for(*simulation, seconds);
       const double expected = -5.0 / 7 * kGravity * std::sin(angle) * seconds;
       const BodyState s = simulation->body(0, e);
-      const std::string label = std::string("ellipsoid rolling down ") + name_of_ground(cells) + ", " + name_of(backend);
+      const std::string label =
+          std::string("ellipsoid rolling down ") + name_of_ground(cells) + ", " + name_of(backend);
       CHECK(agrees(label + ": speed [m/s]", expected, s.velocity.x, 3e-3 * std::abs(expected)));
-      CHECK(agrees(label + ": rim speed [m/s]", expected, double(s.angular_velocity.y) * radius, 3e-3 * std::abs(expected)));
+      CHECK(agrees(label + ": rim speed [m/s]", expected, double(s.angular_velocity.y) * radius,
+                   3e-3 * std::abs(expected)));
     }
 }
