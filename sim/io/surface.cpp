@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "sim/shape/ellipsoid.h"
 
 namespace gonogo::sim {
 namespace {

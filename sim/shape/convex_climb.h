@@ -73,7 +73,7 @@ struct Climb {
     return u * ((gu * vv - gv * uv) / determinant) + v * ((gv * uu - gu * uv) / determinant);
   }
 
-  GONOGO_HD Separation along(Separation s, const Vec3& crease) const {
+  GONOGO_HD_OUTLINED Separation along(Separation s, const Vec3& crease) const {
     for (int i = 0; i < 12; ++i) {
       const Vec3 whole = step(s, crease);
       const Real size = length(whole);
@@ -102,7 +102,7 @@ struct Climb {
 };
 
 /// The best direction near a good one. Every direction gives a lower bound of the gap, so the result is no worse.
-GONOGO_HD inline Separation highest_separation(const Convex& a, const Convex& b, const Separation& from) {
+GONOGO_HD_OUTLINED Separation highest_separation(const Convex& a, const Convex& b, const Separation& from) {
   const Climb climb{a, b};
   Separation best = climb.along(from, {});
   const Convex& other = is_strictly_convex(a) ? b : a;

@@ -22,7 +22,7 @@ GONOGO_HD inline Vec3 ellipsoid_normal(const Vec3& half, const Vec3& x) {
 /// Hyperellipsoid, 2013). The sum falls with s and is convex; Newton's method comes from the left and does not pass the
 /// root. In lengths of m, in which a point nearer to the plane of symmetry than a millionth is taken to lie there: then
 /// two points may be equally near, and one of them is found.
-GONOGO_HD inline Vec3 nearest_on_ellipsoid(const Vec3& half, const Vec3& p) {
+GONOGO_HD_OUTLINED Vec3 nearest_on_ellipsoid(const Vec3& half, const Vec3& p) {
   const Real least = std::fmin(half.x, std::fmin(half.y, half.z));
   const Real e[3] = {half.x / least, half.y / least, half.z / least}, at[3] = {p.x / least, p.y / least, p.z / least};
   Real weight[3], shift[3], s = 0;

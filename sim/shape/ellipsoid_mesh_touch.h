@@ -48,7 +48,7 @@ struct EllipsoidOnMesh {
   /// Point of the ridge that is nearest to the body or deepest in it, 0 .. 1 between the ends, or -1 where that is an
   /// end. The distance to a convex body is convex along the ridge, so its slope, the part of the normal along the
   /// ridge, crosses zero once: false position, in which an end that stays twice counts half (the Illinois rule).
-  GONOGO_HD Real nearest_along(const Edge& ridge) const {
+  GONOGO_HD_OUTLINED Real nearest_along(const Edge& ridge) const {
     const auto slope_at = [&](Real x) { return dot(gap_of(ridge.start + ridge.along * x).normal, ridge.along); };
     Real low = 0, high = 1, at_low = slope_at(0), at_high = slope_at(1), x = -1;
     if (at_low >= 0 || at_high <= 0) return -1;
