@@ -198,6 +198,11 @@ GONOGO_HD_OUTLINED void find_mesh_touches(const ShapePair& pair, TouchWindow& fo
   } while (chooser.next_pass());
 }
 
+/// The same for two convex bodies.
+GONOGO_HD_OUTLINED void find_solid_touches(const ShapePair& pair, TouchWindow& found) {
+  visit_solid_touches(pair, found);
+}
+
 /// Finds the contacts of the pair with gaps below the envelope, owned by `a`. A feature names the contact inside the
 /// pair and keeps its name while the bodies move. All pairs of shapes in one function that is compiled once: they would
 /// fill every loop over pairs with their code.
@@ -210,7 +215,7 @@ GONOGO_HD_OUTLINED void find_touches(const ShapePair& pair, TouchWindow& found) 
   else if (pair.a.type == ShapeType::sphere)
     visit_sphere_touches(pair, found);
   else
-    visit_solid_touches(pair, found);
+    find_solid_touches(pair, found);
 }
 
 /// Calls visit(feature, touch) for every contact of the pair; surfaces may have more than a window holds.
