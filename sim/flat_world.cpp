@@ -54,6 +54,16 @@ SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& plac
   return r;
 }
 
+/// Large shapes along a curve through the places of their bodies at the start, so that groups of them are compact.
+void sort_by_place(const SceneWorld& world, const std::vector<Shape>& shape, std::vector<LargeShape>& large) {
+  std::vector<Vec3d> position;
+  for (const LargeShape& l : large) position.push_back(world.body[shape[l.shape].body].position);
+  const std::vector<Index> place = order_along_curve(position);
+  std::vector<LargeShape> sorted(large.size());
+  for (std::size_t k = 0; k < large.size(); ++k) sorted[place[k]] = large[k];
+  large = sorted;
+}
+
 void append_shapes(const SceneWorld& world, Real binned_up_to, FlatWorld& flat) {
   std::size_t next = 0;
   for (BodyIndex b = 0; b < BodyIndex(world.body.size()); ++b) {
@@ -66,6 +76,7 @@ void append_shapes(const SceneWorld& world, Real binned_up_to, FlatWorld& flat) 
       flat.shape.push_back(s);
     }
   }
+  if (flat.large.size() >= std::size_t(kGroupedFrom)) sort_by_place(world, flat.shape, flat.large);
   flat.world.large_count = Index(flat.large.size());
   flat.world.shape_count = Index(flat.shape.size());
 }

@@ -40,6 +40,20 @@ BodyIndex SceneWorld::add_sphere(const Vec3d& position, Real radius, Real densit
   return b;
 }
 
+BodyIndex SceneWorld::add_ellipsoid(const BodyState& state, const Vec3& half, Real density, int material) {
+  const double x = double(half.x) * half.x, y = double(half.y) * half.y, z = double(half.z) * half.z;
+  const double m = double(density) * 4.0 / 3.0 * 3.14159265358979 * half.x * half.y * half.z;
+  const Vec3 inertia{Real(m / 5 * (y + z)), Real(m / 5 * (x + z)), Real(m / 5 * (x + y))};
+  const BodyIndex b = add_body(state, solid(Real(m), inertia));
+  Shape s;
+  s.type = ShapeType::ellipsoid;
+  s.body = b;
+  s.material = material;
+  s.size = half;
+  add_shape(s);
+  return b;
+}
+
 void SceneWorld::add_shape(const Shape& s) {
   if (s.body < 0 || s.body >= BodyIndex(body.size()) || (!shape.empty() && shape.back().body > s.body))
     throw InputError("shapes must be added in ascending order of their body, after it exists");

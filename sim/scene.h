@@ -44,6 +44,8 @@ struct SceneWorld {
   BodyIndex add_body(const BodyState& state, const BodyMass& body_mass);
   /// Adds a solid sphere of one material; returns the index of its body.
   BodyIndex add_sphere(const Vec3d& position, Real radius, Real density, int material);
+  /// Adds a solid ellipsoid of one material, half axes along those of the body; returns the index of its body.
+  BodyIndex add_ellipsoid(const BodyState& state, const Vec3& half, Real density, int material);
   void add_shape(const Shape& s);
   /// Returns the index for Shape::surface. Throws InputError for what check_mesh and check_heightfield refuse. To share
   /// a mesh between worlds, push the pointer to the other world's list.

@@ -23,8 +23,8 @@ void place_beside(const sim::SceneWorld& world, const sim::Attachment& from, con
 
 /// Half of what a shape takes across when its axle lies across [m].
 double half_width(const sim::Shape& s) {
-  const bool known =
-      s.type == sim::ShapeType::wheel || s.type == sim::ShapeType::cylinder || s.type == sim::ShapeType::box;
+  const bool known = s.type == sim::ShapeType::wheel || s.type == sim::ShapeType::cylinder ||
+                     s.type == sim::ShapeType::box || s.type == sim::ShapeType::ellipsoid;
   return known ? double(s.size.y) : double(s.size.x);
 }
 

@@ -242,6 +242,9 @@ struct BatchArrays {
     state.centre.fill_zero(state.shape_count);
     state.bin_of_shape.fill_zero(state.shape_count);
     state.large.fill_zero(large_total_);
+    Index most_large = 0;
+    for (const Place& p : place) most_large = std::max(most_large, p.size.large_shapes);
+    reserve_large_groups(state, large_total_, most_large);
     state.contacts_of_part.fill_zero(state.shape_count * kSearchParts);
     state.first_of_part.fill_zero(state.shape_count * kSearchParts + 1);
     state.noted.fill_zero(state.shape_count * kNeighbourRows * kNotedPairs);

@@ -3,7 +3,8 @@
 // The bins tile all space: bin coordinates are counted modulo the number of bins along each axis (at least three), so a
 // few bins serve a large domain and shapes outside of the domain cost no more than others. Shapes that share a bin from
 // afar are told apart by their distance.
-// Large shapes (ground, wheels, hulls) are not binned (see layout.h); every shape tests the few of its world.
+// Large shapes (ground, wheels, hulls) are not binned (see layout.h); every shape tests those of its world, of many the
+// ones near it (see large.h).
 #pragma once
 #include "sim/broad_phase/large.h"
 
@@ -156,9 +157,7 @@ void sort_into_bins(Exec exec, State<Exec>& s) {
   for_each_counted(exec, binned,
                    CopyBinnedShape{s.shape.view(), s.centre.view(), s.world_of_body.view(), s.world.view(),
                                    s.shape_in_bin.view(), s.shape_by_bin.view()});
-  for_each_index(
-      exec, s.large.size(),
-      BoundLargeShape{s.shape.view(), s.centre.view(), s.orientation.view(), s.large.view(), s.surfaces.view()});
+  bound_large_shapes(exec, s);
 }
 
 }  // namespace gonogo::sim

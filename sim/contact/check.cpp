@@ -49,6 +49,7 @@ State<Cpu> state_of(const FlatWorld& flat) {
   s.shape.upload(shape);
   s.bin_of_shape.upload(flat.bin_of_shape);
   s.large.upload(flat.large);
+  reserve_large_groups(s, Index(flat.large.size()), Index(flat.large.size()));
   s.mechanisms.body.upload(flat.mechanisms.body);
   s.shape_count = Index(shape.size());
   s.solids_binned = true;

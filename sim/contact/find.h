@@ -240,10 +240,10 @@ void reserve_contacts(State<Exec>& s, Index count) {
 
 template <class Exec>
 ContactFinder contact_finder(State<Exec>& s, const StepSettings& settings) {
-  return {s.shape.view(),    s.centre.view(),       s.orientation.view(),     s.world_of_body.view(),
-          s.world.view(),    s.bin_of_shape.view(), s.first_in_bin.view(),    s.shape_by_bin.view(),
-          s.large.view(),    s.mass.view(),         s.mechanisms.body.view(), s.surfaces.view(),
-          settings.envelope, s.solids_binned};
+  return {s.shape.view(),    s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
+          s.world.view(),    s.bin_of_shape.view(), s.first_in_bin.view(), s.shape_by_bin.view(),
+          s.large.view(),    s.large_groups,        s.mass.view(),         s.mechanisms.body.view(),
+          s.surfaces.view(), settings.envelope,     s.solids_binned};
 }
 
 template <class Exec>

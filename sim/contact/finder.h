@@ -26,6 +26,7 @@ struct ContactFinder {
   View<const Index> bin_of_shape, first_in_bin;
   View<const BinnedShape> shape_by_bin;
   View<const LargeShape> large;
+  LargeGroups large_groups;
   View<const BodyMass> mass;
   View<const MechanismBody> jointed;
   SurfaceView surfaces;
@@ -87,7 +88,13 @@ struct ContactFinder {
             visit_pair(i, other.shape, apart, visit);
         });
     const WorldParameters& w = world[world_of_body[own.body]];
-    for (Index l = w.first_large; l < w.first_large + w.large_count; ++l) visit_large(i, large[l], w, visit);
+    const Real reach = (bounding_radius(own) + envelope) * Real(BoundLargeGroup::kRoomy);
+    visit_large_near(
+        large_groups, w.first_large, w.first_large + w.large_count,
+        [&](const LargeShape& box) {
+          return box.reaches(static_cast<Vec3>(nearest_image(centre[i] - box.middle, w.period)), reach);
+        },
+        [&](Index l) { visit_large(i, large[l], w, visit); });
   }
 
   /// Calls near(other, d) for the binned shapes of a row of bins that may touch shape `i`.

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "sim/shape/ellipsoid.h"
 
 namespace gonogo::sim {
 namespace {
@@ -98,6 +99,16 @@ void add_sphere(Surface& s, Real radius, int segments, int rows) {
     }
 }
 
+/// A sphere stretched along its axes; normals go with the inverse of the stretch.
+void add_ellipsoid(Surface& s, const Vec3& half, int segments, int rows) {
+  const std::size_t first = s.point.size();
+  add_sphere(s, 1, segments, rows);
+  for (std::size_t i = first; i < s.point.size(); ++i) {
+    s.point[i] = scale(half, s.point[i]);
+    s.normal[i] = ellipsoid_normal(half, s.point[i]);
+  }
+}
+
 /// Two half spheres and the band between them.
 void add_capsule(Surface& s, Real radius, Real half_length, int segments) {
   const std::size_t first = s.point.size();
@@ -126,6 +137,9 @@ Surface surface_of(const Shape& shape, const SurfaceDetail& detail) {
       break;
     case ShapeType::capsule:
       add_capsule(s, size.x, size.y, detail.segments);
+      break;
+    case ShapeType::ellipsoid:
+      add_ellipsoid(s, size, detail.segments, std::max(2, detail.segments / 2));
       break;
     case ShapeType::cylinder:
       add_cylinder(s, size.x, size.y, detail.segments);

@@ -23,7 +23,7 @@ std::string description(const Shape& s, std::size_t index) {
 // A name is made when a sentence needs it: worlds have many shapes, and making one takes longer than checking.
 template <class Name>
 void check_size(const Shape& s, const Name& name) {
-  const int sizes[] = {1, 2, 2, 3, 2, 0, 0, 0};  // numbers above zero that a type needs, in the order of ShapeType
+  const int sizes[] = {1, 2, 3, 2, 3, 2, 0, 0, 0};  // numbers above zero that a type needs, in the order of ShapeType
   const Real size[] = {s.size.x, s.size.y, s.size.z};
   for (int k = 0; k < sizes[int(s.type)]; ++k)
     if (!(size[k] > 0) || !std::isfinite(size[k]))
@@ -63,8 +63,8 @@ void check_surface_index(const SceneWorld& world, const Shape& s, const Name& na
 }  // namespace
 
 const char* name_of(ShapeType type) {
-  constexpr const char* names[] = {"sphere", "capsule", "cylinder",    "box",        "wheel",
-                                   "mesh",   "plane",   "heightfield", "empty place"};
+  constexpr const char* names[] = {"sphere", "capsule", "ellipsoid", "cylinder",    "box",
+                                   "wheel",  "mesh",    "plane",     "heightfield", "empty place"};
   static_assert(std::size(names) == kShapeTypes + 1);
   return names[int(type)];
 }

@@ -1,8 +1,9 @@
-// Capsules, cylinders and boxes seen as convex bodies: how far they reach, where they are nearest, and which corner,
-// edge or face they turn towards a direction. All in world axes.
+// Capsules, ellipsoids, cylinders and boxes seen as convex bodies: how far they reach, where they are nearest, and
+// which corner, edge or face they turn towards a direction. All in world axes.
 #pragma once
 #include <initializer_list>
 
+#include "sim/shape/ellipsoid.h"
 #include "sim/shape/low_points.h"
 
 namespace gonogo::sim {
@@ -26,6 +27,7 @@ GONOGO_HD inline Real extent(const Convex& c, const Vec3& direction) {
   const Vec3 n = c.into(direction);
   if (c.type == ShapeType::box)
     return c.size.x * std::fabs(n.x) + c.size.y * std::fabs(n.y) + c.size.z * std::fabs(n.z);
+  if (c.type == ShapeType::ellipsoid) return length(scale(c.size, n));
   const Real side = c.type == ShapeType::capsule ? Real(1) : std::sqrt(n.x * n.x + n.z * n.z);
   return c.size.y * std::fabs(n.y) + c.size.x * side;
 }
@@ -34,14 +36,22 @@ GONOGO_HD inline Real extent(const Convex& c, const Vec3& direction) {
 GONOGO_HD inline Real least_half(const Convex& c) {
   if (c.type == ShapeType::capsule) return c.size.x;
   const Real least = std::fmin(c.size.x, c.size.y);
-  return c.type == ShapeType::box ? std::fmin(least, c.size.z) : least;
+  return c.type == ShapeType::box || c.type == ShapeType::ellipsoid ? std::fmin(least, c.size.z) : least;
 }
+
+/// Whether the body touches another convex one in a single point, wherever that is.
+GONOGO_HD inline bool is_strictly_convex(const Convex& c) { return c.type == ShapeType::ellipsoid; }
 
 GONOGO_HD inline Real clamped(Real x, Real limit) { return std::fmin(std::fmax(x, -limit), limit); }
 
-/// Point nearest to `p` of a body made smaller by `share` of its least half; a capsule is made a line. Bodies that
-/// overlap by less than what is taken off are apart.
+/// Point nearest to `p` of a body made smaller by `share` of its least half, an ellipsoid of each of its half axes;
+/// a capsule is made a line. Bodies that overlap by less than what is taken off are apart.
 GONOGO_HD inline Vec3 nearest_in_core(const Convex& c, const Vec3& p, Real share) {
+  if (c.type == ShapeType::ellipsoid) {
+    const Vec3 half = c.size * (1 - share), q = c.into(p - c.centre);
+    const Vec3 inside{q.x / half.x, q.y / half.y, q.z / half.z};
+    return dot(inside, inside) <= 1 ? p : c.centre + c.out_of(nearest_on_ellipsoid(half, q));
+  }
   const Real margin = c.type == ShapeType::capsule ? c.size.x : share * least_half(c);
   Vec3 q = c.into(p - c.centre);
   if (c.type == ShapeType::box) {
@@ -113,6 +123,11 @@ GONOGO_HD inline Facet side_facet(const Convex& c, const Vec3& direction, const 
 /// What a body turns towards a unit direction.
 GONOGO_HD inline Facet facet(const Convex& c, const Vec3& direction) {
   if (c.type == ShapeType::box) return box_facet(c, direction);
+  if (c.type == ShapeType::ellipsoid) {
+    Facet f;
+    f.add(c.centre + c.out_of(ellipsoid_support(c.size, c.into(direction))), 0);
+    return f;
+  }
   if (c.type == ShapeType::capsule) return side_facet(c, direction, direction * c.size.x);
   const Real along = dot(c.axis[1], direction);
   const Vec3 across = direction - c.axis[1] * along;

@@ -1,20 +1,16 @@
-// Contacts of two convex bodies (capsule, cylinder, box).
+// Contacts of two convex bodies (capsule, ellipsoid, cylinder, box).
 // For convex bodies the signed distance is the largest separation over all directions,
 //   max over |n| = 1 of  n.d - reach_a(-n) - reach_b(n),   d: from b's centre to a's,
 // positive when they are apart. Faces, caps and pairs of edges give a few directions that are exact where they touch;
 // the line between the nearest points of slightly smaller bodies (found by projecting to and fro) gives the others. The
-// contacts are then the corners and crossings of the two facets that face each other (see facet).
+// contacts are then the corners and crossings of the two facets that face each other (see facet). Beside an ellipsoid
+// the best direction is improved by Newton's method (see convex_climb.h), and its own furthest point is the contact.
 #pragma once
 #include <initializer_list>
 
-#include "sim/shape/convex.h"
+#include "sim/shape/convex_climb.h"
 
 namespace gonogo::sim {
-
-struct Separation {
-  Real gap;     // [m]
-  Vec3 normal;  // from b to a
-};
 
 struct SeparationSearch {
   const Convex &a, &b;
@@ -43,14 +39,34 @@ struct SeparationSearch {
       consider(c.axis[0], handicap);
       consider(c.axis[2], handicap);
     }
-    if (c.type != ShapeType::capsule) consider(c.axis[1], handicap);
+    if (c.type == ShapeType::cylinder || c.type == ShapeType::box) consider(c.axis[1], handicap);
+  }
+
+  /// The line between the centres: most pairs that are apart are told so by it.
+  GONOGO_HD void consider_centres() {
+    const Vec3 d = a.centre - b.centre;
+    const Real distance = length(d);
+    if (distance > 0) consider(d * (1 / distance), 0);
+  }
+
+  /// From the best direction and from that between the nearest points: a flat face may be the best one so far, and no
+  /// way leads from its crease.
+  GONOGO_HD void climb() {
+    const Separation from = best;
+    best = highest_separation(a, b, from);
+    const Vec3 apart = near_a - near_b;
+    const Real distance = length(apart);
+    if (by_nearest || !(distance > 0)) return;
+    const Vec3 n = apart * (1 / distance);
+    const Separation other = highest_separation(a, b, {dot(n, a.centre - b.centre) - extent(a, n) - extent(b, n), n});
+    if (other.gap > best.gap) best = other;
   }
 
   /// Directions square to an edge or axis of either body.
   GONOGO_HD void consider_edges(Real handicap) {
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
-        if ((i != 1 && a.type != ShapeType::box) || (j != 1 && b.type != ShapeType::box)) continue;
+        if (!runs_along(a, i) || !runs_along(b, j)) continue;
         const Vec3 n = cross(a.axis[i], b.axis[j]);
         const Real sine = length(n);
         if (sine > Real(0.03)) consider(n * (1 / sine), handicap);
@@ -186,13 +202,16 @@ struct FacetPair {
 /// Calls visit(feature, touch) for the contacts of two bodies with gaps below the envelope; touch is owned by a.
 template <class Visit>
 GONOGO_HD inline void visit_convex_touches(const Convex& a, const Convex& b, Real envelope, Visit&& visit) {
-  const Real scale = std::fmin(least_half(a), least_half(b)), handicap = Real(1e-3) * scale;
+  const bool smooth = is_strictly_convex(a) || is_strictly_convex(b);
+  const Real scale = std::fmin(least_half(a), least_half(b)), handicap = smooth ? Real(0) : Real(1e-3) * scale;
   SeparationSearch search{a, b};
   search.consider_flats(b, 0);
   search.consider_flats(a, handicap);
+  if (smooth) search.consider_centres();
   if (search.best.gap >= envelope) return;
   search.consider_edges(handicap);
   search.consider_nearest(scale, handicap);
+  if (smooth) search.climb();
   const Separation s = search.best;
   if (s.gap >= envelope) return;
   const auto emit = [&](int feature, Real gap, const Vec3& middle) {
@@ -200,11 +219,13 @@ GONOGO_HD inline void visit_convex_touches(const Convex& a, const Convex& b, Rea
   };
   const Facet fa = facet(a, -s.normal), fb = facet(b, s.normal);
   if (fa.count == 1 || fb.count == 1) {
-    const Facet &corner = fa.count == 1 ? fa : fb, &other = fa.count == 1 ? fb : fa;
-    const Real inward = fa.count == 1 ? -s.gap / 2 : s.gap / 2;
+    const bool of_a = smooth ? is_strictly_convex(a) : fa.count == 1;
+    const Facet &corner = of_a ? fa : fb, &other = of_a ? fb : fa;
+    const Real inward = of_a ? -s.gap / 2 : s.gap / 2;
     const bool beside = other.count > 2 && !in_facet(other, corner.point[0], s.normal, handicap);
-    const Vec3 middle = search.by_nearest || beside ? search.middle() : corner.point[0] + s.normal * inward;
-    emit((fa.count == 1 ? 256 : 512) + corner.id[0], s.gap, middle);
+    const Vec3 middle =
+        !smooth && (search.by_nearest || beside) ? search.middle() : corner.point[0] + s.normal * inward;
+    emit((of_a ? 256 : 512) + corner.id[0], s.gap, middle);
   } else {
     FacetPair<decltype(emit)> pair{fa, fb, s.normal, scale, emit};
     pair.run();

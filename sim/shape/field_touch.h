@@ -1,4 +1,4 @@
-// Boxes, cylinders and wheels on heightfields, and vertices of meshes on heightfields and planes.
+// Ellipsoids, boxes, cylinders and wheels on heightfields, and vertices of meshes on heightfields and planes.
 #pragma once
 #include "sim/shape/low_points.h"
 #include "sim/shape/surface_touch.h"
@@ -32,8 +32,10 @@ GONOGO_HD inline void visit_low_touches(const FieldSurface& field, const OnField
   });
 }
 
-/// Distance of a point to a box, or to a cylinder or the one inside a wheel's lugs; `p` in the shape's axes.
+/// Distance of a point to an ellipsoid or box, or to a cylinder or the one inside a wheel's lugs; `p` in the shape's
+/// axes.
 GONOGO_HD inline Gap point_solid_gap(const Shape& s, const Vec3& p) {
+  if (s.type == ShapeType::ellipsoid) return sphere_ellipsoid_gap(p, s.size, 0);
   return s.type == ShapeType::box ? sphere_box_gap(p, s.size, 0) : sphere_cylinder_gap(p, s.size.x, s.size.y, 0);
 }
 
@@ -70,8 +72,8 @@ GONOGO_HD inline void visit_ridge_touches(const FieldSurface& field, const OnFie
   emit_ridge(on, (3 * t + k) & 0x3FFFFFFF, g, point, visit);
 }
 
-/// A box, cylinder or wheel on a heightfield: its corners, rims and lug corners on the triangles below them, and the
-/// ground's ridges against its faces.
+/// An ellipsoid, box, cylinder or wheel on a heightfield: its lowest point, corners, rims and lug corners on the
+/// triangles below them, and the ground's ridges against its faces.
 template <class Visit>
 GONOGO_HD inline void visit_solid_field_touches(const FieldSurface& field, const OnField& on, Visit&& visit) {
   const Real reach = bounding_radius(on.shape) + on.envelope;

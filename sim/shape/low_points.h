@@ -1,6 +1,6 @@
 // Points of a shape that may touch ground below it: what planes and heightfields look at.
 #pragma once
-#include "sim/shape/gap.h"
+#include "sim/shape/ellipsoid.h"
 #include "sim/shape/touch.h"
 
 namespace gonogo::sim {
@@ -59,6 +59,9 @@ GONOGO_HD inline void visit_low_points(const Shape& s, const Quat& q, const Vec3
       return;
     case ShapeType::capsule:
       for (int end = 0; end < 2; ++end) visit(end, rotate(q, {0, end == 0 ? -s.size.y : s.size.y, 0}) - up * s.size.x);
+      return;
+    case ShapeType::ellipsoid:
+      visit(0, rotate(q, -ellipsoid_support(s.size, rotate_back(q, up))));
       return;
     case ShapeType::box:
       for (int corner = 0; corner < 8; ++corner) visit(corner, box_corner(s.size, q, corner));

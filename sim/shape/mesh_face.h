@@ -70,11 +70,13 @@ GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const T
   const Real beside = off_surface(way.gap, tol.slack);
   const Real wide = 10 * tol.slack;  // beyond an acute corner a point is further from a triangle than from its edges
   const Vec3 box{reach, reach, reach};
+  // Above a flat face its triangles are told apart by the foot: the point itself may be an envelope away from all.
+  const Vec3 at = way.t >= 0 && !deep ? way.p - from.normal(way.t) * way.gap : way.p;
   bool out = true;
   Index nearest = -1;
   OnTriangle on{};
   Real least = Real(1e30);
-  from.surface.visit_near(way.p - box, way.p + box, [&](Index t) {
+  from.surface.visit_near(at - box, at + box, [&](Index t) {
     if (!out) return;
     if (deep) {
       const Vec3 a = from.corner(t, 0) - way.p, b = from.corner(t, 1) - way.p, c = from.corner(t, 2) - way.p;

@@ -2,6 +2,7 @@
 #pragma once
 #include "sim/shape/capsule_touch.h"
 #include "sim/shape/convex_pair.h"
+#include "sim/shape/ellipsoid_mesh_touch.h"
 #include "sim/shape/field_touch.h"
 #include "sim/shape/mesh_mesh_touch.h"
 #include "sim/shape/solid_mesh_touch.h"
@@ -40,6 +41,9 @@ GONOGO_HD inline void visit_sphere_touches(const ShapePair& pair, Visit&& visit)
       return;
     case ShapeType::capsule:
       emit(0, sphere_capsule_gap(p, size.x, size.y, radius));
+      return;
+    case ShapeType::ellipsoid:
+      emit(0, sphere_ellipsoid_gap(p, size, radius));
       return;
     case ShapeType::cylinder:
       emit(0, sphere_cylinder_gap(p, size.x, size.y, radius));
@@ -89,7 +93,7 @@ GONOGO_HD inline void visit_parts(const Shape& s, const Vec3& centre, const Quat
   }
 }
 
-/// Capsules, cylinders, boxes and the parts of wheels.
+/// Capsules, ellipsoids, cylinders, boxes and the parts of wheels.
 template <class Visit>
 GONOGO_HD inline void visit_solid_touches(const ShapePair& pair, Visit&& visit) {
   const auto d = static_cast<Vec3>(pair.d);
@@ -133,7 +137,7 @@ GONOGO_HD inline void visit_two_meshes(const ShapePair& pair, const MeshFrom& ot
   MeshOnMesh<Visit>{MeshFrom{placed, {}}, other, tolerance_for(half, kMeshLimit, pair.envelope), visit}.run();
 }
 
-/// Spheres and capsules, boxes and the parts of wheels, and meshes on a mesh.
+/// Spheres and capsules, ellipsoids, boxes, the parts of wheels, and meshes on a mesh.
 template <class Visit>
 GONOGO_HD inline void visit_mesh_touches(const ShapePair& pair, Visit&& visit) {
   const MeshSurface mesh = pair.surfaces.mesh_at(pair.b.surface);
@@ -152,6 +156,10 @@ GONOGO_HD inline void visit_mesh_touches(const ShapePair& pair, Visit&& visit) {
     return;
   }
   const Tolerance tol = tolerance_for(smallest_half(pair.a), kSolidLimit, pair.envelope);
+  if (pair.a.type == ShapeType::ellipsoid) {
+    visit_ellipsoid_mesh_touches(from, convex(pair.a.type, pair.a.size, {}, pair.qa), tol, visit);
+    return;
+  }
   visit_parts(pair.a, {}, pair.qa, static_cast<Vec3>(-pair.d), bounding_radius(pair.b) + pair.envelope,
               [&](int part, const Convex& solid) {
                 visit_solid_mesh_touches(from, solid, part, pair.a.size.x - tol.slack, tol, visit);
@@ -190,6 +198,11 @@ GONOGO_HD_OUTLINED void find_mesh_touches(const ShapePair& pair, TouchWindow& fo
   } while (chooser.next_pass());
 }
 
+/// The same for two convex bodies.
+GONOGO_HD_OUTLINED void find_solid_touches(const ShapePair& pair, TouchWindow& found) {
+  visit_solid_touches(pair, found);
+}
+
 /// Finds the contacts of the pair with gaps below the envelope, owned by `a`. A feature names the contact inside the
 /// pair and keeps its name while the bodies move. All pairs of shapes in one function that is compiled once: they would
 /// fill every loop over pairs with their code.
@@ -202,7 +215,7 @@ GONOGO_HD_OUTLINED void find_touches(const ShapePair& pair, TouchWindow& found) 
   else if (pair.a.type == ShapeType::sphere)
     visit_sphere_touches(pair, found);
   else
-    visit_solid_touches(pair, found);
+    find_solid_touches(pair, found);
 }
 
 /// Calls visit(feature, touch) for every contact of the pair; surfaces may have more than a window holds.

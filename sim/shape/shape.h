@@ -10,8 +10,19 @@ using WorldIndex = Index;
 
 /// In the order in which a pair is looked at: the earlier of the two types comes first.
 /// none: an empty place in a batch; it touches nothing.
-enum class ShapeType : std::int32_t { sphere, capsule, cylinder, box, wheel, mesh, plane, heightfield, none };
-inline constexpr int kShapeTypes = 8;
+enum class ShapeType : std::int32_t {
+  sphere,
+  capsule,
+  ellipsoid,
+  cylinder,
+  box,
+  wheel,
+  mesh,
+  plane,
+  heightfield,
+  none
+};
+inline constexpr int kShapeTypes = 9;
 
 /// Number of materials a world can tell apart.
 inline constexpr int kMaxMaterials = 4;
@@ -25,9 +36,9 @@ struct Shape {
   std::int32_t surface =
       -1;         // mesh, heightfield: index in the world's list of them; set by flatten to the batch's list
   Vec3 offset_B;  // of the shape's centre from the body's centre of mass [m]
-  /// sphere: (radius, -, -). box: half edges. plane: through the centre, its normal is the z axis.
-  /// capsule, cylinder: (radius, half length without caps, -). wheel: (radius without lugs, half width, lug height).
-  /// Capsules, cylinders and wheels turn about their y axis. mesh, heightfield: set by flatten. [m]
+  /// sphere: (radius, -, -). ellipsoid: half axes. box: half edges. plane: through the centre, its normal is the z
+  /// axis. capsule, cylinder: (radius, half length without caps, -). wheel: (radius without lugs, half width, lug
+  /// height). Capsules, cylinders and wheels turn about their y axis. mesh, heightfield: set by flatten. [m]
   Vec3 size;
   Real lug_thickness = 0;  // along the circumference [m]
   Quat turn_B;             // from the shape's axes to the body's
@@ -48,6 +59,8 @@ GONOGO_HD inline Real bounding_radius(const Shape& s) {
       return s.size.x;
     case ShapeType::capsule:
       return s.size.x + s.size.y;
+    case ShapeType::ellipsoid:
+      return std::fmax(s.size.x, std::fmax(s.size.y, s.size.z));
     case ShapeType::cylinder:
       return std::sqrt(s.size.x * s.size.x + s.size.y * s.size.y);
     case ShapeType::box:
@@ -63,15 +76,20 @@ GONOGO_HD inline Real bounding_radius(const Shape& s) {
   return 0;
 }
 
-/// Radius of a shape that is round all over; 0 for the others [m].
+/// Radius of a shape that is equally round all over; 0 for the others [m].
 GONOGO_HD inline Real round_radius(const Shape& s) {
   return s.type == ShapeType::sphere || s.type == ShapeType::capsule ? s.size.x : Real(0);
+}
+
+/// Radius that laws of contact give a shape that has no corner: an ellipsoid the mean of its half axes [m].
+GONOGO_HD inline Real mean_radius(const Shape& s) {
+  return s.type == ShapeType::ellipsoid ? (s.size.x + s.size.y + s.size.z) / 3 : round_radius(s);
 }
 
 /// Radius that rolling resistance acts on [m]. Two round shapes: r1 r2 / (r1 + r2); one: its radius. Without a round
 /// one, that of a rolling cylinder or wheel; boxes and meshes do not roll.
 GONOGO_HD inline Real rolling_radius(const Shape& a, const Shape& b) {
-  const Real ra = round_radius(a), rb = round_radius(b);
+  const Real ra = mean_radius(a), rb = mean_radius(b);
   if (ra > 0 && rb > 0) return ra * rb / (ra + rb);
   if (ra > 0 || rb > 0) return std::fmax(ra, rb);
   const auto rolls = [](const Shape& s) { return s.type == ShapeType::cylinder || s.type == ShapeType::wheel; };
@@ -80,7 +98,7 @@ GONOGO_HD inline Real rolling_radius(const Shape& a, const Shape& b) {
 
 /// Radius whose circle cohesion pulls on: the smaller round one; 0 for pairs without one [m].
 GONOGO_HD inline Real cohesion_radius(const Shape& a, const Shape& b) {
-  const Real ra = round_radius(a), rb = round_radius(b);
+  const Real ra = mean_radius(a), rb = mean_radius(b);
   return ra > 0 && rb > 0 ? std::fmin(ra, rb) : std::fmax(ra, rb);
 }
 
@@ -88,6 +106,7 @@ GONOGO_HD inline Real cohesion_radius(const Shape& a, const Shape& b) {
 GONOGO_HD inline Real smallest_half(const Shape& s) {
   switch (s.type) {
     case ShapeType::box:
+    case ShapeType::ellipsoid:
       return std::fmin(s.size.x, std::fmin(s.size.y, s.size.z));
     case ShapeType::cylinder:
     case ShapeType::wheel:

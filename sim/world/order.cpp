@@ -18,6 +18,19 @@ std::uint32_t interleaved(const BinCoordinates& bin) {
   return code;
 }
 
+constexpr double kCellsAlong = 1023;  // ten bits
+
+/// Place of each in ascending order of its code.
+std::vector<Index> places_along(const std::vector<BinCoordinates>& bin) {
+  std::vector<std::uint32_t> code;
+  for (const BinCoordinates& b : bin) code.push_back(interleaved(b));
+  std::vector<Index> sorted(bin.size()), place(bin.size());
+  std::iota(sorted.begin(), sorted.end(), 0);
+  std::stable_sort(sorted.begin(), sorted.end(), [&](Index a, Index b) { return code[a] < code[b]; });
+  for (std::size_t k = 0; k < bin.size(); ++k) place[sorted[k]] = Index(k);
+  return place;
+}
+
 /// Fewer successors than this share of what sorting would bring, and bodies are sorted anew.
 constexpr double kLeastOrder = 0.8;
 
@@ -34,14 +47,22 @@ std::size_t beside_their_successor(const std::vector<BinCoordinates>& bin) {
 }  // namespace
 
 std::vector<BodyIndex> spatial_order(const std::vector<Vec3d>& position, const WorldParameters& world) {
-  const std::size_t count = position.size();
-  std::vector<std::uint32_t> code(count);
-  for (std::size_t b = 0; b < count; ++b) code[b] = interleaved(bin_of(world, position[b]));
-  std::vector<BodyIndex> sorted(count), place(count);
-  std::iota(sorted.begin(), sorted.end(), 0);
-  std::stable_sort(sorted.begin(), sorted.end(), [&](BodyIndex a, BodyIndex b) { return code[a] < code[b]; });
-  for (std::size_t k = 0; k < count; ++k) place[sorted[k]] = BodyIndex(k);
-  return place;
+  std::vector<BinCoordinates> bin;
+  for (const Vec3d& x : position) bin.push_back(bin_of(world, x));
+  return places_along(bin);
+}
+
+std::vector<Index> order_along_curve(const std::vector<Vec3d>& position) {
+  Vec3d low = position.at(0), high = low;
+  for (const Vec3d& x : position) {
+    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+  }
+  const double cell = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-9}) / kCellsAlong;
+  std::vector<BinCoordinates> bin;
+  for (const Vec3d& x : position)
+    bin.push_back({Index((x.x - low.x) / cell), Index((x.y - low.y) / cell), Index((x.z - low.z) / cell)});
+  return places_along(bin);
 }
 
 bool have_mixed(const std::vector<Vec3d>& position, const std::vector<BodyIndex>& place, const WorldParameters& world) {

@@ -11,6 +11,9 @@ namespace gonogo::sim {
 /// order.
 std::vector<BodyIndex> spatial_order(const std::vector<Vec3d>& position, const WorldParameters& world);
 
+/// The same along the curve through 1023 cells a side of the cube around all of them.
+std::vector<Index> order_along_curve(const std::vector<Vec3d>& position);
+
 /// Whether sorting pays. `place`: what spatial_order() returns. Counted are the bodies whose successor in memory lies
 /// in the same bin or in one beside it.
 bool have_mixed(const std::vector<Vec3d>& position, const std::vector<BodyIndex>& place, const WorldParameters& world);

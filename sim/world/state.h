@@ -124,6 +124,19 @@ struct LargeShape {
   }
 };
 
+inline constexpr int kLargeGroupBits = 3, kLargeGroup = 1 << kLargeGroupBits;
+/// Worlds with fewer large shapes test them all.
+inline constexpr Index kGroupedFrom = 64;
+inline constexpr int kMostLargeLevels = 11;  // 8^11 exceeds what an Index counts
+
+/// Boxes around groups of large shapes, level after level; group g of level k holds the large shapes from 8^(k + 1) g
+/// on.
+struct LargeGroups {
+  View<const LargeShape> box;
+  Index first[kMostLargeLevels + 1] = {};  // [level + 1] in `box`
+  int levels = 0;
+};
+
 /// Contacts of one step, in the order of the shapes that own them; a step writes one store and reads the other for its
 /// warm start.
 template <class Exec>
@@ -179,6 +192,8 @@ struct State {
   Buffer<Shape, Exec> shape;                // [shape], ordered by body
   Buffer<Index, Exec> first_shape;          // [body + 1]
   Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
+  Buffer<LargeShape, Exec> large_group;     // boxes around them, see large.h
+  LargeGroups large_groups;                 // the same as the search sees them
   SurfaceStore<Exec> surfaces;
   MechanismStore<Exec> mechanisms;
   ElementState<Exec> element;

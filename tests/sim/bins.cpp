@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sim/shape/pairs.h"
+#include "sim/stages.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -35,6 +36,7 @@ Shape random_shape(Draw& draw, double smallest) {
   s.type = kind < 2   ? ShapeType::capsule
            : kind < 4 ? ShapeType::cylinder
            : kind < 7 ? ShapeType::box
+           : kind < 9 ? ShapeType::ellipsoid
                       : ShapeType::sphere;
   for (Real* size : {&s.size.x, &s.size.y, &s.size.z}) *size = Real(draw.magnitude(smallest, 1.8 * smallest));
   if (draw.below(60) == 0) {  // a large one
@@ -183,6 +185,104 @@ TEST_CASE("bins find the same contacts as testing all pairs, each once") {
         for (WorldIndex w = 0; w < 3; ++w)
           CHECK(simulation->report(w).contact_count == Index(simulation->contacts(w).size()));
       }
+}
+
+namespace {
+
+/// Shapes of every size from 4 mm to 2 m, as many in each octave, in a cube that they fill by about a quarter.
+SceneWorld world_of_all_sizes(int count, bool only_spheres, Draw& draw) {
+  SceneWorld w;
+  w.gravity = {};
+  const double edge = std::cbrt(0.9 * count);
+  w.origin = Vec3d{-edge, -edge, -edge} * 0.5;
+  w.size = {edge, edge, edge};
+  for (int b = 0; b < count; ++b) {
+    const double radius = draw.magnitude(0.002, 1);
+    Shape s;
+    s.body = w.add_body({draw.in_box(w.origin, w.origin * -1.0), draw.orientation(), {}, {}}, solid(1, {1, 1, 1}));
+    s.size = {Real(radius), 0, 0};
+    if (!only_spheres && draw.below(4) == 0) {
+      const ShapeType types[] = {ShapeType::capsule, ShapeType::ellipsoid, ShapeType::cylinder, ShapeType::box};
+      s.type = types[draw.below(4)];
+      for (Real* size : {&s.size.x, &s.size.y, &s.size.z}) *size = Real(radius * draw.between(0.3, 0.57));
+    }
+    w.add_shape(s);
+  }
+  return w;
+}
+
+StepSettings search_only() {
+  StepSettings settings;
+  settings.iterations = 1;
+  settings.recovery_share = 1;
+  settings.recovery_speed = 1e6f;
+  settings.envelope = 1e-3f;
+  return settings;
+}
+
+}  // namespace
+
+TEST_CASE("shapes from 4 mm to 2 m find the contacts of testing all pairs, open, periodic and in a batch") {
+  for (const Backend backend : backends())
+    for (const int periodic : {0, 1}) {
+      INFO(name_of(backend) << ", periodic " << periodic);
+      Draw draw(500 + std::uint64_t(periodic));
+      Scene scene;
+      Gaps expected;
+      BodyIndex first_body = 0;
+      for (const int count : {1500, 40, 900}) {  // the second has too few for groups and shares those of the others
+        scene.push_back(world_of_all_sizes(count, false, draw));
+        SceneWorld& w = scene.back();
+        w.periodic_x = periodic == 1;
+        if (count == 900) add_plane(w, w.origin * 0.4);
+        add_all_pairs(w, first_body, search_only().envelope, expected);
+        first_body += BodyIndex(w.body.size());
+        const FlatWorld flat = flatten(w, 0, search_only());
+        CHECK((flat.large.size() >= std::size_t(kGroupedFrom)) == (count > 40));
+      }
+      const auto simulation = make_simulation(backend, scene, search_only(), 2);
+      simulation->advance(1);
+      compare(expected, gaps_found(*simulation, 3), search_only().envelope);
+    }
+}
+
+TEST_CASE("a heap of sizes from 4 mm to 2 m moves by the same bits for any number of threads") {
+  for (const Backend backend : backends()) {
+    Draw draw(510);
+    SceneWorld w = world_of_all_sizes(2000, false, draw);
+    w.gravity = {0, 0, Real(-kGravity)};
+    std::vector<BodyState> first;
+    for (const int threads : {1, 2, 5}) {
+      const auto simulation = make_simulation(backend, {w}, settings_with(10), threads);
+      simulation->advance(15);
+      const std::vector<BodyState> now = simulation->bodies(0);
+      if (first.empty()) first = now;
+      std::size_t same = 0;
+      for (std::size_t b = 0; b < now.size(); ++b)
+        same += length(now[b].position - first[b].position) == 0 && length(now[b].velocity - first[b].velocity) == 0;
+      CHECK(same == now.size());
+    }
+  }
+}
+
+TEST_CASE("time of a search among spheres from 4 mm to 2 m", "[.table]") {
+  for (const Backend backend : backends())
+    for (const int count : {12500, 25000, 50000, 100000, 400000}) {
+      Draw draw(520);
+      const SceneWorld w = world_of_all_sizes(count, true, draw);
+      const auto simulation = make_simulation(backend, {w}, search_only(), 1);
+      SearchReport best;
+      for (int repeat = 0; repeat < 3; ++repeat) {
+        const SearchReport now = by_stage(*simulation).timed_search();
+        const auto seconds = [](const SearchReport& r) {
+          return r.times.of(Stage::bins) + r.times.of(Stage::contacts);
+        };
+        if (repeat == 0 || seconds(now) < seconds(best)) best = now;
+      }
+      WARN(name_of(backend) << ": " << count << " spheres, " << flatten(w, 0, search_only()).large.size() << " large, "
+                            << best.contact_count << " contacts: bins " << best.times.of(Stage::bins) * 1e3
+                            << " ms, contacts " << best.times.of(Stage::contacts) * 1e3 << " ms");
+    }
 }
 
 TEST_CASE("bins grow with the shapes in them, not with the domain, and a few large shapes do not widen them") {

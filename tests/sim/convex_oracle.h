@@ -24,7 +24,32 @@ struct Axes {
   Vec3d out_of(const Vec3d& v) const { return x * v.x + y * v.y + z * v.z; }
 };
 
-/// Sphere, capsule, cylinder or box.
+/// Signed distance of a point from an ellipsoid with half axes e: the nearest point is x_k = e_k^2 p_k / (t + e_k^2),
+/// with the largest t for which sum (x_k / e_k)^2 is one, found by halving. On a plane of symmetry, deep inside, there
+/// is none: then t is that of the least half axis, and the rest of the sum is along it.
+inline double ellipsoid_distance(const Vec3d& e, const Vec3d& p) {
+  const double least = std::min({e.x, e.y, e.z});
+  const auto sum = [&](double t) {
+    const auto term = [&](double half, double at) { return std::pow(half * at / (t + half * half), 2); };
+    return term(e.x, p.x) + term(e.y, p.y) + term(e.z, p.z);
+  };
+  double low = -least * least, high = length(p) * std::max({e.x, e.y, e.z});
+  for (int i = 0; i < 200; ++i) {
+    const double t = (low + high) / 2;
+    (sum(t) > 1 ? low : high) = t;
+  }
+  const auto on = [&](double half, double at) {
+    const double below = high + half * half;
+    return below > 1e-9 * half * half ? half * half * at / below : 0;
+  };
+  Vec3d x{on(e.x, p.x), on(e.y, p.y), on(e.z, p.z)};
+  const double rest = 1 - std::pow(x.x / e.x, 2) - std::pow(x.y / e.y, 2) - std::pow(x.z / e.z, 2);
+  if (rest > 1e-6) (e.x == least ? x.x : e.y == least ? x.y : x.z) = least * std::sqrt(rest);
+  const double distance = length(p - x);
+  return high < 0 ? -distance : distance;
+}
+
+/// Sphere, capsule, ellipsoid, cylinder or box.
 struct Body {
   sim::ShapeType type;
   Vec3d size, centre;
@@ -37,6 +62,8 @@ struct Body {
         return size.x;
       case sim::ShapeType::capsule:
         return size.x + size.y * std::abs(n.y);
+      case sim::ShapeType::ellipsoid:
+        return std::sqrt(std::pow(size.x * n.x, 2) + std::pow(size.y * n.y, 2) + std::pow(size.z * n.z, 2));
       case sim::ShapeType::cylinder:
         return size.x * std::hypot(n.x, n.z) + size.y * std::abs(n.y);
       default:
@@ -53,6 +80,8 @@ struct Body {
         return length(p) - size.x;
       case sim::ShapeType::capsule:
         return length(Vec3d{p.x, p.y - std::clamp(p.y, -size.y, size.y), p.z}) - size.x;
+      case sim::ShapeType::ellipsoid:
+        return ellipsoid_distance(size, p);
       case sim::ShapeType::cylinder:
         return two(std::hypot(p.x, p.z) - size.x, std::abs(p.y) - size.y);
       default: {
@@ -66,6 +95,24 @@ struct Body {
 
 inline double separation(const Body& a, const Body& b, const Vec3d& n) {
   return dot(n, a.centre - b.centre) - a.reach(n) - b.reach(n);
+}
+
+/// Largest separation over the directions square to an edge or side that runs along `u`, which make a crease that a
+/// search among all directions does not follow: sampled around the circle, then finer about the best.
+inline double separation_around(const Body& a, const Body& b, const Vec3d& u) {
+  const Vec3d helper = std::abs(u.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}, across = cross(u, helper);
+  const Vec3d v = across * (1 / length(across)), w = cross(u, v);
+  double centre = 0, half = 3.15, best = -1e300;
+  for (int level = 0; level < 12; ++level) {
+    const double middle = centre, samples = level == 0 ? 180 : 6;
+    for (double k = -samples; k <= samples; ++k) {
+      const double angle = middle + half * k / samples;
+      const double at = separation(a, b, v * std::cos(angle) + w * std::sin(angle));
+      if (at > best) best = at, centre = angle;
+    }
+    half *= level == 0 ? 1.0 / 90 : 1.0 / 3;
+  }
+  return best;
 }
 
 /// Largest separation over all directions.
@@ -103,6 +150,8 @@ inline double signed_distance(const Body& a, const Body& b) {
     }
     best = std::max(best, value);
   }
+  for (const Body* body : {&a, &b})
+    for (const Vec3d& u : {body->axes.x, body->axes.y, body->axes.z}) best = std::max(best, separation_around(a, b, u));
   return best;
 }
 

@@ -287,8 +287,8 @@ TriangleMesh angle_beam() {
   return m;
 }
 
-constexpr Kind kBox{ShapeType::box, false, 0}, kCylinder{ShapeType::cylinder, false, 0},
-    kWheel{ShapeType::wheel, false, 0};
+constexpr Kind kBox{ShapeType::box, false, 0}, kEllipsoid{ShapeType::ellipsoid, false, 0},
+    kCylinder{ShapeType::cylinder, false, 0}, kWheel{ShapeType::wheel, false, 0};
 constexpr Kind mesh_box(int cells) { return {ShapeType::box, true, cells}; }
 
 }  // namespace
@@ -296,10 +296,12 @@ constexpr Kind mesh_box(int cells) { return {ShapeType::box, true, cells}; }
 TEST_CASE("solids and meshes on the mesh of a box have the signed distance of the bodies, however finely it is cut") {
   check_pair("box on a mesh box", kBox, mesh_box(1), 60, 1, 2e-6);
   check_pair("box on a mesh box in 25 squares a side", kBox, mesh_box(5), 40, 2, 2e-6);
+  check_pair("ellipsoid on a mesh box", kEllipsoid, mesh_box(1), 100, 11, 2e-6);
+  check_pair("ellipsoid on a mesh box in 25 squares a side", kEllipsoid, mesh_box(5), 60, 12, 2e-6);
   check_pair("mesh box on a mesh box", mesh_box(1), mesh_box(1), 60, 3, 2e-6);
   check_pair("mesh box on a mesh box, cut", mesh_box(2), mesh_box(4), 40, 4, 2e-6);
-  check_pair("cylinder on a mesh box", kCylinder, mesh_box(3), 60, 5, 5e-5);
-  check_pair("wheel on a mesh box", kWheel, mesh_box(2), 40, 6, 5e-5);
+  check_pair("cylinder on a mesh box", kCylinder, mesh_box(3), 60, 5, 2e-6);
+  check_pair("wheel on a mesh box", kWheel, mesh_box(2), 40, 6, 2e-6);
 }
 
 TEST_CASE("solids and meshes on the mesh of a cylinder or tyre have the bodies' signed distance but for the chords") {

@@ -90,7 +90,7 @@ TEST_CASE("every two types of shape may meet but two of the ground, which are re
     ground.group = 2;
     CHECK(!refusal(world(true)).empty());
   }
-  const ShapeType solids[] = {ShapeType::sphere, ShapeType::capsule, ShapeType::cylinder,
+  const ShapeType solids[] = {ShapeType::sphere, ShapeType::capsule, ShapeType::ellipsoid, ShapeType::cylinder,
                               ShapeType::box,    ShapeType::wheel,   ShapeType::mesh};
   for (const ShapeType a : solids)
     for (const ShapeType b : solids) {

@@ -29,7 +29,8 @@ Shape shape(ShapeType type, const Vec3& size, int lugs = 0, Real thickness = 0) 
 }
 
 const Shape kBall = shape(ShapeType::sphere, {0.3f, 0, 0}), kBox = shape(ShapeType::box, {0.2f, 0.3f, 0.5f}),
-            kCapsule = shape(ShapeType::capsule, {0.1f, 0.25f, 0}), kRod = shape(ShapeType::cylinder, {0.15f, 0.4f, 0}),
+            kCapsule = shape(ShapeType::capsule, {0.1f, 0.25f, 0}),
+            kEgg = shape(ShapeType::ellipsoid, {0.3f, 0.2f, 0.1f}), kRod = shape(ShapeType::cylinder, {0.15f, 0.4f, 0}),
             kDrum = shape(ShapeType::wheel, {0.4f, 0.1f, 0.02f}),
             kTyre = shape(ShapeType::wheel, {0.467f, 0.127f, 0.02f}, 24, 0.03f);
 
@@ -57,9 +58,10 @@ TEST_CASE("surfaces of solids are closed, face outward and enclose the closed-fo
   // Cylinders and spheres of n segments are polyhedra inside the round shape: within (2 pi / n)^2 / 6 of its volume.
   const SurfaceDetail fine{400, 1};
   const double tolerance = 2e-4;
-  for (const Shape& s : {kBall, kCapsule, kRod, kBox, kDrum, kTyre}) CHECK(is_closed(surface_of(s, fine)));
+  for (const Shape& s : {kBall, kCapsule, kEgg, kRod, kBox, kDrum, kTyre}) CHECK(is_closed(surface_of(s, fine)));
   CHECK(enclosed_volume(surface_of(kBox, fine)) == Approx(8 * 0.2 * 0.3 * 0.5).epsilon(1e-6));
   CHECK(enclosed_volume(surface_of(kBall, fine)) == Approx(4.0 / 3 * kPi * 0.027).epsilon(tolerance));
+  CHECK(enclosed_volume(surface_of(kEgg, fine)) == Approx(4.0 / 3 * kPi * 0.006).epsilon(tolerance));
   CHECK(enclosed_volume(surface_of(kCapsule, fine)) == Approx(kPi * 0.01 * (0.5 + 4.0 / 3 * 0.1)).epsilon(tolerance));
   CHECK(enclosed_volume(surface_of(kRod, fine)) == Approx(kPi * 0.0225 * 0.8).epsilon(tolerance));
   SceneWorld w;
@@ -74,8 +76,8 @@ TEST_CASE("surfaces of solids are closed, face outward and enclose the closed-fo
 }
 
 TEST_CASE("normals are of length one and point out of the triangles they belong to") {
-  for (const Shape& s : {kBall, kCapsule, kRod, kBox, kTyre, shape(ShapeType::plane, {})}) {
-    const Surface surface = surface_of(s);
+  for (const Shape& s : {kBall, kCapsule, kEgg, kRod, kBox, kTyre, shape(ShapeType::plane, {})}) {
+    const Surface surface = surface_of(s, {s.type == ShapeType::ellipsoid ? 200 : 48, 1});  // its rim is sharp
     for (const Vec3& n : surface.normal) CHECK(length(n) == Approx(1).epsilon(1e-6));
     for (const auto& [a, b, c] : surface.triangle) {
       const Vec3 face = cross(surface.point[b] - surface.point[a], surface.point[c] - surface.point[a]);

@@ -76,6 +76,7 @@ TEST_CASE("bodies of every shape rest on a plane and carry their weight") {
   const double low_lug = 0.47;  // a lug points straight down: quarter turns hold six of the 24
   const Case cases[] = {
       {"capsule lying", shape_of(ShapeType::capsule, {0.1f, 0.3f, 0}), kOnItsSide, 0.1},
+      {"ellipsoid on its flattest side", shape_of(ShapeType::ellipsoid, {0.3f, 0.2f, 0.1f}), {}, 0.1},
       {"cylinder on its side", shape_of(ShapeType::cylinder, {0.2f, 0.3f, 0}), kOnItsSide, 0.2},
       {"cylinder on its flat face", shape_of(ShapeType::cylinder, {0.2f, 0.3f, 0}), kUpright, 0.3},
       {"box", shape_of(ShapeType::box, {0.2f, 0.3f, 0.1f}), {}, 0.1},

@@ -24,8 +24,8 @@ Heightfield level_field(Index nx, Index ny, double spacing, double slope = 0) {
   return f;
 }
 
-enum class Ground { plane, mesh, field };
-constexpr const char* kGround[] = {"plane", "mesh", "heightfield"};
+enum class Ground { plane, quad, mesh, field };
+constexpr const char* kGround[] = {"plane", "mesh of two triangles", "mesh of many triangles", "heightfield"};
 
 /// Level ground through the origin, as body 0.
 void add_ground(SceneWorld& w, Ground kind) {
@@ -35,8 +35,9 @@ void add_ground(SceneWorld& w, Ground kind) {
   }
   Shape s;
   s.body = w.add_body({}, fixed_body());
-  s.type = kind == Ground::mesh ? ShapeType::mesh : ShapeType::heightfield;
-  s.surface = kind == Ground::mesh ? w.add_mesh(floor_mesh(2, 57)) : w.add_heightfield(level_field(61, 71, 0.0613));
+  s.type = kind == Ground::field ? ShapeType::heightfield : ShapeType::mesh;
+  s.surface = kind == Ground::field ? w.add_heightfield(level_field(61, 71, 0.0613))
+                                    : w.add_mesh(floor_mesh(2, kind == Ground::quad ? 1 : 57));
   w.add_shape(s);
 }
 
@@ -51,7 +52,8 @@ BodyIndex add_shape(SceneWorld& w, ShapeType type, const Vec3& size, const BodyS
 
 /// What the ground feels in every step of a body that slides or rolls over it, and where the body ends.
 struct Ride {
-  std::vector<double> force;  // [N]
+  std::vector<double> force;    // [N]
+  std::vector<Index> contacts;  // that the body has
   BodyState end;
 };
 
@@ -61,6 +63,7 @@ Ride ride(Backend backend, const SceneWorld& w, int steps) {
   for (int i = 0; i < steps; ++i) {
     simulation->advance(1);
     r.force.push_back(-simulation->contact_force(0, 0).z);
+    r.contacts.push_back(simulation->report(0).contact_count);
   }
   r.end = simulation->body(0, 1);
   CHECK(simulation->report(0).flags == 0);
@@ -80,11 +83,12 @@ TEST_CASE("a ball and a block that cross the edges of flat ground feel none of t
   const Case cases[] = {{"rolling ball", ShapeType::sphere, {0.06f, 0, 0}, 0.06},
                         {"sliding capsule", ShapeType::capsule, {0.05f, 0.12f, 0}, 0.05},
                         {"sliding box", ShapeType::box, {0.1f, 0.07f, 0.05f}, 0.05},
+                        {"sliding ellipsoid", ShapeType::ellipsoid, {0.09f, 0.12f, 0.05f}, 0.05},
                         {"sliding cylinder", ShapeType::cylinder, {0.05f, 0.12f, 0}, 0.05}};
   for (const Backend backend : backends())
     for (const Case& c : cases) {
-      Ride on[3];
-      for (const Ground ground : {Ground::plane, Ground::mesh, Ground::field}) {
+      Ride on[4];
+      for (const Ground ground : {Ground::plane, Ground::quad, Ground::mesh, Ground::field}) {
         SceneWorld w = open_world({Real(0.2), 0.02f});
         add_ground(w, ground);
         // Capsule and cylinder along y are pushed along their axis, so that they slide.
@@ -99,6 +103,7 @@ TEST_CASE("a ball and a block that cross the edges of flat ground feel none of t
         CHECK(agrees(label + ": largest difference of the load from a plane's [N]", 0, bump, 1e-2 * weight));
         CHECK(agrees(label + ": place compared with a plane's [m]", 0, length(r.end.position - on[0].end.position),
                      1e-5));
+        CHECK(r.contacts == on[0].contacts);  // inner edges add none
         CHECK(agrees(label + ": load at the end [N]", weight, r.force.back(), 0.02 * weight));
       }
     }
