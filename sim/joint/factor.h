@@ -21,6 +21,9 @@ GONOGO_HD_INLINED void subtract(double* __restrict target, const double* __restr
   for (Index c = first; c < end; ++c) target[c] -= share * source[c];
 }
 
+/// Columns that a team works on side by side: a warp of the GPU.
+inline constexpr Index kColumnsAtOnce = 32;
+
 /// Row i -= share(i) * row k for the rows of a range, in the columns from `first_column` on.
 template <class Team, class Share>
 GONOGO_HD void subtract_row(const Team& team, const LinearSystem& s, Index k, Index first_row, Index end_row,
@@ -29,10 +32,18 @@ GONOGO_HD void subtract_row(const Team& team, const LinearSystem& s, Index k, In
     for (Index i = first_row + team.rank(); i < end_row; i += team.size())
       if (const double x = share(i); x != 0) subtract(s.row(i), s.row(k), x, first_column, s.stride);
   } else {
-    const Index columns = s.stride - first_column, cells = (end_row - first_row) * columns;
-    for (Index cell = team.rank(); cell < cells; cell += team.size()) {
-      const Index i = first_row + cell / columns, c = first_column + cell % columns;
-      if (const double x = share(i); x != 0) s.row(i)[c] -= x * s.row(k)[c];
+    // Threads side by side take neighbouring columns of one row, so that a row whose share is zero, as most are, costs
+    // them one look at it.
+    const Index side_by_side = team.size() < kColumnsAtOnce ? team.size() : kColumnsAtOnce;
+    const Index group = team.rank() / side_by_side, groups = team.size() / side_by_side;
+    if (group >= groups) return;
+    const Index first = first_column + team.rank() % side_by_side;
+    const double* __restrict source = s.row(k);
+    for (Index i = first_row + group; i < end_row; i += groups) {
+      const double x = share(i);
+      if (x == 0) continue;
+      double* __restrict target = s.row(i);
+      for (Index c = first; c < s.stride; c += side_by_side) target[c] -= x * source[c];
     }
   }
 }

@@ -98,7 +98,7 @@ TEST_CASE("elimination projects onto the null space of the rows, repeated rows o
 }
 
 TEST_CASE("a team of threads gives the bits of one") {
-  for (const Index size : {2, 3, 7}) {
+  for (const Index size : {2, 3, 7, 40, 64}) {
     Draw draw(950 + std::uint64_t(size));
     int redundant = 0;
     const MatrixXd j = random_rows(draw, 37, 60, redundant);
