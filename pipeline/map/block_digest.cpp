@@ -77,12 +77,12 @@ std::map<std::uint32_t, std::uint64_t> speeds_of(const BlockLayers& block, const
     const float verdict = block.verdict().value[i];
     if (std::isnan(verdict)) continue;
     const auto v = Verdict(int(verdict));
-    const bool passes = v == Verdict::go || v == Verdict::slow_go;
+    const bool passed = passes(v);
     const float metres = block.layer[speed].value[i];
-    if (v == Verdict::unknown || (passes && std::isnan(metres)))
+    if (v == Verdict::unknown || (passed && std::isnan(metres)))
       ++cells[SpeedCurve::kSteps];
     else
-      ++cells[std::uint32_t(passes ? std::max(1, SpeedCurve::step_of(metres)) : 0)];
+      ++cells[std::uint32_t(passed ? std::max(1, SpeedCurve::step_of(metres)) : 0)];
   }
   return cells;
 }

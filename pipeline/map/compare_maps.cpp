@@ -204,10 +204,10 @@ double significance(double p1, double low1, double high1, double p2, double low2
 }
 
 PassChange pass_change(int verdict1, int verdict2) {
-  const auto passes = [](int v) { return v == int(Verdict::go) || v == int(Verdict::slow_go); };
   if (verdict1 == int(Verdict::unknown) || verdict2 == int(Verdict::unknown)) return PassChange::unknown;
-  if (passes(verdict1)) return passes(verdict2) ? PassChange::both : PassChange::only_first;
-  return passes(verdict2) ? PassChange::only_second : PassChange::neither;
+  const bool first = passes(Verdict(verdict1)), second = passes(Verdict(verdict2));
+  if (first) return second ? PassChange::both : PassChange::only_first;
+  return second ? PassChange::only_second : PassChange::neither;
 }
 
 Json compare_maps(const CompareRequest& request) {

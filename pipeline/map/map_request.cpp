@@ -52,7 +52,7 @@ void add_measures(OutcomeModel& model, const std::filesystem::path& file) {
     std::vector<double> points, value;
     const std::size_t index = contract().measure_index(name);
     for (const TrialRecord& record : dataset.records) {
-      if (record.verdict != Verdict::go && record.verdict != Verdict::slow_go) continue;
+      if (!passes(record.verdict)) continue;
       points.insert(points.end(), record.point.variables.begin(), record.point.variables.end());
       value.push_back(record.measures[index]);
     }

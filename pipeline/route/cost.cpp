@@ -11,8 +11,6 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::array<const char*, 4> kNames = {"shortest", "fastest", "safest", "least-energy"};
 
-bool passes(Verdict verdict) { return verdict == Verdict::go || verdict == Verdict::slow_go; }
-
 const SlopeMeasure& require_measure(const SoilResponse& soil, const char* name) {
   const auto found = soil.measures().find(name);
   if (found == soil.measures().end())

@@ -122,14 +122,9 @@ ManyScene pebbles_scene(const PebblesSpec& spec, const RunOn& on) {
   scene.world.set_law(0, 0, {Real(spec.tank.of.friction), rolling, 0});
   scene.world.set_law(0, kTool, {Real(spec.belt_friction), rolling, 0});
   const std::shared_ptr<const Driven> d = add_tracked(scene.world, spec);
-  const auto look = [d](sim::Simulation& simulation) { return look_at(*d, simulation); };
-  scene.measure = look;
+  scene.measure = [d](sim::Simulation& simulation) { return look_at(*d, simulation); };
   scene.watch_every = 0.1;
-  scene.watch = [look](sim::Simulation& simulation, double time) {
-    std::vector<Measured> m = look(simulation);
-    m.insert(m.begin(), {"time_s", time});
-    return m;
-  };
+  scene.watch = over_time(scene.measure);
   return scene;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "base/cancel.h"
 #include "base/error.h"
@@ -134,6 +135,15 @@ sim::StageTimes median_times(const std::vector<sim::StageTimes>& samples) {
     times.seconds[k] = median(of_stage);
   }
   return times;
+}
+
+std::function<std::vector<Measured>(sim::Simulation&, double time)> over_time(
+    std::function<std::vector<Measured>(sim::Simulation&)> measure) {
+  return [measure = std::move(measure)](sim::Simulation& simulation, double time) {
+    std::vector<Measured> m = measure(simulation);
+    m.insert(m.begin(), {"time_s", time});
+    return m;
+  };
 }
 
 ManyResult run_many(const ManyScene& scene, const ManyRun& run) {

@@ -37,6 +37,10 @@ struct ManyScene {
   bool show_by_material = false;  // in pictures spheres have the colours of their materials instead of their speeds
 };
 
+/// A watch that tells over the time what `measure` tells at the end.
+std::function<std::vector<Measured>(sim::Simulation&, double time)> over_time(
+    std::function<std::vector<Measured>(sim::Simulation&)> measure);
+
 /// Steps between two calls of a scene's drive.
 inline constexpr int kStepsPerDrive = 10;
 

@@ -226,19 +226,14 @@ ManyScene screen_scene(const ScreenSpec& spec, const RunOn& on) {
     const double share = std::clamp((time - kSettle) / kRunUp, 0.0, 1.0);
     simulation.set_motor(0, 0, Real(share * spec.crank_speed()), Real(torque));
   };
-  const auto look = [is_large = feed.is_large, at](sim::Simulation& simulation) {
+  scene.measure = [is_large = feed.is_large, at](sim::Simulation& simulation) {
     const Sorted s = sort_of(simulation.bodies(0), is_large, at);
     return std::vector<Measured>{{"small_through", s.small_through},
                                  {"large_through", s.large_through},
                                  {"large_over", s.large_over},
                                  {"newton_efficiency", s.small_through - s.large_through}};
   };
-  scene.measure = look;
-  scene.watch = [look](sim::Simulation& simulation, double time) {
-    std::vector<Measured> m = look(simulation);
-    m.insert(m.begin(), {"time_s", time});
-    return m;
-  };
+  scene.watch = over_time(scene.measure);
   return scene;
 }
 

@@ -48,6 +48,9 @@ enum class Reason : int {
   soft_soil
 };
 
+/// The vehicle gets through, at whatever speed.
+inline bool passes(Verdict v) { return v == Verdict::go || v == Verdict::slow_go; }
+
 struct VerdictInfo {
   std::string name;
   int code;

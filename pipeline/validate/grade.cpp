@@ -27,8 +27,6 @@ double degrees(double pull) { return std::atan(pull) / kDegree; }
 double variable(const TrialRecord& r, const char* name) { return r.point.variables[contract().variable_index(name)]; }
 double measure(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
 
-bool passes(Verdict v) { return v == Verdict::go || v == Verdict::slow_go; }
-
 /// The wheel of a trial and the load on it.
 WheelOnSand wheel_of(const vehicle::WheelRig& rig, double payload, double along, double across) {
   const double a = std::tan(along * kDegree), b = std::tan(across * kDegree);

@@ -102,8 +102,8 @@ void add(Bytes& b, const Driveline& d) {
   for (const double ratio : d.ratio) b << ratio;
   for (const Brake& brake : d.brake) b << brake.motor << brake.torque;
   b << d.first_gear << d.up_speed << d.down_speed << d.shift_time << d.efficiency << d.wheel_inertia << d.engine_inertia
-    << d.idle_speed << d.clutch_torque << d.engaged_speed << d.way_per_radian << d.body
-    << d.axis_B << d.proportional << d.integral;
+    << d.idle_speed << d.clutch_torque << d.engaged_speed << d.way_per_radian << d.body << d.axis_B << d.proportional
+    << d.integral;
   for (const auto* table : {&d.torque, &d.torque_ratio, &d.capacity, &d.throttle, &d.braking, &d.speed})
     add_all(b, *table);
 }

@@ -5,7 +5,7 @@
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
-#include "tests/support/scenes.h"
+#include "tests/validation/sphere_on_slope.h"
 
 using namespace gonogo;
 using namespace gonogo::sim;
@@ -14,25 +14,6 @@ using namespace gonogo::test;
 namespace {
 
 constexpr double kRadius = 0.1;
-
-/// A sphere of 1 kg touching a level plane under gravity that leans by `angle`.
-SceneWorld sphere_on_slope(double angle, double mu, double rolling) {
-  SceneWorld w;
-  w.origin = {-50, -5, -1};
-  w.size = {100, 10, 2};
-  w.gravity = tilted_gravity(angle);
-  w.set_law(0, 0, {Real(mu), Real(rolling), 0});
-  add_plane(w);
-  w.add_sphere({0, 0, kRadius}, Real(kRadius), density_for(1, kRadius), 0);
-  return w;
-}
-
-StepSettings settings_with(double step, Index iterations = 60) {
-  StepSettings s;
-  s.step = Real(step);
-  s.iterations = iterations;
-  return s;
-}
 
 /// Speed of the sphere's lowest point along x.
 double slip(const BodyState& s) { return s.velocity.x - s.angular_velocity.y * kRadius; }

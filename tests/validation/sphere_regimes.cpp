@@ -7,7 +7,7 @@
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
-#include "tests/support/scenes.h"
+#include "tests/validation/sphere_on_slope.h"
 
 using namespace gonogo;
 using namespace gonogo::sim;
@@ -37,17 +37,6 @@ Descent closed_form(double angle, double mu, double rolling, double time) {
     return {Regime::rolls, speed, speed, nearest(t - rolling, needed - mu)};
   }
   return {Regime::slides_and_rolls, along * (t - mu), 2.5 * along * (mu - rolling), nearest(needed - mu, rolling - mu)};
-}
-
-SceneWorld released(double angle, double mu, double rolling, double radius, double mass) {
-  SceneWorld w;
-  w.origin = {-60, -2, -1};
-  w.size = {70, 4, 2};
-  w.gravity = tilted_gravity(angle);
-  w.set_law(0, 0, {Real(mu), Real(rolling), 0});
-  add_plane(w);
-  w.add_sphere({0, 0, radius}, Real(radius), density_for(mass, radius), 0);
-  return w;
 }
 
 Regime seen(double speed, double rim, double threshold) {
@@ -90,10 +79,8 @@ TEST_CASE("a sphere released on an incline rests, rolls, slides or does both whe
   Scene scene;
   for (double angle = 1; angle <= 60; angle += 3.1)
     for (double rolling = 0; rolling <= 0.305; rolling += 0.05)
-      cells.push_back({angle, rolling}), scene.push_back(released(angle * kPi / 180, mu, rolling, radius, mass));
-  StepSettings settings;
-  settings.step = Real(step);
-  settings.iterations = 60;
+      cells.push_back({angle, rolling}), scene.push_back(sphere_on_slope(angle * kPi / 180, mu, rolling, radius, mass));
+  const StepSettings settings = settings_with(step, 60);
   for (const Backend backend : backends()) {
     const auto simulation = make_simulation(backend, scene, settings, 1);
     advance_for(*simulation, time);
@@ -138,9 +125,7 @@ TEST_CASE("three spheres that lean on each other stand up to the mass that stati
       }
     }
   for (const Cell& c : cells) scene.push_back(leaning(c.gap, mu, c.rolling, c.mass));
-  StepSettings settings;
-  settings.step = Real(step);
-  settings.iterations = 300;
+  const StepSettings settings = settings_with(step, 300);
   for (const Backend backend : backends()) {
     const auto simulation = make_simulation(backend, scene, settings, 1);
     advance_for(*simulation, time);
