@@ -14,6 +14,10 @@ constexpr double kLookEvery = 0.05;
 
 constexpr std::uint64_t kAttempts[] = {1, 2};
 
+/// Second attempts begin when so large a share of the places waits for them: a few worlds take a GPU as long as many do,
+/// and twice the steps.
+constexpr int kGathered = 4;
+
 }  // namespace
 
 TrialBatch::TrialBatch(const TrialSetup& setup, const BatchSettings& settings) : setup_(setup), settings_(settings) {
@@ -22,13 +26,16 @@ TrialBatch::TrialBatch(const TrialSetup& setup, const BatchSettings& settings) :
 
 TrialBatch::~TrialBatch() = default;
 
+/// That begin together.
+int TrialBatch::second_attempts() const { return std::max(1, settings_.places / kGathered); }
+
 /// Second attempts are rare: their places are made when they are needed.
 TrialBatch::Lane& TrialBatch::lane(std::uint64_t attempt) {
   std::optional<Lane>& lane = lane_[attempt - 1];
   if (!lane) {
     const double step = attempt_numerics(setup_, attempt).step;
     lane.emplace(Lane{Places(settings_.backend, attempt_settings(setup_, attempt), settings_.threads,
-                             attempt == 1 ? settings_.places : 1),
+                             attempt == 1 ? settings_.places : second_attempts()),
                       std::max<Index>(1, Index(std::lround(kLookEvery / step)))});
   }
   return *lane;
@@ -41,7 +48,26 @@ void TrialBatch::start(const DesignPoint& point, const TrialWatch& watch, const 
   trial_.push_back(std::move(trial));
 }
 
+int TrialBatch::waiting() const {
+  return int(std::count_if(trial_.begin(), trial_.end(), [](const auto& trial) { return !trial->in_place(); }));
+}
+
+int TrialBatch::in_place(std::uint64_t attempt) const {
+  return int(std::count_if(trial_.begin(), trial_.end(), [&](const auto& trial) {
+    return trial->in_place() && trial->attempt() == attempt;
+  }));
+}
+
+/// Together, once enough of them wait, or as many as first attempts go on, or others are under way anyway.
+void TrialBatch::begin_second_attempts() {
+  const int gathered = waiting();
+  if (gathered < second_attempts() && gathered < in_place(1) && in_place(2) == 0) return;
+  for (auto& trial : trial_)
+    if (!trial->in_place()) trial->enter(lane(trial->attempt()).places);
+}
+
 std::vector<TrialRecord> TrialBatch::advance() {
+  begin_second_attempts();
   for (const std::uint64_t attempt : kAttempts) take_steps(attempt);
   save();
   return collect();
@@ -70,12 +96,9 @@ void TrialBatch::save() {
 std::vector<TrialRecord> TrialBatch::collect() {
   std::vector<TrialRecord> records;
   for (auto& trial : trial_) {
-    if (trial->over()) {
-      records.push_back(trial->record());
-      trial.reset();
-    } else if (!trial->in_place()) {
-      trial->enter(lane(trial->attempt()).places);
-    }
+    if (!trial->over()) continue;
+    records.push_back(trial->record());
+    trial.reset();
   }
   std::erase(trial_, nullptr);
   return records;

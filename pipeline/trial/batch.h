@@ -23,6 +23,8 @@ class TrialBatch {
   ~TrialBatch();
 
   int running() const { return int(trial_.size()); }
+  /// Trials whose first attempt failed and whose second one has not begun; they keep their places.
+  int waiting() const;
   int free_places() const { return settings_.places - running(); }
 
   /// Needs a free place. Throws InputError for a design point or a checkpoint that cannot be used.
@@ -39,6 +41,9 @@ class TrialBatch {
     Index look_every;  // steps
   };
   Lane& lane(std::uint64_t attempt);
+  int in_place(std::uint64_t attempt) const;
+  int second_attempts() const;
+  void begin_second_attempts();
   void take_steps(std::uint64_t attempt);
   void save();
   std::vector<TrialRecord> collect();

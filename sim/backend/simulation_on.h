@@ -5,6 +5,7 @@
 #include "sim/backend/batch_arrays.h"
 #include "sim/backend/stage_clock.h"
 #include "sim/world/order.h"
+#include "sim/world/place_bodies.h"
 #include "sim/world/step.h"
 
 namespace gonogo::sim {
@@ -107,19 +108,9 @@ class SimulationOn final : public Simulation, public StepByStage {
   }
 
   void set_bodies(WorldIndex w, const std::vector<BodyIndex>& which, const std::vector<BodyState>& states) override {
-    const Index first = batch_.place[w].body, count = Index(batch_.flat[w].body.size());
-    auto position = batch_.state.position.download(first, count);
-    auto orientation = batch_.state.orientation.download(first, count);
-    auto velocity = batch_.state.velocity.download(first, count);
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      const BodyIndex i = batch_.flat[w].place_of_body[which[k]];
-      position[i] = states[k].position;
-      orientation[i] = states[k].orientation;
-      velocity[i] = {states[k].velocity, 0, states[k].angular_velocity, 0};
-    }
-    batch_.state.position.write(first, position);
-    batch_.state.orientation.write(first, orientation);
-    batch_.state.velocity.write(first, velocity);
+    std::vector<BodyIndex> in_batch;
+    for (const BodyIndex b : which) in_batch.push_back(batch_.in_batch(w, b));
+    queue_.run([&](auto exec) { place_bodies(exec, batch_.state, sent_, in_batch, states); });
   }
 
   std::vector<BodyState> bodies(WorldIndex w) override {
@@ -360,6 +351,7 @@ class SimulationOn final : public Simulation, public StepByStage {
   std::vector<bool> stepped_;    // [world] since it entered or was restored
   std::vector<Index> steps_;     // [world] taken
   Index restored_contacts_ = 0;  // since the latest step
+  BodyPlaces<Exec> sent_;
   StepQueue<Exec> queue_;
 };
 

@@ -24,9 +24,10 @@ std::vector<GrainPlace> grain_places(const std::vector<sim::BodyState>& bodies, 
 
 std::vector<sim::BodyIndex> virgin_grains(const MovingPatch& patch, const std::vector<GrainPlace>& start, double x) {
   std::vector<sim::BodyIndex> virgin;
-  for (std::size_t i = 0; i < start.size(); ++i)
-    if (std::fabs(std::remainder(start[i].position.x - x, patch.length)) > patch.reach)
-      virgin.push_back(sim::BodyIndex(i));
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const double way = (start[i].position.x - x) / patch.length;  // periods; the nearest image is half of one away
+    if (std::fabs(way - std::floor(way + 0.5)) * patch.length > patch.reach) virgin.push_back(sim::BodyIndex(i));
+  }
   return virgin;
 }
 

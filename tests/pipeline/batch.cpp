@@ -47,14 +47,16 @@ std::vector<DesignPoint> some_points() {
 
 using Records = std::map<std::uint64_t, TrialRecord>;
 
-/// Keeps the batch full until all trials are over.
-Records run_all(const TrialSetup& setup, const std::vector<DesignPoint>& points, sim::Backend backend, int places) {
+/// Keeps the batch full until all trials are over. `most_waiting`: trials that waited for a second attempt at a time.
+Records run_all(const TrialSetup& setup, const std::vector<DesignPoint>& points, sim::Backend backend, int places,
+                int* most_waiting = nullptr) {
   TrialBatch batch(setup, {backend, places, 1});
   std::deque<DesignPoint> todo(points.begin(), points.end());
   Records records;
   while (batch.running() > 0 || !todo.empty()) {
     for (; batch.free_places() > 0 && !todo.empty(); todo.pop_front()) batch.start(todo.front());
     for (TrialRecord& r : batch.advance()) records.emplace(r.point.index, std::move(r));
+    if (most_waiting != nullptr) *most_waiting = std::max(*most_waiting, batch.waiting());
   }
   return records;
 }
@@ -114,7 +116,11 @@ TEST_CASE("trials that need a second attempt have the bits that they have alone,
     };
     CHECK(attempts(1) >= 2);
     CHECK(attempts(2) >= 2);
-    check_same(run_all(setup, points, backend, 6), alone);
+    int waited_alone = 0, waited = 0;
+    check_same(run_all(setup, points, backend, 3, &waited_alone), alone);
+    check_same(run_all(setup, points, backend, 12, &waited), alone);
+    CHECK(waited_alone <= 1);  // one of three places is enough to begin
+    CHECK(waited >= 2);        // of twelve it takes three, or as many as go on
   }
 }
 
