@@ -44,6 +44,7 @@ def variants():
         own("bed 1.2 m wide", "bed width", {"trial/bed/width_m": 1.5 * WIDTH}, 1.5),
         own("bed 4.1 m long", "bed length", {"trial/bed/length_m": 1.5 * LENGTH}, 1.5),
         ("10 x 20 updates", "updates", {"trial/numerics/substeps": 10, "trial/numerics/iterations": 20}, updates, 1, 0),
+        grain(16),
     ]
 
 
@@ -215,7 +216,7 @@ def run(options):
     for variant in variants():
         name = variant[0]
         done = trials_of(out, name)
-        if done and len(done) == len(points):
+        if done and len(done) >= len(points):
             continue
         remaining = options.seconds - (time.monotonic() - begin)
         expected = pace * expected_seconds(variant, len(points))
@@ -249,19 +250,35 @@ def number(text):
     return float(text) if text else math.nan
 
 
+def error_of_mean(values):
+    n = len(values)
+    mean = sum(values) / max(1, n)
+    return math.sqrt(sum((v - mean) ** 2 for v in values) / max(1, n * (n - 1)))
+
+
+def same_point(a, b):
+    return all(abs(float(a[n]) - float(b[n])) < 1e-9 for n in ranges() if n != "bed_depth")  # a variant scales it
+
+
 def compare(base, other):
-    """Share of labels that flip and its standard error, by sign; change of slip; unknown trials."""
-    both = [(a, b) for a, b in zip(base, other) if "unknown" not in (a["verdict"], b["verdict"])]
+    """Share of labels that flip and its standard error, by sign; change of slip and sinkage; unknown trials. Of the points
+    that both have: with another seed another point is the one that is replicated."""
+    pairs = [(a, b) for a, b in zip(base, other) if same_point(a, b)]
+    both = [(a, b) for a, b in pairs if "unknown" not in (a["verdict"], b["verdict"])]
     up = sum(passes(b) and not passes(a) for a, b in both)
     down = sum(passes(a) and not passes(b) for a, b in both)
     slips = [min(2.0, number(b["slip"])) - min(2.0, number(a["slip"])) for a, b in both
              if not math.isnan(number(a["slip"]) + number(b["slip"]))]
+    sinkages = [number(b["sinkage"]) - number(a["sinkage"]) for a, b in both
+                if not math.isnan(number(a["sinkage"]) + number(b["sinkage"]))]
     n = len(both)
     # Laplace's rule of succession: no flip in 50 is not an error of nought.
     share, fair = (up + down) / max(1, n), (up + down + 1) / (n + 2)
-    return {"trials": n, "unknown": len(base) - n, "flip_share": share, "error": math.sqrt(fair * (1 - fair) / max(1, n)),
+    return {"trials": n, "unknown": len(pairs) - n, "flip_share": share, "error": math.sqrt(fair * (1 - fair) / max(1, n)),
             "pass_now": up, "fail_now": down, "mean_slip": sum(slips) / max(1, len(slips)),
-            "rms_slip": math.sqrt(sum(s * s for s in slips) / max(1, len(slips)))}
+            "rms_slip": math.sqrt(sum(s * s for s in slips) / max(1, len(slips))),
+            "slip_error": error_of_mean(slips), "mean_sinkage": sum(sinkages) / max(1, len(sinkages)),
+            "sinkage_error": error_of_mean(sinkages)}
 
 
 HEADER = """# Label quality
@@ -273,8 +290,8 @@ patch of 2.72 x 0.8 m. Slip above 2 counts as 2. These points are the hardest th
 Every change of grains or bed also puts other grains under the wheel, so that the line "another seed" is what such a change flips when
 it changes nothing else. Of the base {passing} pass, {unknown} are unknown. Numbers: [convergence.csv](convergence.csv).
 
-| factor | changed to | trials | unknown | labels that flip | now pass, now fail | slip, mean change | slip, rms change | cost |
-|---|---|---|---|---|---|---|---|---|"""
+| factor | changed to | trials | unknown | labels that flip | now pass, now fail | slip, mean change | slip, rms change | sinkage, mean change [mm] | cost |
+|---|---|---|---|---|---|---|---|---|---|"""
 
 
 def report(options):
@@ -288,13 +305,14 @@ def report(options):
         if name == BASE:
             continue
         trials = trials_of(options.folder, name)
-        if trials is None or len(trials) != len(base):
+        if trials is None:
             missing.append(name)
             continue
         c = compare(base, trials)
         rows.append({"factor": factor, "variant": name, **c})
         lines.append(f"| {factor} | {name} | {c['trials']} | {c['unknown']} | {c['flip_share']:.2f} +- {c['error']:.2f} | "
-                     f"{c['pass_now']}, {c['fail_now']} | {c['mean_slip']:+.3f} | {c['rms_slip']:.3f} | {cost_of_trial:.2g} |")
+                     f"{c['pass_now']}, {c['fail_now']} | {c['mean_slip']:+.3f} +- {c['slip_error']:.3f} | {c['rms_slip']:.3f} | "
+                     f"{1e3 * c['mean_sinkage']:+.0f} +- {1e3 * c['sinkage_error']:.0f} | {cost_of_trial:.2g} |")
     scaled = sorted(p.stem[len("scaled_"):] for p in options.folder.glob("scaled_*.json"))
     if scaled:
         lines += ["", "The table of 32 mm with another diameter served " + ", ".join(scaled) + "; other sizes have tables of their own."]

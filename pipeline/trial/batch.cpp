@@ -73,10 +73,21 @@ std::vector<TrialRecord> TrialBatch::advance() {
   return collect();
 }
 
-void TrialBatch::take_steps(std::uint64_t attempt) {
+/// Trials whose worlds are made. Those that are being made are waited for where there is nothing to step meanwhile.
+std::vector<TrialRun*> TrialBatch::ready(std::uint64_t attempt) {
+  const bool wait = std::none_of(trial_.begin(), trial_.end(),
+                                 [](const auto& trial) { return trial->in_place() && !trial->is_coming(); });
   std::vector<TrialRun*> trials;
-  for (const auto& trial : trial_)
-    if (trial->attempt() == attempt && trial->in_place()) trials.push_back(trial.get());
+  for (const auto& trial : trial_) {
+    if (trial->attempt() != attempt || !trial->in_place()) continue;
+    trial->arrive(wait);
+    if (!trial->is_coming()) trials.push_back(trial.get());
+  }
+  return trials;
+}
+
+void TrialBatch::take_steps(std::uint64_t attempt) {
+  const std::vector<TrialRun*> trials = ready(attempt);
   if (trials.empty()) return;
   Lane& lane = this->lane(attempt);
   Index steps = lane.look_every;

@@ -44,6 +44,7 @@ class TrialBatch {
   int in_place(std::uint64_t attempt) const;
   int second_attempts() const;
   void begin_second_attempts();
+  std::vector<TrialRun*> ready(std::uint64_t attempt);
   void take_steps(std::uint64_t attempt);
   void save();
   std::vector<TrialRecord> collect();

@@ -44,17 +44,21 @@ void Places::release(sim::WorldIndex place) {
   simulation_->replace(place, *nobody());
 }
 
-void Places::put(sim::WorldIndex place, std::shared_ptr<const sim::SceneWorld> world, const sim::Snapshot* from) {
-  sim::FlatWorld flat = sim::flatten(*world, place, settings_);
-  const sim::WorldSize size = flat.size();
+ReadyWorld Places::ready(sim::WorldIndex place, sim::SceneWorld world) const {
+  sim::FlatWorld flat = sim::flatten(world, place, settings_);
+  return {std::make_shared<const sim::SceneWorld>(std::move(world)), std::move(flat)};
+}
+
+void Places::put(sim::WorldIndex place, ReadyWorld ready, const sim::Snapshot* from) {
+  const sim::WorldSize size = ready.flat.size();
   if (sim::larger(room_, size) != room_) {
     room_ = sim::larger(room_, with_margin(size));
     world_[std::size_t(place)] = nobody();  // what was there is not needed any more
     simulation_->replace(place, *nobody());
     rebuild(world_.size());
   }
-  world_[std::size_t(place)] = std::move(world);
-  simulation_->replace(place, std::move(flat));
+  world_[std::size_t(place)] = std::move(ready.world);
+  simulation_->replace(place, std::move(ready.flat));
   if (from) simulation_->restore(place, *from);
 }
 

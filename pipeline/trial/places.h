@@ -9,6 +9,12 @@
 
 namespace gonogo::pipeline {
 
+/// A world on its way into a place, and what a batch needs of it.
+struct ReadyWorld {
+  std::shared_ptr<const sim::SceneWorld> world;
+  sim::FlatWorld flat;
+};
+
 class Places {
  public:
   /// Starts with `count` places, all free, too small for any world: the first world that enters sets their size.
@@ -19,10 +25,13 @@ class Places {
   /// The place is free again; what was in it is gone.
   void release(sim::WorldIndex place);
 
+  /// Work of the host alone; touches no place, so that any thread may do it. Throws InputError for a world that cannot run.
+  ReadyWorld ready(sim::WorldIndex place, sim::SceneWorld world) const;
+
   /// Puts a world into a place that was taken; with `from`, as it was when that snapshot was made. May rebuild the
-  /// batch: reports, contacts and forces of the other worlds are then zero until their next step. Throws InputError for
-  /// a world that cannot run and DeviceError when the device's memory does not suffice.
-  void put(sim::WorldIndex place, std::shared_ptr<const sim::SceneWorld> world, const sim::Snapshot* from = nullptr);
+  /// batch: reports, contacts and forces of the other worlds are then zero until their next step. Throws DeviceError
+  /// when the device's memory does not suffice.
+  void put(sim::WorldIndex place, ReadyWorld ready, const sim::Snapshot* from = nullptr);
 
   /// Not to be kept over take() and put().
   sim::Simulation& simulation() { return *simulation_; }

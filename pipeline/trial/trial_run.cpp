@@ -87,20 +87,21 @@ void TrialRun::enter(Places& places) {
       set_aside(error.what());
     }
   }
-  if (!world_) begin_bed(nullptr);
+  if (!world_) send_for(Phase::bed);
 }
 
 /// Everything is read and checked before the place is touched.
 void TrialRun::resume(const SavedRun& saved) {
-  bed_scene_ = scene_of(bed_alone(setup_, packing_, conditions_));
+  ReadyWorld bed = bed_world();
+  bed_scene_ = scene_of(*bed.world);
   if (!saved.driving()) {
     const sim::Snapshot from = saved.world(bed_scene_);
-    begin_bed(&from);
+    begin(Phase::bed, std::move(bed), &from);
   } else {
     bed_ = saved.bed(bed_scene_);
-    const auto world = drive_world();
-    const sim::Snapshot from = saved.world(scene_of(*world));
-    begin_drive(world, &from);
+    ReadyWorld drive = drive_world();
+    const sim::Snapshot from = saved.world(scene_of(*drive.world));
+    begin(Phase::drive, std::move(drive), &from);
   }
   saved_.reset();
 }
@@ -117,24 +118,31 @@ void TrialRun::set_aside(const std::string& why) {
            why + "; the file is set aside as " + damaged.filename().string() + " and the trial starts anew");
 }
 
-void TrialRun::begin_bed(const sim::Snapshot* from) {
-  world_ = std::make_shared<const sim::SceneWorld>(bed_alone(setup_, packing_, conditions_));
-  places_->put(place_, world_, from);
-  phase_ = Phase::bed;
-  scene_.clear();
-  step_ = from ? from->steps : 0;
+ReadyWorld TrialRun::bed_world() const {
+  return places_->ready(place_, bed_alone(setup_, packing_, conditions_));
 }
 
-std::shared_ptr<const sim::SceneWorld> TrialRun::drive_world() const {
-  return std::make_shared<const sim::SceneWorld>(vehicle_on_bed(setup_, packing_, bed_, conditions_));
+ReadyWorld TrialRun::drive_world() const {
+  return places_->ready(place_, vehicle_on_bed(setup_, packing_, bed_, conditions_));
 }
 
-void TrialRun::begin_drive(const std::shared_ptr<const sim::SceneWorld>& world, const sim::Snapshot* from) {
-  world_ = world;
-  places_->put(place_, world_, from);
-  phase_ = Phase::drive;
+void TrialRun::send_for(Phase phase) {
+  coming_phase_ = phase;
+  coming_ = std::async(std::launch::async, [this, phase] { return phase == Phase::bed ? bed_world() : drive_world(); });
+}
+
+void TrialRun::arrive(bool wait) {
+  if (!is_coming() || (!wait && coming_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)) return;
+  begin(coming_phase_, coming_.get(), nullptr);
+}
+
+void TrialRun::begin(Phase phase, ReadyWorld ready, const sim::Snapshot* from) {
+  world_ = ready.world;
+  places_->put(place_, std::move(ready), from);
+  phase_ = phase;
   scene_.clear();
   step_ = from ? from->steps : 0;
+  if (phase == Phase::bed) return;
   show_samples();
   if (step_ == 0) show_frame();
   pass_due_frames();
@@ -212,7 +220,7 @@ void TrialRun::end_attempt(const DriveOutcome& outcome) {
 }
 
 void TrialRun::move_on() {
-  if (next_ == Next::drive) begin_drive(drive_world(), nullptr);
+  if (next_ == Next::drive) send_for(Phase::drive);
   if (next_ == Next::leave) {
     places_->release(place_);
     places_ = nullptr;
@@ -224,7 +232,7 @@ void TrialRun::move_on() {
 std::string TrialRun::scene_of(const sim::SceneWorld& world) const { return sim::scene_hash(world, settings_); }
 
 void TrialRun::save_when_due(bool at_once) {
-  if (!saves() || !in_place() || (!at_once && Clock::now() < next_save_)) return;
+  if (!saves() || !in_place() || is_coming() || (!at_once && Clock::now() < next_save_)) return;
   if (bed_scene_.empty()) bed_scene_ = scene_of(bed_alone(setup_, packing_, conditions_));
   if (scene_.empty()) scene_ = scene_of(*world_);
   const TiltedBed* bed = phase_ == Phase::drive ? &bed_ : nullptr;

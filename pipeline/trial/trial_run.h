@@ -3,6 +3,7 @@
 // steps: in which company and how many between two looks does not change the record.
 #pragma once
 #include <chrono>
+#include <future>
 #include <memory>
 #include <optional>
 
@@ -24,12 +25,16 @@ class TrialRun {
   bool in_place() const { return places_ != nullptr; }
   sim::WorldIndex place() const { return place_; }
 
+  /// The host makes the world of the next phase while the batch goes on with others. Puts it into the place once it is
+  /// made, which `wait` waits for. May rebuild the batch.
+  void arrive(bool wait);
+  bool is_coming() const { return coming_.valid(); }
+
   /// After at most this many steps the batch has to look; it may do so sooner.
   Index due() const;
   /// Takes note of the `steps` taken since the last look. `stop` is that of its place.
   void look(Index steps, const sim::WorldStop& stop);
-  /// After all trials of the batch have been looked at, because it may rebuild the batch: puts the world of the next
-  /// phase into the place or leaves it.
+  /// Has the world of the next phase made, or leaves the place.
   void move_on();
 
   /// Writes the checkpoint when its interval has passed, or at once.
@@ -47,9 +52,10 @@ class TrialRun {
   sim::Simulation& simulation() { return places_->simulation(); }
   void resume(const SavedRun& saved);
   void set_aside(const std::string& why);
-  void begin_bed(const sim::Snapshot* from);
-  void begin_drive(const std::shared_ptr<const sim::SceneWorld>& world, const sim::Snapshot* from);
-  std::shared_ptr<const sim::SceneWorld> drive_world() const;
+  void send_for(Phase phase);
+  ReadyWorld bed_world() const;
+  ReadyWorld drive_world() const;
+  void begin(Phase phase, ReadyWorld ready, const sim::Snapshot* from);
   void look_at_bed();
   void look_at_drive(const sim::WorldStop& stop);
   void end_attempt(const DriveOutcome& outcome);
@@ -93,6 +99,9 @@ class TrialRun {
   std::int64_t frame_count_ = 0;
   sim::Snapshot before_;  // of the latest look
   Index replay_to_ = 0;   // above zero: step in which the world stops
+
+  Phase coming_phase_ = Phase::bed;
+  std::future<ReadyWorld> coming_;  // the last member: it is waited for before what it reads goes
 };
 
 }  // namespace gonogo::pipeline
