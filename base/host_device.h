@@ -4,6 +4,14 @@
 // The only place, with for_each.h and buffer.h, that asks which compiler is at work.
 #pragma once
 
+/// Before a loop: so many turns are written out on the device, whose loads are then under way together.
+#ifdef __CUDA_ARCH__
+#define GONOGO_PRAGMA(text) _Pragma(#text)
+#define GONOGO_UNROLLED(turns) GONOGO_PRAGMA(unroll turns)
+#else
+#define GONOGO_UNROLLED(turns)
+#endif
+
 #ifdef __CUDACC__
 #define GONOGO_HD __host__ __device__
 #define GONOGO_HD_INLINED __host__ __device__ __forceinline__

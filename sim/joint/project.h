@@ -37,6 +37,7 @@ struct Projection {
     const Index stride = m.column_stride();
     const Real* offset = from + std::size_t(m.unknowns()) * stride;
     for (int i = 0; i < kCount; ++i) sum[i] = offset[i];
+    GONOGO_UNROLLED(3)
     for (Index slot = 0; slot < m.body_count; ++slot, from += 6 * stride) {
       const Velocity& g = gathered[slot];
       const Real x[6] = {g.linear.x, g.linear.y, g.linear.z, g.angular.x, g.angular.y, g.angular.z};

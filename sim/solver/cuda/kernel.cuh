@@ -104,7 +104,8 @@ class SolveKernel {
       const Load load{residence().contacts_of_body[in_block], residence().world_of_body[in_block]};
       if (load.world >= 0) move_body(first_index() / kLanesPerBody, load, momentum, k);
     } else {
-      for (Index l = first_index(); l < kLanesPerBody * s.mass.size; l += stride())
+      const Index teams = team_.count - s.mechanism_teams, all = kLanesPerBody * s.mass.size;
+      for (Index l = (team_.index < teams) ? first_index() : all; l < all; l += teams * kTileSize)
         if (const Load load = load_of(l / kLanesPerBody); load.world >= 0)
           move_body(l / kLanesPerBody, load, momentum, k);
     }
@@ -120,8 +121,9 @@ class SolveKernel {
     };
     MechanismMover mover(s, team_, work_, add);
     Real* held = resident ? residence().projection : nullptr;
+    const bool several = s.projection.mechanism.size > team_.count;
     for (Index m = team_.count - 1 - team_.index; m < s.projection.mechanism.size; m += team_.count) {
-      if (!resident || k < 0) mover.load(m, held);
+      if (k < 0 || several) mover.load(m, held);
       mover.template move<parts>(k, held);
     }
   }

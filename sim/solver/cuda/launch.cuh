@@ -90,6 +90,20 @@ inline void reserve_solver(State<Cuda>& s, const StepSettings& settings) {
   own.spectral_sums.resize(tile_capacity(s));
 }
 
+/// One block per multiprocessor, and no more than there is work for: a barrier costs less with fewer.
+inline Index grid_size(const State<Cuda>& s) {
+  const Index work = std::max(tile_capacity(s), (s.body_count + kTileSize - 1) / kTileSize);
+  return std::min<Index>(work, device_attribute(cudaDevAttrMultiProcessorCount));
+}
+
+/// The mechanism of a whole vehicle takes its team about as long as moving a million bodies takes all teams. Where such teams
+/// are few they leave the bodies to the others, which would wait for them else. Nought where mechanisms are small.
+inline Index mechanism_teams(const State<Cuda>& s) {
+  constexpr Index large = 6, few = 16;  // bodies; one team of so many
+  const Index count = s.mechanisms.mechanism.size();
+  return s.mechanisms.body.size() >= large * count && few * count <= kTeamsPerBlock * grid_size(s) ? count : 0;
+}
+
 inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
   SolverStorage<Cuda>& own = s.solver;
   return {tiles(s),
@@ -109,6 +123,7 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           s.first_body_tile.view(),
           projection(s.mechanisms),
           motor_moment(s.mechanisms),
+          mechanism_teams(s),
           s.mechanisms.gathered.view(),
           own.mechanism_slot.view(),
           own.mechanism_gathered.view(),
@@ -147,12 +162,6 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
           own.velocity_before.view(),
           own.length.view(),
           own.spectral_sums.view()};
-}
-
-/// One block per multiprocessor, and no more than there is work for: a barrier costs less with fewer.
-inline Index grid_size(const State<Cuda>& s) {
-  const Index work = std::max(tile_capacity(s), (s.body_count + kTileSize - 1) / kTileSize);
-  return std::min<Index>(work, device_attribute(cudaDevAttrMultiProcessorCount));
 }
 
 template <bool turning, bool parts, Solver method = Solver::apgd>

@@ -94,6 +94,7 @@ struct SolveViews {
   View<const Index> first_body_tile;
   Projection projection;
   MotorMoment motor_moment;
+  Index mechanism_teams;               // the last ones; they see to nothing but their mechanism while bodies move
   View<Velocity> gathered;             // [mechanism body], as are the next two
   View<MechanismSlot> mechanism_slot;  // of mechanisms too large for shared memory
   View<Velocity> mechanism_gathered;
