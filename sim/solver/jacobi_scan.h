@@ -1,9 +1,10 @@
 // `jacobi_scan`: the baseline that the fast iterations are held against. The steps are those of `jacobi`; the impulses
-// reach the bodies as in the first solvers of this family on GPUs (Tasora & Negrut 2009; Negrut et al. 2012; Chrono's
-// src/unit_PARALLEL/ChLcpSolverGPU.cu of 2012): every contact writes what it does to its two bodies at places sorted by
-// body, which are found once a step, a segmented scan adds up what follows each other for one body, and then all bodies
-// move. They wrote changes of velocities that were added to the velocities; here it is the whole impulses, so that
-// rounding does not add up. Each stage is a loop by itself, on either backend.
+// reach the bodies as in the first solvers of this family on GPUs (Tasora & Negrut 2009; Negrut et al. 2012): every
+// contact writes what it does to its two bodies at places sorted by body, which are found once a step, a segmented scan
+// adds up what lies side by side for one body, and then all bodies move. (In Chrono's code of 2012,
+// src/unit_PARALLEL/ChLcpSolverGPU.cu, a thread for each body adds its stretch.) They wrote changes of velocities that
+// were added to the velocities; here it is the whole impulses, so that rounding does not add up. Each stage is a loop
+// by itself, on either backend.
 #pragma once
 #include <type_traits>
 
