@@ -12,10 +12,6 @@
 namespace gonogo::pipeline::cli {
 namespace {
 
-const std::map<std::string, sim::Solver> kSolvers{{"apgd", sim::Solver::apgd},
-                                                  {"jacobi", sim::Solver::jacobi},
-                                                  {"gauss_seidel", sim::Solver::gauss_seidel},
-                                                  {"bb", sim::Solver::bb}};
 const std::map<std::string, sim::Target> kTargets{{"ccp", sim::Target::ccp}, {"coulomb", sim::Target::coulomb}};
 
 Json bed_json(const char* scene, const BedBench& request, const BedBenchResult& r) {
@@ -167,7 +163,7 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
       ->check(CLI::Range(1, 100000));
   command->add_option("--drive-time", request->drive_time, "Instead of the scene's [s]")->check(CLI::Range(0.1, 1e3));
   add_choice(*command, "--backend", request->backend, kBackends, "cpu or cuda");
-  add_choice(*command, "--solver", request->solver, kSolvers, "Solver of the contacts");
+  add_solver(*command, request->solver);
   add_choice(*command, "--target", request->target, kTargets, "ccp or coulomb");
   command->footer("Example:\n  gonogo bench wheel --backend cuda --worlds 8 --json");
   command->callback([&globals, request] {

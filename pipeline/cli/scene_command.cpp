@@ -30,6 +30,7 @@ std::string watched_text(const std::vector<std::vector<Measured>>& watched) {
 
 Json scene_json(const ManyScene& scene, const ManyRun& run, Index spheres, const ManyResult& r, double made) {
   Json json = counts_json(scene.name, run.on, spheres, r.bodies, r.contacts);
+  json["solver"] = name_in(kSolvers, scene.settings.solver);
   json["iterations"] = r.iterations;
   for (const Measured& m : r.measured) json[m.key] = m.value;
   if (!r.watched.empty()) json["watched"] = watched_json(r.watched);
@@ -63,9 +64,10 @@ std::string scene_text(const ManyScene& scene, const ManyRun& run, const ManyRes
   if (run.repeats == 0) return text;
   std::snprintf(
       line, sizeof line,
-      "%d iterations: %.3f ms per step, %.3f ns per contact-iteration (whole step), %.3f ns (solver), %.2f of "
+      "%s, %d iterations: %.3f ms per step, %.3f ns per contact-iteration (whole step), %.3f ns (solver), %.2f of "
       "the copy bandwidth\n",
-      r.iterations, r.ms_per_step, r.ns_per_contact_iteration, r.ns_per_contact_iteration_solver, r.bandwidth_share);
+      name_in(kSolvers, scene.settings.solver).c_str(), r.iterations, r.ms_per_step, r.ns_per_contact_iteration,
+      r.ns_per_contact_iteration_solver, r.bandwidth_share);
   return text + line + stages_text(r.stages, sim::Stage::bins, sim::Stage::integrate);
 }
 
@@ -115,6 +117,7 @@ CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, 
   CLI::App* command = parent.add_subcommand(name, about);
   const auto run = std::make_shared<ManyRun>();
   add_sphere_count(*command, *count);
+  add_solver(*command, run->on.solver);
   command->add_option("--iterations", run->on.iterations, "Solver iterations per step")->check(CLI::Range(1, 100000));
   command->add_option("--repeats", run->repeats, "Timed samples at the end; 0: none")->check(CLI::Range(0, 100000));
   command->add_option("--vtk", run->vtk, "Folder for VTK files that ParaView opens");

@@ -26,7 +26,7 @@ ManyScene ball_scene(const BallSpec& given, const RunOn& on) {
   const double surface = tank.size.z - 6 * spec.tank.of.diameter;
   scene.world = with_ball(tank, middle_of(tank) + Vec3d{0, 0, surface}, radius, spec.relative_density * bulk);
   scene.world.size.z += 4 * radius;
-  scene.settings = many_step_settings(spec.tank.of, on.iterations);
+  scene.settings = many_step_settings(spec.tank.of, on.iterations, on.solver);
   scene.duration = spec.floated;
   scene.measure = [=, world = scene.world](sim::Simulation& simulation) -> std::vector<Measured> {
     const auto bodies = simulation.bodies(0);

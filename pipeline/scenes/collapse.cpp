@@ -76,7 +76,7 @@ ManyScene collapse_scene(const CollapseSpec& spec, const RunOn& on) {
   const double height = height_of(column), radius = spec.radius(), reach = 8 * radius + 3 * height;
   ManyScene scene;
   scene.name = "collapse";
-  scene.settings = many_step_settings(spec.of, on.iterations);
+  scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
   sim::SceneWorld& world = scene.world;
   world.origin = {-reach, -reach, -spec.of.diameter};
   world.size = {2 * reach, 2 * reach, height + spec.of.diameter};

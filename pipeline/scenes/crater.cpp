@@ -17,7 +17,7 @@ ManyScene crater_scene(const CraterSpec& spec, const RunOn& on) {
   scene.world = with_ball(tank, middle_of(tank) + Vec3d{0, 0, surface + grain + radius}, radius, spec.density);
   scene.world.body[0].velocity.z = Real(-std::sqrt(2 * 9.81 * spec.drop_height));
   scene.world.size.z += 4 * radius;
-  scene.settings = many_step_settings(spec.tank.of, on.iterations);
+  scene.settings = many_step_settings(spec.tank.of, on.iterations, on.solver);
   scene.duration = spec.watched;
   scene.measure = [=](sim::Simulation& simulation) -> std::vector<Measured> {
     const double depth = surface - (simulation.body(0, 0).position.z - radius);

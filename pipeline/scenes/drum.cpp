@@ -75,7 +75,7 @@ ManyScene drum_scene(const DrumSpec& spec, const RunOn& on) {
                reach = radius + 4 * spec.of.diameter;
   ManyScene scene;
   scene.name = "drum";
-  scene.settings = many_step_settings(spec.of, on.iterations);
+  scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
   sim::SceneWorld& world = scene.world;
   world.origin = {-reach, -length, -reach};
   world.size = {2 * reach, 2 * length, 2 * reach};

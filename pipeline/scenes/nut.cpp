@@ -14,7 +14,7 @@ ManyScene nut_scene(const NutSpec& spec, const RunOn& on) {
   const double radius = spec.size_ratio * spec.tank.of.diameter / 2;
   scene.world = with_ball(tank, middle_of(tank) + Vec3d{0, 0, radius}, radius, spec.tank.of.density);
   scene.world.size.z *= 2;  // what is thrown up
-  scene.settings = many_step_settings(spec.tank.of, on.iterations);
+  scene.settings = many_step_settings(spec.tank.of, on.iterations, on.solver);
   scene.duration = spec.shaken;
   scene.drive = [spec](sim::Simulation& simulation, double time) {
     const double phase = 2 * std::numbers::pi * spec.frequency * time;

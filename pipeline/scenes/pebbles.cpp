@@ -113,7 +113,7 @@ std::shared_ptr<const Driven> add_tracked(sim::SceneWorld& world, const PebblesS
 ManyScene pebbles_scene(const PebblesSpec& spec, const RunOn& on) {
   ManyScene scene;
   scene.name = "pebbles";
-  scene.settings = many_step_settings(spec.tank.of, on.iterations);
+  scene.settings = many_step_settings(spec.tank.of, on.iterations, on.solver);
   scene.settings.step = Real(kStep);
   scene.duration = kStands + spec.driven;
   scene.world = tank_world(spec.tank, on);

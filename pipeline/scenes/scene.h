@@ -9,9 +9,10 @@
 
 namespace gonogo::pipeline {
 
-/// Where a scene is settled and run, and how accurately.
+/// Where a scene is settled and run, by what solver and how accurately.
 struct RunOn {
-  int iterations = 50;  // of the solver in a step
+  sim::Solver solver = sim::Solver::apgd;  // of the run; scenes are made by the default one whatever is timed
+  int iterations = 50;                     // of the solver in a step
   sim::Backend backend = sim::Backend::cpu;
   int threads = 1;
 };

@@ -200,7 +200,7 @@ ScreenParts screen_parts(const ScreenSpec& spec) {
 ManyScene screen_scene(const ScreenSpec& spec, const RunOn& on) {
   ManyScene scene;
   scene.name = "screen";
-  scene.settings = many_step_settings(spec.of, on.iterations);
+  scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
   scene.show_by_material = true;
   scene.duration = kSettle + kRunUp + spec.shaken;
   sim::SceneWorld& world = scene.world;

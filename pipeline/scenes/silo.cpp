@@ -116,7 +116,7 @@ ManyScene silo_scene(const SiloSpec& spec, const RunOn& on) {
   const double height = height_of(fill);
   ManyScene scene;
   scene.name = "silo";
-  scene.settings = many_step_settings(spec.of, on.iterations);
+  scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
   sim::SceneWorld& world = scene.world;
   const double half = spec.radius() + wall_thickness(spec), below = depth_below(spec) + spec.of.diameter;
   world.origin = {-half, -half, -below};

@@ -24,10 +24,11 @@ std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Inde
   return spheres;
 }
 
-sim::StepSettings many_step_settings(const Spheres& spec, int iterations) {
+sim::StepSettings many_step_settings(const Spheres& spec, int iterations, sim::Solver solver) {
   sim::StepSettings s;
   s.step = Real(2e-3);
   s.iterations = iterations;
+  s.solver = solver;
   s.envelope = Real(0.06 * spec.diameter);
   s.recovery_speed = Real(std::sqrt(9.81 * spec.diameter) / 10);
   return s;

@@ -33,7 +33,7 @@ std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Inde
 
 /// Numerical parameters for spheres of this diameter; step 2e-3 s. The envelope gives about 3.6 contacts a sphere, as
 /// the published tank has 3.55.
-sim::StepSettings many_step_settings(const Spheres& spec, int iterations);
+sim::StepSettings many_step_settings(const Spheres& spec, int iterations, sim::Solver solver = sim::Solver::apgd);
 
 /// A plane of a body through `at` that looks along the z axis turned by `turn`.
 void add_plane(sim::SceneWorld& world, sim::BodyIndex body, const Vec3d& at, const Quat& turn);

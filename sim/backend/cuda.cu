@@ -58,7 +58,8 @@ class StepQueue<Cuda> {
     check_cuda(cudaStreamSynchronize(stream_of(exec_)), "stage");
   }
 
-  static double traffic(const State<Cuda>& s, Index contacts) {
+  static double traffic(const State<Cuda>& s, const StepSettings& settings, Index contacts) {
+    if (settings.solver == Solver::jacobi_scan) return scan_traffic(s, contacts);
     return double(contacts) * bytes_per_contact(s.turning) + double(s.body_count) * bytes_per_body();
   }
 

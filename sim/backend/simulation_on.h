@@ -54,7 +54,7 @@ class SimulationOn final : public Simulation, public StepByStage {
   }
 
   double solver_traffic() override {
-    return queue_.traffic(batch_.state, batch_.state.progress.read(0).contact_total);
+    return queue_.traffic(batch_.state, settings_, batch_.state.progress.read(0).contact_total);
   }
 
   StepReport report(WorldIndex w) override {

@@ -1,5 +1,6 @@
 // Contacts as the host updates them: eight at once, field by field, each tile starting a new block.
 #pragma once
+#include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
 #include "sim/solver/tiles.h"
@@ -31,6 +32,7 @@ struct SolverStorage<Cpu> {
   Buffer<SpectralStep, Cpu> length;         // [world]
   Buffer<Momentum, Cpu> momentum_before;    // [world]
   Buffer<SpectralSums, Cpu> spectral_sums;  // [tile]
+  ScanStorage<Cpu> scan;
 };
 
 /// Enlarges the buffers in the middle of the step that needs it.
@@ -207,8 +209,7 @@ struct AdvanceTile {
       const Index in_tile = i - range.begin, lane = in_tile % kPackWidth;
       ContactBlock& b = block[tile * kBlocksPerTile + in_tile / kPackWidth];
       Contact& c = contact[i];
-      c.gap = advanced_gap(c.gap, c, part_velocity[c.body_a], part_velocity[c.body_b], settings.substep());
-      c.bias = c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
+      advance_gap(c, part_velocity[c.body_a], part_velocity[c.body_b], settings);
       b.numbers.bias[lane] = b.gap_bias[lane] = c.bias;
     }
   }

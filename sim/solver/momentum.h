@@ -6,8 +6,9 @@
 namespace gonogo::sim {
 
 /// `apgd`: accelerated projected gradients; `jacobi`: plain ones; `gauss_seidel`: contact by contact, in colours
-/// (colour.h); `bb`: projected gradients of spectral length (spectral.h).
-enum class Solver : std::int32_t { apgd, jacobi, gauss_seidel, bb };
+/// (colour.h); `bb`: projected gradients of spectral length (spectral.h); `jacobi_scan`: the steps of `jacobi`, added
+/// up by segmented scans as the first solvers on GPUs did (jacobi_scan.h).
+enum class Solver : std::int32_t { apgd, jacobi, gauss_seidel, bb, jacobi_scan };
 
 /// What a solution satisfies: the convex relaxation of Anitescu, in which a sliding contact opens at mu |v_t|, or
 /// Coulomb's law, reached by iterating on that term (De Saxce & Feng 1998).

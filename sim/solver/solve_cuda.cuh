@@ -5,6 +5,7 @@
 namespace gonogo::sim {
 
 inline void solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
+  if (settings.solver == Solver::jacobi_scan) return solve_with_scans(exec, s, settings);
   clear(exec, s.solver.counter.view());
   const bool parts = settings.substeps > 1;
   if (!is_accelerated(settings.solver))

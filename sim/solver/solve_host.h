@@ -1,9 +1,8 @@
 // The iteration on the host: stages over tiles of contacts and over bodies.
 #pragma once
-#include "sim/joint/motor.h"
-#include "sim/joint/project.h"
 #include "sim/solver/host_methods.h"
-#include "sim/solver/split.h"
+#include "sim/solver/jacobi_scan.h"
+#include "sim/solver/shared_stages.h"
 
 namespace gonogo::sim {
 
@@ -11,35 +10,6 @@ namespace gonogo::sim {
 inline constexpr Index kTilesInParallel = 4;
 /// A body of a mechanism costs as much as some tens of contacts.
 inline constexpr Index kBodiesInParallel = 64;
-
-/// A body at the beginning of the step.
-struct BeginBody {
-  View<const Velocity> velocity, change;
-  View<Velocity> free_velocity, earlier_velocity;
-
-  void operator()(BodyIndex b) const { begin_body(velocity[b], change[b], free_velocity[b], earlier_velocity[b]); }
-};
-
-/// A body that has moved through a part of the step, in worlds where another part follows. The velocities of jointed
-/// ones follow from ProjectMechanism.
-struct CarryBody {
-  View<const BodyMass> mass;
-  View<const Velocity> change;
-  View<const WorldIndex> world_of_body;
-  View<const Momentum> momentum;
-  View<Velocity> free_velocity, velocity, extrapolated_velocity, part_velocity, earlier_velocity, gathered;
-
-  void operator()(BodyIndex b) const {
-    if (!momentum[world_of_body[b]].ends) return;
-    const Velocity more = carry_body(velocity[b], change[b], free_velocity[b], part_velocity[b], earlier_velocity[b]);
-    if (const Index slot = mass[b].slot; slot >= 0) {
-      gathered[slot] = sum(gathered[slot], more);
-      return;
-    }
-    velocity[b] = sum(velocity[b], more);
-    extrapolated_velocity[b] = sum(extrapolated_velocity[b], more);
-  }
-};
 
 /// Sums the wrenches on a body and, from the second time on, extrapolates.
 struct GatherVelocity {
@@ -95,47 +65,6 @@ struct GatherVelocity {
   static Pack in_pack(const Velocity& v) { return *reinterpret_cast<const PackInMemory*>(&v); }
 };
 
-/// Bodies of a mechanism whose velocities are added up side by side: the map is read in long runs.
-inline constexpr int kProjectedTogether = 8;
-
-/// Velocities of the jointed bodies from all that their mechanism gathered.
-struct ProjectMechanism {
-  Projection projection;
-  View<const WorldIndex> world_of_body;
-  View<const Momentum> momentum;
-  View<Velocity> velocity, extrapolated_velocity;
-  bool first, carried;  // after CarryBody
-
-  /// The first of some bodies sees to all of them.
-  void operator()(Index k) const {
-    if (projection.is_empty(k)) return;
-    const Momentum& m = momentum[world_of_body[projection.body[k].body]];
-    if (m.done || (carried && !m.ends)) return;
-    const Mechanism& of = projection.mechanism[projection.body[k].mechanism];
-    const Index place = k - of.first_body, together = of.body_count / kProjectedTogether * kProjectedTogether;
-    if (place >= together) return project<1>(k, m);
-    if (place % kProjectedTogether == 0) project<kProjectedTogether>(k, m);
-  }
-
-  template <int bodies>
-  void project(Index k, const Momentum& m) const {
-    Velocity next[bodies];
-    projection.velocities(k, next);
-    for (int i = 0; i < bodies; ++i) set(projection.body[k + i].body, next[i], m);
-  }
-
-  void set(BodyIndex b, const Velocity& next, const Momentum& m) const {
-    if (carried) {
-      const Velocity more = difference(next, velocity[b]);
-      velocity[b] = next;
-      extrapolated_velocity[b] = sum(extrapolated_velocity[b], more);
-      return;
-    }
-    extrapolated_velocity[b] = first ? next : extrapolated(next, velocity[b], m.next_beta);
-    velocity[b] = next;
-  }
-};
-
 /// Adds a world's tiles in order and decides its next update.
 struct DecideNextUpdate {
   View<const Index> first_tile;
@@ -153,27 +82,6 @@ struct DecideNextUpdate {
     }
     const ContactRange r = contacts_of_world(tiles.world[w], tiles.first_contact);
     decide_next_update(momentum[w], sums, r.end - r.begin, rules);
-  }
-};
-
-struct MeasureTile {
-  Tiles tiles;
-  View<const Contact> contact;
-  View<const Velocity> velocity;
-  View<const Impulse> impulse;
-  View<WorldSums> sums;
-  Target target;
-
-  void operator()(Index tile) const {
-    const ContactRange range = tiles.contacts(tile);
-    WorldSums s;
-    for (ContactIndex i = range.begin; i < range.end; ++i) {
-      const Contact& c = contact[i];
-      const double r = contact_residual(c, velocity[c.body_a], velocity[c.body_b], impulse[i], target);
-      s.residual_square += r * r;
-      s.residual_max = std::fmax(s.residual_max, r);
-    }
-    sums[tile] = s;
   }
 };
 
@@ -320,6 +228,8 @@ void update_contacts(Cpu exec, State<Cpu>& s, Index tile_count, Index k, Solver 
       return sweep_tiles<turning>(exec, s, tile_count, k & 1);
     case Solver::bb:
       return spectral_tiles<turning>(exec, s, tile_count, k & 1);
+    case Solver::jacobi_scan:
+      return;  // solve() has gone another way
   }
 }
 
@@ -362,6 +272,10 @@ inline void measure(Cpu exec, State<Cpu>& s, Index tile_count, const StepSetting
 
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step.
 inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
+  if (settings.solver == Solver::jacobi_scan) {
+    reserve_scan(s, settings);
+    return solve_by_scan(exec, s, settings);
+  }
   const IterationRules rules = settings.rules();
   const Index tile_count = tiles(s).count();
   const bool turning = s.turning;

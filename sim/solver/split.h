@@ -99,6 +99,12 @@ GONOGO_HD_INLINED Real advanced_gap(Real gap, const ContactNumbers<Real>& c, con
   return gap + substep * dot(c.normal, contact_velocity<Real>(c, a, b));
 }
 
+/// The same for the contact itself, and the bias that follows.
+GONOGO_HD_INLINED void advance_gap(Contact& c, const Velocity& a, const Velocity& b, const StepSettings& settings) {
+  c.gap = advanced_gap(c.gap, c, a, b, settings.substep());
+  c.bias = c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
+}
+
 /// Scaled natural map per contact [m/s]: the change that one unsplit projected gradient step would still make, divided
 /// by that step, so that light grains count as much as wheels. Zero exactly at the solution; for the `coulomb` target
 /// the sliding speed at the end of the step counts, so that it is Coulomb's law that is measured.
@@ -114,7 +120,7 @@ GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, con
 template <class Exec>
 SplitMasses mass_splitting(State<Exec>& s, const StepSettings& settings) {
   const bool stretched =
-      settings.substeps > 1 && (settings.solver == Solver::apgd || settings.solver == Solver::jacobi);
+      settings.substeps > 1 && settings.solver != Solver::gauss_seidel && settings.solver != Solver::bb;
   return {s.mass.view(),
           s.mechanisms.body.view(),
           s.orientation.view(),

@@ -36,6 +36,18 @@ TEST_CASE("options of the program stand before or after the command") {
   CHECK(files_below(folder.path()).empty());
 }
 
+TEST_CASE("a timed scene names the solver that was asked for") {
+  for (const char* solver : {"apgd", "jacobi_scan"}) {
+    const Ending ending = run_gonogo(
+        {"bench", "tank", "--spheres", "300", "--solver", solver, "--iterations", "20", "--repeats", "3", "--json"});
+    REQUIRE(ending.exit_code == 0);
+    const Json json = Json::parse(ending.out, "stdout");
+    CHECK(json.at("solver").string() == solver);
+    CHECK(json.at("iterations").number() == 20);
+    CHECK(json.at("ns_per_contact_iteration_solver").number() > 0);
+  }
+}
+
 #ifdef GONOGO_WITH_PICTURES
 TEST_CASE("pictures and videos that cannot be made are refused before the trial runs") {
   const TemporaryFolder folder;
@@ -66,6 +78,7 @@ TEST_CASE("a GPU that is not there is refused before any work") {
   check_refusal(run_gonogo({"bench", "bed", "--backend", "tpu"}), 2, {"--backend", "cpu", "cuda"});
   check_refusal(run_gonogo({"bench", "tank", "--spheres", "7"}), 2, {"--spheres", "100"});
   check_refusal(run_gonogo({"bench", "wheel", "--solver", "magic"}), 2, {"--solver", "apgd", "jacobi"});
+  check_refusal(run_gonogo({"bench", "tank", "--solver", "magic"}), 2, {"--solver", "apgd", "jacobi_scan"});
   check_refusal(run_gonogo({"bench", "wheel", "--target", "magic"}), 2, {"--target", "ccp", "coulomb"});
 }
 

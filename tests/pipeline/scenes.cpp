@@ -41,6 +41,28 @@ TEST_CASE("a tank laid out from blocks holds the spheres asked for, inside of it
   CHECK(r.ns_per_contact_iteration == Approx(r.ms_per_step * 1e6 / (double(r.contacts) * 20)));
 }
 
+TEST_CASE("every solver is timed in the same tank") {
+  using sim::Solver;
+  const TankSpec spec{.of = {.count = 1200}, .layers = 6};
+  const ManyScene usual = shaken_tank(spec, {.iterations = 40});
+  ManyRun run;
+  run.repeats = 3;
+  const double contacts = double(run_many(usual, run).contacts);
+  for (const Solver solver : {Solver::jacobi, Solver::jacobi_scan, Solver::gauss_seidel, Solver::bb}) {
+    const ManyScene scene = shaken_tank(spec, {.solver = solver, .iterations = 40});
+    CHECK(scene.settings.solver == solver);
+    bool same = true;
+    for (std::size_t b = 0; b < usual.world.body.size(); ++b)
+      same = same && length(scene.world.body[b].position - usual.world.body[b].position) == 0;
+    CHECK(same);
+    const ManyResult r = run_many(scene, run);
+    CHECK(double(r.contacts) == Approx(contacts).epsilon(0.05));
+    CHECK(r.residual_m_per_s < 0.02);
+    CHECK(r.ns_per_contact_iteration_solver > 0);
+    CHECK(r.bandwidth_share > 0);
+  }
+}
+
 TEST_CASE("a long tank holds the spheres asked for, and its floor is as long as asked for") {
   TankSpec spec{.of = {.count = 2500}, .layers = 3, .length_over_width = 3};
   const sim::SceneWorld world = tank_world(spec, {});

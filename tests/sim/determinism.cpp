@@ -55,12 +55,13 @@ StepSettings few_iterations(Solver solver = Solver::apgd) {
 }
 
 constexpr Index kSteps = 30;
+constexpr Solver kEverySolver[] = {Solver::apgd, Solver::jacobi, Solver::gauss_seidel, Solver::bb, Solver::jacobi_scan};
 
 }  // namespace
 
 TEST_CASE("one, two and seven threads give the same bits") {
   const SceneWorld w = driven_wheel(601);
-  for (const Solver solver : {Solver::apgd, Solver::gauss_seidel, Solver::bb}) {
+  for (const Solver solver : kEverySolver) {
     std::vector<BodyState> first;
     for (const int threads : {1, 2, 7}) {
       const auto simulation = make_simulation(Backend::cpu, {w}, few_iterations(solver), threads);
@@ -76,7 +77,7 @@ TEST_CASE("one, two and seven threads give the same bits") {
 
 TEST_CASE("a world has the same bits alone and in any place of a batch") {
   for (const Backend backend : backends())
-    for (const Solver solver : {Solver::apgd, Solver::gauss_seidel, Solver::bb}) {
+    for (const Solver solver : kEverySolver) {
       const auto alone = simulate(backend, driven_wheel(602), few_iterations(solver));
       alone->advance(kSteps);
       Scene batch;

@@ -284,7 +284,7 @@ TEST_CASE("all that the engine does gives the same bits again, and on the GPU wh
   };
   for (const Case& c : {Case{Solver::apgd, Target::ccp, 1}, Case{Solver::apgd, Target::coulomb, 2},
                         Case{Solver::jacobi, Target::ccp, 1}, Case{Solver::gauss_seidel, Target::coulomb, 2},
-                        Case{Solver::bb, Target::coulomb, 2}}) {
+                        Case{Solver::bb, Target::coulomb, 2}, Case{Solver::jacobi_scan, Target::coulomb, 2}}) {
     const StepSettings settings = settings_with(c.solver, c.target, c.substeps);
     const Bodies on_cpu = exercised(Backend::cpu, settings);
     for (const Backend backend : backends()) {
@@ -299,7 +299,7 @@ TEST_CASE("all that the engine does gives the same bits again, and on the GPU wh
 
 TEST_CASE("two short steps of the tiny worlds by every solver") {  // few enough for racecheck
   for (const Backend backend : backends())
-    for (const Solver solver : {Solver::apgd, Solver::jacobi, Solver::gauss_seidel, Solver::bb}) {
+    for (const Solver solver : {Solver::apgd, Solver::jacobi, Solver::gauss_seidel, Solver::bb, Solver::jacobi_scan}) {
       StepSettings settings = settings_with(solver, Target::coulomb, 2);
       settings.iterations = 3;
       settings.tolerance = 0;

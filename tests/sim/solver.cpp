@@ -182,7 +182,8 @@ TEST_CASE("the velocities of every solver agree with a dense solution in double"
       {"apgd", cohesive_settings(2000)},
       {"gauss_seidel", cohesive_settings(2000, Solver::gauss_seidel)},
       {"bb", cohesive_settings(6000, Solver::bb)},
-      {"jacobi", cohesive_settings(20000, Solver::jacobi)}};
+      {"jacobi", cohesive_settings(20000, Solver::jacobi)},
+      {"jacobi_scan", cohesive_settings(20000, Solver::jacobi_scan)}};
   for (const Backend backend : backends())
     for (const auto& [name, settings] : methods)
       for (const Kind kind : kKinds) {

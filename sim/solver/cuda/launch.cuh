@@ -5,6 +5,7 @@
 #pragma once
 #include "base/device.h"
 #include "sim/solver/cuda/kernel.cuh"
+#include "sim/solver/jacobi_scan.h"
 
 namespace gonogo::sim {
 
@@ -60,6 +61,7 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
 inline bool is_accelerated(Solver solver) { return solver == Solver::apgd || solver == Solver::jacobi; }
 
 inline void reserve_solver(State<Cuda>& s, const StepSettings& settings) {
+  if (settings.solver == Solver::jacobi_scan) return reserve_scan(s, settings);
   SolverStorage<Cuda>& own = s.solver;
   own.frame.resize(s.contact_capacity);
   own.cone.resize(s.contact_capacity);
@@ -184,5 +186,7 @@ void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
 
 /// By Gauss-Seidel or spectral gradients; compiled apart, in methods.cu.
 void solve_otherwise(Cuda exec, State<Cuda>& s, const StepSettings& settings);
+/// `jacobi_scan`; compiled apart, in scan.cu.
+void solve_with_scans(Cuda exec, State<Cuda>& s, const StepSettings& settings);
 
 }  // namespace gonogo::sim

@@ -4,6 +4,7 @@
 #include "sim/joint/motor.h"
 #include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
+#include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
 #include "sim/solver/tiles.h"
@@ -70,10 +71,11 @@ struct SolverStorage<Cuda> {
   Buffer<Real, Cuda> motor_before;
   Buffer<MechanismSlot, Cuda> mechanism_slot;  // [mechanism body], as is the next
   Buffer<Velocity, Cuda> mechanism_gathered;   // with the free motion of the next part
-  Buffer<Index, Cuda> colour;              // [contact] for Gauss-Seidel
-  Buffer<Velocity, Cuda> velocity_before;  // [body] of the update before, for spectral gradients
-  Buffer<SpectralStep, Cuda> length;       // [world]
+  Buffer<Index, Cuda> colour;                  // [contact] for Gauss-Seidel
+  Buffer<Velocity, Cuda> velocity_before;      // [body] of the update before, for spectral gradients
+  Buffer<SpectralStep, Cuda> length;           // [world]
   Buffer<SpectralSums, Cuda> spectral_sums;
+  ScanStorage<Cuda> scan;
 };
 
 /// What the kernel works on.

@@ -1,0 +1,8 @@
+// The baseline `jacobi_scan` on the GPU: the same loops as on the host, each a kernel.
+#include "sim/solver/cuda/launch.cuh"
+
+namespace gonogo::sim {
+
+void solve_with_scans(Cuda exec, State<Cuda>& s, const StepSettings& settings) { solve_by_scan(exec, s, settings); }
+
+}  // namespace gonogo::sim

@@ -1,0 +1,29 @@
+// What the iteration that reduces by scans keeps for itself; see jacobi_scan.h.
+#pragma once
+#include "sim/world/state.h"
+
+namespace gonogo::sim {
+
+/// Where the wrenches of a contact on its bodies go; -1: nothing moves body b.
+struct alignas(8) SlotPair {
+  Index a, b;
+};
+
+/// Slots lie in the order of the bodies: of each those that it owns, then those where it is body b. Every world's begin
+/// with a run of the scan, so that its sums do not depend on its company.
+template <class Exec>
+struct ScanStorage {
+  Buffer<SlotPair, Exec> slot;                     // [contact]
+  Buffer<BodyIndex, Exec> body;                    // [slot]
+  Buffer<Wrench, Exec> wrench;                     // [slot] then scanned
+  Buffer<Index, Exec> slots_of_world, first_slot;  // [world] whole runs, [world + 1]
+  Buffer<Index, Exec> shift;                       // [world] see SlotOfBody
+  ScanScratch<Exec> scratch;
+  Buffer<Real, Exec> residual_square;                         // [contact] of an update that tests [m^2/s^2]
+  Buffer<double, Exec> tile_residual, residual_of_lane;       // [tile], [world * kSumLanes]
+  Buffer<WorldSums, Exec> tile_measures, body_tile_measures;  // [tile], [body tile]
+  Buffer<WorldSums, Exec> contacts_of_lane, bodies_of_lane;   // [world * kSumLanes]
+  Buffer<Real, Exec> motor_before;                            // [motor]
+};
+
+}  // namespace gonogo::sim
