@@ -313,12 +313,15 @@ def report(options):
         lines.append(f"| {factor} | {name} | {c['trials']} | {c['unknown']} | {c['flip_share']:.2f} +- {c['error']:.2f} | "
                      f"{c['pass_now']}, {c['fail_now']} | {c['mean_slip']:+.3f} +- {c['slip_error']:.3f} | {c['rms_slip']:.3f} | "
                      f"{1e3 * c['mean_sinkage']:+.0f} +- {1e3 * c['sinkage_error']:.0f} | {cost_of_trial:.2g} |")
-    scaled = sorted(p.stem[len("scaled_"):] for p in options.folder.glob("scaled_*.json"))
+    scaled = [f"{d} mm" for d in (16, 24, 48, 64)
+              if (options.folder / f"scaled_{d}mm.json").exists() and trials_of(options.folder, f"grains of {d} mm")]
     if scaled:
         lines += ["", "The table of 32 mm with another diameter served " + ", ".join(scaled) + "; other sizes have tables of their own."]
     if missing:
         lines += ["", "Not run: " + ", ".join(missing) + "."]
-    (options.docs / "convergence.md").write_text("\n".join(lines) + "\n")
+    page = options.docs / "convergence.md"
+    conclusion = page.read_text().partition("\n## ")[1:] if page.exists() else ()  # written by hand
+    page.write_text("\n".join(lines) + "\n" + "".join(conclusion))
     with open(options.docs / "convergence.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, ["factor", "variant", *compare(base, base)], lineterminator="\n")
         writer.writeheader()
