@@ -101,7 +101,7 @@ inline Index grid_size(const State<Cuda>& s) {
 /// The mechanism of a whole vehicle takes its team about as long as moving a million bodies takes all teams. Where such teams
 /// are few they leave the bodies to the others, which would wait for them else. Nought where mechanisms are small.
 inline Index mechanism_teams(const State<Cuda>& s) {
-  constexpr Index large = 6, few = 16;  // bodies; one team of so many
+  constexpr Index large = 6, few = 8;  // bodies; one team of so many
   const Index count = s.mechanisms.mechanism.size();
   return s.mechanisms.body.size() >= large * count && few * count <= kTeamsPerBlock * grid_size(s) ? count : 0;
 }
