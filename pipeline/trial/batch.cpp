@@ -100,7 +100,10 @@ void TrialBatch::take_steps(std::uint64_t attempt) {
 
 void TrialBatch::save() {
   const bool cancelled = cancel_requested();
-  for (const auto& trial : trial_) trial->save_when_due(cancelled);
+  for (const auto& trial : trial_) {
+    if (cancelled) trial->arrive(true);  // a world that is still being made cannot be saved
+    trial->save_when_due(cancelled);
+  }
   if (cancelled) throw Cancelled();
 }
 
