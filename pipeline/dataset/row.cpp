@@ -104,13 +104,6 @@ void add_point_cells(const DesignPoint& point, std::vector<std::string>& cells) 
 
 }  // namespace
 
-std::string names_of_checks(std::uint64_t bits) {
-  std::string names;
-  for (const Check& check : kChecks)
-    if (bits & check.bit) names += (names.empty() ? "" : "+") + std::string(check.name);
-  return names.empty() ? "none" : names;
-}
-
 std::vector<std::string> point_columns() {
   std::vector<std::string> names{"index", "seed", "replicate_of", "proposal_density"};
   for (const Variable& variable : contract().variables) names.push_back(variable.name);

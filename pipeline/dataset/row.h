@@ -14,9 +14,6 @@ namespace gonogo::pipeline {
 std::vector<std::string> point_columns();
 std::vector<std::string> record_columns();
 
-/// "residual+energy": the checks whose bits are set, or "none".
-std::string names_of_checks(std::uint64_t bits);
-
 /// Comma-separated, without the end of line.
 std::string header_row();
 std::string point_header_row();

@@ -30,6 +30,14 @@ inline constexpr std::array<Check, 5> kChecks{{{"not_finite", 1, "a velocity or 
                                                {"residual", 8, "contact residual above the study's limit"},
                                                {"energy", 16, "energy that nothing supplied above the study's limit"}}};
 
+/// "residual+energy": the checks whose bits are set, or "none".
+inline std::string names_of_checks(std::uint64_t bits) {
+  std::string names;
+  for (const Check& check : kChecks)
+    if (bits & check.bit) names += (names.empty() ? "" : "+") + std::string(check.name);
+  return names.empty() ? "none" : names;
+}
+
 /// What one wheel did over the last half of the driving.
 struct WheelRecord {
   std::string name;    // "front left", of tracks also "left sprocket"

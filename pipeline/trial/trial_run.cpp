@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "base/error.h"
@@ -215,8 +216,19 @@ void TrialRun::end_attempt(const DriveOutcome& outcome) {
     record_.failed_checks = failed;
     over_ = true;  // unknown / simulation_failed
   } else {
+    say_what_failed(failed, outcome);
     record_.attempts = 2;
   }
+}
+
+void TrialRun::say_what_failed(std::uint64_t failed, const DriveOutcome& outcome) {
+  char numbers[80];
+  std::snprintf(numbers, sizeof numbers, "residual %.3g m/s, energy error %.3g", outcome.worst_residual,
+                outcome.energy_error);
+  const std::string fault = sim::description(simulation().report(place_).fault, numerics_.step);
+  log_line("trial " + std::to_string(record_.point.index),
+           "first attempt fails by " + names_of_checks(failed) + " (" + numbers + (fault.empty() ? "" : "; " + fault) +
+               "); a second one takes half the step");
 }
 
 void TrialRun::move_on() {

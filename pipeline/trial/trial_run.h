@@ -59,6 +59,7 @@ class TrialRun {
   void look_at_bed();
   void look_at_drive(const sim::WorldStop& stop);
   void end_attempt(const DriveOutcome& outcome);
+  void say_what_failed(std::uint64_t failed, const DriveOutcome& outcome);
   std::string scene_of(const sim::SceneWorld& world) const;
 
   Index renewal_steps() const;
