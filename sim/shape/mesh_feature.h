@@ -34,9 +34,24 @@ struct PlacedMesh {
   /// Calls visit(t) for the triangles whose leaves may meet a box.
   template <class Visit>
   GONOGO_HD void visit_near(const Vec3& low, const Vec3& high, Visit&& visit) const {
+    Vec3 own_low, own_high;
+    own_box(low, high, own_low, own_high);
+    mesh.visit_near(own_low, own_high, visit);
+  }
+
+  /// The same, without what `facing` does not want.
+  template <class Facing, class Visit>
+  GONOGO_HD void visit_facing(const Vec3& low, const Vec3& high, const Facing& facing, Visit&& visit) const {
+    Vec3 own_low, own_high;
+    own_box(low, high, own_low, own_high);
+    mesh.visit_where([&](const MeshNode& at) { return at.meets(own_low, own_high) && facing.wants(at); }, visit);
+  }
+
+  /// The box along the mesh's axes around a box along the world's.
+  GONOGO_HD void own_box(const Vec3& low, const Vec3& high, Vec3& own_low, Vec3& own_high) const {
     const Vec3 half = turned_half(conjugate(q), (high - low) * Real(0.5));
     const Vec3 middle = static_cast<Vec3>(in_frame(q, static_cast<Vec3d>((low + high) * Real(0.5)) - centre));
-    mesh.visit_near(middle - half, middle + half, visit);
+    own_low = middle - half, own_high = middle + half;
   }
 
   /// The box around all of it.

@@ -2,6 +2,7 @@
 // so that the pair has the same contacts whichever mesh comes first. For the limits see solid_mesh_touch.h; here
 // a point is pushed out from a quarter of the smaller mesh's smallest half extent.
 #pragma once
+#include "sim/shape/mesh_descent.h"
 #include "sim/shape/mesh_face.h"
 
 namespace gonogo::sim {
@@ -29,9 +30,8 @@ struct MeshOnMesh {
           Touch{gap, c.first ? n : -n, c.p - n * (gap / 2)});
   }
 
-  GONOGO_HD void on_face(const Corner& c, Index t) {
-    const Vec3 n = c.other.normal(t);
-    const Real gap = dot(c.p - c.other.corner(t, 0), n);
+  /// `gap`: over the plane of triangle t, whose normal is `n`.
+  GONOGO_HD void on_face(const Corner& c, Index t, const Vec3& n, Real gap) {
     if (!may_be_on(c.other, t, n, c.p, gap, tol)) return;
     const auto supports = [&](const Vec3& direction, Real lean) { return c.supports(direction, lean); };
     if (c.supports(-n, kLean) && leads_out(c.other, WayOut{t, centroid(c.other, t), c.p, gap}, tol, supports))
@@ -53,9 +53,12 @@ struct MeshOnMesh {
   GONOGO_HD void corner(const Corner& c) {
     const Real reach = std::fmax(tol.envelope, tol.limit);
     const Vec3 box{reach, reach, reach};
-    c.other.surface.visit_near(c.p - box, c.p + box, [&](Index t) {
-      on_face(c, t);
-      beside(c, t);
+    const Facing facing(c.other, c.p, tol.envelope + tol.slack);
+    c.other.surface.visit_facing(c.p - box, c.p + box, facing, [&](Index t) {
+      const Vec3 n = c.other.normal(t);
+      const Real gap = dot(c.p - c.other.corner(t, 0), n);
+      on_face(c, t, n, gap);
+      if (std::fabs(gap) < tol.envelope + tol.slack) beside(c, t);
     });
   }
 
@@ -79,18 +82,18 @@ struct MeshOnMesh {
     const Real reach = std::fmax(tol.envelope, tol.limit);
     const Vec3 low{std::fmin(p.x, q.x) - reach, std::fmin(p.y, q.y) - reach, std::fmin(p.z, q.z) - reach};
     const Vec3 high{std::fmax(p.x, q.x) + reach, std::fmax(p.y, q.y) + reach, std::fmax(p.z, q.z) + reach};
-    b.surface.visit_near(low, high, [&](Index s) {
+    const Facing facing(b, of_a, 2 * tol.slack);
+    b.surface.visit_facing(low, high, facing, [&](Index s) {
       for (int i = 0; i < 3; ++i)
         if (b.surface.has(MeshMark::ridge, s, i)) crossing(of_a, mesh_edge(b, s, i), 3 * t + k, 3 * s + i);
     });
   }
 
-  /// The parts of one mesh in the box around the other.
+  /// The parts of one mesh near the other.
   GONOGO_HD void look(const MeshFrom& own, const MeshFrom& other, bool first) {
-    Vec3 low, high;
-    other.surface.bounds(low, high);
-    const Vec3 more{tol.envelope, tol.envelope, tol.envelope};
-    own.surface.visit_near(low - more, high + more, [&](Index t) {
+    const MeshDescent descent(own.surface, other.surface, std::fmax(tol.envelope, tol.limit) + tol.slack);
+    const auto wanted = [&](const MeshNode& node) { return descent.meets(node.low, node.high); };
+    own.surface.mesh.visit_where(wanted, [&](Index t) {
       for (int k = 0; k < 3; ++k) {
         if (own.surface.has(MeshMark::sharp, t, k)) corner({own, other, first, t, k, own.corner(t, k)});
         if (first && own.surface.has(MeshMark::ridge, t, k)) ridge(t, k);

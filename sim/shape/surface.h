@@ -32,6 +32,17 @@ struct MeshNode {
   Vec3 high;
   Index count = 0;  // 0: not a leaf
   Index skip = 0;
+
+  GONOGO_HD bool meets(const Vec3& from, const Vec3& to) const {
+    return low.x <= to.x && high.x >= from.x && low.y <= to.y && high.y >= from.y && low.z <= to.z && high.z >= from.z;
+  }
+};
+
+/// Directions of the outward normals of a node's triangles and of their neighbours: all within a half angle below 90
+/// degrees of the axis, or any, where the cosine is zero; there may be a rim.
+struct alignas(16) NormalCone {
+  Vec3 axis;        // unit, in the mesh's axes
+  Real cosine = 0;  // of the half angle; below zero, its opposite is, and there is a valley among them
 };
 
 /// One mesh in the arrays of a batch; indices inside a mesh count from its own beginning.
@@ -54,6 +65,7 @@ struct MeshSurface {
   const MeshNode* node;
   const MeshTriangle* triangle;
   const Vec3* corner;
+  const NormalCone* cone = nullptr;  // [node]
 
   GONOGO_HD Index vertex(Index t, int k) const { return triangle[t].vertex[k]; }
   GONOGO_HD Index neighbour(Index t, int k) const { return triangle[t].neighbour[k]; }
@@ -61,19 +73,24 @@ struct MeshSurface {
   GONOGO_HD Index name(Index t) const { return triangle[t].name; }
   GONOGO_HD bool has(Index mark, Index t, int k) const { return (triangle[t].marks & (mark << k)) != 0; }
 
-  /// Calls visit(t) for the triangles whose boxes' leaves meet the box from `low` to `high`.
-  template <class Visit>
-  GONOGO_HD void visit_near(const Vec3& low, const Vec3& high, Visit&& visit) const {
+  /// Calls visit(t) for the triangles of the leaves that `wanted`, as the nodes above them.
+  template <class Wanted, class Visit>
+  GONOGO_HD void visit_where(Wanted&& wanted, Visit&& visit) const {
     for (Index n = 0; n < range.node_count;) {
       const MeshNode& at = node[n];
-      if (at.low.x > high.x || at.high.x < low.x || at.low.y > high.y || at.high.y < low.y || at.low.z > high.z ||
-          at.high.z < low.z) {
+      if (!wanted(at)) {
         n = at.skip;
         continue;
       }
       for (Index t = at.first; t < at.first + at.count; ++t) visit(t);
       ++n;
     }
+  }
+
+  /// Calls visit(t) for the triangles whose leaves' boxes meet the box from `low` to `high`.
+  template <class Visit>
+  GONOGO_HD void visit_near(const Vec3& low, const Vec3& high, Visit&& visit) const {
+    visit_where([&](const MeshNode& at) { return at.meets(low, high); }, visit);
   }
 };
 
@@ -141,6 +158,7 @@ struct FieldSurface {
 struct SurfaceView {
   View<const MeshRange> mesh;
   View<const MeshNode> node;
+  View<const NormalCone> cone;  // [node]
   View<const MeshTriangle> triangle;
   View<const Vec3> vertex;
   View<const FieldRange> field;
@@ -149,7 +167,7 @@ struct SurfaceView {
 
   GONOGO_HD MeshSurface mesh_at(Index i) const {
     const MeshRange& r = mesh[i];
-    return {r, node.data + r.node, triangle.data + r.triangle, vertex.data + r.vertex};
+    return {r, node.data + r.node, triangle.data + r.triangle, vertex.data + r.vertex, cone.data + r.node};
   }
   GONOGO_HD FieldSurface field_at(Index i) const {
     const FieldRange& r = field[i];

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "sim/shape/normal_cone.h"
 #include "sim/shape/surface_touch.h"
 
 namespace gonogo::sim {
@@ -169,6 +170,9 @@ Index SurfaceLibrary::add(const std::shared_ptr<const TriangleMesh>& source) {
       [&](Index t) { return unit_normal(place(t, 0), place(t, 1), place(t, 2)); });
   for (std::size_t t = 0; t < own.size(); ++t) own[t].name = names[t];
   mark_corners_and_edges(range, source->vertex, own);
+  const std::vector<NormalCone> own_cones =
+      normal_cones(node.data() + range.node, range.node_count, own, source->vertex);
+  cone.insert(cone.end(), own_cones.begin(), own_cones.end());
   triangle.insert(triangle.end(), own.begin(), own.end());
   vertex.insert(vertex.end(), source->vertex.begin(), source->vertex.end());
   mesh.push_back(range);
@@ -197,10 +201,10 @@ Index SurfaceLibrary::add(const std::shared_ptr<const Heightfield>& source) {
 }
 
 SurfaceView SurfaceLibrary::view() const {
-  return {{mesh.data(), Index(mesh.size())},         {node.data(), Index(node.size())},
-          {triangle.data(), Index(triangle.size())}, {vertex.data(), Index(vertex.size())},
-          {field.data(), Index(field.size())},       {height.data(), Index(height.size())},
-          {name.data(), Index(name.size())}};
+  return {{mesh.data(), Index(mesh.size())},     {node.data(), Index(node.size())},
+          {cone.data(), Index(cone.size())},     {triangle.data(), Index(triangle.size())},
+          {vertex.data(), Index(vertex.size())}, {field.data(), Index(field.size())},
+          {height.data(), Index(height.size())}, {name.data(), Index(name.size())}};
 }
 
 }  // namespace gonogo::sim

@@ -20,6 +20,7 @@ class SurfaceLibrary {
 
   std::vector<MeshRange> mesh;
   std::vector<MeshNode> node;
+  std::vector<NormalCone> cone;  // [node]
   std::vector<MeshTriangle> triangle;
   std::vector<Vec3> vertex;
   std::vector<FieldRange> field;

@@ -9,6 +9,7 @@ template <class Exec>
 struct SurfaceStore {
   Buffer<MeshRange, Exec> mesh;
   Buffer<MeshNode, Exec> node;
+  Buffer<NormalCone, Exec> cone;
   Buffer<MeshTriangle, Exec> triangle;
   Buffer<Vec3, Exec> vertex;
   Buffer<FieldRange, Exec> field;
@@ -19,12 +20,14 @@ struct SurfaceStore {
   Index size() const { return mesh.size() + field.size(); }
 
   SurfaceView view() {
-    return {mesh.view(), node.view(), triangle.view(), vertex.view(), field.view(), height.view(), name.view()};
+    return {mesh.view(),   node.view(),  cone.view(),   triangle.view(),
+            vertex.view(), field.view(), height.view(), name.view()};
   }
 
   void upload(const SurfaceLibrary& library) {
     mesh.upload(library.mesh);
     node.upload(library.node);
+    cone.upload(library.cone);
     triangle.upload(library.triangle);
     vertex.upload(library.vertex);
     field.upload(library.field);

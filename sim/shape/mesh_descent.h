@@ -1,0 +1,140 @@
+// Where two meshes may touch: one tree of boxes against the other. Boxes lie along the axes of their mesh, so those of
+// one mesh are oriented boxes for the other (Gottschalk, Lin, Manocha 1996). Nothing is left out that could touch.
+#pragma once
+#include "sim/shape/mesh_feature.h"
+
+namespace gonogo::sim {
+
+/// Boxes of one mesh as the other's boxes, grown, meet them.
+class MeshDescent {
+ public:
+  /// `reach`: things further apart do not matter [m].
+  GONOGO_HD MeshDescent(const PlacedMesh& own, const PlacedMesh& other, Real reach)
+      : other_(other.mesh), grown_(PlacedMesh::turned_half(conjugate(other.q), {reach, reach, reach})) {
+    const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int k = 0; k < 3; ++k) axis_[k] = rotate_back(other.q, rotate(own.q, unit[k]));
+    shift_ = static_cast<Vec3>(in_frame(other.q, own.centre - other.centre));
+  }
+
+  /// Whether a box of the own mesh, along its axes, comes within reach of a box of the other that is as small or a
+  /// leaf.
+  GONOGO_HD bool meets(const Vec3& low, const Vec3& high) const {
+    const Vec3 half = (high - low) * Real(0.5), middle = (low + high) * Real(0.5);
+    const Vec3 at = axis_[0] * middle.x + axis_[1] * middle.y + axis_[2] * middle.z + shift_;
+    const Real size = largest(half);
+    for (Index n = 0; n < other_.range.node_count;) {
+      const MeshNode& node = other_.node[n];
+      const Vec3 its = (node.high - node.low) * Real(0.5);
+      if (are_apart(at - (node.low + node.high) * Real(0.5), half, its + grown_)) {
+        n = node.skip;
+        continue;
+      }
+      if (node.count > 0 || largest(its) <= size) return true;
+      ++n;
+    }
+    return false;
+  }
+
+ private:
+  const MeshSurface& other_;
+  Vec3 grown_;    // half edges that boxes of the other mesh are grown by
+  Vec3 axis_[3];  // of the own mesh, in the axes of the other
+  Vec3 shift_;    // of the own origin, there
+
+  GONOGO_HD static Real largest(const Vec3& v) { return std::fmax(v.x, std::fmax(v.y, v.z)); }
+
+  /// Whether one of the 15 directions parts a box of the own mesh from a box of the other; `d`: between their middles.
+  GONOGO_HD bool are_apart(const Vec3& d, const Vec3& own, const Vec3& its) const {
+    const Real h[3] = {own.x, own.y, own.z}, g[3] = {its.x, its.y, its.z}, at[3] = {d.x, d.y, d.z};
+    // Rounding of the axes; where two are parallel their cross product tells nothing, and must not.
+    constexpr Real more = Real(1e-5);
+    const Real r[3][3] = {{axis_[0].x, axis_[1].x, axis_[2].x},
+                          {axis_[0].y, axis_[1].y, axis_[2].y},
+                          {axis_[0].z, axis_[1].z, axis_[2].z}};
+    Real size[3][3];
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) size[i][k] = std::fabs(r[i][k]) + more;
+    for (int i = 0; i < 3; ++i)
+      if (std::fabs(at[i]) > g[i] + h[0] * size[i][0] + h[1] * size[i][1] + h[2] * size[i][2]) return true;
+    for (int k = 0; k < 3; ++k) {
+      const Real along = at[0] * r[0][k] + at[1] * r[1][k] + at[2] * r[2][k];
+      if (std::fabs(along) > h[k] + g[0] * size[0][k] + g[1] * size[1][k] + g[2] * size[2][k]) return true;
+    }
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3, k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+        const Real along = at[i2] * r[i1][k] - at[i1] * r[i2][k];
+        const Real reach = g[i1] * size[i2][k] + g[i2] * size[i1][k] + h[k1] * size[i][k2] + h[k2] * size[i][k1];
+        if (std::fabs(along) > reach) return true;
+      }
+    return false;
+  }
+};
+
+/// A half angle.
+struct Angle {
+  Real cosine, sine;
+
+  GONOGO_HD static Angle of_cosine(Real c) { return {c, std::sqrt(1 - c * c)}; }
+  GONOGO_HD static Angle of_sine(Real s) { return {std::sqrt(1 - s * s), s}; }
+  GONOGO_HD Angle operator+(const Angle& b) const {
+    return {cosine * b.cosine - sine * b.sine, sine * b.cosine + cosine * b.sine};
+  }
+};
+
+/// Nodes of a mesh that may hold what a corner or an edge of another one lies above or below: a face or ridge is met
+/// along one of its normals, which may miss by kLean, so what lies aside of all of them is not met there (normal cones:
+/// Johnson & Cohen 2001).
+class Facing {
+ public:
+  /// Of a corner, in world axes as all of `from`; within `near` of it everything is wanted [m]. Beside a valley it may
+  /// lie on a face that it is not above (may_be_on).
+  GONOGO_HD Facing(const MeshFrom& from, const Vec3& corner, Real near)
+      : mesh_(from.surface.mesh), at_(place(from, corner)), near_(near) {}
+
+  /// Of an edge, whose own normals must lead to the other, too.
+  GONOGO_HD Facing(const MeshFrom& from, const Edge& edge, Real near)
+      : mesh_(from.surface.mesh),
+        at_(place(from, edge.start + edge.along * Real(0.5))),
+        near_(near + length(edge.along) * Real(0.5)),
+        is_edge_(true) {
+    // Square to the edge, away from both faces: between their normals. These lie 90 degrees from the faces.
+    const Vec3 out = -(edge.inward + edge.beyond);
+    const Real size = length(out);
+    if (size < Real(1e-3)) return;  // flat, or a slit: the sum does not tell
+    out_ = rotate_back(from.surface.q, out * (1 / size));
+    own_ = Angle::of_sine(std::fmin(Real(1), dot(out, -edge.inward) / size)) + Angle::of_sine(kLean);
+  }
+
+  GONOGO_HD bool wants(const MeshNode& node) const {
+    const NormalCone& cone = mesh_.cone[&node - mesh_.node];
+    const Vec3 half = (node.high - node.low) * Real(0.5), d = (node.low + node.high) * Real(0.5) - at_;
+    const Real radius = length(half) + near_, square = dot(d, d);
+    if (square <= radius * radius) return true;
+    const Angle ball = Angle::of_sine(radius / std::sqrt(square));  // around the node, as the corner sees it
+    if (is_edge_ && is_aside(own_ + ball, dot(d, out_), square)) return false;
+    if (cone.cosine == 0 || (cone.cosine < 0 && !is_edge_)) return true;
+    return !is_aside(Angle::of_cosine(std::fabs(cone.cosine)) + Angle::of_sine(kLean) + ball, dot(d, cone.axis),
+                     square);
+  }
+
+ private:
+  const MeshSurface& mesh_;
+  Vec3 at_;  // as the next, in the mesh's axes
+  Vec3 out_;
+  Angle own_{0, 1};  // of the edge's normals about `out_`
+  Real near_;
+  bool is_edge_ = false;
+
+  GONOGO_HD static Vec3 place(const MeshFrom& from, const Vec3& p) {
+    return static_cast<Vec3>(in_frame(from.surface.q, static_cast<Vec3d>(p) + from.origin - from.surface.centre));
+  }
+
+  /// Whether a direction of length sqrt(square), `along` an axis, misses it and its opposite by more than `most`.
+  GONOGO_HD static bool is_aside(const Angle& most, Real along, Real square) {
+    const Real least = most.cosine - Real(1e-3);
+    return least > 0 && along * along < least * least * square;
+  }
+};
+
+}  // namespace gonogo::sim
