@@ -263,7 +263,8 @@ def same_point(a, b):
 def compare(base, other):
     """Share of labels that flip and its standard error, by sign; change of slip and sinkage; unknown trials. Of the points
     that both have: with another seed another point is the one that is replicated."""
-    pairs = [(a, b) for a, b in zip(base, other) if same_point(a, b)]
+    found = {t["index"]: t for t in other}
+    pairs = [(a, found[a["index"]]) for a in base if a["index"] in found and same_point(a, found[a["index"]])]
     both = [(a, b) for a, b in pairs if "unknown" not in (a["verdict"], b["verdict"])]
     up = sum(passes(b) and not passes(a) for a, b in both)
     down = sum(passes(a) and not passes(b) for a, b in both)

@@ -42,7 +42,7 @@ FlatWorld flatten(const SceneWorld& world, WorldIndex w, const StepSettings& set
 /// Everything a world needs to go on with the same bits, in this batch or another.
 struct Snapshot {
   WorldParameters world;
-  Index steps = 0, flags = 0;
+  Index steps = 0, flags = 0, slowed = 0;
   Fault fault;                           // its body in the engine's own order
   std::vector<BodyIndex> place_of_body;  // index in the scene -> index in the engine's own order
   std::vector<Vec3d> position;           // bodies, shapes and motors in the engine's own order

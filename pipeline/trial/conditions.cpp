@@ -14,6 +14,10 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
+/// Where a wheel stands on the hard layer under weak grains, some of them are pinched and jump away at tens of metres
+/// per second. One movement in a million: a trial moves tens of thousands of grains some thousand times.
+constexpr Index kMostSlowed = 200;
+
 double value(const DesignPoint& point, const char* name) { return point.variables.at(contract().variable_index(name)); }
 
 }  // namespace
@@ -70,7 +74,9 @@ terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attemp
 }
 
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt) {
-  return terrain::step_settings(setup.calibration.grain_diameter, attempt_numerics(setup, attempt));
+  sim::StepSettings s = terrain::step_settings(setup.calibration.grain_diameter, attempt_numerics(setup, attempt));
+  s.most_slowed = kMostSlowed;
+  return s;
 }
 
 }  // namespace gonogo::pipeline

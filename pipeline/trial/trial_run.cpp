@@ -208,6 +208,7 @@ void TrialRun::end_attempt(const DriveOutcome& outcome) {
   record_.wheels = outcome.wheels;
   record_.pull = outcome.pull;
   const std::uint64_t failed = failed_checks(setup_, outcome);
+  say_what_was_slowed();
   if (failed == 0) {
     record_.verdict = outcome.verdict;
     record_.reason = outcome.reason;
@@ -226,9 +227,18 @@ void TrialRun::say_what_failed(std::uint64_t failed, const DriveOutcome& outcome
   std::snprintf(numbers, sizeof numbers, "residual %.3g m/s, energy error %.3g", outcome.worst_residual,
                 outcome.energy_error);
   const std::string fault = sim::description(simulation().report(place_).fault, numerics_.step);
-  log_line("trial " + std::to_string(record_.point.index),
-           "first attempt fails by " + names_of_checks(failed) + " (" + numbers + (fault.empty() ? "" : "; " + fault) +
-               "); a second one takes half the step");
+  say("first attempt fails by " + names_of_checks(failed) + " (" + numbers + (fault.empty() ? "" : "; " + fault) +
+      "); a second one takes half the step");
+}
+
+void TrialRun::say_what_was_slowed() {
+  const Index times = simulation().report(place_).slowed;
+  if (times == 0) return;
+  say("grains about to cross more than a bin in a step are slowed to that, " + std::to_string(times) + " times");
+}
+
+void TrialRun::say(const std::string& what) const {
+  log_line("trial " + std::to_string(record_.point.index), what);
 }
 
 void TrialRun::move_on() {

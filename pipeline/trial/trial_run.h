@@ -59,6 +59,8 @@ class TrialRun {
   void look_at_bed();
   void look_at_drive(const sim::WorldStop& stop);
   void end_attempt(const DriveOutcome& outcome);
+  void say(const std::string& what) const;  // on standard error, of this trial
+  void say_what_was_slowed();
   void say_what_failed(std::uint64_t failed, const DriveOutcome& outcome);
   std::string scene_of(const sim::SceneWorld& world) const;
 

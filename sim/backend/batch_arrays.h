@@ -134,6 +134,7 @@ struct BatchArrays {
     state.element.write(flat[w].element, element_place(w));
     state.steps.write(w, 0);
     state.flags.write(w, 0);
+    state.slowed.write(w, 0);
     state.fault.write(w, kNoFault);
     state.world_sums.write(w, WorldSums{});
   }
@@ -215,7 +216,8 @@ struct BatchArrays {
     state.world.fill_zero(state.world_count);
     state.world_sums.fill_zero(state.world_count);
     state.momentum.fill_zero(state.world_count);
-    for (auto* of_world : {&state.flags, &state.steps, &state.tiles_of_world}) of_world->fill_zero(state.world_count);
+    for (auto* of_world : {&state.flags, &state.slowed, &state.slowed_now, &state.steps, &state.tiles_of_world})
+      of_world->fill_zero(state.world_count);
     state.first_tile.fill_zero(state.world_count + 1);
     state.fault.fill_zero(state.world_count);
     gonogo::sim::allocate(state.mechanisms, mechanism_total_);

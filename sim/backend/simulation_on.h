@@ -72,6 +72,7 @@ class SimulationOn final : public Simulation, public StepByStage {
     r.contact_count = sums.contact_count;
     r.iterations = sums.iterations;
     r.flags = batch_.state.flags.read(w);
+    r.slowed = batch_.state.slowed.read(w);
     r.fault = unpacked(batch_.state.fault.read(w));
     if (r.fault.flags != 0) r.fault.body = body_in_scene(w, r.fault.body);
     return r;
@@ -199,6 +200,7 @@ class SimulationOn final : public Simulation, public StepByStage {
     p.place_of_body = batch_.flat[w].place_of_body;
     p.steps = batch_.state.steps.read(w);
     p.flags = batch_.state.flags.read(w);
+    p.slowed = batch_.state.slowed.read(w);
     p.fault = unpacked(batch_.state.fault.read(w));
     p.position = batch_.state.position.download(at.body, size.bodies);
     p.orientation = batch_.state.orientation.download(at.body, size.bodies);
@@ -240,6 +242,7 @@ class SimulationOn final : public Simulation, public StepByStage {
     batch_.state.mechanisms.motor_impulse.write(at.mechanisms.motors, from.motor_impulse);
     batch_.state.steps.write(w, from.steps);
     batch_.state.flags.write(w, from.flags);
+    batch_.state.slowed.write(w, from.slowed);
     batch_.state.fault.write(w, packed(from.fault));
     batch_.state.world_sums.write(w, WorldSums{});
     batch_.state.element.restore(from.element, batch_.element_place(w));

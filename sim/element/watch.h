@@ -118,12 +118,14 @@ struct UpdateMonitors {
 struct FinishStep {
   MeasureElements measure;
   UpdateMonitors monitors;
-  View<Index> steps;  // [world]
+  View<Index> steps, slowed, slowed_now;  // [world]
   View<Progress> progress;
 
   GONOGO_HD void operator()(WorldIndex w) const {
+    const Index more = slowed_now[w];
     measure(w);
     monitors(w);
+    if (more > 0) slowed[w] += more, slowed_now[w] = 0;
     ++steps[w];
     if (w == 0) ++progress[0].steps;
   }
@@ -143,7 +145,9 @@ void finish_step(Exec exec, State<Exec>& s, const StepSettings& settings) {
                                 s.position.view(), s.orientation.view(), s.velocity.view(),      e.monitor.view(),
                                 s.steps.view(),    e.stop.view(),        e.monitor_state.view(), e.sample.view(),
                                 settings.step,     settings.substep()};
-  for_each_index(exec, s.world_count, FinishStep{measure, monitors, s.steps.view(), s.progress.view()});
+  for_each_index(
+      exec, s.world_count,
+      FinishStep{measure, monitors, s.steps.view(), s.slowed.view(), s.slowed_now.view(), s.progress.view()});
 }
 
 }  // namespace gonogo::sim

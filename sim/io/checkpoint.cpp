@@ -10,7 +10,7 @@ namespace {
 
 constexpr const char* kGroup = "snapshot";
 constexpr const char* kFormat = "gonogo snapshot";
-constexpr std::int64_t kVersion = 6;
+constexpr std::int64_t kVersion = 7;
 
 /// Concatenated bytes of numbers, and of records that consist of numbers of one size.
 class Bytes {
@@ -33,7 +33,7 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 44 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
+static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 48 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
                   sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 376 &&
                   sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
                   sizeof(ForceElement) == 80 && sizeof(Controller) == 152 && sizeof(Monitor) == 112 &&
@@ -70,7 +70,7 @@ void add(Bytes& b, const Shape& s) {
 }
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
-    << s.solver << s.target << s.substeps << s.sort_every;
+    << s.solver << s.target << s.substeps << s.sort_every << s.most_slowed;
 }
 
 void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
@@ -138,7 +138,7 @@ void add(Bytes& b, const SceneWorld& w) {
 }
 
 /// Everything about a world that is not a list of bodies or contacts; gravity and laws may change during a run.
-constexpr std::size_t kWorldNumbers = 12 + 6 * kMaxMaterials * kMaxMaterials, kWorldIntegers = 17;
+constexpr std::size_t kWorldNumbers = 12 + 6 * kMaxMaterials * kMaxMaterials, kWorldIntegers = 18;
 
 template <class Visit>
 void visit_numbers(WorldParameters& p, Visit&& visit) {
@@ -154,9 +154,9 @@ void visit_numbers(WorldParameters& p, Visit&& visit) {
 template <class Visit>
 void visit_integers(Snapshot& s, Visit&& visit) {
   WorldParameters& p = s.world;
-  for (Index* i : {&s.steps, &s.flags, &p.bins[0], &p.bins[1], &p.bins[2], &p.first_bin, &p.first_body, &p.body_count,
-                   &p.first_shape, &p.shape_count, &p.first_large, &p.large_count, &p.first_motor, &p.motor_count,
-                   &s.fault.flags, &s.fault.step, &s.fault.body})
+  for (Index* i : {&s.steps, &s.flags, &s.slowed, &p.bins[0], &p.bins[1], &p.bins[2], &p.first_bin, &p.first_body,
+                   &p.body_count, &p.first_shape, &p.shape_count, &p.first_large, &p.large_count, &p.first_motor,
+                   &p.motor_count, &s.fault.flags, &s.fault.step, &s.fault.body})
     visit(*i);
 }
 

@@ -34,6 +34,10 @@ struct StepSettings {
   Target target = Target::ccp;
   Index substeps = 1;       // the solver goes through a step in so many parts; see step.h
   Index sort_every = 2000;  // steps of a world after which its bodies are sorted anew in memory, where they have mixed
+  /// So often in a world's run a body that nothing is jointed to and that would cross more than a bin in a step is
+  /// slowed to that; once more, and flag_too_fast stops the world. A grain pinched between two rigid bodies jumps away
+  /// like a cherry stone, however short the step.
+  Index most_slowed = 0;
 
   /// Length of a part [s]; forces and impulses are those of the last one.
   GONOGO_HD Real substep() const { return step / Real(substeps); }
@@ -222,6 +226,8 @@ struct State {
   Buffer<WorldSums, Exec> world_sums;
   Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
   Buffer<PackedFault, Exec> fault;  // [world] the first one
+  Buffer<Index, Exec> slowed;       // [world] times that a body was slowed, up to the last step
+  Buffer<Index, Exec> slowed_now;   // [world] and in the present one
   Buffer<Progress, Exec> progress;  // one
   ScanScratch<Exec> scratch, tile_scratch;
 

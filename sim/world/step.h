@@ -46,11 +46,12 @@ struct Integrate {
   View<const WorldParameters> world;
   View<const WorldIndex> world_of_body;
   View<const BodyMass> mass;
-  View<const Velocity> velocity, earlier_velocity;
+  View<Velocity> velocity;
+  View<const Velocity> earlier_velocity;
   View<Vec3d> position;
   View<Quat> orientation;
-  View<const Index> steps;
-  View<Index> flags;
+  View<const Index> steps, slowed;
+  View<Index> slowed_now, flags;
   View<PackedFault> fault;
   StepSettings settings;
 
@@ -58,27 +59,53 @@ struct Integrate {
     const Real substep = settings.substep();
     const WorldIndex w = world_of_body[b];
     const WorldParameters& p = world[w];
-    const Vec3 path = velocity[b].linear + earlier_velocity[b].linear;
-    const Vec3 turn = velocity[b].angular + earlier_velocity[b].angular;
+    const Velocity &last = velocity[b], &earlier = earlier_velocity[b];
+    Vec3 path = last.linear + earlier.linear, turn = last.angular + earlier.angular;
+    const Real speed = square_of_speed(last), most = p.bin_size.x / settings.step;
+    Index raised = 0;
+    if (!(speed < most * most)) {
+      raised = flags_of_fast(b, w, speed);
+      if (raised == 0 && mass[b].inverse_mass.x > 0) {
+        const Real kept = kSlowedTo * most / std::sqrt(speed);
+        path = path * kept;
+        turn = turn * kept;
+        slow(b, w, kept);
+      }
+    }
     Vec3d x = position[b] + static_cast<Vec3d>(path) * double(substep);
-    check(b, w, x);
+    if (!(dot(x, x) < 1e24)) raised |= flag_not_finite;
+    if (mass[b].inverse_mass.z > 0 && x.z < p.origin.z) raised |= flag_left_domain;
+    if (raised != 0) flag(b, w, raised);
     x.x = folded(x.x, p.origin.x, p.period.x);
     x.y = folded(x.y, p.origin.y, p.period.y);
     position[b] = x;
     if (turn.x != 0 || turn.y != 0 || turn.z != 0) orientation[b] = turned(orientation[b], turn, substep);
   }
 
-  GONOGO_HD void check(BodyIndex b, WorldIndex w, const Vec3d& x) const {
-    const Velocity& v = velocity[b];
-    const Real speed_square = dot(v.linear, v.linear) + dot(v.angular, v.angular) * Real(1e-4);
-    Index raised = 0;
-    if (!(speed_square < Real(1e12)) || !(dot(x, x) < 1e24)) raised |= flag_not_finite;
-    const Real reach = world[w].bin_size.x / settings.step;
-    if (mass[b].inverse_mass.x > 0 && !(speed_square < reach * reach)) raised |= flag_too_fast;
-    if (mass[b].inverse_mass.z > 0 && x.z < world[w].origin.z) raised |= flag_left_domain;
-    if (raised == 0) return;
+  /// Of a body that would cross more than a bin in a step, where it must not be slowed.
+  GONOGO_HD Index flags_of_fast(BodyIndex b, WorldIndex w, Real speed) const {
+    if (mass[b].inverse_mass.x == 0) return speed < kAnySpeedSquare ? 0 : flag_not_finite;
+    if (!(speed < kAnySpeedSquare)) return flag_not_finite | flag_too_fast;
+    return mass[b].slot >= 0 || slowed[w] >= settings.most_slowed ? flag_too_fast : 0;
+  }
+
+  GONOGO_HD void slow(BodyIndex b, WorldIndex w, Real kept) const {
+    velocity[b].linear = velocity[b].linear * kept;
+    velocity[b].angular = velocity[b].angular * kept;
+    atomic_increment(slowed_now[w]);
+  }
+
+  GONOGO_HD void flag(BodyIndex b, WorldIndex w, Index raised) const {
     atomic_raise(flags[w], raised);
     atomic_least(fault[w], packed(Fault{raised, steps[w] + 1, b - world[w].first_body}));
+  }
+
+  static constexpr Real kAnySpeedSquare = Real(1e12);  // [m^2/s^2] beyond any that means something
+  static constexpr Real kSlowedTo = Real(0.99);        // of the highest speed
+
+  /// [m^2/s^2] A rad/s counts as a centimetre per second.
+  GONOGO_HD static Real square_of_speed(const Velocity& v) {
+    return dot(v.linear, v.linear) + dot(v.angular, v.angular) * Real(1e-4);
   }
 };
 
@@ -114,10 +141,10 @@ void apply_forces(Exec exec, State<Exec>& s, const StepSettings& settings) {
 
 template <class Exec>
 void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  for_each_index(
-      exec, s.body_count,
-      Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(), s.earlier_velocity.view(),
-                s.position.view(), s.orientation.view(), s.steps.view(), s.flags.view(), s.fault.view(), settings});
+  for_each_index(exec, s.body_count,
+                 Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(),
+                           s.earlier_velocity.view(), s.position.view(), s.orientation.view(), s.steps.view(),
+                           s.slowed.view(), s.slowed_now.view(), s.flags.view(), s.fault.view(), settings});
   finish_step(exec, s, settings);
 }
 

@@ -78,6 +78,61 @@ TEST_CASE("a body that crosses more than a bin in a step is flagged") {
   }
 }
 
+TEST_CASE("as often as asked for a body that crosses more than a bin in a step is slowed to that instead") {
+  for (const Backend backend : backends()) {
+    StepSettings settings;
+    settings.most_slowed = 2;
+    const auto simulation = make_simulation(backend, two_worlds(), settings, 1);
+    const auto throw_up = [&](double speed) {
+      BodyState s = simulation->body(0, 1);
+      s.position.z = 0.3;
+      s.velocity = {0, 0, Real(speed)};
+      simulation->set_body(0, 1, s);
+      simulation->advance(1);
+      return simulation->body(0, 1);
+    };
+    for (Index times = 1; times <= 2; ++times) {
+      const BodyState after = throw_up(300);
+      CHECK(simulation->report(0).slowed == times);
+      CHECK(simulation->report(0).flags == 0);
+      // Bins are one to two diameters of 0.1 m wide.
+      CHECK(after.velocity.z > 99);
+      CHECK(after.velocity.z < 200);
+      CHECK(after.position.z - 0.3 == Approx(after.velocity.z * 1e-3).epsilon(1e-4));
+    }
+    const Snapshot before = simulation->snapshot(0);
+    throw_up(300);
+    CHECK(simulation->report(0).flags == flag_too_fast);
+    CHECK(simulation->report(0).slowed == 2);
+    CHECK(simulation->report(1).slowed == 0);
+    simulation->restore(0, before);
+    CHECK(simulation->report(0).slowed == 2);
+    CHECK(simulation->report(0).flags == 0);
+    throw_up(50);
+    CHECK(simulation->report(0).flags == 0);
+  }
+}
+
+TEST_CASE("a body of a mechanism and one without a number are never slowed") {
+  for (const Backend backend : backends()) {
+    StepSettings settings;
+    settings.most_slowed = 1000;
+    Scene scene = two_worlds();
+    scene[0].joint.push_back(spherical(scene[0], 1, 2, {0.45, 0.5, 0.05}));
+    const auto simulation = make_simulation(backend, scene, settings, 1);
+    BodyState s = simulation->body(0, 1);
+    s.velocity.z = 900;
+    simulation->set_body(0, 1, s);
+    s = simulation->body(1, 1);
+    s.velocity.z = std::numeric_limits<Real>::quiet_NaN();
+    simulation->set_body(1, 1, s);
+    simulation->advance(1);
+    CHECK((simulation->report(0).flags & flag_too_fast) != 0);
+    CHECK((simulation->report(1).flags & flag_not_finite) != 0);
+    CHECK(simulation->report(0).slowed + simulation->report(1).slowed == 0);
+  }
+}
+
 TEST_CASE("a body that falls out of the domain is flagged, for good") {
   for (const Backend backend : backends()) {
     const auto simulation = make_simulation(backend, two_worlds(), {}, 1);
