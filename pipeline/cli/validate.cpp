@@ -135,6 +135,8 @@ void validate_soils(const Globals& globals, SoilsRequest& request) {
 
 void add_wheel_options(CLI::App& soils, SlopeSlipRun& wheel) {
   add_asked_numerics_options(soils, wheel.numerics, "mgru3");
+  soils.add_option("--grain", wheel.grain, "mgru3: diameter of the grains, if not the table's [m]")
+      ->check(CLI::Range(0.002, 0.2));
   soils.add_option("--depth", wheel.depth, "mgru3: of the bed [m]")
       ->check(CLI::Range(0.05, 2.0))
       ->capture_default_str();

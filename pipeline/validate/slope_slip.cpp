@@ -64,54 +64,89 @@ std::vector<DesignPoint> points_of(const SlopeSlipRun& run, const TrialSetup& se
   return points;
 }
 
+/// Places of a trial's wheel at the end of each second of its driving [m], from its observer.
+struct Way {
+  double from = 0;  // park time [s]
+  std::vector<double> x;
+
+  TrialWatch watch() {
+    TrialWatch w;
+    w.start = [this] { x.clear(); };
+    w.sample = [this](const TrialSample& s) {
+      if (s.time >= from + double(x.size()) - 1e-9) x.push_back(s.x);
+    };
+    return w;
+  }
+};
+
 std::vector<TrialRecord> run_all(const SlopeSlipRun& run, const TrialSetup& setup,
-                                 const std::vector<DesignPoint>& points) {
+                                 const std::vector<DesignPoint>& points, std::vector<Way>& ways) {
   std::vector<TrialRecord> records(points.size());
   Progress progress("validate soils mgru3", "trials", points.size());
   std::size_t done = 0;
   if (run.gpu) {
     TrialBatch batch(setup, {sim::Backend::cuda, int(points.size()), 1});
-    for (const DesignPoint& p : points) batch.start(p);
+    for (const DesignPoint& p : points) batch.start(p, ways[p.index].watch());
     while (batch.running() > 0)
       for (const TrialRecord& r : batch.advance()) records[r.point.index] = r, progress.update(++done, "");
     return records;
   }
   terrain::run_jobs(points.size(), run.threads, [&](std::size_t k) {
-    records[k] = run_trial(setup, points[k]);
+    records[k] = run_trial(setup, points[k], ways[k].watch());
 #pragma omp critical(slope_slip_progress)
     progress.update(++done, "");
   });
   return records;
 }
 
+/// Slip of each second that all trials of a slope have driven. `rim_speed` [m/s]
+std::vector<double> slip_over_time(const std::vector<TrialRecord>& records, const std::vector<Way>& ways, double slope,
+                                   double rim_speed) {
+  std::vector<double> sum;
+  std::size_t seconds = std::size_t(1e9), trials = 0;
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    if (records[k].verdict == Verdict::unknown || ways[k].x.empty()) continue;
+    if (records[k].point.variables[contract().variable_index("slope_along")] != slope) continue;
+    seconds = std::min(seconds, ways[k].x.size() - 1), ++trials;
+    sum.resize(std::max(sum.size(), seconds));
+    for (std::size_t i = 0; i < seconds; ++i) sum[i] += 1 - (ways[k].x[i + 1] - ways[k].x[i]) / rim_speed;
+  }
+  sum.resize(trials > 0 ? seconds : 0);
+  for (double& slip : sum) slip /= double(trials);
+  return sum;
+}
+
 }  // namespace
 
 std::vector<SlopeSlip> published_slope_slips() {
   std::vector<SlopeSlip> slips;
-  for (const Published& p : kPublished) slips.push_back({p.slope, p.measured, p.simulated, p.simulated, 0, 0, 0});
+  for (const Published& p : kPublished) slips.push_back({p.slope, p.measured, p.simulated, p.simulated, 0, 0, 0, {}});
   return slips;
 }
 
 std::vector<SlopeSlip> run_slope_slip(const SlopeSlipRun& run) {
   const auto file = terrain::read_soil(shipped_file("soils", "soil", "grc1"));
   const terrain::MacroscopicSoil soil = file.states.at(0).macroscopic();
-  const terrain::Calibration table = terrain::read_calibration(run.calibration);
+  terrain::Calibration table = terrain::read_calibration(run.calibration);
+  if (run.grain > 0) table.grain_diameter = run.grain;
   const TrialSetup setup = setup_of(run, table, fit_soil(table, soil));
   const std::vector<DesignPoint> points = points_of(run, setup, soil);
   prepare_trials(setup, points, run.threads);
-  const std::vector<TrialRecord> records = run_all(run, setup, points);
+  std::vector<Way> ways(points.size(), Way{setup.park_time, {}});
+  const std::vector<TrialRecord> records = run_all(run, setup, points, ways);
   // A trial counts slip from the rim, the experiment from the circle over the grousers.
   const double rim_share = setup.rig.radius / (setup.rig.radius + setup.rig.lug_height);
   const std::size_t slip = contract().measure_index("slip"), sinkage = contract().measure_index("sinkage");
   std::vector<SlopeSlip> result;
   for (const Published& p : kPublished) {
-    SlopeSlip s{p.slope, p.measured, p.simulated, 0, 0, 0, 0};
+    SlopeSlip s{p.slope, p.measured, p.simulated, 0, 0, 0, 0, {}};
     std::vector<double> slips, depths;
     for (const TrialRecord& r : records) {
       if (r.verdict == Verdict::unknown) continue;
       if (r.point.variables[contract().variable_index("slope_along")] != p.slope) continue;
       slips.push_back(1 - (1 - r.measures[slip]) * rim_share), depths.push_back(r.measures[sinkage]);
     }
+    s.over_time = slip_over_time(records, ways, p.slope, kWheelSpeed * (setup.rig.radius + setup.rig.lug_height));
     const terrain::MeanError mean = terrain::mean_error(slips), depth = terrain::mean_error(depths);
     s.trials = int(slips.size());
     s.slip = slips.empty() ? std::nan("") : mean.mean, s.slip_error = mean.error, s.sinkage = depth.mean;
@@ -128,6 +163,17 @@ double rms_slip_error(const std::vector<SlopeSlip>& points, double steepest) {
   return std::sqrt(square / count);
 }
 
+namespace {
+
+std::string over_time_csv(const std::vector<SlopeSlip>& points) {
+  std::string csv = "slope_deg,second,slip\n";
+  for (const SlopeSlip& p : points)
+    for (std::size_t i = 0; i < p.over_time.size(); ++i) csv += line("%g,%zu,%.4f\n", p.slope, i + 1, p.over_time[i]);
+  return csv;
+}
+
+}  // namespace
+
 SoilFigure slope_slip_figure(const SlopeSlipRun& run, const std::vector<SlopeSlip>& points) {
   SoilFigure f;
   f.name = "soils_mgru3";
@@ -142,6 +188,7 @@ SoilFigure slope_slip_figure(const SlopeSlipRun& run, const std::vector<SlopeSli
     const double y[] = {p.measured, p.published, p.slip};
     for (std::size_t k = 0; k < 3; ++k) f.plot.lines[k].x.push_back(p.slope), f.plot.lines[k].y.push_back(y[k]);
   }
+  f.over_time = over_time_csv(points);
   const double all = rms_slip_error(points), gentle = rms_slip_error(points, 15);
   f.check = {{"rmse_slip_mgru3", "rms slip error over the six slopes (published simulation: 0.094)", 0, 0.094, all},
              {"rmse_slip_mgru3_to_15deg", "the same up to 15 degrees (published simulation: 0.050)", 0, 0.05, gentle}};

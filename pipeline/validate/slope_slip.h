@@ -12,7 +12,9 @@
 namespace gonogo::pipeline {
 
 struct SlopeSlipRun {
-  std::filesystem::path calibration;            // of the grain size to be used
+  std::filesystem::path calibration;            // of the grains
+  double grain = 0;                             // diameter instead of the table's, if any: nothing that a
+                                                // triaxial test says depends on it [m]
   int seeds = 2;                                // beds per slope
   int threads = 1;                              // trials at a time
   bool gpu = false;                             // all trials as one batch
@@ -27,6 +29,7 @@ struct SlopeSlip {
   double slip = 0, slip_error = 0;     // mean and standard error over the beds [-]
   double sinkage = 0;                  // [m]
   int trials = 0;                      // that ended as they should
+  std::vector<double> over_time;       // [second of driving] slip, mean over the beds
 };
 
 /// The published simulation as if it were a run of ours.

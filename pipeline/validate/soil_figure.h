@@ -21,6 +21,7 @@ struct SoilFigure {
   std::string csv;   // what it shows, in SI units
   LinePlot plot;
   std::vector<SoilCheck> check;
+  std::string over_time{};  // the same over time, if there is more to tell: <name>_over_time.csv
 };
 
 /// Measured numbers by key, each with its bounds and whether it keeps them.

@@ -21,6 +21,9 @@ TEST_CASE("a wheel that slips as in the experiment keeps all bounds, one that co
   REQUIRE(good.check.size() == 2);
   CHECK(good.check[0].key == "rmse_slip_mgru3");
   for (const SoilCheck& c : good.check) CHECK(c.holds());
+  CHECK(good.over_time == "slope_deg,second,slip\n");
+  points[1].over_time = {0.25, 0.5};
+  CHECK(slope_slip_figure({}, points).over_time == "slope_deg,second,slip\n5.24,1,0.2500\n5.24,2,0.5000\n");
   points[0].slip = std::nan("");
   for (const SoilCheck& c : slope_slip_figure({}, points).check) CHECK_FALSE(c.holds());
 }

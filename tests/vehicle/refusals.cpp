@@ -33,7 +33,7 @@ const Fault kFaults[] = {
     Fault{"hmmwv", "\"wheel\": [-0.04039, 0.9097", "\"wheel\": [-0.04039, 0.1", "overlap"},
     Fault{"hmmwv", "\"upper_ball\"", "\"upper_bal\"", "points_m.upper_ball: missing"},
     Fault{"hmmwv", "\"steering\": { \"max_angle_deg\": 30 },", "", "max_angle_deg"},
-    Fault{"hmmwv", "\"differential\": \"open\"", "\"differential\": \"limited_slip\"", "torque_bias"},
+    Fault{"hmmwv", "\"torque_bias\": 4", "\"torque_bias\": 0.5", "torque_bias"},
     Fault{"hmmwv", "\"gears_output_per_input\": [0.1708", "\"gears_output_per_input\": [-0.1708",
           "gears_output_per_input[0]"},
     Fault{"hmmwv", "\"speed_rad_s\": [-10.472, 83.776", "\"speed_rad_s\": [-10.472, -83.776", "speed_rad_s[1]"},
