@@ -282,6 +282,8 @@ void add_drawbar(CLI::App& command, const Globals& globals) {
   drawbar->add_option("--sweep", o->request.sweep, "Over which the load grows to the weight [s]")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
+  drawbar->add_flag("--compliant-tyres", o->request.compliant_tyres,
+                    "With the stiffness that the vehicle's file names");
   drawbar->add_flag("--folded", o->request.folded, "On a bed of two thirds of the track: a third of the grains");
   drawbar->add_option("--out", o->folder, "Folder for a table and a picture");
   drawbar->footer(

@@ -54,6 +54,8 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   setup.settled_on = r.batch.backend;
   if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
   if (r.folded) fold_bed(setup);
+  setup.compliant_tyres = r.compliant_tyres;
+  check_tyres(setup);
   const vehicle::Vehicle& v = *setup.whole;
   const auto points = replicates(plain_variables(setup, 0, r.friction_angle, r.speed), r.seeds);
   std::vector<PartSum> part;
@@ -69,7 +71,7 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
       part[k].resistance.push_back(driven * p.torque / radius / weight - p.pull);
     }
   }
-  DrawbarReport report{v.name, r.friction_angle, grains_per_tyre(setup), {}, {}};
+  DrawbarReport report{v.name, r.compliant_tyres, r.friction_angle, grains_per_tyre(setup), {}, {}};
   for (const PartSum& k : part)
     if (const double slip = mean_of(k.slip).mean; slip > 0.01 && slip < 0.95)
       report.point.push_back(point_of(k, v, r.friction_angle));
@@ -79,9 +81,16 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   return report;
 }
 
+namespace {
+
+const char* tyres(const DrawbarReport& r) { return r.compliant_tyres ? "compliant" : "rigid"; }
+
+}  // namespace
+
 Json as_json(const DrawbarReport& r) {
   Json json;
   json["vehicle"] = r.vehicle;
+  json["tyres"] = tyres(r);
   json["friction_angle_deg"] = r.friction_angle;
   json["grains_per_tyre"] = r.grains_per_tyre;
   json["label"] = r.grains_per_tyre >= kGrainsPerTyre ? "fine" : "coarse";
@@ -102,8 +111,8 @@ Json as_json(const DrawbarReport& r) {
 }
 
 std::string as_text(const DrawbarReport& r) {
-  std::string text = line("%s on sand of %.1f degrees, a tyre %.1f grains wide\n", r.vehicle.c_str(), r.friction_angle,
-                          r.grains_per_tyre);
+  std::string text = line("%s on %s tyres on sand of %.1f degrees, a tyre %.1f grains wide\n", r.vehicle.c_str(),
+                          tyres(r), r.friction_angle, r.grains_per_tyre);
   text += "  slip  sinkage [mm]  pull/weight   band             resistance/weight  band\n";
   for (const DrawbarPoint& p : r.point) {
     text += line("%6.3f  %12.1f  %+.3f        %+.3f to %+.3f%s  %+.3f             %+.3f to %+.3f%s\n", p.slip,
@@ -136,9 +145,9 @@ LinePlot plot_of(const DrawbarReport& r) {
   }
   plot.lines = {band[0], band[1], band[2], band[3], pull, resistance};
   plot.notes.push_back(
-      line("friction angle %.1f degrees, tyre %.1f grains wide; formulas: Wong and Reece on two sands, "
+      line("friction angle %.1f degrees, %s tyres %.1f grains wide; formulas: Wong and Reece on two sands, "
            "Mason et al. over cone indices",
-           r.friction_angle, r.grains_per_tyre));
+           r.friction_angle, tyres(r), r.grains_per_tyre));
   return plot;
 }
 

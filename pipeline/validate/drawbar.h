@@ -16,7 +16,8 @@ struct DrawbarRequest {
   double friction_angle = 30, speed = 1.5;  // of the sand [deg], [m/s]
   double sweep = 12;                        // over which the load grows to the weight [s]
   int seeds = 1;
-  bool folded = false;  // bed, see pipeline/trial/lanes.h
+  bool folded = false;           // bed, see pipeline/trial/lanes.h
+  bool compliant_tyres = false;  // of the stiffness that the vehicle's file names
   BatchSettings batch;
 };
 
@@ -24,7 +25,7 @@ struct DrawbarRequest {
 struct DrawbarPoint {
   double slip = 0;
   MeanOf pull, resistance;  // of the weight; resistance: torque over rolling radius less pull
-  double sinkage = 0;       // [m]
+  double sinkage = 0;       // of the axle: with what a compliant tyre is pressed in [m]
   TractionBand band;
   bool pull_inside() const { return pull.mean >= band.pull[0] && pull.mean <= band.pull[1]; }
   bool resistance_inside() const {
@@ -34,6 +35,7 @@ struct DrawbarPoint {
 
 struct DrawbarReport {
   std::string vehicle;
+  bool compliant_tyres = false;
   double friction_angle = 0, grains_per_tyre = 0;
   std::vector<DrawbarPoint> point;  // ascending in slip, of slips at which a formula holds
   std::vector<TractionBand> band;   // for a picture
