@@ -214,7 +214,11 @@ TEST_CASE("the forces of an answer balance weight, moments and torques, inside c
   CHECK(length(force) < 1e-3);
   CHECK(length(moment) < 1e-3);
   CHECK(torque < largest_drive_torque(v));
-  CHECK(agrees("open differentials share equally [N m]", f.torque[0], f.torque[3], 1e-3));
+  CHECK(agrees("an open centre shares equally [N m]", f.torque[0] + f.torque[1], f.torque[2] + f.torque[3], 1e-3));
+  for (const std::size_t axle : {0, 2}) {
+    const auto [least, most] = std::minmax(f.torque[axle], f.torque[axle + 1]);
+    CHECK(most <= v.axle[axle / 2].torque_bias * least + 1e-3);
+  }
 }
 
 TEST_CASE("limited slip lies between open and locked differentials") {
