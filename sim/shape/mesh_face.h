@@ -68,6 +68,8 @@ GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const T
   const bool deep = way.gap < -tol.slack;
   const Real reach = (deep ? -way.gap : Real(0)) + 2 * tol.slack;
   const Real beside = off_surface(way.gap, tol.slack);
+  // A ridge lies in both of its own faces, which are no other way out.
+  const Real below = way.t >= 0 ? Real(0) : -tol.slack;
   const Real wide = 10 * tol.slack;  // beyond an acute corner a point is further from a triangle than from its edges
   const Vec3 box{reach, reach, reach};
   // Above a flat face its triangles are told apart by the foot: the point itself may be an envelope away from all.
@@ -93,7 +95,7 @@ GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const T
       return;
     }
     const Real gap = dot(way.p - base, n);
-    if (gap > beside || dot(way.middle - base, n) >= 0) return;
+    if (gap > beside || dot(way.middle - base, n) >= below) return;
     if (goes_before(gap, way.gap, tol.slack, [&](Real lean) { return supports(-n, lean); }))
       out = !is_over(from, t, n, way.p, wide, wide);
   });
