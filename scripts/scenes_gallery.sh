@@ -20,15 +20,15 @@ mkdir -p "$out"
 # What a scene is made with: spheres, then its options.
 made_with() {
   case $1 in
-    tank) echo "$((2000 * scale)) --every 0.02" ;;
-    silo) echo "$((1500 * scale)) --slenderness 1.6 --orifice 6 --flow-time 0.5 --every 0.1 --plot $out/silo_stress.png" ;;
+    tank) echo "$((2000 * scale)) --seconds 1.5 --every 0.02" ;;
+    silo) echo "$((1500 * scale)) --slenderness 1.6 --orifice 6 --flow-time 0.5 --every 0.05 --plot $out/silo_stress.png" ;;
     drum) echo "$((600 * scale)) --turns 2 --iterations 30 --every 0.1 --plot $out/drum_mixing.png" ;;
     screen) echo "$((800 * scale)) --seconds 4 --every 0.05 --plot $out/screen_sorting.png" ;;
     pebbles) echo "$((7000 * scale)) --layers 3 --seconds 2.5 --speed 2 --iterations 30 --every 0.05 --plot $out/pebbles_drive.png" ;;
     nut) echo "$((500 * scale)) --seconds 5 --iterations 25 --every 0.1" ;;
-    ball) echo "$((1500 * scale)) --ball 6 --seconds 1 --iterations 30 --every 0.05" ;;
-    crater) echo "$((2000 * scale)) --height 1.6 --iterations 30 --every 0.03" ;;
-    collapse) echo "$((1500 * scale)) --aspect 1 --every 0.1" ;;
+    ball) echo "$((1500 * scale)) --ball 6 --seconds 1 --iterations 30 --every 0.0125" ;;
+    crater) echo "$((2000 * scale)) --height 1.6 --iterations 30 --every 0.01" ;;
+    collapse) echo "$((1500 * scale)) --aspect 1 --every 0.02" ;;
     *) say "scenes_gallery: no scene is called $1"; exit 2 ;;
   esac
 }

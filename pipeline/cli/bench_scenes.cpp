@@ -37,6 +37,9 @@ void add_tank(CLI::App& parent, const Globals& globals) {
   CLI::App* command = add_scene(parent, globals, "tank", "A shaken tank of spheres, about 3.6 contacts each", spec,
                                 spec->of, shaken_tank);
   add_friction(*command, spec->of, kAll);
+  command->add_option("--seconds", spec->seconds, "Shaken for, before anything is timed [s]")
+      ->check(CLI::Range(0.0, 1e4))
+      ->capture_default_str();
   command->footer("Example:\n  gonogo bench tank --spheres 1000000 --backend cuda --json");
 }
 

@@ -118,6 +118,11 @@ void draw_watched(const std::filesystem::path&, const ManyScene&, const std::vec
 }
 #endif
 
+double frame_rate(int count, double every) {
+  constexpr double shortest = 6, slowest = 5;  // [s], [1/s]
+  return std::min(1 / every, std::max(slowest, count / shortest));
+}
+
 void draw_video(const std::filesystem::path& path, const ManyScene& scene, const std::vector<sim::Capture>& states,
                 double every, int threads) {
   const std::filesystem::path folder =
@@ -125,7 +130,7 @@ void draw_video(const std::filesystem::path& path, const ManyScene& scene, const
   std::filesystem::create_directories(folder);
   const SnapshotView view = view_of(scene, {&states.front(), &states[states.size() / 2], &states.back()});
   for (std::size_t k = 0; k < states.size(); ++k) draw_snapshot(frame_path(folder, k), scene, states[k], view, threads);
-  make_video(folder, int(states.size()), 1 / every, path);
+  make_video(folder, int(states.size()), frame_rate(int(states.size()), every), path);
   std::filesystem::remove_all(folder);
 }
 

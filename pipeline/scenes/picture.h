@@ -30,7 +30,11 @@ void draw_snapshot(const std::filesystem::path& path, const ManyScene& scene, co
 void draw_watched(const std::filesystem::path& path, const ManyScene& scene,
                   const std::vector<std::vector<Measured>>& watched);
 
-/// Writes an MP4 of states that are `every` seconds apart, as fast as they went.
+/// Pictures per second at which `count` of them, `every` seconds apart, are shown: as fast as things went, or slower
+/// where that would be over in less than six seconds, but at least five.
+double frame_rate(int count, double every);
+
+/// Writes an MP4 of states that are `every` seconds apart, at that rate.
 void draw_video(const std::filesystem::path& path, const ManyScene& scene, const std::vector<sim::Capture>& states,
                 double every, int threads);
 

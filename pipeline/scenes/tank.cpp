@@ -152,7 +152,7 @@ ManyScene shaken_tank(const TankSpec& spec, const RunOn& on) {
   scene.name = "tank";
   scene.world = tank_world(spec, on);
   scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
-  scene.duration = 60 * scene.settings.step;  // the spheres meet the walls
+  scene.duration = spec.seconds;
   scene.drive = [](sim::Simulation& simulation, double time) {
     const double acceleration = 0.5 * 9.81 * std::sin(2 * std::numbers::pi * 2 * time);
     simulation.set_gravity(0, {Real(-acceleration), 0, Real(-9.81)});

@@ -10,6 +10,7 @@ struct TankSpec {
   Spheres of{.count = 100'000};
   int layers = 50;               // of spheres, fewer where there are few: the tank's depth does not grow with its floor
   double length_over_width = 1;  // of the floor, x over y, about
+  double seconds = 0.12;         // shaken before anything is timed: the spheres meet the walls [s]
 };
 
 /// Bodies 0 .. spheres - 1 are the spheres, the next one is the tank: a floor at z = 0 and four walls, planes of one

@@ -9,6 +9,7 @@
 #include "pipeline/scenes/collide.h"
 #include "pipeline/scenes/drum.h"
 #include "pipeline/scenes/pebbles.h"
+#include "pipeline/scenes/picture.h"
 #include "pipeline/scenes/screen.h"
 #include "pipeline/scenes/silo.h"
 #include "tests/support/catch.h"
@@ -240,3 +241,10 @@ TEST_CASE("a run can be shown as a video, where there is ffmpeg") {
   }
 }
 #endif
+
+TEST_CASE("videos run as fast as things went, but not in less than six seconds nor below five pictures a second") {
+  CHECK(frame_rate(100, 0.1) == Approx(10));    // 10 s
+  CHECK(frame_rate(60, 0.02) == Approx(10));    // 1.2 s become 6
+  CHECK(frame_rate(7, 0.02) == Approx(5));      // too few for more
+  CHECK(frame_rate(1000, 0.02) == Approx(50));  // 20 s
+}
