@@ -17,7 +17,7 @@ struct SnapshotView {
   double high_speed = 1;  // upper end of the colour bar [m/s]
 };
 
-/// Such that all of these states are in the picture and one body in twenty is faster than the bar at the most.
+/// Such that all of these states are in the picture and one body in twenty is faster than the bar in three of four.
 SnapshotView view_of(const ManyScene& scene, const std::vector<const sim::Capture*>& states);
 
 /// Writes a PNG, spheres in the colours of their speed or material. Walls and floors, all that is fixed, are left out:
