@@ -338,7 +338,7 @@ def main():
     runs = commands.add_parser("run")
     runs.add_argument("folder", type=pathlib.Path)
     runs.add_argument("--file", type=pathlib.Path, default=DATA / "boundary_points.csv")
-    runs.add_argument("--tables", type=pathlib.Path, default=HERE / "configs/soils")
+    runs.add_argument("--tables", type=pathlib.Path, default=HERE / "data/quarter_wheel_32mm")
     runs.add_argument("--device", default="cuda")
     runs.add_argument("--places", type=int, default=64)
     runs.add_argument("--workers", type=int, default=0, help="0: one per GPU")

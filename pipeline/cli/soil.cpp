@@ -22,10 +22,11 @@ std::string table(const terrain::Calibration& c) {
                   p.settle_friction, p.solid_fraction, p.relative_density);
     text += line;
   }
-  text += "friction  rolling   friction angle [deg]   cohesion / contact pressure\n";
+  text += "friction  rolling   friction angle [deg]   cohesion / contact pressure   loosest solid fraction\n";
   for (const terrain::ContactLevel& l : c.contact) {
-    std::snprintf(line, sizeof line, "%8.2f %8.2f   %9.2f +- %.2f      %9.3f +- %.3f\n", l.friction, l.rolling_friction,
-                  l.friction_angle, l.friction_angle_error, l.cohesion_gain, l.cohesion_gain_error);
+    std::snprintf(line, sizeof line, "%8.2f %8.2f   %9.2f +- %.2f      %9.3f +- %.3f          %9.4f\n", l.friction,
+                  l.rolling_friction, l.friction_angle, l.friction_angle_error, l.cohesion_gain, l.cohesion_gain_error,
+                  l.loosest_solid_fraction);
     text += line;
   }
   return text;
@@ -115,6 +116,12 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
       ->capture_default_str();
   add_shape(*command, run->shape);
   command->add_option("--seeds", run->seeds, "Packings of each density")
+      ->check(CLI::Range(1, 50))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--angle-seeds", run->angle_seeds,
+          "Packings of each density whose friction angle is measured, cohesion and plates with --seeds of them")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
   add_numerics_options(*command, run->numerics, "Trials");

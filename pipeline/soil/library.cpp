@@ -80,6 +80,7 @@ std::string fit_text(const Json& fit) {
                off.at("friction_angle_deg").number(), off.at("friction_angle_error_deg").number(),
                100 * off.at("cohesion").number(), 100 * off.at("cohesion_error").number(),
                100 * off.at("bulk_density").number());
+  text += line(", relative density %+.2f", off.at("relative_density").number());
   if (const Json* sinkage = off.find("sinkage"))
     text += line(", pressure under a plate %+.0f %%", 100 * sinkage->number());
   return text + "\n";

@@ -233,8 +233,10 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
   const auto strength = triaxial_strength(results, r.soil.grain.cohesion_pressure > 0);
   o.json["friction_angle"] = angle_json(strength.steady_angle);
   o.json["cohesion_Pa"] = strength.steady_cohesion;
+  o.json["cohesion_error_Pa"] = strength.steady_cohesion_error;
   o.json["peak_friction_angle"] = angle_json(strength.peak_angle);
   o.json["peak_cohesion_Pa"] = strength.peak_cohesion;
+  o.json["peak_cohesion_error_Pa"] = strength.peak_cohesion_error;
   o.json["solid_fraction"] = fraction;
   o.text = line(
       "steady: friction angle %.1f +- %.1f deg, cohesion %.0f Pa\npeak:   friction angle %.1f +- %.1f deg, "

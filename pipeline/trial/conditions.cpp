@@ -20,6 +20,14 @@ constexpr Index kMostSlowed = 200;
 
 double value(const DesignPoint& point, const char* name) { return point.variables.at(contract().variable_index(name)); }
 
+terrain::MacroscopicSoil soil_of(const DesignPoint& point) {
+  return {value(point, "friction_angle"), value(point, "cohesion") * 1e3, 0, value(point, "relative_density")};
+}
+
+std::size_t packing_of(const TrialSetup& setup, const DesignPoint& point) {
+  return terrain::packing_level(setup.calibration, soil_of(point));
+}
+
 }  // namespace
 
 Vec3d bed_gravity(double slope_along_deg, double slope_across_deg) {
@@ -35,9 +43,8 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
   TrialConditions c;
   const Vec3d g = bed_gravity(value(point, "slope_along"), value(point, "slope_across"));
   c.gravity = static_cast<Vec3>(g);
-  const terrain::MacroscopicSoil soil{value(point, "friction_angle"), value(point, "cohesion") * 1e3, 0,
-                                      value(point, "relative_density")};
-  const sim::PairLaw grain = terrain::contact_law(setup.calibration, soil);
+  const std::size_t packing = packing_of(setup, point);
+  const sim::PairLaw grain = terrain::contact_law(setup.calibration, soil_of(point), packing);
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
   if (setup.compliant_tyres) {
@@ -46,17 +53,14 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
         setup.whole->wheel.front(), setup.weight(value(point, "payload")) / wheels, setup.calibration.grain_diameter);
     c.laws.tool.stiffness = Real(spring.stiffness), c.laws.tool.damping = Real(spring.damping);
   }
-  if (auto strip = setup.task->strip({})) {
-    strip->soil.relative_density = soil.relative_density;
-    c.soft = terrain::contact_law(setup.calibration, strip->soil);
-  }
+  if (const auto strip = setup.task->strip({})) c.soft = terrain::contact_law(setup.calibration, strip->soil, packing);
   c.payload = value(point, "payload");
   c.speed = value(point, "commanded_speed");
   return c;
 }
 
 terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point) {
-  return setup.bed_spec(value(point, "bed_depth"), value(point, "relative_density"), point.seed);
+  return setup.bed_spec(value(point, "bed_depth"), packing_of(setup, point), point.seed);
 }
 
 terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point) {

@@ -95,9 +95,9 @@ void check_angles(const TrialSetup& s, const Span& angle) {
 /// Cohesion is a share of the contacts' pull that changes along the line: held to its least over the angles, in steps
 /// of a quarter of a degree.
 void check_cohesion(const TrialSetup& s, const Span& angle, const Span& cohesion) {
-  for (const terrain::PackingLevel& packing : s.calibration.packing)
+  for (std::size_t packing = 0; packing < s.calibration.packing.size(); ++packing)
     for (double phi = angle.low;; phi = std::min(phi + 0.25, angle.high)) {
-      const double reach = 1e-3 * terrain::reachable_cohesion(s.calibration, phi, packing.relative_density);
+      const double reach = 1e-3 * terrain::reachable_cohesion(s.calibration, phi, packing);
       if (cohesion.high > reach)
         cohesion.part.fail("cohesion", "goes to " + std::to_string(cohesion.high) +
                                            " kPa, and at a friction angle of " + std::to_string(phi) +
@@ -232,7 +232,7 @@ Course TrialSetup::course(double surface) const {
   return {start > 0 ? start : usual, ends, ends, length, tiles_across * bed_width, surface};
 }
 
-terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density, std::uint64_t bed_seed) const {
+terrain::BedSpec TrialSetup::bed_spec(double bed_depth, std::size_t packing, std::uint64_t bed_seed) const {
   terrain::BedSpec spec;
   spec.length = bed_length;
   spec.width = bed_width;
@@ -240,7 +240,7 @@ terrain::BedSpec TrialSetup::bed_spec(double bed_depth, double relative_density,
   spec.grain_diameter = calibration.grain_diameter;
   spec.shape = calibration.shape;
   spec.grain_density = grain_density;
-  spec.settle_friction = calibration.packing[terrain::packing_level(calibration, relative_density)].settle_friction;
+  spec.settle_friction = calibration.packing[packing].settle_friction;
   spec.seed = bed_seed % std::uint64_t(packing_seeds);
   spec.settled_on = settled_on;
   return spec;

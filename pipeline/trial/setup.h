@@ -70,7 +70,7 @@ struct TrialSetup {
   terrain::MovingPatch patch() const;
 
   /// Bed that a trial of these variables drives on: level of the packing and its seed.
-  terrain::BedSpec bed_spec(double bed_depth, double relative_density, std::uint64_t seed) const;
+  terrain::BedSpec bed_spec(double bed_depth, std::size_t packing, std::uint64_t seed) const;
 };
 
 /// $GONOGO_CACHE/beds, or gonogo/beds in the user's cache folder: settled beds are shared between runs.

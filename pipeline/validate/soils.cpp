@@ -112,11 +112,14 @@ struct Inverted {
   std::string name;
   terrain::MacroscopicSoil soil;
   terrain::SoilFit fit;
-  double friction_angle = 0, angle_error = 0, cohesion = 0, bulk_density = 0;
+  double friction_angle = 0, angle_error = 0, cohesion = 0, cohesion_error = 0, bulk_density = 0;
+
+  /// Least confining stress of its tests [Pa]: the contacts' pull, up to which tables know cohesion as a share of it.
+  double least_stress() const { return std::max(2.5e3, double(fit.law.cohesion_pressure)); }
 };
 
-constexpr double kInversionStress[] = {5e3, 10e3, 20e3};
-constexpr std::uint64_t kNewSeed = 1001;  // packings that no calibration saw
+constexpr double kInversionStress[] = {1, 2, 4, 8};  // times the least
+constexpr std::uint64_t kNewSeed = 1001;             // packings that no calibration saw
 
 std::vector<Inverted> soils_of(const Calibration& c) {
   std::vector<Inverted> soils;
@@ -124,7 +127,7 @@ std::vector<Inverted> soils_of(const Calibration& c) {
     const auto file = terrain::read_soil(shipped_file("soils", "soil", name));
     const terrain::MacroscopicSoil soil = file.states.front().macroscopic();
     try {
-      soils.push_back({file.name, soil, fit_soil(c, soil), 0, 0, 0, 0});
+      soils.push_back({file.name, soil, fit_soil(c, soil)});
     } catch (const InputError&) {
       // Out of these grains' reach: the table says so to everybody who asks for this soil.
     }
@@ -165,8 +168,9 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
   terrain::run_jobs(results.size(), run.threads, [&](std::size_t k) {
     const std::size_t within = k % each;
     const std::uint64_t seed = kNewSeed + within / loads;
-    const terrain::SoilFit& fit = soils[k / each].fit;
-    results[k] = compressed(c, run.calibration, fit, kInversionStress[within % loads], seed);
+    const Inverted& soil = soils[k / each];
+    const terrain::SoilFit& fit = soil.fit;
+    results[k] = compressed(c, run.calibration, fit, soil.least_stress() * kInversionStress[within % loads], seed);
     density[k] = bulk_density_of(c, fit, seed);
 #pragma omp critical(inversion_progress)
     progress.update(++done, "");
@@ -175,7 +179,7 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
     const auto begin = results.begin() + std::ptrdiff_t(i * each);
     const auto s = terrain::triaxial_strength({begin, begin + std::ptrdiff_t(each)}, soils[i].soil.cohesion > 0);
     soils[i].friction_angle = s.peak_angle.degrees, soils[i].angle_error = s.peak_angle.error;
-    soils[i].cohesion = s.peak_cohesion;
+    soils[i].cohesion = s.peak_cohesion, soils[i].cohesion_error = s.peak_cohesion_error;
     for (std::size_t k = i * each; k < (i + 1) * each; ++k) soils[i].bulk_density += density[k] / double(each);
   }
 }
@@ -186,14 +190,17 @@ SoilFigure inversion(const SoilValidation& run) {
   measure(run, c, soils);
   SoilFigure f;
   f.name = "soils_inversion";
-  f.csv = "soil,friction_angle_deg,measured_deg,standard_error_deg,cohesion_Pa,measured_Pa,bulk_density,measured\n";
+  f.csv =
+      "soil,friction_angle_deg,measured_deg,standard_error_deg,cohesion_Pa,measured_Pa,standard_error_Pa,bulk_density,"
+      "measured,relative_density,of_grains\n";
   f.plot.title = "Soils asked for, and measured on the grains that stand for them";
   f.plot.x_label = "friction angle asked for [deg]", f.plot.y_label = "friction angle measured [deg]";
   f.plot.lines = {{"equal", {15, 45}, {15, 45}, false}, {"soils", {}, {}, true}};
   double angle = 0, cohesion = 0, density = 0;
   for (const Inverted& s : soils) {
-    f.csv += line("%s,%g,%.2f,%.2f,%g,%.0f,%g,%.0f\n", s.name.c_str(), s.soil.friction_angle, s.friction_angle,
-                  s.angle_error, s.soil.cohesion, s.cohesion, s.soil.bulk_density, s.bulk_density);
+    f.csv += line("%s,%g,%.2f,%.2f,%g,%.0f,%.0f,%g,%.0f,%g,%.2f\n", s.name.c_str(), s.soil.friction_angle,
+                  s.friction_angle, s.angle_error, s.soil.cohesion, s.cohesion, s.cohesion_error, s.soil.bulk_density,
+                  s.bulk_density, s.soil.relative_density, s.fit.relative_density);
     f.plot.lines[1].x.push_back(s.soil.friction_angle), f.plot.lines[1].y.push_back(s.friction_angle);
     angle = std::max(angle, std::fabs(s.friction_angle - s.soil.friction_angle));
     if (s.soil.cohesion > 0) cohesion = std::max(cohesion, std::fabs(s.cohesion / s.soil.cohesion - 1));

@@ -105,7 +105,7 @@ void check(const BedSpec& s) {
 SceneWorld pouring_world(const BedSpec& s, const std::vector<Grain>& grains, const std::vector<Grain>& base) {
   Packing loose{s, grains, base, 0, 0, 0};
   loose.surface = grains.back().position.z;
-  const sim::PairLaw slippery{Real(s.settle_friction), 0, 0};
+  const sim::PairLaw slippery{Real(s.settle_friction), Real(s.settle_rolling), 0};
   SceneWorld world = bed_world(loose, {slippery, slippery}, s.grain_diameter);
   for (std::size_t i = 0; i < grains.size(); ++i)
     world.body[i].velocity = {Real(uniform(s.seed, speed_stream, 3 * i) - 0.5),
@@ -118,9 +118,10 @@ SceneWorld pouring_world(const BedSpec& s, const std::vector<Grain>& grains, con
 
 std::string BedSpec::hash() const {
   Json j;
-  j["maker"] = "settle_packing/4";
+  j["maker"] = "settle_packing/5";
   j["length"] = length, j["width"] = width, j["depth"] = depth, j["grain_diameter"] = grain_diameter;
   j["size_spread"] = size_spread, j["grain_density"] = grain_density, j["settle_friction"] = settle_friction;
+  j["settle_rolling"] = settle_rolling;
   j["seed"] = std::uint64_t(seed), j["shape"] = name_of(shape);
   if (settled_on == sim::Backend::cuda) j["settled_on"] = "cuda";
   return content_hash(j.dump());

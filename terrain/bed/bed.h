@@ -19,6 +19,7 @@ struct BedSpec {
   double size_spread = 0.1;                     // radii are uniform in mean * (1 +- spread)
   double grain_density = 2650;                  // of the solid [kg/m^3]; quartz
   double settle_friction = 0.1;                 // while settling: the lower, the denser the packing
+  double settle_rolling = 0;                    // rolling friction while settling: makes packings looser still
   std::uint64_t seed = 1;
   GrainShape shape = GrainShape::sphere;
   sim::Backend settled_on = sim::Backend::cpu;  // grains come to rest elsewhere on another device

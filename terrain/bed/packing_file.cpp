@@ -7,7 +7,7 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr std::size_t kColumns = 8, kSpecNumbers = 10;
+constexpr std::size_t kColumns = 8, kSpecNumbers = 11;
 
 void write_grains(Hdf5Writer& out, const std::string& name, const std::vector<Grain>& grains) {
   std::vector<double> rows;
@@ -41,7 +41,8 @@ void write_packing(const std::filesystem::path& path, const Packing& packing) {
   write_grains(out, "grain", packing.grain);
   write_grains(out, "base", packing.base);
   out.array("spec", std::vector<double>{s.length, s.width, s.depth, s.grain_diameter, s.size_spread, s.grain_density,
-                                        s.settle_friction, double(s.seed), double(s.shape), double(s.settled_on)});
+                                        s.settle_friction, s.settle_rolling, double(s.seed), double(s.shape),
+                                        double(s.settled_on)});
   out.attribute("spec", "shapes", grain_shape_names());
   out.array("measured", std::vector<double>{packing.surface, packing.solid_fraction, packing.residual_speed});
   out.attribute("measured", "columns",
@@ -54,8 +55,8 @@ Packing read_packing(const std::filesystem::path& path) {
   const auto s = in.array<double>("spec", gonogo::Shape{kSpecNumbers});
   const auto measured = in.array<double>("measured", gonogo::Shape{3});
   Packing p;
-  if (!(s[8] >= 0 && s[8] < double(grain_shape_names().size())))
-    in.fail("spec", "the shape of the grains is " + std::to_string(s[8]) + ", allowed are 0 to 2; remove the file");
+  if (!(s[9] >= 0 && s[9] < double(grain_shape_names().size())))
+    in.fail("spec", "the shape of the grains is " + std::to_string(s[9]) + ", allowed are 0 to 2; remove the file");
   p.spec = {s[0],
             s[1],
             s[2],
@@ -63,9 +64,10 @@ Packing read_packing(const std::filesystem::path& path) {
             s[4],
             s[5],
             s[6],
-            std::uint64_t(s[7]),
-            GrainShape(int(s[8])),
-            s[9] == 0 ? sim::Backend::cpu : sim::Backend::cuda};
+            s[7],
+            std::uint64_t(s[8]),
+            GrainShape(int(s[9])),
+            s[10] == 0 ? sim::Backend::cpu : sim::Backend::cuda};
   p.grain = read_grains(in, "grain");
   p.base = read_grains(in, "base");
   p.surface = measured[0], p.solid_fraction = measured[1], p.residual_speed = measured[2];

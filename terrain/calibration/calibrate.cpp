@@ -65,13 +65,14 @@ Angle friction_angle(const Selection& of, std::size_t contact, std::ptrdiff_t pa
 /// stand in the same order in all tests.
 MeanError cohesion_gain(const Selection& of, std::size_t contact, std::ptrdiff_t packing) {
   const std::vector<double> sine = sines(of, contact, packing, kPeak);
-  std::vector<double> gain(sine.size());
+  // More specimens may have been tested without cohesion, after those that were tested with it too.
+  std::vector<double> gain(of.with_gaps(TestKind::triaxial, contact, packing, 1, kPeak).size());
   double square = 0;
   for (std::size_t r = 1; r < std::size(kCohesionRatio); ++r) square += kCohesionRatio[r] * kCohesionRatio[r];
   for (std::size_t r = 1; r < std::size(kCohesionRatio); ++r) {
     const auto axial = of.with_gaps(TestKind::triaxial, contact, packing, r, kPeak);
     const auto lateral = of.with_gaps(TestKind::triaxial, contact, packing, r, kPeak + 1);
-    for (std::size_t i = 0; i < sine.size(); ++i) {
+    for (std::size_t i = 0; i < gain.size(); ++i) {
       const double cohesion =
           (axial[i] - lateral[i] - (axial[i] + lateral[i]) * sine[i]) / (2 * std::sqrt(1 - sine[i] * sine[i]));
       gain[i] += kCohesionRatio[r] * cohesion / square;
@@ -95,10 +96,19 @@ SoilResponse response(const Selection& of, std::size_t c, std::size_t p) {
   return r;
 }
 
+/// Solid fraction of the loosest bed that grains of a contact level make: settled with their own laws, where that is
+/// looser than the library's loosest packing.
+double loosest_solid_fraction(const Selection& of, std::size_t c, double library) {
+  if (!settles_loosely(of.contacts[c])) return library;
+  return std::min(library, mean_error(of(TestKind::loosest, c, 0, 0, 0)).mean);
+}
+
 /// What does not depend on the packing, and the mean friction angle and its error over those.
-ContactLevel contact_level(const Selection& of, std::size_t c, const std::vector<SoilResponse>& responses) {
+ContactLevel contact_level(const Selection& of, std::size_t c, const Calibration& table) {
+  const std::vector<SoilResponse>& responses = table.response;
   const MeanError gain = cohesion_gain(of, c, -1);
-  ContactLevel level{of.contacts[c].friction, of.contacts[c].rolling_friction, 0, 0, gain.mean, gain.error};
+  ContactLevel level{of.contacts[c].friction, of.contacts[c].rolling_friction, 0, 0, gain.mean, gain.error, 0};
+  level.loosest_solid_fraction = loosest_solid_fraction(of, c, table.packing.front().solid_fraction);
   const double packings = double(std::size(kSettleFriction));
   for (const SoilResponse& r : responses)
     if (r.contact == c)
@@ -185,19 +195,19 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
   for (const CalibrationTest& t : tests) {
     if (t.result.empty())
       ++failed;
-    else
+    else if (t.kind != TestKind::loosest)
       worst = std::max(worst, t.result[t.kind == TestKind::triaxial ? kTriaxialResidual : 2]);
   }
   Json p;
   p["test"] =
       "triaxial compression without gravity of 9 x 9 x 16 grains between smooth platens, inertial number 0.006; plate "
-      "4 "
-      "grains wide on a bed of 24 x 6 grains, 12 deep, under gravity";
+      "4 grains wide on a bed of 24 x 6 grains, 12 deep, under gravity; such beds settled with each level's own laws";
   write_numerics(p, run.numerics);
   p["confining_stress_Pa"] = kConfiningStress;
   p["cohesion_pressure_over_confining_stress"] =
       std::vector<double>(std::begin(kCohesionRatio), std::end(kCohesionRatio));
   p["seeds"] = run.seeds;
+  p["angle_seeds"] = std::max(run.seeds, run.angle_seeds);
   p["failed_tests"] = failed;
   p["contact_levels_left_out"] = std::uint64_t(contact_line(run.shape).size() - levels);
   p["worst_rms_residual_m_per_s"] = worst;
@@ -231,7 +241,7 @@ Calibration calibrate(const CalibrationRun& run) {
   for (std::size_t k = 0; k < levels; ++k)
     for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) c.response.push_back(response(of, k, p));
   for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) make_monotone(c.response, p);
-  for (std::size_t k = 0; k < levels; ++k) c.contact.push_back(contact_level(of, k, c.response));
+  for (std::size_t k = 0; k < levels; ++k) c.contact.push_back(contact_level(of, k, c));
   hold_cohesion(c.contact);
   pool_cohesion(c);
   c.provenance = provenance(tests, run, levels);

@@ -1,5 +1,5 @@
-// Measures a calibration table by virtual tests: triaxial compression without and with contact cohesion, and plate
-// sinkage, over a line of contact parameters and the packings of the library.
+// Measures a calibration table by virtual tests: triaxial compression without and with contact cohesion, plate sinkage,
+// and how loosely grains settle, over a line of contact parameters and the packings of the library.
 #pragma once
 #include "terrain/bed/numerics.h"
 #include "terrain/soil/calibration.h"
@@ -9,8 +9,11 @@ namespace gonogo::terrain {
 struct CalibrationRun {
   double grain_diameter = 0.032;  // of the sphere with a grain's volume [m]
   GrainShape shape = GrainShape::sphere;
-  int threads = 1;    // tests at a time
-  int seeds = 3;      // packings of each density
+  int threads = 1;  // tests at a time
+  int seeds = 3;    // packings of each density
+  /// Packings of each density whose friction angle is measured: that of one rough specimen is off by two degrees from
+  /// that of the next, while cohesion and plates need fewer. No less than `seeds`.
+  int angle_seeds = 3;
   Numerics numerics;  // of the trials that the table is for: contacts solved less well make another soil
   /// Finished tests are kept in this file, and a run that finds it goes on from there; empty: nothing is kept.
   std::filesystem::path journal;

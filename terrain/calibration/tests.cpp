@@ -71,6 +71,13 @@ void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& 
   test.result = {law.k, law.n, r.worst_residual, bed.solid_fraction};
 }
 
+void run_loosest(CalibrationTest& test, const CalibrationRun& run) {
+  const ContactPoint& point = contact_line(run.shape)[test.contact];
+  BedSpec bed = plate_bed_spec(test_soil(run, 0, test.seed + 1), plate_settings(run));
+  bed.settle_friction = point.friction, bed.settle_rolling = point.rolling_friction;
+  test.result = {settle_packing(bed, 1).solid_fraction};
+}
+
 void run_triaxial(CalibrationTest& test, const CalibrationRun& run) {
   TestSoil soil = test_soil(run, test.packing, test.seed + 1);
   soil.grain = law_of(run, test);
@@ -80,6 +87,17 @@ void run_triaxial(CalibrationTest& test, const CalibrationRun& run) {
   const TriaxialResult r = triaxial_test(soil, settings, pace_of(run.numerics));
   test.result = {r.steady_axial / kConfiningStress, r.steady_lateral / kConfiningStress,
                  r.peak_axial / kConfiningStress, r.peak_lateral / kConfiningStress, r.worst_residual};
+}
+
+void run_test(CalibrationTest& test, const CalibrationRun& run, const Beds& beds) {
+  switch (test.kind) {
+    case TestKind::plate:
+      return run_plate(test, run, beds(test));
+    case TestKind::loosest:
+      return run_loosest(test, run);
+    case TestKind::triaxial:
+      return run_triaxial(test, run);
+  }
 }
 
 }  // namespace
@@ -92,8 +110,8 @@ void run_tests(std::vector<CalibrationTest>& tests, const CalibrationRun& run) {
       tests[k].result = *known;
     else
       open.push_back(k);
-  // Plates take longest: first, so that no thread is left with one at the end.
-  std::stable_partition(open.begin(), open.end(), [&](std::size_t k) { return tests[k].kind == TestKind::plate; });
+  // Plates and beds take longest: first, so that no thread is left with one at the end.
+  std::stable_partition(open.begin(), open.end(), [&](std::size_t k) { return tests[k].kind != TestKind::triaxial; });
   const Beds beds(run, tests, open);
   Progress progress("soil calibrate", "tests", tests.size());
   const std::size_t reused = tests.size() - open.size();
@@ -102,7 +120,7 @@ void run_tests(std::vector<CalibrationTest>& tests, const CalibrationRun& run) {
   run_jobs(open.size(), run.threads, [&](std::size_t i) {
     CalibrationTest& test = tests[open[i]];
     try {
-      test.kind == TestKind::plate ? run_plate(test, run, beds(test)) : run_triaxial(test, run);
+      run_test(test, run, beds);
     } catch (const DeviceError&) {
       test.result.clear();  // counted in the table's provenance
     }
@@ -124,16 +142,21 @@ const ContactLine& contact_line(GrainShape shape) {
 std::vector<CalibrationTest> all_tests(const CalibrationRun& run) {
   const ContactLine& contacts = contact_line(run.shape);
   std::vector<CalibrationTest> tests;
-  for (std::size_t s = 0; s < std::size_t(run.seeds); ++s)
-    for (std::size_t c = 0; c < contacts.size(); ++c)
+  for (std::size_t s = 0; s < std::size_t(std::max(run.seeds, run.angle_seeds)); ++s) {
+    const bool for_angle_only = s >= std::size_t(run.seeds);
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      const std::string grains = line("friction %g rolling %g", contacts[c].friction, contacts[c].rolling_friction);
       for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
-        const std::string at = line("friction %g rolling %g settled at %g seed %zu", contacts[c].friction,
-                                    contacts[c].rolling_friction, kSettleFriction[p], s + 1);
-        for (std::size_t r = 0; r < std::size(kCohesionRatio); ++r)
+        const std::string at = line("%s settled at %g seed %zu", grains.c_str(), kSettleFriction[p], s + 1);
+        for (std::size_t r = 0; r < (for_angle_only ? 1 : std::size(kCohesionRatio)); ++r)
           tests.push_back(
               {TestKind::triaxial, c, p, s, r, line("triaxial %s cohesion %g", at.c_str(), kCohesionRatio[r]), {}});
-        tests.push_back({TestKind::plate, c, p, s, 0, "plate " + at, {}});
+        if (!for_angle_only) tests.push_back({TestKind::plate, c, p, s, 0, "plate " + at, {}});
       }
+      if (!for_angle_only && settles_loosely(contacts[c]))
+        tests.push_back({TestKind::loosest, c, 0, s, 0, line("loosest %s seed %zu", grains.c_str(), s + 1), {}});
+    }
+  }
   return tests;
 }
 

@@ -24,11 +24,11 @@ inline constexpr double kConfiningStress = 10e3;  // [Pa]; without gravity only 
 /// slide past each other, and less is carried than at once.
 inline constexpr double kCohesionRatio[] = {0, 0.5, 1};
 
-enum class TestKind { triaxial, plate };
+enum class TestKind { triaxial, plate, loosest };
 
 /// One test. Its result is empty where the simulation failed; triaxial: axial and lateral stress of steady deformation
 /// and of the peak over the confining stress, worst residual [m/s]; plate: k [N/m^(n+2)], n of p = k z^n, worst
-/// residual, solid fraction of the bed.
+/// residual, solid fraction of the bed; loosest: solid fraction of a bed that settles with its own contact laws.
 struct CalibrationTest {
   TestKind kind;
   std::size_t contact, packing, seed, ratio;
@@ -36,7 +36,11 @@ struct CalibrationTest {
   std::vector<double> result;
 };
 
-/// All tests of a run, without results.
+/// Whether such grains settle more loosely than the library's loosest packing: they are rougher than those that made
+/// it.
+inline bool settles_loosely(const ContactPoint& p) { return p.rolling_friction > 0 || p.friction > kSettleFriction[0]; }
+
+/// All tests of a run, without results, one seed after the other.
 std::vector<CalibrationTest> all_tests(const CalibrationRun& run);
 
 /// Fills in the results, from the journal where it has them.

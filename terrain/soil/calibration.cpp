@@ -10,14 +10,6 @@
 
 namespace gonogo::terrain {
 
-std::size_t packing_level(const Calibration& c, double density) {
-  std::size_t best = 0;
-  for (std::size_t p = 1; p < c.packing.size(); ++p)
-    if (std::fabs(c.packing[p].relative_density - density) < std::fabs(c.packing[best].relative_density - density))
-      best = p;
-  return best;
-}
-
 namespace {
 
 /// Whether friction angles are those of triaxial tests, which depend on the packing.
@@ -28,20 +20,16 @@ double friction_angle(const Calibration& c, std::size_t level, std::size_t packi
                            : c.contact[level].friction_angle;
 }
 
-AngleRange reach_in(const Calibration& c, std::size_t packing) {
+}  // namespace
+
+AngleRange reachable_angles(const Calibration& c, std::size_t packing) {
   return {friction_angle(c, 0, packing), friction_angle(c, c.contact.size() - 1, packing)};
 }
 
-}  // namespace
-
-AngleRange reachable_angles(const Calibration& c, double relative_density) {
-  return reach_in(c, packing_level(c, relative_density));
-}
-
 AngleRange reachable_angles(const Calibration& c) {
-  AngleRange reach = reach_in(c, 0);
+  AngleRange reach = reachable_angles(c, 0);
   for (std::size_t p = 1; p < c.packing.size(); ++p) {
-    const AngleRange r = reach_in(c, p);
+    const AngleRange r = reachable_angles(c, p);
     reach = {std::max(reach.lowest, r.lowest), std::min(reach.highest, r.highest)};
   }
   return reach;
@@ -56,21 +44,31 @@ struct PlaceOnLine {
   double between(double low, double high) const { return (1 - share) * low + share * high; }
 };
 
-PlaceOnLine place_on_line(const Calibration& c, const MacroscopicSoil& soil) {
-  const std::size_t packing = packing_level(c, soil.relative_density);
-  const AngleRange range = reachable_angles(c, soil.relative_density);
-  if (!(soil.friction_angle >= range.lowest && soil.friction_angle <= range.highest)) {
-    std::ostringstream text;
-    text << "soil: friction angle " << soil.friction_angle << " deg is outside what grains of " << c.grain_diameter
-         << " m reach";
-    if (knows_packings(c)) text << " at relative density " << c.packing[packing].relative_density;
-    text << "; choose one between " << range.lowest << " and " << range.highest << " deg";
-    throw InputError(text.str());
-  }
+/// The nearest end of the line for angles beyond it.
+PlaceOnLine nearest_place(const Calibration& c, double angle, std::size_t packing) {
   std::size_t k = 1;
-  while (k + 1 < c.contact.size() && friction_angle(c, k, packing) < soil.friction_angle) ++k;
+  while (k + 1 < c.contact.size() && friction_angle(c, k, packing) < angle) ++k;
   const double low = friction_angle(c, k - 1, packing), high = friction_angle(c, k, packing);
-  return {k, (soil.friction_angle - low) / std::max(1e-9, high - low)};
+  return {k, std::clamp((angle - low) / std::max(1e-9, high - low), 0.0, 1.0)};
+}
+
+/// Of a packing, for the grains of a place on the line.
+double relative_density(const Calibration& c, const PlaceOnLine& at, std::size_t packing) {
+  const double loosest =
+      at.between(c.contact[at.level - 1].loosest_solid_fraction, c.contact[at.level].loosest_solid_fraction);
+  if (!(loosest > 0)) return c.packing[packing].relative_density;
+  return (1 / loosest - 1 / c.packing[packing].solid_fraction) / (1 / loosest - 1 / c.packing.back().solid_fraction);
+}
+
+PlaceOnLine place_on_line(const Calibration& c, double angle, std::size_t packing) {
+  const AngleRange range = reachable_angles(c, packing);
+  const PlaceOnLine at = nearest_place(c, angle, packing);
+  if (angle >= range.lowest && angle <= range.highest) return at;
+  std::ostringstream text;
+  text << "soil: friction angle " << angle << " deg is outside what grains of " << c.grain_diameter << " m reach";
+  if (knows_packings(c)) text << " at relative density " << relative_density(c, at, packing);
+  text << "; choose one between " << range.lowest << " and " << range.highest << " deg";
+  throw InputError(text.str());
 }
 
 /// Cohesion per contact cohesion pressure: along the line where the table has it for each level, else pooled.
@@ -135,12 +133,22 @@ void check_cohesion_reach(const Calibration& c, const MacroscopicSoil& soil, con
 
 }  // namespace
 
-double reachable_cohesion(const Calibration& c, double friction_angle, double relative_density) {
-  return most_cohesion(c, place_on_line(c, {friction_angle, 0, 0, relative_density}));
+std::size_t packing_level(const Calibration& c, const MacroscopicSoil& soil) {
+  const auto off = [&](std::size_t p) {
+    return std::fabs(relative_density(c, nearest_place(c, soil.friction_angle, p), p) - soil.relative_density);
+  };
+  std::size_t best = 0;
+  for (std::size_t p = 1; p < c.packing.size(); ++p)
+    if (off(p) < off(best)) best = p;
+  return best;
 }
 
-sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil) {
-  const PlaceOnLine at = place_on_line(c, soil);
+double reachable_cohesion(const Calibration& c, double friction_angle, std::size_t packing) {
+  return most_cohesion(c, place_on_line(c, friction_angle, packing));
+}
+
+sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil, std::size_t packing) {
+  const PlaceOnLine at = place_on_line(c, soil.friction_angle, packing);
   check_cohesion_reach(c, soil, at);
   const ContactLevel &a = c.contact[at.level - 1], &b = c.contact[at.level];
   return {Real(at.between(a.friction, b.friction)), Real(at.between(a.rolling_friction, b.rolling_friction)),
@@ -148,14 +156,14 @@ sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil) {
 }
 
 SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
-  const PlaceOnLine at = place_on_line(c, soil);
+  SoilFit f;
+  f.packing = packing_level(c, soil);
+  const PlaceOnLine at = place_on_line(c, soil.friction_angle, f.packing);
   check_cohesion(c, soil, at);
   const ContactLevel &a = c.contact[at.level - 1], &b = c.contact[at.level];
-  SoilFit f;
-  f.law = contact_law(c, soil);
-  f.packing = packing_level(c, soil.relative_density);
+  f.law = contact_law(c, soil, f.packing);
   const PackingLevel& packing = c.packing[f.packing];
-  f.relative_density = packing.relative_density;
+  f.relative_density = relative_density(c, at, f.packing);
   f.grain_density = soil.bulk_density > 0 ? soil.bulk_density / packing.solid_fraction : kQuartz;
   if (!(f.grain_density >= kLightestSolid && f.grain_density <= kHeaviestSolid))
     refuse_density(c, soil, packing.solid_fraction);
@@ -176,15 +184,16 @@ SoilFit fit_soil(const Calibration& c, const MacroscopicSoil& soil) {
 
 namespace {
 
-/// 1: without "response"; 2: without "shape", of spheres; 3: friction angles by simple shear.
+/// 1: without "response"; 2: without "shape", of spheres; 3: friction angles by simple shear; 4: one loosest packing
+/// for all contact levels.
 const std::vector<std::string> kSchemas = {"gonogo/calibration/1", "gonogo/calibration/2", "gonogo/calibration/3",
-                                           "gonogo/calibration/4"};
+                                           "gonogo/calibration/4", "gonogo/calibration/5"};
 
 }  // namespace
 
 void write_calibration(const std::filesystem::path& path, const Calibration& c) {
   Json j;
-  j["schema"] = kSchemas[3];
+  j["schema"] = c.contact.front().loosest_solid_fraction > 0 ? kSchemas[4] : kSchemas[3];
   j["grain_diameter_m"] = c.grain_diameter;
   j["shape"] = name_of(c.shape);
   for (const PackingLevel& p : c.packing) {
@@ -202,6 +211,7 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
     row["friction_angle_error_deg"] = l.friction_angle_error;
     row["cohesion_gain"] = l.cohesion_gain;
     row["cohesion_gain_error"] = l.cohesion_gain_error;
+    if (l.loosest_solid_fraction > 0) row["loosest_solid_fraction"] = l.loosest_solid_fraction;
     j["contact"].push_back(row);
   }
   for (const SoilResponse& r : c.response) {
@@ -258,10 +268,10 @@ std::vector<SoilResponse> read_responses(const Config& file, const Calibration& 
 Calibration read_calibration(const std::filesystem::path& path) {
   const Config file = Config::read(path);
   const std::string schema = file.choice("schema", kSchemas);
+  const auto version = 1 + std::find(kSchemas.begin(), kSchemas.end(), schema) - kSchemas.begin();
   Calibration c;
   c.grain_diameter = file.number("grain_diameter_m", {1e-5, 1});
-  const bool shaped = schema == kSchemas[2] || schema == kSchemas[3];
-  if (shaped && file.has("shape")) c.shape = grain_shape_of(file.choice("shape", grain_shape_names()));
+  if (version >= 3 && file.has("shape")) c.shape = grain_shape_of(file.choice("shape", grain_shape_names()));
   if (file.has("provenance")) c.provenance = file.json().at("provenance");
   for (const Config& row : file.objects("packing"))
     c.packing.push_back({row.number("settle_friction", {0, 10}), row.number("solid_fraction", {0.3, 0.75}),
@@ -269,9 +279,9 @@ Calibration read_calibration(const std::filesystem::path& path) {
   for (const Config& row : file.objects("contact"))
     c.contact.push_back({row.number("friction", {0, 10}), row.number("rolling_friction", {0, 10}),
                          row.number("friction_angle_deg", {0, 89}), row.number("friction_angle_error_deg", {0, 89}),
-                         row.number("cohesion_gain", {-100, 100}), row.number("cohesion_gain_error", {0, 100})});
-  if (schema == kSchemas[1] || (shaped && file.has("response")))
-    c.response = read_responses(file, c, schema != kSchemas[3]);
+                         row.number("cohesion_gain", {-100, 100}), row.number("cohesion_gain_error", {0, 100}),
+                         version >= 5 ? row.number("loosest_solid_fraction", {0.3, 0.75}) : 0});
+  if (version == 2 || (version >= 3 && file.has("response"))) c.response = read_responses(file, c, version <= 3);
   c.cohesion_gain = file.number("cohesion_gain", {1e-6, 100});
   c.cohesion_gain_error = file.number("cohesion_gain_error", {0, 100});
   file.finish();

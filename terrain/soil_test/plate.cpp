@@ -69,10 +69,13 @@ Index plate_steps(const PlateSettings& s) {
   return kRestSteps + Index((s.width_grains * s.sinkage + 1) / s.speed * s.steps_per_time);
 }
 
-Packing plate_bed(const TestSoil& soil, const PlateSettings& settings, int threads) {
+BedSpec plate_bed_spec(const TestSoil& soil, const PlateSettings& settings) {
   if (!(settings.width_grains >= 2)) throw InputError("plate test: the plate must be at least two grains wide");
-  return test_bed(soil, 6 * settings.width_grains, 6, std::max(8.0, settings.bed_depth * settings.width_grains),
-                  threads);
+  return test_bed_spec(soil, 6 * settings.width_grains, 6, std::max(8.0, settings.bed_depth * settings.width_grains));
+}
+
+Packing plate_bed(const TestSoil& soil, const PlateSettings& settings, int threads) {
+  return test_bed(soil, plate_bed_spec(soil, settings), threads);
 }
 
 PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSettings& settings, const TestPace& pace,

@@ -26,7 +26,8 @@ struct PlateResult {
   double solid_fraction = 0, worst_residual = 0;
 };
 
-/// Settled bed for a plate of these settings.
+/// Bed for a plate of these settings, and the same settled.
+BedSpec plate_bed_spec(const TestSoil& soil, const PlateSettings& settings);
 Packing plate_bed(const TestSoil& soil, const PlateSettings& settings, int threads);
 
 PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSettings& settings, const TestPace& pace,

@@ -47,7 +47,7 @@ double relative_density_of(double friction) {
   return kLevelDensity[k] + std::clamp(share, 0.0, 1.0) * (kLevelDensity[k + 1] - kLevelDensity[k]);
 }
 
-Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, double grains_deep, int threads) {
+BedSpec test_bed_spec(const TestSoil& soil, double grains_long, double grains_wide, double grains_deep) {
   check(soil);
   BedSpec s;
   s.grain_diameter = soil.grain_diameter;
@@ -58,7 +58,16 @@ Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, d
   s.settle_friction = settle_friction(soil.relative_density);
   s.seed = soil.seed;
   s.shape = soil.shape;
-  return soil.packing_folder.empty() ? settle_packing(s, threads) : cached_packing(s, soil.packing_folder, threads);
+  return s;
+}
+
+Packing test_bed(const TestSoil& soil, const BedSpec& spec, int threads) {
+  return soil.packing_folder.empty() ? settle_packing(spec, threads)
+                                     : cached_packing(spec, soil.packing_folder, threads);
+}
+
+Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, double grains_deep, int threads) {
+  return test_bed(soil, test_bed_spec(soil, grains_long, grains_wide, grains_deep), threads);
 }
 
 TestPace pace_of(const Numerics& n) {

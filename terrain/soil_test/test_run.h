@@ -32,7 +32,10 @@ double settle_friction(double relative_density);
 /// Its inverse.
 double relative_density_of(double settle_friction);
 
-/// Settled bed of this soil, `grains_*` diameters long, wide and deep.
+/// Bed of this soil, `grains_*` diameters long, wide and deep, to be settled.
+BedSpec test_bed_spec(const TestSoil& soil, double grains_long, double grains_wide, double grains_deep);
+/// Settled, or taken from the soil's folder of packings.
+Packing test_bed(const TestSoil& soil, const BedSpec& spec, int threads);
 Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, double grains_deep, int threads);
 
 /// How a test may use the machine, and whom it tells how far it is.

@@ -162,22 +162,47 @@ void summarise(TriaxialResult& r, double strain) {
 
 struct MohrCoulomb {
   Angle angle;
-  double cohesion;
+  double cohesion, cohesion_error;
 };
 
-MohrCoulomb mohr_coulomb(const std::vector<double>& axial, const std::vector<double>& lateral, bool cohesive) {
-  std::vector<double> middle, half, ratio;
-  for (std::size_t i = 0; i < axial.size(); ++i) {
-    middle.push_back((axial[i] + lateral[i]) / 2), half.push_back((axial[i] - lateral[i]) / 2);
-    ratio.push_back(half.back() / middle.back());
+/// Weighted mean.
+double middle(const std::vector<double>& x, const std::vector<double>& weight) {
+  double sum = 0, of_weights = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += weight[i] * x[i], of_weights += weight[i];
+  return sum / of_weights;
+}
+
+/// Axial over lateral stress, with weights by the fitted axial stress instead of the measured one, which would favour
+/// weak specimens.
+MohrCoulomb by_axial_stress(const std::vector<double>& axial, const std::vector<double>& lateral) {
+  constexpr int rounds = 5;
+  std::vector<double> fitted = axial, weight(axial.size());
+  LineFit f;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < axial.size(); ++i) weight[i] = 1 / (fitted[i] * fitted[i]);
+    f = fit_line(lateral, axial, weight);
+    for (std::size_t i = 0; i < axial.size(); ++i) fitted[i] = f.intercept + f.slope * lateral[i];
   }
-  const MeanError mean = mean_error(ratio);
+  const double n = f.slope, root = std::sqrt(n);
+  // d phi / d N = 1 / (sqrt(N) (1 + N)); phi = 2 atan(sqrt(N)) - 90 degrees.
+  constexpr double degree = std::numbers::pi / 180;
+  const Angle angle{2 * std::atan(root) / degree - 90, f.slope_error / (root * (1 + n)) / degree};
+  // c = b / (2 sqrt(N)), b the intercept, whose covariance with the slope is -mean(s3) var(N).
+  const double by_intercept = 1 / (2 * root), by_slope = -f.intercept / (4 * n * root);
+  const double covariance = -middle(lateral, weight) * f.slope_error * f.slope_error;
+  const double variance = std::pow(by_intercept * f.intercept_error, 2) + std::pow(by_slope * f.slope_error, 2) +
+                          2 * by_intercept * by_slope * covariance;
+  return {angle, by_intercept * f.intercept, std::sqrt(std::max(0.0, variance))};
+}
+
+MohrCoulomb mohr_coulomb(const std::vector<double>& axial, const std::vector<double>& lateral, bool cohesive) {
   const bool two_stresses =
       *std::max_element(lateral.begin(), lateral.end()) > 1.5 * *std::min_element(lateral.begin(), lateral.end());
-  if (!cohesive || !two_stresses) return {angle_of_sine(mean.mean, mean.error), 0};
-  const LineFit f = fit_line(middle, half);
-  const Angle angle = angle_of_sine(f.slope, f.slope_error);
-  return {angle, f.intercept / std::cos(angle.degrees * std::numbers::pi / 180)};
+  if (cohesive && two_stresses) return by_axial_stress(axial, lateral);
+  std::vector<double> sine;
+  for (std::size_t i = 0; i < axial.size(); ++i) sine.push_back((axial[i] - lateral[i]) / (axial[i] + lateral[i]));
+  const MeanError mean = mean_error(sine);
+  return {angle_of_sine(mean.mean, mean.error), 0, 0};
 }
 
 }  // namespace
@@ -223,7 +248,7 @@ TriaxialStrength triaxial_strength(const std::vector<TriaxialResult>& results, b
   }
   const MohrCoulomb peak = mohr_coulomb(peak_axial, peak_lateral, cohesive);
   const MohrCoulomb steady = mohr_coulomb(axial, lateral, cohesive);
-  return {peak.angle, steady.angle, peak.cohesion, steady.cohesion};
+  return {peak.angle, steady.angle, peak.cohesion, peak.cohesion_error, steady.cohesion, steady.cohesion_error};
 }
 
 }  // namespace gonogo::terrain

@@ -34,11 +34,14 @@ TriaxialResult triaxial_test(const TestSoil& soil, const TriaxialSettings& setti
                              TestScene* scene = nullptr);
 Index triaxial_steps(const TriaxialSettings& settings);
 
-/// Mohr-Coulomb through several tests: (s1 - s3) / 2 = (s1 + s3) / 2 sin(phi) + c cos(phi). With one test, or without
-/// contact cohesion and a negative intercept, through the origin.
+/// Mohr-Coulomb through several tests, s1 = N s3 + 2 c sqrt(N), N = tan^2(45 + phi / 2), by least squares weighted with
+/// 1 / s1^2, as strengths scatter in proportion to themselves. The axial stress is what is measured and the lateral one
+/// what is set: a line through (s1 + s3) / 2 and (s1 - s3) / 2 has the scatter of s1 in both and comes out too steep.
+/// Without contact cohesion, or with one stress, through the origin.
 struct TriaxialStrength {
   Angle peak_angle, steady_angle;
-  double peak_cohesion = 0, steady_cohesion = 0;  // [Pa]
+  double peak_cohesion = 0, peak_cohesion_error = 0;      // [Pa]
+  double steady_cohesion = 0, steady_cohesion_error = 0;  // [Pa]
 };
 TriaxialStrength triaxial_strength(const std::vector<TriaxialResult>& results, bool cohesive);
 

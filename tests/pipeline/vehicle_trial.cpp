@@ -259,6 +259,7 @@ TEST_CASE("shipped studies lie within reach of their tables, and one with more c
     }
     return std::string();
   };
+  replace("../../", std::string(GONOGO_SOURCE_DIR) + "/");
   replace("../", configs.string() + "/");
   CHECK(refusal().empty());
   replace("\"cohesion\": [0, 15]", "\"cohesion\": [0, 25]");

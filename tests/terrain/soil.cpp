@@ -98,16 +98,16 @@ TEST_CASE("a shift moves a packing without changing any distance") {
 
 TEST_CASE("the calibration's inverse reproduces its nodes, lies between them, and refuses what grains cannot reach") {
   const Calibration c = table();
-  CHECK(contact_law(c, {22, 0}).friction == Approx(0.5));
-  CHECK(contact_law(c, {22, 0}).rolling_friction == Approx(0.1));
-  CHECK(contact_law(c, {26, 0}).friction == Approx(0.7));
-  CHECK(contact_law(c, {15, 500}).cohesion_pressure == Approx(5000));
-  CHECK(contact_law(c, {30, 0}).friction == Approx(0.9));
-  CHECK_THROWS_AS(contact_law(c, {14.9, 0}), InputError);
-  CHECK_THROWS_AS(contact_law(c, {30.1, 0}), InputError);
-  CHECK_THROWS_AS(contact_law(c, {std::nan(""), 0}), InputError);
-  CHECK(packing_level(c, 0.4) == 0);
-  CHECK(packing_level(c, 0.6) == 1);
+  CHECK(contact_law(c, {22, 0}, 0).friction == Approx(0.5));
+  CHECK(contact_law(c, {22, 0}, 0).rolling_friction == Approx(0.1));
+  CHECK(contact_law(c, {26, 0}, 0).friction == Approx(0.7));
+  CHECK(contact_law(c, {15, 500}, 0).cohesion_pressure == Approx(5000));
+  CHECK(contact_law(c, {30, 0}, 0).friction == Approx(0.9));
+  CHECK_THROWS_AS(contact_law(c, {14.9, 0}, 0), InputError);
+  CHECK_THROWS_AS(contact_law(c, {30.1, 0}, 0), InputError);
+  CHECK_THROWS_AS(contact_law(c, {std::nan(""), 0}, 0), InputError);
+  CHECK(packing_level(c, {20, 0, 0, 0.4}) == 0);
+  CHECK(packing_level(c, {20, 0, 0, 0.6}) == 1);
 }
 
 TEST_CASE("the calibration that ships is monotone and comes back from its file") {

@@ -103,6 +103,29 @@ TEST_CASE("a Mohr-Coulomb soil gives its friction angle and cohesion back from t
   CHECK(one.steady_cohesion == 0);
 }
 
+TEST_CASE("a Mohr-Coulomb fit of specimens that scatter is right in the mean, and its errors are the scatter of fits") {
+  // Four specimens each under stresses of 1 to 8 kPa, strengths off by up to 12 per cent either way.
+  constexpr int repeats = 2000;
+  std::vector<double> angles, cohesions;
+  double angle_variance = 0, cohesion_variance = 0;
+  for (int k = 0; k < repeats; ++k) {
+    std::vector<TriaxialResult> tests;
+    for (int i = 0; i < 16; ++i) {
+      tests.push_back(failed_at(1e3 * double(1 << i % 4), 32, 1e3));
+      tests.back().peak_axial *= 1 + 0.12 * (2 * random_unit(7, std::uint64_t(k), std::uint64_t(i)) - 1);
+    }
+    const TriaxialStrength s = triaxial_strength(tests, true);
+    angles.push_back(s.peak_angle.degrees), cohesions.push_back(s.peak_cohesion);
+    angle_variance += s.peak_angle.error * s.peak_angle.error / repeats;
+    cohesion_variance += s.peak_cohesion_error * s.peak_cohesion_error / repeats;
+  }
+  const MeanError angle = mean_error(angles), cohesion = mean_error(cohesions);
+  CHECK(std::fabs(angle.mean - 32) < 0.05);
+  CHECK(std::fabs(cohesion.mean - 1e3) < 10);
+  CHECK(std::sqrt(angle_variance) == Approx(angle.error * std::sqrt(double(repeats))).epsilon(0.1));
+  CHECK(std::sqrt(cohesion_variance) == Approx(cohesion.error * std::sqrt(double(repeats))).epsilon(0.1));
+}
+
 TEST_CASE("the cone is a closed body whose volume is that of a 30 degree cone with a shaft") {
   const double d = 0.1, shaft = 0.2;
   const sim::TriangleMesh mesh = cone_mesh(d, shaft);
@@ -127,7 +150,9 @@ TEST_CASE("relative density and settling friction are each other's inverse, dens
   CHECK(settle_friction(0.5) > settle_friction(1));
 }
 
-TEST_CASE("bearing capacity factors are those of the tables; the cone index of clay is nine times its strength and its load") {
+TEST_CASE(
+    "bearing capacity factors are those of the tables; the cone index of clay is nine times its strength and its "
+    "load") {
   CHECK(bearing_capacity_factor(0) == Approx(5.14).epsilon(1e-3));
   CHECK(bearing_capacity_factor(10) == Approx(8.34).epsilon(1e-3));
   CHECK(bearing_capacity_factor(20) == Approx(14.83).epsilon(1e-3));
