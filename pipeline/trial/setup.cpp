@@ -15,10 +15,6 @@
 namespace gonogo::pipeline {
 namespace {
 
-/// Residual [m/s] and energy error [-] of a valid trial in the shipped studies, whose numerics are the tables': few
-/// updates leave more of both than a solver that goes on to its tolerance.
-constexpr double kFewUpdatesLimit = 0.2;
-
 void read_bed(const Config& bed, TrialSetup& s) {
   s.bed_length = bed.number_or("length_m", s.bed_length, {0.1, 100});
   s.folded = bed.boolean_or("folded", s.folded);
@@ -43,13 +39,15 @@ void read_drive(const Config& drive, TrialSetup& s) {
   drive.finish();
 }
 
-void read_numerics(const Config& c, terrain::Numerics& n) {
-  n.step = c.number_or("step_s", n.step, {1e-5, 5e-3});
-  n.substeps = int(c.integer_or("substeps", n.substeps, {1, 1000}));
-  n.iterations = int(c.integer_or("iterations", n.iterations, {1, 100000}));
-  n.tolerance = c.number_or("tolerance_m_per_s", n.tolerance, {0, 1});
-  if (c.has("target")) n.target = terrain::target_named(c.choice("target", terrain::target_names()));
+terrain::AskedNumerics read_numerics(const Config& c) {
+  terrain::AskedNumerics asked;
+  if (c.has("step_s")) asked.step = c.number("step_s", {1e-5, 5e-3});
+  if (c.has("substeps")) asked.substeps = int(c.integer("substeps", {1, 1000}));
+  if (c.has("iterations")) asked.iterations = int(c.integer("iterations", {1, 100000}));
+  if (c.has("tolerance_m_per_s")) asked.tolerance = c.number("tolerance_m_per_s", {0, 1});
+  if (c.has("target")) asked.target = terrain::target_named(c.choice("target", terrain::target_names()));
   c.finish();
+  return asked;
 }
 
 void read_thresholds(const Config& c, Thresholds& t) {
@@ -267,15 +265,17 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
   s.calibration_file = soil.path("calibration");
   s.calibration = terrain::read_calibration(s.calibration_file);
   soil.finish();
+  terrain::AskedNumerics asked;
   if (const auto trial = study.config.object_if("trial")) {
     if (const auto c = trial->object_if("bed")) read_bed(*c, s);
     if (const auto c = trial->object_if("drive")) read_drive(*c, s);
-    if (const auto c = trial->object_if("numerics")) read_numerics(*c, s.numerics);
+    if (const auto c = trial->object_if("numerics")) asked = read_numerics(*c);
     if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
     if (const auto c = trial->object_if("task")) s.task = read_task(*c);
     s.compliant_tyres = trial->boolean_or("compliant_tyres", false);
     trial->finish();
   }
+  s.numerics = terrain::numerics_by_table(s.calibration, s.calibration_file, asked);
   check_wheels_on_bed(s);
   check_tyres(s);
   if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);
@@ -297,7 +297,6 @@ TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::
   s.calibration_file = calibration;
   s.calibration = terrain::read_calibration(calibration);
   s.numerics = terrain::numerics_by_table(s.calibration, calibration, asked);
-  s.thresholds.residual = s.thresholds.energy_error = kFewUpdatesLimit;
   if (!s.whole) {
     if (s.task->obstacle_end() > 0) s.bed_length = std::ceil(2 * s.course(0).front + s.task->obstacle_end() + 1);
     fit_to_task(s);

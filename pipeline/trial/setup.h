@@ -25,8 +25,9 @@ struct Thresholds {
   double slid_back_share = 0.5;  // of the vehicle's length [-]
   double tilt_deg = 60;          // roll or pitch against the bed: rolled over [deg]
   double creep_speed = 0.1;      // of the bed before the vehicle acts: the slope fails [m/s]
-  double residual = 0.1;         // largest root-mean-square residual of a valid trial [m/s]
-  double energy_error = 0.1;     // largest energy gain from nowhere over the energy exchanged, of a valid trial [-]
+  // Few updates, as the tables' numerics have them, leave more of both than a solver that goes on to its tolerance.
+  double residual = 0.2;      // largest root-mean-square residual of a valid trial [m/s]
+  double energy_error = 0.2;  // largest energy gain from nowhere over the energy exchanged, of a valid trial [-]
 };
 
 struct TrialSetup {
@@ -52,7 +53,7 @@ struct TrialSetup {
   double test_distance = 2.4;              // to be covered after the run-in [m]
   double minimum_drive_time = 1.6;         // driven at least this long, once the ramp is over [s]
   double time_limit = 5;                   // of the driving, ramp included [s]
-  terrain::Numerics numerics{2e-3, 1, 200, 0.01};
+  terrain::Numerics numerics{2e-3, 1, 200, 0.01};  // those of studies and vehicles are the table's, if not asked for
   Thresholds thresholds;
   std::filesystem::path packing_folder;         // cache of settled beds
   sim::Backend settled_on = sim::Backend::cpu;  // where beds are settled: on the trials' own device
@@ -78,7 +79,7 @@ std::filesystem::path default_packing_folder();
 
 /// A trial of the vehicle of a file on the soil of a calibration, without a study: a whole vehicle gets a bed of tiles
 /// that is wide and long enough, a moving patch, and two of its lengths or what the task asks for to cover. Numerics
-/// are the table's (terrain::numerics_by_table), limits of residual and energy those of the shipped studies.
+/// are the table's (terrain::numerics_by_table).
 TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
                                std::shared_ptr<const TrialTask> task = default_task(),
                                const terrain::AskedNumerics& asked = {},

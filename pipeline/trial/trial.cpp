@@ -29,8 +29,9 @@ std::vector<terrain::BedSpec> missing_beds(const TrialSetup& setup, std::span<co
 
 /// On a GPU all at once, in one batch of worlds.
 void settle_on_device(const std::vector<terrain::BedSpec>& missing, const TrialSetup& setup, int threads) {
-  log_line("beds", "settling " + std::to_string(missing.size()) + " packings on the GPU");
-  for (const terrain::Packing& packing : terrain::settle_packings(missing, threads))
+  Progress progress("beds", "packings", missing.size());
+  const auto told = [&](std::size_t at_rest) { progress.update(at_rest, "at rest, on the GPU"); };
+  for (const terrain::Packing& packing : terrain::settle_packings(missing, threads, told))
     terrain::write_packing(terrain::packing_path(packing.spec, setup.packing_folder), packing);
 }
 

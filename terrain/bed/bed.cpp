@@ -171,7 +171,9 @@ struct Settling {
 };
 
 /// Lets the worlds' grains move until they are quiet, each of them on its own clock: 500 to 100 `most_batches` steps.
-void let_settle(const std::vector<Settling*>& beds, int iterations, int most_batches, int threads) {
+/// Tells `at_rest` how many of them are.
+void let_settle(const std::vector<Settling*>& beds, int iterations, int most_batches, int threads,
+                const std::function<void(std::size_t)>& at_rest) {
   const BedSpec& spec = beds.front()->packing.spec;
   const auto settings = bed_step_settings(spec.grain_diameter, 1e-3, iterations);
   sim::Scene scene;
@@ -192,6 +194,9 @@ void let_settle(const std::vector<Settling*>& beds, int iterations, int most_bat
       if (done[w])
         std::copy(bodies.begin(), bodies.begin() + std::ptrdiff_t(bed.world.body.size()), bed.world.body.begin());
     }
+    std::size_t resting = 0;
+    for (std::size_t w = 0; w < beds.size(); ++w) resting += done[w] && beds[w]->quiet();
+    at_rest(resting);
   }
 }
 
@@ -213,7 +218,8 @@ void measure(Settling& bed) {
 
 }  // namespace
 
-std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int threads) {
+std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int threads,
+                                     const std::function<void(std::size_t)>& at_rest) {
   std::vector<Settling> beds;
   for (const BedSpec& spec : specs) {
     check(spec);
@@ -226,9 +232,15 @@ std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int thre
   for (Settling& bed : beds) restless.push_back(&bed);
   // Long beds of slippery grains keep flowing on what so few updates leave unsolved; so do clumps, once they have
   // fallen.
-  if (!specs.empty()) let_settle(restless, 40, specs[0].shape == GrainShape::sphere ? 20 : 10, threads);
-  std::erase_if(restless, [](const Settling* bed) { return bed->quiet(); });
-  if (!restless.empty()) let_settle(restless, 200, 40, threads);
+  const auto settle = [&](int iterations, int most_batches) {
+    const std::size_t before = beds.size() - restless.size();
+    let_settle(restless, iterations, most_batches, threads, [&](std::size_t resting) {
+      if (at_rest) at_rest(before + resting);
+    });
+    std::erase_if(restless, [](const Settling* bed) { return bed->quiet(); });
+  };
+  if (!specs.empty()) settle(40, specs[0].shape == GrainShape::sphere ? 20 : 10);
+  if (!restless.empty()) settle(200, 40);
   std::vector<Packing> packings;
   for (Settling& bed : beds) {
     if (!bed.quiet())

@@ -2,6 +2,7 @@
 // A bed is a doubly periodic tile on a base of glued grains; a smooth floor would let it slide as a slab.
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -49,7 +50,9 @@ sim::StepSettings bed_step_settings(double grain_diameter, double step, int iter
 /// DeviceError when the grains do not come to rest.
 Packing settle_packing(const BedSpec& spec, int threads);
 /// Several in one batch of worlds, each with the bits that it has alone: of the same grains, on the same device.
-std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int threads);
+/// `at_rest` is told now and then how many of them are.
+std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int threads,
+                                     const std::function<void(std::size_t)>& at_rest = {});
 
 /// Where `folder` keeps the packing of this specification.
 std::filesystem::path packing_path(const BedSpec& spec, const std::filesystem::path& folder);

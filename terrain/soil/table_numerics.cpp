@@ -19,7 +19,7 @@ Numerics numerics_by_table(const Calibration& table, const std::filesystem::path
     throw InputError(file.string() +
                      ": provenance does not say step_s, substeps, iterations and tolerance_m_per_s of the tests, and a "
                      "friction angle belongs to them; give --step, --substeps, --iterations, --tolerance and --target, "
-                     "or calibrate again");
+                     "in a study all of trial.numerics, or calibrate again");
   Numerics n = asked.complete() ? Numerics{} : read_numerics(table.provenance);
   n.step = asked.step.value_or(n.step);
   n.substeps = asked.substeps.value_or(n.substeps);

@@ -19,7 +19,7 @@ struct AskedNumerics {
 };
 
 /// A friction angle belongs to the numerics that it was measured with (docs/soils.md): those in the table's provenance,
-/// with what is asked for in their place. Every command that meets a soil through a table without a study goes by it.
+/// with what is asked for in their place, by options or by a study's `trial.numerics`.
 /// Throws InputError where the table does not say its numerics and not all of them are asked for; `file` names the
 /// table in that sentence.
 Numerics numerics_by_table(const Calibration& table, const std::filesystem::path& file,

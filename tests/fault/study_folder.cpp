@@ -47,6 +47,7 @@ constexpr const char* kStudy = R"({
     "bed": { "length_m": 2, "width_m": 0.7, "packing_seeds": 1, "settle_s": 0.05 },
     "drive": { "park_s": 0.05, "ramp_s": 0.1, "run_in_m": 0.05, "test_distance_m": 0.2, "minimum_drive_s": 0.1,
                "time_limit_s": 0.6 },
+    "numerics": { "step_s": 2e-3, "substeps": 1, "iterations": 200, "tolerance_m_per_s": 0.01, "target": "ccp" },
     "thresholds": { "immobile_s": 0.2, "residual_m_per_s": 10, "energy_error": 10 }
   },
   "design": {

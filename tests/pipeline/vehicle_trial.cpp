@@ -240,6 +240,30 @@ TEST_CASE("a vehicle without a study steps by the numerics of its soil's table, 
   CHECK(limits.energy_error == study.thresholds.energy_error);
 }
 
+TEST_CASE("a study steps by the numerics of its soil's table but for those that it names") {
+  const fs::path root = GONOGO_SOURCE_DIR;
+  const TemporaryFolder folder;
+  const auto study_of = [&](const std::string& numerics, const std::string& table) {
+    std::string text = read_file(root / "configs/studies/quarter_wheel_32mm.json");
+    const auto at = text.find("\"numerics\""), end = text.find("},", at) + 2;
+    text.replace(at, end - at, numerics);
+    const auto soil = text.find("../../data/quarter_wheel_32mm/calibration_32mm.json");
+    text.replace(soil, std::string("../../data/quarter_wheel_32mm/calibration_32mm.json").size(), table);
+    for (auto up = text.find("../"); up != std::string::npos; up = text.find("../", up))
+      text.replace(up, 3, (root / "configs").string() + "/");
+    write_file_atomically(folder / "study.json", text);
+    return read_trial_setup(read_study(folder / "study.json"));
+  };
+  const std::string table = (root / "configs/soils/calibration_32mm.json").string();
+  CHECK(study_of("", table).numerics == terrain::Numerics{1e-3, 14, 2, 0, sim::Target::coulomb});
+  CHECK(study_of(R"("numerics": { "substeps": 10, "iterations": 20 },)", table).numerics ==
+        terrain::Numerics{1e-3, 10, 20, 0, sim::Target::coulomb});
+  std::string mute = read_file(table);
+  mute.replace(mute.find("\"substeps\""), 10, "\"parts\"");
+  write_file_atomically(folder / "mute.json", mute);
+  CHECK_THROWS_AS(study_of("", (folder / "mute.json").string()), InputError);
+}
+
 TEST_CASE("shipped studies lie within reach of their tables, and one with more cohesion than that is refused at once") {
   const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
   for (const char* study : {"demo", "quarter_wheel_32mm", "hmmwv_32mm"})

@@ -1,5 +1,8 @@
 // Packings that settle side by side.
 #include "terrain/bed/bed.h"
+
+#include <algorithm>
+
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -32,7 +35,10 @@ TEST_CASE("packings settled in one batch have the bits that they have alone, eac
     // The slippery one keeps moving longest.
     const std::vector<BedSpec> specs{spec_of(0.5, 0.8, 1, backend), spec_of(0.8, 0.02, 2, backend),
                                      spec_of(0.5, 0.25, 3, backend)};
-    const std::vector<Packing> together = settle_packings(specs, 2);
+    std::vector<std::size_t> at_rest;
+    const std::vector<Packing> together = settle_packings(specs, 2, [&](std::size_t n) { at_rest.push_back(n); });
+    CHECK(std::is_sorted(at_rest.begin(), at_rest.end()));
+    CHECK(at_rest.back() == specs.size());
     REQUIRE(together.size() == specs.size());
     for (std::size_t k = 0; k < specs.size(); ++k) {
       CHECK(same_grains(together[k], settle_packing(specs[k], 1)));
