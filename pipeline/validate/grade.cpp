@@ -25,7 +25,6 @@ constexpr double kLeastDistance = 0.2;  // [m]
 double degrees(double pull) { return std::atan(pull) / kDegree; }
 
 double variable(const TrialRecord& r, const char* name) { return r.point.variables[contract().variable_index(name)]; }
-double measure(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
 
 /// The wheel of a trial and the load on it.
 WheelOnSand wheel_of(const vehicle::WheelRig& rig, double payload, double along, double across) {
@@ -40,8 +39,8 @@ bool is_of_interest(const TrialRecord& r, const GradeRequest& request) {
 }
 
 bool moved_uphill(const TrialRecord& r) {
-  const double slip = measure(r, "slip");
-  return variable(r, "slope_along") >= kLeastSlope && measure(r, "distance") >= kLeastDistance && slip > kSlips[0] &&
+  const double slip = measure_of(r, "slip");
+  return variable(r, "slope_along") >= kLeastSlope && measure_of(r, "distance") >= kLeastDistance && slip > kSlips[0] &&
          slip < kSlips[std::size(kSlips) - 1];
 }
 
@@ -49,7 +48,7 @@ GradePoint point_of(const TrialRecord& r, const vehicle::WheelRig& rig) {
   GradePoint p;
   p.slope = variable(r, "slope_along"), p.friction_angle = variable(r, "friction_angle");
   p.cohesion = variable(r, "cohesion"), p.commanded_speed = variable(r, "commanded_speed");
-  p.slip = measure(r, "slip"), p.speed = measure(r, "mean_speed"), p.sinkage = measure(r, "sinkage");
+  p.slip = measure_of(r, "slip"), p.speed = measure_of(r, "mean_speed"), p.sinkage = measure_of(r, "sinkage");
   p.verdict = r.verdict, p.reason = r.reason;
   const WheelOnSand wheel = wheel_of(rig, variable(r, "payload"), p.slope, variable(r, "slope_across"));
   p.band = sand_band(wheel, p.friction_angle, p.slip, 1e3 * p.cohesion);

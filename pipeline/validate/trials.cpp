@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/progress.h"
+
 namespace gonogo::pipeline {
 
 MeanOf mean_of(const std::vector<double>& values) {
@@ -43,7 +45,8 @@ std::vector<TrialRecord> run_trials(const TrialSetup& setup, const std::vector<D
   prepare_trials(setup, points, batch.threads);
   TrialBatch trials(setup, batch);
   std::vector<TrialRecord> records(points.size());
-  for (std::size_t next = 0, done = 0; done < points.size();) {
+  Progress progress("validate", "trials", points.size());
+  for (std::size_t next = 0, done = 0; done < points.size(); progress.update(done)) {
     for (; trials.free_places() > 0 && next < points.size(); ++next)
       trials.start(points[next], next < watch.size() ? watch[next] : TrialWatch{});
     for (TrialRecord& r : trials.advance()) {
@@ -53,7 +56,5 @@ std::vector<TrialRecord> run_trials(const TrialSetup& setup, const std::vector<D
   }
   return records;
 }
-
-double measure_of(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
 
 }  // namespace gonogo::pipeline

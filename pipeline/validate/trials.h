@@ -23,7 +23,4 @@ std::vector<double> plain_variables(const TrialSetup& setup, double slope_along,
 std::vector<TrialRecord> run_trials(const TrialSetup& setup, const std::vector<DesignPoint>& points,
                                     const BatchSettings& batch, const std::vector<TrialWatch>& watch = {});
 
-/// A measure by its name in the contract.
-double measure_of(const TrialRecord& r, const char* name);
-
 }  // namespace gonogo::pipeline

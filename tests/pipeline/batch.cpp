@@ -74,8 +74,6 @@ void check_same(const Records& a, const Records& b) {
   for (const auto& [index, record] : a) check_same(record, b.at(index));
 }
 
-double measure(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
-
 }  // namespace
 
 TEST_CASE("a trial's record has the same bits alone and in 1, 3 and 8 places, in any order") {
@@ -93,7 +91,7 @@ TEST_CASE("a trial's record has the same bits alone and in 1, 3 and 8 places, in
     // The trials are as different as they are meant to be.
     CHECK(alone.at(4).reason == Reason::slope_unstable);
     std::vector<double> times;
-    for (const auto& [index, record] : alone) times.push_back(measure(record, "drive_time"));
+    for (const auto& [index, record] : alone) times.push_back(measure_of(record, "drive_time"));
     const double longest = *std::max_element(times.begin(), times.end());
     CHECK(std::count_if(times.begin(), times.end(), [&](double t) { return t > 0 && t < 0.9 * longest; }) >= 3);
   }
@@ -106,7 +104,7 @@ TEST_CASE("trials that need a second attempt have the bits that they have alone,
   prepare_trials(setup, points, 2);
   const Records first = run_all(setup, points, sim::Backend::cpu, 1);
   std::vector<double> residuals;
-  for (const auto& [index, record] : first) residuals.push_back(measure(record, "worst_residual"));
+  for (const auto& [index, record] : first) residuals.push_back(measure_of(record, "worst_residual"));
   std::sort(residuals.begin(), residuals.end());
   setup.thresholds.residual = 0.5 * (residuals[2] + residuals[3]);  // half of the trials miss it
   for (const sim::Backend backend : test::backends()) {

@@ -29,8 +29,6 @@ DesignPoint point(double slope, double friction_angle) { return design_point(slo
 
 std::filesystem::path cache() { return std::filesystem::temp_directory_path() / "gonogo-test-beds"; }
 
-double measure(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
-
 }  // namespace
 
 TEST_CASE("gravity in the bed's frame is -g (sin s cos psi, sin s sin psi, cos s) for every slope and heading") {
@@ -72,13 +70,13 @@ TEST_CASE("a wheel passes level strong soil and fails on a slope that its weak s
   prepare_trials(setup, std::vector<DesignPoint>{easy, hard}, 2);
   const TrialRecord go = run_trial(setup, easy), stuck = run_trial(setup, hard);
   CHECK(go.verdict == Verdict::go);
-  CHECK(measure(go, "slip") < 0.3);
-  CHECK(measure(go, "distance") >= setup.test_distance);
+  CHECK(measure_of(go, "slip") < 0.3);
+  CHECK(measure_of(go, "distance") >= setup.test_distance);
   CHECK(stuck.verdict == Verdict::no_go);
-  CHECK(measure(stuck, "mean_speed") < measure(go, "mean_speed"));
+  CHECK(measure_of(stuck, "mean_speed") < measure_of(go, "mean_speed"));
   for (const TrialRecord& r : {go, stuck}) {
-    CHECK(measure(r, "worst_residual") <= setup.thresholds.residual);
-    CHECK(measure(r, "energy_error") <= setup.thresholds.energy_error);
+    CHECK(measure_of(r, "worst_residual") <= setup.thresholds.residual);
+    CHECK(measure_of(r, "energy_error") <= setup.thresholds.energy_error);
   }
   const TrialRecord again = run_trial(setup, easy);
   CHECK(again.measures == go.measures);  // same point, same bits
@@ -103,7 +101,7 @@ TEST_CASE("a slope steeper than its loose soil can stand fails before the vehicl
   const TrialRecord r = run_trial(setup, p);
   CHECK(r.verdict == Verdict::no_go);
   CHECK(r.reason == Reason::slope_unstable);
-  CHECK(measure(r, "bed_creep") > setup.thresholds.creep_speed);
+  CHECK(measure_of(r, "bed_creep") > setup.thresholds.creep_speed);
 }
 
 }  // namespace gonogo::pipeline

@@ -44,8 +44,6 @@ TrialSetup coarse_vehicle(const std::string& vehicle, const std::string& task) {
 
 TrialSetup coarse_hmmwv(const std::string& task = "climb") { return coarse_vehicle("hmmwv", task); }
 
-double measure(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
-
 bool same(const TrialRecord& a, const TrialRecord& b) {
   return a.verdict == b.verdict && a.reason == b.reason &&
          std::memcmp(a.measures.data(), b.measures.data(), a.measures.size() * sizeof(double)) == 0;
@@ -76,8 +74,8 @@ TEST_CASE("a HMMWV drives over a bed of tiles, and each of its wheels has its re
     CHECK(std::fabs(w.sinkage) < 0.3);
     torque += w.torque / 4;
   }
-  CHECK(agrees("mean torque of the wheels [N m]", measure(r, "mean_torque"), torque, 1e-6 * std::fabs(torque)));
-  CHECK(measure(r, "distance") > 0);
+  CHECK(agrees("mean torque of the wheels [N m]", measure_of(r, "mean_torque"), torque, 1e-6 * std::fabs(torque)));
+  CHECK(measure_of(r, "distance") > 0);
   CHECK(grains_per_tyre(setup) < kGrainsPerTyre);
 }
 
@@ -102,10 +100,10 @@ TEST_CASE("an M113 drives over a bed on its belts: road wheels sink, sprockets d
   }
   CHECK(r.wheels[10].name == "left sprocket");
   CHECK(torque > 0);
-  CHECK(agrees("mean torque of the sprockets [N m]", measure(r, "mean_torque"), torque, 1e-6 * torque));
-  CHECK(agrees("mean sinkage of the road wheels [m]", measure(r, "sinkage"), sinkage, 1e-6));
+  CHECK(agrees("mean torque of the sprockets [N m]", measure_of(r, "mean_torque"), torque, 1e-6 * torque));
+  CHECK(agrees("mean sinkage of the road wheels [m]", measure_of(r, "sinkage"), sinkage, 1e-6));
   CHECK(std::fabs(sinkage) < 0.15);
-  CHECK(measure(r, "distance") > 0);
+  CHECK(measure_of(r, "distance") > 0);
   CHECK(grains_per_tyre(setup) == 0.381 / 0.2);
 }
 
