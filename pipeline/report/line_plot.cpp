@@ -14,13 +14,20 @@ namespace {
 
 constexpr Colour kFrame = {0.13, 0.13, 0.16, 1}, kFaint = {0.87, 0.87, 0.9, 1};
 constexpr double kSize = 22;  // of letters
+constexpr double kDot = 7;    // radius of points
 constexpr int kWidth = 1500, kPlotHeight = 820;
 
 /// Okabe and Ito's colours (jfly.uni-koeln.de/color).
-const char* colour_of(std::size_t line) {
+Colour colour_of(const LinePlot& plot, std::size_t line) {
   static const std::array<const char*, 8> colours = {"#0072b2", "#e69f00", "#009e73", "#d55e00",
                                                      "#56b4e9", "#cc79a7", "#000000", "#b8a800"};
-  return colours[line % colours.size()];
+  const int chosen = plot.lines[line].colour;
+  return colour_from(colours[(chosen < 0 ? line : std::size_t(chosen)) % colours.size()]);
+}
+
+Colour faint(Colour c) {
+  c.alpha = 0.22;
+  return c;
 }
 
 struct Span {
@@ -63,7 +70,7 @@ void draw_points(const Canvas& canvas, const Axes& a, const PlotLine& line) {
   for (std::size_t i = 0; i < line.x.size(); ++i) {
     if (!std::isfinite(line.x[i]) || !std::isfinite(line.y[i])) continue;
     cairo_new_path(cairo);
-    cairo_arc(cairo, a.x(line.x[i]), a.y(line.y[i]), 7, 0, 6.2832);
+    cairo_arc(cairo, a.x(line.x[i]), a.y(line.y[i]), kDot, 0, 6.2832);
     cairo_fill(cairo);
   }
 }
@@ -82,11 +89,47 @@ void draw_curve(const Canvas& canvas, const Axes& a, const PlotLine& line) {
   cairo_stroke(cairo);
 }
 
+/// Faint, with its edges drawn thin.
+void draw_band(const Canvas& canvas, const Axes& a, const PlotLine& line, Colour colour) {
+  cairo_t* cairo = canvas.cairo();
+  cairo_new_path(cairo);
+  for (std::size_t i = 0; i < line.x.size(); ++i) cairo_line_to(cairo, a.x(line.x[i]), a.y(line.y[i]));
+  for (std::size_t i = line.x.size(); i-- > 0;) cairo_line_to(cairo, a.x(line.x[i]), a.y(line.most[i]));
+  cairo_close_path(cairo);
+  canvas.set(faint(colour));
+  cairo_fill_preserve(cairo);
+  canvas.set(colour);
+  cairo_set_line_width(cairo, 1.2);
+  cairo_stroke(cairo);
+}
+
+/// One at every x, as wide as a dot.
+void draw_bars(const Canvas& canvas, const Axes& a, const PlotLine& line, Colour colour) {
+  for (std::size_t i = 0; i < line.x.size(); ++i)
+    canvas.line(a.x(line.x[i]), a.y(line.y[i]), a.x(line.x[i]), a.y(line.most[i]), faint(colour), 2 * kDot);
+}
+
+void draw(const Canvas& canvas, const Axes& a, const PlotLine& line, Colour colour) {
+  if (!line.most.empty()) return line.points ? draw_bars(canvas, a, line, colour) : draw_band(canvas, a, line, colour);
+  canvas.set(colour);
+  line.points ? draw_points(canvas, a, line) : draw_curve(canvas, a, line);
+}
+
+/// In the legend: a stroke of the curve, a piece of the band, or one of the points.
+void draw_sample(const Canvas& canvas, double x, double y, const PlotLine& line, Colour colour) {
+  if (!line.most.empty()) return canvas.line(x, y, x + 40, y, faint(colour), 20);
+  if (!line.points) return canvas.line(x, y, x + 40, y, colour, 4);
+  canvas.set(colour);
+  cairo_new_path(canvas.cairo());
+  cairo_arc(canvas.cairo(), x + 20, y, kDot, 0, 6.2832);
+  cairo_fill(canvas.cairo());
+}
+
 void draw_legend(const Canvas& canvas, const Axes& a, const LinePlot& plot) {
   double y = a.box.top + 16;
   for (std::size_t k = 0; k < plot.lines.size(); ++k, y += 34) {
     if (plot.lines[k].label.empty()) continue;
-    canvas.line(a.box.right() + 24, y, a.box.right() + 64, y, colour_from(colour_of(k)), plot.lines[k].points ? 12 : 4);
+    draw_sample(canvas, a.box.right() + 24, y, plot.lines[k], colour_of(plot, k));
     canvas.text(a.box.right() + 76, y + 8, plot.lines[k].label, 20);
   }
 }
@@ -108,7 +151,10 @@ void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot) {
   Span x, y;
   for (const PlotLine& line : plot.lines)
     for (std::size_t i = 0; i < line.x.size(); ++i)
-      if (std::isfinite(line.x[i]) && std::isfinite(line.y[i])) x.cover(line.x[i]), y.cover(line.y[i]);
+      if (std::isfinite(line.x[i]) && std::isfinite(line.y[i])) {
+        x.cover(line.x[i]), y.cover(line.y[i]);
+        if (!line.most.empty()) y.cover(line.most[i]);
+      }
   if (!(x.high >= x.low)) throw InputError(path.string() + ": nothing to draw, every point is missing");
   if (plot.from_zero && x.low > 0) x.low = 0;
   if (plot.from_zero && y.low > 0) y.low = 0;
@@ -118,16 +164,10 @@ void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot) {
   double legend = 0;
   for (const PlotLine& line : plot.lines) legend = std::max(legend, canvas.text_width(line.label, 20));
   const double left = 150, top = 76, right = legend > 0 ? legend + 110 : 40;
-  const Axes axes = {{left, top, kWidth - left - right, kPlotHeight - top - 100}, xs.front(), xs.back(), ys.front(),
-                     ys.back()};
+  const Axes axes = {
+      {left, top, kWidth - left - right, kPlotHeight - top - 100}, xs.front(), xs.back(), ys.front(), ys.back()};
   draw_axes(canvas, axes, plot, xs, ys);
-  for (std::size_t k = 0; k < plot.lines.size(); ++k) {
-    canvas.set(colour_from(colour_of(k)));
-    if (plot.lines[k].points)
-      draw_points(canvas, axes, plot.lines[k]);
-    else
-      draw_curve(canvas, axes, plot.lines[k]);
-  }
+  for (std::size_t k = 0; k < plot.lines.size(); ++k) draw(canvas, axes, plot.lines[k], colour_of(plot, k));
   canvas.outline(axes.box, kFrame, 2);
   draw_legend(canvas, axes, plot);
   double line = kPlotHeight + 10;

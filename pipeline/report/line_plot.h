@@ -1,4 +1,4 @@
-// Curves and points over one pair of axes, as PNG: the picture of a test. Knows nothing of what it draws.
+// Curves, bands and points over one pair of axes, as PNG: the picture of a test. Knows nothing of what it draws.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -8,8 +8,10 @@ namespace gonogo::pipeline {
 
 struct PlotLine {
   std::string label;
-  std::vector<double> x, y;  // a not-a-number breaks the line
-  bool points = false;       // dots instead of a line
+  std::vector<double> x, y;       // a not-a-number breaks the line
+  bool points = false;            // dots instead of a line
+  std::vector<double> most = {};  // from y to it a band instead of a line, or bars instead of dots; as long as y
+  int colour = -1;                // place in the palette, to share one; -1: its own place among the lines
 };
 
 struct LinePlot {

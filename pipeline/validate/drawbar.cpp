@@ -129,21 +129,21 @@ LinePlot plot_of(const DrawbarReport& r) {
   LinePlot plot;
   plot.title = r.vehicle + ": drawbar pull and resistance on sand";
   plot.x_label = "slip", plot.y_label = "share of the weight";
-  PlotLine band[4] = {{"pull, least formula", {}, {}},
-                      {"pull, most", {}, {}},
-                      {"resistance, least formula", {}, {}},
-                      {"resistance, most", {}, {}}};
-  for (const TractionBand& b : r.band)
-    for (int k = 0; k < 4; ++k) {
-      band[k].x.push_back(b.slip);
-      band[k].y.push_back(k < 2 ? b.pull[k] : b.resistance[k - 2]);
-    }
-  PlotLine pull{"pull, trial", {}, {}, true}, resistance{"resistance, trial", {}, {}, true};
+  constexpr int kPullColour = 0, kResistanceColour = 3;
+  PlotLine of_pull{"pull, formulas", {}, {}, false, {}, kPullColour};
+  PlotLine of_resistance{"resistance, formulas", {}, {}, false, {}, kResistanceColour};
+  for (const TractionBand& b : r.band) {
+    of_pull.x.push_back(b.slip), of_resistance.x.push_back(b.slip);
+    of_pull.y.push_back(b.pull[0]), of_pull.most.push_back(b.pull[1]);
+    of_resistance.y.push_back(b.resistance[0]), of_resistance.most.push_back(b.resistance[1]);
+  }
+  PlotLine pull{"pull, trials", {}, {}, true, {}, kPullColour};
+  PlotLine resistance{"resistance, trials", {}, {}, true, {}, kResistanceColour};
   for (const DrawbarPoint& p : r.point) {
     pull.x.push_back(p.slip), pull.y.push_back(p.pull.mean);
     resistance.x.push_back(p.slip), resistance.y.push_back(p.resistance.mean);
   }
-  plot.lines = {band[0], band[1], band[2], band[3], pull, resistance};
+  plot.lines = {of_pull, of_resistance, pull, resistance};
   plot.notes.push_back(
       line("friction angle %.1f degrees, %s tyres %.1f grains wide; formulas: Wong and Reece on two sands, "
            "Mason et al. over cone indices",

@@ -186,17 +186,17 @@ LinePlot plot_of(const GradeReport& r) {
   LinePlot plot;
   plot.title = "Quarter wheel: slope climbed over slip, soils of 25 to 35 degrees";
   plot.x_label = "slip", plot.y_label = "slope [deg]";
-  PlotLine trial{"trials", {}, {}, true}, low{"formulas, least", {}, {}, true}, high{"formulas, most", {}, {}, true};
+  PlotLine trial{"trials", {}, {}, true}, formulas{"formulas for each", {}, {}, true};
   std::vector<GradePoint> points;
   for (const GradePoint& p : r.point)
     if (p.friction_angle >= 25 && p.friction_angle < 35) points.push_back(p);
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.slip < b.slip; });
   for (const GradePoint& p : points) {
     trial.x.push_back(p.slip), trial.y.push_back(p.slope);
-    low.x.push_back(p.slip), low.y.push_back(degrees(p.band.pull[0]));
-    high.x.push_back(p.slip), high.y.push_back(degrees(p.band.pull[1]));
+    formulas.x.push_back(p.slip);
+    formulas.y.push_back(degrees(p.band.pull[0])), formulas.most.push_back(degrees(p.band.pull[1]));
   }
-  plot.lines = {low, high, trial};
+  plot.lines = {formulas, trial};
   plot.notes.push_back("formulas: Wong and Reece on two sands with the trial's friction angle and load, Mason et al.");
   return plot;
 }
