@@ -149,6 +149,9 @@ void add_wheel_options(CLI::App& soils, SlopeSlipRun& wheel) {
   soils.add_option("--time", wheel.time, "mgru3: driven; slip is that of the last half [s]")
       ->check(CLI::Range(1.0, 100.0))
       ->capture_default_str();
+  soils.add_option("--wheel-friction", wheel.wheel_friction, "mgru3: of grains on the wheel [-]")
+      ->check(CLI::Range(0.0, 2.0))
+      ->capture_default_str();
   soils.add_flag("--gpu", wheel.gpu, "mgru3: on the GPU");
 }
 

@@ -21,8 +21,7 @@ struct Published {
 };
 constexpr Published kPublished[] = {{0.27, 0.0315, 0.0422},  {5.24, 0.0515, 0.1100},  {10.03, 0.1347, 0.2112},
                                     {14.96, 0.4341, 0.4134}, {20.23, 0.7560, 0.6246}, {25.10, 0.8846, 0.7220}};
-constexpr double kWheelSpeed = 0.8;     // [rad/s]
-constexpr double kWheelFriction = 0.8;  // of grains on the wheel, as in configs/vehicles/mgru3.json
+constexpr double kWheelSpeed = 0.8;  // [rad/s]
 
 TrialSetup setup_of(const SlopeSlipRun& run, const terrain::Calibration& table, const terrain::SoilFit& fit) {
   TrialSetup s;
@@ -57,7 +56,7 @@ std::vector<DesignPoint> points_of(const SlopeSlipRun& run, const TrialSetup& se
         point.variables[contract().variable_index(name)] = value;
       };
       set("slope_along", p.slope), set("friction_angle", soil.friction_angle);
-      set("relative_density", soil.relative_density), set("tyre_friction", kWheelFriction);
+      set("relative_density", soil.relative_density), set("tyre_friction", run.wheel_friction);
       set("bed_depth", run.depth), set("commanded_speed", kWheelSpeed * setup.rig.radius);
       points.push_back(point);
     }

@@ -21,6 +21,9 @@ struct SlopeSlipRun {
   terrain::AskedNumerics numerics;              // in the place of the table's
   double depth = 0.2, length = 2, width = 0.7;  // of the bed [m]
   double time = 8;                              // driven; slip is that of the last half [s]
+  // Of grains on the wheel. No experiment tells: 0.8 is that of the published simulation (DEM-Engine, WheelSlopeSlip),
+  // 0.4 that of Project Chrono's VIPER.
+  double wheel_friction = 0.8;
 };
 
 struct SlopeSlip {
