@@ -8,6 +8,7 @@ table of that size. The report has the share of labels that flip and how far sli
   scripts/label_quality.py points                                 # chooses them: data/quarter_wheel_32mm/boundary_points.csv
   scripts/label_quality.py run out/labels --seconds 300           # on a GPU; builds the program where there is none
   scripts/label_quality.py report out/labels                      # docs/convergence.md and .csv
+  scripts/label_quality.py report data/quarter_wheel_32mm/label_trials   # the same from the trials kept there
   scripts/label_quality.py cost                                   # what is expected of every variant
 
 `run` starts no variant that is not expected to end in the time left (one that fits no run begins one) and says which are
@@ -130,9 +131,13 @@ def folder_of(out, name):
     return out / name.replace(" ", "_")
 
 
+def own_table(diameter, tables):
+    return tables / f"calibration_{diameter}mm.json"
+
+
 def table_for(diameter, tables, out):
     """The table of a grain size, or that of 32 mm with another diameter."""
-    own = tables / f"calibration_{diameter}mm.json"
+    own = own_table(diameter, tables)
     if own.exists():
         return own
     table = json.loads((tables / "calibration_32mm.json").read_text())
@@ -289,7 +294,7 @@ boundary between passing (go, slow-go) and not, by a logistic regression on all 
 alone, at the same points and bed seeds, beside the study's own: grains of 32 mm, steps of 1 ms in 14 parts of 2 updates, a moving
 patch of 2.72 x 0.8 m. Slip above 2 counts as 2. These points are the hardest there are: over a whole map far fewer labels flip.
 Every change of grains or bed also puts other grains under the wheel, so that the line "another seed" is what such a change flips when
-it changes nothing else. Of the base {passing} pass, {unknown} are unknown. Numbers: [convergence.csv](convergence.csv).
+it changes nothing else. {replicates} points are driven on a second bed as well. Of the base's {trials} trials {passing} pass, {unknown} are unknown. Numbers: [convergence.csv](convergence.csv).
 
 | factor | changed to | trials | unknown | labels that flip | now pass, now fail | slip, mean change | slip, rms change | sinkage, mean change [mm] | cost |
 |---|---|---|---|---|---|---|---|---|---|"""
@@ -299,7 +304,8 @@ def report(options):
     base = trials_of(options.folder, BASE)
     if base is None:
         raise SystemExit(f"{options.folder}: no trials of \"{BASE}\"; run first")
-    lines = HEADER.format(count=len(base), passing=sum(map(passes, base)),
+    replicates = sum(t["replicate_of"] != "-1" for t in base)
+    lines = HEADER.format(count=len(base) - replicates, replicates=replicates, trials=len(base), passing=sum(map(passes, base)),
                           unknown=sum(t["verdict"] == "unknown" for t in base)).split("\n")
     rows, missing = [], []
     for name, factor, changes, cost_of_trial, *_ in variants():
@@ -315,7 +321,7 @@ def report(options):
                      f"{c['pass_now']}, {c['fail_now']} | {c['mean_slip']:+.3f} +- {c['slip_error']:.3f} | {c['rms_slip']:.3f} | "
                      f"{1e3 * c['mean_sinkage']:+.0f} +- {1e3 * c['sinkage_error']:.0f} | {cost_of_trial:.2g} |")
     scaled = [f"{d} mm" for d in (16, 24, 48, 64)
-              if (options.folder / f"scaled_{d}mm.json").exists() and trials_of(options.folder, f"grains of {d} mm")]
+              if not own_table(d, options.tables).exists() and trials_of(options.folder, f"grains of {d} mm")]
     if scaled:
         lines += ["", "The table of 32 mm with another diameter served " + ", ".join(scaled) + "; other sizes have tables of their own."]
     if missing:
@@ -338,19 +344,20 @@ def main():
     runs = commands.add_parser("run")
     runs.add_argument("folder", type=pathlib.Path)
     runs.add_argument("--file", type=pathlib.Path, default=DATA / "boundary_points.csv")
-    runs.add_argument("--tables", type=pathlib.Path, default=HERE / "data/quarter_wheel_32mm")
     runs.add_argument("--device", default="cuda")
     runs.add_argument("--places", type=int, default=64)
     runs.add_argument("--workers", type=int, default=0, help="0: one per GPU")
     runs.add_argument("--seconds", type=float, default=300)
     for command in (chosen, runs):
         command.add_argument("--gonogo", default=str(HERE / "build/cuda-release/gonogo"))
-    costs = commands.add_parser("cost")
-    for command in (chosen, runs, costs):
-        command.add_argument("--points", type=int, default=50)
     reports = commands.add_parser("report")
     reports.add_argument("folder", type=pathlib.Path)
     reports.add_argument("--docs", type=pathlib.Path, default=HERE / "docs")
+    for command in (runs, reports):
+        command.add_argument("--tables", type=pathlib.Path, default=DATA)
+    costs = commands.add_parser("cost")
+    for command in (chosen, runs, costs):
+        command.add_argument("--points", type=int, default=50)
     options = parser.parse_args()
     {"points": choose_points, "run": run, "cost": cost, "report": report}[options.command](options)
 

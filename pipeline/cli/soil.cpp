@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <tuple>
 
 #include "pipeline/cli/command.h"
 #include "pipeline/cli/numerics_options.h"
@@ -124,11 +125,17 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
           "Packings of each density whose friction angle is measured, cohesion and plates with --seeds of them")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
+  const auto friction = std::make_shared<std::pair<double, double>>(run->least_friction, run->most_friction);
+  command->add_option("--friction", *friction,
+                      "Least and most sliding friction of the contact levels: a table for a narrow range of soils");
   add_numerics_options(*command, run->numerics, "Trials");
   command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
       ->required();
-  command->footer("Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json");
-  command->callback([&globals, run, out] {
+  command->footer(
+      "Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json\n"
+      "  gonogo soil calibrate --friction 0.5 0.7 --substeps 10 --iterations 20 --out dense_sand.json");
+  command->callback([&globals, run, out, friction] {
+    std::tie(run->least_friction, run->most_friction) = *friction;
     run->threads = thread_count(globals);
     run->journal = *out + ".tests";
     const terrain::Calibration c = terrain::calibrate(*run);

@@ -209,7 +209,7 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
   p["seeds"] = run.seeds;
   p["angle_seeds"] = std::max(run.seeds, run.angle_seeds);
   p["failed_tests"] = failed;
-  p["contact_levels_left_out"] = std::uint64_t(contact_line(run.shape).size() - levels);
+  p["contact_levels_left_out"] = std::uint64_t(contact_line(run).size() - levels);
   p["worst_rms_residual_m_per_s"] = worst;
   return p;
 }
@@ -229,7 +229,7 @@ std::vector<std::string> calibration_tests(const CalibrationRun& run) {
 
 Calibration calibrate(const CalibrationRun& run) {
   if (!(run.grain_diameter > 0)) throw InputError("soil calibrate: the grain diameter must be above zero");
-  const ContactLine& contacts = contact_line(run.shape);
+  const ContactLine contacts = contact_line(run);
   std::vector<CalibrationTest> tests = all_tests(run);
   run_tests(tests, run);
   const Selection of{contacts, tests};

@@ -14,6 +14,9 @@ struct CalibrationRun {
   /// Packings of each density whose friction angle is measured: that of one rough specimen is off by two degrees from
   /// that of the next, while cohesion and plates need fewer. No less than `seeds`.
   int angle_seeds = 3;
+  /// Only contact levels whose sliding friction lies in this range: a table for soils of a narrow range of angles, or
+  /// for numerics that are too dear for all. No fewer than two levels.
+  double least_friction = 0, most_friction = 10;
   Numerics numerics;  // of the trials that the table is for: contacts solved less well make another soil
   /// Finished tests are kept in this file, and a run that finds it goes on from there; empty: nothing is kept.
   std::filesystem::path journal;

@@ -17,7 +17,7 @@ namespace {
 constexpr double kPlateWidth = 4;  // in grain diameters
 
 sim::PairLaw law_of(const CalibrationRun& run, const CalibrationTest& test) {
-  const ContactPoint& point = contact_line(run.shape)[test.contact];
+  const ContactPoint point = contact_line(run)[test.contact];
   return {Real(point.friction), Real(point.rolling_friction), Real(kCohesionRatio[test.ratio] * kConfiningStress)};
 }
 
@@ -72,7 +72,7 @@ void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& 
 }
 
 void run_loosest(CalibrationTest& test, const CalibrationRun& run) {
-  const ContactPoint& point = contact_line(run.shape)[test.contact];
+  const ContactPoint point = contact_line(run)[test.contact];
   BedSpec bed = plate_bed_spec(test_soil(run, 0, test.seed + 1), plate_settings(run));
   bed.settle_friction = point.friction, bed.settle_rolling = point.rolling_friction;
   test.result = {settle_packing(bed, 1).solid_fraction};
@@ -139,8 +139,21 @@ const ContactLine& contact_line(GrainShape shape) {
   return shape == GrainShape::sphere ? spheres : clumps;
 }
 
+ContactLine contact_line(const CalibrationRun& run) {
+  ContactLine line_of_run = contact_line(run.shape);
+  std::erase_if(line_of_run, [&](const ContactPoint& p) {
+    return p.friction < run.least_friction || p.friction > run.most_friction;
+  });
+  if (line_of_run.size() < 2)
+    throw InputError(
+        line("soil calibrate: a sliding friction from %g to %g leaves %zu contact levels, a table needs two; "
+             "take a wider range",
+             run.least_friction, run.most_friction, line_of_run.size()));
+  return line_of_run;
+}
+
 std::vector<CalibrationTest> all_tests(const CalibrationRun& run) {
-  const ContactLine& contacts = contact_line(run.shape);
+  const ContactLine contacts = contact_line(run);
   std::vector<CalibrationTest> tests;
   for (std::size_t s = 0; s < std::size_t(std::max(run.seeds, run.angle_seeds)); ++s) {
     const bool for_angle_only = s >= std::size_t(run.seeds);

@@ -16,6 +16,8 @@ using ContactLine = std::vector<ContactPoint>;
 /// close that the friction angle rises by less than about 5 degrees from one to the next. Sliding friction above 1.5
 /// makes beds burst that are pressed: the cone program lets sliding contacts open, the faster the rougher they are.
 const ContactLine& contact_line(GrainShape shape);
+/// What a run takes of it. Throws InputError for fewer than two levels.
+ContactLine contact_line(const CalibrationRun& run);
 
 /// Settling friction of the packing library, from loose to dense.
 inline constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};

@@ -109,6 +109,28 @@ TEST_CASE("further specimens count for friction angles alone") {
   std::filesystem::remove_all(folder);
 }
 
+TEST_CASE("a table of a range of contact levels has what the whole table has there") {
+  const auto folder = scratch("calibrate-range");
+  CalibrationRun run = coarse_run(folder);
+  fill(run, "");
+  const Calibration whole = calibrate(run);
+  run.least_friction = 0.5, run.most_friction = 0.7;
+  CHECK(calibration_tests(run).size() < calibration_tests(coarse_run(folder)).size() / 3);
+  const Calibration part = calibrate(run);
+  REQUIRE(part.contact.size() == 3);
+  CHECK(part.packing.front().solid_fraction == whole.packing.front().solid_fraction);
+  for (std::size_t k = 0; k < 3; ++k) {
+    CHECK(part.contact[k].friction == whole.contact[k + 5].friction);
+    CHECK(part.contact[k].friction_angle == whole.contact[k + 5].friction_angle);
+    CHECK(part.contact[k].loosest_solid_fraction == whole.contact[k + 5].loosest_solid_fraction);
+    for (std::size_t p = 0; p < 3; ++p)
+      CHECK(part.response[3 * k + p].friction_angle == whole.response[3 * (k + 5) + p].friction_angle);
+  }
+  run.least_friction = 0.65;
+  CHECK(refusal([&] { calibrate(run); }).find("leaves 1 contact levels") != std::string::npos);
+  std::filesystem::remove_all(folder);
+}
+
 TEST_CASE("a run that goes on does only what its journal lacks, and has the bits of one that was never interrupted") {
   const auto folder = scratch("calibrate-resume");
   const CalibrationRun run = coarse_run(folder);
