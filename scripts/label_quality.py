@@ -22,7 +22,7 @@ import argparse, csv, json, math, pathlib, signal, subprocess, time
 HERE = pathlib.Path(__file__).resolve().parent.parent
 DATA = HERE / "data/quarter_wheel_32mm"
 BASE = "grains of 32 mm"
-SECONDS_PER_TRIAL = 0.8  # of an H200, amortised in a batch, on a bed of the study (docs/campaigns.md: 0.773)
+SECONDS_PER_TRIAL = 1.4  # of an H200, amortised in a batch, on a bed of the study (docs/convergence.md)
 SECONDS_PER_PACKING = 2.8  # 25 s for nine, settled on the GPU in one batch (docs/campaigns.md)
 SOLVER_SHARE = 0.85  # of a step (docs/campaigns.md: 17.6 of 20.6 ms)
 PACKINGS = 3  # levels of density; one packing of each, which every bed seed shifts
@@ -52,6 +52,11 @@ def variants():
 def expected_seconds(variant, points, per_trial=SECONDS_PER_TRIAL):
     _, _, _, cost, grains, packings = variant
     return points * per_trial * cost + packings * SECONDS_PER_PACKING * grains
+
+
+def places_of(variant, options):
+    """Trials side by side: few enough for two waves in the time given, as a trial that is stopped begins anew."""
+    return max(1, min(options.places, int(0.45 * options.seconds / (SECONDS_PER_TRIAL * variant[3]))))
 
 
 # The points: least |log odds| of passing by a logistic regression on all products of two variables.
@@ -185,12 +190,12 @@ def trials_of(out, name):
         return list(csv.DictReader(file))
 
 
-def run_variant(options, study, folder, seconds):
+def run_variant(options, study, folder, places, seconds):
     """Whether it ended; stopped by the clock it goes on in the next run."""
     file = folder / "study.json"
     file.write_text(json.dumps(study, indent=2) + "\n")
     process = subprocess.Popen([options.gonogo, "campaign", "run", str(file), "--out", str(folder / "run"), "--device",
-                                options.device, "--places", str(options.places), "--workers", str(options.workers)])
+                                options.device, "--places", str(places), "--workers", str(options.workers)])
     try:
         if process.wait(timeout=seconds) != 0:
             raise SystemExit(f"{folder}: the campaign ended with an error; what it says stands above")
@@ -230,7 +235,8 @@ def run(options):
             left.append(name)
             continue
         start = time.monotonic()
-        ended = run_variant(options, study_of(variant, points, tables, out), folder_of(out, name), remaining)
+        ended = run_variant(options, study_of(variant, points, tables, out), folder_of(out, name),
+                            places_of(variant, options), remaining)
         took = time.monotonic() - start
         print(f"{name}: {took:.0f} s, expected {expected:.0f} s{'' if ended else '; not over'}", flush=True)
         if not ended:
