@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cstring>
-#include <map>
 #include <string_view>
-#include <tuple>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "sim/shape/welder.h"
 
 namespace gonogo::sim {
 namespace {
@@ -64,21 +63,6 @@ class Words {
   std::string file_;
   std::string_view rest_;
   int line_ = 1;
-};
-
-/// Equal positions become one vertex.
-class Welder {
- public:
-  explicit Welder(TriangleMesh& mesh) : mesh_(mesh) {}
-  Index add(const Vec3& p) {
-    const auto [at, is_new] = index_.try_emplace({p.x, p.y, p.z}, Index(mesh_.vertex.size()));
-    if (is_new) mesh_.vertex.push_back(p);
-    return at->second;
-  }
-
- private:
-  TriangleMesh& mesh_;
-  std::map<std::tuple<Real, Real, Real>, Index> index_;
 };
 
 void read_binary_stl(const std::string& text, TriangleMesh& mesh) {

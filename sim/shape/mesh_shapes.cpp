@@ -1,29 +1,13 @@
 #include "sim/shape/mesh_shapes.h"
 
 #include <cmath>
-#include <map>
 #include <numbers>
-#include <tuple>
 
 #include "base/error.h"
+#include "sim/shape/welder.h"
 
 namespace gonogo::sim {
 namespace {
-
-/// Adds vertices once, by their exact place.
-class Welder {
- public:
-  explicit Welder(TriangleMesh& mesh) : mesh_(mesh) {}
-  Index add(const Vec3& p) {
-    const auto [at, is_new] = index_.try_emplace({p.x, p.y, p.z}, Index(mesh_.vertex.size()));
-    if (is_new) mesh_.vertex.push_back(p);
-    return at->second;
-  }
-
- private:
-  TriangleMesh& mesh_;
-  std::map<std::tuple<Real, Real, Real>, Index> index_;
-};
 
 /// Squares over corner + u [0, 1] + v [0, 1]; u x v points outward.
 void add_grid(TriangleMesh& mesh, Welder& weld, const Vec3& corner, const Vec3& u, const Vec3& v, int cells) {
