@@ -54,6 +54,11 @@ inline sim::StepSettings settings_with(Index iterations) {
   s.iterations = iterations;
   return s;
 }
+inline sim::StepSettings settings_with(double step, Index iterations) {
+  sim::StepSettings s = settings_with(iterations);
+  s.step = Real(step);
+  return s;
+}
 
 /// Nothing yet, within 5 m of the origin.
 inline sim::SceneWorld open_world(const sim::PairLaw& law) {

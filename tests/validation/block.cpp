@@ -11,17 +11,6 @@ using namespace gonogo;
 using namespace gonogo::sim;
 using namespace gonogo::test;
 
-namespace {
-
-StepSettings settings_with(double step, Index iterations) {
-  StepSettings s;
-  s.step = Real(step);
-  s.iterations = iterations;
-  return s;
-}
-
-}  // namespace
-
 TEST_CASE("a block rests below tan(angle) = mu and slides above it with g (sin - mu cos), whatever its mass") {
   const double seconds = 0.5;
   for (const Backend backend : backends())

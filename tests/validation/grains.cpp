@@ -14,17 +14,6 @@ using namespace gonogo;
 using namespace gonogo::sim;
 using namespace gonogo::test;
 
-namespace {
-
-StepSettings settings_with(double step, Index iterations) {
-  StepSettings s;
-  s.step = Real(step);
-  s.iterations = iterations;
-  return s;
-}
-
-}  // namespace
-
 TEST_CASE("a stack of five spheres at rest stays, and the floor carries its weight") {
   const double radius = 0.1, mass = 2;
   for (const Backend backend : backends()) {

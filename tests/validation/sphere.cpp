@@ -29,7 +29,7 @@ TEST_CASE("a sliding sphere ends rolling at 5/7 of its speed after 2 v0 / (7 mu 
       SceneWorld w = sphere_on_slope(0, mu, 0);
       w.body[1].velocity.x = Real(speed);
       const double step = 1e-3, expected_time = 2 * speed / (7 * mu * kGravity);
-      const auto simulation = simulate(backend, w, settings_with(step));
+      const auto simulation = simulate(backend, w, settings_with(step, 60));
       double rolling_since = 0;
       for (int i = 0; i < 1.5 * expected_time / step; ++i) {
         simulation->advance(1);
@@ -83,7 +83,7 @@ TEST_CASE("a sphere on an incline rolls with 5/7 g sin where friction suffices a
   for (const Backend backend : backends())
     for (const double angle : {0.05, 0.3, 0.9}) {
       const double mu = 0.3;  // rolls up to tan(angle) = 7/2 mu
-      const auto simulation = simulate(backend, sphere_on_slope(angle, mu, 0), settings_with(1e-3));
+      const auto simulation = simulate(backend, sphere_on_slope(angle, mu, 0), settings_with(1e-3, 60));
       advance_for(*simulation, seconds);
       const BodyState s = simulation->body(0, 1);
       const bool rolls = std::tan(angle) < 3.5 * mu;
@@ -102,7 +102,7 @@ TEST_CASE("rolling resistance holds a sphere below atan(mu_r) and lets it roll a
   for (const Backend backend : backends())
     for (const double share : {0.5, 0.98, 1.05, 2.0}) {
       const double angle = std::atan(share * rolling);
-      const auto simulation = simulate(backend, sphere_on_slope(angle, 0.8, rolling), settings_with(1e-3));
+      const auto simulation = simulate(backend, sphere_on_slope(angle, 0.8, rolling), settings_with(1e-3, 60));
       advance_for(*simulation, seconds);
       const double expected =
           share < 1 ? 0 : -5.0 / 7 * kGravity * (std::sin(angle) - rolling * std::cos(angle)) * seconds;
@@ -119,7 +119,7 @@ TEST_CASE("rolling resistance slows a rolling sphere by 5/7 mu_r g") {
     SceneWorld w = sphere_on_slope(0, 0.8, rolling);
     w.body[1].velocity.x = Real(speed);
     w.body[1].angular_velocity.y = Real(speed / kRadius);
-    const auto simulation = simulate(backend, w, settings_with(1e-3));
+    const auto simulation = simulate(backend, w, settings_with(1e-3, 60));
     advance_for(*simulation, seconds);
     // A step's worth, as above.
     CHECK(agrees(std::string("rolling decay, speed [m/s], ") + name_of(backend),

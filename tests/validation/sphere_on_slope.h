@@ -16,11 +16,4 @@ inline sim::SceneWorld sphere_on_slope(double angle, double mu, double rolling, 
   return w;
 }
 
-inline sim::StepSettings settings_with(double step, Index iterations = 60) {
-  sim::StepSettings s;
-  s.step = Real(step);
-  s.iterations = iterations;
-  return s;
-}
-
 }  // namespace gonogo::test
