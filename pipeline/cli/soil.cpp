@@ -128,19 +128,23 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   const auto friction = std::make_shared<std::pair<double, double>>(run->least_friction, run->most_friction);
   command->add_option("--friction", *friction,
                       "Least and most sliding friction of the contact levels: a table for a narrow range of soils");
+  const auto keep = std::make_shared<bool>(false);
+  command->add_flag(
+      "--keep-tests", *keep,
+      "Leave the tests (TABLE.tests) beside the whole table: a run with more seeds or levels goes on from there");
   add_numerics_options(*command, run->numerics, "Trials");
   command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
       ->required();
   command->footer(
       "Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json\n"
       "  gonogo soil calibrate --friction 0.5 0.7 --substeps 10 --iterations 20 --out dense_sand.json");
-  command->callback([&globals, run, out, friction] {
+  command->callback([&globals, run, out, friction, keep] {
     std::tie(run->least_friction, run->most_friction) = *friction;
     run->threads = thread_count(globals);
     run->journal = *out + ".tests";
     const terrain::Calibration c = terrain::calibrate(*run);
     terrain::write_calibration(*out, c);
-    std::filesystem::remove(run->journal);
+    if (!*keep) std::filesystem::remove(run->journal);
     Json json;
     json["table"] = *out;
     json["grain_diameter_m"] = run->grain_diameter;
