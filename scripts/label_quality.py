@@ -13,7 +13,8 @@ table of that size. The report has the share of labels that flip and how far sli
 
 `run` starts no variant that is not expected to end in the time left (one that fits no run begins one) and says which are
 left; the same command goes on.
-Of what it writes, FOLDER/*/trials.csv is all that `report` and a later `run` need. A table calibration_24mm.json, ... in
+Of what it writes, FOLDER/*/trials.csv is all that `report` and a later `run` need; those of docs/convergence.md are kept in
+data/quarter_wheel_32mm/label_trials, a copy of which is a FOLDER to go on with. A table calibration_24mm.json, ... in
 --tables is taken where there is one; otherwise that of 32 mm with the other diameter (nothing in a triaxial test without
 gravity depends on the grain's size: docs/soils.md), which the report says. Needs Python alone.
 """
