@@ -18,7 +18,7 @@ data/quarter_wheel_32mm/label_trials, a copy of which is a FOLDER to go on with.
 --tables is taken where there is one; otherwise that of 32 mm with the other diameter (nothing in a triaxial test without
 gravity depends on the grain's size: docs/soils.md), which the report says. Needs Python alone.
 """
-import argparse, csv, json, math, pathlib, signal, subprocess, time
+import argparse, csv, json, math, pathlib, signal, statistics, subprocess, time
 
 HERE = pathlib.Path(__file__).resolve().parent.parent
 DATA = HERE / "data/quarter_wheel_32mm"
@@ -50,14 +50,18 @@ def variants():
     ]
 
 
-def expected_seconds(variant, points, per_trial=SECONDS_PER_TRIAL):
-    _, _, _, cost, grains, packings = variant
-    return points * per_trial * cost + packings * SECONDS_PER_PACKING * grains
+def seconds_per_trial(variant):
+    return SECONDS_PER_TRIAL * variant[3]
+
+
+def expected_seconds(variant, points):
+    *_, grains, packings = variant
+    return points * seconds_per_trial(variant) + packings * SECONDS_PER_PACKING * grains
 
 
 def places_of(variant, options):
     """Trials side by side: few enough for two waves in the time given, as a trial that is stopped begins anew."""
-    return max(1, min(options.places, int(0.45 * options.seconds / (SECONDS_PER_TRIAL * variant[3]))))
+    return max(1, min(options.places, int(0.45 * options.seconds / seconds_per_trial(variant))))
 
 
 # The points: least |log odds| of passing by a logistic regression on all products of two variables.
@@ -268,6 +272,10 @@ def error_of_mean(values):
     return math.sqrt(sum((v - mean) ** 2 for v in values) / max(1, n * (n - 1)))
 
 
+def slip_of(trial):
+    return min(2.0, number(trial["slip"]))
+
+
 def same_point(a, b):
     return all(abs(float(a[n]) - float(b[n])) < 1e-9 for n in ranges() if n != "bed_depth")  # a variant scales it
 
@@ -280,7 +288,7 @@ def compare(base, other):
     both = [(a, b) for a, b in pairs if "unknown" not in (a["verdict"], b["verdict"])]
     up = sum(passes(b) and not passes(a) for a, b in both)
     down = sum(passes(a) and not passes(b) for a, b in both)
-    slips = [min(2.0, number(b["slip"])) - min(2.0, number(a["slip"])) for a, b in both
+    slips = [slip_of(b) - slip_of(a) for a, b in both
              if not math.isnan(number(a["slip"]) + number(b["slip"]))]
     sinkages = [number(b["sinkage"]) - number(a["sinkage"]) for a, b in both
                 if not math.isnan(number(a["sinkage"]) + number(b["sinkage"]))]
@@ -301,7 +309,7 @@ boundary between passing (go, slow-go) and not, by a logistic regression on all 
 alone, at the same points and bed seeds, beside the study's own: grains of 32 mm, steps of 1 ms in 14 parts of 2 updates, a moving
 patch of 2.72 x 0.8 m. Slip above 2 counts as 2. These points are the hardest there are: over a whole map far fewer labels flip.
 Every change of grains or bed also puts other grains under the wheel, so that the line "another seed" is what such a change flips when
-it changes nothing else. {replicates} points are driven on a second bed as well. Of the base's {trials} trials {passing} pass, {unknown} are unknown. Numbers: [convergence.csv](convergence.csv).
+it changes nothing else. {replicates} points are driven on a second bed as well. Of the base's {trials} trials {passing} pass, {unknown} are unknown; in the mean they slip {slip:.2f} and sink {sinkage:.0f} mm. Numbers: [convergence.csv](convergence.csv).
 
 | factor | changed to | trials | unknown | labels that flip | now pass, now fail | slip, mean change | slip, rms change | sinkage, mean change [mm] | cost |
 |---|---|---|---|---|---|---|---|---|---|"""
@@ -312,8 +320,10 @@ def report(options):
     if base is None:
         raise SystemExit(f"{options.folder}: no trials of \"{BASE}\"; run first")
     replicates = sum(t["replicate_of"] != "-1" for t in base)
+    known = [t for t in base if t["verdict"] != "unknown"]
     lines = HEADER.format(count=len(base) - replicates, replicates=replicates, trials=len(base), passing=sum(map(passes, base)),
-                          unknown=sum(t["verdict"] == "unknown" for t in base)).split("\n")
+                          unknown=len(base) - len(known), slip=statistics.mean(map(slip_of, known)),
+                          sinkage=1e3 * statistics.mean(number(t["sinkage"]) for t in known)).split("\n")
     rows, missing = [], []
     for name, factor, changes, cost_of_trial, *_ in variants():
         if name == BASE:

@@ -2,7 +2,6 @@
 #include <memory>
 #include <string>
 #include <thread>
-#include <tuple>
 
 #include "pipeline/cli/command.h"
 #include "pipeline/cli/numerics_options.h"
@@ -125,8 +124,7 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
           "Packings of each density whose friction angle is measured, cohesion and plates with --seeds of them")
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
-  const auto friction = std::make_shared<std::pair<double, double>>(run->least_friction, run->most_friction);
-  command->add_option("--friction", *friction,
+  command->add_option("--friction", run->friction_range,
                       "Least and most sliding friction of the contact levels: a table for a narrow range of soils");
   const auto keep = std::make_shared<bool>(false);
   command->add_flag(
@@ -138,8 +136,7 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
   command->footer(
       "Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json\n"
       "  gonogo soil calibrate --friction 0.5 0.7 --substeps 10 --iterations 20 --out dense_sand.json");
-  command->callback([&globals, run, out, friction, keep] {
-    std::tie(run->least_friction, run->most_friction) = *friction;
+  command->callback([&globals, run, out, keep] {
     run->threads = thread_count(globals);
     run->journal = *out + ".tests";
     const terrain::Calibration c = terrain::calibrate(*run);

@@ -189,7 +189,7 @@ std::vector<PackingLevel> packing_levels(const Selection& of) {
   return levels;
 }
 
-Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun& run, std::size_t levels) {
+Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun& run, std::size_t left_out) {
   double worst = 0;
   std::uint64_t failed = 0;
   for (const CalibrationTest& t : tests) {
@@ -209,7 +209,7 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
   p["seeds"] = run.seeds;
   p["angle_seeds"] = std::max(run.seeds, run.angle_seeds);
   p["failed_tests"] = failed;
-  p["contact_levels_left_out"] = std::uint64_t(contact_line(run).size() - levels);
+  p["contact_levels_left_out"] = std::uint64_t(left_out);
   p["worst_rms_residual_m_per_s"] = worst;
   return p;
 }
@@ -244,7 +244,7 @@ Calibration calibrate(const CalibrationRun& run) {
   for (std::size_t k = 0; k < levels; ++k) c.contact.push_back(contact_level(of, k, c));
   hold_cohesion(c.contact);
   pool_cohesion(c);
-  c.provenance = provenance(tests, run, levels);
+  c.provenance = provenance(tests, run, contacts.size() - levels);
   return c;
 }
 

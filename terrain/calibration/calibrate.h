@@ -1,6 +1,8 @@
 // Measures a calibration table by virtual tests: triaxial compression without and with contact cohesion, plate sinkage,
 // and how loosely grains settle, over a line of contact parameters and the packings of the library.
 #pragma once
+#include <utility>
+
 #include "terrain/bed/numerics.h"
 #include "terrain/soil/calibration.h"
 
@@ -16,7 +18,7 @@ struct CalibrationRun {
   int angle_seeds = 3;
   /// Only contact levels whose sliding friction lies in this range: a table for soils of a narrow range of angles, or
   /// for numerics that are too dear for all. No fewer than two levels.
-  double least_friction = 0, most_friction = 10;
+  std::pair<double, double> friction_range{0, 10};
   Numerics numerics;  // of the trials that the table is for: contacts solved less well make another soil
   /// Finished tests are kept in this file, and a run that finds it goes on from there; empty: nothing is kept.
   std::filesystem::path journal;

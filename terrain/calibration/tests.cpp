@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kPlateWidth = 4;  // in grain diameters
 
-sim::PairLaw law_of(const CalibrationRun& run, const CalibrationTest& test) {
-  const ContactPoint point = contact_line(run)[test.contact];
-  return {Real(point.friction), Real(point.rolling_friction), Real(kCohesionRatio[test.ratio] * kConfiningStress)};
+sim::PairLaw law_of(const CalibrationTest& test) {
+  return {Real(test.grains.friction), Real(test.grains.rolling_friction),
+          Real(kCohesionRatio[test.ratio] * kConfiningStress)};
 }
 
 TestSoil test_soil(const CalibrationRun& run, std::size_t packing, std::size_t seed) {
@@ -64,7 +64,7 @@ class Beds {
 
 void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& bed) {
   TestSoil soil = test_soil(run, test.packing, test.seed + 1);
-  soil.grain = law_of(run, test);
+  soil.grain = law_of(test);
   soil.tool_friction = double(soil.grain.friction);
   const PlateResult r = plate_test(bed, soil, plate_settings(run), pace_of(run.numerics));
   const PowerLaw law = fit_power_law(r);
@@ -72,15 +72,14 @@ void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& 
 }
 
 void run_loosest(CalibrationTest& test, const CalibrationRun& run) {
-  const ContactPoint point = contact_line(run)[test.contact];
   BedSpec bed = plate_bed_spec(test_soil(run, 0, test.seed + 1), plate_settings(run));
-  bed.settle_friction = point.friction, bed.settle_rolling = point.rolling_friction;
+  bed.settle_friction = test.grains.friction, bed.settle_rolling = test.grains.rolling_friction;
   test.result = {settle_packing(bed, 1).solid_fraction};
 }
 
 void run_triaxial(CalibrationTest& test, const CalibrationRun& run) {
   TestSoil soil = test_soil(run, test.packing, test.seed + 1);
-  soil.grain = law_of(run, test);
+  soil.grain = law_of(test);
   TriaxialSettings settings;
   settings.confining_stress = kConfiningStress;
   settings.steps_per_time = stress_time(run.grain_diameter, soil.grain_density, kConfiningStress) / run.numerics.step;
@@ -140,16 +139,16 @@ const ContactLine& contact_line(GrainShape shape) {
 }
 
 ContactLine contact_line(const CalibrationRun& run) {
-  ContactLine line_of_run = contact_line(run.shape);
-  std::erase_if(line_of_run, [&](const ContactPoint& p) {
-    return p.friction < run.least_friction || p.friction > run.most_friction;
-  });
-  if (line_of_run.size() < 2)
+  const auto [least, most] = run.friction_range;
+  ContactLine levels;
+  for (const ContactPoint& p : contact_line(run.shape))
+    if (p.friction >= least && p.friction <= most) levels.push_back(p);
+  if (levels.size() < 2)
     throw InputError(
         line("soil calibrate: a sliding friction from %g to %g leaves %zu contact levels, a table needs two; "
              "take a wider range",
-             run.least_friction, run.most_friction, line_of_run.size()));
-  return line_of_run;
+             least, most, levels.size()));
+  return levels;
 }
 
 std::vector<CalibrationTest> all_tests(const CalibrationRun& run) {
@@ -159,15 +158,17 @@ std::vector<CalibrationTest> all_tests(const CalibrationRun& run) {
     const bool for_angle_only = s >= std::size_t(run.seeds);
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       const std::string grains = line("friction %g rolling %g", contacts[c].friction, contacts[c].rolling_friction);
+      const auto add = [&](TestKind kind, std::size_t p, std::size_t r, std::string name) {
+        tests.push_back({kind, c, p, s, r, contacts[c], std::move(name), {}});
+      };
       for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
         const std::string at = line("%s settled at %g seed %zu", grains.c_str(), kSettleFriction[p], s + 1);
         for (std::size_t r = 0; r < (for_angle_only ? 1 : std::size(kCohesionRatio)); ++r)
-          tests.push_back(
-              {TestKind::triaxial, c, p, s, r, line("triaxial %s cohesion %g", at.c_str(), kCohesionRatio[r]), {}});
-        if (!for_angle_only) tests.push_back({TestKind::plate, c, p, s, 0, "plate " + at, {}});
+          add(TestKind::triaxial, p, r, "triaxial " + at + line(" cohesion %g", kCohesionRatio[r]));
+        if (!for_angle_only) add(TestKind::plate, p, 0, "plate " + at);
       }
       if (!for_angle_only && settles_loosely(contacts[c]))
-        tests.push_back({TestKind::loosest, c, 0, s, 0, line("loosest %s seed %zu", grains.c_str(), s + 1), {}});
+        add(TestKind::loosest, 0, 0, line("loosest %s seed %zu", grains.c_str(), s + 1));
     }
   }
   return tests;

@@ -34,6 +34,7 @@ enum class TestKind { triaxial, plate, loosest };
 struct CalibrationTest {
   TestKind kind;
   std::size_t contact, packing, seed, ratio;
+  ContactPoint grains;  // of that contact level
   std::string name;
   std::vector<double> result;
 };

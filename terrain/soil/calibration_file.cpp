@@ -13,6 +13,34 @@ namespace {
 const std::vector<std::string> kSchemas = {"gonogo/calibration/1", "gonogo/calibration/2", "gonogo/calibration/3",
                                            "gonogo/calibration/4", "gonogo/calibration/5"};
 
+/// One row for each contact level and packing, in that order.
+std::vector<SoilResponse> read_responses(const Config& file, const Calibration& c, bool by_shear) {
+  if (c.packing.empty()) file.fail("packing", "needs at least two packings");
+  std::vector<SoilResponse> rows;
+  for (const Config& row : file.objects("response")) {
+    SoilResponse r;
+    r.contact = rows.size() / c.packing.size(), r.packing = rows.size() % c.packing.size();
+    if (row.integer("contact") != std::int64_t(r.contact) || row.integer("packing") != std::int64_t(r.packing))
+      row.fail("", "rows must go through the packings of each contact level in turn");
+    if (by_shear) {
+      row.number("friction_angle_deg", {0, 89}), row.number("peak_friction_angle_deg", {0, 89});
+    } else {
+      r.friction_angle = row.number("friction_angle_deg", {1e-3, 89});
+      r.friction_angle_error = row.number("friction_angle_error_deg", {0, 89});
+      r.steady_friction_angle = row.number("steady_friction_angle_deg", {0, 89});
+    }
+    r.cohesion_gain = row.number("cohesion_gain", {-100, 100});
+    r.sinkage_modulus = row.number("sinkage_modulus_N_per_m_n_plus_2", {0, 1e15});
+    r.sinkage_modulus_error = row.number("sinkage_modulus_error", {0, 1e15});
+    r.sinkage_exponent = row.number("sinkage_exponent", {-10, 10});
+    row.finish();
+    rows.push_back(r);
+  }
+  if (rows.empty() || rows.size() != c.packing.size() * c.contact.size())
+    file.fail("response", "needs one row for each contact level and packing");
+  return rows;
+}
+
 }  // namespace
 
 void write_calibration(const std::filesystem::path& path, const Calibration& c) {
@@ -56,38 +84,6 @@ void write_calibration(const std::filesystem::path& path, const Calibration& c) 
   j["provenance"] = c.provenance;
   write_file_atomically(path, j.dump(2) + "\n");
 }
-
-namespace {
-
-/// One row for each contact level and packing, in that order.
-std::vector<SoilResponse> read_responses(const Config& file, const Calibration& c, bool by_shear) {
-  if (c.packing.empty()) file.fail("packing", "needs at least two packings");
-  std::vector<SoilResponse> rows;
-  for (const Config& row : file.objects("response")) {
-    SoilResponse r;
-    r.contact = rows.size() / c.packing.size(), r.packing = rows.size() % c.packing.size();
-    if (row.integer("contact") != std::int64_t(r.contact) || row.integer("packing") != std::int64_t(r.packing))
-      row.fail("", "rows must go through the packings of each contact level in turn");
-    if (by_shear) {
-      row.number("friction_angle_deg", {0, 89}), row.number("peak_friction_angle_deg", {0, 89});
-    } else {
-      r.friction_angle = row.number("friction_angle_deg", {1e-3, 89});
-      r.friction_angle_error = row.number("friction_angle_error_deg", {0, 89});
-      r.steady_friction_angle = row.number("steady_friction_angle_deg", {0, 89});
-    }
-    r.cohesion_gain = row.number("cohesion_gain", {-100, 100});
-    r.sinkage_modulus = row.number("sinkage_modulus_N_per_m_n_plus_2", {0, 1e15});
-    r.sinkage_modulus_error = row.number("sinkage_modulus_error", {0, 1e15});
-    r.sinkage_exponent = row.number("sinkage_exponent", {-10, 10});
-    row.finish();
-    rows.push_back(r);
-  }
-  if (rows.empty() || rows.size() != c.packing.size() * c.contact.size())
-    file.fail("response", "needs one row for each contact level and packing");
-  return rows;
-}
-
-}  // namespace
 
 Calibration read_calibration(const std::filesystem::path& path) {
   const Config file = Config::read(path);

@@ -54,9 +54,10 @@ inline sim::StepSettings settings_with(Index iterations) {
   s.iterations = iterations;
   return s;
 }
-inline sim::StepSettings settings_with(double step, Index iterations) {
+inline sim::StepSettings settings_with(double step, Index iterations, sim::Target target = sim::Target::ccp) {
   sim::StepSettings s = settings_with(iterations);
   s.step = Real(step);
+  s.target = target;
   return s;
 }
 

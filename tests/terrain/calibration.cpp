@@ -114,7 +114,7 @@ TEST_CASE("a table of a range of contact levels has what the whole table has the
   CalibrationRun run = coarse_run(folder);
   fill(run, "");
   const Calibration whole = calibrate(run);
-  run.least_friction = 0.5, run.most_friction = 0.7;
+  run.friction_range = {0.5, 0.7};
   CHECK(calibration_tests(run).size() < calibration_tests(coarse_run(folder)).size() / 3);
   const Calibration part = calibrate(run);
   REQUIRE(part.contact.size() == 3);
@@ -126,7 +126,7 @@ TEST_CASE("a table of a range of contact levels has what the whole table has the
     for (std::size_t p = 0; p < 3; ++p)
       CHECK(part.response[3 * k + p].friction_angle == whole.response[3 * (k + 5) + p].friction_angle);
   }
-  run.least_friction = 0.65;
+  run.friction_range = {0.65, 0.7};
   CHECK(refusal([&] { calibrate(run); }).find("leaves 1 contact levels") != std::string::npos);
   std::filesystem::remove_all(folder);
 }

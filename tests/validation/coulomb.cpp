@@ -15,14 +15,6 @@ using namespace gonogo::test;
 
 namespace {
 
-StepSettings settings_with(double step, Target target, Index iterations = 100) {
-  StepSettings s;
-  s.step = Real(step);
-  s.target = target;
-  s.iterations = iterations;
-  return s;
-}
-
 const char* name_of(Target target) { return target == Target::ccp ? "ccp" : "coulomb"; }
 
 }  // namespace
@@ -34,7 +26,7 @@ TEST_CASE("a block of 1 g to 1 t sticks on a slope of 20 degrees with mu 0.5, an
       std::vector<double> starved;
       for (const double mass : {1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3}) {
         const SceneWorld scene = block_on_slope(angle, 0.5, mass);
-        const auto simulation = simulate(backend, scene, settings_with(1e-3, target));
+        const auto simulation = simulate(backend, scene, settings_with(1e-3, 100, target));
         simulation->advance(1000);
         const BodyState s = simulation->body(0, 1);
         const std::string label = short_text(mass) + " kg, " + name_of(target) + ", " + gonogo::test::name_of(backend);
@@ -42,7 +34,7 @@ TEST_CASE("a block of 1 g to 1 t sticks on a slope of 20 degrees with mu 0.5, an
         CHECK(agrees("block at 20 degrees, speed [m/s], " + label, 0, s.velocity.x, 1e-6));
         // In m/s whatever the mass: a block without friction would miss by g h sin = 3.4e-3 m/s.
         CHECK(agrees("block at 20 degrees, residual [m/s], " + label, 0, simulation->report(0).max_residual, 1e-6));
-        const auto hasty = simulate(backend, scene, settings_with(1e-3, target, 1));
+        const auto hasty = simulate(backend, scene, settings_with(1e-3, 1, target));
         hasty->advance(1);
         starved.push_back(hasty->report(0).max_residual);
       }
@@ -61,7 +53,7 @@ TEST_CASE("under Coulomb's law a sliding block keeps to the plane and loses mu g
     for (const Target target : {Target::ccp, Target::coulomb}) {
       SceneWorld w = block_on_slope(0, mu, 1);
       w.body[1].velocity.x = Real(speed);
-      StepSettings settings = settings_with(step, target, 200);
+      StepSettings settings = settings_with(step, 200, target);
       settings.envelope = 0.02f;
       const auto simulation = simulate(backend, w, settings);
       simulation->advance(12);
@@ -90,7 +82,7 @@ TEST_CASE("under Coulomb's law an impact that slips does not rebound, and takes 
       add_plane(w);
       w.add_sphere({0, 0, radius}, Real(radius), density_for(1, radius), 0);
       w.body[1].velocity = {Real(along), 0, Real(-down)};
-      const auto simulation = simulate(backend, w, settings_with(step, Target::coulomb, 300));
+      const auto simulation = simulate(backend, w, settings_with(step, 300, Target::coulomb));
       simulation->advance(1);
       const BodyState s = simulation->body(0, 1);
       // It sticks when friction can stop the contact point: 2/7 m v_x <= mu m v_z.
@@ -121,7 +113,7 @@ TEST_CASE("under Coulomb's law rolling and spinning balls keep to the plane; the
       w.body[1].angular_velocity.y = Real(speed / radius);
       w.add_sphere({0, 1, radius}, Real(radius), density_for(1, radius), 0);
       w.body[2].angular_velocity.z = Real(spin);
-      StepSettings settings = settings_with(step, target, 200);
+      StepSettings settings = settings_with(step, 200, target);
       settings.envelope = 0.02f;
       const auto simulation = simulate(backend, w, settings);
       simulation->advance(steps);

@@ -29,14 +29,6 @@ SceneWorld sphere_on_plane(const PairLaw& law) {
   return w;
 }
 
-StepSettings settings_with(double step, Target target = Target::ccp) {
-  StepSettings s;
-  s.step = Real(step);
-  s.iterations = 100;
-  s.target = target;
-  return s;
-}
-
 }  // namespace
 
 TEST_CASE("a spinning sphere slows down by 5 c g / (2 r) and stays where it is") {
@@ -48,7 +40,7 @@ TEST_CASE("a spinning sphere slows down by 5 c g / (2 r) and stays where it is")
   for (const Backend backend : backends()) {
     SceneWorld w = sphere_on_plane(law);
     w.body[1].angular_velocity.z = Real(spin);
-    const auto simulation = simulate(backend, w, settings_with(1e-3));
+    const auto simulation = simulate(backend, w, settings_with(1e-3, 100));
     advance_for(*simulation, seconds);
     const BodyState s = simulation->body(0, 1);
     const std::string label = std::string(", ") + name_of(backend);
@@ -65,7 +57,7 @@ TEST_CASE("a compliant contact rests at the overlap m g / k and swings with the 
   law.stiffness = Real(stiffness);
   law.damping = Real(0.6 * std::sqrt(stiffness * kMass));
   for (const Backend backend : backends()) {
-    const auto simulation = simulate(backend, sphere_on_plane(law), settings_with(2e-4));
+    const auto simulation = simulate(backend, sphere_on_plane(law), settings_with(2e-4, 100));
     advance_for(*simulation, 2);
     const double sag = kRadius - simulation->body(0, 1).position.z, expected = kMass * kGravity / stiffness;
     CHECK(agrees(std::string("compliant contact, overlap [m], ") + name_of(backend), expected, sag, 1e-3 * expected));
@@ -77,7 +69,7 @@ TEST_CASE("a compliant contact rests at the overlap m g / k and swings with the 
     SceneWorld w = sphere_on_plane(law);
     const double sag = kMass * kGravity / stiffness, frequency = std::sqrt(stiffness / kMass), step = 1e-4;
     w.body[1].position.z -= 0.5 * sag;
-    const auto simulation = simulate(backend, w, settings_with(step));
+    const auto simulation = simulate(backend, w, settings_with(step, 100));
     const double half_period = kPi / frequency;
     advance_for(*simulation, half_period);
     const double decay = std::exp(-frequency * frequency * step / 2 * half_period);
@@ -92,7 +84,7 @@ TEST_CASE("under Coulomb's law a sliding sphere keeps to the plane and loses mu 
   for (const Backend backend : backends()) {
     SceneWorld w = sphere_on_plane({Real(mu), 0, 0});
     w.body[1].velocity.x = Real(speed);
-    const auto simulation = simulate(backend, w, settings_with(1e-3, Target::coulomb));
+    const auto simulation = simulate(backend, w, settings_with(1e-3, 100, Target::coulomb));
     advance_for(*simulation, seconds);
     const BodyState s = simulation->body(0, 1);
     const std::string label = std::string(", ") + name_of(backend);
