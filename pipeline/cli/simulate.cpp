@@ -81,6 +81,17 @@ std::vector<double> with_settings(std::vector<double> values, const Options& opt
   return values;
 }
 
+/// A study whose points come from a file says nothing of a variable by itself.
+void check_all_given(const std::vector<double>& values, const Options& options) {
+  for (std::size_t v = 0; v < values.size(); ++v)
+    if (std::isnan(values[v])) {
+      const Variable& variable = contract().variables[v];
+      throw InputError(options.study + ": design has neither a fixed value nor a range of " + variable.name +
+                       ", between " + std::to_string(variable.minimum) + " and " + std::to_string(variable.maximum) +
+                       " " + variable.unit + "; give one: --set " + variable.name + "=...");
+    }
+}
+
 std::string csv_line(const TrialSample& s) {
   char text[256];
   std::snprintf(text, sizeof text, "%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3e,%d,%d\n", s.time, s.x, s.y, s.sinkage,
@@ -152,6 +163,7 @@ Request request_of(const Options& options) {
     const Study study = read_study(options.study);
     r.setup = read_trial_setup(study, default_packing_folder(), device_of(options));
     r.point.variables = with_settings(variables_of(study), options);
+    check_all_given(r.point.variables, options);
     return r;
   }
   if (options.soil.empty()) throw InputError("--vehicle needs --soil: a calibration, such as calibration_90mm");

@@ -13,6 +13,7 @@
 #include "pipeline/validate/drawbar.h"
 #include "pipeline/validate/fclib.h"
 #include "pipeline/validate/folded.h"
+#include "pipeline/validate/given_slip.h"
 #include "pipeline/validate/grade.h"
 #include "pipeline/validate/patch.h"
 #include "pipeline/validate/slope_slip.h"
@@ -105,12 +106,14 @@ struct SoilsRequest {
   std::vector<std::string> figures;
   std::string folder;
   SoilValidation tests;
-  SlopeSlipRun wheel;
+  SimulantRun wheel;
 };
 
 SoilFigure figure_of(const std::string& name, SoilsRequest& request, int threads) {
   request.tests.threads = request.wheel.threads = threads;
-  if (name == "mgru3") return slope_slip_figure(request.wheel, run_slope_slip(request.wheel));
+  request.wheel.vehicle = name == "mgru3_rover" ? kSimulantRover : kSimulantWheel;
+  if (name == "mgru3" || name == "mgru3_rover") return slope_slip_figure(request.wheel, run_slope_slip(request.wheel));
+  if (name == "trec") return given_slip_figure(request.wheel, run_given_slips(request.wheel));
   return soil_figure(name, request.tests);
 }
 
@@ -133,45 +136,46 @@ void validate_soils(const Globals& globals, SoilsRequest& request) {
   if (failed > 0) throw DeviceError(std::to_string(failed) + " checks of soils do not hold");
 }
 
-void add_wheel_options(CLI::App& soils, SlopeSlipRun& wheel) {
-  add_asked_numerics_options(soils, wheel.numerics, "mgru3");
-  soils.add_option("--grain", wheel.grain, "mgru3: diameter of the grains, if not the table's [m]")
+/// Of the figures with a wheel or the rover on a simulant.
+void add_wheel_options(CLI::App& soils, SimulantRun& wheel) {
+  CLI::App& of = *soils.add_option_group("mgru3, mgru3_rover, trec", "A wheel or the rover on a lunar simulant");
+  add_asked_numerics_options(of, wheel.numerics, "Trials");
+  of.add_option("--grain", wheel.grain, "Diameter of the grains, if not the table's [m]")
       ->check(CLI::Range(0.002, 0.2));
-  soils.add_option("--depth", wheel.depth, "mgru3: of the bed [m]")
-      ->check(CLI::Range(0.05, 2.0))
-      ->capture_default_str();
-  soils.add_option("--length", wheel.length, "mgru3: of the bed [m]")
-      ->check(CLI::Range(0.5, 20.0))
-      ->capture_default_str();
-  soils.add_option("--width", wheel.width, "mgru3: of the bed [m]")
-      ->check(CLI::Range(0.3, 10.0))
-      ->capture_default_str();
-  soils.add_option("--time", wheel.time, "mgru3: driven; slip is that of the last half [s]")
-      ->check(CLI::Range(1.0, 100.0))
-      ->capture_default_str();
-  soils.add_option("--wheel-friction", wheel.wheel_friction, "mgru3: of grains on the wheel [-]")
+  of.add_option("--depth", wheel.depth, "Of the bed [m]")->check(CLI::Range(0.05, 2.0))->capture_default_str();
+  of.add_option("--length", wheel.length, "Of the bed; without it 2, for the rover 3.5 [m]")
+      ->check(CLI::Range(0.5, 20.0));
+  of.add_option("--width", wheel.width, "Of the bed; without it 0.7, for the rover two thirds of its track [m]")
+      ->check(CLI::Range(0.3, 10.0));
+  of.add_option("--time", wheel.time, "Driven, of which the last half counts; without it 8, for the rover 24 [s]")
+      ->check(CLI::Range(1.0, 100.0));
+  of.add_option("--wheel-friction", wheel.wheel_friction, "Of grains on the wheels [-]")
       ->check(CLI::Range(0.0, 2.0))
       ->capture_default_str();
-  soils.add_flag("--gpu", wheel.gpu, "mgru3: on the GPU");
+  of.add_option("--state", wheel.state, "Of configs/soils/grc1.json (trec: grc3.json), if not the first");
+  of.add_flag("--gpu", wheel.gpu, "On the GPU");
 }
 
 void add_soils(CLI::App& command, const Globals& globals) {
   CLI::App* soils = command.add_subcommand(
-      "soils", "Soil tests, soils through the calibration, and a wheel on slopes; fails when a bound is not kept");
+      "soils",
+      "Soil tests, soils through the calibration, a wheel and a rover on slopes; fails when a bound is not kept");
   auto request = std::make_shared<SoilsRequest>();
   request->figures = soil_figures();
-  request->figures.push_back("mgru3");
+  request->figures.insert(request->figures.end(), {"mgru3", "mgru3_rover", "trec"});
   const std::vector<std::string> all = request->figures;
   auto calibration = std::make_shared<std::string>("calibration_90mm"), wheel = std::make_shared<std::string>();
   auto seeds = std::make_shared<int>(2);
   soils->add_option("figures", request->figures, "Which of them")->check(CLI::IsMember(all))->capture_default_str();
   soils->add_option("--calibration", *calibration, "Table of the grains to be tested")->capture_default_str();
-  soils->add_option("--wheel-calibration", *wheel, "mgru3: table of its grains, if another");
+  soils->add_option("--wheel-calibration", *wheel, "Table of the grains of mgru3, mgru3_rover and trec, if another");
   soils->add_option("--seeds", *seeds, "Beds for each test")->check(CLI::Range(1, 100))->capture_default_str();
   soils->add_flag("--quick", request->tests.quick, "Smaller beds and shorter ways, for a first look");
   soils->add_option("--out", request->folder, "Folder for a figure and a table of each");
   add_wheel_options(*soils, request->wheel);
-  soils->footer("Example:\n  gonogo validate soils shear triaxial --out docs/validation --json");
+  soils->footer(
+      "Examples:\n  gonogo validate soils shear triaxial --out docs/validation --json\n"
+      "  gonogo validate soils mgru3_rover --calibration calibration_32mm --grain 0.016 --depth 0.15 --seeds 1 --gpu");
   soils->callback([&globals, request, calibration, wheel, seeds] {
     const auto table = [](const std::string& name) { return shipped_file("soils", "calibration", name); };
     request->tests.calibration = table(*calibration);

@@ -1,30 +1,18 @@
-// The MGRU3 single wheel on GRC-1: slip over slope, measured at NASA Glenn's SLOPE laboratory, against trials on a bed
-// that has the soil's friction angle, cohesion and bulk density by a calibration. Nothing is tuned on the slips.
-// Measured slips and those of a published simulation by discrete elements, both digitised, from uwsbel/chrono-wisc,
-// feature/fsi-CRMAcc: python_scripts/viper_singleWheel_multidir_plotting.py.
+// MGRU3 on GRC-1: slip over slope, measured at NASA Glenn's SLOPE laboratory, against trials on a bed that has the
+// soil's friction angle, cohesion and bulk density by a calibration. Nothing is tuned on the slips.
+//
+// MGRU3 is a rover of four wheels, and what was measured is the rover on a tilting bed, in 2021 and again in 2022: both
+// digitised in sjtumsd/crm_sim_nasa_exp_scripts, demos/viper_real_slope/figure7b.py (arXiv 2405.11001), which holds a
+// rover of 88 kg against them. Published simulations, the one by discrete elements of uwsbel/chrono-wisc
+// (feature/fsi-CRMAcc: python_scripts/viper_singleWheel_multidir_plotting.py) among them, also hold one wheel under its
+// share of the weight against the tests of 2021. Both can be run here.
 #pragma once
-#include <filesystem>
 #include <vector>
 
+#include "pipeline/validate/simulant.h"
 #include "pipeline/validate/soil_figure.h"
-#include "terrain/soil/table_numerics.h"
 
 namespace gonogo::pipeline {
-
-struct SlopeSlipRun {
-  std::filesystem::path calibration;            // of the grains
-  double grain = 0;                             // diameter instead of the table's, if any: nothing that a
-                                                // triaxial test says depends on it [m]
-  int seeds = 2;                                // beds per slope
-  int threads = 1;                              // trials at a time
-  bool gpu = false;                             // all trials as one batch
-  terrain::AskedNumerics numerics;              // in the place of the table's
-  double depth = 0.2, length = 2, width = 0.7;  // of the bed [m]
-  double time = 8;                              // driven; slip is that of the last half [s]
-  // Of grains on the wheel. No experiment tells: 0.8 is that of the published simulation (DEM-Engine, WheelSlopeSlip),
-  // 0.4 that of Project Chrono's VIPER.
-  double wheel_friction = 0.8;
-};
 
 struct SlopeSlip {
   double slope = 0;                    // [deg]
@@ -37,12 +25,14 @@ struct SlopeSlip {
 
 /// The published simulation as if it were a run of ours.
 std::vector<SlopeSlip> published_slope_slips();
+/// The same of the tests of 2022, interpolated to the slopes of 2021: how far the experiment repeats itself.
+std::vector<SlopeSlip> repeated_slope_slips();
 
-std::vector<SlopeSlip> run_slope_slip(const SlopeSlipRun& run);
+std::vector<SlopeSlip> run_slope_slip(const SimulantRun& run);
 
 /// Root-mean-square difference between slips and the experiment's, up to a slope [deg].
 double rms_slip_error(const std::vector<SlopeSlip>& points, double steepest = 90);
 
-SoilFigure slope_slip_figure(const SlopeSlipRun& run, const std::vector<SlopeSlip>& points);
+SoilFigure slope_slip_figure(const SimulantRun& run, const std::vector<SlopeSlip>& points);
 
 }  // namespace gonogo::pipeline

@@ -87,4 +87,16 @@ TEST_CASE("a checkpoint that belongs to another trial is refused with what to do
   check_refusal(run_gonogo(film), 2, {"--checkpoint does not go with"});
 }
 
+TEST_CASE("a variable that the design leaves open is asked for before anything runs") {
+  const TemporaryFolder folder;
+  const fs::path path = short_study(folder);
+  Json study = Json::parse(read_file(path), "study.json");
+  study["design"] = Json::object();
+  study["design"]["method"] = "csv";
+  study["design"]["file"] = "points.csv";
+  write_file_atomically(path, study.dump());
+  check_refusal(run_gonogo({"simulate", path, "--set", "slope_along=3"}), 2,
+                {"study.json", "slope_across", "between", "--set slope_across="});
+}
+
 }  // namespace gonogo

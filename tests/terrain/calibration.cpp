@@ -268,4 +268,24 @@ TEST_CASE("of the shipped soils lean clay with little water is out of reach of b
   }
 }
 
+TEST_CASE("beds of the shipped trefoils harden with density and end in one critical state, and stand for GRC-1") {
+  const std::filesystem::path soils = std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils";
+  const Calibration c = read_calibration(soils / "calibration_32mm_trefoil.json");
+  CHECK(c.shape == GrainShape::trefoil);
+  REQUIRE(c.packing.size() == 3);
+  for (std::size_t k = 0; k < c.contact.size(); ++k) {
+    const SoilResponse &loose = c.response[3 * k], &middle = c.response[3 * k + 1], &dense = c.response[3 * k + 2];
+    CHECK(loose.friction_angle + 3 < middle.friction_angle);
+    CHECK(middle.friction_angle + 5 < dense.friction_angle);
+    for (const SoilResponse* r : {&loose, &middle, &dense})
+      CHECK(r->steady_friction_angle == Approx(loose.steady_friction_angle).margin(1));
+  }
+  const SoilFit grc1 = fit_soil(c, {38.4, 0, 1760, 0.59});
+  CHECK(c.packing[grc1.packing].settle_friction == 0.25);
+  CHECK(grc1.friction_angle == Approx(38.4));
+  CHECK(grc1.bulk_density == Approx(1760));
+  CHECK(grc1.law.rolling_friction == 0);
+  CHECK(double(grc1.law.friction) == Approx(0.565).margin(0.01));
+}
+
 }  // namespace gonogo::terrain

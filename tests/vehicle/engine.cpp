@@ -128,7 +128,7 @@ Flight fly(sim::Backend backend, const Model& m, double seconds, double engine_s
 TEST_CASE("the ways to the accelerations agree on the trees of all shipped vehicles") {
   std::mt19937 random(19);
   std::uniform_real_distribution<double> u(-1, 1);
-  for (const char* name : {"hmmwv", "fed_alpha", "m113", "viper", "mgru3"}) {
+  for (const char* name : {"hmmwv", "fed_alpha", "m113", "viper", "mgru3_rover", "mgru3"}) {
     const Model m(name);
     const Tree& tree = m.reduced.tree;
     const int n = tree.velocity_count();

@@ -144,6 +144,7 @@ TEST_CASE("every shipped vehicle is read, and its parts add up") {
                                               {"m113", 11270.0, 60.0},
                                               {"viper", 440.0, 1e-9},
                                               {"mgru3", 17.5, 1e-9},
+                                              {"mgru3_rover", 88.0, 1e-9},
                                               {"fed_alpha", 6351.0, 10.0}}) {
     INFO(name);
     const Vehicle v = shipped_vehicle(name);

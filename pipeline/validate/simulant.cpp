@@ -1,0 +1,93 @@
+#include "pipeline/validate/simulant.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/nearest.h"
+#include "base/progress.h"
+#include "base/shipped.h"
+#include "pipeline/trial/batch.h"
+#include "pipeline/trial/lanes.h"
+#include "terrain/soil/soil_file.h"
+#include "terrain/soil_test/test_run.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+double or_else(double asked, double usual) { return asked > 0 ? asked : usual; }
+
+}  // namespace
+
+terrain::MacroscopicSoil simulant_soil(const std::string& file, const std::string& state) {
+  const std::filesystem::path path = shipped_file("soils", "soil", file);
+  const terrain::SoilFile soil = terrain::read_soil(path);
+  std::vector<std::string> names;
+  for (const terrain::SoilState& s : soil.states) {
+    if (state.empty() || s.name == state) return s.macroscopic();
+    names.push_back(s.name);
+  }
+  throw InputError(path.string() + ": no state \"" + state + "\"; it has: " + join_words(names));
+}
+
+Rim rim_of(const TrialSetup& s) {
+  if (!s.whole) return {s.rig.radius, s.rig.lug_height};
+  return {s.whole->wheel.front().radius, s.whole->wheel.front().lug_height};
+}
+
+TrialSetup simulant_setup(const SimulantRun& run, const terrain::MacroscopicSoil& soil,
+                          std::shared_ptr<const TrialTask> task) {
+  TrialSetup s = vehicle_trial_setup(shipped_file("vehicles", "vehicle", run.vehicle), run.calibration, std::move(task),
+                                     run.numerics);
+  if (run.grain > 0) s.calibration.grain_diameter = run.grain;
+  s.settled_on = run.gpu ? sim::Backend::cuda : sim::Backend::cpu;
+  s.tiles_along = s.tiles_across = 1, s.moving_patch = true;
+  s.bed_width = 0.7;
+  if (s.whole) fold_bed(s);
+  s.bed_length = or_else(run.length, s.whole ? 3.5 : 2), s.bed_width = or_else(run.width, s.bed_width);
+  s.grain_density = fit_soil(s.calibration, soil).grain_density;
+  s.packing_seeds = run.seeds;
+  s.test_distance = 1e3, s.minimum_drive_time = s.time_limit = or_else(run.time, s.whole ? 24 : 8);
+  s.run_in_distance = 0;
+  s.thresholds.immobile_speed = 0, s.thresholds.slid_back_share = 10;
+  // So slow a wheel does little work: pushing settled grains apart by a hair is much beside it.
+  s.thresholds.energy_error = 10;
+  if (s.folded) check_lanes(s);
+  terrain::check_patch(s.patch(), s.calibration.grain_diameter);
+  return s;
+}
+
+DesignPoint simulant_point(const SimulantRun& run, const TrialSetup& setup, const terrain::MacroscopicSoil& soil,
+                           double slope, std::uint64_t seed) {
+  DesignPoint point;
+  point.seed = seed;
+  point.variables.assign(contract().variables.size(), 0);
+  const auto set = [&](const char* name, double value) { point.variables[contract().variable_index(name)] = value; };
+  set("slope_along", slope), set("friction_angle", soil.friction_angle);
+  set("relative_density", soil.relative_density), set("tyre_friction", run.wheel_friction);
+  set("bed_depth", run.depth), set("commanded_speed", kSimulantWheelSpeed * rim_of(setup).radius);
+  return point;
+}
+
+std::vector<TrialRecord> run_simulant(const SimulantRun& run, const TrialSetup& setup,
+                                      const std::vector<DesignPoint>& points, const std::vector<TrialWatch>& watch) {
+  prepare_trials(setup, points, run.threads);
+  std::vector<TrialRecord> records(points.size());
+  const auto watch_of = [&](std::size_t k) { return watch.empty() ? TrialWatch{} : watch[k]; };
+  Progress progress("validate soils " + run.vehicle, "trials", points.size());
+  std::size_t done = 0;
+  if (run.gpu) {
+    TrialBatch batch(setup, {sim::Backend::cuda, int(points.size()), 1});
+    for (const DesignPoint& p : points) batch.start(p, watch_of(p.index));
+    while (batch.running() > 0)
+      for (const TrialRecord& r : batch.advance()) records[r.point.index] = r, progress.update(++done, "");
+    return records;
+  }
+  terrain::run_jobs(points.size(), run.threads, [&](std::size_t k) {
+    records[k] = run_trial(setup, points[k], watch_of(k));
+#pragma omp critical(simulant_progress)
+    progress.update(++done, "");
+  });
+  return records;
+}
+
+}  // namespace gonogo::pipeline
