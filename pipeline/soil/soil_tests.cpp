@@ -87,10 +87,11 @@ SoilTestOutcome begin(const std::string& test, const SoilTestRequest& r) {
   SoilTestOutcome o;
   o.json["test"] = test;
   o.json["soil"] = soil_json(r);
-  o.plot.title =
-      line("Virtual %s test, %ss of %g mm, friction %g, rolling %g, cohesion pressure %g kPa", test.c_str(),
-           terrain::name_of(r.soil.shape).c_str(), 1e3 * r.soil.grain_diameter, double(r.soil.grain.friction),
-           double(r.soil.grain.rolling_friction), double(r.soil.grain.cohesion_pressure) / 1e3);
+  o.plot.title = line("Virtual %s test: %ss of %g mm, friction %g, rolling %g", test.c_str(),
+                      terrain::name_of(r.soil.shape).c_str(), 1e3 * r.soil.grain_diameter,
+                      double(r.soil.grain.friction), double(r.soil.grain.rolling_friction));
+  if (r.soil.grain.cohesion_pressure > 0)
+    o.plot.title += line(", cohesion pressure %g kPa", double(r.soil.grain.cohesion_pressure) / 1e3);
   return o;
 }
 
@@ -269,7 +270,7 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
   Index steps = 0;
   for (std::size_t k = 0; k < settings.size(); ++k) {
     settings[k].width_grains = r.plate_widths[k];
-    if (r.quick) settings[k].bed_depth = 2, settings[k].speed = 0.2;
+    if (r.quick) settings[k].bed_depth = 2, settings[k].growth_time = 3;
     settings[k].steps_per_time = steps_per_gravity_time(settings[k].steps_per_time, r);
     steps = std::max(steps, terrain::plate_steps(settings[k]));
   }
@@ -287,8 +288,9 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
   double worst = 0;
   for (std::size_t k = 0; k < count; ++k) {
     worst = std::max(worst, results[k].worst_residual);
-    PlotLine curve{k < settings.size() ? line("b = %.0f mm", 1e3 * results[k].width) : "", {}, {}, false};
-    PlotLine fitted{k < settings.size() ? "Bekker" : "", {}, {}, false};
+    PlotLine curve{k < settings.size() ? line("b = %.0f mm", 1e3 * results[k].width) : "", {}, {}, true};
+    PlotLine fitted{k < settings.size() ? line("Bekker, %.0f mm", 1e3 * results[k].width) : "", {}, {}, false};
+    curve.colour = fitted.colour = int(k % settings.size());
     for (const auto& s : results[k].curve) {
       o.csv += line("%.4f,%zu,%.6f,%.2f\n", results[k].width, std::size_t(r.soil.seed) + k / settings.size(), s.sinkage,
                     s.pressure);

@@ -58,10 +58,12 @@ SoilFigure triaxial(const SoilValidation& run) {
   return f;
 }
 
+/// On a loose bed, which gives way as it is pressed: a power law is for such soils. Denser ones carry a plate until
+/// they fail beside it, and hardly more from then on.
 SoilFigure plate(const SoilValidation& run) {
-  const SoilTestOutcome o = run_soil_test("plate", request_of(run, 0.1, 0.5));
+  const SoilTestOutcome o = run_soil_test("plate", request_of(run, 0.1, 0));
   SoilFigure f = figure_of("plate", o);
-  f.check = {{"plate_n", "plate: Bekker's exponent over two widths", 0.7, 1.3, number(o, "n")},
+  f.check = {{"plate_n", "plate: Bekker's exponent over two widths, loose bed", 0.7, 1.3, number(o, "n")},
              {"plate_k_phi", "plate: k_phi [kN/m^(n+2)]", 0, 1e9, number(o, "k_phi_kN_per_m_n_plus_2")}};
   return f;
 }

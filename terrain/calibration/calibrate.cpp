@@ -217,7 +217,7 @@ Json provenance(const std::vector<CalibrationTest>& tests, const CalibrationRun&
 }  // namespace
 
 std::string journal_maker(const CalibrationRun& run) {
-  return line("calibrate/6 %s of %g m, %s", name_of(run.shape).c_str(), run.grain_diameter,
+  return line("calibrate/7 %s of %g m, %s", name_of(run.shape).c_str(), run.grain_diameter,
               description(run.numerics).c_str());
 }
 

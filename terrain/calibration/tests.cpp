@@ -32,7 +32,7 @@ TestSoil test_soil(const CalibrationRun& run, std::size_t packing, std::size_t s
 PlateSettings plate_settings(const CalibrationRun& run) {
   PlateSettings settings;
   settings.width_grains = kPlateWidth;
-  settings.speed = 0.2;
+  settings.growth_time = 3;
   settings.steps_per_time = gravity_time(run.grain_diameter) / run.numerics.step;
   return settings;
 }

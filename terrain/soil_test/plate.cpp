@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/error.h"
 #include "base/gravity.h"
@@ -9,15 +10,26 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr Index kRestSteps = 100;  // in which the bed takes up its contact laws
-constexpr int kSamples = 50;
+constexpr Index kRestSteps = 100;        // in which the bed takes up its contact laws and the plate comes to lie on it
+constexpr double kGrowth = 1.25;         // of the load from one sample to the next
+constexpr double kWeightOfDatum = 0.25;  // pressure of the plate's own weight over that of the datum
+constexpr double kSpeed = 0.05;          // of the plate, about, for the solver's tolerance [sqrt(g d)]
 
-/// A plate one grain thick over the whole width of the periodic bed, above its highest grain.
-sim::BodyIndex add_plate(sim::SceneWorld& world, const Packing& bed, double width) {
+/// Pressures of the samples: the plate's weight first [Pa].
+std::vector<double> pressures(const PlateSettings& s) {
+  std::vector<double> p = {kWeightOfDatum * s.datum};
+  while (p.back() < s.most_pressure) p.push_back(kGrowth * p.back());
+  return p;
+}
+
+/// A plate one grain thick over the whole width of the periodic bed, above its highest grain, on vertical rails.
+sim::BodyIndex add_plate(sim::SceneWorld& world, const Packing& bed, double width, double mass) {
   const BedSpec& s = bed.spec;
   sim::BodyState state;
   state.position = {s.length / 2, s.width / 2, highest_point(bed) + 0.51 * s.grain_diameter};
-  const sim::BodyIndex plate = world.add_body(state, sim::fixed_body());
+  sim::BodyMass on_rails;
+  on_rails.inverse_mass = {0, 0, Real(1 / mass)};
+  const sim::BodyIndex plate = world.add_body(state, on_rails);
   sim::Shape box;
   box.type = sim::ShapeType::box;
   box.body = plate;
@@ -27,23 +39,26 @@ sim::BodyIndex add_plate(sim::SceneWorld& world, const Packing& bed, double widt
   return plate;
 }
 
-/// Sinkage counts from the first sample that carries the datum together with those behind it: one sample alone may be a
-/// single grain under the plate, or a moment in which it gives way.
-void set_datum(PlateResult& r, double datum) {
-  constexpr std::size_t together = 4;
-  std::size_t first = 0;
-  double running = 0;
-  for (std::size_t k = 0; k < r.curve.size(); ++k) {
-    running += r.curve[k].pressure;
-    if (k >= together) running -= r.curve[k - together].pressure;
-    if (k + 1 < together || !(running > double(together) * datum)) continue;
-    first = k + 1 - together;
-    break;
+/// From one pressure to the next in `time` each, from `start` on [s].
+void add_growing_load(sim::SceneWorld& world, sim::BodyIndex plate, const std::vector<double>& pressure, double area,
+                      double start, double time) {
+  for (std::size_t k = 0; k + 1 < pressure.size(); ++k) {
+    sim::ForceElement more;
+    more.body = plate;
+    more.force = {0, 0, Real(-(pressure[k + 1] - pressure[k]) * area)};
+    more.start = start + double(k) * time, more.ramp = time;
+    world.force.push_back(more);
   }
-  if (!(running > double(together) * datum) || first + 2 * together > r.curve.size())
-    throw DeviceError("plate test: the bed did not carry the datum of " + std::to_string(datum) +
-                      " Pa; press further or lower the datum");
-  const double zero = first > 0 ? r.curve[first - 1].sinkage : 0;
+}
+
+/// Sinkage counts from the first sample that carries the datum.
+void set_datum(PlateResult& r, double datum) {
+  const auto at = std::find_if(r.curve.begin(), r.curve.end(), [&](const auto& s) { return s.pressure >= datum; });
+  if (r.curve.end() - at < 4)
+    throw DeviceError("plate test: the plate had sunk " + std::to_string(r.curve.back().sinkage) +
+                      " m before it carried more than the datum of " + std::to_string(datum) +
+                      " Pa; let it sink farther or lower the datum");
+  const double zero = at->sinkage;
   for (PlateSample& s : r.curve) s.sinkage -= zero;
 }
 
@@ -66,7 +81,8 @@ LogPoints log_points(const PlateResult& plate) {
 }  // namespace
 
 Index plate_steps(const PlateSettings& s) {
-  return kRestSteps + Index((s.width_grains * s.sinkage + 1) / s.speed * s.steps_per_time);
+  constexpr int usual_samples = 28;  // a soil that carries some hundred times the datum
+  return kRestSteps + Index(usual_samples * s.growth_time * s.steps_per_time);
 }
 
 BedSpec plate_bed_spec(const TestSoil& soil, const PlateSettings& settings) {
@@ -80,21 +96,23 @@ Packing plate_bed(const TestSoil& soil, const PlateSettings& settings, int threa
 
 PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSettings& settings, const TestPace& pace,
                        TestScene* scene) {
-  const double d = soil.grain_diameter, width = settings.width_grains * d;
+  const double d = soil.grain_diameter, width = settings.width_grains * d, area = width * bed.spec.width;
+  const double h = gravity_time(d) / settings.steps_per_time, speed = kSpeed * std::sqrt(kGravity * d);
+  const auto stride = std::max<Index>(1, Index(settings.growth_time * settings.steps_per_time));
+  const std::vector<double> pressure = pressures(settings);
   sim::SceneWorld world = bed_world(bed, soil.laws(), 3 * d);
-  const sim::BodyIndex plate = add_plate(world, bed, width);
-  const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(kGravity * d);
+  const sim::BodyIndex plate = add_plate(world, bed, width, pressure.front() * area / kGravity);
+  add_growing_load(world, plate, pressure, area, double(kRestSteps) * h, double(stride) * h);
   TestRun run("plate test", std::move(world), test_settings(d, h, speed, pace), pace);
   run.advance(kRestSteps);
-  run.set_velocity(plate, {0, 0, Real(-speed)});
-  const double start = run.body(plate).position.z, area = width * bed.spec.width;
-  const Index stride = std::max<Index>(1, (plate_steps(settings) - kRestSteps) / kSamples);
+  const double start = run.body(plate).position.z;
   PlateResult r;
   r.width = width, r.solid_fraction = bed.solid_fraction;
-  for (int k = 0; k < kSamples; ++k) {
-    const double before = start - run.body(plate).position.z;
-    const Vec3d force = run.mean_force(plate, stride);
-    r.curve.push_back({(before + start - run.body(plate).position.z) / 2, force.z / area});
+  for (std::size_t k = 0; k < pressure.size(); ++k) {
+    const double sunk = start - run.body(plate).position.z;
+    r.curve.push_back({sunk, pressure[k]});
+    if (sunk > settings.sinkage * width || k + 1 == pressure.size()) break;
+    run.advance(stride);
   }
   set_datum(r, settings.datum);
   r.worst_residual = run.worst_residual();

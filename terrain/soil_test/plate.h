@@ -1,5 +1,10 @@
-// Virtual plate sinkage test: a plate as long as the periodic bed is wide is pressed into it at constant speed. Two
+// Virtual plate sinkage test: a plate as long as the periodic bed is wide is pressed into it by a load that grows. Two
 // plate widths b give Bekker's p = (k_c / b + k_phi) z^n (Bekker, Introduction to Terrain-Vehicle Systems, 1969).
+//
+// The load is given, not the speed: a plate that is moved at constant speed never gives way, so that rigid grains jam
+// under it and burst away again and again, and its pressure jumps between zero and several times its mean. A load that
+// grows finds the sinkage at which the bed carries it, as a bevameter's does. It grows by the same share in the same
+// time, so that samples lie evenly in ln p whatever the soil.
 #pragma once
 #include "terrain/soil_test/line_fit.h"
 #include "terrain/soil_test/test_run.h"
@@ -9,7 +14,8 @@ namespace gonogo::terrain {
 struct PlateSettings {
   double width_grains = 6;     // of the plate, in grain diameters
   double sinkage = 0.5;        // of the plate at the end, in plate widths
-  double speed = 0.1;          // in sqrt(g d)
+  double growth_time = 6;      // in which the load grows by a quarter, in sqrt(d / g)
+  double most_pressure = 3e6;  // at which the test ends if the plate has not sunk so far [Pa]
   double bed_depth = 3;        // in plate widths, at least 8 grains
   double datum = 1e3;          // pressure at which sinkage is counted from zero [Pa]
   double steps_per_time = 50;  // in sqrt(d / g)
@@ -17,7 +23,7 @@ struct PlateSettings {
 
 struct PlateSample {
   double sinkage;   // [m]
-  double pressure;  // mean since the sample before [Pa]
+  double pressure;  // load and plate's weight over its area [Pa]
 };
 
 struct PlateResult {
