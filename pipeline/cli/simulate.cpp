@@ -60,6 +60,11 @@ std::vector<double> variables_of(const TrialSetup& setup) {
   return values;
 }
 
+/// "between -45 and 45 deg"
+std::string allowed(const Variable& v) {
+  return "between " + std::to_string(v.minimum) + " and " + std::to_string(v.maximum) + " " + v.unit;
+}
+
 /// Values from --slope, --cross-slope and --set in the place of the others.
 std::vector<double> with_settings(std::vector<double> values, const Options& options) {
   std::vector<std::string> settings;
@@ -75,8 +80,7 @@ std::vector<double> with_settings(std::vector<double> values, const Options& opt
     const std::string text = setting.substr(equals + 1);
     values[v] = std::strtod(text.c_str(), &end);
     if (text.empty() || *end != 0 || !(values[v] >= variable.minimum && values[v] <= variable.maximum))
-      throw InputError("--set " + setting + ": the value must be a number between " + std::to_string(variable.minimum) +
-                       " and " + std::to_string(variable.maximum) + " " + variable.unit);
+      throw InputError("--set " + setting + ": the value must be a number " + allowed(variable));
   }
   return values;
 }
@@ -86,9 +90,8 @@ void check_all_given(const std::vector<double>& values, const Options& options) 
   for (std::size_t v = 0; v < values.size(); ++v)
     if (std::isnan(values[v])) {
       const Variable& variable = contract().variables[v];
-      throw InputError(options.study + ": design has neither a fixed value nor a range of " + variable.name +
-                       ", between " + std::to_string(variable.minimum) + " and " + std::to_string(variable.maximum) +
-                       " " + variable.unit + "; give one: --set " + variable.name + "=...");
+      throw InputError(options.study + ": design has neither a fixed value nor a range of " + variable.name + ", " +
+                       allowed(variable) + "; give one: --set " + variable.name + "=...");
     }
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "base/line.h"
 #include "terrain/soil_test/line_fit.h"
@@ -20,20 +19,13 @@ constexpr struct {
 /// Largest distance between two tests at the same slip (at 0.7) [deg].
 constexpr double kScatter = 4.72;
 
-double degrees(double radians) { return radians * 180 / std::numbers::pi; }
-
-GivenSlip run_slip(const SimulantRun& run, const terrain::MacroscopicSoil& soil, GivenSlip s) {
-  const double rim_slip = rim_of(simulant_setup(run, soil)).slip_of_rim(s.slip);
-  const TrialSetup setup = simulant_setup(run, soil, parse_task(line("single_wheel:slip=%.6f", rim_slip)));
-  std::vector<DesignPoint> points;
-  for (int k = 0; k < run.seeds; ++k) {
-    points.push_back(simulant_point(run, setup, soil, 0, std::uint64_t(k)));
-    points.back().index = std::uint64_t(k);
-  }
+GivenSlip run_slip(const SimulantRun& run, const TrialSetup& setup, const terrain::MacroscopicSoil& soil, GivenSlip s) {
   std::vector<double> slopes, depths;
-  for (const TrialRecord& r : run_simulant(run, setup, points)) {
+  for (const TrialRecord& r :
+       run_simulant(run, setup, replicates(simulant_variables(run, setup, soil, 0), run.seeds))) {
     if (r.verdict == Verdict::unknown || r.pull.empty()) continue;
-    slopes.push_back(degrees(std::atan(r.pull.front().pull))), depths.push_back(r.pull.front().sinkage);
+    slopes.push_back(terrain::angle_of_tangent(r.pull.front().pull, 0).degrees);
+    depths.push_back(r.pull.front().sinkage);
   }
   const terrain::MeanError slope = terrain::mean_error(slopes);
   s.trials = int(slopes.size());
@@ -58,8 +50,12 @@ std::vector<GivenSlip> measured_traction() {
 
 std::vector<GivenSlip> run_given_slips(const SimulantRun& run) {
   const terrain::MacroscopicSoil soil = simulant_soil("grc3", run.state);
+  TrialSetup setup = simulant_setup(run, soil);
   std::vector<GivenSlip> points;
-  for (const GivenSlip& s : measured_traction()) points.push_back(run_slip(run, soil, s));
+  for (const GivenSlip& s : measured_traction()) {
+    setup.task = parse_task(line("single_wheel:slip=%.6f", rim_of(setup).slip_of_rim(s.slip)));
+    points.push_back(run_slip(run, setup, soil, s));
+  }
   return points;
 }
 

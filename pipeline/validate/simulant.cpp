@@ -1,15 +1,10 @@
 #include "pipeline/validate/simulant.h"
 
-#include <algorithm>
-
 #include "base/error.h"
 #include "base/nearest.h"
-#include "base/progress.h"
 #include "base/shipped.h"
-#include "pipeline/trial/batch.h"
 #include "pipeline/trial/lanes.h"
 #include "terrain/soil/soil_file.h"
-#include "terrain/soil_test/test_run.h"
 
 namespace gonogo::pipeline {
 namespace {
@@ -34,9 +29,8 @@ Rim rim_of(const TrialSetup& s) {
   return {s.whole->wheel.front().radius, s.whole->wheel.front().lug_height};
 }
 
-TrialSetup simulant_setup(const SimulantRun& run, const terrain::MacroscopicSoil& soil,
-                          std::shared_ptr<const TrialTask> task) {
-  TrialSetup s = vehicle_trial_setup(shipped_file("vehicles", "vehicle", run.vehicle), run.calibration, std::move(task),
+TrialSetup simulant_setup(const SimulantRun& run, const terrain::MacroscopicSoil& soil) {
+  TrialSetup s = vehicle_trial_setup(shipped_file("vehicles", "vehicle", run.vehicle), run.calibration, default_task(),
                                      run.numerics);
   if (run.grain > 0) s.calibration.grain_diameter = run.grain;
   s.settled_on = run.gpu ? sim::Backend::cuda : sim::Backend::cpu;
@@ -56,38 +50,21 @@ TrialSetup simulant_setup(const SimulantRun& run, const terrain::MacroscopicSoil
   return s;
 }
 
-DesignPoint simulant_point(const SimulantRun& run, const TrialSetup& setup, const terrain::MacroscopicSoil& soil,
-                           double slope, std::uint64_t seed) {
-  DesignPoint point;
-  point.seed = seed;
-  point.variables.assign(contract().variables.size(), 0);
-  const auto set = [&](const char* name, double value) { point.variables[contract().variable_index(name)] = value; };
-  set("slope_along", slope), set("friction_angle", soil.friction_angle);
-  set("relative_density", soil.relative_density), set("tyre_friction", run.wheel_friction);
-  set("bed_depth", run.depth), set("commanded_speed", kSimulantWheelSpeed * rim_of(setup).radius);
-  return point;
+std::vector<double> simulant_variables(const SimulantRun& run, const TrialSetup& setup,
+                                       const terrain::MacroscopicSoil& soil, double slope) {
+  const double speed = kSimulantWheelSpeed * rim_of(setup).radius;
+  std::vector<double> values = plain_variables(setup, slope, soil.friction_angle, speed);
+  const auto set = [&](const char* name, double value) { values[contract().variable_index(name)] = value; };
+  set("relative_density", soil.relative_density);
+  set("tyre_friction", run.wheel_friction);
+  set("bed_depth", run.depth);
+  return values;
 }
 
 std::vector<TrialRecord> run_simulant(const SimulantRun& run, const TrialSetup& setup,
                                       const std::vector<DesignPoint>& points, const std::vector<TrialWatch>& watch) {
-  prepare_trials(setup, points, run.threads);
-  std::vector<TrialRecord> records(points.size());
-  const auto watch_of = [&](std::size_t k) { return watch.empty() ? TrialWatch{} : watch[k]; };
-  Progress progress("validate soils " + run.vehicle, "trials", points.size());
-  std::size_t done = 0;
-  if (run.gpu) {
-    TrialBatch batch(setup, {sim::Backend::cuda, int(points.size()), 1});
-    for (const DesignPoint& p : points) batch.start(p, watch_of(p.index));
-    while (batch.running() > 0)
-      for (const TrialRecord& r : batch.advance()) records[r.point.index] = r, progress.update(++done, "");
-    return records;
-  }
-  terrain::run_jobs(points.size(), run.threads, [&](std::size_t k) {
-    records[k] = run_trial(setup, points[k], watch_of(k));
-#pragma omp critical(simulant_progress)
-    progress.update(++done, "");
-  });
-  return records;
+  const int places = run.gpu ? int(points.size()) : run.threads;
+  return run_trials(setup, points, {run.gpu ? sim::Backend::cuda : sim::Backend::cpu, places, run.threads}, watch);
 }
 
 }  // namespace gonogo::pipeline

@@ -2,11 +2,10 @@
 // tests at NASA Glenn have in common.
 #pragma once
 #include <filesystem>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "pipeline/trial/trial.h"
+#include "pipeline/validate/trials.h"
 
 namespace gonogo::pipeline {
 
@@ -50,14 +49,13 @@ struct Rim {
 Rim rim_of(const TrialSetup& setup);
 
 /// Trials that drive for the run's time, whatever happens, on a moving patch.
-TrialSetup simulant_setup(const SimulantRun& run, const terrain::MacroscopicSoil& soil,
-                          std::shared_ptr<const TrialTask> task = default_task());
+TrialSetup simulant_setup(const SimulantRun& run, const terrain::MacroscopicSoil& soil);
 
-/// On a slope [deg], on the bed of a seed.
-DesignPoint simulant_point(const SimulantRun& run, const TrialSetup& setup, const terrain::MacroscopicSoil& soil,
-                           double slope, std::uint64_t seed);
+/// On a slope [deg], in the contract's order.
+std::vector<double> simulant_variables(const SimulantRun& run, const TrialSetup& setup,
+                                       const terrain::MacroscopicSoil& soil, double slope);
 
-/// Trials of all points, side by side as the run says, in the order of their index; `watch` may be empty.
+/// As many trials side by side as the run says; the rest as run_trials().
 std::vector<TrialRecord> run_simulant(const SimulantRun& run, const TrialSetup& setup,
                                       const std::vector<DesignPoint>& points,
                                       const std::vector<TrialWatch>& watch = {});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/line.h"
 #include "terrain/soil_test/line_fit.h"
@@ -24,9 +25,9 @@ std::vector<DesignPoint> points_of(const SimulantRun& run, const TrialSetup& set
                                    const terrain::MacroscopicSoil& soil) {
   std::vector<DesignPoint> points;
   for (const Published& p : kPublished)
-    for (int k = 0; k < run.seeds; ++k) {
-      points.push_back(simulant_point(run, setup, soil, p.slope, std::uint64_t(k)));
-      points.back().index = points.size() - 1;
+    for (DesignPoint& point : replicates(simulant_variables(run, setup, soil, p.slope), run.seeds)) {
+      point.index = points.size();
+      points.push_back(std::move(point));
     }
   return points;
 }

@@ -71,7 +71,7 @@ LogPoints log_points(const PlateResult& plate) {
   LogPoints points;
   const double from = 0.1 * plate.curve.back().sinkage;
   for (const PlateSample& s : plate.curve)
-    if (s.sinkage > from && s.pressure > 0) {
+    if (s.sinkage > from) {
       points.z.push_back(std::log(s.sinkage)), points.p.push_back(std::log(s.pressure));
       points.weight.push_back(s.pressure * s.pressure);
     }
