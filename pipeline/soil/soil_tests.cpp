@@ -307,31 +307,51 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
   return o;
 }
 
+/// Mean of the beds over depth, and from the least to the most of them as a band.
+void draw_cone(LinePlot& plot, const std::vector<terrain::ConeResult>& results) {
+  plot.x_label = "depth of the cone's base [mm]", plot.y_label = "force over base area [kPa]";
+  PlotLine band{"", {}, {}, false}, mean{results.size() > 1 ? line("mean of %zu beds", results.size()) : "", {}, {}};
+  for (std::size_t k = 0; k < results[0].profile.size(); ++k) {
+    double least = 1e300, most = 0, sum = 0;
+    for (const terrain::ConeResult& one : results) {
+      const double p = one.profile[k].pressure / 1e3;
+      least = std::min(least, p), most = std::max(most, p), sum += p;
+    }
+    const double depth = 1e3 * results[0].profile[k].depth;
+    band.x.push_back(depth), band.y.push_back(least), band.most.push_back(most);
+    mean.x.push_back(depth), mean.y.push_back(sum / double(results.size()));
+  }
+  band.label = "least to most", band.colour = mean.colour = 0;
+  if (results.size() > 1) plot.lines.push_back(band);
+  plot.lines.push_back(mean);
+}
+
 void report_cone(SoilTestOutcome& o, const std::vector<terrain::ConeResult>& results, double depth_mm) {
-  std::vector<double> index, gradient;
+  std::vector<double> index;
   double density = 0;
   for (const terrain::ConeResult& one : results) {
-    index.push_back(one.index), gradient.push_back(one.gradient);
+    index.push_back(one.index);
     density += one.bulk_density / double(results.size());
   }
-  const terrain::MeanError ci = terrain::mean_error(index), g = terrain::mean_error(gradient);
-  const double g_error = gradient.size() > 1 ? g.error : results[0].gradient_error;
+  const terrain::MeanError ci = terrain::mean_error(index);
+  const terrain::LineFit fit = fit_cone(results);
   o.json["cone_diameter_m"] = results[0].diameter;
   o.json["cone_index_kPa"] = ci.mean / 1e3;
   o.json["cone_index_error_kPa"] = ci.error / 1e3;
-  o.json["gradient_MPa_per_m"] = g.mean / 1e6;
-  o.json["gradient_error_MPa_per_m"] = g_error / 1e6;
-  o.json["r2"] = results[0].r2;
+  o.json["gradient_MPa_per_m"] = fit.slope / 1e6;
+  o.json["gradient_error_MPa_per_m"] = fit.slope_error / 1e6;
+  o.json["r2"] = fit.r2;
   o.json["bulk_density_kg_per_m3"] = density;
-  o.text = line("cone of %.0f mm: index %.1f +- %.1f kPa to a depth of %.0f mm, gradient %.3f +- %.3f MPa/m\n",
-                1e3 * results[0].diameter, ci.mean / 1e3, ci.error / 1e3, depth_mm, g.mean / 1e6, g_error / 1e6);
+  o.text =
+      line("cone of %.0f mm: index %.1f +- %.1f kPa to a depth of %.0f mm, gradient %.3f +- %.3f MPa/m\n",
+           1e3 * results[0].diameter, ci.mean / 1e3, ci.error / 1e3, depth_mm, fit.slope / 1e6, fit.slope_error / 1e6);
   o.plot.notes = {o.text.substr(0, o.text.size() - 1)};
 }
 
 SoilTestOutcome cone(const SoilTestRequest& r) {
   terrain::ConeSettings settings;
   settings.diameter_grains = r.cone_diameter;
-  if (r.quick) settings.depth = 1, settings.speed = 0.2;
+  if (r.quick) settings.speed = 0.2;
   settings.steps_per_time = steps_per_gravity_time(settings.steps_per_time, r);
   std::vector<terrain::ConeResult> results(std::size_t(r.seeds));
   SoilTestOutcome o = begin("cone", r);
@@ -340,17 +360,13 @@ SoilTestOutcome cone(const SoilTestRequest& r) {
     results[k] = cone_test(seeded(r, k), settings, pace, k + 1 == results.size() ? &o.scene : nullptr);
   });
   o.csv = "cone_diameter_m,seed,depth_m,pressure_Pa\n";
-  o.plot.x_label = "depth of the cone's base [mm]", o.plot.y_label = "force over base area [kPa]";
   double worst = 0;
   for (std::size_t k = 0; k < results.size(); ++k) {
     worst = std::max(worst, results[k].worst_residual);
-    PlotLine curve{line("seed %zu", std::size_t(r.soil.seed) + k), {}, {}, false};
-    for (const auto& s : results[k].curve) {
+    for (const auto& s : results[k].curve)
       o.csv += line("%.4f,%zu,%.6f,%.2f\n", results[k].diameter, std::size_t(r.soil.seed) + k, s.depth, s.pressure);
-      curve.x.push_back(1e3 * s.depth), curve.y.push_back(s.pressure / 1e3);
-    }
-    o.plot.lines.push_back(curve);
   }
+  draw_cone(o.plot, results);
   report_cone(o, results, 1e3 * settings.depth * results[0].diameter);
   finish(o, worst);
   return o;

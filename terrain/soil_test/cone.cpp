@@ -5,12 +5,15 @@
 #include <numbers>
 
 #include "base/error.h"
+#include "base/gravity.h"
+#include "sim/joint/build.h"
 
 namespace gonogo::terrain {
 namespace {
 
 constexpr Index kRestSteps = 100;  // in which the bed takes up its contact laws
 constexpr int kSamples = 120;
+constexpr int kDepths = 60;  // at which pressure is read for index and gradient
 constexpr int kSides = 24;
 constexpr double kShaftShare = 0.783;  // of the cone's diameter: 15.88 mm of 20.27 mm (ASAE S313)
 
@@ -36,13 +39,48 @@ void add_band(sim::TriangleMesh& mesh, Index low, Index high) {
   }
 }
 
-void summarise(ConeResult& r) {
-  std::vector<double> depth, pressure;
-  for (const ConeSample& s : r.curve)
-    if (s.depth >= 0) depth.push_back(s.depth), pressure.push_back(s.pressure);
-  const LineFit f = fit_line(depth, pressure);
-  r.index = mean_error(pressure).mean;
-  r.gradient = f.slope, r.gradient_error = f.slope_error, r.r2 = f.r2;
+double base_area(double diameter) { return std::numbers::pi / 4 * diameter * diameter; }
+
+/// A cone on vertical rails, as heavy as the soil under its base to a depth of one diameter, and what pushes it.
+struct Penetrometer {
+  sim::BodyIndex cone = 0, drive = 0;
+};
+
+Penetrometer add_penetrometer(sim::SceneWorld& world, const Packing& bed, double diameter, double shaft,
+                              double unit_weight, double ring) {
+  const double mass = unit_weight / kGravity * base_area(diameter) * diameter;
+  const double stiffness = ring * unit_weight * base_area(diameter), damping = 2 * std::sqrt(stiffness * mass);
+  sim::BodyState state;
+  state.position = {bed.spec.length / 2, bed.spec.width / 2,
+                    highest_point(bed) + cone_height(diameter) + 0.01 * bed.spec.grain_diameter};
+  sim::BodyMass on_rails;
+  on_rails.inverse_mass = {0, 0, Real(1 / mass)};
+  Penetrometer p;
+  p.cone = world.add_body(state, on_rails);
+  p.drive = world.add_body(state, sim::fixed_body());
+  sim::Shape shape;
+  shape.type = sim::ShapeType::mesh;
+  shape.body = p.cone;
+  shape.material = tool_material;
+  shape.surface = world.add_mesh(cone_mesh(diameter, shaft));
+  world.add_shape(shape);
+  const Vec3d at = state.position;
+  world.spring.push_back(sim::spring_along(world, p.cone, p.drive, at, at, {0, 0, 1}, stiffness, damping));
+  return p;
+}
+
+/// Pressures of the curve at even depths down to `end`, in straight lines between its samples.
+std::vector<ConeSample> even_depths(const std::vector<ConeSample>& curve, double end) {
+  std::vector<ConeSample> profile;
+  std::size_t next = 1;
+  for (int k = 0; k <= kDepths; ++k) {
+    const double z = end * k / kDepths;
+    while (next + 1 < curve.size() && curve[next].depth < z) ++next;
+    const ConeSample &a = curve[next - 1], &b = curve[next];
+    const double share = b.depth > a.depth ? std::clamp((z - a.depth) / (b.depth - a.depth), 0.0, 1.0) : 1;
+    profile.push_back({z, a.pressure + share * (b.pressure - a.pressure)});
+  }
+  return profile;
 }
 
 }  // namespace
@@ -64,7 +102,9 @@ sim::TriangleMesh cone_mesh(double diameter, double shaft_length) {
 }
 
 Index cone_steps(const ConeSettings& s) {
-  const double way = (s.depth + cone_height(1)) * s.diameter_grains + 0.5;
+  constexpr double usual_pressure =
+      80;  // at the end, in unit weights times cone diameters: tells how far the spring gives
+  const double way = (s.depth + cone_height(1) + usual_pressure / s.ring) * s.diameter_grains + 0.5;
   return kRestSteps + Index(way / s.speed * s.steps_per_time);
 }
 
@@ -75,36 +115,38 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
   const double deep = std::ceil((settings.depth + cone_height(1)) * settings.diameter_grains + 4);
   const Packing bed = test_bed(soil, wide, wide, deep, pace.threads);
   const double tip = cone_height(diameter), shaft = 2 * settings.depth * diameter + 2 * d;
+  const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(kGravity * d);
+  ConeResult r;
+  r.diameter = diameter, r.bulk_density = bed.solid_fraction * soil.grain_density;
   sim::SceneWorld world = bed_world(bed, soil.laws(), tip + shaft + 2 * d);
-  const std::int32_t mesh = world.add_mesh(cone_mesh(diameter, shaft));
-  sim::BodyState state;
-  state.position = {bed.spec.length / 2, bed.spec.width / 2, highest_point(bed) + tip + 0.01 * d};
-  const sim::BodyIndex cone = world.add_body(state, sim::fixed_body());
-  sim::Shape shape;
-  shape.type = sim::ShapeType::mesh;
-  shape.body = cone;
-  shape.material = tool_material;
-  shape.surface = mesh;
-  world.add_shape(shape);
-
-  const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(9.81 * d);
+  const Penetrometer p = add_penetrometer(world, bed, diameter, shaft, r.bulk_density * kGravity, settings.ring);
   TestRun run("cone test", std::move(world), test_settings(d, h, speed, pace), pace);
   run.advance(kRestSteps);
-  run.set_velocity(cone, {0, 0, Real(-speed)});
+  run.set_velocity(p.drive, {0, 0, Real(-speed)});
   const Index stride = std::max<Index>(1, (cone_steps(settings) - kRestSteps) / kSamples);
-  ConeResult r;
-  r.diameter = diameter;
-  r.bulk_density = bed.solid_fraction * soil.grain_density;
-  const double area = std::numbers::pi / 4 * diameter * diameter;
-  for (int k = 0; k < kSamples; ++k) {
-    const double before = bed.surface - run.body(cone).position.z;
-    const Vec3d force = run.mean_force(cone, stride);
-    r.curve.push_back({(before + bed.surface - run.body(cone).position.z) / 2, force.z / area});
-  }
-  summarise(r);
+  const double end = settings.depth * diameter;
+  do {
+    const double before = bed.surface - run.body(p.cone).position.z;
+    const Vec3d force = run.mean_force(p.cone, stride);
+    r.curve.push_back({(before + bed.surface - run.body(p.cone).position.z) / 2, force.z / base_area(diameter)});
+    if (r.curve.back().pressure > settings.most_pressure)
+      throw DeviceError("cone test: the soil bears " + std::to_string(r.curve.back().pressure) +
+                        " Pa with the cone's base " + std::to_string(r.curve.back().depth) +
+                        " m below the surface; it is too strong for the test");
+  } while (r.curve.back().depth < end);
+  r.profile = even_depths(r.curve, end);
+  for (const ConeSample& s : r.profile) r.index += s.pressure / double(r.profile.size());
   r.worst_residual = run.worst_residual();
   if (scene) *scene = {run.world(), run.capture()};
   return r;
+}
+
+LineFit fit_cone(const std::vector<ConeResult>& tests) {
+  std::vector<double> depth, pressure(tests.at(0).profile.size(), 0);
+  for (const ConeSample& s : tests[0].profile) depth.push_back(s.depth);
+  for (const ConeResult& t : tests)
+    for (std::size_t k = 0; k < depth.size(); ++k) pressure[k] += t.profile[k].pressure / double(tests.size());
+  return fit_line(depth, pressure);
 }
 
 }  // namespace gonogo::terrain

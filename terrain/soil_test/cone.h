@@ -1,6 +1,11 @@
-// Virtual cone penetrometer: a 30 degree cone with a thinner shaft is pushed into a bed at constant speed. The cone's
-// size follows the grains, because a standard cone (20.27 mm, ASAE S313) is smaller than one of them; cone index is
-// force over base area, as there.
+// Virtual cone penetrometer: a 30 degree cone with a thinner shaft is pushed into a bed. The cone's size follows the
+// grains, because a standard cone (20.27 mm, ASAE S313) is smaller than one of them; cone index is force over base
+// area, as there.
+//
+// The drive moves at constant speed and pushes through a spring, as through a proving ring: rigid grains that jam
+// before a cone which never gives way burst away under forces that have no meaning, and a load that is given punches
+// through once they do. Between beds pressures differ by what single grains do; the mean of eight is about linear in
+// depth.
 #pragma once
 #include "terrain/soil_test/line_fit.h"
 #include "terrain/soil_test/test_run.h"
@@ -10,7 +15,9 @@ namespace gonogo::terrain {
 struct ConeSettings {
   double diameter_grains = 4;  // of the cone's base, in grain diameters
   double depth = 1.5;          // of the base below the surface at the end, in cone diameters
-  double speed = 0.1;          // in sqrt(g d)
+  double speed = 0.1;          // of the drive, in sqrt(g d)
+  double ring = 100;           // stiffness of the spring over base area, in unit weights of the bed
+  double most_pressure = 3e7;  // at which the test gives up [Pa]
   double steps_per_time = 50;  // in sqrt(d / g)
 };
 
@@ -22,15 +29,17 @@ struct ConeSample {
 struct ConeResult {
   double diameter = 0;  // [m]
   std::vector<ConeSample> curve;
-  double index = 0;                         // mean pressure from the surface to the end [Pa]
-  double gradient = 0, gradient_error = 0;  // of pressure over depth, same range [Pa/m]
-  double r2 = 0;
+  std::vector<ConeSample> profile;  // at even depths from the surface to the end, between those of the curve
+  double index = 0;                 // mean pressure over that range [Pa]
   double bulk_density = 0, worst_residual = 0;  // [kg/m^3], [m/s]
 };
 
 ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const TestPace& pace,
                      TestScene* scene = nullptr);
 Index cone_steps(const ConeSettings& settings);
+
+/// Pressure over depth, mean of tests alike on several beds: the slope is the cone index gradient [Pa/m].
+LineFit fit_cone(const std::vector<ConeResult>& tests);
 
 /// The cone and its shaft as a closed mesh, its base at the origin and its tip down [m]. Also for tests.
 sim::TriangleMesh cone_mesh(double diameter, double shaft_length);

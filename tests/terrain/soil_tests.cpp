@@ -138,10 +138,25 @@ TEST_CASE("a dense bed resists the cone more than a loose one") {
   settings.diameter_grains = 2, settings.depth = 1, settings.speed = 0.5;
   const ConeResult loose = cone_test(coarse_soil(0.5, 0, 0), settings, rough_pace());
   const ConeResult dense = cone_test(coarse_soil(0.5, 0, 1), settings, rough_pace());
-  CAPTURE(loose.index, dense.index, loose.gradient, dense.gradient);
+  CAPTURE(loose.index, dense.index, fit_cone({loose}).slope, fit_cone({dense}).slope);
   CHECK(dense.bulk_density > loose.bulk_density);
   CHECK(dense.index > 1.2 * loose.index);
-  CHECK(loose.gradient > 0);
+  CHECK(fit_cone({loose}).slope > 0);
+  settings.most_pressure = 1;
+  CHECK_THROWS_AS(cone_test(coarse_soil(0.5, 0, 0), settings, rough_pace()), DeviceError);
+}
+
+TEST_CASE("the cone's line is that of the mean of its beds, at even depths") {
+  ConeResult a, b;
+  for (int k = 0; k < 5; ++k) {
+    const double z = 0.01 * k, off = k % 2 == 0 ? 500 : -500;
+    a.profile.push_back({z, 1e3 + 2e5 * z + off}), b.profile.push_back({z, 3e3 + 4e5 * z - off});
+  }
+  const LineFit f = fit_cone({a, b});
+  CHECK(f.intercept == Approx(2e3));
+  CHECK(f.slope == Approx(3e5));
+  CHECK(f.r2 == Approx(1));
+  CHECK(fit_cone({a}).r2 < 0.99);
 }
 
 TEST_CASE("the contacts of a bed at rest carry at every level the weight above it, within five per cent") {
