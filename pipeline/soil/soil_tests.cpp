@@ -310,19 +310,21 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
 /// Mean of the beds over depth, and from the least to the most of them as a band.
 void draw_cone(LinePlot& plot, const std::vector<terrain::ConeResult>& results) {
   plot.x_label = "depth of the cone's base [mm]", plot.y_label = "force over base area [kPa]";
-  PlotLine band{"", {}, {}, false}, mean{results.size() > 1 ? line("mean of %zu beds", results.size()) : "", {}, {}};
-  for (std::size_t k = 0; k < results[0].profile.size(); ++k) {
-    double least = 1e300, most = 0, sum = 0;
-    for (const terrain::ConeResult& one : results) {
-      const double p = one.profile[k].pressure / 1e3;
-      least = std::min(least, p), most = std::max(most, p), sum += p;
-    }
-    const double depth = 1e3 * results[0].profile[k].depth;
-    band.x.push_back(depth), band.y.push_back(least), band.most.push_back(most);
-    mean.x.push_back(depth), mean.y.push_back(sum / double(results.size()));
+  PlotLine band, mean;
+  const std::vector<terrain::ConeSample> profile = mean_profile(results);
+  for (std::size_t k = 0; k < profile.size(); ++k) {
+    const auto [least, most] = std::minmax_element(results.begin(), results.end(), [k](const auto& a, const auto& b) {
+      return a.profile[k].pressure < b.profile[k].pressure;
+    });
+    band.x.push_back(1e3 * profile[k].depth), mean.x.push_back(1e3 * profile[k].depth);
+    band.y.push_back(least->profile[k].pressure / 1e3), band.most.push_back(most->profile[k].pressure / 1e3);
+    mean.y.push_back(profile[k].pressure / 1e3);
   }
-  band.label = "least to most", band.colour = mean.colour = 0;
-  if (results.size() > 1) plot.lines.push_back(band);
+  band.colour = mean.colour = 0;
+  if (results.size() > 1) {
+    band.label = "least to most", mean.label = line("mean of %zu beds", results.size());
+    plot.lines.push_back(band);
+  }
   plot.lines.push_back(mean);
 }
 

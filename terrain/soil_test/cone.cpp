@@ -53,10 +53,8 @@ Penetrometer add_penetrometer(sim::SceneWorld& world, const Packing& bed, double
   sim::BodyState state;
   state.position = {bed.spec.length / 2, bed.spec.width / 2,
                     highest_point(bed) + cone_height(diameter) + 0.01 * bed.spec.grain_diameter};
-  sim::BodyMass on_rails;
-  on_rails.inverse_mass = {0, 0, Real(1 / mass)};
   Penetrometer p;
-  p.cone = world.add_body(state, on_rails);
+  p.cone = world.add_body(state, on_vertical_rails(mass));
   p.drive = world.add_body(state, sim::fixed_body());
   sim::Shape shape;
   shape.type = sim::ShapeType::mesh;
@@ -102,8 +100,7 @@ sim::TriangleMesh cone_mesh(double diameter, double shaft_length) {
 }
 
 Index cone_steps(const ConeSettings& s) {
-  constexpr double usual_pressure =
-      80;  // at the end, in unit weights times cone diameters: tells how far the spring gives
+  constexpr double usual_pressure = 80;  // at the end, in unit weights times cone diameters: how far the spring gives
   const double way = (s.depth + cone_height(1) + usual_pressure / s.ring) * s.diameter_grains + 0.5;
   return kRestSteps + Index(way / s.speed * s.steps_per_time);
 }
@@ -141,11 +138,18 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
   return r;
 }
 
+std::vector<ConeSample> mean_profile(const std::vector<ConeResult>& tests) {
+  std::vector<ConeSample> mean(tests.at(0).profile.size(), {0, 0});
+  for (std::size_t k = 0; k < mean.size(); ++k) {
+    mean[k].depth = tests[0].profile[k].depth;
+    for (const ConeResult& t : tests) mean[k].pressure += t.profile[k].pressure / double(tests.size());
+  }
+  return mean;
+}
+
 LineFit fit_cone(const std::vector<ConeResult>& tests) {
-  std::vector<double> depth, pressure(tests.at(0).profile.size(), 0);
-  for (const ConeSample& s : tests[0].profile) depth.push_back(s.depth);
-  for (const ConeResult& t : tests)
-    for (std::size_t k = 0; k < depth.size(); ++k) pressure[k] += t.profile[k].pressure / double(tests.size());
+  std::vector<double> depth, pressure;
+  for (const ConeSample& s : mean_profile(tests)) depth.push_back(s.depth), pressure.push_back(s.pressure);
   return fit_line(depth, pressure);
 }
 

@@ -38,7 +38,10 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
                      TestScene* scene = nullptr);
 Index cone_steps(const ConeSettings& settings);
 
-/// Pressure over depth, mean of tests alike on several beds: the slope is the cone index gradient [Pa/m].
+/// Mean of the profiles of tests alike on several beds.
+std::vector<ConeSample> mean_profile(const std::vector<ConeResult>& tests);
+
+/// Line through it: the slope is the cone index gradient [Pa/m]. Errors are those of its scatter about the line.
 LineFit fit_cone(const std::vector<ConeResult>& tests);
 
 /// The cone and its shaft as a closed mesh, its base at the origin and its tip down [m]. Also for tests.

@@ -27,9 +27,7 @@ sim::BodyIndex add_plate(sim::SceneWorld& world, const Packing& bed, double widt
   const BedSpec& s = bed.spec;
   sim::BodyState state;
   state.position = {s.length / 2, s.width / 2, highest_point(bed) + 0.51 * s.grain_diameter};
-  sim::BodyMass on_rails;
-  on_rails.inverse_mass = {0, 0, Real(1 / mass)};
-  const sim::BodyIndex plate = world.add_body(state, on_rails);
+  const sim::BodyIndex plate = world.add_body(state, on_vertical_rails(mass));
   sim::Shape box;
   box.type = sim::ShapeType::box;
   box.body = plate;

@@ -21,11 +21,9 @@ double stress_time(const BedSpec& s, double stress) {
 sim::BodyIndex add_plate(sim::SceneWorld& world, const Packing& cell, const ShearSettings& settings) {
   const BedSpec& s = cell.spec;
   const double area = s.length * s.width, mass = cell.solid_fraction * s.grain_density * area * s.depth;
-  sim::BodyMass on_rails;
-  on_rails.inverse_mass = {0, 0, Real(1 / mass)};
   sim::BodyState state;
   state.position = {0, 0, highest_point(cell) + s.grain_diameter / 2};
-  const sim::BodyIndex plate = world.add_body(state, on_rails);
+  const sim::BodyIndex plate = world.add_body(state, on_vertical_rails(mass));
   for (const Grain& g : cell.base) {
     sim::Shape shape;
     shape.body = plate;

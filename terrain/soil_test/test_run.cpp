@@ -92,6 +92,12 @@ double stress_time(double grain_diameter, double grain_density, double stress) {
 
 double gravity_time(double grain_diameter) { return std::sqrt(grain_diameter / kGravity); }
 
+sim::BodyMass on_vertical_rails(double mass) {
+  sim::BodyMass m;
+  m.inverse_mass = {0, 0, Real(1 / mass)};
+  return m;
+}
+
 TestRun::TestRun(std::string test, sim::SceneWorld world, const sim::StepSettings& settings, const TestPace& pace)
     : test_(std::move(test)),
       world_(std::move(world)),

@@ -61,6 +61,9 @@ double gravity_time(double grain_diameter);
 /// Time in which a stress moves a grain by half its diameter, d sqrt(rho / sigma) [s].
 double stress_time(double grain_diameter, double grain_density, double stress);
 
+/// Of a tool that slides on vertical rails without friction [kg].
+sim::BodyMass on_vertical_rails(double mass);
+
 /// A world under test: steps it, stops on Ctrl-C, throws DeviceError when the engine raises a flag.
 class TestRun {
  public:
