@@ -51,7 +51,7 @@ def sentences(block):
     block = re.sub(r"`[^`]*`", "code", block)
     block = re.sub(r"<[^>]+>|[*_]{1,3}", " ", block)
     block = re.sub(r"\b(e\.g|i\.e|cf|vs|Fig|Eq|Sec|et al|approx|No)\.", r"\1", block)
-    return [part for part in re.split(r"(?<=[.!?:])[\"')]*\s+", block) if part.strip()]
+    return [part for part in re.split(r"(?<=[.!?])[\"')]*\s+", block) if part.strip()]
 
 
 def word_count(sentence):
