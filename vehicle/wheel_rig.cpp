@@ -1,7 +1,7 @@
 #include "vehicle/wheel_rig.h"
 
 #include "base/error.h"
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 
 namespace gonogo::vehicle {
 namespace {

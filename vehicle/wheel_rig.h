@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/json/config.h"
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::vehicle {
 

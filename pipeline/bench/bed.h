@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::pipeline {
 

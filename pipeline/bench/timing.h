@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::pipeline {
 

@@ -4,7 +4,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "sim/device.h"
+#include "sim/simulation/device.h"
 
 namespace gonogo::pipeline {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "pipeline/study/study.h"
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::pipeline {
 

@@ -11,7 +11,7 @@
 #include "pipeline/campaign/plan.h"
 #include "pipeline/study/study.h"
 #include "pipeline/trial/batch.h"
-#include "sim/device.h"
+#include "sim/simulation/device.h"
 
 namespace gonogo::pipeline {
 namespace fs = std::filesystem;

@@ -7,7 +7,7 @@
 #include "pipeline/campaign/plan.h"
 #include "pipeline/campaign/worker.h"
 #include "pipeline/trial/batch.h"
-#include "sim/device.h"
+#include "sim/simulation/device.h"
 
 namespace gonogo::pipeline {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/stages.h"
+#include "sim/simulation/stages.h"
 
 namespace gonogo::pipeline {
 

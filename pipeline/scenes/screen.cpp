@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "base/random.h"
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 
 namespace gonogo::pipeline {
 namespace {

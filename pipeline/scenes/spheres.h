@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::pipeline {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "pipeline/trial/undisturbed.h"
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 

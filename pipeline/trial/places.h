@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::pipeline {
 

@@ -6,7 +6,7 @@
 #include "base/beside.h"
 #include "base/words.h"
 #include "sim/contact/finder.h"
-#include "sim/solver/tiles.h"
+#include "sim/state/tiles.h"
 
 namespace gonogo::sim {
 

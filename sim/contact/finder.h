@@ -1,6 +1,6 @@
 // Narrow phase: which contacts a shape owns. Every pair is met by one of its shapes, the owner.
 #pragma once
-#include "sim/broad_phase/bins.h"
+#include "sim/contact/bins.h"
 #include "sim/shape/pairs.h"
 
 namespace gonogo::sim {

@@ -1,7 +1,7 @@
 // Stages of a step that act on bodies: controllers set motors, force elements push bodies.
 #pragma once
-#include "sim/joint/motor.h"
-#include "sim/world/state.h"
+#include "sim/state/motor.h"
+#include "sim/state/state.h"
 
 namespace gonogo::sim {
 

@@ -1,8 +1,8 @@
 // The last stage of a step: energy of every world, its monitors and stop rules.
 #pragma once
-#include "sim/broad_phase/bins.h"
-#include "sim/joint/motor.h"
 #include "sim/joint/row.h"
+#include "sim/state/motor.h"
+#include "sim/state/period.h"
 
 namespace gonogo::sim {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/hdf5/hdf5.h"
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::sim {
 

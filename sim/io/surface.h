@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 
 namespace gonogo::sim {
 

@@ -4,7 +4,7 @@
 // before it (a planar four-bar has three such) has a pivot of rounding size and is left out: it gets no impulse.
 #pragma once
 #include "base/team.h"
-#include "sim/joint/mechanism.h"
+#include "sim/state/mechanism.h"
 
 namespace gonogo::sim {
 

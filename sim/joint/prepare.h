@@ -2,8 +2,8 @@
 // bodies' velocities and the steps of its motors. One team per mechanism.
 #pragma once
 #include "sim/joint/factor.h"
-#include "sim/joint/motor.h"
 #include "sim/joint/row.h"
+#include "sim/state/motor.h"
 
 namespace gonogo::sim {
 

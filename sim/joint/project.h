@@ -1,6 +1,6 @@
 // Inside the iteration: velocities of a mechanism's bodies from their gathered ones.
 #pragma once
-#include "sim/joint/mechanism.h"
+#include "sim/state/mechanism.h"
 
 namespace gonogo::sim {
 

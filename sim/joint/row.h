@@ -1,7 +1,9 @@
 // Equations of joints and springs: directions, errors and forces. All formulas are in the world frame and in double, so
 // that drift is measured to the precision of the positions.
 #pragma once
-#include "sim/broad_phase/bins.h"
+#include "sim/state/mechanism.h"
+#include "sim/state/period.h"
+#include "sim/state/state.h"
 
 namespace gonogo::sim {
 

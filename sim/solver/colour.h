@@ -4,7 +4,7 @@
 // overshoots. Colours are those of the greedy rule in the order of a hash (Jones & Plassmann 1993): each contact waits
 // for its neighbours that come before it, so any number of threads finds the same ones.
 #pragma once
-#include "sim/solver/incidence.h"
+#include "sim/state/incidence.h"
 
 namespace gonogo::sim {
 

@@ -3,7 +3,7 @@
 #include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
-#include "sim/solver/tiles.h"
+#include "sim/state/tiles.h"
 
 namespace gonogo::sim {
 

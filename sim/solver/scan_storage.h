@@ -1,6 +1,6 @@
 // What the iteration that reduces by scans keeps for itself; see jacobi_scan.h.
 #pragma once
-#include "sim/world/state.h"
+#include "sim/state/state.h"
 
 namespace gonogo::sim {
 

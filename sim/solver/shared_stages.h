@@ -1,10 +1,10 @@
 // Stages around the update of the contacts, for the host's iteration and for the one that reduces by scans on either.
 #pragma once
-#include "sim/joint/motor.h"
 #include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
 #include "sim/solver/split.h"
-#include "sim/solver/tiles.h"
+#include "sim/state/motor.h"
+#include "sim/state/tiles.h"
 
 namespace gonogo::sim {
 

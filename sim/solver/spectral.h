@@ -5,8 +5,8 @@
 // sums come at the end of an update (gradient method with retards, Friedlander et al. 1999). Without a line search it
 // must be capped: see kLongestStep.
 #pragma once
-#include "sim/contact/contact.h"
-#include "sim/solver/momentum.h"
+#include "sim/state/contact.h"
+#include "sim/state/momentum.h"
 
 namespace gonogo::sim {
 

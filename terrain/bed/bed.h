@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 #include "terrain/bed/clump.h"
 
 namespace gonogo::terrain {

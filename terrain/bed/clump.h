@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 
 namespace gonogo::terrain {
 

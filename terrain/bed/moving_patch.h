@@ -2,7 +2,7 @@
 // and ground behind that it has left are the same place. There the grains are put back to where they were at the start,
 // at rest: a virgin slab is swapped in ahead while one is dropped behind, and the cost does not grow with the distance.
 #pragma once
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 #include "terrain/bed/clump.h"
 
 namespace gonogo::terrain {

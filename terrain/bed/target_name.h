@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/solver/momentum.h"
+#include "sim/state/momentum.h"
 
 namespace gonogo::terrain {
 

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/gravity.h"
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 
 namespace gonogo::terrain {
 namespace {

@@ -6,7 +6,7 @@
 #include "pipeline/picture/light.h"
 #include "pipeline/picture/render.h"
 #include "pipeline/picture/visible.h"
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "sim/shape/mesh_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"

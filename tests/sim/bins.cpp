@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/shape/pairs.h"
-#include "sim/stages.h"
+#include "sim/simulation/stages.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

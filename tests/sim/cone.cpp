@@ -1,4 +1,4 @@
-#include "sim/contact/cone.h"
+#include "sim/state/cone.h"
 
 #include <cmath>
 #include <vector>

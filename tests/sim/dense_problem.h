@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <vector>
 
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::test {
 

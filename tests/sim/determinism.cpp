@@ -1,4 +1,4 @@
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"

@@ -1,9 +1,9 @@
 // Couplings and gearbox of a driveline against closed forms.
-#include "sim/element/driveline.h"
+#include "sim/state/driveline.h"
 
 #include <cmath>
 
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

@@ -1,5 +1,5 @@
 // The baseline that adds impulses up by segmented scans: its scan against plain sums, its steps against `jacobi`.
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "sim/solver/segmented_scan.h"
 #include "tests/sim/dense_problem.h"
 #include "tests/support/backends.h"

@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "sim/shape/check.h"
+#include "sim/scene/check_shape.h"
 #include "tests/sim/convex_oracle.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

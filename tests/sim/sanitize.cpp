@@ -3,8 +3,8 @@
 #include <cstring>
 #include <set>
 
-#include "sim/joint/build.h"
-#include "sim/shape/check.h"
+#include "sim/scene/build_joint.h"
+#include "sim/scene/check_shape.h"
 #include "sim/shape/mesh_shapes.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"

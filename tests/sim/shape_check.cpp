@@ -1,5 +1,5 @@
 // Shapes that a scene may not ask for are refused by a sentence that names them.
-#include "sim/shape/check.h"
+#include "sim/scene/check_shape.h"
 
 #include <limits>
 

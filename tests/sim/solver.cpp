@@ -1,7 +1,7 @@
 // The matrix-free solver against a dense one, and the bound on its step sizes that it relies on.
 #include <Eigen/Eigenvalues>
 
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "tests/sim/dense_problem.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"

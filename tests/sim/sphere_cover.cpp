@@ -1,5 +1,5 @@
 // Solids made of spheres, and their mass properties.
-#include "sim/shape/compound.h"
+#include "sim/scene/compound.h"
 
 #include <algorithm>
 #include <cmath>

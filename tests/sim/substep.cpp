@@ -1,5 +1,5 @@
 // A step taken in parts against as many small steps.
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::test {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/joint/joint.h"
-#include "sim/scene.h"
+#include "sim/state/joint.h"
+#include "sim/scene/scene.h"
 
 namespace gonogo::test {
 

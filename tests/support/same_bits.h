@@ -3,7 +3,7 @@
 #include <cstring>
 #include <vector>
 
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 
 namespace gonogo::test {
 

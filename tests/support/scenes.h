@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "base/gravity.h"
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 #include "tests/support/draw.h"
 
 namespace gonogo::test {

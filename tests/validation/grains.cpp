@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"

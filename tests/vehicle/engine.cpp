@@ -2,7 +2,7 @@
 #include <cmath>
 #include <random>
 
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/joint_error.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 
 namespace gonogo::vehicle {
 namespace {

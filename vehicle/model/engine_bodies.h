@@ -1,6 +1,6 @@
 // A vehicle's bodies, joints and struts in a world of the contact engine, without shapes.
 #pragma once
-#include "sim/simulation.h"
+#include "sim/simulation/simulation.h"
 #include "vehicle/model/assembly.h"
 
 namespace gonogo::vehicle {

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 
 namespace gonogo::vehicle {
 namespace {

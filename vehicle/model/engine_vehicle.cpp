@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "sim/joint/build.h"
+#include "sim/scene/build_joint.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::vehicle {

@@ -98,8 +98,9 @@ inline Index grid_size(const State<Cuda>& s) {
   return std::min<Index>(work, device_attribute(cudaDevAttrMultiProcessorCount));
 }
 
-/// The mechanism of a whole vehicle takes its team about as long as moving a million bodies takes all teams. Where such teams
-/// are few they leave the bodies to the others, which would wait for them else. Nought where mechanisms are small.
+/// The mechanism of a whole vehicle takes its team about as long as moving a million bodies takes all teams. Where such
+/// teams are few they leave the bodies to the others, which would wait for them else. Nought where mechanisms are
+/// small.
 inline Index mechanism_teams(const State<Cuda>& s) {
   constexpr Index large = 6, few = 8;  // bodies; one team of so many
   const Index count = s.mechanisms.mechanism.size();

@@ -6,8 +6,9 @@
 namespace gonogo::sim {
 
 static_assert(kMostMechanismBodies <= kTileSize);  // a thread for every body
-/// Bodies of a mechanism that a team has room for in shared memory: a vehicle with suspension and steering has 19. Larger
-/// ones, belts, are worked on in global memory. More room would be taken from the cache, in which all other contacts are.
+/// Bodies of a mechanism that a team has room for in shared memory: a vehicle with suspension and steering has 19.
+/// Larger ones, belts, are worked on in global memory. More room would be taken from the cache, in which all other
+/// contacts are.
 inline constexpr Index kHeldMechanismBodies = 20;
 static_assert(6 * kHeldMechanismBodies <= kTileSize);  // and a thread for every number
 

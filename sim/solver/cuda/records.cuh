@@ -1,13 +1,13 @@
 // What the solver keeps on the GPU. Records are packed for bandwidth: an arm along the normal (two spheres, a sphere on
 // a fixed floor) is one number.
 #pragma once
-#include "sim/joint/motor.h"
 #include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
 #include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
-#include "sim/solver/tiles.h"
+#include "sim/state/motor.h"
+#include "sim/state/tiles.h"
 
 namespace gonogo::sim {
 

@@ -2,8 +2,8 @@
 #pragma once
 #include "base/words.h"
 #include "sim/solver/spectral.h"
-#include "sim/solver/tiles.h"
-#include "sim/world/state.h"
+#include "sim/state/state.h"
+#include "sim/state/tiles.h"
 
 namespace gonogo::sim {
 

@@ -1,0 +1,270 @@
+// The arrays of a batch: where the parts of every world lie, and what is written when a world enters or its laws
+// change.
+#pragma once
+#include <utility>
+
+#include "sim/contact/find.h"
+#include "sim/scene/joint_store.h"
+#include "sim/simulation/simulation.h"
+
+namespace gonogo::sim {
+
+/// Where a world's parts lie in the arrays of the batch.
+struct Place {
+  BodyIndex body = 0;
+  ShapeIndex shape = 0;
+  Index bin = 0, large = 0;
+  MechanismSize mechanisms;
+  ElementSize elements;
+  WorldSize size;
+};
+
+template <class Exec>
+struct BatchArrays {
+  State<Exec> state;
+  std::vector<FlatWorld> flat;  // as they entered, but with the laws, gravity and motors of now
+  std::vector<Place> place;     // [world]
+  bool changed = false;         // buffers have moved, or other kernels are needed than before
+
+  BatchArrays(std::vector<FlatWorld> worlds, const WorldSize& room) : flat(std::move(worlds)) {
+    lay_out(room);
+    allocate();
+    for (WorldIndex w = 0; w < state.world_count; ++w) write_world(w);
+  }
+
+  /// Throws InputError, naming the numbers, when the place is too small.
+  void replace(WorldIndex w, FlatWorld world) {
+    check_fits(w, world.size());
+    flat[w] = std::move(world);
+    write_world(w);
+  }
+
+  BodyIndex in_batch(WorldIndex w, BodyIndex b) const { return place[w].body + flat[w].place_of_body[b]; }
+
+  ElementPlace element_place(WorldIndex w) const {
+    const Place& at = place[w];
+    const FlatMechanisms& m = flat[w].mechanisms;
+    return {w,
+            at.body,
+            at.mechanisms.motors,
+            Index(m.motor.size()),
+            at.mechanisms.springs,
+            Index(m.spring.size()),
+            at.elements,
+            at.size.elements};
+  }
+
+  void write_parameters(WorldIndex w) {
+    WorldParameters p = flat[w].world;
+    const Place& at = place[w];
+    p.first_body = at.body;
+    p.first_shape = at.shape;
+    p.first_bin = at.bin;
+    p.first_large = at.large;
+    p.first_motor = at.mechanisms.motors;
+    p.motor_count = Index(flat[w].mechanisms.motor.size());
+    state.world.write(w, p);
+    bool turning = state.turning;
+    for (const auto& row : p.law)
+      for (const PairLaw& law : row)
+        turning = turning || law.rolling_friction > 0 || law.spinning_friction > 0 || law.stiffness > 0;
+    changed = changed || turning != state.turning;
+    state.turning = turning;
+  }
+
+  void write_motors(WorldIndex w) { state.mechanisms.motor.write(place[w].mechanisms.motors, in_batch(w).motor); }
+
+ private:
+  FlatMechanisms in_batch(WorldIndex w) const {
+    return moved(flat[w].mechanisms, place[w].mechanisms, w, place[w].body);
+  }
+
+  void lay_out(const WorldSize& room) {
+    Place next;
+    for (const FlatWorld& world : flat) {
+      next.size = larger(world.size(), room);
+      place.push_back(next);
+      next.body += next.size.bodies;
+      next.shape += next.size.shapes;
+      next.bin += next.size.bins;
+      next.large += next.size.large_shapes;
+      next.mechanisms = next.mechanisms + next.size.mechanisms;
+      next.elements = after(next.elements, next.size.elements);
+    }
+    state.world_count = Index(flat.size());
+    state.body_count = next.body;
+    state.shape_count = next.shape;
+    state.bin_count = next.bin;
+    large_total_ = next.large;
+    mechanism_total_ = next.mechanisms;
+    element_total_ = next.elements;
+  }
+
+  void check_fits(WorldIndex w, const WorldSize& size) const {
+    const WorldSize& room = place[w].size;
+    const std::pair<const char*, std::pair<Index, Index>> parts[] = {
+        {"bodies", {size.bodies, room.bodies}},
+        {"shapes", {size.shapes, room.shapes}},
+        {"bins", {size.bins, room.bins}},
+        {"large shapes", {size.large_shapes, room.large_shapes}},
+        {"bodies with forces", {size.elements.loaded, room.elements.loaded}},
+        {"forces", {size.elements.forces, room.elements.forces}},
+        {"controllers", {size.elements.controllers, room.elements.controllers}},
+        {"drivelines", {size.elements.drivelines, room.elements.drivelines}},
+        {"table points", {size.elements.table_points, room.elements.table_points}},
+        {"monitors", {size.elements.monitors, room.elements.monitors}},
+        {"samples of monitors", {size.elements.samples, room.elements.samples}}};
+    for (const auto& [name, count] : parts) check_part(w, name, count.first, count.second);
+    for (const auto& part : MechanismSize::parts())
+      check_part(w, part.name, size.mechanisms.*part.count, room.mechanisms.*part.count);
+  }
+
+  static void check_part(WorldIndex w, const char* name, Index count, Index room) {
+    if (count > room)
+      throw InputError("the new world has " + std::to_string(count) + " " + name + ", place " + std::to_string(w) +
+                       " holds " + std::to_string(room) + "; make the simulation with more room");
+  }
+
+  void write_world(WorldIndex w) {
+    write_parameters(w);
+    write_bodies(w);
+    write_shapes(w);
+    const Place& at = place[w];
+    write_mechanisms(state.mechanisms, in_batch(w), at.mechanisms, at.size.mechanisms);
+    state.element.write(flat[w].element, element_place(w));
+    state.steps.write(w, 0);
+    state.flags.write(w, 0);
+    state.slowed.write(w, 0);
+    state.fault.write(w, kNoFault);
+    state.world_sums.write(w, WorldSums{});
+  }
+
+  /// The rest of the place is filled with bodies that nothing moves and that carry no shape.
+  void write_bodies(WorldIndex w) {
+    const Place& at = place[w];
+    std::vector<Vec3d> position(at.size.bodies, flat[w].world.origin);
+    std::vector<Quat> orientation(at.size.bodies);
+    std::vector<Velocity> velocity(at.size.bodies);
+    for (std::size_t b = 0; b < flat[w].body.size(); ++b) {
+      const BodyState& state = flat[w].body[b];
+      position[b] = state.position;
+      orientation[b] = state.orientation;
+      velocity[b] = {state.velocity, 0, state.angular_velocity, 0};
+    }
+    std::vector<BodyMass> mass = flat[w].mass;
+    mass.resize(at.size.bodies, fixed_body());
+    for (BodyMass& m : mass)
+      if (m.slot >= 0) m.slot += at.mechanisms.bodies;
+    state.position.write(at.body, position);
+    state.orientation.write(at.body, orientation);
+    state.velocity.write(at.body, velocity);
+    state.mass.write(at.body, mass);
+    state.world_of_body.write(at.body, std::vector<WorldIndex>(at.size.bodies, w));
+  }
+
+  void write_shapes(WorldIndex w) {
+    const Place& at = place[w];
+    std::vector<Shape> shape = flat[w].shape;
+    for (Shape& s : shape) s.body += at.body;
+    place_surfaces(w, shape);
+    Shape none;
+    none.type = ShapeType::none;
+    none.body = at.body;
+    shape.resize(at.size.shapes, none);
+    std::vector<Index> first = flat[w].first_shape, bin = flat[w].bin_of_shape;
+    for (Index& i : first) i += at.shape;
+    first.resize(at.size.bodies, at.shape + at.size.shapes);
+    bin.resize(at.size.shapes, -1);
+    for (std::size_t i = 0; i < bin.size() && !state.solids_binned; ++i)
+      if (bin[i] >= 0 && shape[i].type != ShapeType::sphere) state.solids_binned = changed = true;
+    std::vector<LargeShape> large = flat[w].large;
+    for (LargeShape& l : large) l.shape += at.shape;
+    state.shape.write(at.shape, shape);
+    state.first_shape.write(at.body, first);
+    state.bin_of_shape.write(at.shape, bin);
+    state.large.write(at.large, large);
+    state.store[1 - state.parity].begin.write(at.shape, std::vector<Index>(at.size.shapes));
+    state.store[1 - state.parity].end.write(at.shape, std::vector<Index>(at.size.shapes));
+  }
+
+  /// Adds the world's meshes and heightfields to those of the batch.
+  void place_surfaces(WorldIndex w, std::vector<Shape>& shape) {
+    const FlatWorld& own = flat[w];
+    if (own.mesh.empty() && own.heightfield.empty()) return;
+    for (Shape& s : shape) {
+      if (s.type == ShapeType::mesh) s.surface = library_.add(own.mesh[s.surface]);
+      if (s.type == ShapeType::heightfield) s.surface = library_.add(own.heightfield[s.surface]);
+    }
+    if (library_.size() == state.surfaces.size()) return;
+    state.surfaces.upload(library_);
+    changed = true;
+  }
+
+  void allocate() {
+    for (auto* of_body : {&state.velocity, &state.velocity_change, &state.free_velocity, &state.extrapolated_velocity,
+                          &state.part_velocity, &state.earlier_velocity})
+      of_body->fill_zero(state.body_count);
+    state.position.fill_zero(state.body_count);
+    state.orientation.fill_zero(state.body_count);
+    state.mass.fill_zero(state.body_count);
+    state.world_of_body.fill_zero(state.body_count);
+    state.inverse_inertia_W.fill_zero(state.body_count);
+    for (auto* of_body : {&state.second_count, &state.second_cursor, &state.contact_weight})
+      of_body->fill_zero(state.body_count);
+    for (auto* offsets : {&state.first_shape, &state.first_second}) offsets->fill_zero(state.body_count + 1);
+    state.first_shape.write(state.body_count, state.shape_count);
+    state.world.fill_zero(state.world_count);
+    state.world_sums.fill_zero(state.world_count);
+    state.momentum.fill_zero(state.world_count);
+    for (auto* of_world : {&state.flags, &state.slowed, &state.slowed_now, &state.steps, &state.tiles_of_world})
+      of_world->fill_zero(state.world_count);
+    state.first_tile.fill_zero(state.world_count + 1);
+    state.fault.fill_zero(state.world_count);
+    gonogo::sim::allocate(state.mechanisms, mechanism_total_);
+    state.element.allocate(state.world_count, element_total_);
+    state.progress.fill_zero(1);
+    allocate_shapes();
+    lay_out_body_tiles();
+    reserve_contacts(state, std::max<Index>(4 * state.shape_count, 1024));
+  }
+
+  void lay_out_body_tiles() {
+    std::vector<Index> first{0};
+    std::vector<WorldIndex> world;
+    for (std::size_t w = 0; w < place.size(); ++w) {
+      first.push_back(first.back() + (place[w].size.bodies + kTileSize - 1) / kTileSize);
+      world.resize(first.back(), WorldIndex(w));
+    }
+    state.first_body_tile.upload(first);
+    state.world_of_body_tile.upload(world);
+  }
+
+  void allocate_shapes() {
+    state.shape.fill_zero(state.shape_count);
+    state.centre.fill_zero(state.shape_count);
+    state.bin_of_shape.fill_zero(state.shape_count);
+    state.large.fill_zero(large_total_);
+    Index most_large = 0;
+    for (const Place& p : place) most_large = std::max(most_large, p.size.large_shapes);
+    reserve_large_groups(state, large_total_, most_large);
+    state.contacts_of_part.fill_zero(state.shape_count * kSearchParts);
+    state.first_of_part.fill_zero(state.shape_count * kSearchParts + 1);
+    state.noted.fill_zero(state.shape_count * kNeighbourRows * kNotedPairs);
+    state.first_contact.fill_zero(state.shape_count + 1);
+    state.shape_in_bin.fill_zero(state.shape_count);
+    state.shape_by_bin.fill_zero(state.shape_count);
+    state.bin_cursor.fill_zero(state.bin_count);
+    state.first_in_bin.fill_zero(state.bin_count + 1);
+    for (ContactStore<Exec>& store : state.store) {
+      store.begin.fill_zero(state.shape_count);
+      store.end.fill_zero(state.shape_count);
+    }
+  }
+
+  Index large_total_ = 0;
+  MechanismSize mechanism_total_;
+  ElementSize element_total_;
+  SurfaceLibrary library_;
+};
+
+}  // namespace gonogo::sim

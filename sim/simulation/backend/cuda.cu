@@ -1,0 +1,159 @@
+// The engine on a GPU: the same stages, queued as graphs.
+#include "sim/simulation/backend/simulation_on.h"
+#include "sim/solver/cuda/traffic.cuh"
+#include "sim/solver/solve_cuda.cuh"
+
+namespace gonogo::sim {
+
+/// Steps are recorded once as graphs, one for each contact store that a step may write, and replayed many at a time;
+/// the host looks only now and then how far they came.
+template <>
+class StepQueue<Cuda> {
+ public:
+  explicit StepQueue(Cuda exec) : exec_(exec) {
+    cudaStream_t stream = nullptr;
+    check_cuda(cudaStreamCreate(&stream), "stream");
+    exec_ = {stream, nullptr, side_, kSideStreams};
+  }
+  ~StepQueue() {
+    forget();
+    cudaStreamDestroy(stream_of(exec_));
+  }
+  StepQueue(const StepQueue&) = delete;
+  StepQueue& operator=(const StepQueue&) = delete;
+
+  void advance(State<Cuda>& s, const StepSettings& settings, Index count) {
+    exec_.halted = &s.progress.data()->halted;
+    for (Index done = 0; done < count;) {
+      const Index queued = std::min(count - done, kMostQueued), parity = s.parity;
+      for (Index i = 0; i < queued; ++i) {
+        launch(s, settings);
+        s.parity = 1 - s.parity;
+      }
+      const Progress progress = collected(s);
+      done += progress.steps;
+      if (progress.halted == 0) continue;
+      s.parity = (parity + progress.steps) % 2;
+      make_room(s, progress);
+    }
+  }
+
+  StageTimes timed_step(State<Cuda>& s, const StepSettings& settings) {
+    const StageTimes times = timed(s, [&](Cuda exec, const auto& clock) {
+      reserve_solver(s, settings);
+      step_by_stage(exec, s, settings, clock);
+    });
+    s.parity = 1 - s.parity;
+    return times;
+  }
+
+  StageTimes timed_search(State<Cuda>& s, const StepSettings& settings) {
+    return timed(s, [&](Cuda exec, const auto& clock) { search_by_stage(exec, s, settings, clock); });
+  }
+
+  /// Outside of steps.
+  template <class Stage>
+  void run(const Stage& stage) {
+    stage(Cuda{exec_.stream});
+    check_cuda(cudaStreamSynchronize(stream_of(exec_)), "stage");
+  }
+
+  static double traffic(const State<Cuda>& s, const StepSettings& settings, Index contacts) {
+    if (settings.solver == Solver::jacobi_scan) return scan_traffic(s, contacts);
+    return double(contacts) * bytes_per_contact(s.turning) + double(s.body_count) * bytes_per_body();
+  }
+
+  /// After buffers have moved or kernels have to be chosen anew.
+  void forget() {
+    for (cudaGraphExec_t& graph : graph_) {
+      if (graph != nullptr) cudaGraphExecDestroy(graph);
+      graph = nullptr;
+    }
+    prepared_ = false;
+  }
+
+ private:
+  static constexpr Index kMostQueued = 64, kSideStreams = 2;
+
+  /// Stages one after the other in one stream, again where there was no room for the contacts.
+  template <class Stages>
+  StageTimes timed(State<Cuda>& s, const Stages& stages) {
+    for (;;) {
+      StageTimes times;
+      stages(Cuda{exec_.stream, &s.progress.data()->halted},
+             StageClock(times, [this] { check_cuda(cudaStreamSynchronize(stream_of(exec_)), "stage"); }));
+      const Progress progress = collected(s);
+      if (progress.halted == 0) return times;
+      make_room(s, progress);
+    }
+  }
+
+  /// What became of the steps since the last look.
+  static Progress collected(State<Cuda>& s) {
+    const Progress progress = s.progress.read(0);
+    s.progress.write(0, Progress{0, progress.contact_total, 0});
+    return progress;
+  }
+
+  void make_room(State<Cuda>& s, const Progress& progress) {
+    reserve_contacts(s, roomier(progress.contact_total));
+    forget();
+  }
+
+  void launch(State<Cuda>& s, const StepSettings& settings) {
+    if (!prepared_) {  // taken step by step: scratch memory is allocated on the way
+      reserve_solver(s, settings);
+      step(exec_, s, settings);
+      prepared_ = true;
+      return;
+    }
+    cudaGraphExec_t& graph = graph_[s.parity];
+    if (graph == nullptr) graph = recorded(s, settings);
+    check_cuda(cudaGraphLaunch(graph, stream_of(exec_)), "graph launch");
+  }
+
+  cudaGraphExec_t recorded(State<Cuda>& s, const StepSettings& settings) {
+    cudaGraph_t graph = nullptr;
+    cudaGraphExec_t executable = nullptr;
+    check_cuda(cudaStreamBeginCapture(stream_of(exec_), cudaStreamCaptureModeThreadLocal), "begin capture");
+    step(exec_, s, settings);
+    check_cuda(cudaStreamEndCapture(stream_of(exec_), &graph), "end capture");
+    check_cuda(cudaGraphInstantiate(&executable, graph, 0), "graph");
+    check_cuda(cudaGraphDestroy(graph), "graph");
+    return executable;
+  }
+
+  Cuda exec_;
+  SideStream side_[kSideStreams];
+  cudaGraphExec_t graph_[2] = {nullptr, nullptr};
+  bool prepared_ = false;
+};
+
+template class SimulationOn<Cuda>;
+
+double cuda_copy_bandwidth() {
+  constexpr std::size_t count = std::size_t(1) << 30;  // bytes; far more than the cache holds
+  constexpr int copies = 20;
+  Buffer<std::uint8_t, Cuda> from(count), to(count);
+  cudaEvent_t start = nullptr, end = nullptr;
+  check_cuda(cudaEventCreate(&start), "event");
+  check_cuda(cudaEventCreate(&end), "event");
+  for (int k = -1; k < copies; ++k) {  // the first one warms up
+    if (k == 0) check_cuda(cudaEventRecord(start), "event");
+    check_cuda(cudaMemcpyAsync(to.data(), from.data(), count, cudaMemcpyDeviceToDevice), "copy");
+  }
+  check_cuda(cudaEventRecord(end), "event");
+  check_cuda(cudaEventSynchronize(end), "event");
+  float milliseconds = 0;
+  check_cuda(cudaEventElapsedTime(&milliseconds, start, end), "event");
+  cudaEventDestroy(start);
+  cudaEventDestroy(end);
+  return 2e3 * double(count) * copies / double(milliseconds);
+}
+
+std::unique_ptr<Simulation> make_cuda_simulation(std::vector<FlatWorld> worlds, const StepSettings& settings,
+                                                 const WorldSize& room) {
+  return std::make_unique<SimulationOn<Cuda>>(Cuda{}, std::move(worlds), settings, room);
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,39 @@
+// Bodies put where the host says, wherever the world's arrays are: what is written goes there, the rest stays.
+#pragma once
+#include "sim/state/state.h"
+
+namespace gonogo::sim {
+
+struct PlaceBody {
+  View<const BodyIndex> body;  // [k] in the batch
+  View<const BodyState> to;    // [k]
+  View<Vec3d> position;        // [body] [m]
+  View<Quat> orientation;
+  View<Velocity> velocity;  // [m/s], [rad/s]
+
+  GONOGO_HD void operator()(Index k) const {
+    const BodyState& state = to[k];
+    position[body[k]] = state.position;
+    orientation[body[k]] = state.orientation;
+    velocity[body[k]] = {state.velocity, 0, state.angular_velocity, 0};
+  }
+};
+
+/// Room for what is sent; kept between calls.
+template <class Exec>
+struct BodyPlaces {
+  Buffer<BodyIndex, Exec> body;
+  Buffer<BodyState, Exec> to;
+};
+
+template <class Exec>
+void place_bodies(Exec exec, State<Exec>& s, BodyPlaces<Exec>& sent, const std::vector<BodyIndex>& body,
+                  const std::vector<BodyState>& to) {
+  sent.body.upload(body);
+  sent.to.upload(to);
+  for_each_index(
+      exec, Index(body.size()),
+      PlaceBody{sent.body.view(), sent.to.view(), s.position.view(), s.orientation.view(), s.velocity.view()});
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,80 @@
+#include "sim/simulation/simulation.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <limits>
+
+#include "base/error.h"
+#include "sim/contact/find.h"
+#include "sim/scene/check_world.h"
+#include "sim/simulation/device.h"
+#include "sim/simulation/stages.h"
+
+namespace gonogo::sim {
+namespace {
+
+/// Bodies, shapes and bins of all worlds are each counted by one Index, and so are the pairs that the search notes
+/// down: the most of all, and so many more than the contacts made room for at first.
+void check_totals(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
+  double bodies = 0, pairs = 0, bins = 0;
+  for (const FlatWorld& world : worlds) {
+    bodies += std::max(world.size().bodies, room.bodies);
+    pairs += double(kNeighbourRows * kNotedPairs) * std::max(world.size().shapes, room.shapes);
+    bins += std::max(world.size().bins, room.bins);
+  }
+  const std::pair<const char*, double> totals[] = {
+      {"bodies", bodies}, {"places for pairs of shapes", pairs}, {"bins", bins}};
+  for (const auto& [name, count] : totals)
+    if (count >= std::numeric_limits<Index>::max())
+      throw InputError("the batch needs " + std::to_string(std::int64_t(count)) + " " + name + ", more than " +
+                       std::to_string(std::numeric_limits<Index>::max()) + "; use fewer worlds");
+}
+
+}  // namespace
+
+void require_backend(Backend backend) {
+  if (backend == Backend::cuda) require_cuda_device();
+}
+
+std::string description(const Fault& fault, double step) {
+  if (fault.flags == 0) return {};
+  char at[64];
+  std::snprintf(at, sizeof at, "body %d in step %d (at %g s)", fault.body, fault.step, fault.step * step);
+  std::string text = at;
+  const char* joint = " ";
+  for (const auto& [flag, what] : {std::pair{flag_not_finite, "has a velocity or place that is no number"},
+                                   {flag_too_fast, "crosses more than a bin in a step"},
+                                   {flag_left_domain, "has left the domain"}}) {
+    if ((fault.flags & flag) == 0) continue;
+    text += joint;
+    text += what;
+    joint = ", ";
+  }
+  return text;
+}
+
+std::unique_ptr<Simulation> make_simulation(Backend backend, const Scene& scene, const StepSettings& settings,
+                                            int threads, const WorldSize& room) {
+  require_backend(backend);
+  if (scene.empty()) throw InputError("the scene has no worlds");
+  check_settings(settings);
+  std::vector<FlatWorld> worlds;
+  for (std::size_t w = 0; w < scene.size(); ++w) worlds.push_back(flatten(scene[w], WorldIndex(w), settings));
+  check_totals(worlds, room);
+#ifdef GONOGO_WITH_CUDA
+  if (backend == Backend::cuda) return make_cuda_simulation(std::move(worlds), settings, room);
+#endif
+  return make_cpu_simulation(std::move(worlds), settings, room, threads);
+}
+
+StepByStage& by_stage(Simulation& simulation) { return dynamic_cast<StepByStage&>(simulation); }
+
+double copy_bandwidth(Backend backend, int threads) {
+  require_backend(backend);
+#ifdef GONOGO_WITH_CUDA
+  if (backend == Backend::cuda) return cuda_copy_bandwidth();
+#endif
+  return cpu_copy_bandwidth(threads);
+}
+
+}  // namespace gonogo::sim

@@ -1,0 +1,180 @@
+// One time step of a batch: the half-implicit scheme of Stewart & Trinkle. Reads like the algorithm; formulas live in
+// the kernels it calls. Where asked, the solver goes through a step in substeps: they converge faster than as many
+// iterations on the whole step (Macklin et al. 2019). Gaps follow the velocities from part to part; normals, arms, the
+// map of a mechanism and the forces are those of the step's start.
+#pragma once
+#include "base/beside.h"
+#include "sim/contact/find.h"
+#include "sim/element/drive.h"
+#include "sim/element/watch.h"
+#include "sim/joint/prepare.h"
+#include "sim/simulation/spin.h"
+#include "sim/simulation/stages.h"
+#include "sim/state/tiles.h"
+
+namespace gonogo::sim {
+
+/// What gravity and free rotation (spin.h) add to a velocity in a substep, and the inertia of this step in the world
+/// frame.
+struct FreeMotion {
+  View<const WorldParameters> world;
+  View<const WorldIndex> world_of_body;
+  View<const BodyMass> mass;
+  View<const Quat> orientation;
+  View<const Velocity> velocity;
+  View<SymMat3> inverse_inertia_W;
+  View<Velocity> velocity_change;
+  Real substep;
+
+  GONOGO_HD void operator()(BodyIndex b) const {
+    const BodyMass& m = mass[b];
+    const Vec3 g = world[world_of_body[b]].gravity;
+    Velocity change;
+    change.linear =
+        substep * Vec3{m.inverse_mass.x > 0 ? g.x : 0, m.inverse_mass.y > 0 ? g.y : 0, m.inverse_mass.z > 0 ? g.z : 0};
+    if (!m.isotropic) {
+      inverse_inertia_W[b] = rotated_diagonal(orientation[b], m.inverse_inertia_B);
+      const Vec3 spin_B = rotate_back(orientation[b], velocity[b].angular);
+      change.angular = rotate(orientation[b], free_spin_change_B(m.inverse_inertia_B, spin_B, substep));
+    }
+    velocity_change[b] = change;
+  }
+};
+
+/// x + h v, summed over the substeps; periodic positions stay inside the period.
+struct Integrate {
+  View<const WorldParameters> world;
+  View<const WorldIndex> world_of_body;
+  View<const BodyMass> mass;
+  View<Velocity> velocity;
+  View<const Velocity> earlier_velocity;
+  View<Vec3d> position;
+  View<Quat> orientation;
+  View<const Index> steps, slowed;
+  View<Index> slowed_now, flags;
+  View<PackedFault> fault;
+  StepSettings settings;
+
+  GONOGO_HD void operator()(BodyIndex b) const {
+    const Real substep = settings.substep();
+    const WorldIndex w = world_of_body[b];
+    const WorldParameters& p = world[w];
+    const Velocity &last = velocity[b], &earlier = earlier_velocity[b];
+    Vec3 path = last.linear + earlier.linear, turn = last.angular + earlier.angular;
+    const Real speed = square_of_speed(last), most = p.bin_size.x / settings.step;
+    Index raised = 0;
+    if (!(speed < most * most)) {
+      raised = flags_of_fast(b, w, speed);
+      if (raised == 0 && mass[b].inverse_mass.x > 0) {
+        const Real kept = kSlowedTo * most / std::sqrt(speed);
+        path = path * kept;
+        turn = turn * kept;
+        slow(b, w, kept);
+      }
+    }
+    Vec3d x = position[b] + static_cast<Vec3d>(path) * double(substep);
+    if (!(dot(x, x) < 1e24)) raised |= flag_not_finite;
+    if (mass[b].inverse_mass.z > 0 && x.z < p.origin.z) raised |= flag_left_domain;
+    if (raised != 0) flag(b, w, raised);
+    x.x = folded(x.x, p.origin.x, p.period.x);
+    x.y = folded(x.y, p.origin.y, p.period.y);
+    position[b] = x;
+    if (turn.x != 0 || turn.y != 0 || turn.z != 0) orientation[b] = turned(orientation[b], turn, substep);
+  }
+
+  /// Of a body that would cross more than a bin in a step, where it must not be slowed.
+  GONOGO_HD Index flags_of_fast(BodyIndex b, WorldIndex w, Real speed) const {
+    if (mass[b].inverse_mass.x == 0) return speed < kAnySpeedSquare ? 0 : flag_not_finite;
+    if (!(speed < kAnySpeedSquare)) return flag_not_finite | flag_too_fast;
+    return mass[b].slot >= 0 || slowed[w] >= settings.most_slowed ? flag_too_fast : 0;
+  }
+
+  GONOGO_HD void slow(BodyIndex b, WorldIndex w, Real kept) const {
+    velocity[b].linear = velocity[b].linear * kept;
+    velocity[b].angular = velocity[b].angular * kept;
+    atomic_increment(slowed_now[w]);
+  }
+
+  GONOGO_HD void flag(BodyIndex b, WorldIndex w, Index raised) const {
+    atomic_raise(flags[w], raised);
+    atomic_least(fault[w], packed(Fault{raised, steps[w] + 1, b - world[w].first_body}));
+  }
+
+  static constexpr Real kAnySpeedSquare = Real(1e12);  // [m^2/s^2] beyond any that means something
+  static constexpr Real kSlowedTo = Real(0.99);        // of the highest speed
+
+  /// [m^2/s^2] A rad/s counts as a centimetre per second.
+  GONOGO_HD static Real square_of_speed(const Velocity& v) {
+    return dot(v.linear, v.linear) + dot(v.angular, v.angular) * Real(1e-4);
+  }
+};
+
+/// What is known of the bodies' motion before the contacts are.
+template <class Exec>
+void prepare_motion(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  for_each_index(
+      exec, s.body_count,
+      FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(), s.velocity.view(),
+                 s.inverse_inertia_W.view(), s.velocity_change.view(), settings.substep()});
+  prepare_mechanisms(exec, s, settings);
+}
+
+/// What the solver needs to know of the contacts besides themselves.
+template <class Exec>
+void list_contacts(Exec exec, State<Exec>& s) {
+  beside(
+      exec, [&](Exec main) { build_incidence(main, s); }, [&](Exec side) { cut_into_tiles(side, s); });
+}
+
+template <class Exec>
+void prepare_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  sort_into_bins(exec, s);
+  find_contacts(exec, s, settings);
+  list_contacts(exec, s);
+}
+
+template <class Exec>
+void apply_forces(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  apply_controllers(exec, s, settings);
+  apply_force_elements(exec, s, settings);
+}
+
+template <class Exec>
+void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  for_each_index(exec, s.body_count,
+                 Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(),
+                           s.earlier_velocity.view(), s.position.view(), s.orientation.view(), s.steps.view(),
+                           s.slowed.view(), s.slowed_now.view(), s.flags.view(), s.fault.view(), settings});
+  finish_step(exec, s, settings);
+}
+
+template <class Exec>
+void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
+  beside(
+      exec, [&](Exec main) { prepare_contacts(main, s, settings); },
+      [&](Exec side) { prepare_motion(side, s, settings); });
+  apply_forces(exec, s, settings);
+  solve(exec, s, settings);
+  integrate(exec, s, settings);
+}
+
+/// The same step, one stage after the other: calls timed(stage, work) for each.
+template <class Exec, class Timed>
+void step_by_stage(Exec exec, State<Exec>& s, const StepSettings& settings, const Timed& timed) {
+  timed(Stage::bins, [&] { sort_into_bins(exec, s); });
+  timed(Stage::contacts, [&] { find_contacts(exec, s, settings); });
+  timed(Stage::lists, [&] { list_contacts(exec, s); });
+  timed(Stage::motion, [&] { prepare_motion(exec, s, settings); });
+  timed(Stage::forces, [&] { apply_forces(exec, s, settings); });
+  timed(Stage::solve, [&] { solve(exec, s, settings); });
+  timed(Stage::integrate, [&] { integrate(exec, s, settings); });
+}
+
+/// The search for contacts alone.
+template <class Exec, class Timed>
+void search_by_stage(Exec exec, State<Exec>& s, const StepSettings& settings, const Timed& timed) {
+  timed(Stage::bins, [&] { sort_into_bins(exec, s); });
+  timed(Stage::contacts, [&] { find_contacts(exec, s, settings); });
+}
+
+}  // namespace gonogo::sim

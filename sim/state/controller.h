@@ -1,0 +1,138 @@
+// What drives a motor: the target of its speed and its torque limit, set at the beginning of every step from the time
+// and the state there.
+#pragma once
+#include <vector>
+
+#include "sim/state/force.h"
+#include "sim/state/table.h"
+
+namespace gonogo::sim {
+
+enum class ControllerType : std::int32_t {
+  schedule,            // speed and torque limit over time
+  throttle,            // share of a torque curve over time
+  velocity_by_torque,  // proportional-integral: velocity of a body -> torque
+  velocity_by_speed,   // proportional-integral: velocity of a body -> motor speed
+  steering             // keeps a body on a straight line along x: a point ahead of it -> angle of the motor
+};
+
+/// One per motor at most. Tables are ascending in `at` and hold their outer values beyond their ends.
+struct Controller {
+  ControllerType type = ControllerType::schedule;
+  Index motor = 0;  // in its world
+
+  /// Over time [s]. schedule: motor speed [rad/s]. throttle: [-1, 1], negative drives backwards. velocity: [m/s].
+  std::vector<TablePoint> command;
+  /// Torque limit [N m] over time [s]; throttle: the torque curve at full throttle over the size of the motor's speed
+  /// [rad/s], whose last point is the speed that the motor does not exceed by itself.
+  std::vector<TablePoint> limit;
+
+  // velocity: u = p e + i (integral of e) + f c with command c and error e = c - velocity along the axis. u is a
+  // torque [N m] within the limit, or a motor speed [rad/s] within +-top_speed.
+  BodyIndex body = 0;                           // whose centre of mass is kept at the velocity
+  ReferenceFrame frame = ReferenceFrame::body;  // of the axis
+  Vec3 axis{1, 0, 0};                           // any length
+  double proportional = 0;                      // p: [N m s/m] or [rad/m]
+  double integral = 0;                          // i: [N m/m] or [rad/(m s)]
+  double feed_forward = 0;                      // f: [N m s/m] or [rad/m]
+  double top_speed = 0;                         // [rad/s]
+
+  // steering: of a straight line along the world's x through where the body started. A point `look_ahead` before the
+  // body along `axis` is y beside that line; the wish for the motor's angle is -p y within +-most_angle, and the motor
+  // turns at `rate` times what is missing, at most at top_speed. p: [rad/m]; `command` is a factor of the wish.
+  double look_ahead = 0;    // [m]
+  double most_angle = 0;    // [rad]
+  double rate = 0;          // [1/s]
+  Vec3 pointer_a{1, 0, 0};  // in the frame of the motor's body a: along `axis` of its body b at angle zero
+};
+
+/// Whether it needs a body.
+inline bool follows_body(const Controller& c) {
+  return c.type == ControllerType::velocity_by_torque || c.type == ControllerType::velocity_by_speed ||
+         c.type == ControllerType::steering;
+}
+
+/// A controller with the batch's indices.
+struct ControllerPlan {
+  ControllerType type = ControllerType::schedule;
+  Index world = 0;
+  Index motor = -1;  // -1: an empty place in a batch
+  BodyIndex body = 0;
+  ReferenceFrame frame = ReferenceFrame::body;
+  Vec3 axis;  // unit
+  Table command, limit;
+  double proportional = 0, integral = 0, feed_forward = 0, top_speed = 0;
+  double look_ahead = 0, most_angle = 0, rate = 0;
+  Vec3 pointer_a;
+};
+
+struct ControllerState {
+  double error_integral = 0;  // of the velocity error; steering: of the velocity along y [m]
+};
+
+struct MotorCommand {
+  double speed = 0;       // [rad/s]
+  double max_torque = 0;  // [N m]
+};
+
+/// Faster than any motor turns: asked for this speed, a motor gives its whole torque limit [rad/s].
+inline constexpr double kOutOfReach = 1e9;
+
+GONOGO_HD inline MotorCommand torque_command(double torque) {
+  return {torque < 0 ? -kOutOfReach : kOutOfReach, std::fabs(torque)};
+}
+
+GONOGO_HD inline MotorCommand schedule_command(View<const TablePoint> points, const ControllerPlan& c, double time) {
+  return {interpolate(points, c.command, time), interpolate(points, c.limit, time)};
+}
+
+/// Above the last speed of its curve a motor is held back by the curve's last torque.
+GONOGO_HD inline MotorCommand throttle_command(View<const TablePoint> points, const ControllerPlan& c, double time,
+                                               double motor_speed) {
+  const double throttle = interpolate(points, c.command, time);
+  const double top = points[c.limit.first + c.limit.count - 1].at;
+  return {throttle < 0 ? -top : top, std::fabs(throttle) * interpolate(points, c.limit, std::fabs(motor_speed))};
+}
+
+GONOGO_HD inline double clamped(double x, double limit) { return std::fmin(limit, std::fmax(-limit, x)); }
+
+/// Proportional-integral law. The integral rests while the output is at its limit and the error would push it further
+/// (conditional integration: Astrom & Hagglund, PID Controllers, section 3.5), so that it does not wind up.
+GONOGO_HD inline double proportional_integral(const ControllerPlan& c, double command, double velocity, double limit,
+                                              double step, ControllerState& state) {
+  const double error = command - velocity;
+  const double at_once = c.proportional * error + c.feed_forward * command;
+  const double integral = state.error_integral + error * step;
+  const double wish = at_once + c.integral * integral;
+  if (std::fabs(wish) > limit && wish * c.integral * error > 0)
+    return clamped(at_once + c.integral * state.error_integral, limit);
+  state.error_integral = integral;
+  return clamped(wish, limit);
+}
+
+/// Angle that a driver steers who looks at a point ahead: `beside` is how far it is left of the line [rad].
+GONOGO_HD inline double steering_wish(double gain, double most_angle, double beside) {
+  return clamped(-gain * beside, most_angle);
+}
+
+/// `forward`, `up`: unit vectors of the motor's body b; `pointer`: of its body a; all in the world. `sideways`:
+/// velocity of the steered body along y.
+GONOGO_HD inline MotorCommand steering_command(View<const TablePoint> points, const ControllerPlan& c, double time,
+                                               const Vec3& forward, const Vec3& up, const Vec3& pointer,
+                                               double sideways, double step, ControllerState& state) {
+  state.error_integral += sideways * step;
+  const double wish = interpolate(points, c.command, time) *
+                      steering_wish(c.proportional, c.most_angle, state.error_integral + c.look_ahead * forward.y);
+  const double angle = std::atan2(double(dot(up, cross(forward, pointer))), double(dot(forward, pointer)));
+  return {clamped(c.rate * (wish - angle), c.top_speed), interpolate(points, c.limit, time)};
+}
+
+GONOGO_HD inline MotorCommand velocity_command(View<const TablePoint> points, const ControllerPlan& c, double time,
+                                               double velocity, double step, ControllerState& state) {
+  const double command = interpolate(points, c.command, time), max_torque = interpolate(points, c.limit, time);
+  const bool by_torque = c.type == ControllerType::velocity_by_torque;
+  const double out = proportional_integral(c, command, velocity, by_torque ? max_torque : c.top_speed, step, state);
+  return by_torque ? torque_command(out) : MotorCommand{out, max_torque};
+}
+
+}  // namespace gonogo::sim

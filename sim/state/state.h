@@ -1,0 +1,244 @@
+// Arrays of a batch of worlds. Bodies and shapes of one world are contiguous and in the same order, so that a world's
+// result does not depend on its company. A world is a box, periodic along x and y when asked.
+#pragma once
+#include "base/for_each.h"
+#include "sim/state/contact.h"
+#include "sim/state/elements.h"
+#include "sim/state/fault.h"
+#include "sim/state/mechanism.h"
+#include "sim/state/momentum.h"
+#include "sim/state/surface_store.h"
+
+namespace gonogo::sim {
+
+/// How two materials touch.
+struct PairLaw {
+  Real friction = 0;           // sliding, [-]
+  Real rolling_friction = 0;   // [-], times the sphere's effective radius
+  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere or capsule [Pa]
+  Real spinning_friction = 0;  // [-], times the sphere's effective radius
+  Real stiffness = 0;          // of a compliant contact along its normal [N/m]; 0: rigid
+  Real damping = 0;            // of a compliant contact along its normal [N s/m]
+};
+
+/// Numerical parameters of a step, the same for all worlds of a batch.
+struct StepSettings {
+  Real step = 1e-3f;              // [s]
+  Index iterations = 100;         // most iterations of the solver in a substep
+  Real tolerance = 0;             // root-mean-square residual at which a world stops iterating [m/s]; 0: never
+  Real envelope = 2e-3f;          // contacts are found up to this gap [m]
+  Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
+  Real recovery_share = 0.2f;     // share of an overlap pushed out in one step
+  Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
+  Solver solver = Solver::apgd;
+  Target target = Target::ccp;
+  Index substeps = 1;       // the solver goes through a step in so many parts; see step.h
+  Index sort_every = 2000;  // steps of a world after which its bodies are sorted anew in memory, where they have mixed
+  /// So often in a world's run a body that nothing is jointed to and that would cross more than a bin in a step is
+  /// slowed to that; once more, and flag_too_fast stops the world. A grain pinched between two rigid bodies jumps away
+  /// like a cherry stone, however short the step.
+  Index most_slowed = 0;
+
+  /// Length of a part [s]; forces and impulses are those of the last one.
+  GONOGO_HD Real substep() const { return step / Real(substeps); }
+
+  GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance, substeps}; }
+};
+
+/// Speed at which the contact may close (gap ahead) or must open (overlap), negated by the solver's sign convention;
+/// for a compliant contact the resting speed of its spring and damper. `rate`, `softness`: see Contact.
+GONOGO_HD inline Real bias_of_gap(Real gap, Real rate, Real softness, const StepSettings& settings) {
+  const Real bias = rate * gap;
+  if (softness > 0 || gap >= 0) return bias;
+  const Real push_out = settings.recovery_share * bias;
+  return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
+}
+
+struct WorldParameters {
+  Vec3 gravity;   // [m/s^2]
+  Vec3d origin;   // lower corner of the domain [m]
+  Vec3d period;   // length of the domain along x and y where periodic, 0 where open [m]
+  Vec3 bin_size;  // [m]
+  Index bins[3] = {3, 3, 3};
+  Index first_bin = 0;
+  BodyIndex first_body = 0;
+  Index body_count = 0;
+  ShapeIndex first_shape = 0;
+  Index shape_count = 0;
+  Index first_large = 0, large_count = 0;  // into the list of large shapes, which are not binned
+  Index first_motor = 0, motor_count = 0;
+  PairLaw law[kMaxMaterials][kMaxMaterials];
+};
+
+/// Mass properties; zero means that the motion is prescribed. Separate inverse masses per world axis describe a body on
+/// rails: a test-rig wheel carries its whole vehicle along x and only its hub along z.
+struct BodyMass {
+  Vec3 inverse_mass;           // along world x, y, z [1/kg]
+  Vec3 inverse_inertia_B;      // about body axes [1/(kg m^2)]
+  std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries; set by flatten
+  std::int32_t slot = -1;      // of its mechanism body, or -1 where nothing is jointed to it; set by flatten
+};
+
+GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
+  const Vec3 &m = mass.inverse_mass, &i = mass.inverse_inertia_B;
+  return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
+}
+
+/// Sums over a world in one step.
+struct WorldSums {
+  double kinetic = 0;          // [J]
+  double gravity_power = 0;    // sum of m g.v [W]
+  double residual_square = 0;  // over contacts [m^2/s^2]
+  double residual_max = 0;     // [m/s]
+  Index contact_count = 0;
+  Index iterations = 0;
+
+  GONOGO_HD WorldSums& operator+=(const WorldSums& o) {
+    kinetic += o.kinetic;
+    gravity_power += o.gravity_power;
+    residual_square += o.residual_square;
+    residual_max = std::fmax(residual_max, o.residual_max);
+    return *this;
+  }
+};
+
+/// Root-mean-square residual of a step [m/s].
+GONOGO_HD inline double rms_residual(const WorldSums& sums) {
+  return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
+}
+
+/// A binned shape, copied into the order of the bins so that neighbours are read from consecutive memory.
+struct BinnedShape {
+  Vec3d centre;  // folded into the period [m]
+  Real radius;   // of the sphere around it [m]
+  ShapeIndex shape;
+};
+
+/// A shape that is not binned and the region it is in, found anew in every step.
+struct LargeShape {
+  ShapeIndex shape = 0;
+  Vec3d middle;  // of the box around it [m]
+  Vec3 half;     // half edges of that box along the world's axes [m]
+  Vec3 up;       // of a plane: everything it can touch lies below; zero for others
+
+  /// Whether a sphere about `d` [m, from the middle] may touch it.
+  GONOGO_HD bool reaches(const Vec3& d, Real radius) const {
+    return std::fabs(d.z) < half.z + radius && std::fabs(d.x) < half.x + radius && std::fabs(d.y) < half.y + radius &&
+           dot(d, up) < radius;
+  }
+};
+
+inline constexpr int kLargeGroupBits = 3, kLargeGroup = 1 << kLargeGroupBits;
+/// Worlds with fewer large shapes test them all.
+inline constexpr Index kGroupedFrom = 64;
+inline constexpr int kMostLargeLevels = 11;  // 8^11 exceeds what an Index counts
+
+/// Boxes around groups of large shapes, level after level; group g of level k holds the large shapes from 8^(k + 1) g
+/// on.
+struct LargeGroups {
+  View<const LargeShape> box;
+  Index first[kMostLargeLevels + 1] = {};  // [level + 1] in `box`
+  int levels = 0;
+};
+
+/// Contacts of one step, in the order of the shapes that own them; a step writes one store and reads the other for its
+/// warm start.
+template <class Exec>
+struct ContactStore {
+  Buffer<Index, Exec> begin, end;   // [shape] its contacts in the arrays below
+  Buffer<std::uint64_t, Exec> key;  // [contact] other shape and feature; with the owner it names the pair
+  Buffer<Impulse, Exec> impulse;    // [contact] at the end of the step
+};
+
+/// The shapes of a contact.
+struct alignas(8) ContactPair {
+  ShapeIndex owner, other;
+};
+
+struct ContactRange {
+  ContactIndex begin, end;
+};
+
+/// A run of contacts of one world; see tiles.h.
+struct alignas(16) Tile {
+  ContactRange contacts;
+  WorldIndex world;
+  Index first;  // 1: the first of its world
+};
+
+/// Arrays that a backend's solver keeps for itself; each backend specialises it.
+template <class Exec>
+struct SolverStorage;
+
+/// What became of the steps that were asked for. When a buffer is too small, the step that found out and all steps
+/// queued behind it do nothing; the host enlarges the buffer and goes on with that step.
+struct Progress {
+  Index halted = 0;         // 1: contact_total is more than the buffers hold
+  Index contact_total = 0;  // that the latest step found
+  Index steps = 0;          // completed since the host last looked
+};
+
+template <class Exec>
+struct State {
+  Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0;
+  Index contact_capacity = 0;
+  Index parity = 0;            // store that the next step writes
+  bool solids_binned = false;  // some binned shape has been no sphere
+  bool turning = false;        // some pair of materials has resisted rolling or spinning, or has been compliant
+
+  Buffer<WorldParameters, Exec> world;
+  Buffer<Vec3d, Exec> position;             // [body] centres of mass, inside the period [m]
+  Buffer<Quat, Exec> orientation;           // [body]
+  Buffer<Velocity, Exec> velocity;          // [body]
+  Buffer<BodyMass, Exec> mass;              // [body]
+  Buffer<SymMat3, Exec> inverse_inertia_W;  // [body]
+  Buffer<WorldIndex, Exec> world_of_body;   // [body]
+  Buffer<Shape, Exec> shape;                // [shape], ordered by body
+  Buffer<Index, Exec> first_shape;          // [body + 1]
+  Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
+  Buffer<LargeShape, Exec> large_group;     // boxes around them, see large.h
+  LargeGroups large_groups;                 // the same as the search sees them
+  SurfaceStore<Exec> surfaces;
+  MechanismStore<Exec> mechanisms;
+  ElementState<Exec> element;
+  Buffer<Index, Exec> steps;                                // [world] taken so far
+  Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // bodies in runs of kTileSize, by world
+
+  // Rebuilt every step.
+  Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
+  Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
+  Buffer<BinnedShape, Exec> shape_by_bin;
+  Buffer<Index, Exec> contacts_of_part, first_of_part;  // see find.h
+  Buffer<ShapeIndex, Exec> noted;                       // see find.h
+  Buffer<Index, Exec> contact_weight;                   // [body] see split.h
+  Buffer<Index, Exec> first_contact;                    // [shape + 1]
+  Buffer<ContactPair, Exec> pair;                       // [contact]
+  Buffer<Contact, Exec> contact;
+  Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
+      second_slot;                                 // see incidence.h
+  Buffer<Index, Exec> tiles_of_world, first_tile;  // see tiles.h
+  Buffer<Tile, Exec> tile;
+  Buffer<Velocity, Exec> velocity_change;                       // [body] by gravity, spin and forces in a substep
+  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;  // [body]
+  Buffer<Velocity, Exec> part_velocity;                         // [body] of the substep before
+  Buffer<Velocity, Exec> earlier_velocity;                      // [body] sum over all substeps before the last one
+  Buffer<Momentum, Exec> momentum;                              // [world]
+  Buffer<WorldSums, Exec> world_sums;
+  Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
+  Buffer<PackedFault, Exec> fault;  // [world] the first one
+  Buffer<Index, Exec> slowed;       // [world] times that a body was slowed, up to the last step
+  Buffer<Index, Exec> slowed_now;   // [world] and in the present one
+  Buffer<Progress, Exec> progress;  // one
+  ScanScratch<Exec> scratch, tile_scratch;
+
+  ContactStore<Exec> store[2];
+  SolverStorage<Exec> solver;
+};
+
+/// How many contacts the step has found; on the device nobody else knows.
+template <class Exec>
+Counted contact_count(State<Exec>& s) {
+  return {s.contact_capacity, &s.progress.data()->contact_total};
+}
+
+}  // namespace gonogo::sim
