@@ -6,6 +6,7 @@
 #include "base/cancel.h"
 #include "base/error.h"
 #include "learning/likelihood/annealed_machine.h"
+#include "learning/sampler/exact.h"
 
 namespace gonogo::learning {
 namespace {
@@ -48,6 +49,19 @@ void check_settings(const AnnealingSettings& settings) {
 }
 
 }  // namespace
+
+double mean_log_likelihood(const RbmWeights& weights, std::span<const double> rows) {
+  const std::vector<std::string> labels = [&] {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < weights.visible_count; ++i) names.push_back("visible:" + std::to_string(i));
+    return names;
+  }();
+  const std::size_t count = rows.size() / weights.visible_count;
+  double sum = 0;
+  for (std::size_t r = 0; r < count; ++r)
+    sum -= free_energy(weights, rows.subspan(r * weights.visible_count, weights.visible_count));
+  return sum / double(count) - exact_moments(to_qubo(weights, labels)).log_z;
+}
 
 LogZEstimate annealed_log_z(const RbmWeights& weights, std::span<const double> base_bias,
                             const AnnealingSettings& settings) {

@@ -20,6 +20,10 @@
 
 namespace gonogo::learning {
 
+/// Mean of log P(v) over rows [row_count x visible_count], exact; throws InputError when the smaller side is too large
+/// to enumerate.
+double mean_log_likelihood(const RbmWeights& weights, std::span<const double> rows);
+
 struct AnnealingSettings {
   std::size_t steps = 10'000;  // machines between the two ends, beta in equal steps
   std::size_t chains = 100;    // of AIS

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "learning/sampler/exact.h"
 
 namespace gonogo::learning {
 
@@ -52,19 +51,6 @@ Problem to_qubo(const RbmWeights& weights, const std::vector<std::string>& visib
       problem.couplings.push_back(
           {std::uint32_t(i), std::uint32_t(weights.visible_count + j), -weights.weight[i * weights.hidden_count + j]});
   return problem;
-}
-
-double mean_log_likelihood(const RbmWeights& weights, std::span<const double> rows) {
-  const std::vector<std::string> labels = [&] {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < weights.visible_count; ++i) names.push_back("visible:" + std::to_string(i));
-    return names;
-  }();
-  const std::size_t count = rows.size() / weights.visible_count;
-  double sum = 0;
-  for (std::size_t r = 0; r < count; ++r)
-    sum -= free_energy(weights, rows.subspan(r * weights.visible_count, weights.visible_count));
-  return sum / double(count) - exact_moments(to_qubo(weights, labels)).log_z;
 }
 
 }  // namespace gonogo::learning

@@ -33,8 +33,4 @@ double free_energy(const RbmWeights& weights, std::span<const double> v);
 /// is kept, also zeros. Labels: the given ones, then "hidden:0", ...
 Problem to_qubo(const RbmWeights& weights, const std::vector<std::string>& visible_labels);
 
-/// Mean of log P(v) over rows [row_count x visible_count], exact; throws InputError when the smaller side is too large
-/// to enumerate.
-double mean_log_likelihood(const RbmWeights& weights, std::span<const double> rows);
-
 }  // namespace gonogo::learning

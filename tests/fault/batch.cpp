@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include "base/file.h"
-#include "pipeline/campaign/campaign.h"
+#include "pipeline/campaign/engine/campaign.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"

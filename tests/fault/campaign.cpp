@@ -1,5 +1,5 @@
 // Campaigns that nothing disturbs, and those that are refused.
-#include "pipeline/campaign/campaign.h"
+#include "pipeline/campaign/engine/campaign.h"
 
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -7,7 +7,7 @@
 
 #include <cstdlib>
 
-#include "pipeline/campaign/journal.h"
+#include "pipeline/campaign/engine/journal.h"
 #include "tests/fault/campaign_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

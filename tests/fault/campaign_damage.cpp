@@ -8,8 +8,8 @@
 #include <memory>
 
 #include "base/random.h"
-#include "pipeline/campaign/campaign.h"
-#include "pipeline/campaign/journal.h"
+#include "pipeline/campaign/engine/campaign.h"
+#include "pipeline/campaign/engine/journal.h"
 #include "tests/fault/campaign_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

@@ -15,13 +15,13 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
-#include "pipeline/campaign/journal.h"
-#include "pipeline/campaign/slurm.h"
-#include "pipeline/campaign/worker.h"
+#include "pipeline/campaign/engine/journal.h"
+#include "pipeline/campaign/engine/slurm.h"
+#include "pipeline/campaign/engine/worker.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/support/trials.h"
 #ifdef GONOGO_WITH_MPI
-#include "pipeline/campaign/mpi/mpi_crew.h"
+#include "pipeline/campaign/engine/mpi/mpi_crew.h"
 #endif
 
 namespace gonogo::pipeline {

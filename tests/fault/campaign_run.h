@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/file.h"
-#include "pipeline/campaign/folder.h"
+#include "pipeline/campaign/engine/folder.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/support/catch.h"
 

@@ -1,7 +1,7 @@
 // A campaign over all variables of the contract, without a study file.
 #pragma once
-#include "pipeline/campaign/campaign.h"
-#include "pipeline/campaign/design.h"
+#include "pipeline/campaign/design/design.h"
+#include "pipeline/campaign/engine/campaign.h"
 #include "tests/support/trials.h"
 
 namespace gonogo::pipeline {

@@ -3,7 +3,7 @@
 
 #include "base/file.h"
 #include "base/json/json.h"
-#include "pipeline/dataset/export.h"
+#include "pipeline/campaign/dataset/export.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"

@@ -3,10 +3,10 @@
 #include <cmath>
 
 #include "base/file.h"
-#include "pipeline/dataset/dataset.h"
+#include "pipeline/campaign/dataset/dataset.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/fault/program.h"
-#include "tests/pipeline/synthetic_trials.h"
+#include "tests/pipeline/learn/synthetic_trials.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

@@ -5,7 +5,7 @@
 
 #include "base/file.h"
 #include "base/hash.h"
-#include "pipeline/campaign/campaign.h"
+#include "pipeline/campaign/engine/campaign.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "base/file.h"
-#include "pipeline/campaign/slurm.h"
+#include "pipeline/campaign/engine/slurm.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/fault/shell.h"
 #include "tests/support/catch.h"

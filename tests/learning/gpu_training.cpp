@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "learning/likelihood/likelihood.h"
 #include "learning/model/weights.h"
 #include "learning/sampler/block_gibbs.h"
 #include "learning/sampler/exact.h"

@@ -1,3 +1,4 @@
+#include "learning/likelihood/likelihood.h"
 #include "learning/rbm/train.h"
 
 #include <omp.h>

@@ -1,5 +1,6 @@
 // Effective temperatures from rows, the annealer as a sampler, and training through it.
 #include "learning/hardware/temperature.h"
+#include "learning/likelihood/likelihood.h"
 
 #include <cmath>
 #include <cstdio>

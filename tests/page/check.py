@@ -1,6 +1,6 @@
 """Opens a map's page in headless Chromium and checks it: check.py <browser> <map folder> [<folder for pictures>].
 
-The map folder holds index.html and expected.json, written by tests/pipeline/page.cpp from the GeoTIFFs:
+The map folder holds index.html and expected.json, written by tests/pipeline/map/page.cpp from the GeoTIFFs:
   {"title": text, "cells": [{"column", "row", "verdict", "reason", "p_go": number or null, "p_worst", "p_best"}],
    "route": {"start": cell, "end": cell, "fastest": cost, "safest": cost, "shortest": cost}}
 """

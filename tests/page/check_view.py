@@ -1,7 +1,7 @@
 """Opens a served map in headless Chromium and checks its tiles: check_view.py <browser> <address> <map folder>
 [<folder for pictures>].
 
-The map folder holds view_expected.json, written by tests/pipeline/view_page.cpp from the GeoTIFFs:
+The map folder holds view_expected.json, written by tests/pipeline/map/view_page.cpp from the GeoTIFFs:
   {"title": text, "cells": [{"column", "row", "go": class, "colour": [r, g, b], "p_go": number}]}: cells of the map that
   lie on one screen, some of which the thinned page does not hold.
 """

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "sim/state/joint.h"
 #include "sim/scene/scene.h"
+#include "sim/state/joint.h"
 
 namespace gonogo::test {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "pipeline/scenes/scene.h"
+#include "pipeline/lab/scenes/scene.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::test {

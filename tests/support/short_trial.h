@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-#include "pipeline/trial/trial.h"
+#include "pipeline/campaign/trial/trial.h"
 
 namespace gonogo::pipeline {
 

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/random.h"
-#include "pipeline/trial/record.h"
+#include "pipeline/campaign/trial/record.h"
 
 namespace gonogo::pipeline {
 

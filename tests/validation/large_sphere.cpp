@@ -3,11 +3,11 @@
 #include <cstdio>
 #include <vector>
 
-#include "pipeline/scenes/crater.h"
-#include "pipeline/scenes/nut.h"
+#include "pipeline/lab/scenes/crater.h"
+#include "pipeline/lab/scenes/nut.h"
 #include "tests/support/catch.h"
-#include "tests/support/run_scene.h"
 #include "tests/support/measure.h"
+#include "tests/support/run_scene.h"
 
 using namespace gonogo;
 using namespace gonogo::pipeline;

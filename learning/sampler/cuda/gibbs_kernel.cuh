@@ -125,8 +125,8 @@ class GibbsBlock {
     __syncthreads();
   }
 
-  /// States of a group of chains, past the first cache: another block may have written them. Many loads are under way at
-  /// once.
+  /// States of a group of chains, past the first cache: another block may have written them. Many loads are under way
+  /// at once.
   __device__ void load_states(int group) {
     constexpr int kAtOnce = 8;
     first_chain_ = group * kChains * kTile;

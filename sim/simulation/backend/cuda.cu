@@ -1,7 +1,7 @@
 // The engine on a GPU: the same stages, queued as graphs.
 #include "sim/simulation/backend/simulation_on.h"
+#include "sim/solver/cuda/solve.cuh"
 #include "sim/solver/cuda/traffic.cuh"
-#include "sim/solver/solve_cuda.cuh"
 
 namespace gonogo::sim {
 

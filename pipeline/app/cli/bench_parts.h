@@ -1,0 +1,43 @@
+// What the commands under `gonogo bench` share.
+#pragma once
+#include <map>
+#include <string>
+
+#include "pipeline/app/cli/command.h"
+#include "sim/simulation/simulation.h"
+
+namespace gonogo::pipeline::cli {
+
+inline const std::map<std::string, sim::Backend> kBackends{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
+
+inline const std::map<std::string, sim::Solver> kSolvers{{"apgd", sim::Solver::apgd},
+                                                         {"jacobi", sim::Solver::jacobi},
+                                                         {"jacobi_scan", sim::Solver::jacobi_scan},
+                                                         {"gauss_seidel", sim::Solver::gauss_seidel},
+                                                         {"bb", sim::Solver::bb}};
+
+template <class Value>
+std::string name_in(const std::map<std::string, Value>& names, Value value) {
+  for (const auto& [name, v] : names)
+    if (v == value) return name;
+  return "?";
+}
+
+template <class Value>
+void add_choice(CLI::App& command, const std::string& flag, Value& value, const std::map<std::string, Value>& names,
+                const std::string& what) {
+  command.add_option(flag, value, what)->transform(CLI::CheckedTransformer(names));
+}
+
+inline void add_solver(CLI::App& command, sim::Solver& solver) {
+  add_choice(command, "--solver", solver, kSolvers,
+             "Solver of the contacts: apgd (default), jacobi, jacobi_scan (baseline), gauss_seidel, bb");
+}
+
+/// One core unless more are asked for.
+inline int bench_threads(const Globals& globals) { return globals.threads > 0 ? globals.threads : 1; }
+
+/// Scenes of many bodies.
+void add_large_scenes(CLI::App& bench, const Globals& globals);
+
+}  // namespace gonogo::pipeline::cli

@@ -1,0 +1,361 @@
+#include <cmath>
+#include <memory>
+
+#include "base/error.h"
+#include "base/line.h"
+#include "pipeline/app/cli/command.h"
+#include "pipeline/campaign/engine/campaign.h"
+#include "pipeline/campaign/engine/slurm.h"
+#include "pipeline/campaign/engine/snapshot.h"
+#include "pipeline/campaign/engine/study_campaign.h"
+#ifdef GONOGO_WITH_MPI
+#include "pipeline/campaign/engine/mpi/mpi_crew.h"
+#endif
+#ifdef GONOGO_WITH_TORCH
+#include "pipeline/learn/active/active_run.h"
+#endif
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string study, folder;
+  int workers = 0, places = 0;
+  std::string device, engine = "local";
+  double checkpoint_every = -1;
+  std::size_t trials_per_shard = 256;
+  std::uint64_t task = 0, tasks = 1;
+  int most_tasks = 0;
+  std::uint64_t seeds = 64, batch = 32, most_points = 1000;  // of an active study
+  double confidence = 0.95, space_filling = 0.25;
+  std::vector<std::string> sbatch;
+};
+
+/// Options that were not given leave it to the study.
+ComputeRequest compute_of(const Options& options, const Globals& globals) {
+  ComputeRequest request;
+  request.threads = globals.threads;
+  if (!options.device.empty()) request.device = options.device;
+  if (options.places > 0) request.places = options.places;
+  if (options.workers > 0) request.workers = options.workers;
+  if (options.checkpoint_every >= 0) request.checkpoint_every = options.checkpoint_every;
+  return request;
+}
+
+Json counts_json(const std::map<std::string, std::size_t>& counts) {
+  Json object = Json::object();
+  for (const auto& [name, number] : counts) object[name] = std::uint64_t(number);
+  return object;
+}
+
+Json as_json(const CampaignSummary& summary) {
+  Json result = Json::object();
+  result["dataset"] = summary.dataset.string();
+  result["trials"] = std::uint64_t(summary.trials);
+  result["computed"] = std::uint64_t(summary.computed);
+  result["reused"] = std::uint64_t(summary.reused);
+  result["damaged"] = std::uint64_t(summary.damaged);
+  result["worker_deaths"] = std::uint64_t(summary.worker_deaths);
+  result["verdicts"] = counts_json(summary.by_verdict);
+  result["reasons"] = counts_json(summary.by_reason);
+  return result;
+}
+
+std::string as_text(const CampaignSummary& summary) {
+  return summary.dataset.string() + ": " + std::to_string(summary.trials) + " trials, " +
+         std::to_string(summary.computed) + " computed now: " + counts_line(summary.by_verdict, summary.by_reason);
+}
+
+Json as_json(const CampaignStatus& status) {
+  Json result = Json::object();
+  result["trials"] = std::uint64_t(status.trials);
+  result["done"] = std::uint64_t(status.done);
+  result["running"] = status.use != FolderUse::none;
+  result["shards"] = std::uint64_t(status.shards);
+  result["committed_shards"] = std::uint64_t(status.committed_shards);
+  result["trials_per_second"] = status.rate;
+  result["seconds_left"] = status.seconds_left;
+  result["damaged"] = std::uint64_t(status.damaged);
+  result["verdicts"] = counts_json(status.by_verdict);
+  result["reasons"] = counts_json(status.by_reason);
+  return result;
+}
+
+std::string use_text(FolderUse use) {
+  switch (use) {
+    case FolderUse::coordinator:
+      return "running";
+    case FolderUse::tasks:
+      return "tasks are running";
+    default:
+      return "not running";
+  }
+}
+
+std::string as_text(const CampaignStatus& status) {
+  std::string text =
+      std::to_string(status.done) + " of " + std::to_string(status.trials) + " trials done, " + use_text(status.use);
+  if (status.done > 0) text += ": " + counts_line(status.by_verdict, status.by_reason);
+  if (status.rate > 0) text += line("; %.3g trials/s, about %.0f s left", status.rate, std::ceil(status.seconds_left));
+  if (status.damaged > 0) text += "; " + std::to_string(status.damaged) + " unreadable lines or shards";
+  return text;
+}
+
+CampaignRequest plan(const Options& options, const Globals& globals) {
+  CampaignRequest request =
+      plan_study_campaign(read_study(options.study), options.folder, compute_of(options, globals));
+  request.trials_per_shard = options.trials_per_shard;
+  return request;
+}
+
+void print_summary(const Globals& globals, const CampaignSummary& summary) {
+  print_result(globals, as_json(summary), as_text(summary));
+}
+
+#ifdef GONOGO_WITH_MPI
+/// Every rank comes here; all but the first work until they are told to stop, and leave what is to be said to it.
+void run_with_mpi(const Options& options, const Globals& globals) {
+  const MpiJob job;
+  if (job.rank() > 0) {
+    const std::unique_ptr<WorkerLine> line = job.worker_line();
+    const Study study = read_study(options.study);
+    return run_study_worker(study, worker_options(study, options.folder, compute_of(options, globals), job.rank() - 1),
+                            *line);
+  }
+  CampaignRequest request = plan(options, globals);
+  request.crew = job.crew_maker();
+  print_summary(globals, run_campaign(request));
+}
+#else
+void run_with_mpi(const Options&, const Globals&) {
+  throw InputError(
+      "the mpi engine was left out of this build; configure it with -DGONOGO_MPI=ON, or take --engine local");
+}
+#endif
+
+void add_study_options(CLI::App& command, Options& options) {
+  command.add_option("study", options.study, "Study file (JSON)")->required();
+  command.add_option("--out", options.folder, "Folder of the campaign; an interrupted one continues")->required();
+}
+
+void add_compute_options(CLI::App& command, Options& options) {
+  command.add_option("--workers", options.workers, "Worker processes; 0 takes one per core, or per GPU")
+      ->check(CLI::Range(0, 4096))
+      ->capture_default_str();
+  command.add_option("--device", options.device, "On what trials are computed; default: the study's, or cpu")
+      ->check(CLI::IsMember({"cpu", "cuda"}));
+  command
+      .add_option("--places", options.places, "Trials side by side in a worker; default: the study's, or 1 (cuda: 64)")
+      ->check(CLI::Range(1, 4096));
+  command
+      .add_option("--checkpoint-every", options.checkpoint_every,
+                  "Interval at which running trials are saved [s]; default: the study's, or 30; 0: never")
+      ->check(CLI::Range(0.0, 1e6));
+}
+
+void add_shard_option(CLI::App& command, Options& options) {
+  command
+      .add_option("--trials-per-shard", options.trials_per_shard,
+                  "Trials that are committed together; the first run in a folder decides")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+}
+
+void add_run(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("run", "Compute the missing trials of a study and write its dataset");
+  auto options = std::make_shared<Options>();
+  add_study_options(*command, *options);
+  add_compute_options(*command, *options);
+  add_shard_option(*command, *options);
+  command->add_option("--engine", options->engine, "local: processes of this machine; mpi: ranks of an mpirun")
+      ->check(CLI::IsMember({"local", "mpi"}))
+      ->capture_default_str();
+  command->footer(
+      "Examples:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2\n"
+      "  gonogo campaign run configs/studies/demo.json --out out/demo_gpu --device cuda --places 64\n"
+      "  mpirun -n 4 gonogo campaign run configs/studies/demo.json --out out/demo --engine mpi");
+  command->callback([options, &globals] {
+    if (options->engine == "mpi") return run_with_mpi(*options, globals);
+    print_summary(globals, run_campaign(plan(*options, globals)));
+  });
+}
+
+/// The words of a task: this program by its path, since the job runs elsewhere.
+std::vector<std::string> task_command(const Options& options) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(),
+                                 "campaign",
+                                 "task",
+                                 fs::absolute(options.study).string(),
+                                 "--out",
+                                 fs::absolute(options.folder).string(),
+                                 "--workers",
+                                 std::to_string(options.workers)};
+  if (!options.device.empty()) words.insert(words.end(), {"--device", options.device});
+  if (options.places > 0) words.insert(words.end(), {"--places", std::to_string(options.places)});
+  if (options.checkpoint_every >= 0)
+    words.insert(words.end(), {"--checkpoint-every", std::to_string(options.checkpoint_every)});
+  return words;
+}
+
+void add_submit(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("submit", "Give the missing trials to Slurm as a job array");
+  auto options = std::make_shared<Options>();
+  add_study_options(*command, *options);
+  add_compute_options(*command, *options);
+  add_shard_option(*command, *options);
+  command->add_option("--tasks", options->most_tasks, "Tasks of the array at most; 0: one per shard, at most 1000")
+      ->check(CLI::Range(0, 1000))
+      ->capture_default_str();
+  command->add_option("--sbatch", options->sbatch, "Further option for sbatch, once for each: --sbatch=--time=2:00:00");
+  command->footer(
+      "Example:\n  gonogo campaign submit configs/studies/demo.json --out out/demo --trials-per-shard 16 --workers 2 "
+      "--sbatch=--cpus-per-task=2\n  gonogo campaign status out/demo\n"
+      "  gonogo campaign collect configs/studies/demo.json --out out/demo");
+  command->callback([options, &globals] {
+    const Submission done = submit_campaign(
+        plan(*options, globals),
+        {.tasks = options->most_tasks, .task_command = task_command(*options), .options = options->sbatch});
+    Json result = Json::object();
+    result["job"] = done.job;
+    result["shards"] = std::uint64_t(done.shards);
+    result["tasks"] = std::uint64_t(done.tasks);
+    print_result(globals, result,
+                 done.job.empty() ? "no trial is missing; gonogo campaign collect writes the dataset"
+                                  : "job " + done.job + ": " + std::to_string(done.tasks) + " tasks compute " +
+                                        std::to_string(done.shards) + " shards");
+  });
+}
+
+/// Hidden: what the job script starts.
+void add_task(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("task", "")->group("");
+  auto options = std::make_shared<Options>();
+  add_study_options(*command, *options);
+  add_compute_options(*command, *options);
+  command->add_option("--task", options->task)->required();
+  command->add_option("--tasks", options->tasks)->required()->check(CLI::PositiveNumber);
+  command->callback([options, &globals] {
+    const CampaignSummary summary = run_campaign_task(plan(*options, globals), options->task, options->tasks);
+    print_result(globals, as_json(summary),
+                 std::to_string(summary.trials) + " trials, " + std::to_string(summary.computed) +
+                     " computed now: " + counts_line(summary.by_verdict, summary.by_reason));
+  });
+}
+
+#ifdef GONOGO_WITH_TORCH
+void add_active(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand(
+      "active", "Let a study choose its own trials, batch by batch, until its model is sure enough");
+  auto options = std::make_shared<Options>();
+  add_study_options(*command, *options);
+  add_compute_options(*command, *options);
+  command->add_option("--seeds", options->seeds, "Points of the first batch")
+      ->check(CLI::Range(2, 1000000))
+      ->capture_default_str();
+  command->add_option("--batch", options->batch, "Points of each further batch")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command->add_option("--most-points", options->most_points, "Stop there in any case")->capture_default_str();
+  command->add_option("--confidence", options->confidence, "Stop when the model expects to be right in this share")
+      ->check(CLI::Range(0.5, 1.0))
+      ->capture_default_str();
+  command->add_option("--space-filling", options->space_filling, "Share of a batch that is uniform over the box")
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  command->footer("Example:\n  gonogo campaign active configs/studies/demo.json --out out/active --confidence 0.95");
+  command->callback([options, &globals] {
+    const ActiveSummary done = run_active({.study = read_study(options->study),
+                                           .folder = options->folder,
+                                           .compute = compute_of(*options, globals),
+                                           .seeds = options->seeds,
+                                           .batch = options->batch,
+                                           .most_points = options->most_points,
+                                           .confidence = options->confidence,
+                                           .space_filling = options->space_filling});
+    Json result = as_json(done.campaign);
+    result["points"] = done.points;
+    result["confidence"] = done.confidence;
+    result["reached"] = done.reached;
+    print_result(globals, result,
+                 as_text(done.campaign) + line("\n%llu points; the model expects to be right in %.1f %% of the box",
+                                               static_cast<unsigned long long>(done.points), 100 * done.confidence));
+  });
+}
+#endif
+
+void add_collect(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("collect", "Check and merge what the tasks of a job computed");
+  auto options = std::make_shared<Options>();
+  add_study_options(*command, *options);
+  add_compute_options(*command, *options);
+  command->footer("Example:\n  gonogo campaign collect configs/studies/demo.json --out out/demo");
+  command->callback([options, &globals] { print_summary(globals, collect_campaign(plan(*options, globals))); });
+}
+
+void add_status(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("status", "How far a campaign is; may be asked while it runs");
+  auto options = std::make_shared<Options>();
+  command->add_option("folder", options->folder, "Folder of the campaign")->required();
+  command->footer("Example:\n  gonogo campaign status out/demo");
+  command->callback([options, &globals] {
+    const CampaignStatus status = campaign_status(options->folder);
+    const std::string slurm = slurm_state(options->folder);
+    Json result = as_json(status);
+    result["slurm"] = slurm;
+    print_result(globals, result, as_text(status) + (slurm.empty() ? "" : "\nSlurm: " + slurm));
+  });
+}
+
+void add_snapshot(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand(
+      "snapshot", "The trials done so far as a dataset, up to the first that is missing; may be taken while it runs");
+  auto options = std::make_shared<Options>();
+  auto out = std::make_shared<std::string>();
+  command->add_option("folder", options->folder, "Folder of the campaign")->required();
+  command->add_option("--out", *out, "File to write (HDF5)")->required();
+  command->footer("Example:\n  gonogo campaign snapshot out/demo --out so_far.h5");
+  command->callback([options, out, &globals] {
+    const Dataset dataset = campaign_snapshot(options->folder);
+    write_dataset(*out, dataset);
+    Json result;
+    result["dataset"] = *out;
+    result["trials"] = std::uint64_t(dataset.records.size());
+    print_result(globals, result, *out + ": " + std::to_string(dataset.records.size()) + " trials");
+  });
+}
+
+/// Hidden: what run starts in each worker process.
+void add_worker(CLI::App& parent) {
+  CLI::App* command = parent.add_subcommand("worker", "")->group("");
+  auto study = std::make_shared<std::string>();
+  auto options = std::make_shared<WorkerOptions>();
+  command->add_option("study", *study)->required();
+  const std::map<std::string, sim::Backend> devices{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
+  command->add_option("--device", options->device)->transform(CLI::CheckedTransformer(devices));
+  command->add_option("--places", options->places)->check(CLI::Range(1, 4096));
+  command->add_option("--gpu", options->gpu);
+  command->add_option("--checkpoints", options->checkpoints);
+  command->add_option("--checkpoint-every", options->checkpoint_every);
+  command->callback([study, options] { run_study_worker(*study, *options); });
+}
+
+}  // namespace
+
+void add_campaign_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand("campaign", "Many trials in worker processes; survives anything, continues");
+  command->require_subcommand(1);
+  command->footer("Example:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2");
+  add_run(*command, globals);
+  add_submit(*command, globals);
+  add_status(*command, globals);
+  add_snapshot(*command, globals);
+  add_collect(*command, globals);
+  add_task(*command, globals);
+#ifdef GONOGO_WITH_TORCH
+  add_active(*command, globals);
+#endif
+  add_worker(*command);
+}
+
+}  // namespace gonogo::pipeline::cli

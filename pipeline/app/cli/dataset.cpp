@@ -1,0 +1,194 @@
+#include <filesystem>
+#include <memory>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/hash.h"
+#include "pipeline/app/cli/command.h"
+#include "pipeline/campaign/dataset/check.h"
+#include "pipeline/campaign/dataset/export.h"
+#include "pipeline/campaign/dataset/summary.h"
+#include "pipeline/campaign/engine/replay.h"
+#ifdef GONOGO_WITH_PICTURES
+#include "pipeline/learn/importance/dataset_report.h"
+#endif
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string dataset, other, format = "csv", out, model, x = "slope_along", y = "friction_angle";
+  std::vector<std::string> parts;
+  std::uint64_t trial = 0;
+};
+
+void add_summary(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("summary", "Counts, ranges, failed trials, replicates, go against slope");
+  auto options = std::make_shared<Options>();
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
+  command->footer("Example:\n  gonogo dataset summary out/demo/dataset.h5");
+  command->callback([options, &globals] {
+    const DatasetSummary summary = summarise(read_dataset(options->dataset).records);
+    print_result(globals, to_json(summary), to_text(summary));
+  });
+}
+
+void add_export(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("export", "The whole table for other programs, every number exact");
+  auto options = std::make_shared<Options>();
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
+  command->add_option("--format", options->format, "csv, or json with units and provenance")
+      ->check(CLI::IsMember({"csv", "json"}))
+      ->capture_default_str();
+  command->add_option("--out", options->out, "File to write")->required();
+  command->footer("Example:\n  gonogo dataset export out/demo/dataset.h5 --format csv --out trials.csv");
+  command->callback([options, &globals] {
+    const Dataset dataset = read_dataset(options->dataset);
+    const std::string text = options->format == "csv" ? to_csv(dataset) : to_json_text(dataset);
+    write_file_atomically(options->out, text);
+    Json result = Json::object();
+    result["out"] = options->out;
+    result["trials"] = std::uint64_t(dataset.records.size());
+    result["hash"] = content_hash(text);
+    print_result(globals, result, options->out + ": " + std::to_string(dataset.records.size()) + " trials");
+  });
+}
+
+void add_merge(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("merge", "Several datasets of one study as one, each trial once");
+  auto options = std::make_shared<Options>();
+  command->add_option("datasets", options->parts, "Datasets (HDF5)")->required()->expected(2, -1);
+  command->add_option("--out", options->out, "File to write")->required();
+  command->footer("Example:\n  gonogo dataset merge out/a/dataset.h5 out/b/dataset.h5 --out all.h5");
+  command->callback([options, &globals] {
+    std::vector<Dataset> parts;
+    for (const std::string& file : options->parts) parts.push_back(read_dataset(file));
+    const Dataset merged = merge_datasets(parts, options->parts);
+    write_dataset(options->out, merged);
+    Json result = Json::object();
+    result["out"] = options->out;
+    result["trials"] = std::uint64_t(merged.records.size());
+    print_result(globals, result, options->out + ": " + std::to_string(merged.records.size()) + " trials");
+  });
+}
+
+/// Throws DeviceError when there is something to say, after saying it.
+void conclude(const Globals& globals, const Json& result, const std::string& text, bool good, const std::string& what) {
+  print_result(globals, result, text);
+  if (!good) throw DeviceError(what);
+}
+
+void add_verify(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("verify", "Check a dataset: hash, order, ranges, outcomes, replicates");
+  auto options = std::make_shared<Options>();
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
+  command->footer("Example:\n  gonogo dataset verify out/demo/dataset.h5");
+  command->callback([options, &globals] {
+    const Dataset dataset = read_dataset(options->dataset);
+    const std::vector<std::string> faults = faults_of(dataset);
+    Json result = Json::object();
+    result["trials"] = std::uint64_t(dataset.records.size());
+    result["faults"] = Json::array();
+    std::string text;
+    for (const std::string& fault : faults) {
+      result["faults"].push_back(fault);
+      text += fault + "\n";
+    }
+    if (faults.empty()) text = options->dataset + ": " + std::to_string(dataset.records.size()) + " trials, sound\n";
+    conclude(globals, result, text, faults.empty(),
+             options->dataset + ": " + std::to_string(faults.size()) + " faults; run its campaign again");
+  });
+}
+
+void add_diff(CLI::App& parent, const Globals& globals) {
+  CLI::App* command = parent.add_subcommand("diff", "Compare two datasets bit for bit; exit status 1 when they differ");
+  auto options = std::make_shared<Options>();
+  command->add_option("first", options->dataset, "Dataset (HDF5)")->required();
+  command->add_option("second", options->other, "Dataset (HDF5)")->required();
+  command->footer("Example:\n  gonogo dataset diff out/cpu/dataset.h5 out/gpu/dataset.h5");
+  command->callback([options, &globals] {
+    const DatasetDifference d = difference(read_dataset(options->dataset), read_dataset(options->other));
+    Json result = Json::object();
+    result["same"] = d.none();
+    result["common"] = std::uint64_t(d.common);
+    result["only_first"] = std::uint64_t(d.only_first.size());
+    result["only_second"] = std::uint64_t(d.only_second.size());
+    result["different_values"] = std::uint64_t(d.rows.size());
+    conclude(globals, result, to_text(d), d.none(), options->dataset + " and " + options->other + " differ");
+  });
+}
+
+void add_replay(CLI::App& parent, const Globals& globals) {
+  CLI::App* command =
+      parent.add_subcommand("replay", "Compute one trial again from the dataset alone; exit status 1 when bits differ");
+  auto options = std::make_shared<Options>();
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
+  command->add_option("--trial", options->trial, "Its index")->required();
+  command->footer("Example:\n  gonogo dataset replay out/demo/dataset.h5 --trial 31");
+  command->callback([options, &globals] {
+    const Replay replay = replay_trial(read_dataset(options->dataset), options->trial, globals.threads);
+    Json result = Json::object();
+    result["trial"] = options->trial;
+    result["same"] = replay.differences.empty();
+    result["same_program"] = replay.same_program;
+    result["verdict"] = contract().info(replay.record.verdict).name;
+    std::string text;
+    for (const RowDifference& row : replay.differences)
+      text += row.column + ": " + row.first + " in the dataset, " + row.second + " now\n";
+    if (text.empty()) text = "trial " + std::to_string(options->trial) + ": the same bits\n";
+    if (!replay.same_program) text += "the dataset was made by another version of the program\n";
+    conclude(globals, result, text, replay.differences.empty(), "the trial ended otherwise than in the dataset");
+  });
+}
+
+#ifdef GONOGO_WITH_PICTURES
+void add_plot(CLI::App& parent, const Globals& globals) {
+  CLI::App* command =
+      parent.add_subcommand("plot", "Pictures and a page: go/no-go over two variables, pairs, importance");
+  auto options = std::make_shared<Options>();
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
+  command->add_option("--out", options->out, "Folder for boundary.png, pairs.png, importance.png, report.html")
+      ->required();
+  command->add_option("--x", options->x, "Variable or measure across")->capture_default_str();
+  command->add_option("--y", options->y, "Variable or measure upward")->capture_default_str();
+  command->add_option("--model", options->model, "Model trained on it, for the importance of variables");
+  command->footer("Example:\n  gonogo dataset plot out/demo/dataset.h5 --model out/demo/model.h5 --out out/demo/plots");
+  command->callback([options, &globals] {
+    const Dataset dataset = read_dataset(options->dataset);
+    ReportRequest request{.name = options->dataset, .x = options->x, .y = options->y, .importance = {}};
+    if (!options->model.empty()) request.importance = model_importance(Predictor::read(options->model), dataset);
+    const auto files = write_dataset_report(options->out, dataset, request);
+    Json result = Json::object();
+    result["files"] = Json::array();
+    std::string text;
+    for (const auto& file : files) {
+      result["files"].push_back(file.string());
+      text += file.string() + "\n";
+    }
+    if (request.importance) {
+      result["importance"] = to_json(*request.importance);
+      text += "\n" + to_text(*request.importance);
+    }
+    print_result(globals, result, text);
+  });
+}
+#endif
+
+}  // namespace
+
+void add_dataset_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand("dataset", "Look into datasets, draw, check, compare, merge, export them");
+  command->require_subcommand(1);
+  command->footer("Example:\n  gonogo dataset summary out/demo/dataset.h5");
+  add_summary(*command, globals);
+  add_export(*command, globals);
+  add_merge(*command, globals);
+  add_verify(*command, globals);
+  add_diff(*command, globals);
+  add_replay(*command, globals);
+#ifdef GONOGO_WITH_PICTURES
+  add_plot(*command, globals);
+#endif
+}
+
+}  // namespace gonogo::pipeline::cli

@@ -1,0 +1,92 @@
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "base/line.h"
+#include "pipeline/app/cli/command.h"
+#include "pipeline/campaign/dataset/row.h"
+#include "pipeline/campaign/design/coverage.h"
+#include "pipeline/campaign/design/design.h"
+#include "pipeline/campaign/study/study.h"
+#ifdef GONOGO_WITH_GDAL
+#include "pipeline/map/region/region_share.h"
+#endif
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string study;
+  bool csv = false;
+};
+
+std::string as_csv(const std::vector<DesignPoint>& design) {
+  std::string text = point_header_row() + "\n";
+  for (const DesignPoint& point : design) text += to_row(point) + "\n";
+  return text;
+}
+
+std::string as_text(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled,
+                    const std::optional<double>& region_share) {
+  std::string text = line("%zu trials: %llu points (%s), the rest replicates\n", design.size(),
+                          static_cast<unsigned long long>(spec.points), spec.method.c_str());
+  for (const SampledVariable& range : spec.ranges) {
+    const Variable& variable = contract().variables[range.variable];
+    text += line("  %-18s %g to %g %s\n", variable.name.c_str(), range.minimum, range.maximum, variable.unit.c_str());
+  }
+  for (std::size_t i = 0; i < spec.fixed.size(); ++i) {
+    const Variable& variable = contract().variables[i];
+    if (spec.fixed[i] == spec.fixed[i])
+      text += line("  %-18s %g %s\n", variable.name.c_str(), spec.fixed[i], variable.unit.c_str());
+  }
+  for (const Stratum& stratum : spec.strata)
+    text += line("  share %-6.3g       %s\n", stratum.share, stratum.name.c_str());
+  text +=
+      line("L2 star discrepancy %.3g (independent random points: %.3g)\n", filled.discrepancy, filled.expected_random);
+  text += line("widest gap in any one variable: %.2g of its range\n", filled.largest_gap);
+  text += line("largest empty ball: radius %.3g of the unit cube's side\n", filled.empty_ball);
+  if (region_share) text += line("%.1f %% of the region lies inside the sampled box\n", 100 * *region_share);
+  return text + "\n" + as_csv(design);
+}
+
+Json as_json(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled,
+             const std::optional<double>& region_share) {
+  Json result = Json::object();
+  result["trials"] = std::uint64_t(design.size());
+  result["points"] = spec.points;
+  result["discrepancy"] = filled.discrepancy;
+  result["discrepancy_of_random"] = filled.expected_random;
+  result["widest_gap_share"] = filled.largest_gap;
+  result["largest_empty_ball"] = filled.empty_ball;
+  if (region_share) result["region_share"] = *region_share;
+  return result;
+}
+
+/// Nothing where the study names no region, or this build reads no rasters.
+std::optional<double> share_of_region([[maybe_unused]] const Study& study, [[maybe_unused]] const DesignSpec& spec) {
+#ifdef GONOGO_WITH_GDAL
+  if (!study.region.empty()) return share_inside(read_region(study.region), spec);
+#endif
+  return std::nullopt;
+}
+
+}  // namespace
+
+void add_design_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand("design", "Show which points a study's campaign will simulate");
+  auto options = std::make_shared<Options>();
+  command->add_option("study", options->study, "Study file (JSON)")->required();
+  command->add_flag("--csv", options->csv, "Only the table of points, comma-separated");
+  command->footer("Example:\n  gonogo design configs/studies/demo.json --csv > design.csv");
+  command->callback([options, &globals] {
+    const Study study = read_study(options->study);
+    const DesignSpec spec = read_design(study.section("design"), study.seed);
+    const std::vector<DesignPoint> design = make_design(spec);
+    const Coverage filled = coverage(spec, design);
+    const std::optional<double> region = share_of_region(study, spec);
+    print_result(globals, as_json(spec, design, filled, region),
+                 options->csv ? as_csv(design) : as_text(spec, design, filled, region));
+  });
+}
+
+}  // namespace gonogo::pipeline::cli

@@ -1,0 +1,61 @@
+#include "pipeline/learn/answer/infer.h"
+
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "pipeline/app/cli/command.h"
+#include "pipeline/learn/answer/named_values.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string model, outcome, csv, out;
+  std::vector<std::string> set;
+  bool reconstruct = false, interactive = false;
+};
+
+void infer(const Options& options, const Globals& globals) {
+  const int ways = !options.csv.empty() + options.interactive;
+  if (ways > 1 || (ways == 1 && (!options.set.empty() || !options.outcome.empty())))
+    throw InputError("infer: give one point (--set, --outcome), or --csv, or --interactive");
+  if (options.csv.empty() != options.out.empty()) throw InputError("infer: --csv and --out belong together");
+  const Predictor predictor = Predictor::read(options.model);
+  if (options.interactive) return converse(predictor, std::cin, std::cout);
+  if (!options.csv.empty()) {
+    const std::size_t rows = infer_csv(predictor, options.csv, options.out);
+    Json result;
+    result["rows"] = Json(std::uint64_t(rows));
+    result["out"] = options.out;
+    return print_result(globals, result, std::to_string(rows) + " points answered in " + options.out + "\n");
+  }
+  Question question{to_variables(parse_named_values(options.set)), std::nullopt, options.reconstruct};
+  if (!options.outcome.empty()) question.outcome = outcome_named(options.outcome);
+  const Json answer = answer_question(predictor, question);
+  print_result(globals, answer, answer_text(answer));
+}
+
+}  // namespace
+
+void add_infer_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command =
+      app.add_subcommand("infer", "P(outcome) at one point or many; variables left out are summed out, or told");
+  auto options = std::make_shared<Options>();
+  command->add_option("--model", options->model, "Model file")->required();
+  command->add_option("--set", options->set, "variable=number, in the unit of the contract; may be repeated");
+  command->add_flag("--reconstruct", options->reconstruct, "Also tell the unknown variables: mean, spread, all bins");
+  command->add_option("--outcome", options->outcome, "Take this outcome as known and tell the unknown variables");
+  command->add_option("--csv", options->csv, "Points with a header of variables; empty cells are unknown");
+  command->add_option("--out", options->out, "CSV to write for --csv: the same columns and the answers");
+  command->add_flag("--interactive", options->interactive, "Ask line by line");
+  command->footer(
+      "Examples:\n  gonogo infer --model out/demo/model.h5 --set slope_along=12 --set friction_angle=32\n"
+      "  gonogo infer --model out/demo/model.h5 --set slope_along=20 --outcome no_go/traction\n"
+      "  gonogo infer --model out/demo/model.h5 --csv points.csv --out answers.csv");
+  command->callback([options, &globals] { infer(*options, globals); });
+}
+
+}  // namespace gonogo::pipeline::cli

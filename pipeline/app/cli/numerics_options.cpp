@@ -1,0 +1,51 @@
+#include "pipeline/app/cli/numerics_options.h"
+
+#include "terrain/bed/target_name.h"
+
+namespace gonogo::pipeline::cli {
+
+void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::string& whose) {
+  command.add_option("--step", n.step, whose + ": step [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
+  command.add_option("--substeps", n.substeps, whose + ": parts of a step")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command.add_option("--iterations", n.iterations, whose + ": most in a part of a step")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  command.add_option("--tolerance", n.tolerance, whose + ": residual at which the solver stops [m/s]; 0: never")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  const auto set = [&n](const std::string& name) { n.target = terrain::target_named(name); };
+  command
+      .add_option_function<std::string>("--target", set,
+                                        whose + ": ccp, whose contacts open as they slide or roll, or coulomb")
+      ->check(CLI::IsMember(terrain::target_names()))
+      ->default_str(terrain::name_of(n.target));
+}
+
+void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
+                                bool tolerance) {
+  const std::string from = "; without it that of the soil's table";
+  command.add_option("--step", asked.step, whose + ": step [s]" + from)->check(CLI::Range(1e-5, 5e-3));
+  command.add_option("--substeps", asked.substeps, whose + ": parts of a step" + from)->check(CLI::Range(1, 1000));
+  command.add_option("--iterations", asked.iterations, whose + ": most in a part of a step" + from)
+      ->check(CLI::Range(1, 100000));
+  if (tolerance)
+    command
+        .add_option("--tolerance", asked.tolerance,
+                    whose + ": residual at which the solver stops [m/s]; 0: never" + from)
+        ->check(CLI::Range(0.0, 1.0));
+  const auto set = [&asked](const std::string& name) { asked.target = terrain::target_named(name); };
+  command
+      .add_option_function<std::string>("--target", set,
+                                        whose + ": ccp, whose contacts open as they slide or roll, or coulomb" + from)
+      ->check(CLI::IsMember(terrain::target_names()));
+}
+
+bool numerics_given(const CLI::App& command) {
+  for (const char* name : {"--step", "--substeps", "--iterations", "--tolerance", "--target"})
+    if (command.get_option_no_throw(name) && command.count(name) > 0) return true;
+  return false;
+}
+
+}  // namespace gonogo::pipeline::cli

@@ -1,0 +1,20 @@
+// Options of commands that step grains: how long a step is, and how its contacts are solved.
+#pragma once
+#include "pipeline/app/cli/command.h"
+#include "terrain/bed/numerics.h"
+#include "terrain/soil/table_numerics.h"
+
+namespace gonogo::pipeline::cli {
+
+/// --step, --substeps, --iterations, --tolerance, --target. `whose`: trials or a test, for the help.
+void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const std::string& whose);
+
+/// The same for commands that meet a soil through a table: what is not given is the table's. `tolerance`: with
+/// --tolerance.
+void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
+                                bool tolerance = true);
+
+/// Whether any of those was given.
+bool numerics_given(const CLI::App& command);
+
+}  // namespace gonogo::pipeline::cli

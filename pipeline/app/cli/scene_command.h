@@ -1,0 +1,35 @@
+// What the commands of scenes of many bodies share: options, and what they print.
+#pragma once
+#include <memory>
+#include <string>
+
+#include "pipeline/app/cli/bench_parts.h"
+#include "pipeline/lab/scenes/scene.h"
+#include "pipeline/lab/scenes/spheres.h"
+
+namespace gonogo::pipeline::cli {
+
+void add_sphere_count(CLI::App& command, Index& count);
+void add_friction(CLI::App& command, Spheres& of, const std::string& of_what);
+
+/// A subcommand that makes a scene, runs, shows and times it and prints what it tells. `count`: of its spheres; it must
+/// live as long as `make` does.
+CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, const char* about, Index* count,
+                    const std::function<ManyScene(const RunOn&)>& make);
+
+/// The same of a scene that `make` builds from a spec, whose spheres are `of`.
+template <class Spec>
+CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, const char* about,
+                    const std::shared_ptr<Spec>& spec, Spheres& of, ManyScene (*make)(const Spec&, const RunOn&)) {
+  return add_scene(parent, globals, name, about, &of.count, [spec, make](const RunOn& on) { return make(*spec, on); });
+}
+
+/// What every scene prints first.
+Json counts_json(const std::string& scene, const RunOn& on, std::int64_t spheres, std::int64_t bodies,
+                 std::int64_t contacts);
+
+/// Times of the stages from `first` to `last` [ms].
+Json stages_json(const sim::StageTimes& times, sim::Stage first, sim::Stage last);
+std::string stages_text(const sim::StageTimes& times, sim::Stage first, sim::Stage last);
+
+}  // namespace gonogo::pipeline::cli

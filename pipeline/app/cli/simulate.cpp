@@ -1,0 +1,290 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/line.h"
+#include "base/shipped.h"
+#include "pipeline/app/cli/command.h"
+#include "pipeline/app/cli/numerics_options.h"
+#include "pipeline/campaign/trial/lanes.h"
+#include "pipeline/lab/film/film.h"
+#include "pipeline/lab/vehicle/locate.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+struct Options {
+  std::string study, vehicle, soil, task, csv;
+  std::optional<double> slope_along, slope_across;  // [deg]
+  std::vector<std::string> settings;
+  std::uint64_t seed = 0;
+  FilmRequest film;
+  TrialCheckpoint checkpoint;
+  terrain::AskedNumerics numerics;
+  std::string size = "1280x720", colour = "speed";
+  bool gpu = false, compliant = false, folded = false, numerics_given = false;
+};
+
+sim::Backend device_of(const Options& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
+
+/// A variable of a study: its fixed value or the middle of its range.
+std::vector<double> variables_of(const Study& study) {
+  std::vector<double> values(contract().variables.size(), std::nan(""));
+  const Config design = study.section("design");
+  const auto fixed = design.object_if("fixed"), ranges = design.object_if("ranges");
+  for (std::size_t v = 0; v < values.size(); ++v) {
+    const std::string& name = contract().variables[v].name;
+    if (fixed && fixed->has(name)) values[v] = fixed->number(name);
+    if (ranges && ranges->has(name)) values[v] = 0.5 * (ranges->numbers(name).at(0) + ranges->numbers(name).at(1));
+  }
+  return values;
+}
+
+/// Of a vehicle without a study: level ground of dry sand in the middle of what the grains reach, moderate speed.
+std::vector<double> variables_of(const TrialSetup& setup) {
+  const terrain::AngleRange reach = terrain::reachable_angles(setup.calibration);
+  std::vector<double> values(contract().variables.size(), 0);
+  const auto set = [&](const char* name, double x) { values[contract().variable_index(name)] = x; };
+  set("friction_angle", 0.5 * (reach.lowest + reach.highest));
+  set("relative_density", 0.5);
+  set("tyre_friction", setup.whole ? setup.whole->wheel.front().friction : 0.8);
+  set("bed_depth", 0.3);
+  set("commanded_speed", 1.5);
+  return values;
+}
+
+/// "between -45 and 45 deg"
+std::string allowed(const Variable& v) {
+  return "between " + std::to_string(v.minimum) + " and " + std::to_string(v.maximum) + " " + v.unit;
+}
+
+/// Values from --slope, --cross-slope and --set in the place of the others.
+std::vector<double> with_settings(std::vector<double> values, const Options& options) {
+  std::vector<std::string> settings;
+  if (options.slope_along) settings.push_back("slope_along=" + std::to_string(*options.slope_along));
+  if (options.slope_across) settings.push_back("slope_across=" + std::to_string(*options.slope_across));
+  settings.insert(settings.end(), options.settings.begin(), options.settings.end());
+  for (const std::string& setting : settings) {
+    const auto equals = setting.find('=');
+    if (equals == std::string::npos) throw InputError("--set " + setting + ": write it as name=value");
+    const std::size_t v = contract().variable_index(setting.substr(0, equals));
+    const Variable& variable = contract().variables[v];
+    char* end = nullptr;
+    const std::string text = setting.substr(equals + 1);
+    values[v] = std::strtod(text.c_str(), &end);
+    if (text.empty() || *end != 0 || !(values[v] >= variable.minimum && values[v] <= variable.maximum))
+      throw InputError("--set " + setting + ": the value must be a number " + allowed(variable));
+  }
+  return values;
+}
+
+/// A study whose points come from a file says nothing of a variable by itself.
+void check_all_given(const std::vector<double>& values, const Options& options) {
+  for (std::size_t v = 0; v < values.size(); ++v)
+    if (std::isnan(values[v])) {
+      const Variable& variable = contract().variables[v];
+      throw InputError(options.study + ": design has neither a fixed value nor a range of " + variable.name + ", " +
+                       allowed(variable) + "; give one: --set " + variable.name + "=...");
+    }
+}
+
+std::string csv_line(const TrialSample& s) {
+  char text[256];
+  std::snprintf(text, sizeof text, "%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3e,%d,%d\n", s.time, s.x, s.y, s.sinkage,
+                s.speed, s.slip, s.torque, s.residual, s.contacts, s.iterations);
+  return text;
+}
+
+FilmRequest film_request(const Globals& globals, const Options& options) {
+  FilmRequest film = options.film;
+  int used = 0;
+  if (std::sscanf(options.size.c_str(), "%dx%d%n", &film.width, &film.height, &used) != 2 ||
+      used != int(options.size.size()))
+    throw InputError("--size " + options.size + ": write it as WIDTHxHEIGHT in pixels, such as 1280x720");
+  film.colour = options.colour == "height" ? GrainColour::height : GrainColour::speed;
+  film.threads = globals.threads > 0 ? globals.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+  check_film(film);
+  return film;
+}
+
+/// Runs the trial and writes what was asked for about its course.
+TrialRecord watched_trial(const Globals& globals, const Options& options, const TrialSetup& setup,
+                          const DesignPoint& point) {
+  if (!options.checkpoint.path.empty() && options.film.wants_series())
+    throw InputError(
+        "--checkpoint does not go with --frames, --vtk or --video: a continued run has no pictures of its "
+        "beginning; leave one out");
+  const auto value = [&](const char* name) { return point.variables[contract().variable_index(name)]; };
+  Film film(film_request(globals, options), setup.name, value("slope_along"), value("slope_across"),
+            value("commanded_speed"));
+  if (options.gpu) sim::require_backend(sim::Backend::cuda);
+  prepare_trials(setup, {&point, 1}, 1);
+  std::string csv;
+  TrialWatch watch;
+  watch.start = [&] {
+    csv = "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
+    film.start();
+  };
+  watch.sample = [&csv](const TrialSample& s) { csv += csv_line(s); };
+  if (options.film.wants_pictures() || options.film.wants_series())
+    watch.frame = [&film](const TrialFrame& frame) { film.add(frame); };
+  watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
+  const TrialDevice device{device_of(options), std::max(1, globals.threads)};
+  const TrialRecord record = run_trial(setup, point, watch, options.checkpoint, device);
+  if (!options.csv.empty()) write_file_atomically(options.csv, csv);
+  film.finish(record);
+  return record;
+}
+
+struct Request {
+  TrialSetup setup;
+  DesignPoint point;
+};
+
+/// From a study, or from a vehicle and a soil.
+Request request_of(const Options& options) {
+  if (options.study.empty() == options.vehicle.empty())
+    throw InputError("name a study, or --vehicle and --soil; one of the two");
+  Request r;
+  r.point.seed = options.seed;
+  if (options.vehicle.empty()) {
+    if (options.compliant)
+      throw InputError("--compliant-tyres goes with --vehicle; in a study it is trial.compliant_tyres");
+    if (options.folded) throw InputError("--folded goes with --vehicle; in a study it is trial.bed.folded");
+    if (options.numerics_given)
+      throw InputError(
+          "--step, --substeps, --iterations, --tolerance and --target go with --vehicle; in a study they are "
+          "trial.numerics");
+    if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
+    const Study study = read_study(options.study);
+    r.setup = read_trial_setup(study, default_packing_folder(), device_of(options));
+    r.point.variables = with_settings(variables_of(study), options);
+    check_all_given(r.point.variables, options);
+    return r;
+  }
+  if (options.soil.empty()) throw InputError("--vehicle needs --soil: a calibration, such as calibration_90mm");
+  r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), shipped_file("soils", "calibration", options.soil),
+                                options.task.empty() ? default_task() : parse_task(options.task), options.numerics);
+  if (options.folded) fold_bed(r.setup);
+  r.setup.settled_on = device_of(options);
+  r.setup.compliant_tyres = options.compliant;
+  check_tyres(r.setup);
+  r.point.variables = with_settings(variables_of(r.setup), options);
+  return r;
+}
+
+/// Wheels of a whole vehicle, and whether the label obeys the scale rule.
+void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json, std::string& text) {
+  const double grains = grains_per_tyre(setup);
+  json["grains_per_tyre"] = grains;
+  json["label"] = grains >= kGrainsPerTyre ? "fine" : "coarse";
+  if (grains < kGrainsPerTyre) {
+    text += line("coarse label: a tyre or shoe is %.1f grains wide, %.0f are needed for one to publish\n", grains,
+                 kGrainsPerTyre);
+  }
+  for (const WheelRecord& w : record.wheels) {
+    Json wheel;
+    wheel["name"] = w.name;
+    wheel["slip"] = w.slip;
+    wheel["sinkage_m"] = w.sinkage;
+    wheel["torque_N_m"] = w.torque;
+    json["wheels"].push_back(std::move(wheel));
+    text += line("%-18s", w.name.c_str());
+    if (std::isfinite(w.slip)) text += line(" slip %6.3f  torque %7.0f N m ", w.slip, w.torque);
+    if (std::isfinite(w.sinkage)) text += line(" sinkage %6.1f mm", 1e3 * w.sinkage);
+    text += "\n";
+  }
+}
+
+/// The curve of a drawbar sweep.
+void add_pull(const TrialRecord& record, Json& json, std::string& text) {
+  if (record.pull.empty()) return;
+  text += "pull/weight    slip  speed [m/s]  sinkage [mm]  torque [N m]\n";
+  for (const PullPoint& p : record.pull) {
+    Json point;
+    point["pull_per_weight"] = p.pull, point["slip"] = p.slip, point["speed_m_per_s"] = p.speed;
+    point["sinkage_m"] = p.sinkage, point["torque_N_m"] = p.torque;
+    json["pull"].push_back(std::move(point));
+    text += line("%11.3f  %6.3f  %11.3f  %12.1f  %12.0f\n", p.pull, p.slip, p.speed, 1e3 * p.sinkage, p.torque);
+  }
+}
+
+void simulate(const Globals& globals, const Options& options) {
+  const auto [setup, point] = request_of(options);
+  const TrialRecord record = watched_trial(globals, options, setup, point);
+  Json json;
+  json["trial"] = setup.task->name();
+  json["verdict"] = contract().info(record.verdict).name;
+  json["reason"] = contract().info(record.reason).name;
+  std::string text =
+      "verdict  " + contract().info(record.verdict).name + " / " + contract().info(record.reason).name + "\n";
+  for (std::size_t v = 0; v < point.variables.size(); ++v)
+    json["variables"][contract().variables[v].name] = point.variables[v];
+  for (std::size_t m = 0; m < record.measures.size(); ++m) {
+    const Measure& measure = contract().measures[m];
+    json["measures"][measure.name] = record.measures[m];
+    text += line("%-18s %10.4g %s\n", measure.name.c_str(), record.measures[m], measure.unit.c_str());
+  }
+  terrain::write_numerics(json["numerics"], setup.numerics);
+  text += "numerics  " + terrain::description(setup.numerics) + "\n";
+  add_vehicle(setup, record, json, text);
+  add_pull(record, json, text);
+  print_result(globals, json, text);
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& app, const Globals& globals) {
+  CLI::App* command = app.add_subcommand("simulate", "Run one trial and say how it ended");
+  auto options = std::make_shared<Options>();
+  command->add_option("study", options->study, "Study JSON; or --vehicle and --soil");
+  command->add_option("--vehicle", options->vehicle, "Vehicle file, or the name of one in configs/vehicles");
+  command->add_option("--soil", options->soil,
+                      "Calibration of the grains, a file or the name of one in configs/soils, with --vehicle");
+  command->add_option("--trial", options->task,
+                      "Type of trial with its numbers, with --vehicle: climb, side_slope, drawbar, "
+                      "single_wheel:slip=0.2, step:height_m=0.2, "
+                      "ditch:width_m=1,depth_m=0.2, crossing:length_m=2,friction_angle_deg=18");
+  command->add_option("--slope", options->slope_along, "Slope along, uphill positive [deg]");
+  command->add_option("--cross-slope", options->slope_across, "Slope across, left side higher positive [deg]");
+  command->add_option("--set", options->settings,
+                      "Value of a variable, name=value; others: the study's fixed value or mid-range");
+  command->add_option("--seed", options->seed, "Seed of the bed");
+  command->add_flag("--compliant-tyres", options->compliant, "With the stiffness that the vehicle's file names");
+  command->add_flag("--folded", options->folded,
+                    "On a bed of two thirds of the track, periodic across: a third of the grains");
+  add_asked_numerics_options(*command, options->numerics, "With --vehicle");
+  command->add_flag("--gpu", options->gpu, "On the GPU");
+  command->add_option("--csv", options->csv, "Write the run step by step to this file");
+  command->add_option("--checkpoint", options->checkpoint.path,
+                      "Save the running trial to this file and, where it exists, go on from it");
+  command->add_option("--checkpoint-every", options->checkpoint.every, "Time between two savings [s of the wall clock]")
+      ->check(CLI::Range(0.0, 1e6));
+  command->add_option("--picture", options->film.picture, "Write a picture of the trial's end to this PNG file");
+  command->add_option("--frames", options->film.frames, "Write a PNG per interval to this folder");
+  command->add_option("--vtk", options->film.vtk, "Write VTK files per interval to this folder, for ParaView");
+  command->add_option("--video", options->film.video, "Write an MP4 video of the trial; needs ffmpeg");
+  command->add_option("--every", options->film.every, "Interval of frames, VTK files and video [s]")
+      ->check(CLI::Range(1e-4, 100.0));
+  command->add_option("--size", options->size, "Size of pictures in pixels, WIDTHxHEIGHT");
+  command->add_option("--colour", options->colour, "What colours the grains")
+      ->check(CLI::IsMember({"speed", "height"}));
+  command->footer(
+      "Examples:\n  gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30\n"
+      "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --slope 12 --video out/climb.mp4\n"
+      "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --trial drawbar\n"
+      "  gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05");
+  command->callback([&globals, options, command] {
+    options->numerics_given = numerics_given(*command);
+    simulate(globals, *options);
+  });
+}
+
+}  // namespace gonogo::pipeline::cli

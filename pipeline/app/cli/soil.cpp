@@ -1,0 +1,195 @@
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "pipeline/app/cli/command.h"
+#include "pipeline/app/cli/numerics_options.h"
+#include "pipeline/campaign/trial/setup.h"
+#include "pipeline/lab/soil/library.h"
+#include "pipeline/lab/soil/soil_tests.h"
+#include "terrain/calibration/calibrate.h"
+#include "terrain/soil/soil_file.h"
+
+namespace gonogo::pipeline::cli {
+namespace {
+
+std::string table(const terrain::Calibration& c) {
+  std::string text;
+  char line[160];
+  for (const terrain::PackingLevel& p : c.packing) {
+    std::snprintf(line, sizeof line, "packing settled at friction %.2f: solid fraction %.4f, relative density %.2f\n",
+                  p.settle_friction, p.solid_fraction, p.relative_density);
+    text += line;
+  }
+  text += "friction  rolling   friction angle [deg]   cohesion / contact pressure   loosest solid fraction\n";
+  for (const terrain::ContactLevel& l : c.contact) {
+    std::snprintf(line, sizeof line, "%8.2f %8.2f   %9.2f +- %.2f      %9.3f +- %.3f          %9.4f\n", l.friction,
+                  l.rolling_friction, l.friction_angle, l.friction_angle_error, l.cohesion_gain, l.cohesion_gain_error,
+                  l.loosest_solid_fraction);
+    text += line;
+  }
+  return text;
+}
+
+int thread_count(const Globals& globals) {
+  return globals.threads > 0 ? globals.threads : int(std::thread::hardware_concurrency());
+}
+
+void add_shape(CLI::App& command, terrain::GrainShape& shape) {
+  command
+      .add_option_function<std::string>(
+          "--shape", [&shape](const std::string& name) { shape = terrain::grain_shape_of(name); },
+          "Of grains: sphere, or a clump of two (pair) or three (trefoil) that has the volume of a sphere (sphere)")
+      ->check(CLI::IsMember(terrain::grain_shape_names()));
+}
+
+/// Options of all tests; --density is the relative one.
+void add_soil_options(CLI::App& command, SoilTestRequest& r) {
+  const auto real = [](Real& target, double scale) { return [&target, scale](double x) { target = Real(x * scale); }; };
+  command.add_option("--grain", r.soil.grain_diameter, "Grain diameter [m]")->capture_default_str();
+  add_shape(command, r.soil.shape);
+  command.add_option_function<double>("--friction", real(r.soil.grain.friction, 1), "Sliding friction of grains (0.5)");
+  command.add_option_function<double>("--rolling", real(r.soil.grain.rolling_friction, 1),
+                                      "Rolling friction of grains, times the effective radius (0)");
+  command.add_option_function<double>("--cohesion", real(r.soil.grain.cohesion_pressure, 1e3),
+                                      "Cohesion pressure between grains, not of the soil [kPa] (0)");
+  command.add_option("--tool-friction", r.soil.tool_friction, "Friction of grains on plate, cone and walls")
+      ->capture_default_str();
+  command.add_option("--density", r.soil.relative_density, "Relative density, 0 loosest to 1 densest")
+      ->capture_default_str();
+  command.add_option("--grain-density", r.soil.grain_density, "Of the solid [kg/m3]")->capture_default_str();
+  command.add_option("--seed", r.soil.seed, "First seed")->capture_default_str();
+  command.add_option("--seeds", r.seeds, "Packings, one per seed")->check(CLI::Range(1, 100))->capture_default_str();
+  command.add_flag("--quick", r.quick, "Smaller beds and shorter ways, for a first look");
+}
+
+void add_test(CLI::App& parent, const Globals& globals, const std::string& name, const std::string& about) {
+  CLI::App* command = parent.add_subcommand(name, about);
+  const auto request = std::make_shared<SoilTestRequest>();
+  const auto out = std::make_shared<std::string>();
+  const auto stresses = std::make_shared<std::vector<double>>();
+  const auto numerics = std::make_shared<terrain::Numerics>();
+  add_soil_options(*command, *request);
+  add_numerics_options(*command, *numerics, "Trials");
+  if (name == "shear" || name == "triaxial")
+    command->add_option("--stress", *stresses,
+                        name == "shear" ? "Normal stresses [kPa] (5 10 20)" : "Confining stresses [kPa] (5 10 20)");
+  if (name == "plate")
+    command->add_option("--widths", request->plate_widths, "Plate widths [grain diameters]")->capture_default_str();
+  if (name == "cone")
+    command->add_option("--cone", request->cone_diameter, "Diameter of the cone's base [grain diameters]")
+        ->capture_default_str();
+  command->add_option("--out", *out, "Folder for curves (CSV, PNG), a picture of the grains, and the numbers (JSON)");
+  command->footer("Example:\n  gonogo soil test " + name + " --grain 0.032 --friction 0.5 --rolling 0.1 --out out/" +
+                  name);
+  command->callback([&globals, name, command, request, out, stresses, numerics] {
+    if (numerics_given(*command)) request->numerics = *numerics;
+    request->threads = thread_count(globals);
+    request->soil.packing_folder = default_packing_folder();
+    if (!stresses->empty()) request->stresses.clear();
+    for (const double s : *stresses) request->stresses.push_back(s * 1e3);
+    const SoilTestOutcome o = run_soil_test(name, *request);
+    if (!out->empty()) write_soil_test(*out, name, o, request->threads);
+    print_result(globals, o.json, o.text + (out->empty() ? "" : "written to " + *out + "\n"));
+  });
+}
+
+void add_tests(CLI::App& soil, const Globals& globals) {
+  CLI::App* test = soil.add_subcommand("test", "Virtual soil tests: curves, pictures and derived numbers");
+  test->require_subcommand(1);
+  test->footer("Example:\n  gonogo soil test shear --grain 0.032 --friction 0.5 --rolling 0.1 --out out/shear");
+  add_test(*test, globals, "repose", "Angle of repose behind a wall that is lowered");
+  add_test(*test, globals, "shear", "Friction angle and cohesion from simple shear under several loads");
+  add_test(*test, globals, "plate", "Bekker's k_c, k_phi and n from plates of several widths");
+  add_test(*test, globals, "cone", "Cone index and its gradient");
+  add_test(*test, globals, "triaxial", "Friction angle and cohesion from compression between smooth platens");
+}
+
+void add_calibrate(CLI::App& soil, const Globals& globals) {
+  CLI::App* command = soil.add_subcommand(
+      "calibrate", "Measure friction angle, cohesion, density and sinkage modulus of a grain size by virtual tests");
+  const auto run = std::make_shared<terrain::CalibrationRun>();
+  const auto out = std::make_shared<std::string>();
+  command->add_option("--grain", run->grain_diameter, "Grain diameter [m]")
+      ->check(CLI::Range(0.001, 0.5))
+      ->capture_default_str();
+  add_shape(*command, run->shape);
+  command->add_option("--seeds", run->seeds, "Packings of each density")
+      ->check(CLI::Range(1, 50))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--angle-seeds", run->angle_seeds,
+          "Packings of each density whose friction angle is measured, cohesion and plates with --seeds of them")
+      ->check(CLI::Range(1, 50))
+      ->capture_default_str();
+  command->add_option("--friction", run->friction_range,
+                      "Least and most sliding friction of the contact levels: a table for a narrow range of soils");
+  const auto keep = std::make_shared<bool>(false);
+  command->add_flag(
+      "--keep-tests", *keep,
+      "Leave the tests (TABLE.tests) beside the whole table: a run with more seeds or levels goes on from there");
+  add_numerics_options(*command, run->numerics, "Trials");
+  command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
+      ->required();
+  command->footer(
+      "Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json\n"
+      "  gonogo soil calibrate --friction 0.5 0.7 --substeps 10 --iterations 20 --out dense_sand.json");
+  command->callback([&globals, run, out, keep] {
+    run->threads = thread_count(globals);
+    run->journal = *out + ".tests";
+    const terrain::Calibration c = terrain::calibrate(*run);
+    terrain::write_calibration(*out, c);
+    if (!*keep) std::filesystem::remove(run->journal);
+    Json json;
+    json["table"] = *out;
+    json["grain_diameter_m"] = run->grain_diameter;
+    json["shape"] = terrain::name_of(run->shape);
+    json["lowest_friction_angle_deg"] = terrain::reachable_angles(c).lowest;
+    json["highest_friction_angle_deg"] = terrain::reachable_angles(c).highest;
+    print_result(globals, json, table(c) + "written to " + *out + "\n");
+  });
+}
+
+void add_library(CLI::App& soil, const Globals& globals) {
+  CLI::App* list = soil.add_subcommand("list", "Soils in configs/soils and their states");
+  list->footer("Example:\n  gonogo soil list");
+  list->callback([&globals] {
+    const SoilReport r = list_soils();
+    print_result(globals, r.json, r.text);
+  });
+  CLI::App* show = soil.add_subcommand("show", "Numbers of a soil with their sources, and how far grains come to it");
+  const auto name = std::make_shared<std::string>(), calibration = std::make_shared<std::string>();
+  show->add_option("soil", *name, "Soil file, or the name of one in configs/soils")->required();
+  show->add_option("--calibration", *calibration, "Table of a grain size: contact laws and mismatch for this soil");
+  show->footer("Example:\n  gonogo soil show sandy_loam --calibration configs/soils/calibration_90mm.json");
+  show->callback([&globals, name, calibration] {
+    const SoilReport r = show_soil(soil_file(*name), *calibration);
+    print_result(globals, r.json, r.text);
+  });
+  CLI::App* fit = soil.add_subcommand("fit", "Keep in a soil's file how far the grains of a table come to it");
+  const auto file = std::make_shared<std::string>(), with = std::make_shared<std::string>();
+  fit->add_option("soil", *file, "Soil file, or the name of one in configs/soils")->required();
+  fit->add_option("--calibration", *with, "Table of a grain size")->required();
+  fit->footer("Example:\n  gonogo soil fit sandy_loam --calibration configs/soils/calibration_32mm.json");
+  fit->callback([&globals, file, with] {
+    const std::filesystem::path path = soil_file(*file);
+    terrain::write_fits(path, std::filesystem::path(*with).filename().string(), terrain::read_calibration(*with));
+    const SoilReport r = show_soil(path, *with);
+    print_result(globals, r.json, r.text + "written to " + path.string() + "\n");
+  });
+}
+
+}  // namespace
+
+void add_soil_command(CLI::App& app, const Globals& globals) {
+  CLI::App* soil = app.add_subcommand("soil", "Virtual soil tests and calibration");
+  soil->require_subcommand(1);
+  soil->footer("Example:\n  gonogo soil test shear --grain 0.032 --friction 0.5 --rolling 0.1");
+  add_tests(*soil, globals);
+  add_calibrate(*soil, globals);
+  add_library(*soil, globals);
+}
+
+}  // namespace gonogo::pipeline::cli

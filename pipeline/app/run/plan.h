@@ -1,0 +1,36 @@
+// Everything a run is going to do, read and checked before any of it is done.
+#pragma once
+#include <filesystem>
+
+#include "pipeline/campaign/engine/campaign.h"
+#include "pipeline/campaign/study/study.h"
+#include "pipeline/learn/training/settings.h"
+#include "pipeline/map/region/region.h"
+#include "pipeline/map/region/rules.h"
+
+namespace gonogo::pipeline {
+
+struct RunRequest {
+  std::filesystem::path study, out;
+  int threads = 0;  // 0: all cores
+};
+
+struct RunPlan {
+  Study study;
+  std::filesystem::path out;
+  int threads = 0;
+  CampaignRequest campaign;
+  LearningSettings learning;
+  Region region;
+  MapRules map;
+
+  std::filesystem::path dataset() const { return out / "dataset.h5"; }
+  std::filesystem::path model() const { return out / "model.h5"; }
+  std::filesystem::path map_folder() const { return out / "map"; }
+};
+
+/// Reads the study and every file it names, and opens the rasters. Throws InputError for the first thing that cannot be
+/// used; writes nothing.
+RunPlan plan_run(const RunRequest& request);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,31 @@
+// The main job: from a study to the map of its region.
+//
+//   <out>/trials/<key>/  finished trials of one set of inputs (campaign.h); changed inputs get a folder of their own
+//   <out>/dataset.h5     the trials of this study
+//   <out>/model.h5       trained on them
+//   <out>/map/           layers, figure, area table
+//   <out>/run.json       what was made from what, and its summary
+//   <out>/stamps/        by which a later run sees what need not be done again
+#pragma once
+#include <string>
+#include <vector>
+
+#include "base/json/json.h"
+#include "pipeline/app/run/plan.h"
+
+namespace gonogo::pipeline {
+
+struct RunSummary {
+  std::vector<std::string> done;  // stages that were not up to date: "campaign", "train", "map"
+  std::filesystem::path map_folder;
+  Json record;  // content of run.json
+};
+
+/// Does what is not yet done. Throws InputError before any work when something cannot be used, DeviceError when a
+/// library or the system fails, Cancelled on Ctrl-C; finished trials and stages are kept, and the same call continues.
+RunSummary run_study(const RunRequest& request);
+
+/// The closing summary for people: trials by verdict, score of the model, area by class, where the map is.
+std::string to_text(const RunSummary& summary);
+
+}  // namespace gonogo::pipeline

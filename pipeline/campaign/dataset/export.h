@@ -1,0 +1,18 @@
+// A dataset as one table for other programs.
+#pragma once
+#include <string>
+
+#include "pipeline/campaign/dataset/dataset.h"
+
+namespace gonogo::pipeline {
+
+/// Header and one line per trial (row.h).
+std::string to_csv(const Dataset& dataset);
+
+/// The inverse of to_csv, bit for bit; `name` starts the InputError, which names the line. Provenance stays empty.
+Dataset parse_csv(const std::string& text, const std::string& name);
+
+/// One JSON object: "provenance", "units", and "trials", an object per trial; not-a-number is null.
+std::string to_json_text(const Dataset& dataset);
+
+}  // namespace gonogo::pipeline

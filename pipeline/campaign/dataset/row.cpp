@@ -1,0 +1,162 @@
+#include "pipeline/campaign/dataset/row.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace gonogo::pipeline {
+namespace {
+
+template <class T>
+std::string to_text(T value) {
+  if constexpr (std::is_floating_point_v<T>) {
+    if (std::isnan(value)) return "nan";
+  }
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
+  return std::string(text, end);
+}
+
+std::string join(const std::vector<std::string>& cells) {
+  std::string row;
+  for (const std::string& cell : cells) row += (row.empty() ? "" : ",") + cell;
+  return row;
+}
+
+/// Takes cells from the front of a row; remembers whether all of them were well-formed.
+class Cells {
+ public:
+  explicit Cells(std::string_view row) : rest_(row) {}
+
+  std::string_view next() {
+    if (ended_) ok_ = false;
+    const std::size_t comma = rest_.find(',');
+    const std::string_view cell = rest_.substr(0, comma);
+    ended_ = comma == std::string_view::npos;
+    rest_ = ended_ ? std::string_view() : rest_.substr(comma + 1);
+    return cell;
+  }
+
+  template <class T>
+  void take(T& value) {
+    const std::string_view cell = next();
+    if constexpr (std::is_floating_point_v<T>) {
+      if (cell == "nan") {
+        value = std::numeric_limits<T>::quiet_NaN();
+        return;
+      }
+    }
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    ok_ = ok_ && error == std::errc() && end == cell.data() + cell.size();
+  }
+
+  template <class Enum, class Info>
+  void take_name(Enum& value, const std::vector<Info>& infos) {
+    const std::string_view cell = next();
+    for (const Info& info : infos) {
+      if (info.name != cell) continue;
+      value = Enum(info.code);
+      return;
+    }
+    ok_ = false;
+  }
+
+  void take_point(DesignPoint& point) {
+    take(point.index);
+    take(point.seed);
+    take(point.replicate_of);
+    take(point.proposal_density);
+    point.variables.resize(contract().variables.size());
+    for (double& value : point.variables) take(value);
+  }
+
+  /// Names joined by "+", or "none".
+  void take_checks(std::uint64_t& bits) {
+    std::string_view cell = next();
+    bits = 0;
+    if (cell == "none") return;
+    while (ok_) {
+      const std::size_t plus = cell.find('+');
+      const std::string_view name = cell.substr(0, plus);
+      const auto check = std::find_if(kChecks.begin(), kChecks.end(), [&](const Check& c) { return name == c.name; });
+      ok_ = check != kChecks.end();
+      if (ok_) bits |= check->bit;
+      if (plus == std::string_view::npos) return;
+      cell = cell.substr(plus + 1);
+    }
+  }
+
+  bool complete() const { return ok_ && ended_; }
+
+ private:
+  std::string_view rest_;
+  bool ok_ = true, ended_ = false;
+};
+
+void add_point_cells(const DesignPoint& point, std::vector<std::string>& cells) {
+  cells.push_back(to_text(point.index));
+  cells.push_back(to_text(point.seed));
+  cells.push_back(to_text(point.replicate_of));
+  cells.push_back(to_text(point.proposal_density));
+  for (const double value : point.variables) cells.push_back(to_text(value));
+}
+
+}  // namespace
+
+std::vector<std::string> point_columns() {
+  std::vector<std::string> names{"index", "seed", "replicate_of", "proposal_density"};
+  for (const Variable& variable : contract().variables) names.push_back(variable.name);
+  return names;
+}
+
+std::vector<std::string> record_columns() {
+  std::vector<std::string> names = point_columns();
+  names.insert(names.end(), {"verdict", "reason", "attempts", "failed_checks"});
+  for (const Measure& measure : contract().measures) names.push_back(measure.name);
+  return names;
+}
+
+std::string header_row() { return join(record_columns()); }
+std::string point_header_row() { return join(point_columns()); }
+
+std::string to_row(const DesignPoint& point) {
+  std::vector<std::string> cells;
+  add_point_cells(point, cells);
+  return join(cells);
+}
+
+std::string to_row(const TrialRecord& record) {
+  std::vector<std::string> cells;
+  add_point_cells(record.point, cells);
+  cells.push_back(contract().info(record.verdict).name);
+  cells.push_back(contract().info(record.reason).name);
+  cells.push_back(to_text(record.attempts));
+  cells.push_back(names_of_checks(record.failed_checks));
+  for (const double value : record.measures) cells.push_back(to_text(value));
+  return join(cells);
+}
+
+std::optional<DesignPoint> parse_point(std::string_view row) {
+  Cells cells(row);
+  DesignPoint point;
+  cells.take_point(point);
+  if (!cells.complete()) return std::nullopt;
+  return point;
+}
+
+std::optional<TrialRecord> parse_record(std::string_view row) {
+  Cells cells(row);
+  TrialRecord record;
+  cells.take_point(record.point);
+  cells.take_name(record.verdict, contract().verdicts);
+  cells.take_name(record.reason, contract().reasons);
+  cells.take(record.attempts);
+  cells.take_checks(record.failed_checks);
+  record.measures.resize(contract().measures.size());
+  for (double& value : record.measures) cells.take(value);
+  if (!cells.complete()) return std::nullopt;
+  return record;
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,43 @@
+// A dataset at a glance: how trials ended, over which ranges, how often two beds agree, and go against slope.
+#pragma once
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/json/json.h"
+#include "pipeline/campaign/dataset/dataset.h"
+
+namespace gonogo::pipeline {
+
+struct ValueRange {
+  std::string name, unit;
+  double minimum = 0, mean = 0, maximum = 0;  // over the rows that have a value; not-a-number when none has
+};
+
+/// Trials of one interval of a variable.
+struct SlopeBin {
+  double from = 0, to = 0;  // [deg], closed at the left
+  std::size_t go = 0, slow_go = 0, no_go = 0, unknown = 0;
+};
+
+struct DatasetSummary {
+  std::size_t trials = 0, replicates = 0;
+  std::map<std::string, std::size_t> by_verdict, by_reason;  // every name of the contract that occurs
+  std::vector<ValueRange> variables, measures;
+  std::vector<std::pair<std::uint64_t, std::string>> failed;  // indices of unknown trials, checks that they failed
+  std::size_t replicate_pairs = 0;                            // pairs of which both trials are valid
+  std::size_t replicate_agree = 0;                            // of these, pairs that are both passable or both not
+  std::vector<SlopeBin> slope;                                // over slope_along
+};
+
+/// go or slow_go.
+bool is_passable(Verdict verdict);
+
+DatasetSummary summarise(const std::vector<TrialRecord>& records);
+
+std::string to_text(const DatasetSummary& summary);
+Json to_json(const DatasetSummary& summary);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,87 @@
+// A campaign: every trial of a design computed once, whatever happens on the way, and put into one dataset.
+//
+//   <folder>/campaign.json    what the trials depend on; a campaign with other inputs is refused here
+//   <folder>/campaign.lock    held while a coordinator, or tasks of a batch system, work
+//   <folder>/trials/*.csv     finished trials of shards that are not whole yet (journal.h); gone when all are committed
+//   <folder>/shards/          committed trials (shard.h)
+//   <folder>/running/         trials under way, saved by their workers; gone when the campaign is complete
+//   <folder>/progress/        how fast it goes, for status; no result depends on it
+//   <folder>/dataset.h5       merged from the shards when all trials of the design are there
+//
+// The dataset's bytes depend on design, inputs and program alone: not on the engine, the number of workers, the size of
+// shards, the order in which trials ended, interruptions or deaths.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/campaign/engine/crew.h"
+#include "pipeline/campaign/engine/folder.h"
+#include "pipeline/campaign/engine/shard.h"
+
+namespace gonogo::pipeline {
+
+struct CampaignRequest {
+  std::filesystem::path folder;
+  std::vector<DesignPoint> design;
+  std::vector<std::pair<std::string, std::string>> depends_on;  // name -> value of all that a trial's bits depend on
+  Provenance provenance;
+  int workers = 1;                          // 0: one per core
+  int places = 1;                           // trials that a worker computes side by side
+  std::vector<std::string> worker_command;  // process that calls run_worker; "/proc/self/exe" is this very program
+  /// Above zero: workers are also told "--checkpoints <folder>/running --checkpoint-every <this>" [s of the wall
+  /// clock].
+  double checkpoint_every = 0;
+  int gpus = 0;                           // above zero: workers are also told "--gpu <k>", taking turns
+  std::function<void()> prepare = [] {};  // called before workers start, when trials are missing (settles beds)
+  std::size_t trials_per_shard = 256;     // of a new campaign
+  CrewMaker crew;                         // empty: worker processes of this machine
+};
+
+struct CampaignSummary {
+  std::filesystem::path dataset;
+  std::size_t trials = 0, computed = 0, reused = 0;  // trials = computed + reused
+  std::size_t damaged = 0;                           // lines and shards that were set aside and computed again
+  std::size_t worker_deaths = 0;
+  Counts by_verdict, by_reason;
+};
+
+/// Computes what is missing and writes the dataset; a dataset that is right already is left untouched. Progress with
+/// rate, time left and counts goes to stderr. Throws InputError when the folder belongs to another campaign (naming
+/// what differs), when another coordinator works there or when a trial refuses its input; DeviceError when the disk is
+/// full or a trial crashes its workers; Cancelled on Ctrl-C. Whatever it throws, finished trials are kept and the same
+/// call continues.
+CampaignSummary run_campaign(const CampaignRequest& request);
+
+/// One of `tasks` tasks of a batch system: computes the shards k with k % tasks == task that are not committed, while
+/// other tasks, maybe on other machines, compute others. A shard that another task is at is left to it, which is said.
+/// Returns counts over its own shards; `dataset` is empty. Throws as run_campaign, and when the folder was not claimed
+/// for this study.
+CampaignSummary run_campaign_task(const CampaignRequest& request, std::uint64_t task, std::uint64_t tasks);
+
+/// Prepares the folder for tasks: claims it and settles beds when trials are missing. Returns the shards that are not
+/// committed.
+std::vector<std::uint64_t> open_campaign(const CampaignRequest& request);
+
+/// Merges what tasks committed, computing nothing. Throws InputError naming how many trials of how many shards are
+/// missing.
+CampaignSummary collect_campaign(const CampaignRequest& request);
+
+struct CampaignStatus {
+  std::size_t trials = 0, done = 0, shards = 0, committed_shards = 0;
+  FolderUse use = FolderUse::none;  // who works there now
+  std::size_t damaged = 0;
+  double rate = 0, seconds_left = 0;  // [1/s], [s]; 0 when unknown
+  Counts by_verdict, by_reason;
+};
+
+/// Looks without touching anything, also while the campaign runs. Throws InputError when `folder` holds no campaign.
+CampaignStatus campaign_status(const std::filesystem::path& folder);
+
+/// "31 go, 12 no_go (7 traction, 5 sinkage)": counts for one line.
+std::string counts_line(const Counts& by_verdict, const Counts& by_reason);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,27 @@
+// Hands trials out to a crew of workers and hears their records.
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "pipeline/campaign/engine/crew.h"
+#include "pipeline/campaign/trial/record.h"
+
+namespace gonogo::pipeline {
+
+struct PoolRequest {
+  std::vector<const DesignPoint*> todo;
+  Crew* crew = nullptr;
+  int places = 1;                             // trials that a worker is given at a time
+  std::function<void(TrialRecord)> finished;  // called in the order in which trials end
+  std::function<void()> idle;                 // called several times a second
+};
+
+/// Computes every trial of `todo` and returns how many workers died on the way. A dead worker is replaced and its
+/// trials done again; those of a worker that crashed, or was killed from outside for the second time, then get at most
+/// half as many others beside them, until the one to blame is alone. A trial whose workers crash twice when it is
+/// alone, or are killed five times, stops the campaign: it never becomes a result, because results must not depend on
+/// which workers died. Throws InputError or DeviceError with the worker's sentence when a trial reports trouble that
+/// all would meet, InputError for a worker of another version of the program, Cancelled on Ctrl-C.
+std::size_t compute_trials(const PoolRequest& request);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,27 @@
+// From a study to its campaign: the design, and all that the trials' bits depend on.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/campaign/engine/campaign.h"
+#include "pipeline/campaign/study/study.h"
+
+namespace gonogo::pipeline {
+
+/// Files that trials read, by name ("vehicle" is added by itself when the study has one).
+using InputFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
+
+/// Release and revision of this program, as provenance names it.
+std::string campaign_program();
+
+/// Everything of a CampaignRequest but `prepare`. Workers are this very program with "campaign worker <study>". Trials
+/// depend on the study's seed, its sections soil, trial and design (without the number of points, so that a campaign
+/// can grow), on the content of `inputs`, on `backend` ("cpu", or "cuda" and the device's name), and on contract,
+/// program and compiler; the rest of the study may change freely. Throws InputError for a bad design section or a
+/// missing file.
+CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& folder, int workers,
+                              const InputFiles& inputs = {}, const std::string& backend = "cpu");
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,33 @@
+// The Slurm engine: a job array whose tasks compute the shards of a campaign. Slurm does the scheduling.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/campaign/engine/campaign.h"
+
+namespace gonogo::pipeline {
+
+struct SlurmRequest {
+  int tasks = 0;                          // of the array at most; 0: one per shard, at most 1000
+  std::vector<std::string> task_command;  // computes task $SLURM_ARRAY_TASK_ID of the array; see task_words
+  std::vector<std::string> options;       // further options of sbatch, "--time=2:00:00"
+};
+
+struct Submission {
+  std::string job;  // Slurm's number; empty when no trial was missing
+  std::size_t shards = 0, tasks = 0;
+  std::filesystem::path script;
+};
+
+/// Words that the job script puts behind `task_command`: "--task <this one's number> --tasks <of how many>".
+/// Claims the folder, writes <folder>/slurm/job.sh and gives it to sbatch. Shards that are committed are left out, so
+/// that submitting again computes only what is missing. Throws InputError when tasks are at work there, DeviceError
+/// with Slurm's own words when sbatch refuses or is not there.
+Submission submit_campaign(const CampaignRequest& campaign, const SlurmRequest& slurm);
+
+/// "job 12: 3 running, 1 pending": what Slurm says of the jobs that were submitted from this folder and are not over;
+/// empty when there are none or when there is no Slurm here.
+std::string slurm_state(const std::filesystem::path& folder);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "pipeline/campaign/trial/drive.h"
+#include "vehicle/model/engine_vehicle.h"
+#include "vehicle/model/statics.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// A wheel of the vehicle and the monitor that watches it.
+struct WatchedWheel {
+  std::string name;
+  Index monitor = 0;
+  double radius = 0;  // [m]
+  bool driven = true, sinks = true;
+};
+
+std::vector<WatchedWheel> watched_wheels(const TrialSetup& setup) {
+  if (!setup.whole) return {{"wheel", 0, setup.rig.radius, true}};
+  std::vector<WatchedWheel> wheels;
+  for (const vehicle::RunningPart& p : vehicle::running_parts(*setup.whole))
+    wheels.push_back({p.name, Index(wheels.size()) + 1, p.rolling_radius, p.driven, p.reach > 0});
+  return wheels;
+}
+
+/// How many of them touch the ground: sinkage is their mean.
+double sinking(const std::vector<WatchedWheel>& wheels) {
+  return double(std::count_if(wheels.begin(), wheels.end(), [](const WatchedWheel& w) { return w.sinks; }));
+}
+
+/// A drive that is over, read from its monitor.
+class Judge {
+ public:
+  Judge(const TrialSetup& setup, const TrialConditions& conditions, double step, sim::Simulation& simulation,
+        sim::WorldIndex world)
+      : setup_(setup),
+        conditions_(conditions),
+        step_(step),
+        simulation_(simulation),
+        world_(world),
+        wheels_(watched_wheels(setup)),
+        cause_(simulation.stop(world).cause),
+        end_(simulation.monitor(world, 0)) {}
+
+  DriveOutcome outcome() {
+    DriveOutcome o = measures();
+    if (setup_.task->tow().share > 0) o.pull = pull_points();
+    if (const auto slip = setup_.task->given_slip()) o.pull = {led_point(o, *slip)};
+    const auto [common, reason] = verdict(o);
+    const DriveEnd end{common, reason, end_.now.x, o.drift, setup_.vehicle_length(), setup_.thresholds.go_slip, o.pull};
+    std::tie(o.verdict, o.reason) = setup_.task->judge(end);
+    return o;
+  }
+
+ private:
+  /// First true line of the contract's verdict table wins.
+  std::pair<Verdict, Reason> verdict(const DriveOutcome& o) {
+    const Thresholds& t = setup_.thresholds;
+    if (cause_ == sim::StopCause::overturned) return {Verdict::no_go, Reason::rollover};
+    if (cause_ == sim::StopCause::slid_back) return {Verdict::no_go, Reason::slid_back};
+    if (cause_ == sim::StopCause::distance) {
+      const bool fast = o.mean_speed >= t.go_speed_share * conditions_.speed && o.slip <= t.go_slip;
+      return {fast ? Verdict::go : Verdict::slow_go, Reason::none};
+    }
+    if (cause_ == sim::StopCause::immobile) {
+      const bool turning = rolled_in_window() > 0.5 * conditions_.speed * t.immobile_time;
+      if (!turning) return {Verdict::no_go, Reason::power};
+      if (o.sinkage > setup_.clearance()) return {Verdict::no_go, Reason::sinkage};
+      return {Verdict::no_go, Reason::traction};
+    }
+    return {Verdict::no_go, Reason::timeout};
+  }
+
+  double rolled_in_window() {
+    const auto back = Index(std::lround(setup_.thresholds.immobile_time / step_));
+    return mean_over_driven([&](const WatchedWheel& w) {
+      return (now(w).turned - sample(w.monitor, end_.sample_count - 1 - back).turned) * w.radius;
+    });
+  }
+
+  template <class Value>
+  double mean_over_driven(Value&& value) const {
+    double sum = 0;
+    int count = 0;
+    for (const WatchedWheel& w : wheels_)
+      if (w.driven) sum += value(w), ++count;
+    return sum / count;
+  }
+
+  sim::MonitorSample now(const WatchedWheel& w) const { return simulation_.monitor(world_, w.monitor).now; }
+  sim::MonitorSample sample(Index monitor, Index i) const { return simulation_.samples(world_, monitor, i, 1).front(); }
+
+  DriveOutcome measures() {
+    DriveOutcome o{};
+    o.flags = end_.now.flags;
+    o.worst_residual = end_.worst_residual;
+    // A carriage that leads a wheel does work that the monitor does not see: there is no balance.
+    const bool led = setup_.task->given_slip().has_value();
+    o.energy_error = !led && end_.exchanged > 0 ? end_.energy_gained / end_.exchanged : 0;
+    o.drift = end_.now.y;
+    o.distance = std::max(0.0, end_.now.x - setup_.run_in_distance);
+    // One sample per step; driving begins with the step that ends at park_time.
+    const auto parked = Index(std::lround(setup_.park_time / step_));
+    const Index first = std::max<Index>(0, parked - 1), driven = end_.sample_count - first;
+    if (driven < 4) return o;
+    o.drive_time = (end_.now.step - parked) * step_;
+    const sim::MonitorMeans half = sim::means_between(sample(0, first + driven / 2), end_.now, step_);
+    double rolled = 0, work = 0, drop = 0, torque = 0, driven_wheels = 0;
+    for (const WatchedWheel& w : wheels_) {
+      const sim::MonitorMeans of = sim::means_between(sample(w.monitor, first + driven / 2), now(w), step_);
+      if (w.sinks) drop += of.drop / sinking(wheels_);
+      if (setup_.whole) o.wheels.push_back(record_of(w, of, half.x));
+      if (!w.driven) continue;
+      rolled += of.turned * w.radius, work += of.work, torque += of.torque, ++driven_wheels;
+    }
+    rolled /= driven_wheels;
+    o.mean_speed = half.x / half.time;
+    o.slip = rolled > 0 ? 1 - half.x / rolled : kNaN;
+    o.sinkage = drop;
+    o.mean_torque = torque / driven_wheels;
+    o.energy_per_metre = half.x > 0 ? work / half.x : kNaN;
+    return o;
+  }
+
+  /// Means over equal parts of the sweep.
+  std::vector<PullPoint> pull_points() {
+    constexpr Index parts = 10;
+    const TowPlan tow = setup_.task->tow();
+    const auto first = Index(std::lround(setup_.tow_start() / step_)), sweep = Index(std::lround(tow.ramp / step_));
+    std::vector<PullPoint> points;
+    for (Index k = 0; k < parts; ++k) {
+      const Index from = first + k * sweep / parts, to = first + (k + 1) * sweep / parts;
+      if (to > end_.sample_count || to - from < 2) break;
+      points.push_back(pull_point(from - 1, to - 1, tow.share * (k + 0.5) / parts));
+    }
+    add_inertia(points, double(sweep) / parts * step_);
+    return points;
+  }
+
+  /// The wheels have the load left over and what accelerates the vehicle: by the mean speeds of the parts around.
+  static void add_inertia(std::vector<PullPoint>& points, double time) {
+    const std::vector<PullPoint> at = points;
+    for (std::size_t k = 0; k < at.size(); ++k) {
+      const std::size_t before = k > 0 ? k - 1 : k, after = k + 1 < at.size() ? k + 1 : k;
+      if (after == before) continue;
+      points[k].pull += (at[after].speed - at[before].speed) / (double(after - before) * time) / vehicle::kGravity;
+    }
+  }
+
+  /// Of a wheel that a carriage leads: the mean force of the carriage's spring and damper over the last half.
+  PullPoint led_point(const DriveOutcome& o, double slip) const {
+    const double speed = conditions_.speed * (1 - slip), weight = setup_.weight(conditions_.payload);
+    const auto ahead = [&](const sim::MonitorSample& s) { return s.x - speed * s.step * step_; };
+    const Index first = end_.sample_count / 2, count = end_.sample_count - first;
+    const auto samples = simulation_.samples(world_, 0, first, count);
+    double mean = 0;
+    for (const sim::MonitorSample& s : samples) mean += ahead(s) / count;
+    const double rate = (ahead(samples.back()) - ahead(samples.front())) / ((count - 1) * step_);
+    const double force = kCarriageStiffness * mean + carriage_damping(weight / vehicle::kGravity) * rate;
+    return {force / weight, o.slip, o.mean_speed, o.sinkage, o.mean_torque};
+  }
+
+  /// Between two samples, under a mean load.
+  PullPoint pull_point(Index from, Index to, double load) const {
+    const sim::MonitorMeans of = sim::means_between(sample(0, from), sample(0, to), step_);
+    PullPoint p;
+    p.pull = load;
+    p.speed = of.x / of.time;
+    double rolled = 0, driven = 0;
+    for (const WatchedWheel& w : wheels_) {
+      const sim::MonitorMeans turned = sim::means_between(sample(w.monitor, from), sample(w.monitor, to), step_);
+      if (w.sinks) p.sinkage += turned.drop / sinking(wheels_);
+      if (!w.driven) continue;
+      rolled += turned.turned * w.radius, p.torque += turned.torque, ++driven;
+    }
+    p.torque /= driven;
+    p.slip = rolled > 0 ? 1 - of.x / (rolled / driven) : kNaN;
+    return p;
+  }
+
+  static WheelRecord record_of(const WatchedWheel& w, const sim::MonitorMeans& of, double travelled) {
+    const double rolled = of.turned * w.radius;
+    return {w.name, w.driven && rolled > 0 ? 1 - travelled / rolled : kNaN, w.sinks ? of.drop : kNaN, of.torque};
+  }
+
+  const TrialSetup& setup_;
+  const TrialConditions& conditions_;
+  double step_;  // [s]
+  sim::Simulation& simulation_;
+  sim::WorldIndex world_;
+  std::vector<WatchedWheel> wheels_;
+  sim::StopCause cause_;
+  sim::MonitorState end_;
+};
+
+template <class SampleOf>
+SeenWheels mean_of_wheels(const TrialSetup& setup, SampleOf&& sample_of) {
+  SeenWheels seen;
+  double driven = 0;
+  const auto wheels = watched_wheels(setup);
+  for (const WatchedWheel& w : wheels) {
+    const sim::MonitorSample now = sample_of(w.monitor);
+    if (w.sinks) seen.sinkage += now.drop / sinking(wheels);
+    if (!w.driven) continue;
+    seen.rolled += now.turned * w.radius, seen.torque += now.torque, ++driven;
+  }
+  seen.rolled /= driven, seen.torque /= driven;
+  return seen;
+}
+
+}  // namespace
+
+SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world) {
+  return mean_of_wheels(setup, [&](Index m) { return simulation.monitor(world, m).now; });
+}
+
+SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world, Index sample) {
+  return mean_of_wheels(setup, [&](Index m) { return simulation.samples(world, m, sample, 1).front(); });
+}
+
+DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditions, const TiltedBed& bed, double step,
+                         sim::Simulation& simulation, sim::WorldIndex world) {
+  DriveOutcome outcome = Judge(setup, conditions, step, simulation, world).outcome();
+  outcome.bed_creep = bed.creep;
+  outcome.worst_residual = std::max(outcome.worst_residual, bed.residual);
+  return outcome;
+}
+
+}  // namespace gonogo::pipeline

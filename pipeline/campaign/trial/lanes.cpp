@@ -1,0 +1,74 @@
+#include "pipeline/campaign/trial/lanes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "vehicle/model/engine_vehicle.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+/// Largest distance of the middles of a left and a right tyre [m].
+double track_of(const vehicle::Vehicle& v) {
+  double track = 0;
+  for (const vehicle::RunningPart& p : vehicle::running_parts(v))
+    if (p.reach > 0) track = std::max(track, 2 * std::fabs(p.centre.y));
+  return track;
+}
+
+double widest_tyre(const vehicle::Vehicle& v) {
+  double width = 0;
+  for (const vehicle::RunningPart& p : vehicle::running_parts(v)) width = std::max(width, p.width);
+  return width;
+}
+
+}  // namespace
+
+double folded_width(const vehicle::Vehicle& v) { return 2 * track_of(v) / 3; }
+
+double lane_gap(const vehicle::Vehicle& v, double width) {
+  double least = std::numeric_limits<double>::infinity();
+  const auto parts = vehicle::running_parts(v);
+  for (const vehicle::RunningPart& a : parts) {
+    if (!(a.reach > 0)) continue;
+    least = std::min(least, width - a.width);
+    for (const vehicle::RunningPart& b : parts)
+      if (b.reach > 0 && a.centre.y > 0 && b.centre.y < 0)
+        least = std::min(least, std::fabs(std::remainder(a.centre.y - b.centre.y, width)) - (a.width + b.width) / 2);
+  }
+  return least;
+}
+
+void check_foldable(const TrialSetup& s) {
+  if (!s.whole)
+    throw InputError(s.vehicle_file.string() +
+                     ": a folded bed has lanes for left and right wheels, and this is a quarter vehicle; leave "
+                     "trial.bed.folded out, or name a whole vehicle");
+  if (!s.whole->track.empty())
+    throw InputError(s.vehicle_file.string() +
+                     ": a folded bed is for wheels; on it, the hull of a tracked vehicle would meet the images of its "
+                     "belts; leave trial.bed.folded out");
+}
+
+void check_lanes(const TrialSetup& s) {
+  const double width = s.tiles_across * s.bed_width, needed = kLeastLaneGap * widest_tyre(*s.whole);
+  const double gap = lane_gap(*s.whole, width);
+  if (gap >= needed) return;
+  throw InputError("on a folded bed of " + std::to_string(width) + " m there are " +
+                   std::to_string(std::max(0.0, gap)) + " m between the tyres of neighbouring lanes; at least " +
+                   std::to_string(needed) +
+                   " m are needed, so that none works in another's rut; leave trial.bed.width_m out, which gives " +
+                   std::to_string(folded_width(*s.whole)) + " m, or trial.bed.folded");
+}
+
+void fold_bed(TrialSetup& s) {
+  check_foldable(s);
+  s.folded = true;
+  s.bed_width = folded_width(*s.whole);
+  s.tiles_across = 1;
+  check_lanes(s);
+}
+
+}  // namespace gonogo::pipeline

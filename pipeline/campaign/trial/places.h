@@ -1,0 +1,52 @@
+// The places of a batch of worlds, growing as larger worlds come. Which place a world has, how many others there are
+// and when the batch grew does not change its bits.
+#pragma once
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "sim/simulation/simulation.h"
+
+namespace gonogo::pipeline {
+
+/// A world on its way into a place, and what a batch needs of it.
+struct ReadyWorld {
+  std::shared_ptr<const sim::SceneWorld> world;
+  sim::FlatWorld flat;
+};
+
+class Places {
+ public:
+  /// Starts with `count` places, all free, too small for any world: the first world that enters sets their size.
+  Places(sim::Backend backend, const sim::StepSettings& settings, int threads, int count);
+
+  /// A free place; there are more of them afterwards where none was left.
+  sim::WorldIndex take();
+  /// The place is free again; what was in it is gone.
+  void release(sim::WorldIndex place);
+
+  /// Work of the host alone; touches no place, so that any thread may do it. Throws InputError for a world that cannot
+  /// run.
+  ReadyWorld ready(sim::WorldIndex place, sim::SceneWorld world) const;
+
+  /// Puts a world into a place that was taken; with `from`, as it was when that snapshot was made. May rebuild the
+  /// batch: reports, contacts and forces of the other worlds are then zero until their next step. Throws DeviceError
+  /// when the device's memory does not suffice.
+  void put(sim::WorldIndex place, ReadyWorld ready, const sim::Snapshot* from = nullptr);
+
+  /// Not to be kept over take() and put().
+  sim::Simulation& simulation() { return *simulation_; }
+
+ private:
+  void rebuild(std::size_t count);
+
+  sim::Backend backend_;
+  sim::StepSettings settings_;
+  int threads_;
+  sim::WorldSize room_;
+  std::vector<std::shared_ptr<const sim::SceneWorld>> world_;  // [place]; free places share an empty one
+  std::vector<bool> taken_;                                    // [place]
+  std::unique_ptr<sim::Simulation> simulation_;
+};
+
+}  // namespace gonogo::pipeline

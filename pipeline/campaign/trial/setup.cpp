@@ -1,0 +1,322 @@
+#include "pipeline/campaign/trial/setup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "base/error.h"
+#include "pipeline/campaign/study/contract.h"
+#include "pipeline/campaign/trial/lanes.h"
+#include "terrain/bed/target_name.h"
+#include "vehicle/model/engine_vehicle.h"
+#include "vehicle/model/statics.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+void read_bed(const Config& bed, TrialSetup& s) {
+  s.bed_length = bed.number_or("length_m", s.bed_length, {0.1, 100});
+  s.folded = bed.boolean_or("folded", s.folded);
+  if (s.folded) check_foldable(s);
+  s.bed_width = bed.number_or("width_m", s.folded ? folded_width(*s.whole) : s.bed_width, {0.05, 100});
+  s.tiles_along = int(bed.integer_or("tiles_along", s.tiles_along, {1, 100}));
+  s.tiles_across = int(bed.integer_or("tiles_across", s.tiles_across, {1, 100}));
+  s.moving_patch = bed.boolean_or("moving_patch", s.moving_patch);
+  s.packing_seeds = int(bed.integer_or("packing_seeds", s.packing_seeds, {1, 1000}));
+  s.deepest_bed = bed.number_or("deepest_m", s.deepest_bed, {0, 10});
+  s.bed_settle_time = bed.number_or("settle_s", s.bed_settle_time, {0, 10});
+  bed.finish();
+}
+
+void read_drive(const Config& drive, TrialSetup& s) {
+  s.park_time = drive.number_or("park_s", s.park_time, {0, 10});
+  s.ramp_time = drive.number_or("ramp_s", s.ramp_time, {0.01, 10});
+  s.run_in_distance = drive.number_or("run_in_m", s.run_in_distance, {0, 100});
+  s.test_distance = drive.number_or("test_distance_m", s.test_distance, {0.01, 1000});
+  s.minimum_drive_time = drive.number_or("minimum_drive_s", s.minimum_drive_time, {0.1, 100});
+  s.time_limit = drive.number_or("time_limit_s", s.time_limit, {0.1, 1000});
+  drive.finish();
+}
+
+terrain::AskedNumerics read_numerics(const Config& c) {
+  terrain::AskedNumerics asked;
+  if (c.has("step_s")) asked.step = c.number("step_s", {1e-5, 5e-3});
+  if (c.has("substeps")) asked.substeps = int(c.integer("substeps", {1, 1000}));
+  if (c.has("iterations")) asked.iterations = int(c.integer("iterations", {1, 100000}));
+  if (c.has("tolerance_m_per_s")) asked.tolerance = c.number("tolerance_m_per_s", {0, 1});
+  if (c.has("target")) asked.target = terrain::target_named(c.choice("target", terrain::target_names()));
+  c.finish();
+  return asked;
+}
+
+void read_thresholds(const Config& c, Thresholds& t) {
+  t.go_speed_share = c.number_or("go_speed_share", t.go_speed_share, {0, 1});
+  t.go_slip = c.number_or("go_slip", t.go_slip, {0, 1});
+  t.immobile_speed = c.number_or("immobile_speed_m_per_s", t.immobile_speed, {0, 10});
+  t.immobile_time = c.number_or("immobile_s", t.immobile_time, {0.01, 100});
+  t.slid_back_share = c.number_or("slid_back_vehicle_lengths", t.slid_back_share, {0.01, 10});
+  t.tilt_deg = c.number_or("tilt_deg", t.tilt_deg, {1, 180});
+  t.creep_speed = c.number_or("creep_m_per_s", t.creep_speed, {1e-3, 10});
+  t.residual = c.number_or("residual_m_per_s", t.residual, {1e-6, 10});
+  t.energy_error = c.number_or("energy_error", t.energy_error, {1e-6, 10});
+  c.finish();
+}
+
+/// A variable of a design: the part of it that says so, least and most.
+struct Span {
+  Config part;
+  double low, high;
+};
+
+/// Nothing for a variable that comes from a file of points.
+std::optional<Span> span_of(const Config& design, const char* variable, Range allowed) {
+  if (const auto fixed = design.object_if("fixed"); fixed && fixed->has(variable)) {
+    const double value = fixed->number(variable);
+    return Span{*fixed, value, value};
+  }
+  const auto ranges = design.object_if("ranges");
+  if (!ranges || !ranges->has(variable)) return {};
+  const auto range = ranges->numbers(variable, allowed);
+  if (range.size() != 2) return {};
+  return Span{*ranges, range[0], range[1]};
+}
+
+void check_angles(const TrialSetup& s, const Span& angle) {
+  const terrain::AngleRange reach = terrain::reachable_angles(s.calibration);
+  if (angle.low >= reach.lowest && angle.high <= reach.highest) return;
+  angle.part.fail("friction_angle", "grains of " + std::to_string(s.calibration.grain_diameter) + " m reach " +
+                                        std::to_string(reach.lowest) + " to " + std::to_string(reach.highest) +
+                                        " deg; narrow the range to that");
+}
+
+/// Cohesion is a share of the contacts' pull that changes along the line: held to its least over the angles, in steps
+/// of a quarter of a degree.
+void check_cohesion(const TrialSetup& s, const Span& angle, const Span& cohesion) {
+  for (std::size_t packing = 0; packing < s.calibration.packing.size(); ++packing)
+    for (double phi = angle.low;; phi = std::min(phi + 0.25, angle.high)) {
+      const double reach = 1e-3 * terrain::reachable_cohesion(s.calibration, phi, packing);
+      if (cohesion.high > reach)
+        cohesion.part.fail("cohesion", "goes to " + std::to_string(cohesion.high) +
+                                           " kPa, and at a friction angle of " + std::to_string(phi) +
+                                           " deg grains of " + std::to_string(s.calibration.grain_diameter) +
+                                           " m reach " + std::to_string(reach) +
+                                           " kPa; narrow the range to that or start at a larger friction angle");
+      if (phi >= angle.high) break;
+    }
+}
+
+/// Every soil of the design must be within reach of the grains, or trials would fail one by one later.
+void check_reach(const Study& study, const TrialSetup& s) {
+  const auto design = study.config.object_if("design");
+  if (!design) return;
+  const auto angle = span_of(*design, "friction_angle", {0, 90});
+  if (!angle) return;
+  check_angles(s, *angle);
+  if (const auto cohesion = span_of(*design, "cohesion", {0, 1000})) check_cohesion(s, *angle, *cohesion);
+}
+
+/// Beds are cut from packings of the depth that the study names.
+void check_depth(const Study& study, const TrialSetup& s) {
+  const auto design = study.config.object_if("design");
+  if (s.deepest_bed == 0 || !design || !design->has("ranges") || !design->object("ranges").has("bed_depth")) return;
+  const Config ranges = design->object("ranges");
+  const auto range = ranges.numbers("bed_depth", {0, 100});
+  if (range.size() == 2 && range[1] > s.deepest_bed)
+    ranges.fail("bed_depth", "goes to " + std::to_string(range[1]) + " m, but trial.bed.deepest_m is " +
+                                 std::to_string(s.deepest_bed) + " m; make that as deep");
+}
+
+/// A quarter vehicle or a whole one.
+void read_mover(TrialSetup& s) {
+  if (Config::read(s.vehicle_file).text("kind") == "quarter")
+    s.rig = vehicle::read_wheel_rig(s.vehicle_file);
+  else
+    s.whole = vehicle::read_vehicle(s.vehicle_file);
+  if (s.whole && s.whole->kind == vehicle::VehicleKind::single_wheel)
+    throw InputError(
+        s.vehicle_file.string() +
+        ": a single-wheel rig does not stand by itself: trials drive its wheel under a carriage that holds "
+        "it upright; name its quarter vehicle, such as mgru3_wheel");
+}
+
+/// Axles' distance and largest wheel, with lugs [m].
+struct Extent {
+  double base = 0, wheel = 0, width = 0;
+  double overhang = 0;  // of sprocket or idler beyond the outer axles
+  /// From the middle to the foremost point of a tyre or belt.
+  double ends() const { return base / 2 + std::max(wheel, overhang); }
+};
+
+Extent extent_of(const TrialSetup& s) {
+  if (!s.whole) return {0, s.rig.radius + s.rig.lug_height, s.rig.width};
+  Extent e;
+  double front = -1e9, rear = 1e9;
+  for (const vehicle::RunningPart& p : vehicle::running_parts(*s.whole)) {
+    if (!(p.reach > 0)) continue;
+    front = std::max(front, p.centre.x), rear = std::min(rear, p.centre.x);
+    e.wheel = std::max(e.wheel, p.reach);
+    e.width = std::max(e.width, 2 * std::fabs(p.centre.y) + p.width);
+  }
+  e.base = front - rear;
+  for (const vehicle::Track& t : s.whole->track) {
+    const double thick = t.pad_below_pin + t.grouser_height;
+    e.overhang = std::max(t.sprocket.centre.x + t.sprocket_radius + thick - front,
+                          rear - t.idler_travel.x + vehicle::pin_circle(t, t.idler_radius) + thick);
+  }
+  return e;
+}
+
+/// Every wheel must stand on the bed, beside and not on its own image; on a folded one beside the other lane.
+void check_wheels_on_bed(const TrialSetup& s) {
+  const Extent e = extent_of(s);
+  const double length = s.tiles_along * s.bed_length, width = s.tiles_across * s.bed_width;
+  const auto too_small = [&](const char* side, double has, double needs) {
+    throw InputError("the bed is " + std::to_string(has) + " m " + side + ", and the wheels of the vehicle take " +
+                     std::to_string(needs) + " m: a wheel would stand outside the bed; enlarge trial.bed, put more " +
+                     "tiles side by side with tiles_along and tiles_across, or fold its width (trial.bed.folded)");
+  };
+  if (length < 2 * e.ends()) too_small("long", length, 2 * e.ends());
+  if (s.folded) return check_lanes(s);
+  if (width < e.width) too_small("wide", width, e.width);
+}
+
+/// A sweep gets the time that it takes. The vehicle and what it has to cross must lie side by side on the periodic bed;
+/// the run ends behind the obstacle.
+void fit_to_task(TrialSetup& s) {
+  const double end = s.task->obstacle_end(), sweep = s.task->tow().ramp;
+  if (sweep > 0) s.time_limit = s.ramp_time + s.minimum_drive_time + sweep + s.thresholds.immobile_time;
+  if (s.whole && s.task->given_slip())
+    throw InputError("a trial of type " + s.task->name() + " leads one wheel; name a vehicle of kind quarter");
+  if (!(end > 0)) return;
+  const Course c = s.course(0);
+  const double needed = c.front + c.rear + end;
+  if (needed > c.length)
+    throw InputError("a trial of type " + s.task->name() + " needs a bed of " + std::to_string(needed) +
+                     " m for vehicle and obstacle; it is " + std::to_string(c.length) + " m long");
+  s.run_in_distance = 0;
+  s.test_distance = needed;
+}
+
+}  // namespace
+
+void check_tyres(const TrialSetup& s) {
+  if (s.compliant_tyres && !(s.whole && s.whole->wheel.front().stiffness > 0))
+    throw InputError(s.vehicle_file.string() +
+                     ": compliant tyres are asked for, and its wheels name no \"compliant\" with stiffness_N_m and "
+                     "damping_N_s_m; add them, or leave compliant_tyres out");
+}
+
+double grains_per_tyre(const TrialSetup& s) {
+  const double width = !s.whole                 ? s.rig.width
+                       : s.whole->track.empty() ? s.whole->wheel.front().width
+                                                : s.whole->track[0].shoe_width;
+  return width / s.calibration.grain_diameter;
+}
+
+terrain::MovingPatch TrialSetup::patch() const {
+  const Extent e = extent_of(*this);
+  return {tiles_along * bed_length, e.base / 2 + 2.5 * e.wheel};
+}
+
+double TrialSetup::weight(double payload) const {
+  const double mass = whole ? vehicle::weigh(*whole).total + payload : vehicle::rig_mass(rig, payload);
+  return mass * vehicle::kGravity;
+}
+
+Course TrialSetup::course(double surface) const {
+  const double ends = extent_of(*this).ends(), length = tiles_along * bed_length;
+  const double usual = whole ? 0.5 * length : 0.15 * length;
+  return {start > 0 ? start : usual, ends, ends, length, tiles_across * bed_width, surface};
+}
+
+terrain::BedSpec TrialSetup::bed_spec(double bed_depth, std::size_t packing, std::uint64_t bed_seed) const {
+  terrain::BedSpec spec;
+  spec.length = bed_length;
+  spec.width = bed_width;
+  spec.depth = deepest_bed > 0 ? deepest_bed : bed_depth;
+  spec.grain_diameter = calibration.grain_diameter;
+  spec.shape = calibration.shape;
+  spec.grain_density = grain_density;
+  spec.settle_friction = calibration.packing[packing].settle_friction;
+  spec.seed = bed_seed % std::uint64_t(packing_seeds);
+  spec.settled_on = settled_on;
+  return spec;
+}
+
+std::filesystem::path default_packing_folder() {
+  if (const char* cache = std::getenv("GONOGO_CACHE")) return std::filesystem::path(cache) / "beds";
+  if (const char* cache = std::getenv("XDG_CACHE_HOME")) return std::filesystem::path(cache) / "gonogo" / "beds";
+  if (const char* home = std::getenv("HOME")) return std::filesystem::path(home) / ".cache" / "gonogo" / "beds";
+  return std::filesystem::temp_directory_path() / "gonogo" / "beds";
+}
+
+TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder, sim::Backend device) {
+  TrialSetup s;
+  s.settled_on = device;
+  s.name = study.name;
+  s.seed = study.seed;
+  s.packing_folder = packing_folder;
+  if (study.vehicle.empty())
+    study.config.fail("vehicle", "missing; name a vehicle file, for example ../vehicles/hmmwv_quarter.json");
+  s.vehicle_file = study.vehicle;
+  read_mover(s);
+  const Config soil = study.section("soil");
+  s.calibration_file = soil.path("calibration");
+  s.calibration = terrain::read_calibration(s.calibration_file);
+  soil.finish();
+  terrain::AskedNumerics asked;
+  if (const auto trial = study.config.object_if("trial")) {
+    if (const auto c = trial->object_if("bed")) read_bed(*c, s);
+    if (const auto c = trial->object_if("drive")) read_drive(*c, s);
+    if (const auto c = trial->object_if("numerics")) asked = read_numerics(*c);
+    if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
+    if (const auto c = trial->object_if("task")) s.task = read_task(*c);
+    s.compliant_tyres = trial->boolean_or("compliant_tyres", false);
+    trial->finish();
+  }
+  s.numerics = terrain::numerics_by_table(s.calibration, s.calibration_file, asked);
+  check_wheels_on_bed(s);
+  check_tyres(s);
+  if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);
+  fit_to_task(s);
+  check_reach(study, s);
+  check_depth(study, s);
+  return s;
+}
+
+TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
+                               std::shared_ptr<const TrialTask> task, const terrain::AskedNumerics& asked,
+                               const std::filesystem::path& packing_folder) {
+  TrialSetup s;
+  s.packing_folder = packing_folder;
+  s.task = std::move(task);
+  s.vehicle_file = vehicle;
+  read_mover(s);
+  s.name = s.whole ? s.whole->name : s.rig.name;
+  s.calibration_file = calibration;
+  s.calibration = terrain::read_calibration(calibration);
+  s.numerics = terrain::numerics_by_table(s.calibration, calibration, asked);
+  if (!s.whole) {
+    if (s.task->obstacle_end() > 0) s.bed_length = std::ceil(2 * s.course(0).front + s.task->obstacle_end() + 1);
+    fit_to_task(s);
+    return s;
+  }
+  // Tiles as long as a wheel's influence is wide; as many as the vehicle with its patch and the slab ahead need.
+  const Extent e = extent_of(s);
+  const double d = s.calibration.grain_diameter, tile = std::max(12 * d, 2 * e.wheel);
+  s.bed_length = s.bed_width = tile;
+  s.moving_patch = true;
+  const double alone = 2 * s.patch().reach, crossing = 2 * e.ends() + s.task->obstacle_end();
+  s.tiles_along = int(std::ceil((std::max(alone, crossing) + 2 * e.wheel) / tile));
+  s.tiles_across = int(std::ceil((e.width + 2 * e.wheel) / tile));
+  s.park_time = 0.5;
+  s.run_in_distance = 0.5 * s.whole->length;
+  s.test_distance = 2 * s.whole->length;
+  s.time_limit = 15;
+  fit_to_task(s);
+  terrain::check_patch(s.patch(), d);
+  return s;
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,82 @@
+// Types of trials behind one interface. A task changes the ground, adds what stands or pulls there, says how far the
+// vehicle has to go, and has the last word on the verdict. Everything else is the same for all of them.
+//
+//   climb       up or down a slope, as the point's slopes say; the default
+//   side_slope  along the contour: sliding sideways ends it
+//   drawbar     pulled back by a load that grows until the vehicle stands
+//   single_wheel  a quarter vehicle's wheel towed at a given slip
+//   step        over a rigid sill across the way
+//   ditch       through a trench across the way
+//   crossing    through a strip of softer soil
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json/config.h"
+#include "pipeline/campaign/trial/record.h"
+#include "terrain/bed/bed.h"
+#include "terrain/soil/calibration.h"
+
+namespace gonogo::pipeline {
+
+/// Where things are on the bed when the drive begins; x along the heading [m].
+struct Course {
+  double start = 0;              // x of the vehicle's middle
+  double front = 0, rear = 0;    // from there to the foremost and rearmost point of its tyres
+  double length = 0, width = 0;  // of the bed
+  double surface = 0;            // height of the undisturbed bed
+};
+
+/// What a task needs to know of a drive that is over.
+struct DriveEnd {
+  Verdict verdict;  // by the rules that all trials share
+  Reason reason;
+  double travelled = 0;  // along the heading from the start on, run-in included [m]
+  double drift = 0;      // sideways [m]
+  double vehicle_length = 0;
+  double go_slip = 0;  // largest slip for go [-]
+  const std::vector<PullPoint>& pull;
+};
+
+/// Load that pulls the vehicle back along the bed: grows from `start` on [s] to `share` of the weight in `ramp` [s].
+struct TowPlan {
+  double share = 0, ramp = 0;
+};
+
+/// Strip of other soil across the way.
+struct SoftStrip {
+  double from = 0, length = 0;  // x of its beginning [m]
+  terrain::MacroscopicSoil soil;
+};
+
+class TrialTask {
+ public:
+  virtual ~TrialTask() = default;
+  virtual std::string name() const = 0;
+  /// From the vehicle's foremost tyre to the far side of what it has to cross; 0: nothing [m].
+  virtual double obstacle_end() const { return 0; }
+  /// Takes grains out of the settled bed.
+  virtual void shape(const Course&, terrain::Packing&) const {}
+  /// What stands higher than the bed by this much [m].
+  virtual double rise() const { return 0; }
+  /// Adds fixed bodies that stay through both phases.
+  virtual void furnish(const Course&, sim::SceneWorld&) const {}
+  virtual std::optional<SoftStrip> strip(const Course&) const { return std::nullopt; }
+  virtual TowPlan tow() const { return {}; }
+  /// Slip at which a carriage leads the wheel of a quarter vehicle.
+  virtual std::optional<double> given_slip() const { return std::nullopt; }
+  virtual std::pair<Verdict, Reason> judge(const DriveEnd& end) const { return {end.verdict, end.reason}; }
+};
+
+/// How far x lies beyond `from` along the heading on a periodic bed, in [0, length) [m].
+double beyond(double from, double x, double length);
+
+/// Reads {"type": ..., ...}; throws InputError for unknown types, keys and values out of range.
+std::shared_ptr<const TrialTask> read_task(const Config& task);
+/// "step:height_m=0.2,length_m=1" as on a command line.
+std::shared_ptr<const TrialTask> parse_task(const std::string& text);
+std::shared_ptr<const TrialTask> default_task();
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,26 @@
+// A turning drum that mixes spheres of two materials.
+#pragma once
+#include "pipeline/lab/scenes/scene.h"
+#include "pipeline/lab/scenes/spheres.h"
+
+namespace gonogo::pipeline {
+
+struct DrumSpec {
+  Spheres of;
+  double other_friction = 0.6;  // among spheres of the second material [-]
+  double length_over_radius = 1;
+  double turns = 1;      // of the drum
+  double froude = 0.05;  // angular speed squared times radius over g: rolling rather than cascading
+};
+
+/// Half full, smooth caps, the rim as rough as the second material; spheres with x < 0 are of the first material. The
+/// drum turns about the y axis. Measured: mixing index of Lacey (1954) over samples of about 30 spheres, 0 for what
+/// starts and 1 for a random mixture: at the end, and over the turns of the drum.
+ManyScene drum_scene(const DrumSpec& spec, const RunOn& on);
+
+/// (v_0 - v) / (v_0 - v_r) with the variance v of the share of the first kind over cubes of space, that of the
+/// separated kinds p (1 - p) and that of random samples p (1 - p) / n. Cubes with fewer than a third of `per_cube`
+/// spheres do not count.
+double lacey_index(const std::vector<Vec3d>& position, const std::vector<bool>& is_first, double cube);
+
+}  // namespace gonogo::pipeline

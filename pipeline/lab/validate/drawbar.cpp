@@ -1,0 +1,170 @@
+#include "pipeline/lab/validate/drawbar.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "base/line.h"
+#include "pipeline/campaign/trial/lanes.h"
+#include "pipeline/report/figure/line_plot.h"
+#include "vehicle/model/statics.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+/// A tyre under the mean load of the wheels. As for the mobility index, 15 % of the section's height is its deflection
+/// where the file gives none.
+WheelOnSand tyre_of(const vehicle::Vehicle& v) {
+  const auto wheels = vehicle::stations(v);
+  const vehicle::Wheel& w = *wheels.front().wheel;
+  return {w.radius, w.width, vehicle::weigh(v).total * vehicle::kGravity / double(wheels.size()), w.size_section_height,
+          w.size_deflection > 0 ? w.size_deflection : 0.15 * w.size_section_height};
+}
+
+/// Sums over the seeds of one part of the sweep.
+struct PartSum {
+  std::vector<double> slip, pull, resistance, sinkage;
+};
+
+DrawbarPoint point_of(const PartSum& part, const vehicle::Vehicle& v, double friction_angle) {
+  DrawbarPoint p;
+  p.slip = mean_of(part.slip).mean;
+  p.pull = mean_of(part.pull), p.resistance = mean_of(part.resistance);
+  p.sinkage = mean_of(part.sinkage).mean;
+  p.band = sand_band(v, friction_angle, p.slip);
+  return p;
+}
+
+Json range(const double (&x)[2]) {
+  Json pair = Json::array();
+  pair.push_back(x[0]), pair.push_back(x[1]);
+  return pair;
+}
+
+}  // namespace
+
+TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double slip) {
+  return sand_band(tyre_of(v), friction_angle, slip);
+}
+
+DrawbarReport measure_drawbar(const DrawbarRequest& r) {
+  const std::string task = line("drawbar:most_pull_per_weight=1,sweep_s=%g", r.sweep);
+  TrialSetup setup = vehicle_trial_setup(r.vehicle, r.calibration, parse_task(task), r.numerics);
+  setup.settled_on = r.batch.backend;
+  if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
+  if (r.folded) fold_bed(setup);
+  setup.compliant_tyres = r.compliant_tyres;
+  check_tyres(setup);
+  const vehicle::Vehicle& v = *setup.whole;
+  const auto points = replicates(plain_variables(setup, 0, r.friction_angle, r.speed), r.seeds);
+  std::vector<PartSum> part;
+  double driven = 0;
+  for (const vehicle::Station& s : vehicle::stations(v)) driven += s.driven;
+  const double radius = tyre_of(v).radius, weight = setup.weight(0);
+  for (const TrialRecord& record : run_trials(setup, points, r.batch)) {
+    if (record.verdict == Verdict::unknown) throw DeviceError("a trial of the drawbar curve failed its checks");
+    part.resize(std::max(part.size(), record.pull.size()));
+    for (std::size_t k = 0; k < record.pull.size(); ++k) {
+      const PullPoint& p = record.pull[k];
+      part[k].slip.push_back(p.slip), part[k].pull.push_back(p.pull), part[k].sinkage.push_back(p.sinkage);
+      part[k].resistance.push_back(driven * p.torque / radius / weight - p.pull);
+    }
+  }
+  DrawbarReport report{v.name, r.compliant_tyres, r.friction_angle, grains_per_tyre(setup), {}, {}};
+  for (const PartSum& k : part)
+    if (const double slip = mean_of(k.slip).mean; slip > 0.01 && slip < 0.95)
+      report.point.push_back(point_of(k, v, r.friction_angle));
+  std::sort(report.point.begin(), report.point.end(),
+            [](const DrawbarPoint& a, const DrawbarPoint& b) { return a.slip < b.slip; });
+  for (int k = 1; k <= 19; ++k) report.band.push_back(sand_band(v, r.friction_angle, 0.05 * k));
+  return report;
+}
+
+namespace {
+
+const char* tyres(const DrawbarReport& r) { return r.compliant_tyres ? "compliant" : "rigid"; }
+
+}  // namespace
+
+Json as_json(const DrawbarReport& r) {
+  Json json;
+  json["vehicle"] = r.vehicle;
+  json["tyres"] = tyres(r);
+  json["friction_angle_deg"] = r.friction_angle;
+  json["grains_per_tyre"] = r.grains_per_tyre;
+  json["label"] = r.grains_per_tyre >= kGrainsPerTyre ? "fine" : "coarse";
+  int pull = 0, resistance = 0;
+  for (const DrawbarPoint& p : r.point) {
+    Json one;
+    one["slip"] = p.slip, one["sinkage_m"] = p.sinkage;
+    one["pull_per_weight"] = p.pull.mean, one["pull_error"] = p.pull.error, one["pull_band"] = range(p.band.pull);
+    one["resistance_per_weight"] = p.resistance.mean, one["resistance_error"] = p.resistance.error;
+    one["resistance_band"] = range(p.band.resistance);
+    json["points"].push_back(std::move(one));
+    pull += p.pull_inside(), resistance += p.resistance_inside();
+  }
+  json["drawbar_points"] = r.point.size();
+  json["drawbar_inside"] = pull;
+  json["resistance_inside"] = resistance;
+  return json;
+}
+
+std::string as_text(const DrawbarReport& r) {
+  std::string text = line("%s on %s tyres on sand of %.1f degrees, a tyre %.1f grains wide\n", r.vehicle.c_str(),
+                          tyres(r), r.friction_angle, r.grains_per_tyre);
+  text += "  slip  sinkage [mm]  pull/weight   band             resistance/weight  band\n";
+  for (const DrawbarPoint& p : r.point) {
+    text += line("%6.3f  %12.1f  %+.3f        %+.3f to %+.3f%s  %+.3f             %+.3f to %+.3f%s\n", p.slip,
+                 1e3 * p.sinkage, p.pull.mean, p.band.pull[0], p.band.pull[1], p.pull_inside() ? " " : "!",
+                 p.resistance.mean, p.band.resistance[0], p.band.resistance[1], p.resistance_inside() ? "" : "!");
+  }
+  return text + "  ! outside the band\n";
+}
+
+#ifdef GONOGO_WITH_PICTURES
+namespace {
+
+LinePlot plot_of(const DrawbarReport& r) {
+  LinePlot plot;
+  plot.title = r.vehicle + ": drawbar pull and resistance on sand";
+  plot.x_label = "slip", plot.y_label = "share of the weight";
+  constexpr int kPullColour = 0, kResistanceColour = 3;
+  PlotLine of_pull{"pull, formulas", {}, {}, false, {}, kPullColour};
+  PlotLine of_resistance{"resistance, formulas", {}, {}, false, {}, kResistanceColour};
+  for (const TractionBand& b : r.band) {
+    of_pull.x.push_back(b.slip), of_resistance.x.push_back(b.slip);
+    of_pull.y.push_back(b.pull[0]), of_pull.most.push_back(b.pull[1]);
+    of_resistance.y.push_back(b.resistance[0]), of_resistance.most.push_back(b.resistance[1]);
+  }
+  PlotLine pull{"pull, trials", {}, {}, true, {}, kPullColour};
+  PlotLine resistance{"resistance, trials", {}, {}, true, {}, kResistanceColour};
+  for (const DrawbarPoint& p : r.point) {
+    pull.x.push_back(p.slip), pull.y.push_back(p.pull.mean);
+    resistance.x.push_back(p.slip), resistance.y.push_back(p.resistance.mean);
+  }
+  plot.lines = {of_pull, of_resistance, pull, resistance};
+  plot.notes.push_back(
+      line("friction angle %.1f degrees, %s tyres %.1f grains wide; formulas: Wong and Reece on two sands, "
+           "Mason et al. over cone indices",
+           r.friction_angle, tyres(r), r.grains_per_tyre));
+  return plot;
+}
+
+}  // namespace
+#endif
+
+void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r) {
+  create_folder(folder);
+  std::string csv =
+      "slip,sinkage_m,pull_per_weight,pull_least,pull_most,resistance_per_weight,resistance_least,resistance_most\n";
+  for (const DrawbarPoint& p : r.point)
+    csv += line("%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", p.slip, p.sinkage, p.pull.mean, p.band.pull[0],
+                p.band.pull[1], p.resistance.mean, p.band.resistance[0], p.band.resistance[1]);
+  write_file_atomically(folder / (r.vehicle + "_drawbar.csv"), csv);
+#ifdef GONOGO_WITH_PICTURES
+  draw_line_plot(folder / (r.vehicle + "_drawbar.png"), plot_of(r));
+#endif
+}
+
+}  // namespace gonogo::pipeline

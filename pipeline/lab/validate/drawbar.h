@@ -1,0 +1,54 @@
+// Drawbar pull and rolling resistance of a whole vehicle on sand over its slip, beside the bands of semi-empirical
+// formulas (vehicle/semi_empirical).
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "base/json/json.h"
+#include "pipeline/lab/validate/sand_band.h"
+#include "pipeline/lab/validate/trials.h"
+
+namespace gonogo::pipeline {
+
+struct DrawbarRequest {
+  std::filesystem::path vehicle, calibration;
+  terrain::AskedNumerics numerics;          // in the place of the table's
+  double friction_angle = 30, speed = 1.5;  // of the sand [deg], [m/s]
+  double sweep = 12;                        // over which the load grows to the weight [s]
+  int seeds = 1;
+  bool folded = false;           // bed, see pipeline/campaign/trial/lanes.h
+  bool compliant_tyres = false;  // of the stiffness that the vehicle's file names
+  BatchSettings batch;
+};
+
+/// One part of a sweep, mean over the seeds.
+struct DrawbarPoint {
+  double slip = 0;
+  MeanOf pull, resistance;  // of the weight; resistance: torque over rolling radius less pull
+  double sinkage = 0;       // of the axle: with what a compliant tyre is pressed in [m]
+  TractionBand band;
+  bool pull_inside() const { return pull.mean >= band.pull[0] && pull.mean <= band.pull[1]; }
+  bool resistance_inside() const {
+    return resistance.mean >= band.resistance[0] && resistance.mean <= band.resistance[1];
+  }
+};
+
+struct DrawbarReport {
+  std::string vehicle;
+  bool compliant_tyres = false;
+  double friction_angle = 0, grains_per_tyre = 0;
+  std::vector<DrawbarPoint> point;  // ascending in slip, of slips at which a formula holds
+  std::vector<TractionBand> band;   // for a picture
+};
+
+/// The band of a vehicle's front tyre under the mean load of its wheels.
+TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double slip);
+
+DrawbarReport measure_drawbar(const DrawbarRequest& request);
+
+Json as_json(const DrawbarReport& r);
+std::string as_text(const DrawbarReport& r);
+/// <vehicle>_drawbar.csv and, where the build has pictures, .png.
+void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,46 @@
+#include "pipeline/lab/validate/fclib.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/error.h"
+#include "sim/local_problem/read.h"
+
+namespace gonogo::pipeline {
+namespace fs = std::filesystem;
+
+std::vector<fs::path> fclib_files(const std::vector<fs::path>& paths) {
+  std::vector<fs::path> files;
+  for (const fs::path& path : paths) {
+    if (!fs::is_directory(path)) {
+      if (!fs::exists(path)) throw InputError(path.string() + ": no such file or folder; check the path");
+      files.push_back(path);
+      continue;
+    }
+    const std::size_t before = files.size();
+    for (const auto& entry : fs::directory_iterator(path))
+      if (entry.path().extension() == ".hdf5" || entry.path().extension() == ".dat") files.push_back(entry.path());
+    if (files.size() == before) throw InputError(path.string() + ": holds no .hdf5 or .dat file");
+    std::sort(files.begin() + std::ptrdiff_t(before), files.end());
+  }
+  return files;
+}
+
+FclibResult solve_fclib(const fs::path& file, const sim::LocalSolveSettings& settings) {
+  const sim::LocalProblem problem = sim::read_problem(file);
+  const auto start = std::chrono::steady_clock::now();
+  const sim::LocalSolution solution = sim::solve(problem, settings);
+  const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - start;
+  FclibResult result;
+  result.name = file.filename().string();
+  result.dimension = problem.dimension;
+  result.contacts = problem.contact_count();
+  result.iterations = solution.iterations;
+  result.coulomb_error = sim::siconos_error(problem, solution.r, sim::ConeTarget::coulomb);
+  result.ccp_error = sim::siconos_error(problem, solution.r, sim::ConeTarget::ccp);
+  result.target_error = solution.error;
+  result.ms = taken.count();
+  return result;
+}
+
+}  // namespace gonogo::pipeline

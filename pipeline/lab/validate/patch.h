@@ -1,0 +1,10 @@
+// A moving patch against a fixed bed so long that the vehicle never leaves it.
+#pragma once
+#include "pipeline/lab/validate/two_beds.h"
+
+namespace gonogo::pipeline {
+
+/// Both beds are of the same tiles.
+BedComparison compare_patch(const BedsRequest& request);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,33 @@
+// A validation figure of soils: curves, and numbers held against bounds.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/json/json.h"
+#include "pipeline/report/figure/line_plot.h"
+
+namespace gonogo::pipeline {
+
+/// One number and the bounds it must keep.
+struct SoilCheck {
+  std::string key, claim;
+  double low = 0, high = 0, measured = 0;
+  bool holds() const { return measured >= low && measured <= high; }  // false for NaN
+};
+
+struct SoilFigure {
+  std::string name;  // of its files
+  std::string csv;   // what it shows, in SI units
+  LinePlot plot;
+  std::vector<SoilCheck> check;
+  std::string over_time{};  // the same over time, if there is more to tell: <name>_over_time.csv
+};
+
+/// Measured numbers by key, each with its bounds and whether it keeps them.
+Json as_json(const SoilFigure& figure);
+std::string as_text(const SoilFigure& figure);
+/// <name>.csv, <name>.json and, where the build has pictures, <name>.png.
+void write_figure(const std::filesystem::path& folder, const SoilFigure& figure);
+
+}  // namespace gonogo::pipeline

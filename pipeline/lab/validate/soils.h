@@ -1,0 +1,25 @@
+// Virtual soil tests against what soil mechanics says of them, and soils of configs/soils against the tests of the
+// grains that a calibration gives them.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/lab/validate/soil_figure.h"
+
+namespace gonogo::pipeline {
+
+struct SoilValidation {
+  std::filesystem::path calibration;  // its grains are tested
+  int seeds = 2;                      // packings per test
+  int threads = 1;
+  bool quick = false;  // smaller beds and shorter ways
+};
+
+/// Names of all figures: shear, triaxial, plate, cone, repose, geostatic, inversion.
+const std::vector<std::string>& soil_figures();
+
+/// Runs what one figure shows. Throws InputError for an unknown name.
+SoilFigure soil_figure(const std::string& name, const SoilValidation& run);
+
+}  // namespace gonogo::pipeline

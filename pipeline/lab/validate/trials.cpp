@@ -1,0 +1,60 @@
+#include "pipeline/lab/validate/trials.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/progress.h"
+
+namespace gonogo::pipeline {
+
+MeanOf mean_of(const std::vector<double>& values) {
+  MeanOf m;
+  const double n = double(values.size());
+  for (const double x : values) m.mean += x / n;
+  double squares = 0;
+  for (const double x : values) squares += (x - m.mean) * (x - m.mean);
+  if (values.size() > 1) m.error = std::sqrt(squares / (n - 1) / n);
+  return m;
+}
+
+std::vector<DesignPoint> replicates(const std::vector<double>& variables, int count) {
+  std::vector<DesignPoint> points;
+  for (int i = 0; i < count; ++i) {
+    DesignPoint p;
+    p.index = p.seed = std::uint64_t(i);
+    p.variables = variables;
+    points.push_back(p);
+  }
+  return points;
+}
+
+std::vector<double> plain_variables(const TrialSetup& setup, double slope_along, double friction_angle, double speed) {
+  std::vector<double> values(contract().variables.size(), 0);
+  const auto set = [&](const char* name, double x) { values[contract().variable_index(name)] = x; };
+  set("slope_along", slope_along);
+  set("friction_angle", friction_angle);
+  set("relative_density", 0.5);
+  set("tyre_friction", setup.whole ? setup.whole->wheel.front().friction : 0.8);
+  set("bed_depth", 0.3);
+  set("commanded_speed", speed);
+  return values;
+}
+
+std::vector<TrialRecord> run_trials(const TrialSetup& setup, const std::vector<DesignPoint>& points,
+                                    const BatchSettings& batch, const std::vector<TrialWatch>& watch) {
+  prepare_trials(setup, points, batch.threads);
+  TrialBatch trials(setup, batch);
+  std::vector<TrialRecord> records(points.size());
+  Progress progress("validate", "trials", points.size());
+  for (std::size_t next = 0, done = 0; done < points.size(); progress.update(done)) {
+    for (; trials.free_places() > 0 && next < points.size(); ++next)
+      trials.start(points[next], next < watch.size() ? watch[next] : TrialWatch{});
+    for (TrialRecord& r : trials.advance()) {
+      records[std::size_t(r.point.index)] = std::move(r);
+      ++done;
+    }
+  }
+  return records;
+}
+
+}  // namespace gonogo::pipeline

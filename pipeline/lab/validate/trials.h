@@ -1,0 +1,26 @@
+// Trials whose means over seeds are compared.
+#pragma once
+#include <vector>
+
+#include "pipeline/campaign/trial/batch.h"
+
+namespace gonogo::pipeline {
+
+/// Mean and its standard error; one value has none.
+struct MeanOf {
+  double mean = 0, error = 0;
+};
+MeanOf mean_of(const std::vector<double>& values);
+
+/// The same variables with the seeds 0, 1, ...: replicates of one trial.
+std::vector<DesignPoint> replicates(const std::vector<double>& variables, int count);
+
+/// Dry soil of this friction angle, medium dense, 0.3 m deep, in the contract's order [deg], [m/s].
+std::vector<double> plain_variables(const TrialSetup& setup, double slope_along, double friction_angle, double speed);
+
+/// Side by side in one batch, records in the order of the points. `watch` may be shorter than the points: the rest are
+/// not watched.
+std::vector<TrialRecord> run_trials(const TrialSetup& setup, const std::vector<DesignPoint>& points,
+                                    const BatchSettings& batch, const std::vector<TrialWatch>& watch = {});
+
+}  // namespace gonogo::pipeline

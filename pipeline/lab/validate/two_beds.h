@@ -1,0 +1,58 @@
+// The same driving on the same virgin ground, on two beds: means over seeds and the differences of a seed's two trials.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "base/json/json.h"
+#include "pipeline/lab/validate/trials.h"
+
+namespace gonogo::pipeline {
+
+struct BedsRequest {
+  std::filesystem::path vehicle, calibration;
+  double slope = 10, friction_angle = 0;  // 0: the middle of what the grains reach [deg]
+  double speed = 1.5, distance = 8;       // [m/s], [m]
+  int seeds = 4;
+  /// In the place of the table's. A tolerance is not used: it is a mean over the contacts of a world, which a larger
+  /// bed at rest meets sooner, so that beds of two sizes would be solved to two accuracies near the wheel.
+  terrain::AskedNumerics numerics;
+  BatchSettings batch;
+};
+
+/// One of the two; the second one is the reference.
+struct BedSide {
+  std::string key, name;  // in JSON, in text
+  TrialSetup setup;
+  /// Sees a trial's start and end; may be empty.
+  std::function<void(std::size_t seed, const TrialFrame&)> frame;
+};
+
+struct BedComparison {
+  std::string key[2], name[2];
+  MeanOf slip[2], sinkage[2];                  // over the last half of the driving [-], [m]
+  MeanOf slip_difference, sinkage_difference;  // of a seed's two trials
+  std::size_t grains[2] = {};
+  double cost[2][2] = {};             // contact-iterations per metre over the first and the second half of the way
+  double length[2] = {}, width[2]{};  // of the bed [m]
+  int passed = 0;                     // of trials, neither unknown nor no_go
+
+  /// Difference over the reference's value.
+  double slip_deviation() const { return slip_difference.mean / slip[1].mean; }
+  double sinkage_deviation() const { return sinkage_difference.mean / sinkage[1].mean; }
+  double worst_deviation() const;
+};
+
+/// Vehicle, table and numerics of `r`.
+TrialSetup setup_of(const BedsRequest& r);
+
+/// A bed as `r` asks for: its way and its time limit.
+void fit_to_request(const BedsRequest& r, TrialSetup& setup);
+
+/// Throws DeviceError when a trial fails its checks.
+BedComparison compare_beds(const BedsRequest& r, const BedSide& first, const BedSide& reference);
+
+Json as_json(const BedComparison& c);
+std::string as_text(const BedComparison& c);
+
+}  // namespace gonogo::pipeline

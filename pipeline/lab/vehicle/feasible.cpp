@@ -1,0 +1,139 @@
+#include "pipeline/lab/vehicle/feasible.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "pipeline/campaign/trial/trial.h"
+#include "vehicle/feasible/feasible.h"
+#include "vehicle/model/assembly.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+using namespace vehicle;
+
+constexpr double kSteepest = 80;  // [deg]
+
+Demand demand_of(const FeasibleRequest& r, double slope_along, bool moving) {
+  Demand d;
+  d.gravity = bed_gravity(slope_along, r.slope_across);
+  d.friction = r.friction;
+  d.step = r.step;
+  d.moving = moving;
+  return d;
+}
+
+/// First slope along, from level ground up, that is not feasible: scanned by half degrees, then halved [deg].
+double steepest(const Vehicle& v, const FeasibleRequest& r) {
+  const auto good = [&](double slope) { return feasible(v, demand_of(r, slope, true)).feasible; };
+  if (!good(0)) return 0;
+  double low = 0, high = 0;
+  do {
+    low = high;
+    high = std::min(low + 0.5, kSteepest);
+    if (low >= kSteepest) return kSteepest;
+  } while (good(high));
+  while (high - low > 1e-3) {
+    const double middle = 0.5 * (low + high);
+    (good(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+double highest_step(const Vehicle& v, FeasibleRequest r) {
+  double low = 0, high = 0.8 * std::fabs(stations(v).front().centre.x - stations(v).back().centre.x);
+  while (high - low > 1e-3) {
+    r.step = 0.5 * (low + high);
+    (feasible(v, demand_of(r, r.slope_along, true)).feasible ? low : high) = r.step;
+  }
+  return low;
+}
+
+/// Numbers that may be infinite have no JSON form.
+Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+std::string finite_text(double x) { return std::isfinite(x) ? line("%.3f", x) : "none"; }
+
+/// Without the sign of a rounded zero.
+double whole(double x) { return std::round(x) + 0.0; }
+
+void forces(const Feasibility& f, Report& r, Json& json) {
+  r.text += "  wheel                    normal [N]   along [N]  across [N]\n";
+  Json rows = Json::array();
+  for (const ContactForce& c : f.contact) {
+    r.text += line("  %-22s %12.0f %11.0f %11.0f\n", c.wheel.c_str(), whole(c.normal), whole(c.along), whole(c.across));
+    Json row;
+    row["wheel"] = c.wheel;
+    row["normal_N"] = c.normal;
+    row["along_N"] = c.along;
+    row["across_N"] = c.across;
+    rows.push_back(row);
+  }
+  json["forces"] = rows;
+  r.text += "  torques [N m]:";
+  Json torques = Json::object();
+  for (std::size_t u = 0; u < f.unit.size(); ++u) {
+    r.text += line(" %s %.0f%s", f.unit[u].c_str(), whole(f.torque[u]), u + 1 < f.unit.size() ? "," : "\n");
+    torques[f.unit[u]] = f.torque[u];
+  }
+  json["torques_N_m"] = torques;
+}
+
+Json answer(const Vehicle& v, const Demand& d, const char* what, Report& r) {
+  const Feasibility f = feasible(v, d);
+  const std::string cause = f.feasible ? "" : limiting_cause(v, d);
+  const double friction = least_friction(v, d), torque = least_torque_share(v, d);
+  r.text += line("%s: %s%s%s\n", what, f.feasible ? "yes" : "no, limited by ", cause.c_str(),
+                 f.climbing.empty()
+                     ? ""
+                     : line(" (hardest with the %s axle %.0f mm up)", f.climbing.c_str(), 1e3 * f.rise).c_str());
+  r.text += line("  reserve %.3f of the mean wheel load; least friction %s; least share of the torque %s\n", f.reserve,
+                 finite_text(friction).c_str(), finite_text(torque).c_str());
+  Json json;
+  json["feasible"] = f.feasible;
+  json["cause"] = cause;
+  json["reserve"] = finite(f.reserve);
+  json["least_friction"] = finite(friction);
+  json["least_torque_share"] = finite(torque);
+  forces(f, r, json);
+  return json;
+}
+
+void limits(const Vehicle& v, const FeasibleRequest& request, Report& r) {
+  if (request.step > 0) return;
+  const double slope = steepest(v, request);
+  const std::string cause = slope < kSteepest ? limiting_cause(v, demand_of(request, slope + 0.01, true)) : "";
+  r.json["steepest_slope_along_deg"] = slope;
+  r.json["steepest_cause"] = cause;
+  r.text +=
+      line("steepest slope along that it climbs, as it leans now: %.2f degrees (%.0f %%), limited by %s\n", slope,
+           100 * std::tan(slope * 0.017453292519943295), cause.empty() ? "nothing below 80 degrees" : cause.c_str());
+  if (v.kind != VehicleKind::wheeled || v.axle.size() != 2) return;
+  const double step = highest_step(v, request);
+  r.json["highest_step_m"] = step;
+  r.text += line("highest step that it climbs on this slope: %.0f mm\n", 1e3 * step);
+}
+
+}  // namespace
+
+Report check_feasible(const Vehicle& v, const FeasibleRequest& request) {
+  for (const double slope : {request.slope_along, request.slope_across})
+    if (!(std::fabs(slope) <= kSteepest)) throw InputError(line("a slope of %g degrees is outside -80 to 80", slope));
+  Report r;
+  r.json["vehicle"] = v.name;
+  r.json["slope_along_deg"] = request.slope_along;
+  r.json["slope_across_deg"] = request.slope_across;
+  r.json["step_m"] = request.step;
+  r.json["friction"] = request.friction;
+  r.text = line("%s, slope along %g and across %g degrees, step %g m, friction %g\n", v.name.c_str(),
+                request.slope_along, request.slope_across, request.step, request.friction);
+  if (request.step == 0)
+    r.json["holds"] = answer(v, demand_of(request, request.slope_along, false), "holds with brakes", r);
+  r.json["moves"] =
+      answer(v, demand_of(request, request.slope_along, true), request.step > 0 ? "climbs the step" : "creeps on", r);
+  limits(v, request, r);
+  return r;
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,16 @@
+// `gonogo vehicle feasible`: whether a vehicle can stand and creep on hard ground, what limits it, and by how much.
+#pragma once
+#include "pipeline/lab/vehicle/show.h"
+
+namespace gonogo::pipeline {
+
+struct FeasibleRequest {
+  double slope_along = 0, slope_across = 0;  // as the trials' variables [deg]
+  double step = 0;                           // [m]
+  double friction = 0.8;
+};
+
+/// Throws InputError for slopes beyond 80 degrees and what vehicle::feasible refuses.
+Report check_feasible(const vehicle::Vehicle& v, const FeasibleRequest& request);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,24 @@
+// A dataset as pictures and one page that opens from disk with no network.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/learn/importance/model_importance.h"
+
+namespace gonogo::pipeline {
+
+struct ReportRequest {
+  std::string name;                                           // of the dataset, for titles
+  std::string x = "slope_along", y = "friction_angle";        // variables or measures of the large scatter
+  std::optional<std::vector<VariableImportance>> importance;  // of a model; nothing: left out
+};
+
+/// Writes boundary.png (trials over x and y by verdict), pairs.png (all varied variables), importance.png (with a
+/// model) and report.html, which holds them. Returns the files. Throws InputError for names that are neither variable
+/// nor measure, DeviceError when nothing can be written.
+std::vector<std::filesystem::path> write_dataset_report(const std::filesystem::path& folder, const Dataset& dataset,
+                                                        const ReportRequest& request);
+
+}  // namespace gonogo::pipeline

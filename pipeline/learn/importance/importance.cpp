@@ -1,0 +1,77 @@
+#include "pipeline/learn/importance/importance.h"
+
+#include <cmath>
+
+#include "base/error.h"
+#include "base/random.h"
+#include "pipeline/campaign/design/sobol.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr std::uint64_t kShuffleStream = 0x7065726d00000000;
+
+/// Fisher and Yates' shuffle of one column of `points`.
+void shuffle_column(std::vector<double>& points, std::size_t dimensions, std::size_t column, std::uint64_t seed,
+                    std::uint64_t stream) {
+  for (std::size_t i = points.size() / dimensions; i > 1; --i) {
+    const std::size_t j = std::size_t(random_bits(seed, stream, i) % i);
+    std::swap(points[(i - 1) * dimensions + column], points[j * dimensions + column]);
+  }
+}
+
+double mean_squared_error(const ManyValues& function, std::span<const double> points, std::span<const double> truth) {
+  std::vector<double> values(truth.size());
+  function(points, values);
+  double sum = 0;
+  for (std::size_t i = 0; i < truth.size(); ++i) sum += (values[i] - truth[i]) * (values[i] - truth[i]);
+  return sum / double(truth.size());
+}
+
+}  // namespace
+
+TotalIndices sobol_total_indices(const ManyValues& function, const InputBox& box, std::uint32_t samples,
+                                 std::uint64_t seed) {
+  const std::size_t d = box.minimum.size();
+  if (2 * d > std::size_t(kSobolDimensions))
+    throw InputError("total indices of " + std::to_string(d) + " inputs: at most " +
+                     std::to_string(kSobolDimensions / 2) + " are possible");
+  std::vector<double> a(samples * d), b(samples * d), values(samples), changed(samples);
+  for (std::uint32_t i = 0; i < samples; ++i)
+    for (std::size_t j = 0; j < d; ++j) {
+      const double width = box.maximum[j] - box.minimum[j];
+      a[i * d + j] = box.minimum[j] + width * scrambled_sobol(i, seed, int(j));
+      b[i * d + j] = box.minimum[j] + width * scrambled_sobol(i, seed, int(d + j));
+    }
+  function(a, values);
+  double mean = 0, squares = 0;
+  for (const double value : values) mean += value / samples;
+  for (const double value : values) squares += (value - mean) * (value - mean) / samples;
+  TotalIndices result{squares, std::vector<double>(d, 0.0)};
+  if (!(squares > 0)) return result;
+  for (std::size_t j = 0; j < d; ++j) {
+    std::vector<double> mixed = a;
+    for (std::uint32_t i = 0; i < samples; ++i) mixed[i * d + j] = b[i * d + j];
+    function(mixed, changed);
+    for (std::uint32_t i = 0; i < samples; ++i)
+      result.total[j] += (values[i] - changed[i]) * (values[i] - changed[i]) / (2.0 * samples * squares);
+  }
+  return result;
+}
+
+std::vector<double> permutation_importance(const ManyValues& function, std::span<const double> points,
+                                           std::size_t dimensions, std::span<const double> truth, int repeats,
+                                           std::uint64_t seed) {
+  const double base = mean_squared_error(function, points, truth);
+  std::vector<double> importance(dimensions, 0.0);
+  for (std::size_t j = 0; j < dimensions; ++j)
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+      std::vector<double> shuffled(points.begin(), points.end());
+      shuffle_column(shuffled, dimensions, j, seed,
+                     kShuffleStream + j * std::uint64_t(repeats) + std::uint64_t(repeat));
+      importance[j] += (mean_squared_error(function, shuffled, truth) - base) / repeats;
+    }
+  return importance;
+}
+
+}  // namespace gonogo::pipeline

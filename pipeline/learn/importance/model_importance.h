@@ -1,0 +1,25 @@
+// Which variables decide about go, by a trained model.
+#pragma once
+#include <string>
+#include <vector>
+
+#include "base/json/json.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/learn/answer/predictor.h"
+
+namespace gonogo::pipeline {
+
+struct VariableImportance {
+  std::string name;
+  double total_index = 0;  // Sobol' total index of P(go) over the box that trials sampled
+  double permutation = 0;  // increase of the Brier score of P(go) on the dataset's valid trials when shuffled
+};
+
+/// Of the variables that the trials vary, most important first.
+std::vector<VariableImportance> model_importance(const Predictor& predictor, const Dataset& dataset,
+                                                 std::uint64_t seed = 1);
+
+std::string to_text(const std::vector<VariableImportance>& importances);
+Json to_json(const std::vector<VariableImportance>& importances);
+
+}  // namespace gonogo::pipeline

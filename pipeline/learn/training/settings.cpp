@@ -1,0 +1,128 @@
+#include "pipeline/learn/training/settings.h"
+
+#include <algorithm>
+
+namespace gonogo::pipeline {
+namespace {
+
+void read_encoders(const Config& section, LearningSettings& settings) {
+  for (const auto& [name, entry] : section.members()) {
+    contract().variable_index(name);
+    EncoderSpec spec;
+    spec.code = entry.choice("code", {"thermometer", "one_hot", "gray"});
+    if (entry.has("edges") && entry.has("bits")) entry.fail("edges", "say how many bins there are; leave out bits");
+    if (entry.has("edges"))
+      settings.edges[name] = entry.numbers("edges");
+    else
+      spec.bits = int(entry.integer("bits", {.minimum = 1, .maximum = spec.code == "gray" ? 8.0 : 64.0}));
+    entry.finish();
+    settings.encoders[name] = spec;
+  }
+}
+
+}  // namespace
+
+LearningSettings read_learning_settings(const std::optional<Config>& section) {
+  LearningSettings settings;
+  if (!section) return settings;
+  learning::TrainingSettings& training = settings.training;
+  const auto count = [&](const char* key, std::size_t fallback, double least, double most) {
+    return std::size_t(section->integer_or(key, std::int64_t(fallback), {.minimum = least, .maximum = most}));
+  };
+  if (section->has("sampler"))
+    settings.sampler = section->choice(
+        "sampler", {"block_gibbs", "anneal", "tempering", "population", "exact", "command", "emulator"});
+  if (settings.sampler == "emulator") settings.emulator = read_emulator_choice(section->object_if("emulator"));
+  if (section->has("gpu")) settings.gpu = section->choice("gpu", {"auto", "never"}) == "auto";
+  if (settings.sampler == "command") settings.command = section->texts("command");
+  if (section->has("stand_in"))
+    settings.stand_in = section->choice("stand_in", {"block_gibbs", "anneal", "tempering", "exact"});
+  training.hidden = count("hidden", training.hidden, 1, 1024);
+  training.epochs = count("epochs", training.epochs, 1, 1e6);
+  training.batch = count("batch", training.batch, 1, 1e6);
+  settings.batch_given = section->has("batch");
+  training.chains = count("chains", training.chains, 1, 1e6);
+  training.sweeps = count("sweeps", training.sweeps, 1, 1e6);
+  settings.folds = count("folds", settings.folds, 2, 100);
+  training.learning_rate = section->number_or("learning_rate", training.learning_rate, {.minimum = 1e-6, .maximum = 1});
+  training.weight_decay = section->number_or("weight_decay", training.weight_decay, {.minimum = 0, .maximum = 1e6});
+  training.generative = section->number_or("generative", training.generative, {.minimum = 0, .maximum = 100});
+  training.discriminative =
+      section->number_or("discriminative", training.discriminative, {.minimum = 0, .maximum = 100});
+  training.final_learning_rate =
+      section->number_or("final_learning_rate", training.final_learning_rate, {.minimum = 0, .maximum = 1});
+  training.momentum = section->number_or("momentum", training.momentum, {.minimum = 0, .maximum = 0.999});
+  training.rungs = count("rungs", training.rungs, 2, 64);
+  training.centred = section->boolean_or("centred", training.centred);
+  if (section->has("optimizer"))
+    training.optimizer = learning::optimizer_named(section->choice("optimizer", {"adam", "sgd"}));
+  if (section->has("gradients"))
+    training.gradients = learning::gradient_device_named(section->choice("gradients", {"cpu", "cuda"}));
+  if (section->has("negative"))
+    training.negative = learning::negative_phase_named(
+        section->choice("negative", {"persistent", "contrastive", "tempering", "trajectory"}));
+  if (training.negative != learning::NegativePhaseKind::persistent && settings.sampler != "block_gibbs")
+    section->fail("negative", "only persistent chains can come from the sampler " + settings.sampler);
+  settings.importance = section->number_or("importance", settings.importance, {.minimum = 0, .maximum = 1});
+  settings.calibrate = section->boolean_or("calibrate", settings.calibrate);
+  if (section->has("unknown_inputs"))
+    settings.uniform_inputs = section->choice("unknown_inputs", {"prior", "machine"}) == "prior";
+  if (section->has("bins")) settings.quantile_bins = section->choice("bins", {"range", "quantile"}) == "quantile";
+  if (const auto encoders = section->object_if("encoders")) read_encoders(*encoders, settings);
+  section->finish();
+  return settings;
+}
+
+learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed) {
+  constexpr std::size_t kMostBatches = 32;  // of an epoch
+  learning::TrainingSettings training = settings.training;
+  training.seed = seed;
+  if (!settings.batch_given) training.batch = std::max(training.batch, trials / kMostBatches);
+  return training;
+}
+
+Json to_json(const LearningSettings& settings) {
+  const learning::TrainingSettings& training = settings.training;
+  Json json = Json::object(), encoders = Json::object();
+  json["sampler"] = settings.sampler;
+  json["hidden"] = Json(std::uint64_t(training.hidden));
+  json["epochs"] = Json(std::uint64_t(training.epochs));
+  json["batch"] = settings.batch_given ? Json(std::uint64_t(training.batch)) : Json("auto");
+  json["learning_rate"] = training.learning_rate;
+  json["weight_decay"] = training.weight_decay;
+  json["generative"] = training.generative;
+  json["discriminative"] = training.discriminative;
+  json["final_learning_rate"] = training.final_learning_rate;
+  json["momentum"] = training.momentum;
+  json["rungs"] = Json(std::uint64_t(training.rungs));
+  json["centred"] = training.centred;
+  json["optimizer"] = learning::optimizer_name(training.optimizer);
+  json["negative"] = learning::negative_phase_name(training.negative);
+  json["chains"] = Json(std::uint64_t(training.chains));
+  json["sweeps"] = Json(std::uint64_t(training.sweeps));
+  json["folds"] = Json(std::uint64_t(settings.folds));
+  json["importance"] = settings.importance;
+  json["calibrate"] = settings.calibrate;
+  json["unknown_inputs"] = settings.uniform_inputs ? "prior" : "machine";
+  json["gpu"] = settings.gpu ? "auto" : "never";
+  json["gradients"] = learning::gradient_device_name(training.gradients);
+  if (settings.sampler == "emulator") json["emulator"] = to_json(settings.emulator);
+  if (settings.sampler == "command") {
+    json["command"] = Json(settings.command);
+    json["stand_in"] = settings.stand_in;
+  }
+  json["bins"] = settings.quantile_bins ? "quantile" : "range";
+  for (const auto& [name, spec] : settings.encoders) {
+    Json entry;
+    entry["code"] = spec.code;
+    if (const auto edges = settings.edges.find(name); edges != settings.edges.end())
+      entry["edges"] = Json(edges->second);
+    else
+      entry["bits"] = spec.bits;
+    encoders[name] = std::move(entry);
+  }
+  json["encoders"] = std::move(encoders);
+  return json;
+}
+
+}  // namespace gonogo::pipeline

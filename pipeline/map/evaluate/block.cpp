@@ -1,0 +1,247 @@
+#include "pipeline/map/evaluate/block.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "terrain/raster/slope.h"
+
+namespace gonogo::pipeline {
+
+using terrain::MapGrid;
+using terrain::RasterKind;
+using terrain::RasterSource;
+using terrain::Tile;
+using terrain::Window;
+namespace {
+
+constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
+
+/// Codes, water contents, land cover and cone indices of a block, as far as the region has them.
+struct Readings {
+  std::optional<Tile> soil, moisture, land, cone_index;
+};
+
+/// A whole number that a raster holds, or nothing.
+std::optional<int> code_at(const Tile& tile, std::size_t cell) {
+  const float value = tile.value[cell];
+  if (std::isnan(value) || value != std::floor(value) || std::abs(value) > 1e6f) return std::nullopt;
+  return int(value);
+}
+
+/// 0: any; k: the region's k-th state.
+int moisture_state(const Region& region, const MapRules& rules, const Readings& readings, std::size_t cell) {
+  for (std::size_t k = 0; k < region.moistures.size(); ++k) {
+    const MoistureState& state = region.moistures[k];
+    if (!rules.moisture.empty()) {
+      if (state.name == rules.moisture) return int(k) + 1;
+    } else if (readings.moisture) {
+      const float water = readings.moisture->value[cell];
+      if (water >= state.low && water < state.high) return int(k) + 1;
+    }
+  }
+  return 0;
+}
+
+/// Position of a cell's soil in the table, or -1 when the raster does not say or the table does not list it.
+int soil_of(const SoilTable& table, const Readings& readings, int state, std::size_t cell) {
+  if (!readings.soil) return table.find(0, state);
+  const auto code = code_at(*readings.soil, cell);
+  return code ? table.find(*code, state) : SoilTable::kUnknown;
+}
+
+/// 0: the soil decides; 1 + position in land_rules().
+int rule_of(const Region& region, const Readings& readings, std::size_t cell) {
+  if (!readings.land) return 0;
+  const auto code = code_at(*readings.land, cell);
+  std::size_t r = 0;
+  while (r < region.land.size() && !(code && region.land[r].code == *code)) ++r;
+  return r == land_unknown_rule(region) || region.land[r].verdict ? int(r) + 1 : 0;
+}
+
+/// What decides in a cell: its soil, or a rule.
+struct Decision {
+  int soil = SoilTable::kUnknown, rule = 0;
+};
+
+/// A measured cone index decides over fine-grained soil where it is too low, and where it is not, over what cohesion
+/// and friction angle would make of it.
+Decision decide(const Region& region, const MapRules& rules, const SoilTable& table, const Readings& readings,
+                std::size_t cell) {
+  const int state = moisture_state(region, rules, readings, cell);
+  Decision decision{soil_of(table, readings, state, cell), rule_of(region, readings, cell)};
+  if (!readings.cone_index || decision.soil < 0 || decision.rule > 0) return decision;
+  const double index = double(readings.cone_index->value[cell]) * region.cone_index->unit;
+  if (std::isnan(index) || !table.may_be_soft[std::size_t(decision.soil)]) return decision;
+  if (index < table.need.one_pass)
+    decision.rule = int(below_one_pass_rule(region)) + 1;
+  else if (index < table.need.fifty_passes)
+    decision.rule = int(below_fifty_passes_rule(region)) + 1;
+  else
+    decision.soil = table.find_firm(table.soils[std::size_t(decision.soil)].code, state);
+  return decision;
+}
+
+CellState in_heading(const SoilResponse& soil, const MapRules& rules, float slope, float aspect) {
+  const CellAnswer& answer = soil.at(slope);
+  switch (rules.heading_mode) {
+    case HeadingMode::worst:
+      return {answer.headings.worst, answer.headings.p_worst, &answer};
+    case HeadingMode::best:
+      return {answer.headings.best, answer.headings.p_best, &answer};
+    case HeadingMode::set: {
+      const double falls_towards = std::isnan(aspect) ? 0 : rounded_aspect(aspect);
+      const HeadingAnswer& set = soil.at(slope, fall_line_angle(rules.heading, falls_towards));
+      return {set.result, set.p_go, &answer};
+    }
+    default:
+      return {answer.result, answer.p_go, &answer};
+  }
+}
+
+/// Everything that a cell says: a rule of the land wins over the soil.
+CellState state_of(const SoilTable& table, const std::vector<LandRule>& land, const MapRules& rules, Decision decision,
+                   float slope, float aspect) {
+  if (decision.rule > 0) {
+    const LandRule& decides = land[std::size_t(decision.rule) - 1];
+    return {{*decides.verdict, decides.reason}, kNoData, nullptr};
+  }
+  if (decision.soil < 0) return {{Verdict::unknown, Reason::input_missing}, kNoData, nullptr};
+  return in_heading(table.responses[std::size_t(decision.soil)], rules, slope, aspect);
+}
+
+/// A soil in one state of moisture; nothing when no sample tells of it.
+std::optional<Soil> soil_in(const Soil& soil, const MoistureState& state) {
+  Soil part = soil;
+  part.name = soil.name + ", " + state.name;
+  part.samples = samples_in(soil, state);
+  if (part.samples.empty() && !soil.samples.empty()) return std::nullopt;
+  return part;
+}
+
+/// A soil by what cohesion and friction angle say, and where cones were pushed into it, once more for where they met
+/// enough resistance.
+void add_soil(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
+              const Soil& soil, int state, SoilTable& table) {
+  const auto points = soil_points(region, soil, rules.values, rules.draws);
+  const bool may_be_soft = is_fine_grained(region, soil).value_or(true);
+  table.add(soil, state, may_be_soft, false,
+            SoilResponse(model, rules, points, error_of_gradient, soft_points(region, soil, points, model.cone_index)));
+  if (!region.cone_index || !may_be_soft) return;
+  Soil firm = soil;
+  firm.name += ", measured firm";
+  table.add(firm, state, may_be_soft, true, SoilResponse(model, rules, points, error_of_gradient));
+}
+
+/// Which states of moisture a map needs: 0 is "any".
+std::vector<int> states_of(const Region& region, const MapRules& rules) {
+  std::vector<int> states;
+  for (std::size_t k = 0; k < region.moistures.size(); ++k)
+    if (rules.moisture.empty() ? region.moisture.has_value() : region.moistures[k].name == rules.moisture)
+      states.push_back(int(k) + 1);
+  if (!rules.moisture.empty() && states.empty())
+    throw InputError(region.file.string() + ": moisture: does not say what \"" + rules.moisture +
+                     "\" is; add its range of water content, or leave the moisture open");
+  if (rules.moisture.empty()) states.push_back(0);
+  return states;
+}
+
+std::optional<RasterSource> open_again(const std::optional<RasterSource>& source) {
+  return source ? std::optional(source->again()) : std::nullopt;
+}
+
+std::optional<Tile> read_part(const std::optional<RasterSource>& source, Window window) {
+  return source ? std::optional(source->read(window)) : std::nullopt;
+}
+
+}  // namespace
+
+MapSources MapSources::again() const {
+  return {elevation.again(), open_again(soil_class), open_again(land_cover), open_again(moisture),
+          open_again(cone_index)};
+}
+
+MapSources open_sources(const Region& region) {
+  MapSources sources{RasterSource::open_elevation(region.elevation.files, region.grid), {}, {}, {}, {}};
+  const MapGrid& grid = sources.elevation.grid();
+  if (grid.columns < 3 || grid.rows < 3)
+    throw InputError(region.elevation.files.file.front().string() + ": makes a map of " + std::to_string(grid.columns) +
+                     " x " + std::to_string(grid.rows) +
+                     " cells; a slope takes a cell and its eight neighbours, so give at least 3 x 3");
+  const auto open = [&](const std::optional<RegionRaster>& raster, RasterKind kind) {
+    return raster ? std::optional(RasterSource::open_on_grid(raster->files, sources.elevation.grid(), kind))
+                  : std::nullopt;
+  };
+  sources.soil_class = open(region.soil_class, RasterKind::classes);
+  sources.land_cover = open(region.land_cover, RasterKind::classes);
+  sources.moisture = open(region.moisture, RasterKind::continuous);
+  sources.cone_index = open(region.cone_index, RasterKind::continuous);
+  return sources;
+}
+
+double gradient_error(const RegionRaster& elevation, const MapGrid& grid) {
+  const double cell = std::sqrt(grid.cell_area_m2());
+  return elevation.error * std::sqrt(1 - elevation.error_correlation) * std::sqrt(12.0) / (8 * cell);
+}
+
+SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
+                          double error_of_gradient) {
+  SoilTable table;
+  std::vector<Soil> soils = region.soils;
+  if (soils.empty())
+    soils.push_back({.code = 0, .name = "all soils", .note = "", .texture = "", .samples = {}, .values = {}});
+  if (region.cone_index && !model.cone_index)
+    throw InputError(region.file.string() +
+                     ": rasters: a cone_index raster tells nothing without a vehicle; name one "
+                     "by --vehicle, or by \"cone_index_of\" in the section map of the study");
+  if (model.cone_index) table.need = *model.cone_index;
+  for (const int state : states_of(region, rules))
+    for (const Soil& soil : soils) {
+      const auto part = state == 0 ? std::optional(soil) : soil_in(soil, region.moistures[std::size_t(state) - 1]);
+      if (!part) {
+        table.without_samples.push_back(region.moistures[std::size_t(state) - 1].name + " " + soil.name);
+        continue;
+      }
+      add_soil(model, region, rules, error_of_gradient, *part, state, table);
+    }
+  if (table.soils.empty())
+    throw InputError(region.file.string() + ": soils: no sample of any soil is " + rules.moisture +
+                     "; give samples with such a water_percent, or leave the moisture open");
+  return table;
+}
+
+BlockLayers evaluate_block(const MapSources& sources, const Region& region, const SoilTable& table,
+                           const std::vector<MapLayer>& layers, const MapRules& rules, Window window) {
+  const MapGrid& grid = sources.elevation.grid();
+  const Tile bordered =
+      sources.elevation.read({window.column - 1, window.row - 1, window.columns + 2, window.rows + 2});
+  const Readings readings = {read_part(sources.soil_class, window), read_part(sources.moisture, window),
+                             read_part(sources.land_cover, window), read_part(sources.cone_index, window)};
+  const std::vector<LandRule> land = land_rules(region);
+  const terrain::CellSize cell = {grid.cell_width_m(), grid.cell_height_m()};
+  const Tile empty(window.columns, window.rows, kNoData);
+  BlockLayers block{window,
+                    empty,
+                    terrain::slope_degrees(bordered, cell, 1),
+                    terrain::aspect_degrees(bordered, cell, 1),
+                    terrain::hillshade(bordered, cell, 315, 45, 1),
+                    empty,
+                    Tile(window.columns, window.rows, 0),
+                    std::vector<Tile>(layers.size(), empty)};
+  for (int row = 0; row < window.rows; ++row)
+    for (int column = 0; column < window.columns; ++column) {
+      block.elevation.at(column, row) = bordered.at(column + 1, row + 1);
+      const float slope = block.slope.at(column, row);
+      if (std::isnan(slope)) continue;
+      const std::size_t i = std::size_t(row) * std::size_t(window.columns) + std::size_t(column);
+      const Decision decision = decide(region, rules, table, readings, i);
+      block.soil.value[i] = float(decision.soil);
+      block.rule.value[i] = float(decision.rule);
+      const CellState state = state_of(table, land, rules, decision, slope, block.aspect.value[i]);
+      for (std::size_t l = 0; l < layers.size(); ++l) block.layer[l].value[i] = layers[l].value(state);
+    }
+  return block;
+}
+
+}  // namespace gonogo::pipeline

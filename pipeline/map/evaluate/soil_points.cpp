@@ -1,0 +1,114 @@
+#include "pipeline/map/evaluate/soil_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace gonogo::pipeline {
+namespace {
+
+std::string describe_outside(const Variable& variable, double value, Range sampled) {
+  std::ostringstream text;
+  text << variable.name << " " << value << " " << variable.unit << " is outside " << sampled.minimum << " to "
+       << sampled.maximum << " " << variable.unit;
+  return text.str();
+}
+
+}  // namespace
+
+bool contains(Range sampled, double value) {
+  const double slack = 1e-9 * std::max(std::abs(sampled.minimum), std::abs(sampled.maximum));
+  return value >= sampled.minimum - slack && value <= sampled.maximum + slack;
+}
+
+SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft)
+    : all_(std::move(points)), soft_(std::move(soft)) {
+  const auto& variables = contract().variables;
+  soft_.is_soft.resize(all_.size(), 0);
+  std::size_t soft_count = 0;
+  for (std::size_t i = 0; i < all_.size(); ++i) {
+    const std::vector<double>& point = all_[i];
+    bool inside = !soft_.is_soft[i];
+    soft_count += !inside;
+    for (std::size_t v = 0; v < variables.size(); ++v) {
+      if (std::isnan(point[v]) || contains(model.sampled[v], point[v])) continue;
+      inside = false;
+      const std::string why = describe_outside(variables[v], point[v], model.sampled[v]);
+      if (std::find(outside_because_.begin(), outside_because_.end(), why) == outside_because_.end())
+        outside_because_.push_back(why);
+    }
+    if (!inside) continue;
+    inside_.insert(inside_.end(), point.begin(), point.end());
+    ++inside_count_;
+  }
+  soft_share_ = double(soft_count) / double(all_.size());
+}
+
+Reason SoilPoints::reason_outside() const { return reason_of_unknown(Prospect{{}, 1, soft_share_}); }
+
+std::vector<double> SoilPoints::answers(const Probabilities& model, double slope_along, double slope_across) const {
+  const std::size_t variables = contract().variables.size();
+  const std::size_t along = contract().variable_index("slope_along");
+  const std::size_t across = contract().variable_index("slope_across");
+  std::vector<double> points = inside_, result(inside_count_ * contract().outcomes.size());
+  for (std::size_t i = 0; i < inside_count_; ++i) {
+    points[i * variables + along] = slope_along;
+    points[i * variables + across] = slope_across;
+  }
+  if (inside_count_ > 0) model(points, result);
+  return result;
+}
+
+Prospect SoilPoints::nothing_known() const {
+  return {std::vector<double>(contract().outcomes.size(), 0.0), 1, soft_share_};
+}
+
+bool SoilPoints::is_sampled(const OutcomeModel& model, double slope_along, double slope_across) const {
+  return inside_count_ > 0 && contains(model.sampled[contract().variable_index("slope_along")], slope_along) &&
+         contains(model.sampled[contract().variable_index("slope_across")], slope_across);
+}
+
+Prospect SoilPoints::mean_of(const std::vector<double>& answers) const {
+  Prospect prospect = nothing_known();
+  const std::size_t outcomes = prospect.outcome.size();
+  for (std::size_t i = 0; i < inside_count_; ++i)
+    for (std::size_t o = 0; o < outcomes; ++o) prospect.outcome[o] += answers[i * outcomes + o] / double(inside_count_);
+  prospect.outside_share = 1 - double(inside_count_) / double(all_.size());
+  return prospect;
+}
+
+void SoilPoints::add_p_go(const std::vector<double>& answers, std::vector<double>& p_go) const {
+  const auto& outcomes = contract().outcomes;
+  for (std::size_t i = 0; i < inside_count_; ++i) {
+    double sum = 0;
+    for (std::size_t o = 0; o < outcomes.size(); ++o)
+      if (outcomes[o].verdict != Verdict::no_go) sum += answers[i * outcomes.size() + o];
+    p_go.push_back(sum);
+  }
+}
+
+Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across) const {
+  if (!is_sampled(model, slope_along, slope_across)) return nothing_known();
+  return mean_of(answers(model.probabilities, slope_along, slope_across));
+}
+
+Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across,
+                        std::vector<double>& p_go_of_each) const {
+  if (!is_sampled(model, slope_along, slope_across)) return nothing_known();
+  const std::vector<double> result = answers(model.probabilities, slope_along, slope_across);
+  add_p_go(result, p_go_of_each);
+  for (const Probabilities& member : model.members) add_p_go(answers(member, slope_along, slope_across), p_go_of_each);
+  return mean_of(result);
+}
+
+double SoilPoints::novelty(const OutcomeModel& model, double slope_along, double slope_across) const {
+  double sum = 0;
+  for (std::vector<double> point : all_) {
+    point[contract().variable_index("slope_along")] = slope_along;
+    point[contract().variable_index("slope_across")] = slope_across;
+    sum += model.novelty(point);
+  }
+  return sum / double(all_.size());
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,128 @@
+#include "pipeline/map/evaluate/soil_response.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "base/cancel.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
+constexpr int kLastStep = int(90 * kSlopeSteps);
+
+/// Middles of nine equally likely parts of the standard normal distribution: quantiles at (k + 1/2) / 9.
+constexpr std::array<double, 9> kNormalParts = {-1.59322, -0.967422, -0.589456, -0.282216, 0,
+                                                0.282216, 0.589456,  0.967422,  1.59322};
+
+float p_slow_of(const Prospect& prospect) {
+  double sum = 0;
+  for (std::size_t o = 0; o < prospect.outcome.size(); ++o)
+    if (contract().outcomes[o].verdict == Verdict::slow_go) sum += prospect.outcome[o];
+  return float(sum);
+}
+
+/// Value below which a share of the sorted values lies (nearest rank).
+double quantile(const std::vector<double>& sorted, double share) {
+  const auto rank = std::size_t(share * double(sorted.size()));
+  return sorted[std::min(rank, sorted.size() - 1)];
+}
+
+}  // namespace
+
+double rounded_slope(double slope_deg) { return std::round(slope_deg * kSlopeSteps) / kSlopeSteps; }
+
+SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
+                           double gradient_error, SoftPoints soft)
+    : points_(model, std::move(points), std::move(soft)), headings_(model, rules, points_) {
+  sampled_slope_ = model.sampled[contract().variable_index("slope_along")];
+  tabulate(model, rules);
+  add_interval(gradient_error, 1 + model.members.size());
+  p_each_ = {};
+  add_measures(model);
+}
+
+void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
+  table_.resize(kLastStep + 1);
+  p_each_.resize(table_.size());
+  uphill_outcomes_.resize(table_.size());
+  const int steepest = std::clamp(int(std::floor(sampled_slope_.maximum * kSlopeSteps)), 0, kLastStep);
+#pragma omp parallel for schedule(dynamic, 16)
+  for (int i = 0; i <= steepest; ++i)
+    if (!cancel_requested()) table_[std::size_t(i)] = answer_at(model, rules, i);
+  stop_if_cancelled();
+  CellAnswer steeper;
+  steeper.result = classify(points_.at(model, sampled_slope_.maximum, 0), rules);
+  if (steeper.result.verdict != Verdict::no_go) steeper.result = {Verdict::unknown, points_.reason_outside()};
+  steeper.p_go = steeper.p_slow = steeper.speed = steeper.slip = steeper.sinkage = kNoData;
+  steeper.outside_share = 1;
+  std::fill(table_.begin() + steepest + 1, table_.end(), steeper);
+#pragma omp parallel for schedule(static)
+  for (int i = 0; i <= kLastStep; ++i) {
+    CellAnswer& answer = table_[std::size_t(i)];
+    answer.headings = headings_.over_headings(i / kSlopeSteps);
+    answer.novelty = model.novelty ? float(points_.novelty(model, std::min(i / kSlopeSteps, 89.9), 0)) : kNoData;
+  }
+}
+
+CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& rules, int step) {
+  const double slope = step / kSlopeSteps;
+  const Prospect prospect = points_.at(model, slope, 0, p_each_[std::size_t(step)]);
+  CellAnswer answer;
+  answer.result = classify(prospect, rules);
+  answer.p_go = float(prospect.p_go());
+  answer.outside_share = float(prospect.outside_share);
+  answer.p_slow = answer.outside_share >= 1 ? kNoData : p_slow_of(prospect);
+  if (answer.outside_share < 1) uphill_outcomes_[std::size_t(step)] = prospect.outcome;
+  return answer;
+}
+
+/// Between what the soil, the slope and the model may be: every sampled point at nine equally likely slopes, by the
+/// model and each of its members. What was
+/// not sampled counts as 0 for the low end and as 1 for the high one.
+void SoilResponse::add_interval(double gradient_error, std::size_t models) {
+#pragma omp parallel for schedule(static)
+  for (int i = 0; i <= kLastStep; ++i) {
+    std::vector<double> low, high;
+    const double rise = std::tan(i / kSlopeSteps * std::numbers::pi / 180);
+    for (const double part : kNormalParts) {
+      const double slope = std::atan(std::abs(rise + part * gradient_error)) * 180 / std::numbers::pi;
+      const auto& known = p_each_[std::size_t(std::clamp(int(std::lround(slope * kSlopeSteps)), 0, kLastStep))];
+      low.insert(low.end(), known.begin(), known.end());
+      low.insert(low.end(), points_.all().size() * models - known.size(), -1.0);
+      if (gradient_error == 0) break;
+    }
+    high = low;
+    std::replace(low.begin(), low.end(), -1.0, 0.0);
+    std::replace(high.begin(), high.end(), -1.0, 1.0);
+    std::sort(low.begin(), low.end());
+    std::sort(high.begin(), high.end());
+    CellAnswer& answer = table_[std::size_t(i)];
+    answer.p_low = float(quantile(low, 0.05));
+    answer.p_high = float(quantile(high, 0.95));
+  }
+}
+
+void SoilResponse::add_measures(const OutcomeModel& model) {
+  for (const MeasureFit& fit : model.measures) measures_[fit.name] = on_soil(fit, points_.all());
+  for (std::size_t i = 0; i < table_.size(); ++i) {
+    CellAnswer& answer = table_[i];
+    const auto value = [&](const char* name) {
+      const auto found = measures_.find(name);
+      if (found == measures_.end() || std::isnan(answer.p_go)) return kNoData;
+      return float(found->second.at({double(i) / kSlopeSteps, 0}));
+    };
+    answer.speed = value("mean_speed");
+    answer.slip = value("slip");
+    answer.sinkage = value("sinkage");
+  }
+}
+
+const CellAnswer& SoilResponse::at(double slope_deg) const {
+  const double step = std::round(slope_deg * kSlopeSteps);
+  return table_[std::size_t(std::clamp(step, 0.0, double(table_.size() - 1)))];
+}
+
+}  // namespace gonogo::pipeline

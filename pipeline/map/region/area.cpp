@@ -1,0 +1,76 @@
+#include "pipeline/map/region/area.h"
+
+#include <cstdio>
+
+namespace gonogo::pipeline {
+namespace {
+
+std::string csv_row(const std::string& verdict, const std::string& reason, std::uint64_t cells, double area_km2,
+                    double share) {
+  char text[160];
+  std::snprintf(text, sizeof text, "%s,%s,%llu,%.6f,%.6f\n", verdict.c_str(), reason.c_str(),
+                static_cast<unsigned long long>(cells), area_km2, share);
+  return text;
+}
+
+}  // namespace
+
+std::uint64_t AreaCount::total() const {
+  std::uint64_t sum = 0;
+  for (const auto& [key, count] : cells_) sum += count;
+  return sum;
+}
+
+std::uint64_t AreaCount::cells(Verdict verdict) const {
+  std::uint64_t sum = 0;
+  for (const auto& [key, count] : cells_) sum += key.first == verdict ? count : 0;
+  return sum;
+}
+
+std::uint64_t AreaCount::cells(Verdict verdict, Reason reason) const {
+  const auto found = cells_.find({verdict, reason});
+  return found == cells_.end() ? 0 : found->second;
+}
+
+double AreaCount::share(Verdict verdict) const { return total() ? double(cells(verdict)) / double(total()) : 0; }
+
+double AreaCount::share(Verdict verdict, Reason reason) const {
+  return total() ? double(cells(verdict, reason)) / double(total()) : 0;
+}
+
+std::string AreaCount::csv(double cell_area_m2) const {
+  std::string text = "class,reason,cells,area_km2,share\n";
+  for (const VerdictInfo& info : contract().verdicts) {
+    const Verdict verdict = Verdict(info.code);
+    text += csv_row(info.name, "all", cells(verdict), double(cells(verdict)) * cell_area_m2 * 1e-6, share(verdict));
+    for (const ReasonInfo& reason : contract().reasons)
+      if (const std::uint64_t count = cells(verdict, Reason(reason.code)))
+        text += csv_row(info.name, reason.name, count, double(count) * cell_area_m2 * 1e-6,
+                        share(verdict, Reason(reason.code)));
+  }
+  return text;
+}
+
+Json AreaCount::to_json() const {
+  Json rows = Json::array();
+  for (const auto& [key, count] : cells_) {
+    Json row = Json::object();
+    row["class"] = contract().info(key.first).name;
+    row["reason"] = contract().info(key.second).name;
+    row["cells"] = count;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+AreaCount AreaCount::from_json(const Json& json) {
+  AreaCount area;
+  for (const Json& row : json.items())
+    for (const VerdictInfo& verdict : contract().verdicts)
+      for (const ReasonInfo& reason : contract().reasons)
+        if (row.at("class").string() == verdict.name && row.at("reason").string() == reason.name)
+          area.add(Verdict(verdict.code), Reason(reason.code), row.at("cells").unsigned_integer());
+  return area;
+}
+
+}  // namespace gonogo::pipeline

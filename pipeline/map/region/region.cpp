@@ -1,0 +1,197 @@
+#include "pipeline/map/region/region.h"
+
+#include <set>
+
+#include "terrain/soil/strength.h"
+#include "terrain/soil/texture.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+RegionRaster read_raster(const Config& config, const std::string& role) {
+  RegionRaster raster;
+  if (config.has("files")) {
+    for (const std::string& file : config.texts("files"))
+      raster.files.file.push_back(config.file().parent_path() / file);
+    if (raster.files.file.empty()) config.fail("files", "names no file; give the tiles of the raster");
+  } else {
+    raster.files = config.path("file");
+  }
+  raster.source = config.text("source");
+  raster.licence = config.text("licence");
+  if (role == "cone_index") raster.unit = config.choice("unit", {"psi", "kPa"}) == "psi" ? terrain::kPascalPerPsi : 1e3;
+  if (role == "elevation" && config.has("error_m")) {
+    raster.error = config.number("error_m", {0, 1000});
+    raster.error_correlation = config.number_or("error_correlation", 0, {0, 0.9999});
+    config.text("error_source");
+  }
+  config.text_or("note", "");
+  config.finish();
+  return raster;
+}
+
+SoilSample read_sample(const Config& config) {
+  SoilSample sample;
+  sample.source = config.text("source");
+  if (config.has("water_percent")) sample.water_percent = config.number("water_percent", {0, 1000});
+  if (config.has("cone_index_kPa")) sample.cone_index = 1e3 * config.number("cone_index_kPa", {0, 10000});
+  for (const Variable& variable : contract().variables) {
+    if (variable.name == "slope_along" || variable.name == "slope_across" || !config.has(variable.name)) continue;
+    const double value = config.number(variable.name, {variable.minimum, variable.maximum});
+    sample.values[variable.name] = {Spread::Kind::fixed, value, value, sample.source};
+  }
+  if (sample.values.empty()) config.fail("", "holds no variable; give for example friction_angle and cohesion");
+  config.finish();
+  return sample;
+}
+
+/// Empty when the file does not give it.
+std::string read_texture(const Config& config) {
+  return config.has("texture") ? config.choice("texture", terrain::usda_textures()) : "";
+}
+
+Soil read_soil(const Config& config) {
+  Soil soil;
+  soil.code = int(config.integer("code", {0, 65535}));
+  soil.name = config.text("name");
+  soil.note = config.text_or("note", "");
+  soil.texture = read_texture(config);
+  if (config.has("samples"))
+    for (const Config& sample : config.objects("samples")) soil.samples.push_back(read_sample(sample));
+  if (const auto values = config.object_if("values")) soil.values = read_spreads(*values);
+  config.finish();
+  return soil;
+}
+
+void read_rasters(const Config& config, Region& region) {
+  bool has_elevation = false;
+  for (const Config& entry : config.objects("rasters")) {
+    const std::string role = entry.choice("role", {"elevation", "soil_class", "land_cover", "moisture", "cone_index"});
+    std::optional<RegionRaster>& place = role == "soil_class"   ? region.soil_class
+                                         : role == "land_cover" ? region.land_cover
+                                         : role == "moisture"   ? region.moisture
+                                                                : region.cone_index;
+    const bool elevation = role == "elevation";
+    if (elevation ? has_elevation : place.has_value()) entry.fail("role", "is given twice; keep one raster");
+    if (elevation) {
+      region.elevation = read_raster(entry, role);
+      has_elevation = true;
+    } else {
+      place = read_raster(entry, role);
+    }
+  }
+  if (!has_elevation) config.fail("rasters", "no raster has the role \"elevation\"; add one");
+}
+
+LandRule read_land_rule(const Config& config) {
+  LandRule rule;
+  rule.code = int(config.integer("code", {0, 65535}));
+  rule.name = config.text("name");
+  const std::string verdict = config.choice("verdict", {"soil", "no_go", "unknown"});
+  config.text_or("note", "");
+  if (verdict != "soil") {
+    rule.verdict = verdict == "no_go" ? Verdict::no_go : Verdict::unknown;
+    const std::string reason = config.choice("reason", {"water", "vegetation", "built_up"});
+    rule.reason = reason == "water" ? Reason::water : reason == "vegetation" ? Reason::vegetation : Reason::built_up;
+  }
+  config.finish();
+  return rule;
+}
+
+void read_land(const Config& config, Region& region) {
+  std::set<int> codes;
+  if (config.has("land_cover"))
+    for (const Config& entry : config.objects("land_cover")) {
+      region.land.push_back(read_land_rule(entry));
+      if (!codes.insert(region.land.back().code).second) entry.fail("code", "is given twice; keep one rule");
+    }
+  if (region.land_cover.has_value() == region.land.empty())
+    config.fail("land_cover", region.land.empty()
+                                  ? "missing; say what the codes of the land_cover raster mean"
+                                  : "no raster has the role \"land_cover\"; add one or remove the rules");
+}
+
+void read_moisture(const Config& config, Region& region) {
+  if (const auto states = config.object_if("moisture")) {
+    states->text("source");
+    for (const char* name : {"dry", "moist", "wet"}) {
+      if (!states->has(name)) continue;
+      const std::vector<double> range = states->numbers(name, {0, 1000});
+      if (range.size() != 2 || !(range[0] < range[1])) states->fail(name, "expected [least, most] percent of water");
+      region.moistures.push_back({name, range[0], range[1]});
+    }
+    states->finish();
+  }
+  if (region.moisture && region.moistures.empty())
+    config.fail("moisture", "missing; say from how much water [percent] on a soil is dry, moist or wet");
+}
+
+void read_grid(const Config& config, Region& region) {
+  const auto grid = config.object_if("grid");
+  if (!grid) return;
+  region.grid.crs = grid->text_or("crs", "");
+  region.grid.cell_size = grid->number_or("cell_m", 0, {0.01, 100000});
+  grid->finish();
+}
+
+}  // namespace
+
+Region read_region(const std::filesystem::path& path) {
+  const Config config = Config::read(path);
+  config.choice("schema", {"gonogo/region/1"});
+  Region region;
+  region.file = path;
+  region.name = config.text("region");
+  region.about = config.text_or("about", "");
+  read_rasters(config, region);
+  read_grid(config, region);
+  read_land(config, region);
+  read_moisture(config, region);
+  if (config.has("soils")) {
+    std::set<int> codes;
+    for (const Config& entry : config.objects("soils")) {
+      region.soils.push_back(read_soil(entry));
+      if (!codes.insert(region.soils.back().code).second) entry.fail("code", "is given twice; keep one soil");
+    }
+  }
+  if (region.soil_class.has_value() == region.soils.empty())
+    config.fail("soils", region.soils.empty() ? "missing; say what the codes of the soil_class raster mean"
+                                              : "no raster has the role \"soil_class\"; add one or remove the soils");
+  region.texture = read_texture(config);
+  if (const auto values = config.object_if("values")) region.values = read_spreads(*values);
+  config.finish();
+  return region;
+}
+
+std::vector<LandRule> land_rules(const Region& region) {
+  std::vector<LandRule> rules = region.land;
+  rules.push_back({-1, "land cover not known", Verdict::unknown, Reason::land_unknown});
+  rules.push_back({-1, "measured cone index below VCI1", Verdict::no_go, Reason::soft_soil});
+  rules.push_back({-1, "measured cone index below VCI50", Verdict::unknown, Reason::soft_soil});
+  return rules;
+}
+
+std::vector<SoilSample> samples_in(const Soil& soil, const MoistureState& state) {
+  std::vector<SoilSample> samples;
+  for (const SoilSample& sample : soil.samples)
+    if (!sample.water_percent || (*sample.water_percent >= state.low && *sample.water_percent < state.high))
+      samples.push_back(sample);
+  return samples;
+}
+
+std::vector<std::vector<double>> soil_points(const Region& region, const Soil& soil, const Spreads& overriding,
+                                             int draws) {
+  std::vector<SoilSample> samples = soil.samples;
+  if (samples.empty()) samples.emplace_back();
+  std::vector<std::vector<double>> points;
+  for (const SoilSample& sample : samples) {
+    Spreads spreads = overriding;  // insert() keeps what is already there
+    spreads.insert(sample.values.begin(), sample.values.end());
+    spreads.insert(soil.values.begin(), soil.values.end());
+    spreads.insert(region.values.begin(), region.values.end());
+    for (auto& point : spread_points(spreads, draws)) points.push_back(std::move(point));
+  }
+  return points;
+}
+
+}  // namespace gonogo::pipeline

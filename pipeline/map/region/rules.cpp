@@ -1,0 +1,102 @@
+#include "pipeline/map/region/rules.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+#include "base/line.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+double probability_of(const Prospect& prospect, Verdict verdict) {
+  const auto& outcomes = contract().outcomes;
+  double sum = 0;
+  for (std::size_t i = 0; i < outcomes.size(); ++i)
+    if (outcomes[i].verdict == verdict) sum += prospect.outcome[i];
+  return sum;
+}
+
+Verdict verdict_at(double p_go, bool slow_is_likelier, const MapRules& rules) {
+  if (p_go < rules.no_go) return Verdict::no_go;
+  if (p_go < rules.go || slow_is_likelier) return Verdict::slow_go;
+  return Verdict::go;
+}
+
+Reason likeliest_no_go_reason(const Prospect& prospect) {
+  const auto& outcomes = contract().outcomes;
+  double best = -1;
+  Reason reason = Reason::none;
+  for (std::size_t i = 0; i < outcomes.size(); ++i)
+    if (outcomes[i].verdict == Verdict::no_go && prospect.outcome[i] > best) {
+      best = prospect.outcome[i];
+      reason = outcomes[i].reason;
+    }
+  return reason;
+}
+
+}  // namespace
+
+MapRules read_map_rules(const std::optional<Config>& section) {
+  MapRules rules;
+  if (!section) return rules;
+  rules.go = section->number_or("go", rules.go, {0, 1});
+  rules.no_go = section->number_or("no_go", rules.no_go, {0, rules.go});
+  rules.tolerated_outside_share = section->number_or("tolerated_outside_share", 0, {0, 1});
+  rules.draws = int(section->integer_or("draws", rules.draws, {1, 4096}));
+  if (section->has("moisture")) rules.moisture = section->choice("moisture", {"dry", "moist", "wet"});
+  rules.fidelity = section->text_or("fidelity", rules.fidelity);
+  rules.correlation_length = section->number_or("correlation_length_m", rules.correlation_length, {1, 1e6});
+  if (section->has("heading")) set_heading(rules, section->text("heading"), "map.heading");
+  if (section->has("cone_index_of")) rules.cone_index_of = section->path("cone_index_of");
+  if (const auto values = section->object_if("values")) rules.values = read_spreads(*values);
+  section->finish();
+  return rules;
+}
+
+void set_heading(MapRules& rules, const std::string& text, const std::string& where) {
+  if (text == "uphill" || text == "worst" || text == "best") {
+    rules.heading_mode = text == "uphill"  ? HeadingMode::uphill
+                         : text == "worst" ? HeadingMode::worst
+                                           : HeadingMode::best;
+    return;
+  }
+  double degrees = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), degrees);
+  if (error != std::errc() || end != text.data() + text.size() || !(degrees >= 0 && degrees < 360))
+    throw InputError(where + ": \"" + text +
+                     "\" is no heading; use uphill, worst, best, or degrees clockwise from grid north, 0 to below 360");
+  rules.heading_mode = HeadingMode::set;
+  rules.heading = degrees;
+}
+
+std::string heading_text(const MapRules& rules) {
+  if (rules.heading_mode == HeadingMode::uphill) return "uphill heading";
+  if (rules.heading_mode == HeadingMode::worst) return "worst heading";
+  if (rules.heading_mode == HeadingMode::best) return "best heading";
+  return line("heading %g degrees from grid north", rules.heading);
+}
+
+double Prospect::p_go() const {
+  if (outside_share >= 1) return std::numeric_limits<double>::quiet_NaN();
+  return probability_of(*this, Verdict::go) + probability_of(*this, Verdict::slow_go);
+}
+
+Reason reason_of_unknown(const Prospect& prospect) {
+  const bool soft = prospect.soft_share > 0 && 2 * prospect.soft_share >= prospect.outside_share;
+  return soft ? Reason::soft_soil : Reason::outside_sampled;
+}
+
+CellClass classify(const Prospect& prospect, const MapRules& rules) {
+  if (prospect.outside_share >= 1) return {Verdict::unknown, reason_of_unknown(prospect)};
+  const double not_sampled = prospect.outside_share - prospect.soft_share;
+  const double outside = prospect.soft_share + (not_sampled > rules.tolerated_outside_share ? not_sampled : 0);
+  const double lower = prospect.p_go() * (1 - outside), upper = lower + outside;
+  const bool slow = probability_of(prospect, Verdict::slow_go) > probability_of(prospect, Verdict::go);
+  const Verdict verdict = verdict_at(lower, slow, rules);
+  if (verdict != verdict_at(upper, slow, rules)) return {Verdict::unknown, reason_of_unknown(prospect)};
+  return {verdict, verdict == Verdict::no_go ? likeliest_no_go_reason(prospect) : Reason::none};
+}
+
+}  // namespace gonogo::pipeline

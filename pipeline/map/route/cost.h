@@ -1,0 +1,93 @@
+// What a step of a route costs.
+//
+// A step goes to one of the eight neighbours; half of it lies in each of its two cells. In a cell the heading gives a
+// node of the soil's heading table (slopes along and across rounded to 1/kHeadingSteps degree), and the node a cost per
+// metre of map distance:
+//
+//   length   1 / cos(along)                          [m]     on the ground
+//   time     length / expected speed made good       [s]
+//   risk     -ln P(go) length / correlation length   [-]     minus the log of the chance to get through
+//   energy   length x energy per metre               [J]     of one wheel
+//
+// The chances of passing are the same within the correlation length and independent beyond it, so that the risk of a
+// way does not depend on the size of the cells. A node that is not go or slow-go cannot be passed in that heading.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pipeline/map/evaluate/soil_table.h"
+
+namespace gonogo::pipeline {
+
+enum class RouteCost { length, time, risk, energy };
+inline constexpr std::array<RouteCost, 4> kRouteCosts = {RouteCost::length, RouteCost::time, RouteCost::risk,
+                                                         RouteCost::energy};
+/// "shortest", "fastest", "safest", "least-energy"; throws InputError for other names.
+RouteCost route_cost_named(const std::string& name);
+std::string name_of(RouteCost cost);
+/// "m", "s", "1" or "J".
+const char* unit_of(RouteCost cost);
+
+/// Inputs of all cells of a map, row by row from the north.
+struct RouteCells {
+  int columns = 0, rows = 0;
+  double cell_width = 1, cell_height = 1;  // [m]
+  std::vector<std::uint16_t> slope;        // [1 / kSlopeSteps deg]
+  std::vector<std::uint16_t> aspect;       // whole degrees, downslope
+  std::vector<std::uint8_t> soil;  // position in the soil table; kNowhere: no elevation, soil not known, water, ...
+  static constexpr std::uint8_t kNowhere = 255;
+};
+
+/// The eight steps, clockwise from north.
+struct RouteStep {
+  int column = 0, row = 0;
+  int heading = 0;    // [deg clockwise from grid north], rounded to whole degrees
+  double length = 0;  // of the whole step on the map [m]
+};
+std::array<RouteStep, 8> route_steps(double cell_width, double cell_height);
+
+/// Node of the heading table by slope and by psi in whole degrees; kNoNode outside what was sampled.
+class HeadingNodes {
+ public:
+  explicit HeadingNodes(const HeadingTable& table);
+  std::size_t node(std::uint16_t slope_step, int psi_degrees) const {
+    return node_[std::size_t(slope_step) * 360 + std::size_t(psi_degrees)];
+  }
+  static constexpr std::size_t kNoNode = 65535;
+
+ private:
+  std::vector<std::uint16_t> node_;  // [90 kSlopeSteps + 1][360]; small, since every step of a search looks here
+};
+
+/// Costs of all soils of a map. The table outlives it.
+class RouteCosts {
+ public:
+  /// Throws InputError when time or energy is asked for and the model does not tell speeds.
+  RouteCosts(const SoilTable& table, RouteCost cost, double correlation_length);
+
+  /// Per metre of map distance in this cell, heading `heading` [whole degrees]; infinity where it cannot be passed.
+  float per_metre(const RouteCells& cells, std::size_t cell, int heading) const {
+    const std::uint8_t soil = cells.soil[cell];
+    if (soil == RouteCells::kNowhere) return kImpassable;
+    int psi = heading - cells.aspect[cell] + 180;  // both 0 to 359
+    psi += psi < 0 ? 360 : psi >= 360 ? -360 : 0;
+    const std::size_t node = nodes_.node(cells.slope[cell], psi);
+    return node == HeadingNodes::kNoNode ? kImpassable : factor_[soil][node];
+  }
+  /// Some heading can be passed.
+  bool ever_passable(const RouteCells& cells, std::size_t cell) const {
+    const std::uint8_t soil = cells.soil[cell];
+    return soil != RouteCells::kNowhere && best_[soil][cells.slope[cell]];
+  }
+  static constexpr float kImpassable = std::numeric_limits<float>::infinity();
+
+ private:
+  HeadingNodes nodes_;
+  std::vector<std::vector<float>> factor_;  // [soil][node]
+  std::vector<std::vector<char>> best_;     // [soil][slope step]
+};
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,146 @@
+// The cells of a map as a graph of the Boost Graph Library: vertices are cells, edges the steps to the neighbours that
+// can be passed. Nothing is stored but the cells.
+#pragma once
+#include <bit>
+#include <boost/graph/graph_traits.hpp>
+#include <boost/iterator/counting_iterator.hpp>
+#include <boost/iterator/iterator_facade.hpp>
+#include <utility>
+
+#include "pipeline/map/route/cost.h"
+
+namespace gonogo::pipeline {
+
+class StepGraph {
+ public:
+  using Vertex = std::size_t;
+  struct Edge {
+    Vertex from = 0;
+    int step = 0;
+    float cost = 0;
+    bool operator==(const Edge&) const = default;
+  };
+
+  StepGraph(const RouteCells& cells, const RouteCosts& costs, bool backwards)
+      : cells_(&cells), costs_(&costs), steps_(route_steps(cells.cell_width, cells.cell_height)) {
+    for (std::size_t s = 0; s < 8; ++s) {
+      offset_[s] = std::ptrdiff_t(steps_[s].row) * cells.columns + steps_[s].column;
+      half_length_[s] = float(steps_[s].length / 2);
+      heading_[s] = backwards ? (steps_[s].heading + 180) % 360 : steps_[s].heading;
+    }
+    find_open_steps();
+  }
+
+  Vertex size() const { return cells_->soil.size(); }
+  Vertex target(Vertex from, int step) const { return Vertex(std::ptrdiff_t(from) + offset_[std::size_t(step)]); }
+  /// Bit s: step s stays on the map, ends in a cell that some heading passes, and, if diagonal, touches no cell that
+  /// none does.
+  unsigned open_steps(Vertex from) const { return open_[from]; }
+  /// Costs found so far: steps to cells that are no farther than the one they start from cannot shorten any way, and
+  /// are left out from now on. Half of all steps are such.
+  void leave_out_steps_back(const std::vector<float>& cost) { known_ = cost.data(); }
+  bool leads_back(Vertex from, int step) const { return known_ && known_[target(from, step)] <= known_[from]; }
+  /// Infinity where one of the two cells cannot be passed in this heading. Backwards: of the step from target to
+  /// source.
+  float cost(Vertex from, int step) const {
+    const auto s = std::size_t(step);
+    return half_length_[s] * (costs_->per_metre(*cells_, from, heading_[s]) +
+                              costs_->per_metre(*cells_, target(from, step), heading_[s]));
+  }
+
+ private:
+  void find_open_steps() {
+    const int columns = cells_->columns, rows = cells_->rows;
+    std::vector<char> passable(size());
+    open_.resize(size());
+#pragma omp parallel for schedule(static)
+    for (std::size_t c = 0; c < passable.size(); ++c) passable[c] = costs_->ever_passable(*cells_, c);
+#pragma omp parallel for schedule(static)
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) {
+        const auto is_open = [&](int x, int y) {
+          return x >= 0 && y >= 0 && x < columns && y < rows &&
+                 passable[std::size_t(y) * std::size_t(columns) + std::size_t(x)] != 0;
+        };
+        unsigned open = 0;
+        for (unsigned s = 0; s < 8; ++s) {
+          const int x = column + steps_[s].column, y = row + steps_[s].row;
+          if (is_open(x, y) && (s % 2 == 0 || (is_open(x, row) && is_open(column, y)))) open |= 1u << s;
+        }
+        open_[std::size_t(row) * std::size_t(columns) + std::size_t(column)] = std::uint8_t(open);
+      }
+  }
+
+  const RouteCells* cells_;
+  const RouteCosts* costs_;
+  const float* known_ = nullptr;
+  std::array<RouteStep, 8> steps_;
+  std::array<std::ptrdiff_t, 8> offset_{};
+  std::array<float, 8> half_length_{};
+  std::array<int, 8> heading_{};
+  std::vector<std::uint8_t> open_;
+};
+
+/// The steps from a cell whose cost is finite.
+class StepIterator
+    : public boost::iterator_facade<StepIterator, StepGraph::Edge, boost::forward_traversal_tag, StepGraph::Edge> {
+ public:
+  StepIterator() = default;
+  StepIterator(const StepGraph* graph, StepGraph::Vertex from, unsigned left)
+      : graph_(graph), edge_{from}, left_(left) {
+    find_next();
+  }
+
+ private:
+  friend class boost::iterator_core_access;
+  void find_next() {
+    for (; left_ != 0; left_ &= left_ - 1) {
+      const int step = std::countr_zero(left_);
+      if (graph_->leads_back(edge_.from, step)) continue;
+      const float cost = graph_->cost(edge_.from, step);
+      if (!(cost < RouteCosts::kImpassable)) continue;
+      edge_.step = step;
+      edge_.cost = cost;
+      return;
+    }
+  }
+  void increment() {
+    left_ &= left_ - 1;
+    find_next();
+  }
+  bool equal(const StepIterator& other) const { return left_ == other.left_; }
+  StepGraph::Edge dereference() const { return edge_; }
+
+  const StepGraph* graph_ = nullptr;
+  StepGraph::Edge edge_;
+  unsigned left_ = 0;  // bit s: step s is still to come, the lowest one is here
+};
+
+inline std::pair<StepIterator, StepIterator> out_edges(StepGraph::Vertex v, const StepGraph& g) {
+  return {StepIterator(&g, v, g.open_steps(v)), StepIterator(&g, v, 0)};
+}
+inline std::size_t out_degree(StepGraph::Vertex, const StepGraph&) { return 8; }
+inline StepGraph::Vertex source(const StepGraph::Edge& e, const StepGraph&) { return e.from; }
+inline StepGraph::Vertex target(const StepGraph::Edge& e, const StepGraph& g) { return g.target(e.from, e.step); }
+inline std::size_t num_vertices(const StepGraph& g) { return g.size(); }
+inline std::pair<boost::counting_iterator<std::size_t>, boost::counting_iterator<std::size_t>> vertices(
+    const StepGraph& g) {
+  return {boost::counting_iterator<std::size_t>(0), boost::counting_iterator<std::size_t>(g.size())};
+}
+
+}  // namespace gonogo::pipeline
+
+template <>
+struct boost::graph_traits<gonogo::pipeline::StepGraph> {
+  using vertex_descriptor = std::size_t;
+  using edge_descriptor = gonogo::pipeline::StepGraph::Edge;
+  using out_edge_iterator = gonogo::pipeline::StepIterator;
+  using vertex_iterator = boost::counting_iterator<std::size_t>;
+  using directed_category = boost::directed_tag;
+  using edge_parallel_category = boost::disallow_parallel_edge_tag;
+  struct traversal_category : boost::incidence_graph_tag, boost::vertex_list_graph_tag {};
+  using vertices_size_type = std::size_t;
+  using degree_size_type = std::size_t;
+  using edges_size_type = std::size_t;
+  static std::size_t null_vertex() { return std::size_t(-1); }
+};

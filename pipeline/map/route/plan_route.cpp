@@ -1,0 +1,206 @@
+#include "pipeline/map/route/plan_route.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "base/line.h"
+#include "pipeline/map/route/map_cells.h"
+#include "pipeline/map/route/reach_files.h"
+#include "pipeline/map/route/search.h"
+#include "pipeline/map/write/map_record.h"
+#include "terrain/raster/vector.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+std::uint32_t cell_at(const Place& place, const terrain::MapGrid& grid, const RouteCells& cells, const char* which) {
+  const double column = std::floor((place.x - grid.west) / grid.cell_width);
+  const double row = std::floor((grid.north - place.y) / grid.cell_height);
+  if (!(column >= 0 && column < grid.columns && row >= 0 && row < grid.rows))
+    throw InputError(
+        line("route: %s %.10g,%.10g lies outside the elevation raster, which covers %.10g to %.10g and "
+             "%.10g to %.10g; give coordinates in its system",
+             which, place.x, place.y, grid.west, grid.west + grid.columns * grid.cell_width,
+             grid.north - grid.rows * grid.cell_height, grid.north));
+  const auto cell = std::uint32_t(row) * std::uint32_t(grid.columns) + std::uint32_t(column);
+  if (cells.soil[cell] == RouteCells::kNowhere)
+    throw InputError(line("route: %s %.10g,%.10g has no elevation or no known soil; choose a place next to it", which,
+                          place.x, place.y));
+  return cell;
+}
+
+/// Cost of a way by another measure than the one it was found with.
+double cost_along(const FoundRoute& route, const RouteCells& cells, const RouteCosts& costs) {
+  const auto steps = route_steps(cells.cell_width, cells.cell_height);
+  double sum = 0;
+  for (std::size_t i = 1; i < route.cell.size(); ++i) {
+    const int columns = cells.columns, a = int(route.cell[i - 1]), b = int(route.cell[i]);
+    for (const RouteStep& step : steps)
+      if (b % columns - a % columns == step.column && b / columns - a / columns == step.row)
+        for (const int cell : {a, b})
+          sum += step.length / 2 * double(costs.per_metre(cells, std::size_t(cell), step.heading));
+  }
+  return sum;
+}
+
+/// Every cost that the model tells.
+using AllCosts = std::map<RouteCost, RouteCosts>;
+
+AllCosts all_costs(const SoilTable& table, const std::vector<RouteCost>& asked, double correlation_length) {
+  const auto& measures = table.responses.front().measures();
+  AllCosts costs;
+  for (const RouteCost cost : kRouteCosts) {
+    const bool told = cost == RouteCost::time     ? measures.count("mean_speed") > 0
+                      : cost == RouteCost::energy ? measures.count("energy_per_metre") > 0
+                                                  : true;
+    const bool wanted = std::find(asked.begin(), asked.end(), cost) != asked.end();
+    if (told || wanted) costs.emplace(cost, RouteCosts(table, cost, correlation_length));  // refuses what is not told
+  }
+  return costs;
+}
+
+Json totals_of(const FoundRoute& route, const RouteCells& cells, const AllCosts& costs) {
+  const auto total = [&](RouteCost cost) { return cost_along(route, cells, costs.at(cost)); };
+  Json json = Json::object();
+  json["length_m"] = total(RouteCost::length);
+  json["chance"] = std::exp(-total(RouteCost::risk));
+  if (costs.count(RouteCost::time)) json["time_s"] = total(RouteCost::time);
+  if (costs.count(RouteCost::energy)) json["energy_j"] = total(RouteCost::energy);
+  return json;
+}
+
+/// Colours of the lines, in the order of RouteCost: told apart without red and green, and none is a class's.
+constexpr std::array<const char*, 4> kLineColours = {"#1a1a1a", "#c2188f", "#1f4fbf", "#6b3fa0"};
+
+terrain::LineFeature line_of(const FoundRoute& route, const terrain::MapGrid& grid, const Json& totals,
+                             RouteCost cost) {
+  terrain::LineFeature line;
+  line.name = name_of(cost);
+  line.colour = kLineColours[std::size_t(cost)];
+  for (const std::uint32_t cell : route.cell)
+    line.point.push_back({grid.west + (cell % std::uint32_t(grid.columns) + 0.5) * grid.cell_width,
+                          grid.north - (cell / std::uint32_t(grid.columns) + 0.5) * grid.cell_height});
+  for (const auto& [key, value] : totals.members()) line.attribute.emplace_back(key, value.number());
+  return line;
+}
+
+/// What a route asks of a model: neither how new a cell is to it, nor how far its members disagree.
+OutcomeModel without_spread(OutcomeModel model) {
+  model.novelty = nullptr;
+  model.members.clear();
+  return model;
+}
+
+/// Which places are needed for what is asked.
+void require_places(const RouteRequest& request) {
+  const bool spread = !request.reach.empty() || !request.isochrones.empty();
+  if (!request.from && (request.to || !request.lines.empty() || spread))
+    throw InputError("route: --from is missing: the place to start from, easting,northing");
+  if (!request.to && !request.lines.empty())
+    throw InputError("route: --to is missing: the end of the lines in --out, easting,northing");
+  if (!request.to && !spread && request.regions.empty())
+    throw InputError(
+        "route: nothing is asked for; give --from and --to for a way, --from with --reach or --isochrones for what can "
+        "be reached, or --regions for the connected regions");
+}
+
+/// The cheapest way by each cost asked for: what it costs, and its line where one was found.
+Json find_routes(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells,
+                 const AllCosts& costs, std::vector<terrain::LineFeature>& lines) {
+  const std::uint32_t start = cell_at(*request.from, grid, cells, "--from");
+  const std::uint32_t end = cell_at(*request.to, grid, cells, "--to");
+  Json routes = Json::array();
+  for (const RouteCost cost : request.costs) {
+    const auto found = find_route(cells, costs.at(cost), start, end);
+    Json entry = Json::object();
+    entry["cost"] = name_of(cost);
+    entry["found"] = bool(found);
+    if (found) {
+      const Json sums = totals_of(*found, cells, costs);
+      for (const auto& [key, value] : sums.members()) entry[key] = value;
+      lines.push_back(line_of(*found, grid, sums, cost));
+    }
+    routes.push_back(entry);
+  }
+  return routes;
+}
+
+void write_spread(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells,
+                  const RouteCosts& costs) {
+  const RouteCost cost = request.costs.front();
+  const std::vector<float> least = reach(cells, costs, cell_at(*request.from, grid, cells, "--from"));
+  if (!request.reach.empty())
+    write_reach(request.reach, grid, cost, least, map_metadata(request.map, map_inputs(request.map)),
+                request.map.threads);
+  if (!request.isochrones.empty()) write_isochrones(request.isochrones, grid, cost, least, request.interval);
+}
+
+}  // namespace
+
+Place parse_place(const std::string& text, const std::string& where) {
+  Place place;
+  const std::size_t comma = text.find(',');
+  const auto number = [&](std::size_t from, std::size_t to, double& value) {
+    const auto [end, error] = std::from_chars(text.data() + from, text.data() + to, value);
+    return error == std::errc() && end == text.data() + to && std::isfinite(value);
+  };
+  if (comma == std::string::npos || !number(0, comma, place.x) || !number(comma + 1, text.size(), place.y))
+    throw InputError(where + ": \"" + text + "\" is no place; give easting,northing in the region's coordinate system");
+  return place;
+}
+
+Json plan_route(const RouteRequest& request) {
+  require_places(request);
+  const MapRequest& map = request.map;
+  const MapSources sources = open_sources(map.region);
+  const terrain::MapGrid& grid = sources.elevation.grid();
+  const SoilTable table = make_soil_table(without_spread(map.model), map.region, map.rules, 0);
+  const AllCosts costs = all_costs(table, request.costs, map.rules.correlation_length);
+  const RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
+  Json result = Json::object(), files = Json::array();
+  result["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_code;
+  result["cells"] = std::uint64_t(cells.soil.size());
+  std::vector<terrain::LineFeature> lines;
+  result["routes"] = request.to ? find_routes(request, grid, cells, costs, lines) : Json::array();
+  if (!request.lines.empty() && !lines.empty()) {
+    terrain::write_lines(request.lines, grid, "routes", lines);
+    files.push_back(request.lines.string());
+  }
+  if (!request.reach.empty() || !request.isochrones.empty())
+    write_spread(request, grid, cells, costs.at(request.costs.front()));
+  if (!request.regions.empty())
+    result["regions"] = write_regions(request.regions, grid, connected_regions(cells, costs.at(RouteCost::length)));
+  for (const auto& file : {request.reach, request.isochrones, request.regions})
+    if (!file.empty()) files.push_back(file.string());
+  result["files"] = files;
+  return result;
+}
+
+std::string route_text(const Json& result) {
+  std::string text;
+  for (const Json& route : result.at("routes").items()) {
+    const std::string& cost = route.at("cost").string();
+    if (!route.at("found").boolean()) {
+      text += line("%-13s no way is known: every path crosses cells that are no-go or unknown in its direction\n",
+                   cost.c_str());
+      continue;
+    }
+    text += line("%-13s %8.3f km, chance to get through %.3f", cost.c_str(), route.at("length_m").number() / 1000,
+                 route.at("chance").number());
+    if (const Json* time = route.find("time_s")) text += line(", %.0f s", time->number());
+    if (const Json* energy = route.find("energy_j")) text += line(", %.3f MJ of one wheel", energy->number() / 1e6);
+    text += "\n";
+  }
+  if (const Json* regions = result.find("regions"))
+    text +=
+        line("%.0f connected regions; the largest holds %.4g of %.4g km2 that some heading passes\n",
+             regions->at("count").number(), regions->at("largest_km2").number(), regions->at("passable_km2").number());
+  for (const Json& file : result.at("files").items()) text += file.string() + "\n";
+  return text;
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,36 @@
+// A map folder for a browser: the page, and from the GeoTIFFs, read on demand, tiles and the values of single cells.
+//
+//   /                              index.html
+//   /files/<name>                  a file that map.json lists
+//   /view.json                     layers: name, title, unit, levels
+//   /tile/<layer>/<level>/<x>/<y>  512-cell tile as PNG, level 0 the map
+//   /cell/<column>/<row>           every layer's value there
+#pragma once
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+
+#include "pipeline/map/view/http.h"
+#include "terrain/raster/layer_reader.h"
+
+namespace gonogo::pipeline {
+
+class MapView {
+ public:
+  /// Throws InputError when the folder holds no whole map.
+  explicit MapView(std::filesystem::path folder);
+  /// Never leaves the folder: only files of map.json are named.
+  HttpAnswer answer(const std::string& path) const;
+
+ private:
+  HttpAnswer file(const std::string& name) const;
+  HttpAnswer layers() const;
+  HttpAnswer cell(int column, int row) const;
+
+  std::filesystem::path folder_;
+  std::set<std::string> files_;
+  std::map<std::string, terrain::LayerReader> layers_;
+};
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,152 @@
+#include "pipeline/map/write/block_digest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "base/error.h"
+
+namespace gonogo::pipeline {
+
+using terrain::MapGrid;
+using terrain::Tile;
+using terrain::Window;
+namespace {
+
+/// A cell of a reduced copy, and the cell of the block that it shows.
+struct Pick {
+  int to = 0, from = 0;
+};
+
+/// Those of `count` reduced cells whose source lies in [begin, begin + length).
+template <class Source>
+std::vector<Pick> picks(int count, int begin, int length, const Source& source) {
+  std::vector<Pick> list;
+  for (int to = 0; to < count; ++to)
+    if (const int from = source(to) - begin; from >= 0 && from < length) list.push_back({to, from});
+  return list;
+}
+
+struct Picks {
+  std::vector<Pick> rows, columns;
+};
+
+Picks picture_picks(const Picture& picture, const MapGrid& grid, Window window) {
+  const auto source = [](int cells, int reduced) { return [=](int i) { return int((i + 0.5) * cells / reduced); }; };
+  return {picks(picture.shade.rows, window.row, window.rows, source(grid.rows, picture.shade.rows)),
+          picks(picture.shade.columns, window.column, window.columns, source(grid.columns, picture.shade.columns))};
+}
+
+Picks page_picks(const PageCells& page, Window window) {
+  const auto source = [&](int i) { return i * page.step + page.step / 2; };
+  return {picks(page.rows, window.row, window.rows, source),
+          picks(page.columns, window.column, window.columns, source)};
+}
+
+template <class T>
+void put(std::string& out, T value) {
+  out.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+class Reader {
+ public:
+  Reader(const std::string& bytes, const std::string& where) : bytes_(bytes), where_(where) {}
+  template <class T>
+  T get() {
+    T value{};
+    if (at_ + sizeof value > bytes_.size())
+      throw DeviceError(where_ + ": a block of the unfinished map is damaged; remove the file and start again");
+    std::memcpy(&value, bytes_.data() + at_, sizeof value);
+    at_ += sizeof value;
+    return value;
+  }
+
+ private:
+  const std::string &bytes_, &where_;
+  std::size_t at_ = 0;
+};
+
+/// Cells by class of speed, the last entry unknown ones; only what occurs, as (position, cells).
+std::map<std::uint32_t, std::uint64_t> speeds_of(const BlockLayers& block, const std::vector<MapLayer>& layers) {
+  std::map<std::uint32_t, std::uint64_t> cells;
+  std::size_t speed = 0;
+  while (speed < layers.size() && layers[speed].file != "speed") ++speed;
+  if (speed == layers.size()) return cells;
+  for (std::size_t i = 0; i < block.verdict().value.size(); ++i) {
+    const float verdict = block.verdict().value[i];
+    if (std::isnan(verdict)) continue;
+    const auto v = Verdict(int(verdict));
+    const bool passed = passes(v);
+    const float metres = block.layer[speed].value[i];
+    if (v == Verdict::unknown || (passed && std::isnan(metres)))
+      ++cells[SpeedCurve::kSteps];
+    else
+      ++cells[std::uint32_t(passed ? std::max(1, SpeedCurve::step_of(metres)) : 0)];
+  }
+  return cells;
+}
+
+}  // namespace
+
+std::string digest_of(const BlockLayers& block, const SoilTable& table, const MapGrid& grid, const MapDigest& shape,
+                      const std::vector<MapLayer>& layers) {
+  const std::size_t reasons = contract().reasons.size(), verdicts = contract().verdicts.size();
+  std::vector<std::uint64_t> area((verdicts + 1) * reasons, 0), soils(table.soils.size(), 0);
+  for (std::size_t i = 0; i < block.verdict().value.size(); ++i) {
+    if (std::isnan(block.verdict().value[i])) continue;
+    ++area[std::size_t(block.verdict().value[i]) * reasons + std::size_t(block.reason().value[i])];
+    if (block.soil.value[i] >= 0) ++soils[std::size_t(block.soil.value[i])];
+  }
+  std::string bytes;
+  for (const auto count : area) put(bytes, count);
+  for (const auto count : soils) put(bytes, count);
+  const auto speeds = speeds_of(block, layers);
+  put(bytes, std::uint32_t(speeds.size()));
+  for (const auto& [step, count] : speeds) {
+    put(bytes, step);
+    put(bytes, count);
+  }
+  const Picks figure = picture_picks(shape.picture, grid, block.window), page = page_picks(shape.page, block.window);
+  for (const Pick row : figure.rows)
+    for (const Pick column : figure.columns)
+      for (const Tile* tile : {&block.shade, &block.verdict(), &block.reason(), &block.p_go()})
+        put(bytes, tile->at(column.from, row.from));
+  for (const Pick row : page.rows)
+    for (const Pick column : page.columns)
+      for (const Tile* tile : {&block.slope, &block.aspect, &block.elevation, &block.soil, &block.rule})
+        put(bytes, tile->at(column.from, row.from));
+  return bytes;
+}
+
+void add_digest(const std::string& bytes, Window window, const MapGrid& grid, SoilTable& table, MapDigest& digest,
+                const std::string& where) {
+  Reader reader(bytes, where);
+  for (std::size_t verdict = 0; verdict <= contract().verdicts.size(); ++verdict)
+    for (std::size_t reason = 0; reason < contract().reasons.size(); ++reason)
+      if (const auto count = reader.get<std::uint64_t>()) digest.area.add(Verdict(verdict), Reason(reason), count);
+  for (auto& cells : table.cells) cells += reader.get<std::uint64_t>();
+  for (auto entries = reader.get<std::uint32_t>(); entries > 0; --entries) {
+    const auto step = reader.get<std::uint32_t>();
+    const auto count = reader.get<std::uint64_t>();
+    if (step < std::uint32_t(SpeedCurve::kSteps))
+      digest.speeds.add(int(step), count);
+    else
+      digest.speeds.add_unknown(count);
+  }
+  Picture& picture = digest.picture;
+  const Picks figure = picture_picks(picture, grid, window), page = page_picks(digest.page, window);
+  for (const Pick row : figure.rows)
+    for (const Pick column : figure.columns)
+      for (Tile* tile : {&picture.shade, &picture.verdict, &picture.reason, &picture.p_go})
+        tile->at(column.to, row.to) = reader.get<float>();
+  PageCells& cells = digest.page;
+  for (const Pick row : page.rows)
+    for (const Pick column : page.columns) {
+      const std::size_t i = std::size_t(row.to) * std::size_t(cells.columns) + std::size_t(column.to);
+      for (std::vector<float>* values : {&cells.slope, &cells.aspect, &cells.elevation, &cells.soil, &cells.rule})
+        (*values)[i] = reader.get<float>();
+    }
+}
+
+}  // namespace gonogo::pipeline

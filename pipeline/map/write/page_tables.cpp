@@ -1,0 +1,159 @@
+#include "pipeline/map/write/page_tables.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/line.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr std::uint16_t kNone = 65535;
+constexpr double kLeastShown = 0.002;  // a reason whose probability never reaches this is left out
+
+std::uint16_t stored(double p) {
+  return std::isnan(p) ? kNone : std::uint16_t(std::lround(std::clamp(p, 0.0, 1.0) * 65534));
+}
+
+/// "friction angle 28 deg, cohesion 1.04 kPa: Wong, ..." for each sample.
+std::vector<std::string> inputs_of(const Soil& soil) {
+  std::vector<std::string> lines;
+  for (const SoilSample& sample : soil.samples) {
+    std::string text;
+    for (const auto& [name, spread] : sample.values) {
+      const Variable& v = contract().variables[contract().variable_index(name)];
+      text += line("%s%s %g %s", text.empty() ? "" : ", ", v.label.c_str(), spread.low, v.unit.c_str());
+    }
+    lines.push_back(text + ". " + sample.source);
+  }
+  if (!soil.texture.empty()) lines.push_back("USDA texture " + soil.texture);
+  if (soil.samples.empty()) lines.push_back("no sample; see the values of the region");
+  return lines;
+}
+
+/// Variables that the points leave open and those held fixed in all trials.
+std::vector<std::string> unknown_of(const MapRequest& request, const SoilResponse& response) {
+  std::vector<std::string> lines;
+  const auto& variables = contract().variables;
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    if (variables[v].name == "slope_along" || variables[v].name == "slope_across") continue;
+    const Range sampled = request.model.sampled[v];
+    if (sampled.minimum == sampled.maximum)
+      lines.push_back(
+          line("%s: all trials had %g %s", variables[v].label.c_str(), sampled.minimum, variables[v].unit.c_str()));
+    else if (std::any_of(response.points().all().begin(), response.points().all().end(),
+                         [v](const std::vector<double>& point) { return std::isnan(point[v]); }))
+      lines.push_back(line("%s: not known, summed out over %g to %g %s", variables[v].label.c_str(), sampled.minimum,
+                           sampled.maximum, variables[v].unit.c_str()));
+  }
+  return lines;
+}
+
+Json measure_json(const SlopeMeasure& m) {
+  Json json = Json::object();
+  json["base"] = m.base;
+  json["along"] = m.along;
+  json["along2"] = m.along2;
+  json["across"] = m.across;
+  json["across2"] = m.across2;
+  json["lowest"] = m.lowest;
+  json["highest"] = m.highest;
+  return json;
+}
+
+double p_slow(const Prospect& prospect) {
+  double sum = 0;
+  for (std::size_t o = 0; o < prospect.outcome.size(); ++o)
+    if (contract().outcomes[o].verdict == Verdict::slow_go) sum += prospect.outcome[o];
+  return sum;
+}
+
+/// One array for each no-go reason that ever matters: [entries] from `outcome_at`.
+template <class OutcomeAt>
+void add_reasons(const std::string& table, int index, std::size_t count, std::size_t width, OutcomeAt outcome_at,
+                 std::vector<Blob>& blobs) {
+  for (std::size_t o = 0; o < contract().outcomes.size(); ++o) {
+    if (contract().outcomes[o].verdict != Verdict::no_go) continue;
+    const std::string& reason = contract().info(contract().outcomes[o].reason).name;
+    Blob blob{table + "_" + std::to_string(index) + "_" + reason, 8, width, {}};
+    double most = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double p = outcome_at(i, o);
+      most = std::max(most, p);
+      blob.value.push_back(std::uint16_t(std::lround(std::clamp(p, 0.0, 1.0) * 255)));
+    }
+    if (most >= kLeastShown) blobs.push_back(std::move(blob));
+  }
+}
+
+void add_heading_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs) {
+  const HeadingTable& table = response.headings();
+  const std::size_t width = std::size_t(std::max(1, table.across_count()));
+  const std::size_t count = std::size_t(table.along_count()) * std::size_t(table.across_count());
+  const auto node = [&](std::size_t i) -> const HeadingAnswer& { return table.node(int(i / width), int(i % width)); };
+  Blob go{"heading_go_" + std::to_string(index), 16, width, {}};
+  Blob slow{"heading_slow_" + std::to_string(index), 16, width, {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    go.value.push_back(stored(node(i).p_go));
+    slow.value.push_back(stored(std::isnan(node(i).p_go) ? NAN : p_slow(node(i).prospect)));
+  }
+  blobs.push_back(std::move(go));
+  blobs.push_back(std::move(slow));
+  add_reasons(
+      "heading", index, count, width,
+      [&](std::size_t i, std::size_t o) {
+        return node(i).prospect.outcome.empty() ? 0.0 : node(i).prospect.outcome[o];
+      },
+      blobs);
+}
+
+}  // namespace
+
+Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& response) {
+  Json json = Json::object(), measures = Json::object(), outcomes = Json::array();
+  json["name"] = soil.name;
+  json["note"] = soil.note;
+  json["inputs"] = Json(inputs_of(soil));
+  json["unknown"] = Json(unknown_of(request, response));
+  json["outside_because"] = Json(response.outside_because());
+  json["soft_because"] = Json(response.points().soft_because());
+  json["soft_share"] = response.points().soft_share();
+  json["outside_share"] = 1 - double(response.points().sampled_count()) / double(response.points().all().size());
+  json["first_along"] = response.headings().first_along();
+  json["first_across"] = response.headings().first_across();
+  json["along_count"] = response.headings().along_count();
+  json["across_count"] = response.headings().across_count();
+  for (const auto& [name, measure] : response.measures()) measures[name] = measure_json(measure);
+  json["measures"] = measures;
+  for (const Outcome& outcome : contract().outcomes) {
+    if (outcome.verdict != Verdict::no_go) continue;
+    Json entry = Json::object();
+    entry["reason"] = contract().info(outcome.reason).name;
+    outcomes.push_back(entry);
+  }
+  json["no_go_outcomes"] = outcomes;
+  return json;
+}
+
+void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs) {
+  add_heading_blobs(response, index, blobs);
+  const std::size_t count = std::size_t(90 * kSlopeSteps) + 1;
+  const std::string end = "_" + std::to_string(index);
+  Blob go{"uphill_go" + end, 16, count, {}}, slow{"uphill_slow" + end, 16, count, {}};
+  Blob low{"low" + end, 16, count, {}}, high{"high" + end, 16, count, {}}, novelty{"novelty" + end, 16, count, {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const CellAnswer& answer = response.at(double(i) / kSlopeSteps);
+    go.value.push_back(stored(answer.p_go));
+    slow.value.push_back(stored(answer.p_slow));
+    low.value.push_back(stored(answer.p_low));
+    high.value.push_back(stored(answer.p_high));
+    novelty.value.push_back(
+        std::isnan(answer.novelty) ? kNone : std::uint16_t(std::lround(std::min(60.0, double(answer.novelty)) * 1000)));
+  }
+  for (Blob* blob : {&go, &slow, &low, &high, &novelty}) blobs.push_back(std::move(*blob));
+  add_reasons(
+      "uphill", index, count, count, [&](std::size_t i, std::size_t o) { return response.uphill_outcome(i, o); },
+      blobs);
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,124 @@
+#include "pipeline/report/figure/canvas.h"
+
+#include <cstdio>
+#include <numbers>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/file.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr Colour kInk = {0.13, 0.13, 0.16, 1};
+
+void choose_font(cairo_t* cairo, double size, bool bold) {
+  cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
+                         bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(cairo, size);
+}
+
+}  // namespace
+
+Colour colour_from(const std::string& hex, double alpha) {
+  unsigned red = 0, green = 0, blue = 0;
+  std::sscanf(hex.c_str(), "#%2x%2x%2x", &red, &green, &blue);
+  return {red / 255.0, green / 255.0, blue / 255.0, alpha};
+}
+
+Canvas::Canvas(int width, int height)
+    : width_(width),
+      surface_(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height)),
+      cairo_(cairo_create(surface_)) {
+  if (cairo_status(cairo_) != CAIRO_STATUS_SUCCESS)
+    throw DeviceError(std::string("cairo cannot make a picture: ") + cairo_status_to_string(cairo_status(cairo_)));
+  fill({0, 0, double(width), double(height)}, {1, 1, 1, 1});
+}
+
+Canvas::~Canvas() {
+  cairo_destroy(cairo_);
+  cairo_surface_destroy(surface_);
+}
+
+void Canvas::set(Colour c) const { cairo_set_source_rgba(cairo_, c.red, c.green, c.blue, c.alpha); }
+
+void Canvas::fill(Box box, Colour colour) const {
+  set(colour);
+  cairo_rectangle(cairo_, box.left, box.top, box.width, box.height);
+  cairo_fill(cairo_);
+}
+
+void Canvas::outline(Box box, Colour colour, double line_width) const {
+  set(colour);
+  cairo_set_line_width(cairo_, line_width);
+  cairo_rectangle(cairo_, box.left, box.top, box.width, box.height);
+  cairo_stroke(cairo_);
+}
+
+void Canvas::line(double x0, double y0, double x1, double y1, Colour colour, double line_width,
+                  std::vector<double> dashes) const {
+  set(colour);
+  cairo_set_line_width(cairo_, line_width);
+  cairo_set_dash(cairo_, dashes.data(), int(dashes.size()), 0);
+  cairo_move_to(cairo_, x0, y0);
+  cairo_line_to(cairo_, x1, y1);
+  cairo_stroke(cairo_);
+  cairo_set_dash(cairo_, nullptr, 0, 0);
+}
+
+void Canvas::hatch(Box box, Colour colour, double spacing) const {
+  cairo_save(cairo_);
+  cairo_rectangle(cairo_, box.left, box.top, box.width, box.height);
+  cairo_clip(cairo_);
+  for (double x = box.left - box.height; x < box.right(); x += spacing)
+    line(x, box.bottom(), x + box.height, box.top, colour, 1.5);
+  cairo_restore(cairo_);
+}
+
+double Canvas::text_width(const std::string& words, double size, bool bold) const {
+  choose_font(cairo_, size, bold);
+  cairo_text_extents_t extents;
+  cairo_text_extents(cairo_, words.c_str(), &extents);
+  return extents.x_advance;
+}
+
+void Canvas::text(double x, double baseline, const std::string& words, double size, Align align, bool bold,
+                  bool turned) const {
+  const double width = text_width(words, size, bold);
+  const double shift = align == Align::left ? 0 : align == Align::centre ? -width / 2 : -width;
+  set(kInk);
+  cairo_save(cairo_);
+  cairo_translate(cairo_, x, baseline);
+  if (turned) cairo_rotate(cairo_, -std::numbers::pi / 2);
+  cairo_move_to(cairo_, shift, 0);
+  cairo_show_text(cairo_, words.c_str());
+  cairo_restore(cairo_);
+}
+
+std::vector<std::string> Canvas::wrapped(const std::string& words, double size, double width) const {
+  std::vector<std::string> lines;
+  std::istringstream in(words);
+  std::string word, line;
+  while (in >> word) {
+    const std::string longer = line.empty() ? word : line + " " + word;
+    if (!line.empty() && text_width(longer, size) > width) {
+      lines.push_back(line);
+      line = word;
+    } else {
+      line = longer;
+    }
+  }
+  if (!line.empty()) lines.push_back(line);
+  return lines;
+}
+
+void Canvas::write_png(const std::filesystem::path& path) const {
+  cairo_surface_flush(surface_);
+  replace_file_atomically(path, [&](const std::filesystem::path& temporary) {
+    const cairo_status_t status = cairo_surface_write_to_png(surface_, temporary.c_str());
+    if (status != CAIRO_STATUS_SUCCESS)
+      throw DeviceError(path.string() + ": cannot be written: " + cairo_status_to_string(status));
+  });
+}
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,28 @@
+// Perspective camera in the level frame; up in the picture is up in the world.
+#pragma once
+#include "pipeline/report/picture/model.h"
+
+namespace gonogo::pipeline {
+
+struct Camera {
+  Vec3 eye;                 // [m]
+  Vec3 right, up, forward;  // unit
+  Real tan_half_height = Real(0.13);
+
+  /// x right, y up, z ahead [m].
+  Vec3 seen(const Vec3& p) const {
+    const Vec3 d = p - eye;
+    return {dot(d, right), dot(d, up), dot(d, forward)};
+  }
+};
+
+/// Share of the picture's width and height left free on each side.
+struct Margins {
+  double left = 0.04, right = 0.04, top = 0.06, bottom = 0.06;
+};
+
+/// Looks at a model from the right of its x axis, turned by `azimuth` towards its front and raised by `elevation`
+/// [rad], from as near as the margins allow. `aspect`: width over height.
+Camera frame_model(const Model& model, double azimuth, double elevation, double aspect, const Margins& margins);
+
+}  // namespace gonogo::pipeline

@@ -1,0 +1,121 @@
+#include "pipeline/report/picture/render.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pipeline/report/picture/light.h"
+#include "pipeline/report/picture/visible.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+constexpr int kSamples = 2;  // per pixel and axis
+constexpr Light kSun{1.18f, 1.10f, 0.97f}, kSky{0.50f, 0.55f, 0.62f}, kBounce{0.10f, 0.09f, 0.08f},
+    kPaper{0.93f, 0.94f, 0.95f};
+
+struct Hit {
+  Vec3 point, normal;  // level frame
+  Light colour;
+};
+
+class Shader {
+ public:
+  Shader(const Model& model, const Camera& camera, const Visible& visible, const Lighting& lighting)
+      : model_(model), camera_(camera), visible_(visible), lighting_(lighting) {}
+
+  /// Mean of the samples of a pixel; each item is shaded once, where the pixel sees it first.
+  Light pixel(int column, int row) const {
+    std::array<std::int32_t, kSamples * kSamples> item{};
+    std::array<Light, kSamples * kSamples> light;
+    Light sum;
+    for (int k = 0; k < kSamples * kSamples; ++k) {
+      const int x = kSamples * column + k % kSamples, y = kSamples * row + k / kSamples;
+      item[k] = visible_.item[visible_.at(x, y)];
+      const auto before = std::find(item.begin(), item.begin() + k, item[k]) - item.begin();
+      light[k] = before < k ? light[before] : sample(x, y, item[k]);
+      sum += light[k];
+    }
+    return sum * (Real(1) / (kSamples * kSamples));
+  }
+
+ private:
+  Vec3 into_level(const Vec3& seen) const {
+    return camera_.right * seen.x + camera_.up * seen.y + camera_.forward * seen.z;
+  }
+
+  Light sample(int x, int y, std::int32_t item) const {
+    const Vec3 ray = ray_of(camera_, visible_.width, visible_.height, x, y);
+    if (item == kNothing) return backdrop(into_level(ray));
+    const Real depth = visible_.depth[visible_.at(x, y)];
+    return shaded(hit(item, ray, camera_.eye + into_level(ray * depth)), into_level(ray));
+  }
+
+  Hit hit(std::int32_t item, const Vec3& ray, const Vec3& point) const {
+    if (item < std::int32_t(model_.ball.size())) {
+      const Ball& b = model_.ball[item];
+      const Vec3 out = point - b.centre;
+      return {point, out * (1 / length(out)), b.colour};
+    }
+    const Face& f = model_.face[item - model_.ball.size()];
+    const Vec3 corner[3] = {camera_.seen(f.corner[0]), camera_.seen(f.corner[1]), camera_.seen(f.corner[2])};
+    const Vec3 share = corner_shares(corner, ray);
+    Vec3 normal = f.normal[0] * share.x + f.normal[1] * share.y + f.normal[2] * share.z;
+    normal *= 1 / length(normal);
+    return {point, dot(normal, point - camera_.eye) > 0 ? -normal : normal, f.colour};
+  }
+
+  Light shaded(const Hit& h, const Vec3& ray) const {
+    const Lighting::At light = lighting_.at(h.point, h.normal);
+    // What the ground throws back reaches surfaces that look down, where the sky reaches the ground beside them.
+    const Real from_below = Real(0.5) - Real(0.5) * h.normal.z;
+    Light result = scale(h.colour, kSun * light.sun + kSky * light.sky + kBounce * (Real(0.4) + from_below));
+    // A soft gloss (Blinn 1977) tells rubber and steel from a hole.
+    const Vec3 half = lighting_.map[0].towards_light() - ray * (1 / length(ray));
+    const Real gloss = std::max(Real(0), dot(half, h.normal) / length(half));
+    return result + kSun * (Real(0.045) * light.sun * std::pow(gloss, Real(24)));
+  }
+
+  /// Paper white, darkened where the model keeps light from the floor.
+  Light backdrop(const Vec3& ray) const {
+    const Real fall = ray.z < 0 ? (model_.floor - camera_.eye.z) / ray.z : Real(-1);
+    if (fall <= 0) return kPaper;
+    const Vec3 up{0, 0, 1}, point = camera_.eye + ray * fall;
+    const Real sun = lighting_.map[0].lit(point, up, 4), sky = lighting_.floor_sky(point);
+    return kPaper * (Real(0.30) + Real(0.30) * sun + Real(0.40) * sky);
+  }
+
+  const Model& model_;
+  const Camera& camera_;
+  const Visible& visible_;
+  const Lighting& lighting_;
+};
+
+}  // namespace
+
+std::uint8_t srgb(Real light) {
+  const Real x = std::clamp(light, Real(0), Real(1));
+  // IEC 61966-2-1.
+  const Real code = x <= Real(0.0031308) ? Real(12.92) * x : Real(1.055) * std::pow(x, Real(1 / 2.4)) - Real(0.055);
+  return std::uint8_t(std::lround(255 * code));
+}
+
+Image render(const Model& model, const Camera& camera, int width, int height, int threads) {
+  // Over the viewer's left shoulder.
+  const Vec3 back{-camera.forward.x, -camera.forward.y, 0};
+  const Vec3 sun = camera.right * Real(-0.55) + back * (Real(0.5) / length(back)) + Vec3{0, 0, Real(0.95)};
+  const Lighting lighting = light_model(model, sun * (1 / length(sun)), threads);
+  const Visible visible = find_visible(model, camera, kSamples * width, kSamples * height, threads);
+  const Shader shader(model, camera, visible, lighting);
+  Image image{width, height, std::vector<std::uint8_t>(std::size_t(width) * height * 3)};
+#pragma omp parallel for schedule(dynamic, 8) num_threads(threads)
+  for (int row = 0; row < height; ++row)
+    for (int column = 0; column < width; ++column) {
+      const Light light = shader.pixel(column, row);
+      std::uint8_t* rgb = &image.rgb[(std::size_t(row) * width + column) * 3];
+      rgb[0] = srgb(light.x), rgb[1] = srgb(light.y), rgb[2] = srgb(light.z);
+    }
+  return image;
+}
+
+}  // namespace gonogo::pipeline

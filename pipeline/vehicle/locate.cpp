@@ -1,9 +1,0 @@
-#include "pipeline/vehicle/locate.h"
-
-#include "base/shipped.h"
-
-namespace gonogo::pipeline {
-
-std::filesystem::path vehicle_file(const std::string& name) { return shipped_file("vehicles", "vehicle", name); }
-
-}  // namespace gonogo::pipeline

@@ -1,0 +1,155 @@
+// Trials that are interrupted and go on.
+#include <csignal>
+#include <cstring>
+
+#include "base/cancel.h"
+#include "base/error.h"
+#include "base/file.h"
+#include "pipeline/campaign/trial/conditions.h"
+#include "tests/support/catch.h"
+#include "tests/support/refused.h"
+#include "tests/support/short_trial.h"
+#include "tests/support/temporary_folder.h"
+
+namespace gonogo::pipeline {
+namespace {
+
+namespace fs = std::filesystem;
+
+DesignPoint point(double slope) { return design_point(slope, 30, 0.25); }
+
+struct Interrupted {};
+
+/// Runs a trial until it has shown this many samples in its attempt number `attempt`, then drops it as a kill would.
+void run_until(const TrialSetup& setup, const DesignPoint& p, int samples, int attempt, const TrialCheckpoint& to) {
+  int attempts = 0, seen = 0;
+  TrialWatch watch;
+  watch.start = [&] { ++attempts, seen = 0; };
+  watch.sample = [&](const TrialSample&) {
+    if (attempts == attempt && ++seen > samples) throw Interrupted();
+  };
+  CHECK_THROWS_AS(run_trial(setup, p, watch, to), Interrupted);
+}
+
+using Samples = std::vector<TrialSample>;
+
+TrialRecord finished(const TrialSetup& setup, const DesignPoint& p, const TrialCheckpoint& from, Samples& samples) {
+  TrialWatch watch;
+  watch.start = [&] { samples.clear(); };
+  watch.sample = [&](const TrialSample& s) { samples.push_back(s); };
+  return run_trial(setup, p, watch, from);
+}
+
+/// Frames of a trial that shows its beginning and its end only.
+int frames_shown(const TrialSetup& setup, const DesignPoint& p, const TrialCheckpoint& from) {
+  int frames = 0;
+  TrialWatch watch;
+  watch.frame = [&](const TrialFrame&) { ++frames; };
+  watch.frame_interval = 1e6;
+  (void)run_trial(setup, p, watch, from);
+  return frames;
+}
+
+bool same_bits(const Samples& a, const Samples& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(TrialSample)) == 0;
+}
+
+void check_same(const TrialRecord& a, const TrialRecord& b) {
+  CHECK(a.verdict == b.verdict);
+  CHECK(a.reason == b.reason);
+  CHECK(a.attempts == b.attempts);
+  CHECK(std::memcmp(a.measures.data(), b.measures.data(), a.measures.size() * sizeof(double)) == 0);
+}
+
+}  // namespace
+
+TEST_CASE("a trial that was cut off goes on to the record and the samples of one that was not") {
+  const TemporaryFolder folder;
+  const TrialSetup setup = short_setup(0.3);
+  const DesignPoint p = point(5);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialCheckpoint saved{folder / "trial.h5", 0};
+  Samples whole, continued;
+  const TrialRecord through = finished(setup, p, {}, whole);
+  CHECK(frames_shown(setup, p, {}) == 2);
+  for (const int cut : {40, 120, 170}) {
+    run_until(setup, p, cut, 1, saved);
+    REQUIRE(fs::exists(saved.path));
+    const std::string file = read_file(saved.path);
+    check_same(finished(setup, p, saved, continued), through);
+    CHECK(same_bits(continued, whole));
+    CHECK_FALSE(fs::exists(saved.path));  // the trial is over
+    // It did go on: the frame that a trial shows before its first step is missing.
+    write_file_atomically(saved.path, file);
+    CHECK(frames_shown(setup, p, saved) == 1);
+  }
+}
+
+TEST_CASE("a trial on clumps drives, and goes on with their orientations where it was cut off") {
+  const TemporaryFolder folder;
+  TrialSetup setup = short_setup(0.3);
+  setup.calibration.shape = terrain::GrainShape::pair;
+  setup.deepest_bed = 0.25;  // cut from a packing
+  const DesignPoint p = design_point(5, 30, 0.15);
+  prepare_trials(setup, {&p, 1}, 1);
+  CHECK(settled_bed(setup, p).spec.shape == terrain::GrainShape::pair);
+  const TrialCheckpoint saved{folder / "trial.h5", 0};
+  Samples whole, continued;
+  const TrialRecord through = finished(setup, p, {}, whole);
+  CHECK(through.verdict != Verdict::unknown);
+  CHECK(whole.back().x > 0.02);
+  run_until(setup, p, 120, 1, saved);
+  check_same(finished(setup, p, saved, continued), through);
+  CHECK(same_bits(continued, whole));
+}
+
+TEST_CASE("a trial cut off in its second attempt does not take the first one again") {
+  const TemporaryFolder folder;
+  TrialSetup setup = short_setup(0.3);
+  setup.thresholds.residual = 1e-9;  // no run can meet it
+  const DesignPoint p = point(5);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialCheckpoint saved{folder / "trial.h5", 0};
+  Samples whole, continued;
+  const TrialRecord through = finished(setup, p, {}, whole);
+  CHECK(through.attempts == 2);
+  run_until(setup, p, 150, 2, saved);
+  REQUIRE(fs::exists(saved.path));
+  int attempts = 0;
+  TrialWatch watch;
+  watch.start = [&] { ++attempts; };
+  const std::string file = read_file(saved.path);
+  check_same(run_trial(setup, p, watch, saved), through);
+  CHECK(attempts == 1);
+  write_file_atomically(saved.path, file);
+  check_same(finished(setup, p, saved, continued), through);
+  CHECK(same_bits(continued, whole));
+}
+
+TEST_CASE("a checkpoint of another trial and a damaged one are refused, and left as they are") {
+  const TemporaryFolder folder;
+  const TrialSetup setup = short_setup(0.3);
+  const DesignPoint p = point(5), other = point(6);
+  prepare_trials(setup, std::vector<DesignPoint>{p, other}, 1);
+  const TrialCheckpoint saved{folder / "trial.h5", 0};
+  run_until(setup, p, 60, 1, saved);
+  const std::string file = read_file(saved.path);
+  refused([&] { (void)run_trial(setup, other, {}, saved); }, "another scene");
+  CHECK(read_file(saved.path) == file);
+  write_file_atomically(saved.path, file.substr(0, file.size() / 2));
+  refused([&] { (void)run_trial(setup, p, {}, saved); }, "trial.h5");
+  write_file_atomically(saved.path, "words");
+  refused([&] { (void)run_trial(setup, p, {}, saved); }, "trial.h5");
+}
+
+TEST_CASE("nothing is saved before the interval has passed") {
+  const TemporaryFolder folder;
+  const TrialSetup setup = short_setup(0.3);
+  const DesignPoint p = point(5);
+  prepare_trials(setup, {&p, 1}, 1);
+  const TrialCheckpoint saved{folder / "trial.h5", 1e6};
+  run_until(setup, p, 150, 1, saved);
+  CHECK_FALSE(fs::exists(saved.path));
+}
+
+}  // namespace gonogo::pipeline

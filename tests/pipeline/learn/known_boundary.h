@@ -1,0 +1,47 @@
+// A study whose boundary is known: a vehicle climbs while tan(slope) is below a grip that friction and cohesion give.
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "pipeline/campaign/design/design.h"
+
+namespace gonogo::pipeline {
+
+/// Slope, friction angle and cohesion vary; all others are held at the middle of what the contract allows.
+inline DesignSpec known_boundary_box(std::uint64_t seed, std::uint64_t points) {
+  DesignSpec spec{.method = "sobol", .seed = seed, .points = points, .replicate_every = 0, .ranges = {}, .fixed = {}};
+  for (const Variable& variable : contract().variables) spec.fixed.push_back((variable.minimum + variable.maximum) / 2);
+  const std::vector<std::pair<const char*, std::pair<double, double>>> ranges{
+      {"slope_along", {0, 35}}, {"friction_angle", {18, 40}}, {"cohesion", {0, 10}}};
+  for (const auto& [name, range] : ranges) {
+    const std::size_t i = contract().variable_index(name);
+    spec.fixed[i] = std::nan("");
+    spec.ranges.push_back({i, range.first, range.second});
+  }
+  return spec;
+}
+
+/// 1 where it climbs, 0 elsewhere.
+inline double known_boundary_passes(const DesignSpec& spec, std::span<const double> variables) {
+  constexpr double degree = 0.017453292519943295;
+  const double slope = variables[spec.ranges[0].variable], angle = variables[spec.ranges[1].variable];
+  const double cohesion = variables[spec.ranges[2].variable];
+  return std::tan(slope * degree) < 0.6 * std::tan(angle * degree) + 0.02 * cohesion ? 1 : 0;
+}
+
+/// Mean squared error of p_go(variables) over 1,000 points that no design holds.
+template <class Forecast>
+double known_boundary_brier(const DesignSpec& spec, const Forecast& p_go) {
+  const std::vector<DesignPoint> held_out = make_design(known_boundary_box(991, 1000));
+  double sum = 0;
+  for (const DesignPoint& point : held_out) {
+    const double error = p_go(point.variables) - known_boundary_passes(spec, point.variables);
+    sum += error * error;
+  }
+  return sum / double(held_out.size());
+}
+
+}  // namespace gonogo::pipeline
