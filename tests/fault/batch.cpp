@@ -37,14 +37,14 @@ std::string dataset_of(const StudyFolder& s, const fs::path& out, int workers, i
 
 std::vector<fs::path> saved_trials(const fs::path& out) {
   std::vector<fs::path> files;
-  for (const std::string& file : files_below(pipeline::running_folder(out)))
-    if (fs::path(file).extension() == ".h5" && file[0] != '.') files.push_back(pipeline::running_folder(out) / file);
+  for (const std::string& file : files_below(campaign::running_folder(out)))
+    if (fs::path(file).extension() == ".h5" && file[0] != '.') files.push_back(campaign::running_folder(out) / file);
   return files;
 }
 
 std::size_t finished(const fs::path& out) {
   std::error_code ec;
-  return fs::exists(out / "campaign.json", ec) ? pipeline::campaign_status(out).done : 0;
+  return fs::exists(out / "campaign.json", ec) ? campaign::campaign_status(out).done : 0;
 }
 
 /// Workers of the campaign in this folder.
@@ -53,7 +53,7 @@ std::vector<pid_t> workers_of(const fs::path& out) {
   for (const auto& entry : fs::directory_iterator("/proc")) {
     std::ifstream in(entry.path() / "cmdline", std::ios::binary);
     const std::string words{std::istreambuf_iterator<char>(in), {}};
-    if (contains(words, "worker") && contains(words, pipeline::running_folder(out).string()))
+    if (contains(words, "worker") && contains(words, campaign::running_folder(out).string()))
       found.push_back(std::stoi(entry.path().filename().string()));
   }
   return found;
@@ -66,7 +66,7 @@ TEST_CASE("a campaign gives the same dataset bits with 1, 3 and 8 places") {
   const std::string expected = dataset_of(s, s.path("one"), 1, 1);
   CHECK(dataset_of(s, s.path("three"), 2, 3) == expected);
   CHECK(dataset_of(s, s.path("eight"), 1, 8) == expected);
-  CHECK_FALSE(fs::exists(pipeline::running_folder(s.path("three"))));
+  CHECK_FALSE(fs::exists(campaign::running_folder(s.path("three"))));
 }
 
 TEST_CASE("a campaign killed with kill -9 goes on from its saved trials to the same dataset bits") {
@@ -84,7 +84,7 @@ TEST_CASE("a campaign killed with kill -9 goes on from its saved trials to the s
     CHECK(saved_trials(out).size() >= 2);
   }
   CHECK(dataset_of(s, out, 2, 2) == expected);
-  CHECK_FALSE(fs::exists(pipeline::running_folder(out)));
+  CHECK_FALSE(fs::exists(campaign::running_folder(out)));
   check_nothing_half_written(out);
 }
 
@@ -140,15 +140,15 @@ TEST_CASE("a trial replayed from the dataset alone gives its bits, and a dataset
   CHECK(contains(same.out, "trial 3: the same bits"));
   check_refusal(run_gonogo({"dataset", "replay", file, "--trial", "731"}), 2, {"trial 731", "6 trials"});
 
-  pipeline::Dataset altered = pipeline::read_dataset(file);
+  campaign::Dataset altered = campaign::read_dataset(file);
   altered.records[3].measures[0] += 1e-9;
-  pipeline::write_dataset(s.path("altered.h5"), altered);
+  campaign::write_dataset(s.path("altered.h5"), altered);
   const Ending differs = run_gonogo({"dataset", "replay", s.path("altered.h5"), "--trial", "3"});
   CHECK(differs.exit_code == 1);
-  CHECK(contains(differs.out, pipeline::contract().measures[0].name + ": "));
+  CHECK(contains(differs.out, campaign::contract().measures[0].name + ": "));
   const Ending diff = run_gonogo({"dataset", "diff", file, s.path("altered.h5")});
   CHECK(diff.exit_code == 1);
-  CHECK(contains(diff.out, "trial 3 " + pipeline::contract().measures[0].name));
+  CHECK(contains(diff.out, "trial 3 " + campaign::contract().measures[0].name));
   CHECK(run_gonogo({"dataset", "verify", file}).exit_code == 0);
 }
 

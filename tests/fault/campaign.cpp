@@ -14,7 +14,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 constexpr uid_t kNobody = 65534;
@@ -186,4 +187,4 @@ TEST_CASE("no right to write: one sentence that names the folder") {
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

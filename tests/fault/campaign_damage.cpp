@@ -16,7 +16,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 /// Cuts a shard short, or changes one of its bytes.
@@ -245,4 +246,4 @@ TEST_CASE("a trial that crashes in company is found, and the others are kept") {
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

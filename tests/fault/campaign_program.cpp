@@ -24,7 +24,8 @@
 #include "pipeline/campaign/engine/mpi/mpi_crew.h"
 #endif
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 TrialRecord misbehave(const DesignPoint& point, int milliseconds, const std::string& behaviour) {
@@ -132,18 +133,18 @@ int fail(ExitCode code, const std::exception& error) {
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign
 
 int main(int argc, char** argv) {
   using namespace gonogo;
   install_cancel_handler();
   try {
-    return pipeline::run(std::vector<std::string>(argv, argv + argc));
+    return campaign::run(std::vector<std::string>(argv, argv + argc));
   } catch (const InputError& error) {
-    return pipeline::fail(ExitCode::bad_input, error);
+    return campaign::fail(ExitCode::bad_input, error);
   } catch (const Cancelled& error) {
-    return pipeline::fail(ExitCode::interrupted, error);
+    return campaign::fail(ExitCode::interrupted, error);
   } catch (const std::exception& error) {
-    return pipeline::fail(ExitCode::failure, error);
+    return campaign::fail(ExitCode::failure, error);
   }
 }

@@ -17,7 +17,8 @@
 #include "tests/fault/cheap_campaign.h"
 #include "tests/support/catch.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace fs = std::filesystem;
 
 inline constexpr int kPoints = 200;  // 220 trials
@@ -117,4 +118,4 @@ inline std::string stopped_campaign(const fs::path& place) {
   return read_file(journal_path(place));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

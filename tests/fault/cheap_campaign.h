@@ -4,7 +4,7 @@
 #include "pipeline/campaign/engine/campaign.h"
 #include "tests/support/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 inline CampaignRequest cheap_campaign(const std::filesystem::path& folder, int points) {
   DesignSpec spec{.method = "sobol",
@@ -37,4 +37,4 @@ inline std::string expected_bytes(int points) {
   return dataset_image(dataset);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -11,7 +11,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 const std::string kStudy = R"({"study": "t", "seed": 3, "design": {"method": "sobol", "points": 20,
@@ -117,4 +118,4 @@ TEST_CASE("gonogo dataset refuses what is no whole dataset, and exports whole fi
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -46,7 +46,7 @@ std::string make_region(const TemporaryFolder& folder, int side) {
 
 /// A model of synthetic trials, with members.
 void train(const TemporaryFolder& folder, int members) {
-  pipeline::write_dataset(folder / "dataset.h5", {pipeline::synthetic_trials(160, 4), {}});
+  campaign::write_dataset(folder / "dataset.h5", {learn::synthetic_trials(160, 4), {}});
   write_file_atomically(folder / "study.json", R"({"study": "t", "seed": 1, "learning": {"epochs": 20, "folds": 2}})");
   const Ending ending = run_gonogo({"train", "--dataset", folder / "dataset.h5", "--study", folder / "study.json",
                                     "--out", folder / "model.h5", "--members", std::to_string(members)});
@@ -89,8 +89,8 @@ TEST_CASE("trials, a model with members, maps, a route and a comparison by the p
   CHECK(layer(folder / "spread/p_go.tif").at(5, 5) == layer(folder / "alone/p_go.tif").at(5, 5));
   const Json record = Json::read(folder / "spread/map.json");
   CHECK(record.at("inputs").at("member_hashes").items().size() == 3);
-  CHECK(layer(folder / "spread/go.tif").at(5, 5) == int(pipeline::Verdict::go));
-  CHECK(layer(folder / "spread/reason.tif").at(5, 50) == int(pipeline::Reason::soft_soil));
+  CHECK(layer(folder / "spread/go.tif").at(5, 5) == int(campaign::Verdict::go));
+  CHECK(layer(folder / "spread/reason.tif").at(5, 50) == int(campaign::Reason::soft_soil));
 
   const auto routed = [&](const std::string& row) {  // straight uphill
     const Ending ending =

@@ -11,7 +11,8 @@
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
+
 namespace fs = std::filesystem;
 namespace {
 
@@ -69,4 +70,4 @@ TEST_CASE("trouble of an MPI rank stops the job with its sentence, and one rank 
   CHECK(contains(alone.output, "mpirun -n 2"));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

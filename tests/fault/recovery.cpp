@@ -27,7 +27,7 @@ std::map<std::string, std::string> results(const StudyFolder& s) {
 std::size_t finished_trials(const StudyFolder& s) {
   for (const auto& file : files_below(s.out()))
     if (file.rfind("trials/", 0) == 0 && fs::path(file).filename() == "campaign.json")
-      return pipeline::campaign_status((s.out() / file).parent_path()).done;
+      return campaign::campaign_status((s.out() / file).parent_path()).done;
   return 0;
 }
 

@@ -11,7 +11,8 @@
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace fs = std::filesystem;
 namespace {
 
@@ -97,4 +98,4 @@ TEST_CASE("without Slurm, submitting is one sentence that says where the script 
   CHECK(contains(refused.output, "job.sh"));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,15 +7,15 @@
 
 namespace gonogo::test {
 
-inline double value_of(const pipeline::ManyResult& r, const std::string& key) {
-  for (const pipeline::Measured& m : r.measured)
+inline double value_of(const lab::ManyResult& r, const std::string& key) {
+  for (const lab::Measured& m : r.measured)
     if (m.key == key) return m.value;
   FAIL("nothing measured is called " << key);
   return 0;
 }
 
-inline pipeline::ManyResult run_on_one_core(const pipeline::ManyScene& scene) {
-  pipeline::ManyRun run;
+inline lab::ManyResult run_on_one_core(const lab::ManyScene& scene) {
+  lab::ManyRun run;
   run.repeats = 0;
   return run_many(scene, run);
 }

@@ -4,7 +4,7 @@
 
 #include "pipeline/campaign/trial/trial.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// A tenth of a second of parking, then at most `time_limit` of driving [s]; the beds are shared by all tests.
 inline TrialSetup short_setup(double time_limit) {
@@ -34,4 +34,4 @@ inline DesignPoint design_point(double slope, double friction_angle, double dept
   return p;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Climbs while tan(slope) stays below friction; every measure is a hash of the point, some are special values.
 inline TrialRecord closed_form_trial(const DesignPoint& point) {
@@ -32,4 +32,4 @@ inline TrialRecord closed_form_trial(const DesignPoint& point) {
   return record;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

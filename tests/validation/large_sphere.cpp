@@ -10,7 +10,7 @@
 #include "tests/support/run_scene.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::lab;
 using namespace gonogo::test;
 
 TEST_CASE("a ball that falls onto spheres sinks in with the third root of its fall") {

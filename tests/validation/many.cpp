@@ -13,7 +13,7 @@
 #include "tests/support/run_scene.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::lab;
 using namespace gonogo::test;
 
 namespace {

@@ -9,12 +9,12 @@
 #include "pipeline/lab/bench/gibbs.h"
 #include "pipeline/lab/bench/wheel.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 const std::map<std::string, sim::Target> kTargets{{"ccp", sim::Target::ccp}, {"coulomb", sim::Target::coulomb}};
 
-Json bed_json(const char* scene, const BedBench& request, const BedBenchResult& r) {
+Json bed_json(const char* scene, const lab::BedBench& request, const lab::BedBenchResult& r) {
   Json json;
   json["scene"] = scene;
   json["backend"] = name_in(kBackends, request.backend);
@@ -32,7 +32,7 @@ Json bed_json(const char* scene, const BedBench& request, const BedBenchResult& 
   return json;
 }
 
-std::string bed_text(const char* scene, const BedBenchResult& r) {
+std::string bed_text(const char* scene, const lab::BedBenchResult& r) {
   char text[320];
   std::snprintf(text, sizeof text,
                 "%s: %d worlds, %lld bodies, %lld contacts, %d iterations: %.3f ms per step, %.3f ns per "
@@ -42,18 +42,18 @@ std::string bed_text(const char* scene, const BedBenchResult& r) {
   return text;
 }
 
-void print_bed(const Globals& globals, const char* scene, const BedBench& request) {
-  const BedBenchResult r = bench_bed(request);
+void print_bed(const Globals& globals, const char* scene, const lab::BedBench& request) {
+  const lab::BedBenchResult r = lab::bench_bed(request);
   print_result(globals, bed_json(scene, request, r), bed_text(scene, r));
 }
 
 /// The batch, and beside it one world that holds as many grains; what many worlds cost is the ratio of their times.
-void print_batch(const Globals& globals, const BedBench& request, bool beside_one) {
+void print_batch(const Globals& globals, const lab::BedBench& request, bool beside_one) {
   if (!beside_one) return print_bed(globals, "batch", request);
-  BedBench one = request;
+  lab::BedBench one = request;
   one.worlds = 1;
   one.copies = request.copies * request.worlds;
-  const BedBenchResult many = bench_bed(request), single = bench_bed(one);
+  const lab::BedBenchResult many = lab::bench_bed(request), single = lab::bench_bed(one);
   const double ratio = many.ns_per_contact_iteration / single.ns_per_contact_iteration;
   Json json = bed_json("batch", request, many);
   json["one_world"] = bed_json("batch", one, single);
@@ -64,13 +64,13 @@ void print_batch(const Globals& globals, const BedBench& request, bool beside_on
 }
 
 /// Worlds as small as a settled bed can be.
-void make_tiny(BedBench& request) {
+void make_tiny(lab::BedBench& request) {
   request.worlds = 4096;
   request.length = request.width = 4.4 * request.grain_diameter;
   request.depth = 2 * request.grain_diameter;
 }
 
-void add_bed_options(CLI::App& command, BedBench& request) {
+void add_bed_options(CLI::App& command, lab::BedBench& request) {
   command.add_option("--grain", request.grain_diameter, "Grain diameter [m]")->check(CLI::Range(0.01, 0.2));
   command.add_option("--copies", request.copies, "Beds laid side by side into one world")->check(CLI::Range(1, 10000));
   command.add_option("--worlds", request.worlds, "Worlds in the batch")->check(CLI::Range(1, 100000));
@@ -82,19 +82,19 @@ void add_bed_options(CLI::App& command, BedBench& request) {
 
 void add_bed(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("bed", "A settled bed of grains, 4 x 0.8 x 0.3 m, at rest");
-  auto request = std::make_shared<BedBench>();
+  auto request = std::make_shared<lab::BedBench>();
   add_bed_options(*command, *request);
   command->footer("Example:\n  gonogo bench bed --json            one core; --threads 2 uses two");
   command->callback([&globals, request] {
     request->threads = bench_threads(globals);
-    request->packing_folder = default_packing_folder();
+    request->packing_folder = campaign::default_packing_folder();
     print_bed(globals, "bed", *request);
   });
 }
 
 void add_batch(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("batch", "Many worlds with a settled bed of about 4,000 grains each");
-  auto request = std::make_shared<BedBench>();
+  auto request = std::make_shared<lab::BedBench>();
   request->worlds = 512;
   request->length = 1.9;
   request->backend = sim::Backend::cuda;
@@ -111,14 +111,14 @@ void add_batch(CLI::App& parent, const Globals& globals) {
       "  gonogo bench batch --tiny --beside-one --json   4096 worlds of about 40 grains, and one");
   command->callback([&globals, request, tiny, beside_one] {
     request->threads = bench_threads(globals);
-    request->packing_folder = default_packing_folder();
+    request->packing_folder = campaign::default_packing_folder();
     if (*tiny) make_tiny(*request);
     print_batch(globals, *request, *beside_one);
   });
 }
 
-void print_wheel(const Globals& globals, const WheelBench& request) {
-  const WheelBenchResult r = bench_wheel(request);
+void print_wheel(const Globals& globals, const lab::WheelBench& request) {
+  const lab::WheelBenchResult r = lab::bench_wheel(request);
   Json json;
   json["scene"] = "wheel";
   json["backend"] = name_in(kBackends, request.backend);
@@ -152,7 +152,7 @@ void print_wheel(const Globals& globals, const WheelBench& request) {
 
 void add_wheel(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("wheel", "A driven tyre on a bed of 32 mm grains up 15 degrees");
-  auto request = std::make_shared<WheelBench>();
+  auto request = std::make_shared<lab::WheelBench>();
   command->add_option("--scene", request->scene, "Scene file")->capture_default_str();
   command->add_option("--step", request->step, "Time step [s]")->check(CLI::Range(1e-6, 1e-2));
   command->add_option("--substeps", request->substeps, "Parts of a step")->check(CLI::Range(1, 1000));
@@ -168,13 +168,13 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   command->footer("Example:\n  gonogo bench wheel --backend cuda --worlds 8 --json");
   command->callback([&globals, request] {
     request->threads = bench_threads(globals);
-    request->packing_folder = default_packing_folder();
+    request->packing_folder = campaign::default_packing_folder();
     print_wheel(globals, *request);
   });
 }
 
-void print_gibbs(const Globals& globals, const GibbsBench& request) {
-  const GibbsBenchResult r = bench_gibbs(request);
+void print_gibbs(const Globals& globals, const lab::GibbsBench& request) {
+  const lab::GibbsBenchResult r = lab::bench_gibbs(request);
   Json json;
   json["scene"] = "gibbs";
   json["backend"] = request.on_gpu ? "cuda" : "cpu";
@@ -194,7 +194,7 @@ void print_gibbs(const Globals& globals, const GibbsBench& request) {
 
 void add_gibbs(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("gibbs", "Block Gibbs sampling of a restricted Boltzmann machine");
-  auto request = std::make_shared<GibbsBench>();
+  auto request = std::make_shared<lab::GibbsBench>();
   auto backend = std::make_shared<sim::Backend>(sim::Backend::cpu);
   command->add_option("--visible", request->visible, "Visible units")->check(CLI::Range(1, 100000));
   command->add_option("--hidden", request->hidden, "Hidden units")->check(CLI::Range(1, 100000));
@@ -223,4 +223,4 @@ void add_bench_command(CLI::App& app, const Globals& globals) {
   add_large_scenes(*command, globals);
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -6,7 +6,7 @@
 #include "pipeline/app/cli/command.h"
 #include "sim/simulation/simulation.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
 inline const std::map<std::string, sim::Backend> kBackends{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
 
@@ -40,4 +40,4 @@ inline int bench_threads(const Globals& globals) { return globals.threads > 0 ? 
 /// Scenes of many bodies.
 void add_large_scenes(CLI::App& bench, const Globals& globals);
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

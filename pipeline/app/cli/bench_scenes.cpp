@@ -12,13 +12,13 @@
 #include "pipeline/lab/scenes/screen.h"
 #include "pipeline/lab/scenes/silo.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 constexpr const char* kAll = "spheres and walls";
 
-void print_collide(const Globals& globals, const CollideBench& request) {
-  const CollideBenchResult r = bench_collide(request);
+void print_collide(const Globals& globals, const lab::CollideBench& request) {
+  const lab::CollideBenchResult r = lab::bench_collide(request);
   Json json = counts_json("collide", request.on, request.tank.of.count, r.bodies, r.contacts);
   json["ms_per_search"] = r.ms_per_search;
   json["stages_ms"] = stages_json(r.stages, sim::Stage::bins, sim::Stage::contacts);
@@ -33,9 +33,9 @@ void print_collide(const Globals& globals, const CollideBench& request) {
 }
 
 void add_tank(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<TankSpec>();
+  const auto spec = std::make_shared<lab::TankSpec>();
   CLI::App* command = add_scene(parent, globals, "tank", "A shaken tank of spheres, about 3.6 contacts each", spec,
-                                spec->of, shaken_tank);
+                                spec->of, lab::shaken_tank);
   add_friction(*command, spec->of, kAll);
   command->add_option("--seconds", spec->seconds, "Shaken for, before anything is timed [s]")
       ->check(CLI::Range(0.0, 1e4))
@@ -44,9 +44,9 @@ void add_tank(CLI::App& parent, const Globals& globals) {
 }
 
 void add_silo(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<SiloSpec>();
-  CLI::App* command =
-      add_scene(parent, globals, "silo", "A silo with a flat floor, filled and opened", spec, spec->of, silo_scene);
+  const auto spec = std::make_shared<lab::SiloSpec>();
+  CLI::App* command = add_scene(parent, globals, "silo", "A silo with a flat floor, filled and opened", spec, spec->of,
+                                lab::silo_scene);
   add_friction(*command, spec->of, kAll);
   command->add_option("--rolling", spec->rolling_friction, "Rolling friction of spheres and walls [-]")
       ->check(CLI::Range(0.0, 10.0));
@@ -59,9 +59,9 @@ void add_silo(CLI::App& parent, const Globals& globals) {
 }
 
 void add_collapse(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<CollapseSpec>();
+  const auto spec = std::make_shared<lab::CollapseSpec>();
   CLI::App* command = add_scene(parent, globals, "collapse", "A round column that falls apart when its wall is gone",
-                                spec, spec->of, collapse_scene);
+                                spec, spec->of, lab::collapse_scene);
   add_friction(*command, spec->of, "spheres and floor");
   command->add_option("--aspect", spec->aspect, "Height of the column over its radius, about")
       ->check(CLI::Range(0.1, 20.0));
@@ -70,9 +70,9 @@ void add_collapse(CLI::App& parent, const Globals& globals) {
 }
 
 void add_crater(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<CraterSpec>();
-  CLI::App* command =
-      add_scene(parent, globals, "crater", "A ball dropped onto a bed of spheres", spec, spec->tank.of, crater_scene);
+  const auto spec = std::make_shared<lab::CraterSpec>();
+  CLI::App* command = add_scene(parent, globals, "crater", "A ball dropped onto a bed of spheres", spec, spec->tank.of,
+                                lab::crater_scene);
   add_friction(*command, spec->tank.of, kAll);
   command->add_option("--height", spec->drop_height, "It falls from [m]")->check(CLI::Range(0.0, 100.0));
   command->add_option("--ball", spec->size_ratio, "Diameter of the ball, in those of the spheres")
@@ -81,9 +81,9 @@ void add_crater(CLI::App& parent, const Globals& globals) {
 }
 
 void add_drum(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<DrumSpec>();
+  const auto spec = std::make_shared<lab::DrumSpec>();
   CLI::App* command = add_scene(parent, globals, "drum", "Spheres of two materials that a turning drum mixes", spec,
-                                spec->of, drum_scene);
+                                spec->of, lab::drum_scene);
   add_friction(*command, spec->of, "the first material");
   command->add_option("--other-friction", spec->other_friction, "Friction of the second material and the rim [-]")
       ->check(CLI::Range(0.0, 10.0));
@@ -92,18 +92,18 @@ void add_drum(CLI::App& parent, const Globals& globals) {
 }
 
 void add_nut(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<NutSpec>();
+  const auto spec = std::make_shared<lab::NutSpec>();
   CLI::App* command = add_scene(parent, globals, "nut", "A large sphere that rises in a shaken tank of small ones",
-                                spec, spec->tank.of, nut_scene);
+                                spec, spec->tank.of, lab::nut_scene);
   add_friction(*command, spec->tank.of, kAll);
   command->add_option("--seconds", spec->shaken, "Simulated time [s]")->check(CLI::Range(0.0, 1e4));
   command->footer("Example:\n  gonogo bench nut --spheres 4000 --seconds 10 --picture out/nut.png");
 }
 
 void add_ball(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<BallSpec>();
+  const auto spec = std::make_shared<lab::BallSpec>();
   CLI::App* command = add_scene(parent, globals, "ball", "A light ball that floats on many smooth spheres", spec,
-                                spec->tank.of, ball_scene);
+                                spec->tank.of, lab::ball_scene);
   command->add_option("--density", spec->relative_density, "Of the ball over that of the bulk [-]")
       ->check(CLI::Range(0.01, 0.99));
   command->add_option("--ball", spec->size_ratio, "Diameter of the ball, in those of the spheres")
@@ -113,9 +113,9 @@ void add_ball(CLI::App& parent, const Globals& globals) {
 }
 
 void add_screen(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<ScreenSpec>();
+  const auto spec = std::make_shared<lab::ScreenSpec>();
   CLI::App* command = add_scene(parent, globals, "screen", "A screen, shaken by crank and rod, that sorts by size",
-                                spec, spec->of, screen_scene);
+                                spec, spec->of, lab::screen_scene);
   add_friction(*command, spec->of, "spheres and machine");
   command->add_option("--large", spec->large_share, "Share of large spheres in the feed's volume [-]")
       ->check(CLI::Range(0.05, 0.95));
@@ -126,13 +126,13 @@ void add_screen(CLI::App& parent, const Globals& globals) {
 }
 
 void add_pebbles(CLI::App& parent, const Globals& globals) {
-  const auto spec = std::make_shared<PebblesSpec>();
+  const auto spec = std::make_shared<lab::PebblesSpec>();
   const auto vehicle = std::make_shared<std::string>("m113");
-  Spheres& of = spec->tank.of;
+  lab::Spheres& of = spec->tank.of;
   CLI::App* command = add_scene(parent, globals, "pebbles", "A tracked vehicle, shoe by shoe, that drives over pebbles",
-                                &of.count, [spec, vehicle](const RunOn& on) {
+                                &of.count, [spec, vehicle](const lab::RunOn& on) {
                                   spec->vehicle = shipped_file("vehicles", "vehicle", *vehicle);
-                                  return pebbles_scene(*spec, on);
+                                  return lab::pebbles_scene(*spec, on);
                                 });
   add_friction(*command, of, "pebbles");
   command->add_option("--vehicle", *vehicle, "Tracked vehicle: a file, or a name of configs/vehicles");
@@ -147,7 +147,7 @@ void add_pebbles(CLI::App& parent, const Globals& globals) {
 
 void add_collide(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("collide", "The search for contacts alone, in the same tank at rest");
-  auto request = std::make_shared<CollideBench>();
+  auto request = std::make_shared<lab::CollideBench>();
   add_sphere_count(*command, request->tank.of.count);
   command->add_option("--repeats", request->repeats, "Timed samples")->check(CLI::Range(3, 100000));
   add_choice(*command, "--backend", request->on.backend, kBackends, "cpu or cuda");
@@ -173,4 +173,4 @@ void add_large_scenes(CLI::App& bench, const Globals& globals) {
   add_ball(bench, globals);
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

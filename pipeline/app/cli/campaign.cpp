@@ -15,7 +15,7 @@
 #include "pipeline/learn/active/active_run.h"
 #endif
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
@@ -32,8 +32,8 @@ struct Options {
 };
 
 /// Options that were not given leave it to the study.
-ComputeRequest compute_of(const Options& options, const Globals& globals) {
-  ComputeRequest request;
+campaign::ComputeRequest compute_of(const Options& options, const Globals& globals) {
+  campaign::ComputeRequest request;
   request.threads = globals.threads;
   if (!options.device.empty()) request.device = options.device;
   if (options.places > 0) request.places = options.places;
@@ -48,7 +48,7 @@ Json counts_json(const std::map<std::string, std::size_t>& counts) {
   return object;
 }
 
-Json as_json(const CampaignSummary& summary) {
+Json as_json(const campaign::CampaignSummary& summary) {
   Json result = Json::object();
   result["dataset"] = summary.dataset.string();
   result["trials"] = std::uint64_t(summary.trials);
@@ -61,16 +61,17 @@ Json as_json(const CampaignSummary& summary) {
   return result;
 }
 
-std::string as_text(const CampaignSummary& summary) {
+std::string as_text(const campaign::CampaignSummary& summary) {
   return summary.dataset.string() + ": " + std::to_string(summary.trials) + " trials, " +
-         std::to_string(summary.computed) + " computed now: " + counts_line(summary.by_verdict, summary.by_reason);
+         std::to_string(summary.computed) +
+         " computed now: " + campaign::counts_line(summary.by_verdict, summary.by_reason);
 }
 
-Json as_json(const CampaignStatus& status) {
+Json as_json(const campaign::CampaignStatus& status) {
   Json result = Json::object();
   result["trials"] = std::uint64_t(status.trials);
   result["done"] = std::uint64_t(status.done);
-  result["running"] = status.use != FolderUse::none;
+  result["running"] = status.use != campaign::FolderUse::none;
   result["shards"] = std::uint64_t(status.shards);
   result["committed_shards"] = std::uint64_t(status.committed_shards);
   result["trials_per_second"] = status.rate;
@@ -81,34 +82,34 @@ Json as_json(const CampaignStatus& status) {
   return result;
 }
 
-std::string use_text(FolderUse use) {
+std::string use_text(campaign::FolderUse use) {
   switch (use) {
-    case FolderUse::coordinator:
+    case campaign::FolderUse::coordinator:
       return "running";
-    case FolderUse::tasks:
+    case campaign::FolderUse::tasks:
       return "tasks are running";
     default:
       return "not running";
   }
 }
 
-std::string as_text(const CampaignStatus& status) {
+std::string as_text(const campaign::CampaignStatus& status) {
   std::string text =
       std::to_string(status.done) + " of " + std::to_string(status.trials) + " trials done, " + use_text(status.use);
-  if (status.done > 0) text += ": " + counts_line(status.by_verdict, status.by_reason);
+  if (status.done > 0) text += ": " + campaign::counts_line(status.by_verdict, status.by_reason);
   if (status.rate > 0) text += line("; %.3g trials/s, about %.0f s left", status.rate, std::ceil(status.seconds_left));
   if (status.damaged > 0) text += "; " + std::to_string(status.damaged) + " unreadable lines or shards";
   return text;
 }
 
-CampaignRequest plan(const Options& options, const Globals& globals) {
-  CampaignRequest request =
-      plan_study_campaign(read_study(options.study), options.folder, compute_of(options, globals));
+campaign::CampaignRequest plan(const Options& options, const Globals& globals) {
+  campaign::CampaignRequest request =
+      campaign::plan_study_campaign(campaign::read_study(options.study), options.folder, compute_of(options, globals));
   request.trials_per_shard = options.trials_per_shard;
   return request;
 }
 
-void print_summary(const Globals& globals, const CampaignSummary& summary) {
+void print_summary(const Globals& globals, const campaign::CampaignSummary& summary) {
   print_result(globals, as_json(summary), as_text(summary));
 }
 
@@ -176,7 +177,7 @@ void add_run(CLI::App& parent, const Globals& globals) {
       "  mpirun -n 4 gonogo campaign run configs/studies/demo.json --out out/demo --engine mpi");
   command->callback([options, &globals] {
     if (options->engine == "mpi") return run_with_mpi(*options, globals);
-    print_summary(globals, run_campaign(plan(*options, globals)));
+    print_summary(globals, campaign::run_campaign(plan(*options, globals)));
   });
 }
 
@@ -213,7 +214,7 @@ void add_submit(CLI::App& parent, const Globals& globals) {
       "--sbatch=--cpus-per-task=2\n  gonogo campaign status out/demo\n"
       "  gonogo campaign collect configs/studies/demo.json --out out/demo");
   command->callback([options, &globals] {
-    const Submission done = submit_campaign(
+    const campaign::Submission done = campaign::submit_campaign(
         plan(*options, globals),
         {.tasks = options->most_tasks, .task_command = task_command(*options), .options = options->sbatch});
     Json result = Json::object();
@@ -236,10 +237,11 @@ void add_task(CLI::App& parent, const Globals& globals) {
   command->add_option("--task", options->task)->required();
   command->add_option("--tasks", options->tasks)->required()->check(CLI::PositiveNumber);
   command->callback([options, &globals] {
-    const CampaignSummary summary = run_campaign_task(plan(*options, globals), options->task, options->tasks);
+    const campaign::CampaignSummary summary =
+        campaign::run_campaign_task(plan(*options, globals), options->task, options->tasks);
     print_result(globals, as_json(summary),
                  std::to_string(summary.trials) + " trials, " + std::to_string(summary.computed) +
-                     " computed now: " + counts_line(summary.by_verdict, summary.by_reason));
+                     " computed now: " + campaign::counts_line(summary.by_verdict, summary.by_reason));
   });
 }
 
@@ -265,14 +267,14 @@ void add_active(CLI::App& parent, const Globals& globals) {
       ->capture_default_str();
   command->footer("Example:\n  gonogo campaign active configs/studies/demo.json --out out/active --confidence 0.95");
   command->callback([options, &globals] {
-    const ActiveSummary done = run_active({.study = read_study(options->study),
-                                           .folder = options->folder,
-                                           .compute = compute_of(*options, globals),
-                                           .seeds = options->seeds,
-                                           .batch = options->batch,
-                                           .most_points = options->most_points,
-                                           .confidence = options->confidence,
-                                           .space_filling = options->space_filling});
+    const learn::ActiveSummary done = learn::run_active({.study = campaign::read_study(options->study),
+                                                         .folder = options->folder,
+                                                         .compute = compute_of(*options, globals),
+                                                         .seeds = options->seeds,
+                                                         .batch = options->batch,
+                                                         .most_points = options->most_points,
+                                                         .confidence = options->confidence,
+                                                         .space_filling = options->space_filling});
     Json result = as_json(done.campaign);
     result["points"] = done.points;
     result["confidence"] = done.confidence;
@@ -290,7 +292,8 @@ void add_collect(CLI::App& parent, const Globals& globals) {
   add_study_options(*command, *options);
   add_compute_options(*command, *options);
   command->footer("Example:\n  gonogo campaign collect configs/studies/demo.json --out out/demo");
-  command->callback([options, &globals] { print_summary(globals, collect_campaign(plan(*options, globals))); });
+  command->callback(
+      [options, &globals] { print_summary(globals, campaign::collect_campaign(plan(*options, globals))); });
 }
 
 void add_status(CLI::App& parent, const Globals& globals) {
@@ -299,8 +302,8 @@ void add_status(CLI::App& parent, const Globals& globals) {
   command->add_option("folder", options->folder, "Folder of the campaign")->required();
   command->footer("Example:\n  gonogo campaign status out/demo");
   command->callback([options, &globals] {
-    const CampaignStatus status = campaign_status(options->folder);
-    const std::string slurm = slurm_state(options->folder);
+    const campaign::CampaignStatus status = campaign::campaign_status(options->folder);
+    const std::string slurm = campaign::slurm_state(options->folder);
     Json result = as_json(status);
     result["slurm"] = slurm;
     print_result(globals, result, as_text(status) + (slurm.empty() ? "" : "\nSlurm: " + slurm));
@@ -316,8 +319,8 @@ void add_snapshot(CLI::App& parent, const Globals& globals) {
   command->add_option("--out", *out, "File to write (HDF5)")->required();
   command->footer("Example:\n  gonogo campaign snapshot out/demo --out so_far.h5");
   command->callback([options, out, &globals] {
-    const Dataset dataset = campaign_snapshot(options->folder);
-    write_dataset(*out, dataset);
+    const campaign::Dataset dataset = campaign::campaign_snapshot(options->folder);
+    campaign::write_dataset(*out, dataset);
     Json result;
     result["dataset"] = *out;
     result["trials"] = std::uint64_t(dataset.records.size());
@@ -329,7 +332,7 @@ void add_snapshot(CLI::App& parent, const Globals& globals) {
 void add_worker(CLI::App& parent) {
   CLI::App* command = parent.add_subcommand("worker", "")->group("");
   auto study = std::make_shared<std::string>();
-  auto options = std::make_shared<WorkerOptions>();
+  auto options = std::make_shared<campaign::WorkerOptions>();
   command->add_option("study", *study)->required();
   const std::map<std::string, sim::Backend> devices{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
   command->add_option("--device", options->device)->transform(CLI::CheckedTransformer(devices));
@@ -337,7 +340,7 @@ void add_worker(CLI::App& parent) {
   command->add_option("--gpu", options->gpu);
   command->add_option("--checkpoints", options->checkpoints);
   command->add_option("--checkpoint-every", options->checkpoint_every);
-  command->callback([study, options] { run_study_worker(*study, *options); });
+  command->callback([study, options] { campaign::run_study_worker(*study, *options); });
 }
 
 }  // namespace
@@ -358,4 +361,4 @@ void add_campaign_command(CLI::App& app, const Globals& globals) {
   add_worker(*command);
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

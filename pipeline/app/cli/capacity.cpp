@@ -7,19 +7,19 @@
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/learn/training/capacity.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
   std::string dataset, study, out;
-  CapacityRequest request{.dataset = {},
-                          .learning = {},
-                          .design = {},
-                          .seed = 1,
-                          .bits = {4, 8},
-                          .hidden = {4, 8, 16},
-                          .connectivity = {"full", "sparse:0.3"},
-                          .variable_bits = {}};
+  learn::CapacityRequest request{.dataset = {},
+                                 .learning = {},
+                                 .design = {},
+                                 .seed = 1,
+                                 .bits = {4, 8},
+                                 .hidden = {4, 8, 16},
+                                 .connectivity = {"full", "sparse:0.3"},
+                                 .variable_bits = {}};
 };
 
 }  // namespace
@@ -29,7 +29,7 @@ void add_capacity_command(CLI::App& app, const Globals& globals) {
                                          "Which variables at how many bits, hidden units and couplers a dataset asks "
                                          "for: held-out likelihood against cost");
   auto options = std::make_shared<Options>();
-  CapacityRequest& request = options->request;
+  learn::CapacityRequest& request = options->request;
   command->add_option("--dataset", options->dataset, "Trials (dataset.h5)")->required();
   command->add_option("--study", options->study, "Study whose sections \"learning\" and \"design\" apply");
   command->add_option("--bits", request.bits, "Code lengths")->delimiter(',')->check(CLI::Range(1, 64));
@@ -50,17 +50,17 @@ void add_capacity_command(CLI::App& app, const Globals& globals) {
       "sparse:0.3 chimera:12,0.02 --out capacity.csv\n"
       "  gonogo capacity --dataset out/demo/dataset.h5 --bits 4 --hidden 8 --connectivity full --variable-bits 0,2,8");
   command->callback([options, &globals] {
-    CapacityRequest asked = options->request;
+    learn::CapacityRequest asked = options->request;
     asked.dataset = options->dataset;
     if (!options->study.empty()) {
-      const Study study = read_study(options->study);
+      const campaign::Study study = campaign::read_study(options->study);
       asked.learning = study.config.object_if("learning");
       asked.design = study.config.object_if("design");
     }
-    const Json report = measure_capacity(asked);
-    if (!options->out.empty()) write_file_atomically(options->out, capacity_csv(report));
-    print_result(globals, report, capacity_text(report));
+    const Json report = learn::measure_capacity(asked);
+    if (!options->out.empty()) write_file_atomically(options->out, learn::capacity_csv(report));
+    print_result(globals, report, learn::capacity_text(report));
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -6,7 +6,7 @@
 
 #include "base/json/json.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
 /// Options shared by all commands, filled while parsing, read inside callbacks.
 struct Globals {
@@ -45,4 +45,4 @@ void add_bench_command(CLI::App& app, const Globals& globals);
 void add_validate_command(CLI::App& app, const Globals& globals);
 void add_doctor_command(CLI::App& app, const Globals& globals);
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -13,7 +13,7 @@
 #include "pipeline/learn/importance/dataset_report.h"
 #endif
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
@@ -28,8 +28,8 @@ void add_summary(CLI::App& parent, const Globals& globals) {
   command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
   command->footer("Example:\n  gonogo dataset summary out/demo/dataset.h5");
   command->callback([options, &globals] {
-    const DatasetSummary summary = summarise(read_dataset(options->dataset).records);
-    print_result(globals, to_json(summary), to_text(summary));
+    const campaign::DatasetSummary summary = campaign::summarise(campaign::read_dataset(options->dataset).records);
+    print_result(globals, campaign::to_json(summary), campaign::to_text(summary));
   });
 }
 
@@ -43,8 +43,8 @@ void add_export(CLI::App& parent, const Globals& globals) {
   command->add_option("--out", options->out, "File to write")->required();
   command->footer("Example:\n  gonogo dataset export out/demo/dataset.h5 --format csv --out trials.csv");
   command->callback([options, &globals] {
-    const Dataset dataset = read_dataset(options->dataset);
-    const std::string text = options->format == "csv" ? to_csv(dataset) : to_json_text(dataset);
+    const campaign::Dataset dataset = campaign::read_dataset(options->dataset);
+    const std::string text = options->format == "csv" ? campaign::to_csv(dataset) : campaign::to_json_text(dataset);
     write_file_atomically(options->out, text);
     Json result = Json::object();
     result["out"] = options->out;
@@ -61,10 +61,10 @@ void add_merge(CLI::App& parent, const Globals& globals) {
   command->add_option("--out", options->out, "File to write")->required();
   command->footer("Example:\n  gonogo dataset merge out/a/dataset.h5 out/b/dataset.h5 --out all.h5");
   command->callback([options, &globals] {
-    std::vector<Dataset> parts;
-    for (const std::string& file : options->parts) parts.push_back(read_dataset(file));
-    const Dataset merged = merge_datasets(parts, options->parts);
-    write_dataset(options->out, merged);
+    std::vector<campaign::Dataset> parts;
+    for (const std::string& file : options->parts) parts.push_back(campaign::read_dataset(file));
+    const campaign::Dataset merged = campaign::merge_datasets(parts, options->parts);
+    campaign::write_dataset(options->out, merged);
     Json result = Json::object();
     result["out"] = options->out;
     result["trials"] = std::uint64_t(merged.records.size());
@@ -84,8 +84,8 @@ void add_verify(CLI::App& parent, const Globals& globals) {
   command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
   command->footer("Example:\n  gonogo dataset verify out/demo/dataset.h5");
   command->callback([options, &globals] {
-    const Dataset dataset = read_dataset(options->dataset);
-    const std::vector<std::string> faults = faults_of(dataset);
+    const campaign::Dataset dataset = campaign::read_dataset(options->dataset);
+    const std::vector<std::string> faults = campaign::faults_of(dataset);
     Json result = Json::object();
     result["trials"] = std::uint64_t(dataset.records.size());
     result["faults"] = Json::array();
@@ -107,14 +107,15 @@ void add_diff(CLI::App& parent, const Globals& globals) {
   command->add_option("second", options->other, "Dataset (HDF5)")->required();
   command->footer("Example:\n  gonogo dataset diff out/cpu/dataset.h5 out/gpu/dataset.h5");
   command->callback([options, &globals] {
-    const DatasetDifference d = difference(read_dataset(options->dataset), read_dataset(options->other));
+    const campaign::DatasetDifference d =
+        campaign::difference(campaign::read_dataset(options->dataset), campaign::read_dataset(options->other));
     Json result = Json::object();
     result["same"] = d.none();
     result["common"] = std::uint64_t(d.common);
     result["only_first"] = std::uint64_t(d.only_first.size());
     result["only_second"] = std::uint64_t(d.only_second.size());
     result["different_values"] = std::uint64_t(d.rows.size());
-    conclude(globals, result, to_text(d), d.none(), options->dataset + " and " + options->other + " differ");
+    conclude(globals, result, campaign::to_text(d), d.none(), options->dataset + " and " + options->other + " differ");
   });
 }
 
@@ -126,14 +127,15 @@ void add_replay(CLI::App& parent, const Globals& globals) {
   command->add_option("--trial", options->trial, "Its index")->required();
   command->footer("Example:\n  gonogo dataset replay out/demo/dataset.h5 --trial 31");
   command->callback([options, &globals] {
-    const Replay replay = replay_trial(read_dataset(options->dataset), options->trial, globals.threads);
+    const campaign::Replay replay =
+        campaign::replay_trial(campaign::read_dataset(options->dataset), options->trial, globals.threads);
     Json result = Json::object();
     result["trial"] = options->trial;
     result["same"] = replay.differences.empty();
     result["same_program"] = replay.same_program;
-    result["verdict"] = contract().info(replay.record.verdict).name;
+    result["verdict"] = campaign::contract().info(replay.record.verdict).name;
     std::string text;
-    for (const RowDifference& row : replay.differences)
+    for (const campaign::RowDifference& row : replay.differences)
       text += row.column + ": " + row.first + " in the dataset, " + row.second + " now\n";
     if (text.empty()) text = "trial " + std::to_string(options->trial) + ": the same bits\n";
     if (!replay.same_program) text += "the dataset was made by another version of the program\n";
@@ -154,10 +156,11 @@ void add_plot(CLI::App& parent, const Globals& globals) {
   command->add_option("--model", options->model, "Model trained on it, for the importance of variables");
   command->footer("Example:\n  gonogo dataset plot out/demo/dataset.h5 --model out/demo/model.h5 --out out/demo/plots");
   command->callback([options, &globals] {
-    const Dataset dataset = read_dataset(options->dataset);
-    ReportRequest request{.name = options->dataset, .x = options->x, .y = options->y, .importance = {}};
-    if (!options->model.empty()) request.importance = model_importance(Predictor::read(options->model), dataset);
-    const auto files = write_dataset_report(options->out, dataset, request);
+    const campaign::Dataset dataset = campaign::read_dataset(options->dataset);
+    learn::ReportRequest request{.name = options->dataset, .x = options->x, .y = options->y, .importance = {}};
+    if (!options->model.empty())
+      request.importance = learn::model_importance(learn::Predictor::read(options->model), dataset);
+    const auto files = learn::write_dataset_report(options->out, dataset, request);
     Json result = Json::object();
     result["files"] = Json::array();
     std::string text;
@@ -166,8 +169,8 @@ void add_plot(CLI::App& parent, const Globals& globals) {
       text += file.string() + "\n";
     }
     if (request.importance) {
-      result["importance"] = to_json(*request.importance);
-      text += "\n" + to_text(*request.importance);
+      result["importance"] = learn::to_json(*request.importance);
+      text += "\n" + learn::to_text(*request.importance);
     }
     print_result(globals, result, text);
   });
@@ -191,4 +194,4 @@ void add_dataset_command(CLI::App& app, const Globals& globals) {
 #endif
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -12,7 +12,7 @@
 #include "pipeline/map/region/region_share.h"
 #endif
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
@@ -20,26 +20,26 @@ struct Options {
   bool csv = false;
 };
 
-std::string as_csv(const std::vector<DesignPoint>& design) {
-  std::string text = point_header_row() + "\n";
-  for (const DesignPoint& point : design) text += to_row(point) + "\n";
+std::string as_csv(const std::vector<campaign::DesignPoint>& design) {
+  std::string text = campaign::point_header_row() + "\n";
+  for (const campaign::DesignPoint& point : design) text += campaign::to_row(point) + "\n";
   return text;
 }
 
-std::string as_text(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled,
-                    const std::optional<double>& region_share) {
+std::string as_text(const campaign::DesignSpec& spec, const std::vector<campaign::DesignPoint>& design,
+                    const campaign::Coverage& filled, const std::optional<double>& region_share) {
   std::string text = line("%zu trials: %llu points (%s), the rest replicates\n", design.size(),
                           static_cast<unsigned long long>(spec.points), spec.method.c_str());
-  for (const SampledVariable& range : spec.ranges) {
-    const Variable& variable = contract().variables[range.variable];
+  for (const campaign::SampledVariable& range : spec.ranges) {
+    const campaign::Variable& variable = campaign::contract().variables[range.variable];
     text += line("  %-18s %g to %g %s\n", variable.name.c_str(), range.minimum, range.maximum, variable.unit.c_str());
   }
   for (std::size_t i = 0; i < spec.fixed.size(); ++i) {
-    const Variable& variable = contract().variables[i];
+    const campaign::Variable& variable = campaign::contract().variables[i];
     if (spec.fixed[i] == spec.fixed[i])
       text += line("  %-18s %g %s\n", variable.name.c_str(), spec.fixed[i], variable.unit.c_str());
   }
-  for (const Stratum& stratum : spec.strata)
+  for (const campaign::Stratum& stratum : spec.strata)
     text += line("  share %-6.3g       %s\n", stratum.share, stratum.name.c_str());
   text +=
       line("L2 star discrepancy %.3g (independent random points: %.3g)\n", filled.discrepancy, filled.expected_random);
@@ -49,8 +49,8 @@ std::string as_text(const DesignSpec& spec, const std::vector<DesignPoint>& desi
   return text + "\n" + as_csv(design);
 }
 
-Json as_json(const DesignSpec& spec, const std::vector<DesignPoint>& design, const Coverage& filled,
-             const std::optional<double>& region_share) {
+Json as_json(const campaign::DesignSpec& spec, const std::vector<campaign::DesignPoint>& design,
+             const campaign::Coverage& filled, const std::optional<double>& region_share) {
   Json result = Json::object();
   result["trials"] = std::uint64_t(design.size());
   result["points"] = spec.points;
@@ -63,9 +63,10 @@ Json as_json(const DesignSpec& spec, const std::vector<DesignPoint>& design, con
 }
 
 /// Nothing where the study names no region, or this build reads no rasters.
-std::optional<double> share_of_region([[maybe_unused]] const Study& study, [[maybe_unused]] const DesignSpec& spec) {
+std::optional<double> share_of_region([[maybe_unused]] const campaign::Study& study,
+                                      [[maybe_unused]] const campaign::DesignSpec& spec) {
 #ifdef GONOGO_WITH_GDAL
-  if (!study.region.empty()) return share_inside(read_region(study.region), spec);
+  if (!study.region.empty()) return map::share_inside(map::read_region(study.region), spec);
 #endif
   return std::nullopt;
 }
@@ -79,14 +80,14 @@ void add_design_command(CLI::App& app, const Globals& globals) {
   command->add_flag("--csv", options->csv, "Only the table of points, comma-separated");
   command->footer("Example:\n  gonogo design configs/studies/demo.json --csv > design.csv");
   command->callback([options, &globals] {
-    const Study study = read_study(options->study);
-    const DesignSpec spec = read_design(study.section("design"), study.seed);
-    const std::vector<DesignPoint> design = make_design(spec);
-    const Coverage filled = coverage(spec, design);
+    const campaign::Study study = campaign::read_study(options->study);
+    const campaign::DesignSpec spec = campaign::read_design(study.section("design"), study.seed);
+    const std::vector<campaign::DesignPoint> design = campaign::make_design(spec);
+    const campaign::Coverage filled = campaign::coverage(spec, design);
     const std::optional<double> region = share_of_region(study, spec);
     print_result(globals, as_json(spec, design, filled, region),
                  options->csv ? as_csv(design) : as_text(spec, design, filled, region));
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -5,7 +5,7 @@
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/run/machine.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 std::string gib(std::uint64_t bytes) {
@@ -57,4 +57,4 @@ void add_doctor_command(CLI::App& app, const Globals& globals) {
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -8,15 +8,15 @@
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/train_model.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 std::string held_out_text(const Json& report) {
   return report.at("trials").dump() + " trials that the model has not seen (" + report.at("left_out_unknown").dump() +
          " failed and " + report.at("left_out_trained_on").dump() +
          " trained on are left out); log loss over all outcomes " + report.at("outcome_log_loss_nat").dump() +
-         " nat\n" + scores_text(report.at("scores")) + missing_text(report.at("missing")) +
-         checks_text(report.at("checks"));
+         " nat\n" + learn::scores_text(report.at("scores")) + learn::missing_text(report.at("missing")) +
+         learn::checks_text(report.at("checks"));
 }
 
 }  // namespace
@@ -42,13 +42,14 @@ void add_evaluate_command(CLI::App& app, const Globals& globals) {
       "  gonogo evaluate --model out/demo/model.h5 --dataset out/held_out/dataset.h5 --out out/scores --json");
   command->callback([model, dataset, out, &globals] {
     const bool held_out = !dataset->empty();
-    const Json report = held_out ? evaluate_model(*model, *dataset) : learning::read_model(*model).provenance;
-    std::string text = held_out ? held_out_text(report) : report_text(report);
+    const Json report = held_out ? learn::evaluate_model(*model, *dataset) : learning::read_model(*model).provenance;
+    std::string text = held_out ? held_out_text(report) : learn::report_text(report);
     if (!out->empty())
-      for (const auto& file : write_evaluation(*out, report, report.at(held_out ? "scores" : "cross_validation")))
+      for (const auto& file :
+           learn::write_evaluation(*out, report, report.at(held_out ? "scores" : "cross_validation")))
         text += file.string() + "\n";
     print_result(globals, report, text);
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -9,7 +9,7 @@
 #include "pipeline/app/cli/command.h"
 #include "pipeline/learn/answer/named_values.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
@@ -23,19 +23,20 @@ void infer(const Options& options, const Globals& globals) {
   if (ways > 1 || (ways == 1 && (!options.set.empty() || !options.outcome.empty())))
     throw InputError("infer: give one point (--set, --outcome), or --csv, or --interactive");
   if (options.csv.empty() != options.out.empty()) throw InputError("infer: --csv and --out belong together");
-  const Predictor predictor = Predictor::read(options.model);
-  if (options.interactive) return converse(predictor, std::cin, std::cout);
+  const learn::Predictor predictor = learn::Predictor::read(options.model);
+  if (options.interactive) return learn::converse(predictor, std::cin, std::cout);
   if (!options.csv.empty()) {
-    const std::size_t rows = infer_csv(predictor, options.csv, options.out);
+    const std::size_t rows = learn::infer_csv(predictor, options.csv, options.out);
     Json result;
     result["rows"] = Json(std::uint64_t(rows));
     result["out"] = options.out;
     return print_result(globals, result, std::to_string(rows) + " points answered in " + options.out + "\n");
   }
-  Question question{to_variables(parse_named_values(options.set)), std::nullopt, options.reconstruct};
-  if (!options.outcome.empty()) question.outcome = outcome_named(options.outcome);
-  const Json answer = answer_question(predictor, question);
-  print_result(globals, answer, answer_text(answer));
+  learn::Question question{learn::to_variables(learn::parse_named_values(options.set)), std::nullopt,
+                           options.reconstruct};
+  if (!options.outcome.empty()) question.outcome = learn::outcome_named(options.outcome);
+  const Json answer = learn::answer_question(predictor, question);
+  print_result(globals, answer, learn::answer_text(answer));
 }
 
 }  // namespace
@@ -58,4 +59,4 @@ void add_infer_command(CLI::App& app, const Globals& globals) {
   command->callback([options, &globals] { infer(*options, globals); });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -1,7 +1,7 @@
 #include "base/error.h"
 #include "pipeline/app/cli/command.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
 void add_left_out_command(CLI::App& app, const std::string& name, const std::string& option) {
   const std::string sentence =
@@ -11,4 +11,4 @@ void add_left_out_command(CLI::App& app, const std::string& name, const std::str
   command->callback([sentence] { throw InputError(sentence); });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

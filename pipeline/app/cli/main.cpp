@@ -15,7 +15,7 @@
 #include "base/version.h"
 #include "pipeline/app/cli/command.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 constexpr int kMaxThreads = 4096;
@@ -106,9 +106,9 @@ int run_and_explain(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app
 
 int main(int argc, char** argv) {
   gonogo::install_cancel_handler();
-  return gonogo::pipeline::cli::run_and_explain(argc, argv);
+  return gonogo::app::run_and_explain(argc, argv);
 }

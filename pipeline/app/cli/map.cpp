@@ -3,17 +3,17 @@
 
 #include "pipeline/app/cli/map_options.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
-std::string as_text(const MapSummary& summary) {
+std::string as_text(const map::MapSummary& summary) {
   char text[160];
   std::snprintf(text, sizeof text, "%.2f km2%s\n", summary.area_km2,
                 summary.reused ? ", map kept: nothing changed" : "");
   std::string out = text;
-  for (const VerdictInfo& verdict : contract().verdicts) {
+  for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts) {
     std::snprintf(text, sizeof text, "  %-8s %5.1f %%\n", verdict.label.c_str(),
-                  100 * summary.area.share(Verdict(verdict.code)));
+                  100 * summary.area.share(campaign::Verdict(verdict.code)));
     out += text;
   }
   for (const std::string& remark : summary.remarks) out += "  " + remark + "\n";
@@ -21,12 +21,12 @@ std::string as_text(const MapSummary& summary) {
   return out;
 }
 
-Json as_json(const MapSummary& summary) {
+Json as_json(const map::MapSummary& summary) {
   Json result = Json::object();
   result["area_km2"] = summary.area_km2;
   Json shares = Json::object();
-  for (const VerdictInfo& verdict : contract().verdicts)
-    shares[verdict.name] = summary.area.share(Verdict(verdict.code));
+  for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts)
+    shares[verdict.name] = summary.area.share(campaign::Verdict(verdict.code));
   result["share"] = shares;
   result["area"] = summary.area.to_json();
   result["remarks"] = Json(summary.remarks);
@@ -42,7 +42,7 @@ Json as_json(const MapSummary& summary) {
 void add_map_command(CLI::App& app, const Globals& globals) {
   CLI::App* command =
       app.add_subcommand("map", "Go/NoGo map of a region: a page, GeoTIFF layers, QGIS styles, figure, area table");
-  auto files = std::make_shared<MapFiles>();
+  auto files = std::make_shared<map::MapFiles>();
   add_map_file_options(*command, *files);
   command->add_option("--members", files->members,
                       "Members of the model (gonogo train --members): their spread widens the interval on P(go)");
@@ -56,9 +56,9 @@ void add_map_command(CLI::App& app, const Globals& globals) {
       "QGIS style; map.png, area.csv and map.json. Quarter vehicle; docs/map.md says what the numbers mean.\n\n"
       "Example:\n  gonogo map --model out/demo/model.h5 --region configs/regions/sagehen.json --out out/map");
   command->callback([files, &globals] {
-    const MapSummary summary = make_map(map_request_of(*files, globals));
+    const map::MapSummary summary = map::make_map(map_request_of(*files, globals));
     print_result(globals, as_json(summary), as_text(summary));
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -2,9 +2,9 @@
 
 #include "pipeline/lab/vehicle/locate.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
-void add_map_file_options(CLI::App& command, MapFiles& files) {
+void add_map_file_options(CLI::App& command, map::MapFiles& files) {
   command.add_option("--model", files.model, "Trained model (model.h5)")->required();
   command.add_option("--region", files.region, "Region file; by default the one that the study names");
   command.add_option("--study", files.study, "Study file: thresholds and mission values of its section \"map\"");
@@ -15,10 +15,10 @@ void add_map_file_options(CLI::App& command, MapFiles& files) {
                      "Scenario: dry, moist or wet; by default the raster's or every sample");
 }
 
-MapRequest map_request_of(MapFiles files, const Globals& globals) {
+map::MapRequest map_request_of(map::MapFiles files, const Globals& globals) {
   files.threads = globals.threads;
-  if (!files.vehicle.empty()) files.vehicle = vehicle_file(files.vehicle.string());
-  return read_map_request(files);
+  if (!files.vehicle.empty()) files.vehicle = lab::vehicle_file(files.vehicle.string());
+  return map::read_map_request(files);
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -3,12 +3,12 @@
 #include "pipeline/app/cli/command.h"
 #include "pipeline/map/write/map_request.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
 /// --model, --region, --study, --dataset, --vehicle, --moisture. `files` must outlive the parsing.
-void add_map_file_options(CLI::App& command, MapFiles& files);
+void add_map_file_options(CLI::App& command, map::MapFiles& files);
 
 /// Reads what the options name; a vehicle may be given by its name.
-MapRequest map_request_of(MapFiles files, const Globals& globals);
+map::MapRequest map_request_of(map::MapFiles files, const Globals& globals);
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

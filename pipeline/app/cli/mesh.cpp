@@ -6,7 +6,7 @@
 #include "sim/shape/mesh_file.h"
 #include "sim/shape/sphere_cover.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct SpheresRequest {
@@ -66,4 +66,4 @@ void add_mesh_command(CLI::App& app, const Globals& globals) {
   command->footer("Example:\n  gonogo mesh spheres hull.stl --count 40 --json");
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

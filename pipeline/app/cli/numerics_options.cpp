@@ -2,7 +2,7 @@
 
 #include "terrain/bed/target_name.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
 void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::string& whose) {
   command.add_option("--step", n.step, whose + ": step [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
@@ -48,4 +48,4 @@ bool numerics_given(const CLI::App& command) {
   return false;
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

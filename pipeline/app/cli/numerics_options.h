@@ -4,7 +4,7 @@
 #include "terrain/bed/numerics.h"
 #include "terrain/soil/table_numerics.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
 /// --step, --substeps, --iterations, --tolerance, --target. `whose`: trials or a test, for the help.
 void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const std::string& whose);
@@ -17,4 +17,4 @@ void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked
 /// Whether any of those was given.
 bool numerics_given(const CLI::App& command);
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

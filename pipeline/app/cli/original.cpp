@@ -9,42 +9,42 @@
 #include "pipeline/lab/original/run.h"
 #include "pipeline/lab/vehicle/locate.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
   std::string input, vehicle = "hmmwv", folder;
   int line = 1;
   bool gpu = false;
-  OriginalRequest request;
+  lab::OriginalRequest request;
 };
 
 void original(const Globals& globals, Options options) {
-  OriginalRequest& r = options.request;
-  r.input = read_original_input(options.input, options.line);
+  lab::OriginalRequest& r = options.request;
+  r.input = lab::read_original_input(options.input, options.line);
   r.backend = options.gpu ? sim::Backend::cuda : sim::Backend::cpu;
   r.threads = std::max(1, globals.threads);
-  const vehicle::Vehicle v = vehicle::read_vehicle(vehicle_file(options.vehicle));
+  const vehicle::Vehicle v = vehicle::read_vehicle(lab::vehicle_file(options.vehicle));
   sim::require_backend(r.backend);
-  const OriginalRecord record = run_original(v, r);
-  const OriginalSample& last = record.sample.back();
+  const lab::OriginalRecord record = lab::run_original(v, r);
+  const lab::OriginalSample& last = record.sample.back();
   Json json;
-  json["stop"] = stop_sentence(record.stop);
+  json["stop"] = lab::stop_sentence(record.stop);
   json["grains"] = record.grains;
   json["surface_m"] = record.surface;
   json["time_s"] = last.time;
   json["x_m"] = last.position.x, json["y_m"] = last.position.y;
-  std::string text =
-      line("%s\n%zu grains, highest at %.0f mm; %.2f s, x %.3f m, y %.3f m, %.2f m/s\n", stop_sentence(record.stop),
-           record.grains, 1e3 * record.surface, last.time, last.position.x, last.position.y, last.velocity.x);
+  std::string text = line("%s\n%zu grains, highest at %.0f mm; %.2f s, x %.3f m, y %.3f m, %.2f m/s\n",
+                          lab::stop_sentence(record.stop), record.grains, 1e3 * record.surface, last.time,
+                          last.position.x, last.position.y, last.velocity.x);
   if (!options.folder.empty()) {
     create_folder(options.folder);
     const auto file = std::filesystem::path(options.folder) / ("results_" + std::to_string(options.line) + ".out");
-    write_file_atomically(file, original_output(record));
+    write_file_atomically(file, lab::original_output(record));
     json["file"] = file.string();
   }
   print_result(globals, json, text);
-  if (record.stop == OriginalStop::failed) throw DeviceError("the run failed: " + record.fault);
+  if (record.stop == lab::OriginalStop::failed) throw DeviceError("the run failed: " + record.fault);
 }
 
 }  // namespace
@@ -72,4 +72,4 @@ void add_original_command(CLI::App& app, const Globals& globals) {
   command->callback([&globals, o] { original(globals, *o); });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -8,16 +8,16 @@
 #include "pipeline/learn/qubo/qubo_embed.h"
 #include "pipeline/learn/qubo/qubo_exchange.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
   std::string model, problem, answer, out, rows, sampler = "block_gibbs", decode = "discard";
   std::string answer_format = "dimod_json";
-  FileChoice in, to;
+  learn::FileChoice in, to;
   learning::SamplerSettings sampling;
-  DeviceChoice device;
-  EmbedRequest embed;
+  learn::DeviceChoice device;
+  learn::EmbedRequest embed;
   double chain_strength = 0;
   std::uint64_t gauge = 0;
   std::string chains = "weighted_random";
@@ -46,8 +46,8 @@ void add_input_options(CLI::App* command, const Shared& options) {
       ->check(CLI::IsMember({"BINARY", "SPIN"}));
 }
 
-void print_export(const Globals& globals, const std::string& path, const Exported& exported) {
-  const Sidecar& sidecar = exported.sidecar;
+void print_export(const Globals& globals, const std::string& path, const learn::Exported& exported) {
+  const learn::Sidecar& sidecar = exported.sidecar;
   Json json;
   json["problem"] = path;
   json["sidecar"] = learning::sidecar_path(path).string();
@@ -81,8 +81,8 @@ void add_export(CLI::App& qubo, const Shared& options, const Globals& globals) {
   command->callback([options, &globals] {
     const auto vartype = options->spin ? learning::Vartype::spin : learning::Vartype::binary;
     print_export(globals, options->out,
-                 export_problem(options->model, options->out, parse_named_values(options->clamp), vartype, options->to,
-                                options->penalty));
+                 learn::export_problem(options->model, options->out, learn::parse_named_values(options->clamp), vartype,
+                                       options->to, options->penalty));
   });
 }
 
@@ -96,7 +96,7 @@ void add_convert(CLI::App& qubo, const Shared& options, const Globals& globals) 
   command->footer("Example:\n  gonogo qubo convert problem.json --to qbsolv --out problem.qubo");
   command->callback([options, &globals] {
     print_export(globals, options->out,
-                 convert_problem(load_problem(options->problem, options->in), options->out, options->to));
+                 learn::convert_problem(learn::load_problem(options->problem, options->in), options->out, options->to));
   });
 }
 
@@ -124,7 +124,7 @@ void add_sampler_options(CLI::App* command, const Shared& options) {
 
 void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("embed", "Lay a problem onto the qubits of a machine");
-  EmbedRequest& embed = options->embed;
+  learn::EmbedRequest& embed = options->embed;
   command->add_option("problem", options->problem, "Problem to read")->required();
   add_input_options(command, options);
   command->add_option("--graph", embed.graph.name, "chimera:M, chimera:MxN, pegasus:M or zephyr:M")
@@ -144,7 +144,7 @@ void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
   command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->required();
   command->footer("Example:\n  gonogo qubo embed problem.json --graph pegasus:16 --out qubits.json");
   command->callback([options, strength, gauge, &globals] {
-    EmbedRequest request = options->embed;
+    learn::EmbedRequest request = options->embed;
     request.problem = options->problem;
     request.out = options->out;
     request.from = options->in;
@@ -152,11 +152,11 @@ void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
     request.to.solver = request.graph.solver;
     if (strength->count() > 0) request.chain_strength = options->chain_strength;
     if (gauge->count() > 0) request.gauge = options->gauge;
-    const EmbedResult result = embed_problem_file(request);
+    const learn::EmbedResult result = learn::embed_problem_file(request);
     char text[200];
     std::snprintf(text, sizeof text, "%zu variables on %zu qubits, longest chain %zu, chain strength %.6g, scale %.6g",
                   result.variables, result.qubits, result.longest_chain, result.chain_strength, result.scale);
-    Exported exported = result.exported;
+    learn::Exported exported = result.exported;
     exported.notes.insert(exported.notes.begin(), text);
     print_export(globals, options->out, exported);
   });
@@ -183,12 +183,12 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
       "  gonogo qubo sample problem.json --sampler command --out answer.json -- \\\n"
       "      python3 scripts/ocean_bridge.py {problem} {answer} --reads {reads} --sampler annealer");
   command->callback([options, &globals] {
-    const auto sampler = make_any_sampler(options->sampler, options->sampling, options->device);
+    const auto sampler = learn::make_any_sampler(options->sampler, options->sampling, options->device);
     learning::SampleRequest request;
     request.reads = options->reads;
     request.sweeps = options->sweeps;
     request.seed = options->seed;
-    const Json json = sample_problem(options->problem, options->out, *sampler, request, options->in);
+    const Json json = learn::sample_problem(options->problem, options->out, *sampler, request, options->in);
     char text[200];
     std::snprintf(text, sizeof text, ": %zu rows, mean energy %.6g, lowest %.6g\n", options->reads,
                   json.at("energy_mean").number(), json.at("energy_lowest").number());
@@ -249,7 +249,7 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
       ->capture_default_str();
   command->footer("Example:\n  gonogo qubo import --problem problem.json --answer answer.json --rows rows.csv");
   command->callback([options, &globals] {
-    ImportRequest request;
+    learn::ImportRequest request;
     request.problem = options->problem;
     request.answer = options->answer;
     request.problem_file = options->in;
@@ -259,7 +259,7 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
     request.chains = options->chains;
     request.seed = options->seed;
     if (options->decode == "repair") request.rule = learning::DecodeRule::repair;
-    const Json json = import_answer(request);
+    const Json json = learn::import_answer(request);
     print_result(globals, json, import_text(json));
   });
 }
@@ -282,4 +282,4 @@ void add_qubo_command(CLI::App& app, const Globals& globals) {
   add_import(*qubo, options, globals);
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "pipeline/app/cli/command.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
 void print_result(const Globals& globals, const Json& result, const std::string& text) {
   std::string out = globals.json ? result.dump() : text;
@@ -13,4 +13,4 @@ void print_result(const Globals& globals, const Json& result, const std::string&
     throw DeviceError("standard output: cannot write the result (is the disk full?)");
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -3,29 +3,29 @@
 #include "pipeline/app/cli/map_options.h"
 #include "pipeline/map/route/plan_route.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
-  MapFiles files;
+  map::MapFiles files;
   std::string from, to, out, reach, isochrones, regions;
   double interval = 0;
   std::vector<std::string> costs;
 };
 
 void route(const Options& options, const Globals& globals) {
-  RouteRequest request;
-  if (!options.from.empty()) request.from = parse_place(options.from, "route: --from");
-  if (!options.to.empty()) request.to = parse_place(options.to, "route: --to");
-  for (const std::string& name : options.costs) request.costs.push_back(route_cost_named(name));
+  map::RouteRequest request;
+  if (!options.from.empty()) request.from = map::parse_place(options.from, "route: --from");
+  if (!options.to.empty()) request.to = map::parse_place(options.to, "route: --to");
+  for (const std::string& name : options.costs) request.costs.push_back(map::route_cost_named(name));
   request.lines = options.out;
   request.reach = options.reach;
   request.isochrones = options.isochrones;
   request.interval = options.interval;
   request.regions = options.regions;
   request.map = map_request_of(options.files, globals);
-  const Json result = plan_route(request);
-  print_result(globals, result, route_text(result));
+  const Json result = map::plan_route(request);
+  print_result(globals, result, map::route_text(result));
 }
 
 }  // namespace
@@ -56,4 +56,4 @@ void add_route_command(CLI::App& app, const Globals& globals) {
   command->callback([options, &globals] { route(*options, globals); });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

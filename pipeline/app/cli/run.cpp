@@ -2,7 +2,7 @@
 
 #include "pipeline/app/cli/command.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 
 void add_run_command(CLI::App& app, const Globals& globals) {
   CLI::App* command = app.add_subcommand("run", "The main job: simulate, learn and map what a study asks for");
@@ -20,4 +20,4 @@ void add_run_command(CLI::App& app, const Globals& globals) {
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -4,35 +4,37 @@
 
 #include "pipeline/lab/bench/timing.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
-Json watched_json(const std::vector<std::vector<Measured>>& watched) {
+Json watched_json(const std::vector<std::vector<lab::Measured>>& watched) {
   Json json;
   for (std::size_t k = 0; k < watched.front().size(); ++k) {
     std::vector<double> values;
-    for (const std::vector<Measured>& look : watched) values.push_back(look[k].value);
+    for (const std::vector<lab::Measured>& look : watched) values.push_back(look[k].value);
     json[watched.front()[k].key] = values;
   }
   return json;
 }
 
-std::string watched_text(const std::vector<std::vector<Measured>>& watched) {
+std::string watched_text(const std::vector<std::vector<lab::Measured>>& watched) {
   std::string text;
   char cell[40];
-  for (const Measured& m : watched.front()) std::snprintf(cell, sizeof cell, "  %18s", m.key.c_str()), text += cell;
-  for (const std::vector<Measured>& look : watched) {
+  for (const lab::Measured& m : watched.front())
+    std::snprintf(cell, sizeof cell, "  %18s", m.key.c_str()), text += cell;
+  for (const std::vector<lab::Measured>& look : watched) {
     text += '\n';
-    for (const Measured& m : look) std::snprintf(cell, sizeof cell, "  %18.4g", m.value), text += cell;
+    for (const lab::Measured& m : look) std::snprintf(cell, sizeof cell, "  %18.4g", m.value), text += cell;
   }
   return text + '\n';
 }
 
-Json scene_json(const ManyScene& scene, const ManyRun& run, Index spheres, const ManyResult& r, double made) {
+Json scene_json(const lab::ManyScene& scene, const lab::ManyRun& run, Index spheres, const lab::ManyResult& r,
+                double made) {
   Json json = counts_json(scene.name, run.on, spheres, r.bodies, r.contacts);
   json["solver"] = name_in(kSolvers, scene.settings.solver);
   json["iterations"] = r.iterations;
-  for (const Measured& m : r.measured) json[m.key] = m.value;
+  for (const lab::Measured& m : r.measured) json[m.key] = m.value;
   if (!r.watched.empty()) json["watched"] = watched_json(r.watched);
   json["step_s"] = scene.settings.step;
   json["simulated_s"] = scene.duration;
@@ -49,14 +51,14 @@ Json scene_json(const ManyScene& scene, const ManyRun& run, Index spheres, const
   return json;
 }
 
-std::string scene_text(const ManyScene& scene, const ManyRun& run, const ManyResult& r, double made) {
+std::string scene_text(const lab::ManyScene& scene, const lab::ManyRun& run, const lab::ManyResult& r, double made) {
   char line[300];
   std::snprintf(line, sizeof line,
                 "%s: %lld bodies, %lld contacts, residual %.2e m/s; made in %.1f s, %.2f s simulated in %.1f s\n",
                 scene.name.c_str(), static_cast<long long>(r.bodies), static_cast<long long>(r.contacts),
                 r.residual_m_per_s, made + r.build_seconds, scene.duration, r.run_seconds);
   std::string text = line;
-  for (const Measured& m : r.measured) {
+  for (const lab::Measured& m : r.measured) {
     std::snprintf(line, sizeof line, "  %-26s %10.4g\n", m.key.c_str(), m.value);
     text += line;
   }
@@ -89,7 +91,7 @@ std::string stages_text(const sim::StageTimes& times, sim::Stage first, sim::Sta
   return text;
 }
 
-Json counts_json(const std::string& scene, const RunOn& on, std::int64_t spheres, std::int64_t bodies,
+Json counts_json(const std::string& scene, const lab::RunOn& on, std::int64_t spheres, std::int64_t bodies,
                  std::int64_t contacts) {
   Json json;
   json["scene"] = scene;
@@ -108,14 +110,14 @@ void add_sphere_count(CLI::App& command, Index& count) {
       ->capture_default_str();
 }
 
-void add_friction(CLI::App& command, Spheres& of, const std::string& of_what) {
+void add_friction(CLI::App& command, lab::Spheres& of, const std::string& of_what) {
   command.add_option("--friction", of.friction, "Friction of " + of_what + " [-]")->check(CLI::Range(0.0, 10.0));
 }
 
 CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, const char* about, Index* count,
-                    const std::function<ManyScene(const RunOn&)>& make) {
+                    const std::function<lab::ManyScene(const lab::RunOn&)>& make) {
   CLI::App* command = parent.add_subcommand(name, about);
-  const auto run = std::make_shared<ManyRun>();
+  const auto run = std::make_shared<lab::ManyRun>();
   add_sphere_count(*command, *count);
   add_solver(*command, run->on.solver);
   command->add_option("--iterations", run->on.iterations, "Solver iterations per step")->check(CLI::Range(1, 100000));
@@ -129,13 +131,13 @@ CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, 
   command->callback([&globals, run, count, make] {
     run->on.threads = bench_threads(globals);
     sim::require_backend(run->on.backend);
-    const double start = seconds();
-    const ManyScene scene = make(run->on);
-    const double made = seconds() - start;
-    const ManyResult r = run_many(scene, *run);
+    const double start = lab::seconds();
+    const lab::ManyScene scene = make(run->on);
+    const double made = lab::seconds() - start;
+    const lab::ManyResult r = lab::run_many(scene, *run);
     print_result(globals, scene_json(scene, *run, *count, r, made), scene_text(scene, *run, r, made));
   });
   return command;
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

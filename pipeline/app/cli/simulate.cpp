@@ -17,7 +17,7 @@
 #include "pipeline/lab/film/film.h"
 #include "pipeline/lab/vehicle/locate.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
@@ -25,8 +25,8 @@ struct Options {
   std::optional<double> slope_along, slope_across;  // [deg]
   std::vector<std::string> settings;
   std::uint64_t seed = 0;
-  FilmRequest film;
-  TrialCheckpoint checkpoint;
+  lab::FilmRequest film;
+  campaign::TrialCheckpoint checkpoint;
   terrain::AskedNumerics numerics;
   std::string size = "1280x720", colour = "speed";
   bool gpu = false, compliant = false, folded = false, numerics_given = false;
@@ -35,12 +35,12 @@ struct Options {
 sim::Backend device_of(const Options& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
 
 /// A variable of a study: its fixed value or the middle of its range.
-std::vector<double> variables_of(const Study& study) {
-  std::vector<double> values(contract().variables.size(), std::nan(""));
+std::vector<double> variables_of(const campaign::Study& study) {
+  std::vector<double> values(campaign::contract().variables.size(), std::nan(""));
   const Config design = study.section("design");
   const auto fixed = design.object_if("fixed"), ranges = design.object_if("ranges");
   for (std::size_t v = 0; v < values.size(); ++v) {
-    const std::string& name = contract().variables[v].name;
+    const std::string& name = campaign::contract().variables[v].name;
     if (fixed && fixed->has(name)) values[v] = fixed->number(name);
     if (ranges && ranges->has(name)) values[v] = 0.5 * (ranges->numbers(name).at(0) + ranges->numbers(name).at(1));
   }
@@ -48,10 +48,10 @@ std::vector<double> variables_of(const Study& study) {
 }
 
 /// Of a vehicle without a study: level ground of dry sand in the middle of what the grains reach, moderate speed.
-std::vector<double> variables_of(const TrialSetup& setup) {
+std::vector<double> variables_of(const campaign::TrialSetup& setup) {
   const terrain::AngleRange reach = terrain::reachable_angles(setup.calibration);
-  std::vector<double> values(contract().variables.size(), 0);
-  const auto set = [&](const char* name, double x) { values[contract().variable_index(name)] = x; };
+  std::vector<double> values(campaign::contract().variables.size(), 0);
+  const auto set = [&](const char* name, double x) { values[campaign::contract().variable_index(name)] = x; };
   set("friction_angle", 0.5 * (reach.lowest + reach.highest));
   set("relative_density", 0.5);
   set("tyre_friction", setup.whole ? setup.whole->wheel.front().friction : 0.8);
@@ -61,7 +61,7 @@ std::vector<double> variables_of(const TrialSetup& setup) {
 }
 
 /// "between -45 and 45 deg"
-std::string allowed(const Variable& v) {
+std::string allowed(const campaign::Variable& v) {
   return "between " + std::to_string(v.minimum) + " and " + std::to_string(v.maximum) + " " + v.unit;
 }
 
@@ -74,8 +74,8 @@ std::vector<double> with_settings(std::vector<double> values, const Options& opt
   for (const std::string& setting : settings) {
     const auto equals = setting.find('=');
     if (equals == std::string::npos) throw InputError("--set " + setting + ": write it as name=value");
-    const std::size_t v = contract().variable_index(setting.substr(0, equals));
-    const Variable& variable = contract().variables[v];
+    const std::size_t v = campaign::contract().variable_index(setting.substr(0, equals));
+    const campaign::Variable& variable = campaign::contract().variables[v];
     char* end = nullptr;
     const std::string text = setting.substr(equals + 1);
     values[v] = std::strtod(text.c_str(), &end);
@@ -89,63 +89,63 @@ std::vector<double> with_settings(std::vector<double> values, const Options& opt
 void check_all_given(const std::vector<double>& values, const Options& options) {
   for (std::size_t v = 0; v < values.size(); ++v)
     if (std::isnan(values[v])) {
-      const Variable& variable = contract().variables[v];
+      const campaign::Variable& variable = campaign::contract().variables[v];
       throw InputError(options.study + ": design has neither a fixed value nor a range of " + variable.name + ", " +
                        allowed(variable) + "; give one: --set " + variable.name + "=...");
     }
 }
 
-std::string csv_line(const TrialSample& s) {
+std::string csv_line(const campaign::TrialSample& s) {
   char text[256];
   std::snprintf(text, sizeof text, "%.4f,%.5f,%.5f,%.5f,%.4f,%.4f,%.2f,%.3e,%d,%d\n", s.time, s.x, s.y, s.sinkage,
                 s.speed, s.slip, s.torque, s.residual, s.contacts, s.iterations);
   return text;
 }
 
-FilmRequest film_request(const Globals& globals, const Options& options) {
-  FilmRequest film = options.film;
+lab::FilmRequest film_request(const Globals& globals, const Options& options) {
+  lab::FilmRequest film = options.film;
   int used = 0;
   if (std::sscanf(options.size.c_str(), "%dx%d%n", &film.width, &film.height, &used) != 2 ||
       used != int(options.size.size()))
     throw InputError("--size " + options.size + ": write it as WIDTHxHEIGHT in pixels, such as 1280x720");
-  film.colour = options.colour == "height" ? GrainColour::height : GrainColour::speed;
+  film.colour = options.colour == "height" ? report::GrainColour::height : report::GrainColour::speed;
   film.threads = globals.threads > 0 ? globals.threads : int(std::max(1u, std::thread::hardware_concurrency()));
-  check_film(film);
+  lab::check_film(film);
   return film;
 }
 
 /// Runs the trial and writes what was asked for about its course.
-TrialRecord watched_trial(const Globals& globals, const Options& options, const TrialSetup& setup,
-                          const DesignPoint& point) {
+campaign::TrialRecord watched_trial(const Globals& globals, const Options& options, const campaign::TrialSetup& setup,
+                                    const campaign::DesignPoint& point) {
   if (!options.checkpoint.path.empty() && options.film.wants_series())
     throw InputError(
         "--checkpoint does not go with --frames, --vtk or --video: a continued run has no pictures of its "
         "beginning; leave one out");
-  const auto value = [&](const char* name) { return point.variables[contract().variable_index(name)]; };
-  Film film(film_request(globals, options), setup.name, value("slope_along"), value("slope_across"),
-            value("commanded_speed"));
+  const auto value = [&](const char* name) { return point.variables[campaign::contract().variable_index(name)]; };
+  lab::Film film(film_request(globals, options), setup.name, value("slope_along"), value("slope_across"),
+                 value("commanded_speed"));
   if (options.gpu) sim::require_backend(sim::Backend::cuda);
-  prepare_trials(setup, {&point, 1}, 1);
+  campaign::prepare_trials(setup, {&point, 1}, 1);
   std::string csv;
-  TrialWatch watch;
+  campaign::TrialWatch watch;
   watch.start = [&] {
     csv = "time_s,x_m,y_m,sinkage_m,speed_m_per_s,slip,torque_N_m,residual_m_per_s,contacts,iterations\n";
     film.start();
   };
-  watch.sample = [&csv](const TrialSample& s) { csv += csv_line(s); };
+  watch.sample = [&csv](const campaign::TrialSample& s) { csv += csv_line(s); };
   if (options.film.wants_pictures() || options.film.wants_series())
-    watch.frame = [&film](const TrialFrame& frame) { film.add(frame); };
+    watch.frame = [&film](const campaign::TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
-  const TrialDevice device{device_of(options), std::max(1, globals.threads)};
-  const TrialRecord record = run_trial(setup, point, watch, options.checkpoint, device);
+  const campaign::TrialDevice device{device_of(options), std::max(1, globals.threads)};
+  const campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
   film.finish(record);
   return record;
 }
 
 struct Request {
-  TrialSetup setup;
-  DesignPoint point;
+  campaign::TrialSetup setup;
+  campaign::DesignPoint point;
 };
 
 /// From a study, or from a vehicle and a soil.
@@ -163,33 +163,35 @@ Request request_of(const Options& options) {
           "--step, --substeps, --iterations, --tolerance and --target go with --vehicle; in a study they are "
           "trial.numerics");
     if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
-    const Study study = read_study(options.study);
-    r.setup = read_trial_setup(study, default_packing_folder(), device_of(options));
+    const campaign::Study study = campaign::read_study(options.study);
+    r.setup = campaign::read_trial_setup(study, campaign::default_packing_folder(), device_of(options));
     r.point.variables = with_settings(variables_of(study), options);
     check_all_given(r.point.variables, options);
     return r;
   }
   if (options.soil.empty()) throw InputError("--vehicle needs --soil: a calibration, such as calibration_90mm");
-  r.setup = vehicle_trial_setup(vehicle_file(options.vehicle), shipped_file("soils", "calibration", options.soil),
-                                options.task.empty() ? default_task() : parse_task(options.task), options.numerics);
-  if (options.folded) fold_bed(r.setup);
+  r.setup = campaign::vehicle_trial_setup(
+      lab::vehicle_file(options.vehicle), shipped_file("soils", "calibration", options.soil),
+      options.task.empty() ? campaign::default_task() : campaign::parse_task(options.task), options.numerics);
+  if (options.folded) campaign::fold_bed(r.setup);
   r.setup.settled_on = device_of(options);
   r.setup.compliant_tyres = options.compliant;
-  check_tyres(r.setup);
+  campaign::check_tyres(r.setup);
   r.point.variables = with_settings(variables_of(r.setup), options);
   return r;
 }
 
 /// Wheels of a whole vehicle, and whether the label obeys the scale rule.
-void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json, std::string& text) {
-  const double grains = grains_per_tyre(setup);
+void add_vehicle(const campaign::TrialSetup& setup, const campaign::TrialRecord& record, Json& json,
+                 std::string& text) {
+  const double grains = campaign::grains_per_tyre(setup);
   json["grains_per_tyre"] = grains;
-  json["label"] = grains >= kGrainsPerTyre ? "fine" : "coarse";
-  if (grains < kGrainsPerTyre) {
+  json["label"] = grains >= campaign::kGrainsPerTyre ? "fine" : "coarse";
+  if (grains < campaign::kGrainsPerTyre) {
     text += line("coarse label: a tyre or shoe is %.1f grains wide, %.0f are needed for one to publish\n", grains,
-                 kGrainsPerTyre);
+                 campaign::kGrainsPerTyre);
   }
-  for (const WheelRecord& w : record.wheels) {
+  for (const campaign::WheelRecord& w : record.wheels) {
     Json wheel;
     wheel["name"] = w.name;
     wheel["slip"] = w.slip;
@@ -204,10 +206,10 @@ void add_vehicle(const TrialSetup& setup, const TrialRecord& record, Json& json,
 }
 
 /// The curve of a drawbar sweep.
-void add_pull(const TrialRecord& record, Json& json, std::string& text) {
+void add_pull(const campaign::TrialRecord& record, Json& json, std::string& text) {
   if (record.pull.empty()) return;
   text += "pull/weight    slip  speed [m/s]  sinkage [mm]  torque [N m]\n";
-  for (const PullPoint& p : record.pull) {
+  for (const campaign::PullPoint& p : record.pull) {
     Json point;
     point["pull_per_weight"] = p.pull, point["slip"] = p.slip, point["speed_m_per_s"] = p.speed;
     point["sinkage_m"] = p.sinkage, point["torque_N_m"] = p.torque;
@@ -218,17 +220,17 @@ void add_pull(const TrialRecord& record, Json& json, std::string& text) {
 
 void simulate(const Globals& globals, const Options& options) {
   const auto [setup, point] = request_of(options);
-  const TrialRecord record = watched_trial(globals, options, setup, point);
+  const campaign::TrialRecord record = watched_trial(globals, options, setup, point);
   Json json;
   json["trial"] = setup.task->name();
-  json["verdict"] = contract().info(record.verdict).name;
-  json["reason"] = contract().info(record.reason).name;
-  std::string text =
-      "verdict  " + contract().info(record.verdict).name + " / " + contract().info(record.reason).name + "\n";
+  json["verdict"] = campaign::contract().info(record.verdict).name;
+  json["reason"] = campaign::contract().info(record.reason).name;
+  std::string text = "verdict  " + campaign::contract().info(record.verdict).name + " / " +
+                     campaign::contract().info(record.reason).name + "\n";
   for (std::size_t v = 0; v < point.variables.size(); ++v)
-    json["variables"][contract().variables[v].name] = point.variables[v];
+    json["variables"][campaign::contract().variables[v].name] = point.variables[v];
   for (std::size_t m = 0; m < record.measures.size(); ++m) {
-    const Measure& measure = contract().measures[m];
+    const campaign::Measure& measure = campaign::contract().measures[m];
     json["measures"][measure.name] = record.measures[m];
     text += line("%-18s %10.4g %s\n", measure.name.c_str(), record.measures[m], measure.unit.c_str());
   }
@@ -287,4 +289,4 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

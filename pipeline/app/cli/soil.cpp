@@ -11,7 +11,7 @@
 #include "terrain/calibration/calibrate.h"
 #include "terrain/soil/soil_file.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 std::string table(const terrain::Calibration& c) {
@@ -45,7 +45,7 @@ void add_shape(CLI::App& command, terrain::GrainShape& shape) {
 }
 
 /// Options of all tests; --density is the relative one.
-void add_soil_options(CLI::App& command, SoilTestRequest& r) {
+void add_soil_options(CLI::App& command, lab::SoilTestRequest& r) {
   const auto real = [](Real& target, double scale) { return [&target, scale](double x) { target = Real(x * scale); }; };
   command.add_option("--grain", r.soil.grain_diameter, "Grain diameter [m]")->capture_default_str();
   add_shape(command, r.soil.shape);
@@ -66,7 +66,7 @@ void add_soil_options(CLI::App& command, SoilTestRequest& r) {
 
 void add_test(CLI::App& parent, const Globals& globals, const std::string& name, const std::string& about) {
   CLI::App* command = parent.add_subcommand(name, about);
-  const auto request = std::make_shared<SoilTestRequest>();
+  const auto request = std::make_shared<lab::SoilTestRequest>();
   const auto out = std::make_shared<std::string>();
   const auto stresses = std::make_shared<std::vector<double>>();
   const auto numerics = std::make_shared<terrain::Numerics>();
@@ -86,11 +86,11 @@ void add_test(CLI::App& parent, const Globals& globals, const std::string& name,
   command->callback([&globals, name, command, request, out, stresses, numerics] {
     if (numerics_given(*command)) request->numerics = *numerics;
     request->threads = thread_count(globals);
-    request->soil.packing_folder = default_packing_folder();
+    request->soil.packing_folder = campaign::default_packing_folder();
     if (!stresses->empty()) request->stresses.clear();
     for (const double s : *stresses) request->stresses.push_back(s * 1e3);
-    const SoilTestOutcome o = run_soil_test(name, *request);
-    if (!out->empty()) write_soil_test(*out, name, o, request->threads);
+    const lab::SoilTestOutcome o = lab::run_soil_test(name, *request);
+    if (!out->empty()) lab::write_soil_test(*out, name, o, request->threads);
     print_result(globals, o.json, o.text + (out->empty() ? "" : "written to " + *out + "\n"));
   });
 }
@@ -156,7 +156,7 @@ void add_library(CLI::App& soil, const Globals& globals) {
   CLI::App* list = soil.add_subcommand("list", "Soils in configs/soils and their states");
   list->footer("Example:\n  gonogo soil list");
   list->callback([&globals] {
-    const SoilReport r = list_soils();
+    const lab::SoilReport r = lab::list_soils();
     print_result(globals, r.json, r.text);
   });
   CLI::App* show = soil.add_subcommand("show", "Numbers of a soil with their sources, and how far grains come to it");
@@ -165,7 +165,7 @@ void add_library(CLI::App& soil, const Globals& globals) {
   show->add_option("--calibration", *calibration, "Table of a grain size: contact laws and mismatch for this soil");
   show->footer("Example:\n  gonogo soil show sandy_loam --calibration configs/soils/calibration_90mm.json");
   show->callback([&globals, name, calibration] {
-    const SoilReport r = show_soil(soil_file(*name), *calibration);
+    const lab::SoilReport r = lab::show_soil(lab::soil_file(*name), *calibration);
     print_result(globals, r.json, r.text);
   });
   CLI::App* fit = soil.add_subcommand("fit", "Keep in a soil's file how far the grains of a table come to it");
@@ -174,9 +174,9 @@ void add_library(CLI::App& soil, const Globals& globals) {
   fit->add_option("--calibration", *with, "Table of a grain size")->required();
   fit->footer("Example:\n  gonogo soil fit sandy_loam --calibration configs/soils/calibration_32mm.json");
   fit->callback([&globals, file, with] {
-    const std::filesystem::path path = soil_file(*file);
+    const std::filesystem::path path = lab::soil_file(*file);
     terrain::write_fits(path, std::filesystem::path(*with).filename().string(), terrain::read_calibration(*with));
-    const SoilReport r = show_soil(path, *with);
+    const lab::SoilReport r = lab::show_soil(path, *with);
     print_result(globals, r.json, r.text + "written to " + path.string() + "\n");
   });
 }
@@ -192,4 +192,4 @@ void add_soil_command(CLI::App& app, const Globals& globals) {
   add_library(*soil, globals);
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

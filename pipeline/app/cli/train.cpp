@@ -6,7 +6,7 @@
 #include "pipeline/learn/training/train_members.h"
 #include "pipeline/learn/training/train_model.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
@@ -16,15 +16,15 @@ struct Options {
   std::size_t hold_out = 0;
 };
 
-TrainRequest to_request(const Options& options, bool seed_given) {
-  TrainRequest request{.dataset = options.dataset,
-                       .model = options.out,
-                       .seed = options.seed,
-                       .learning = {},
-                       .design = {},
-                       .hold_out = options.hold_out};
+learn::TrainRequest to_request(const Options& options, bool seed_given) {
+  learn::TrainRequest request{.dataset = options.dataset,
+                              .model = options.out,
+                              .seed = options.seed,
+                              .learning = {},
+                              .design = {},
+                              .hold_out = options.hold_out};
   if (options.study.empty()) return request;
-  const Study study = read_study(options.study);
+  const campaign::Study study = campaign::read_study(options.study);
   if (!seed_given) request.seed = study.seed;
   request.learning = study.config.object_if("learning");
   request.design = study.config.object_if("design");
@@ -55,17 +55,17 @@ void add_train_command(CLI::App& app, const Globals& globals) {
       "Example:\n  gonogo train --dataset out/demo/dataset.h5 --study configs/studies/demo.json --out "
       "out/demo/model.h5");
   command->callback([options, seed, &globals] {
-    const TrainRequest request = to_request(*options, seed->count() > 0);
-    Json report = train_model(request);
-    const std::string text = report_text(report);
+    const learn::TrainRequest request = to_request(*options, seed->count() > 0);
+    Json report = learn::train_model(request);
+    const std::string text = learn::report_text(report);
     report["model"] = options->out;
     if (options->members > 0) {
       Json members = Json::array();
-      for (const auto& file : train_members(request, options->members)) members.push_back(Json(file.string()));
+      for (const auto& file : learn::train_members(request, options->members)) members.push_back(Json(file.string()));
       report["members"] = members;
     }
     print_result(globals, report, text);
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -21,7 +21,7 @@
 #include "pipeline/lab/validate/vehicles.h"
 #include "pipeline/lab/vehicle/locate.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct FclibRequest {
@@ -31,7 +31,7 @@ struct FclibRequest {
   sim::LocalSolveSettings settings;
 };
 
-Json as_json(const FclibResult& r, const FclibRequest& request) {
+Json as_json(const lab::FclibResult& r, const FclibRequest& request) {
   Json json;
   json["problem"] = r.name;
   json["dimension"] = r.dimension;
@@ -44,7 +44,7 @@ Json as_json(const FclibResult& r, const FclibRequest& request) {
   return json;
 }
 
-std::string as_line(const FclibResult& r, const FclibRequest& request) {
+std::string as_line(const lab::FclibResult& r, const FclibRequest& request) {
   char line[160];
   std::snprintf(line, sizeof line, "%-34s %3d %8d  %-6s %10d %12.2e %10.2e %10.1f\n", r.name.c_str(), r.dimension,
                 r.contacts, request.solver.c_str(), r.iterations, r.coulomb_error, r.ccp_error, r.ms);
@@ -54,14 +54,14 @@ std::string as_line(const FclibResult& r, const FclibRequest& request) {
 void validate_fclib(const Globals& globals, FclibRequest request) {
   request.settings.solver = sim::local_solver(request.solver);
   request.settings.target = request.target == "ccp" ? sim::ConeTarget::ccp : sim::ConeTarget::coulomb;
-  const auto files = fclib_files({request.paths.begin(), request.paths.end()});
+  const auto files = lab::fclib_files({request.paths.begin(), request.paths.end()});
   std::string text =
       "problem                            dim contacts  solver iterations  coulomb err    ccp err         ms\n";
   Json rows = Json::array();
   int above = 0;
   for (const auto& file : files) {
     stop_if_cancelled();
-    const FclibResult r = solve_fclib(file, request.settings);
+    const lab::FclibResult r = lab::solve_fclib(file, request.settings);
     rows.push_back(as_json(r, request));
     text += as_line(r, request);
     above += r.target_error > request.limit;
@@ -90,12 +90,12 @@ void validate_vehicles(const Globals& globals, const VehiclesRequest& request) {
   std::string text;
   int failed = 0;
   for (const std::string& name : request.vehicles) {
-    const vehicle::Vehicle v = vehicle::read_vehicle(vehicle_file(name));
-    const auto reports = check_on_hard_ground(v, run);
-    if (!request.folder.empty()) write_reports(request.folder, v.name, reports);
-    json[v.name] = pipeline::as_json(reports);
-    text += v.name + "\n" + as_text(reports);
-    failed += failures(reports);
+    const vehicle::Vehicle v = vehicle::read_vehicle(lab::vehicle_file(name));
+    const auto reports = lab::check_on_hard_ground(v, run);
+    if (!request.folder.empty()) lab::write_reports(request.folder, v.name, reports);
+    json[v.name] = lab::as_json(reports);
+    text += v.name + "\n" + lab::as_text(reports);
+    failed += lab::failures(reports);
   }
   json["failed"] = failed;
   print_result(globals, json, text);
@@ -105,16 +105,17 @@ void validate_vehicles(const Globals& globals, const VehiclesRequest& request) {
 struct SoilsRequest {
   std::vector<std::string> figures;
   std::string folder;
-  SoilValidation tests;
-  SimulantRun wheel;
+  lab::SoilValidation tests;
+  lab::SimulantRun wheel;
 };
 
-SoilFigure figure_of(const std::string& name, SoilsRequest& request, int threads) {
+lab::SoilFigure figure_of(const std::string& name, SoilsRequest& request, int threads) {
   request.tests.threads = request.wheel.threads = threads;
-  request.wheel.vehicle = name == "mgru3_rover" ? kSimulantRover : kSimulantWheel;
-  if (name == "mgru3" || name == "mgru3_rover") return slope_slip_figure(request.wheel, run_slope_slip(request.wheel));
-  if (name == "trec") return given_slip_figure(request.wheel, run_given_slips(request.wheel));
-  return soil_figure(name, request.tests);
+  request.wheel.vehicle = name == "mgru3_rover" ? lab::kSimulantRover : lab::kSimulantWheel;
+  if (name == "mgru3" || name == "mgru3_rover")
+    return lab::slope_slip_figure(request.wheel, lab::run_slope_slip(request.wheel));
+  if (name == "trec") return lab::given_slip_figure(request.wheel, lab::run_given_slips(request.wheel));
+  return lab::soil_figure(name, request.tests);
 }
 
 void validate_soils(const Globals& globals, SoilsRequest& request) {
@@ -124,11 +125,11 @@ void validate_soils(const Globals& globals, SoilsRequest& request) {
   int failed = 0;
   for (const std::string& name : request.figures) {
     stop_if_cancelled();
-    const SoilFigure figure = figure_of(name, request, threads);
-    if (!request.folder.empty()) write_figure(request.folder, figure);
-    text += pipeline::as_text(figure);
-    for (const SoilCheck& c : figure.check) json[c.key] = c.measured, failed += !c.holds();
-    checks[name] = pipeline::as_json(figure);
+    const lab::SoilFigure figure = figure_of(name, request, threads);
+    if (!request.folder.empty()) lab::write_figure(request.folder, figure);
+    text += lab::as_text(figure);
+    for (const lab::SoilCheck& c : figure.check) json[c.key] = c.measured, failed += !c.holds();
+    checks[name] = lab::as_json(figure);
   }
   json["failed"] = failed;
   json["checks"] = checks;
@@ -137,7 +138,7 @@ void validate_soils(const Globals& globals, SoilsRequest& request) {
 }
 
 /// Of the figures with a wheel or the rover on a simulant.
-void add_wheel_options(CLI::App& soils, SimulantRun& wheel) {
+void add_wheel_options(CLI::App& soils, lab::SimulantRun& wheel) {
   CLI::App& of = *soils.add_option_group("mgru3, mgru3_rover, trec", "A wheel or the rover on a lunar simulant");
   add_asked_numerics_options(of, wheel.numerics, "Trials");
   of.add_option("--grain", wheel.grain, "Diameter of the grains, if not the table's [m]")
@@ -161,7 +162,7 @@ void add_soils(CLI::App& command, const Globals& globals) {
       "soils",
       "Soil tests, soils through the calibration, a wheel and a rover on slopes; fails when a bound is not kept");
   auto request = std::make_shared<SoilsRequest>();
-  request->figures = soil_figures();
+  request->figures = lab::soil_figures();
   request->figures.insert(request->figures.end(), {"mgru3", "mgru3_rover", "trec"});
   const std::vector<std::string> all = request->figures;
   auto calibration = std::make_shared<std::string>("calibration_90mm"), wheel = std::make_shared<std::string>();
@@ -209,12 +210,12 @@ void add_trial_options(CLI::App& command, Request& request, std::string& vehicle
   command.add_flag("--gpu", gpu, "On the GPU, all beds side by side");
 }
 
-BatchSettings batch_of(const Globals& globals, bool gpu, int seeds) {
+campaign::BatchSettings batch_of(const Globals& globals, bool gpu, int seeds) {
   return {gpu ? sim::Backend::cuda : sim::Backend::cpu, gpu ? seeds : 1, std::max(1, globals.threads)};
 }
 
 struct BedsOptions {
-  BedsRequest request;
+  lab::BedsRequest request;
   std::string vehicle;
   bool gpu = false;
 };
@@ -237,7 +238,7 @@ std::shared_ptr<BedsOptions> add_beds_options(CLI::App& command, const std::stri
 /// Runs the comparison, prints it, and fails when slip or sinkage differ too much.
 template <class Compare>
 void compare(const Globals& globals, BedsOptions& o, Compare&& compare_two, const std::string& failure) {
-  o.request.vehicle = vehicle_file(o.vehicle);
+  o.request.vehicle = lab::vehicle_file(o.vehicle);
   o.request.batch = batch_of(globals, o.gpu, o.request.seeds);
   if (compare_two(o.request) > 0.03) throw DeviceError(failure);
 }
@@ -248,9 +249,9 @@ void add_patch(CLI::App& command, const Globals& globals) {
   const auto o = add_beds_options(*patch, "hmmwv_quarter");
   patch->footer("Example:\n  gonogo validate patch --soil configs/soils/calibration_90mm.json --json");
   patch->callback([&globals, o] {
-    const auto run = [&](const BedsRequest& request) {
-      const BedComparison c = compare_patch(request);
-      print_result(globals, pipeline::as_json(c), as_text(c));
+    const auto run = [&](const lab::BedsRequest& request) {
+      const lab::BedComparison c = lab::compare_patch(request);
+      print_result(globals, lab::as_json(c), lab::as_text(c));
       return c.worst_deviation();
     };
     compare(globals, *o, run, "slip or sinkage on the moving patch differ by more than 3 % from those on the long bed");
@@ -266,9 +267,9 @@ void add_folded(CLI::App& command, const Globals& globals) {
       ->check(CLI::Range(0.1, 100.0));
   folded->footer("Example:\n  gonogo validate folded --soil configs/soils/calibration_90mm.json --json");
   folded->callback([&globals, o, width] {
-    const auto run = [&](const BedsRequest& request) {
-      const FoldedReport r = compare_folded(request, *width);
-      print_result(globals, pipeline::as_json(r), as_text(r));
+    const auto run = [&](const lab::BedsRequest& request) {
+      const lab::FoldedReport r = lab::compare_folded(request, *width);
+      print_result(globals, lab::as_json(r), lab::as_text(r));
       return r.beds.worst_deviation();
     };
     compare(globals, *o, run, "slip or sinkage on the folded bed differ by more than 3 % from those on the wide one");
@@ -279,7 +280,7 @@ void add_drawbar(CLI::App& command, const Globals& globals) {
   CLI::App* drawbar = command.add_subcommand(
       "drawbar", "Drawbar pull and resistance of a vehicle on sand over slip, beside semi-empirical bands");
   struct Options {
-    DrawbarRequest request;
+    lab::DrawbarRequest request;
     std::string vehicle = "hmmwv", folder;
     bool gpu = false;
   };
@@ -296,11 +297,11 @@ void add_drawbar(CLI::App& command, const Globals& globals) {
   drawbar->footer(
       "Example:\n  gonogo validate drawbar --soil configs/soils/calibration_90mm.json --out docs/validation");
   drawbar->callback([&globals, o] {
-    o->request.vehicle = vehicle_file(o->vehicle);
+    o->request.vehicle = lab::vehicle_file(o->vehicle);
     o->request.batch = batch_of(globals, o->gpu, o->request.seeds);
-    const DrawbarReport r = measure_drawbar(o->request);
-    if (!o->folder.empty()) write_drawbar(o->folder, r);
-    print_result(globals, pipeline::as_json(r), as_text(r));
+    const lab::DrawbarReport r = lab::measure_drawbar(o->request);
+    if (!o->folder.empty()) lab::write_drawbar(o->folder, r);
+    print_result(globals, lab::as_json(r), lab::as_text(r));
   });
 }
 
@@ -308,7 +309,7 @@ void add_grade(CLI::App& command, const Globals& globals) {
   CLI::App* grade = command.add_subcommand(
       "grade", "Slopes that the quarter wheel of a dataset climbs at its slips, beside semi-empirical bands");
   struct Options {
-    GradeRequest request;
+    lab::GradeRequest request;
     std::string vehicle = "hmmwv_quarter", folder;
   };
   auto o = std::make_shared<Options>();
@@ -324,10 +325,10 @@ void add_grade(CLI::App& command, const Globals& globals) {
   grade->add_option("--out", o->folder, "Folder for a table and a picture");
   grade->footer("Example:\n  gonogo validate grade data/quarter_wheel_32mm/dataset.h5 --out docs/validation");
   grade->callback([&globals, o] {
-    o->request.vehicle = vehicle_file(o->vehicle);
-    const GradeReport r = grade_report(o->request);
-    if (!o->folder.empty()) write_grade(o->folder, r);
-    print_result(globals, pipeline::as_json(r), as_text(r));
+    o->request.vehicle = lab::vehicle_file(o->vehicle);
+    const lab::GradeReport r = lab::grade_report(o->request);
+    if (!o->folder.empty()) lab::write_grade(o->folder, r);
+    print_result(globals, lab::as_json(r), lab::as_text(r));
   });
 }
 
@@ -367,4 +368,4 @@ void add_validate_command(CLI::App& app, const Globals& globals) {
   fclib->callback([&globals, request] { validate_fclib(globals, *request); });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

@@ -7,7 +7,7 @@
 #include "pipeline/lab/vehicle/show.h"
 #include "pipeline/lab/vehicle/vci.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 std::shared_ptr<std::string> add_name(CLI::App& command) {
@@ -21,7 +21,7 @@ void add_show(CLI::App& vehicle, const Globals& globals) {
   const auto name = add_name(*command);
   command->footer("Example:\n  gonogo vehicle show hmmwv");
   command->callback([&globals, name] {
-    const Report r = show_vehicle(vehicle::read_vehicle(vehicle_file(*name)));
+    const lab::Report r = lab::show_vehicle(vehicle::read_vehicle(lab::vehicle_file(*name)));
     print_result(globals, r.json, r.text);
   });
 }
@@ -31,7 +31,7 @@ void add_feasible(CLI::App& vehicle, const Globals& globals) {
       "feasible",
       "Whether torques within its limits and forces within friction cones hold it or move it on hard ground");
   const auto name = add_name(*command);
-  const auto request = std::make_shared<FeasibleRequest>();
+  const auto request = std::make_shared<lab::FeasibleRequest>();
   command->add_option("--slope", request->slope_along, "Slope along, uphill positive [deg]")->capture_default_str();
   command->add_option("--cross-slope", request->slope_across, "Slope across, left side higher positive [deg]")
       ->capture_default_str();
@@ -39,7 +39,7 @@ void add_feasible(CLI::App& vehicle, const Globals& globals) {
   command->add_option("--mu", request->friction, "Friction coefficient of the wheels")->capture_default_str();
   command->footer("Example:\n  gonogo vehicle feasible hmmwv --slope 20 --cross-slope 10 --mu 0.6");
   command->callback([&globals, name, request] {
-    const Report r = check_feasible(vehicle::read_vehicle(vehicle_file(*name)), *request);
+    const lab::Report r = lab::check_feasible(vehicle::read_vehicle(lab::vehicle_file(*name)), *request);
     print_result(globals, r.json, r.text);
   });
 }
@@ -50,7 +50,7 @@ void add_vci(CLI::App& vehicle, const Globals& globals) {
   const auto name = add_name(*command);
   command->footer("Example:\n  gonogo vehicle vci hmmwv");
   command->callback([&globals, name] {
-    const Report r = vehicle_cone_index(vehicle::read_vehicle(vehicle_file(*name)));
+    const lab::Report r = lab::vehicle_cone_index(vehicle::read_vehicle(lab::vehicle_file(*name)));
     print_result(globals, r.json, r.text);
   });
 }
@@ -66,4 +66,4 @@ void add_vehicle_command(CLI::App& app, const Globals& globals) {
   add_vci(*command, globals);
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

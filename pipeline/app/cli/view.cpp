@@ -5,7 +5,7 @@
 #include "pipeline/app/cli/command.h"
 #include "pipeline/map/view/map_view.h"
 
-namespace gonogo::pipeline::cli {
+namespace gonogo::app {
 namespace {
 
 struct Options {
@@ -29,8 +29,8 @@ void add_view_command(CLI::App& app, const Globals& globals) {
       "cell.\n\n"
       "Example:\n  gonogo view out/demo/map");
   command->callback([options, &globals] {
-    const MapView view(options->folder);
-    HttpServer server(options->address, options->port);
+    const map::MapView view(options->folder);
+    map::HttpServer server(options->address, options->port);
     const std::string address = "http://" + options->address + ":" + std::to_string(server.port()) + "/";
     log_line("view", address + " until Ctrl-C");
     server.run([&](const std::string& path) { return view.answer(path); });
@@ -40,4 +40,4 @@ void add_view_command(CLI::App& app, const Globals& globals) {
   });
 }
 
-}  // namespace gonogo::pipeline::cli
+}  // namespace gonogo::app

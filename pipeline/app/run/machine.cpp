@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/file.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
 namespace fs = std::filesystem;
 namespace {
 
@@ -74,4 +74,4 @@ std::vector<BuildPart> build_parts() {
           {"CUDA", GONOGO_CUDA_VERSION},     {"LibTorch", GONOGO_TORCH_VERSION}, {"GDAL", GONOGO_GDAL_VERSION}};
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
 
 /// A library or option that is part of this build or left out of it.
 struct BuildPart {
@@ -30,4 +30,4 @@ Machine inspect_machine(const std::filesystem::path& out_folder);
 /// Build type, compiler and the optional libraries of this build.
 std::vector<BuildPart> build_parts();
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

@@ -7,19 +7,19 @@
 #include "pipeline/map/evaluate/block.h"
 #include "pipeline/map/write/map_request.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
 namespace {
 
 constexpr int kKeyLength = 12;
 
 /// Folder name for the trials of one set of inputs.
-std::string key_of(const CampaignRequest& campaign) {
+std::string key_of(const campaign::CampaignRequest& campaign) {
   std::string text;
   for (const auto& [name, value] : campaign.depends_on) text += name + '\n' + value + '\n';
   return content_hash(text).substr(0, kKeyLength);
 }
 
-void require_file(const Study& study, const std::string& key, const std::filesystem::path& file) {
+void require_file(const campaign::Study& study, const std::string& key, const std::filesystem::path& file) {
   if (file.empty()) study.config.fail(key, "missing; name the JSON file of the " + key);
 }
 
@@ -30,8 +30,8 @@ void check_readable(const terrain::RasterSource& source) {
 }
 
 /// Opens the rasters and reads in them, so that what cannot be read is known before hours of simulation.
-void check_rasters(const Region& region) {
-  const MapSources sources = open_sources(region);
+void check_rasters(const map::Region& region) {
+  const map::MapSources sources = map::open_sources(region);
   check_readable(sources.elevation);
   for (const auto* raster : {&sources.soil_class, &sources.land_cover, &sources.moisture, &sources.cone_index})
     if (*raster) check_readable(**raster);
@@ -40,27 +40,27 @@ void check_rasters(const Region& region) {
 }  // namespace
 
 RunPlan plan_run(const RunRequest& request) {
-  Study study = read_study(request.study);
+  campaign::Study study = campaign::read_study(request.study);
   require_file(study, "vehicle", study.vehicle);
   require_file(study, "region", study.region);
-  ComputeRequest compute;
+  campaign::ComputeRequest compute;
   compute.threads = request.threads;
-  CampaignRequest campaign = plan_study_campaign(study, request.out, compute);
+  campaign::CampaignRequest campaign = campaign::plan_study_campaign(study, request.out, compute);
   campaign.folder = request.out / "trials" / key_of(campaign);
   RunPlan plan{.study = study,
                .out = request.out,
                .threads = request.threads,
                .campaign = std::move(campaign),
-               .learning = trainable_settings(study.config.object_if("learning")),
-               .region = read_region(study.region),
-               .map = read_map_rules(study.config.object_if("map"))};
+               .learning = learn::trainable_settings(study.config.object_if("learning")),
+               .region = map::read_region(study.region),
+               .map = map::read_map_rules(study.config.object_if("map"))};
   check_rasters(plan.region);
   if (!plan.map.cone_index_of.empty())
-    read_cone_index_need(plan.map.cone_index_of);
+    map::read_cone_index_need(plan.map.cone_index_of);
   else if (plan.region.cone_index)
     study.config.fail("map.cone_index_of",
                       "missing; name the vehicle that the region's cone_index raster is held against");
   return plan;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

@@ -8,7 +8,7 @@
 #include "pipeline/map/region/region.h"
 #include "pipeline/map/region/rules.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
 
 struct RunRequest {
   std::filesystem::path study, out;
@@ -16,13 +16,13 @@ struct RunRequest {
 };
 
 struct RunPlan {
-  Study study;
+  campaign::Study study;
   std::filesystem::path out;
   int threads = 0;
-  CampaignRequest campaign;
-  LearningSettings learning;
-  Region region;
-  MapRules map;
+  campaign::CampaignRequest campaign;
+  learn::LearningSettings learning;
+  map::Region region;
+  map::MapRules map;
 
   std::filesystem::path dataset() const { return out / "dataset.h5"; }
   std::filesystem::path model() const { return out / "model.h5"; }
@@ -33,4 +33,4 @@ struct RunPlan {
 /// used; writes nothing.
 RunPlan plan_run(const RunRequest& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

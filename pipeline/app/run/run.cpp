@@ -16,13 +16,13 @@
 #include "pipeline/map/write/map_record.h"
 #include "pipeline/map/write/map_request.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
 namespace {
 
 std::string program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
 
 /// A section of the study as it stands in the file; null when it is not there.
-Json section_json(const Study& study, const std::string& key) {
+Json section_json(const campaign::Study& study, const std::string& key) {
   const Json* section = study.config.json().find(key);
   return section ? *section : Json();
 }
@@ -32,7 +32,7 @@ Stage campaign_stage(const RunPlan& plan) {
   for (const auto& [name, value] : plan.campaign.depends_on) inputs[name] = value;
   inputs["trials"] = std::uint64_t(plan.campaign.design.size());
   return {.name = "campaign", .outputs = {"dataset.h5"}, .inputs = inputs, .work = [&plan] {
-            const CampaignSummary summary = run_campaign(plan.campaign);
+            const campaign::CampaignSummary summary = campaign::run_campaign(plan.campaign);
             write_file_atomically(plan.dataset(), read_file(summary.dataset));
           }};
 }
@@ -42,14 +42,14 @@ Stage training_stage(const RunPlan& plan) {
   inputs["program"] = program();
   inputs["dataset.h5"] = path_hash(plan.dataset());
   inputs["seed"] = plan.study.seed;
-  inputs["learning"] = to_json(plan.learning);
+  inputs["learning"] = learn::to_json(plan.learning);
   inputs["design"] = section_json(plan.study, "design");
   return {.name = "train", .outputs = {"model.h5"}, .inputs = inputs, .work = [&plan] {
-            train_model({.dataset = plan.dataset(),
-                         .model = plan.model(),
-                         .seed = plan.study.seed,
-                         .learning = plan.study.config.object_if("learning"),
-                         .design = plan.study.config.object_if("design")});
+            learn::train_model({.dataset = plan.dataset(),
+                                .model = plan.model(),
+                                .seed = plan.study.seed,
+                                .learning = plan.study.config.object_if("learning"),
+                                .design = plan.study.config.object_if("design")});
           }};
 }
 
@@ -59,16 +59,16 @@ Stage map_stage(const RunPlan& plan) {
   inputs["model.h5"] = path_hash(plan.model());
   inputs["dataset.h5"] = path_hash(plan.dataset());
   inputs["region"] = path_hash(plan.region.file);
-  for (const auto& [role, hash] : raster_hashes(plan.region)) inputs[role] = hash;
+  for (const auto& [role, hash] : map::raster_hashes(plan.region)) inputs[role] = hash;
   inputs["map"] = section_json(plan.study, "map");
   if (!plan.map.cone_index_of.empty()) inputs["cone_index_of"] = path_hash(plan.map.cone_index_of);
   return {.name = "map", .outputs = {"map"}, .inputs = inputs, .work = [&plan] {
-            make_map(read_map_request({.model = plan.model(),
-                                       .region = {},
-                                       .study = plan.study.file,
-                                       .dataset = plan.dataset(),
-                                       .out = plan.map_folder(),
-                                       .threads = plan.threads}));
+            map::make_map(map::read_map_request({.model = plan.model(),
+                                                 .region = {},
+                                                 .study = plan.study.file,
+                                                 .dataset = plan.dataset(),
+                                                 .out = plan.map_folder(),
+                                                 .threads = plan.threads}));
           }};
 }
 
@@ -81,7 +81,7 @@ Json make_record(const RunPlan& plan) {
   record["dataset_hash"] = path_hash(plan.dataset());
   record["model_hash"] = path_hash(plan.model());
   record["map_hash"] = path_hash(plan.map_folder());
-  record["trials"] = to_json(summarise(read_dataset(plan.dataset()).records));
+  record["trials"] = campaign::to_json(campaign::summarise(campaign::read_dataset(plan.dataset()).records));
   record["model"] = learning::read_model(plan.model()).provenance;
   record["map"] = Json::read(plan.map_folder() / "map.json");
   return record;
@@ -91,7 +91,7 @@ std::string trials_line(const Json& trials) {
   std::map<std::string, std::size_t> by_verdict, by_reason;
   for (const auto& [name, count] : trials.at("verdicts").members()) by_verdict[name] = std::size_t(count.integer());
   for (const auto& [name, count] : trials.at("reasons").members()) by_reason[name] = std::size_t(count.integer());
-  return std::to_string(trials.at("trials").integer()) + ": " + counts_line(by_verdict, by_reason);
+  return std::to_string(trials.at("trials").integer()) + ": " + campaign::counts_line(by_verdict, by_reason);
 }
 
 std::string score_line(const Json& model) {
@@ -104,12 +104,13 @@ std::string score_line(const Json& model) {
 }
 
 std::string area_line(const Json& map) {
-  const AreaCount area = AreaCount::from_json(map.at("area"));
+  const map::AreaCount area = map::AreaCount::from_json(map.at("area"));
   char text[64];
   std::snprintf(text, sizeof text, "%.2f km2:", map.at("area_km2").number());
   std::string line = text;
-  for (const VerdictInfo& verdict : contract().verdicts) {
-    std::snprintf(text, sizeof text, " %.1f %% %s,", 100 * area.share(Verdict(verdict.code)), verdict.label.c_str());
+  for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts) {
+    std::snprintf(text, sizeof text, " %.1f %% %s,", 100 * area.share(campaign::Verdict(verdict.code)),
+                  verdict.label.c_str());
     line += text;
   }
   line.pop_back();
@@ -144,4 +145,4 @@ std::string to_text(const RunSummary& summary) {
   return text + "map     " + (summary.map_folder / "index.html").string() + "\n";
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

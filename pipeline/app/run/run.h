@@ -13,7 +13,7 @@
 #include "base/json/json.h"
 #include "pipeline/app/run/plan.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
 
 struct RunSummary {
   std::vector<std::string> done;  // stages that were not up to date: "campaign", "train", "map"
@@ -28,4 +28,4 @@ RunSummary run_study(const RunRequest& request);
 /// The closing summary for people: trials by verdict, score of the model, area by class, where the map is.
 std::string to_text(const RunSummary& summary);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

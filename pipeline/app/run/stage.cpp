@@ -9,7 +9,7 @@
 #include "base/nearest.h"
 #include "base/progress.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
 namespace fs = std::filesystem;
 namespace {
 
@@ -109,4 +109,4 @@ bool run_stage(const fs::path& folder, const Stage& stage) {
   return true;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

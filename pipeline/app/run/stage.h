@@ -11,7 +11,7 @@
 
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
 
 struct Stage {
   std::string name;                  // "train"
@@ -27,4 +27,4 @@ bool run_stage(const std::filesystem::path& folder, const Stage& stage);
 /// Hash of a file, or of a folder: of its files' names and contents. Throws InputError when it does not exist.
 std::string path_hash(const std::filesystem::path& path);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

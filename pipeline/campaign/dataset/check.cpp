@@ -9,7 +9,7 @@
 #include "base/line.h"
 #include "pipeline/campaign/dataset/row.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr std::size_t kMostShown = 20;
@@ -192,4 +192,4 @@ Dataset merge_datasets(const std::vector<Dataset>& parts, const std::vector<std:
   return merged;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -5,7 +5,7 @@
 
 #include "pipeline/campaign/dataset/dataset.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// One sentence for each thing that no campaign writes: indices that repeat or do not increase, replicates of no
 /// earlier trial or of other variables, values outside the contract's ranges, verdicts with reasons that do not belong
@@ -35,4 +35,4 @@ std::string to_text(const DatasetDifference& difference);
 /// add up to one), and when one trial has two results; `names` are the files, for the message.
 Dataset merge_datasets(const std::vector<Dataset>& parts, const std::vector<std::string>& names);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "base/hdf5/hdf5.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr const char* kFormat = "gonogo/dataset/1";
@@ -275,4 +275,4 @@ Dataset read_dataset(const std::filesystem::path& path) {
   return dataset;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

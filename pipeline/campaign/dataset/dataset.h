@@ -14,7 +14,7 @@
 
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// What the bits of the rows depend on.
 struct Provenance {
@@ -62,4 +62,4 @@ std::string dataset_image(TrialColumns columns, const Provenance& provenance);
 /// measures, verdicts or reasons are not those of this program's contract.
 Dataset read_dataset(const std::filesystem::path& path);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -6,7 +6,7 @@
 #include "base/json/json.h"
 #include "pipeline/campaign/dataset/row.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 Json number_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
@@ -85,4 +85,4 @@ std::string to_json_text(const Dataset& dataset) {
   return object.dump() + "\n";
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -4,7 +4,7 @@
 
 #include "pipeline/campaign/dataset/dataset.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Header and one line per trial (row.h).
 std::string to_csv(const Dataset& dataset);
@@ -15,4 +15,4 @@ Dataset parse_csv(const std::string& text, const std::string& name);
 /// One JSON object: "provenance", "units", and "trials", an object per trial; not-a-number is null.
 std::string to_json_text(const Dataset& dataset);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

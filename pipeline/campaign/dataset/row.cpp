@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 template <class T>
@@ -159,4 +159,4 @@ std::optional<TrialRecord> parse_record(std::string_view row) {
   return record;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

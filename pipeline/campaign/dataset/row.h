@@ -9,7 +9,7 @@
 
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 std::vector<std::string> point_columns();
 std::vector<std::string> record_columns();
@@ -24,4 +24,4 @@ std::string to_row(const TrialRecord& record);
 std::optional<DesignPoint> parse_point(std::string_view row);
 std::optional<TrialRecord> parse_record(std::string_view row);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -8,7 +8,7 @@
 
 #include "pipeline/campaign/dataset/row.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr double kSlopeBinWidth = 5;  // [deg]
@@ -216,4 +216,4 @@ Json to_json(const DatasetSummary& summary) {
   return object;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

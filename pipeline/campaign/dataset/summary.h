@@ -9,7 +9,7 @@
 #include "base/json/json.h"
 #include "pipeline/campaign/dataset/dataset.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct ValueRange {
   std::string name, unit;
@@ -40,4 +40,4 @@ DatasetSummary summarise(const std::vector<TrialRecord>& records);
 std::string to_text(const DatasetSummary& summary);
 Json to_json(const DatasetSummary& summary);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

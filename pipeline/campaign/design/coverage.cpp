@@ -5,7 +5,7 @@
 
 #include "pipeline/campaign/design/sobol.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr std::size_t kMostCompared = 8192;  // points of a coverage, which compares all pairs
@@ -117,4 +117,4 @@ Coverage coverage(const DesignSpec& spec, const std::vector<DesignPoint>& design
   return result;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/campaign/design/design.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Of the first 8192 points of a design, replicates left out, scaled to the unit cube.
 struct Coverage {
@@ -18,4 +18,4 @@ Coverage coverage(const DesignSpec& spec, const std::vector<DesignPoint>& design
 /// which then climb away from their nearest point. A lower bound of the true radius.
 double largest_empty_ball(const std::vector<std::vector<double>>& points, std::size_t dimensions);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

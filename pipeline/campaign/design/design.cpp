@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "pipeline/campaign/design/sobol.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr std::uint64_t kBedStream = 0x6265640000000000;        // bed seeds, by index of the trial
@@ -170,4 +170,4 @@ std::vector<DesignPoint> make_design(const DesignSpec& spec) {
   return design;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -26,7 +26,7 @@
 #include "base/json/config.h"
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct SampledVariable {
   std::size_t variable;     // position in contract().variables
@@ -69,4 +69,4 @@ std::vector<DesignPoint> make_design(const DesignSpec& spec);
 /// Density of the design's strata at a point, relative to uniform over the sampled box.
 double stratified_density(const DesignSpec& spec, const std::vector<double>& variables);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -1,6 +1,6 @@
 #include "pipeline/campaign/design/design_preset.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 std::vector<std::string> preset_names() { return {"study_reproduction", "realistic_soil"}; }
 
@@ -23,4 +23,4 @@ DesignPreset design_preset(const std::string& name) {
   return {};
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

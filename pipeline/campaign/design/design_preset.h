@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// By name of the variable, in its unit. Variables that are in neither have to be named by the study.
 struct DesignPreset {
@@ -26,4 +26,4 @@ std::vector<std::string> preset_names();
 ///     to 42 degrees and cohesions up to 25 kPa cover the soils of configs/soils (sources there).
 DesignPreset design_preset(const std::string& name);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -9,7 +9,7 @@
 #include "pipeline/campaign/design/point_file.h"
 #include "pipeline/campaign/design/sobol.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr double kMostPoints = 4e9;        // below 2^32, the length of the sequence
@@ -164,4 +164,4 @@ DesignSpec read_design(const Config& section, std::uint64_t seed) {
   return spec;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

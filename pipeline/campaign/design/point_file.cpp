@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -141,4 +141,4 @@ std::vector<DesignPoint> read_original_points(const fs::path& file, const std::v
   return points;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

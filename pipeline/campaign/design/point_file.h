@@ -5,7 +5,7 @@
 
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Comma-separated values: a header that names variables of the contract (any of them, in any order) and, where the
 /// points do not come from a uniform design, "proposal_density"; then one point per line. `fixed` [variable count]
@@ -21,4 +21,4 @@ std::vector<DesignPoint> read_point_csv(const std::filesystem::path& file, const
 std::vector<DesignPoint> read_original_points(const std::filesystem::path& file, const std::vector<double>& fixed,
                                               double cohesion_scale);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

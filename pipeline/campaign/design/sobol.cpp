@@ -4,7 +4,7 @@
 
 #include "base/random.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr int kBits = 32;
@@ -100,4 +100,4 @@ double scrambled_sobol(std::uint32_t index, std::uint64_t seed, int dimension) {
   return (double(owen_scramble(sobol(index, dimension), seed, dimension)) + 0.5) * 0x1.0p-32;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

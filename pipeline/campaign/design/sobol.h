@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Dimensions that there are direction numbers for.
 inline constexpr int kSobolDimensions = 21;
@@ -22,4 +22,4 @@ std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed, int dime
 /// Scrambled coordinate in (0, 1): middle of its interval of width 1/2^32.
 double scrambled_sobol(std::uint32_t index, std::uint64_t seed, int dimension);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

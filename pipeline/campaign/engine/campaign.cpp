@@ -14,7 +14,7 @@
 #include "pipeline/campaign/engine/pace.h"
 #include "pipeline/campaign/engine/process_crew.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -302,4 +302,4 @@ std::string counts_line(const Counts& by_verdict, const Counts& by_reason) {
   return text;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

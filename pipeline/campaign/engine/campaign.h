@@ -22,7 +22,7 @@
 #include "pipeline/campaign/engine/folder.h"
 #include "pipeline/campaign/engine/shard.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct CampaignRequest {
   std::filesystem::path folder;
@@ -84,4 +84,4 @@ CampaignStatus campaign_status(const std::filesystem::path& folder);
 /// "31 go, 12 no_go (7 traction, 5 sinkage)": counts for one line.
 std::string counts_line(const Counts& by_verdict, const Counts& by_reason);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "sim/simulation/device.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 /// Enough worlds to keep a GPU busy with trials of some ten thousand contacts.
@@ -61,4 +61,4 @@ ComputeSettings read_compute(const Study& study, const ComputeRequest& request) 
   return s;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -6,7 +6,7 @@
 #include "pipeline/campaign/study/study.h"
 #include "sim/simulation/simulation.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct ComputeRequest {
   std::optional<std::string> device;  // "cpu" or "cuda"
@@ -28,4 +28,4 @@ struct ComputeSettings {
 /// Throws InputError for numbers out of range, and for a device that this build or machine lacks.
 ComputeSettings read_compute(const Study& study, const ComputeRequest& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

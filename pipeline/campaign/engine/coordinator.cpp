@@ -13,7 +13,7 @@
 #include "pipeline/campaign/engine/journal.h"
 #include "pipeline/campaign/engine/worker.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr int kMostCrashes = 2;  // of workers that had one trial alone, by their own code
@@ -160,4 +160,4 @@ class Pool {
 
 std::size_t compute_trials(const PoolRequest& request) { return Pool(request).run(); }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

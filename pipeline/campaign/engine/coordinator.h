@@ -6,7 +6,7 @@
 #include "pipeline/campaign/engine/crew.h"
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct PoolRequest {
   std::vector<const DesignPoint*> todo;
@@ -24,4 +24,4 @@ struct PoolRequest {
 /// all would meet, InputError for a worker of another version of the program, Cancelled on Ctrl-C.
 std::size_t compute_trials(const PoolRequest& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

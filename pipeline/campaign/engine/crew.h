@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// What was heard of one worker.
 struct CrewNews {
@@ -32,4 +32,4 @@ class Crew {
 /// Makes a crew of at most `most` workers.
 using CrewMaker = std::function<std::unique_ptr<Crew>(std::size_t most)>;
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 struct flock whole_file(short type) {
@@ -50,4 +50,4 @@ std::optional<FileLock::Kind> FileLock::held(const std::filesystem::path& path) 
   return lock.l_type == F_RDLCK ? Kind::shared : Kind::exclusive;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

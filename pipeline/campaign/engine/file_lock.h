@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <optional>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Open file description locks (fcntl): released by the system when the process ends, passed on by NFS and Lustre.
 class FileLock {
@@ -25,4 +25,4 @@ class FileLock {
   int fd_ = -1;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

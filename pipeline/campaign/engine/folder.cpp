@@ -6,7 +6,7 @@
 #include "base/file.h"
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -166,4 +166,4 @@ void remove_partial_files(const fs::path& folder) {
   }
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -9,7 +9,7 @@
 
 #include "pipeline/campaign/engine/file_lock.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 using Dependencies = std::vector<std::pair<std::string, std::string>>;
 
@@ -56,4 +56,4 @@ Claim read_claim(const std::filesystem::path& folder);
 /// Removes what a process killed while writing left beside its target. Needs the lock.
 void remove_partial_files(const std::filesystem::path& folder);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -11,7 +11,7 @@
 #include "base/hash.h"
 #include "pipeline/campaign/dataset/row.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -121,4 +121,4 @@ void Journal::flush() {
   last_flush_ = std::chrono::steady_clock::now();
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

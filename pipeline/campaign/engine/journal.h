@@ -16,7 +16,7 @@
 
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// "<hash> <text>\n"; the text has no line ends.
 std::string seal_line(std::string_view text);
@@ -65,4 +65,4 @@ class Journal {
   std::chrono::steady_clock::time_point last_flush_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

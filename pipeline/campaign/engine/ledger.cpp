@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 
 namespace {
@@ -125,4 +125,4 @@ std::vector<TrialRecord> Ledger::uncommitted() const {
   return records;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -9,7 +9,7 @@
 #include "pipeline/campaign/engine/journal.h"
 #include "pipeline/campaign/engine/shard.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 class Ledger {
  public:
@@ -59,4 +59,4 @@ class Ledger {
   Counts by_verdict_, by_reason_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -58,4 +58,4 @@ void forget_paces(const fs::path& folder) {
   fs::remove_all(pace_folder(folder), ignored);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

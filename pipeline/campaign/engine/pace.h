@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// One writer's file; removed when it is done. Trouble with it is nobody's trouble.
 class PaceWriter {
@@ -30,4 +30,4 @@ double total_pace(const std::filesystem::path& folder);
 /// Removes files of writers that were killed. Needs the coordinator's lock.
 void forget_paces(const std::filesystem::path& folder);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

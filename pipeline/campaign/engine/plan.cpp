@@ -9,7 +9,7 @@
 #include "pipeline/campaign/design/design.h"
 #include "pipeline/campaign/engine/folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr const char* kSections[] = {"soil", "trial", "design"};
@@ -75,4 +75,4 @@ CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& f
   return request;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -8,7 +8,7 @@
 #include "pipeline/campaign/engine/campaign.h"
 #include "pipeline/campaign/study/study.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Files that trials read, by name ("vehicle" is added by itself when the study has one).
 using InputFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
@@ -24,4 +24,4 @@ std::string campaign_program();
 CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& folder, int workers,
                               const InputFiles& inputs = {}, const std::string& backend = "cpu");
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "pipeline/campaign/engine/worker_process.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 class ProcessCrew : public Crew {
@@ -65,4 +65,4 @@ std::unique_ptr<Crew> process_crew(std::size_t size, WorkerCommand command) {
   return std::make_unique<ProcessCrew>(size, std::move(command));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -13,7 +13,7 @@
 #include "pipeline/campaign/trial/batch.h"
 #include "sim/simulation/device.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -92,4 +92,4 @@ Replay replay_trial(const Dataset& dataset, std::uint64_t index, int threads) {
   return replay;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

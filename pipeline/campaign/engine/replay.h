@@ -5,7 +5,7 @@
 
 #include "pipeline/campaign/dataset/check.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct Replay {
   TrialRecord record;
@@ -18,4 +18,4 @@ struct Replay {
 /// dataset without the files its trials depend on (made before they were stored) and a device that is not here.
 Replay replay_trial(const Dataset& dataset, std::uint64_t index, int threads);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -5,7 +5,7 @@
 #include "base/hash.h"
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -127,4 +127,4 @@ void set_shard_aside(const fs::path& folder, std::uint64_t shard) {
   for (const fs::path& file : files) fs::rename(file, file.string() + ".damaged", ignored);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

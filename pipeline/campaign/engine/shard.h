@@ -17,7 +17,7 @@
 
 #include "pipeline/campaign/dataset/dataset.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct ShardRange {
   std::uint64_t first = 0, count = 0;
@@ -62,4 +62,4 @@ std::optional<std::vector<TrialRecord>> read_shard(const std::filesystem::path& 
 /// Renames manifest and file to *.damaged, so that the shard is not committed any more.
 void set_shard_aside(const std::filesystem::path& folder, std::uint64_t shard);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

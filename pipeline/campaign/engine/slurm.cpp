@@ -10,7 +10,7 @@
 #include "base/error.h"
 #include "base/file.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -123,4 +123,4 @@ std::string slurm_state(const fs::path& folder) {
   return text;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

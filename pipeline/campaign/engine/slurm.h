@@ -6,7 +6,7 @@
 
 #include "pipeline/campaign/engine/campaign.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct SlurmRequest {
   int tasks = 0;                          // of the array at most; 0: one per shard, at most 1000
@@ -30,4 +30,4 @@ Submission submit_campaign(const CampaignRequest& campaign, const SlurmRequest& 
 /// empty when there are none or when there is no Slurm here.
 std::string slurm_state(const std::filesystem::path& folder);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,7 +7,7 @@
 #include "pipeline/campaign/engine/journal.h"
 #include "pipeline/campaign/engine/shard.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
@@ -47,4 +47,4 @@ Dataset campaign_snapshot(const fs::path& folder) {
   return dataset;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

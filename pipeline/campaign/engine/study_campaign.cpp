@@ -9,7 +9,7 @@
 #include "pipeline/campaign/trial/batch.h"
 #include "sim/simulation/device.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 class BatchEngine : public TrialEngine {
@@ -89,4 +89,4 @@ WorkerOptions worker_options(const Study& study, const std::filesystem::path& fo
   return options;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,7 +7,7 @@
 #include "pipeline/campaign/engine/worker.h"
 #include "pipeline/campaign/study/study.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// plan_campaign() for real trials: checks vehicle, soil, trial and compute sections, lets results depend on the
 /// calibration file and the device, and settles the beds that missing trials need, on the host, before workers start.
@@ -32,4 +32,4 @@ void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLi
 WorkerOptions worker_options(const Study& study, const std::filesystem::path& folder, const ComputeRequest& compute,
                              int worker);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -17,7 +17,7 @@
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/engine/journal.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 /// Points come by standard input, results leave by a descriptor of their own.
@@ -157,4 +157,4 @@ void run_worker(const TrialFunction& trial) {
   run_worker(engine);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,7 +7,7 @@
 
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// A trial is a pure function of the point: no matter in which process or how often it runs, it gives the same bits.
 /// It throws InputError or DeviceError only for trouble that every trial would meet; the campaign stops with that
@@ -55,4 +55,4 @@ inline constexpr const char* kTrialWord = "trial ";
 inline constexpr const char* kRefusedWord = "refused ";  // then the sentence of an InputError
 inline constexpr const char* kFailedWord = "failed ";    // then the sentence of a DeviceError
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -13,7 +13,7 @@
 
 extern char** environ;
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr int kMillisecondsToEnd = 1000;
@@ -132,4 +132,4 @@ bool killed_from_outside(int status) {
   return WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Owns one child process and its line of communication. The destructor kills it.
 class WorkerProcess {
@@ -44,4 +44,4 @@ std::string describe_end(int status);
 /// Whether somebody outside (a person, the kernel short of memory) ended it, rather than its own code.
 bool killed_from_outside(int status);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

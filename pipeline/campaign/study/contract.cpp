@@ -9,7 +9,7 @@
 #include "base/json/config.h"
 #include "base/nearest.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr std::array<std::pair<const char*, Verdict>, 4> kVerdicts{
@@ -186,4 +186,4 @@ const Contract& contract() {
   return compiled_in;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

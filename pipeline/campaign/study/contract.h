@@ -7,7 +7,7 @@
 
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct EncoderSpec {
   std::string code;  // "thermometer", "one_hot" or "gray"
@@ -100,4 +100,4 @@ const Contract& contract();
 /// The schema's text, byte for byte (hashed into provenance).
 const std::string& contract_text();
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

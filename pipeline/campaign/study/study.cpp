@@ -1,6 +1,6 @@
 #include "pipeline/campaign/study/study.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 Study read_study(const std::filesystem::path& path) {
   const Config config = Config::read(path);
@@ -15,4 +15,4 @@ Study read_study(const std::filesystem::path& path) {
   return study;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,7 +7,7 @@
 
 #include "base/json/config.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct Study {
   std::filesystem::path file;
@@ -26,4 +26,4 @@ struct Study {
 /// Paths are relative to the study's folder. The sections' own keys are checked by the rooms that read them.
 Study read_study(const std::filesystem::path& path);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -6,7 +6,7 @@
 #include "base/cancel.h"
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 /// Simulated time between two looks of the host at running trials [s]. Results do not depend on it.
@@ -117,4 +117,4 @@ std::vector<TrialRecord> TrialBatch::collect() {
   return records;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -8,7 +8,7 @@
 
 #include "pipeline/campaign/trial/trial_run.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct BatchSettings {
   sim::Backend backend = sim::Backend::cpu;
@@ -55,4 +55,4 @@ class TrialBatch {
   std::vector<std::unique_ptr<TrialRun>> trial_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

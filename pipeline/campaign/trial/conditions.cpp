@@ -9,7 +9,7 @@
 #include "vehicle/compliant_tyre.h"
 #include "vehicle/model/assembly.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -83,4 +83,4 @@ sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attemp
   return s;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -3,7 +3,7 @@
 #include "pipeline/campaign/trial/record.h"
 #include "pipeline/campaign/trial/setup.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 struct TrialConditions {
   Vec3 gravity;  // in the frame of the bed [m/s^2]
@@ -26,4 +26,4 @@ terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point);
 terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt);
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

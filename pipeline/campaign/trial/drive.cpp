@@ -10,7 +10,7 @@
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -247,4 +247,4 @@ sim::SceneWorld vehicle_on_bed(const TrialSetup& setup, const terrain::Packing& 
   return world;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

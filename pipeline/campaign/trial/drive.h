@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/campaign/trial/conditions.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Verdict and measures (units in the contract). When the bed failed before the vehicle acted, driving measures are
 /// NaN.
@@ -58,4 +58,4 @@ SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim
 DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditions, const TiltedBed& bed, double step,
                          sim::Simulation& simulation, sim::WorldIndex world);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,7 +7,7 @@
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -231,4 +231,4 @@ DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditi
   return outcome;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "vehicle/model/engine_vehicle.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 /// Largest distance of the middles of a left and a right tyre [m].
@@ -71,4 +71,4 @@ void fold_bed(TrialSetup& s) {
   check_lanes(s);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -8,7 +8,7 @@
 #pragma once
 #include "pipeline/campaign/trial/setup.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Ground between the sides of tyres in neighbouring lanes, in tyre widths, that a folded bed must leave. A wheel moves
 /// grains far beside it: a tyre width from its side they move a fifth of the way of those under it
@@ -31,4 +31,4 @@ void check_foldable(const TrialSetup& setup);
 /// Throws InputError when the lanes of a folded bed lie too close, saying which width would do.
 void check_lanes(const TrialSetup& setup);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 /// What is in a place that nobody has: a body that does not move. Its law resists rolling, so that every batch solves
@@ -76,4 +76,4 @@ void Places::rebuild(std::size_t count) {
     if (snapshot[p]) simulation_->restore(sim::WorldIndex(p), *snapshot[p]);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

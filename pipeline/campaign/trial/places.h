@@ -7,7 +7,7 @@
 
 #include "sim/simulation/simulation.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// A world on its way into a place, and what a batch needs of it.
 struct ReadyWorld {
@@ -49,4 +49,4 @@ class Places {
   std::unique_ptr<sim::Simulation> simulation_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,7 +7,7 @@
 
 #include "pipeline/campaign/study/contract.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// One point of a design. Its trial is a pure function of (study, point): same point, same bits.
 struct DesignPoint {
@@ -69,4 +69,4 @@ struct TrialRecord {
 /// A measure by its name in the contract.
 inline double measure_of(const TrialRecord& r, const char* name) { return r.measures[contract().measure_index(name)]; }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -2,7 +2,7 @@
 
 #include "sim/io/checkpoint.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr const char* kGroup = "trial";
@@ -64,4 +64,4 @@ TiltedBed SavedRun::bed(const std::string& bed_scene) const {
 
 sim::Snapshot SavedRun::world(const std::string& scene) const { return sim::read_snapshot(in_, scene); }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -7,7 +7,7 @@
 #include "base/hdf5/hdf5.h"
 #include "pipeline/campaign/trial/drive.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// A trial now. `bed_scene` and `scene` are the hashes (sim/io/checkpoint.h) of the world of its first phase and of its
 /// present one; `bed` is that at the end of the first phase, null as long as that has not ended.
@@ -37,4 +37,4 @@ class SavedRun {
   Hdf5Reader in_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

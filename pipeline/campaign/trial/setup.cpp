@@ -12,7 +12,7 @@
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 void read_bed(const Config& bed, TrialSetup& s) {
@@ -319,4 +319,4 @@ TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::
   return s;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

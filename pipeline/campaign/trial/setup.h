@@ -14,7 +14,7 @@
 #include "vehicle/model/vehicle.h"
 #include "vehicle/wheel_rig.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// When a run counts as what; see the verdict table of the contract. Speeds are relative to the commanded one.
 struct Thresholds {
@@ -98,4 +98,4 @@ double grains_per_tyre(const TrialSetup& setup);
 TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder = default_packing_folder(),
                             sim::Backend device = sim::Backend::cpu);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

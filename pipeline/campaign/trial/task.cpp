@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr double kGap = 0.2;  // between the foremost tyre and what it has to cross [m]
@@ -205,4 +205,4 @@ std::shared_ptr<const TrialTask> parse_task(const std::string& text) {
   return read_task(Config::parse(json.dump(), "--trial"));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

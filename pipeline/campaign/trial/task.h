@@ -19,7 +19,7 @@
 #include "terrain/bed/bed.h"
 #include "terrain/soil/calibration.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Where things are on the bed when the drive begins; x along the heading [m].
 struct Course {
@@ -79,4 +79,4 @@ std::shared_ptr<const TrialTask> read_task(const Config& task);
 std::shared_ptr<const TrialTask> parse_task(const std::string& text);
 std::shared_ptr<const TrialTask> default_task();
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -11,7 +11,7 @@
 #include "base/progress.h"
 #include "pipeline/campaign/trial/batch.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 namespace {
 
@@ -86,4 +86,4 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const T
   return ended.front();
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

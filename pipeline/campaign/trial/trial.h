@@ -6,7 +6,7 @@
 #include "pipeline/campaign/trial/record.h"
 #include "pipeline/campaign/trial/setup.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Settles and stores the packings that trials at these points need, so that workers find them. Safe to repeat.
 void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points, int threads);
@@ -64,4 +64,4 @@ struct TrialDevice {
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
                       const TrialCheckpoint& checkpoint = {}, const TrialDevice& device = {});
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -9,7 +9,7 @@
 #include "base/progress.h"
 #include "sim/io/checkpoint.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -309,4 +309,4 @@ void TrialRun::show_frame() {
   pass_due_frames();
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -12,7 +12,7 @@
 #include "pipeline/campaign/trial/saved_run.h"
 #include "pipeline/campaign/trial/trial.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 class TrialRun {
  public:
@@ -107,4 +107,4 @@ class TrialRun {
   std::future<ReadyWorld> coming_;  // the last member: it is waited for before what it reads goes
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

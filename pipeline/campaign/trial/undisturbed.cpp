@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 /// Height of the axle of a cylinder that touches this grain, which lies dx ahead of it and dy beside its middle: a
@@ -41,4 +41,4 @@ double untouched_axle_height(const terrain::Packing& packing, double reach, doub
   return sum / places;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -2,7 +2,7 @@
 #pragma once
 #include "terrain/bed/bed.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// Of a wheel without load that is lowered onto the undisturbed grains until it touches one: height of its axle, in the
 /// mean over the places [from, from + way] along x in the lane at y [m]. `reach`: from the axle to the tips of its
@@ -14,4 +14,4 @@ namespace gonogo::pipeline {
 double untouched_axle_height(const terrain::Packing& packing, double reach, double width, double y, double from,
                              double way);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

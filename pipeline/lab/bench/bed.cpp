@@ -4,7 +4,7 @@
 #include "pipeline/lab/bench/timing.h"
 #include "terrain/bed/bed.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 sim::SceneWorld bench_world(const BedBench& request) {
@@ -48,4 +48,4 @@ BedBenchResult bench_bed(const BedBench& request) {
   return r;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -4,7 +4,7 @@
 
 #include "sim/simulation/simulation.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct BedBench {
   sim::Backend backend = sim::Backend::cpu;
@@ -33,4 +33,4 @@ struct BedBenchResult {
 /// The bed rests under its own weight; step 1e-3 s. All worlds of the batch are equal.
 BedBenchResult bench_bed(const BedBench& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

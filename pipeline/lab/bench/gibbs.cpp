@@ -11,7 +11,7 @@
 #include "learning/sampler/gpu_chains.h"
 #include "pipeline/lab/bench/timing.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 learning::Problem random_machine(std::size_t visible, std::size_t hidden) {
@@ -73,4 +73,4 @@ GibbsBenchResult bench_gibbs(const GibbsBench& request) {
   return result;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

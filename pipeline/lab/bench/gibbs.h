@@ -2,7 +2,7 @@
 #pragma once
 #include <cstddef>
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct GibbsBench {
   std::size_t visible = 168, hidden = 168;
@@ -21,4 +21,4 @@ struct GibbsBenchResult {
 /// Weights are normal deviates of standard deviation 0.1, biases of 0.5. Transfers to and from a GPU are not timed.
 GibbsBenchResult bench_gibbs(const GibbsBench& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -22,4 +22,4 @@ double seconds_per_step(sim::Simulation& simulation, int repeats, int steps_per_
   return median(samples);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -4,7 +4,7 @@
 
 #include "sim/simulation/simulation.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Wall clock [s].
 double seconds();
@@ -14,4 +14,4 @@ double median(std::vector<double> values);
 /// Median time of a step, each of `repeats` samples taken over `steps_per_sample` steps that nothing interrupts [s].
 double seconds_per_step(sim::Simulation& simulation, int repeats, int steps_per_sample);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -12,7 +12,7 @@
 #include "terrain/bed/bed.h"
 #include "vehicle/wheel_rig.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 struct WheelScene {
@@ -231,4 +231,4 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
   return r;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

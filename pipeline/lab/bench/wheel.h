@@ -4,7 +4,7 @@
 
 #include "sim/simulation/simulation.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct WheelBench {
   std::filesystem::path scene = "configs/scenes/wheel.json";
@@ -42,4 +42,4 @@ struct WheelBenchResult {
 /// Throws InputError for a bad scene file and DeviceError when the run raises a flag.
 WheelBenchResult bench_wheel(const WheelBench& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

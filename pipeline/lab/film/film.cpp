@@ -15,7 +15,7 @@
 #include "pipeline/report/figure/trial_figure.h"
 #endif
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
@@ -31,8 +31,8 @@ std::string text_of(const char* format, double value) {
 }  // namespace
 
 struct Film::Shot {
-  TrialSample sample;
-  Model model;
+  campaign::TrialSample sample;
+  report::Model model;
 };
 
 void check_film(const FilmRequest& request) {
@@ -46,7 +46,7 @@ void check_film(const FilmRequest& request) {
   if (request.video.empty()) return;
   if (request.width % 2 != 0 || request.height % 2 != 0)
     throw InputError("--size must be even in both directions for --video");
-  require_ffmpeg();
+  report::require_ffmpeg();
 }
 
 Film::Film(FilmRequest request, std::string title, double slope_along_deg, double slope_across_deg, double speed)
@@ -82,7 +82,7 @@ void Film::start() {
   vtk_.reset();
 }
 
-void Film::add(const TrialFrame& frame) {
+void Film::add(const campaign::TrialFrame& frame) {
   const sim::Capture state = sim::capture_world(frame.simulation, frame.place);
   if (!request_.vtk.empty()) {
     if (!vtk_) vtk_.emplace(request_.vtk, frame.world);
@@ -93,7 +93,7 @@ void Film::add(const TrialFrame& frame) {
   if (request_.wants_pictures()) {
     if (!camera_) {
       bar_high_ = speed_ / 2;  // few grains are faster: those that a lug throws out
-      if (request_.colour == GrainColour::height) {
+      if (request_.colour == report::GrainColour::height) {
         bar_high_ = 0;
         for (const sim::Shape& s : frame.world.shape)
           if (s.type == sim::ShapeType::sphere)
@@ -101,33 +101,33 @@ void Film::add(const TrialFrame& frame) {
       }
     }
     last_ = std::make_unique<Shot>(
-        Shot{frame.sample, model_of(frame.world, state, {request_.colour, 0, bar_high_, frame.wheel})});
+        Shot{frame.sample, report::model_of(frame.world, state, {request_.colour, 0, bar_high_, frame.wheel})});
     if (!camera_)
-      camera_ = frame_model(last_->model, kAzimuth, kElevation, double(request_.width) / request_.height,
-                            {0.03, 0.12, 0.12, 0.15});
+      camera_ = report::frame_model(last_->model, kAzimuth, kElevation, double(request_.width) / request_.height,
+                                    {0.03, 0.12, 0.12, 0.15});
     if (!request_.frames.empty() || !request_.video.empty()) draw(*last_, frame_path(frame_count_), nullptr);
   }
   ++frame_count_;
 }
 
-void Film::finish(const TrialRecord& record) {
+void Film::finish(const campaign::TrialRecord& record) {
   if (!last_) return;
   if (!request_.picture.empty()) draw(*last_, request_.picture, &record);
   if (request_.frames.empty() && request_.video.empty()) return;
   draw(*last_, frame_path(frame_count_ - 1), &record);
   for (int k = frame_count_; std::filesystem::exists(frame_path(k)); ++k) std::filesystem::remove(frame_path(k));
-  if (!request_.video.empty()) make_video(frame_folder(), frame_count_, 1 / request_.every, request_.video);
+  if (!request_.video.empty()) report::make_video(frame_folder(), frame_count_, 1 / request_.every, request_.video);
 }
 
 #ifdef GONOGO_WITH_PICTURES
-void Film::draw(const Shot& shot, const std::filesystem::path& path, const TrialRecord* record) const {
-  const TrialSample& s = shot.sample;
-  TrialCaption c;
+void Film::draw(const Shot& shot, const std::filesystem::path& path, const campaign::TrialRecord* record) const {
+  const campaign::TrialSample& s = shot.sample;
+  report::TrialCaption c;
   c.title = title_;
   if (record) {
-    const auto& verdict = contract().info(record->verdict);
+    const auto& verdict = campaign::contract().info(record->verdict);
     c.verdict = verdict.label;
-    if (record->reason != Reason::none) c.verdict += ": " + contract().info(record->reason).label;
+    if (record->reason != campaign::Reason::none) c.verdict += ": " + campaign::contract().info(record->reason).label;
     c.verdict_colour = verdict.colour;
   }
   c.facts = {{"time", text_of("%.2f s", s.time)},
@@ -137,17 +137,18 @@ void Film::draw(const Shot& shot, const std::filesystem::path& path, const Trial
              {"torque", text_of("%.0f N m", s.torque)},
              {"slope along", text_of("%.1f°", slope_along_)},
              {"slope across", text_of("%.1f°", slope_across_)}};
-  c.bar_label = request_.colour == GrainColour::speed ? "grain speed [m/s]" : "height of grain [m]";
+  c.bar_label = request_.colour == report::GrainColour::speed ? "grain speed [m/s]" : "height of grain [m]";
   c.bar_high = bar_high_;
   constexpr int steps = 128;
   for (int k = 0; k < steps; ++k) {
-    const Light light = bar_colour((k + 0.5) / steps);
-    for (const Real part : {light.x, light.y, light.z}) c.bar_rgb.push_back(srgb(part));
+    const report::Light light = report::bar_colour((k + 0.5) / steps);
+    for (const Real part : {light.x, light.y, light.z}) c.bar_rgb.push_back(report::srgb(part));
   }
-  write_trial_figure(path, render(shot.model, *camera_, request_.width, request_.height, request_.threads), c);
+  report::write_trial_figure(
+      path, report::render(shot.model, *camera_, request_.width, request_.height, request_.threads), c);
 }
 #else
 void Film::draw(const Shot&, const std::filesystem::path&, const TrialRecord*) const {}
 #endif
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -9,7 +9,7 @@
 #include "pipeline/report/picture/camera.h"
 #include "sim/io/vtk_series.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct FilmRequest {
   std::filesystem::path picture;  // .png of the end; empty: not wanted, as for the others
@@ -18,7 +18,7 @@ struct FilmRequest {
   std::filesystem::path video;    // .mp4, made by the program ffmpeg
   double every = 0.02;            // between two frames [s]
   int width = 1280, height = 720;
-  GrainColour colour = GrainColour::speed;
+  report::GrainColour colour = report::GrainColour::speed;
   int threads = 1;
 
   bool wants_pictures() const { return !picture.empty() || !frames.empty() || !video.empty(); }
@@ -38,15 +38,15 @@ class Film {
 
   /// Start of an attempt; what an earlier one showed is dropped.
   void start();
-  void add(const TrialFrame& frame);
+  void add(const campaign::TrialFrame& frame);
   /// The last frame gets the verdict; picture and video are written. Throws DeviceError.
-  void finish(const TrialRecord& record);
+  void finish(const campaign::TrialRecord& record);
 
   int frame_count() const { return frame_count_; }
 
  private:
   struct Shot;  // one frame, ready to be drawn
-  void draw(const Shot& shot, const std::filesystem::path& path, const TrialRecord* record) const;
+  void draw(const Shot& shot, const std::filesystem::path& path, const campaign::TrialRecord* record) const;
   std::filesystem::path frame_path(int k) const;
   std::filesystem::path frame_folder() const;
 
@@ -55,9 +55,9 @@ class Film {
   double slope_along_, slope_across_, speed_;
   double bar_high_ = 1;  // [m/s] or [m]
   int frame_count_ = 0;
-  std::optional<Camera> camera_;  // that of the first frame, so that a film does not shake
+  std::optional<report::Camera> camera_;  // that of the first frame, so that a film does not shake
   std::unique_ptr<Shot> last_;
   std::optional<sim::VtkSeries> vtk_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

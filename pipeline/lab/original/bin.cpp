@@ -6,7 +6,7 @@
 
 #include "base/random.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 enum Stream : std::uint64_t { first_stream = 1, choice_stream, angle_stream, distance_stream };
@@ -150,4 +150,4 @@ sim::SceneWorld bin_world(const OriginalBin& bin, const OriginalInput& input, do
   return world;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -9,7 +9,7 @@
 #include "pipeline/lab/original/input.h"
 #include "terrain/bed/bed.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct OriginalBin {
   double half_length = 6, half_width = 1.75, half_height = 0.5;  // inside the walls [m]
@@ -39,4 +39,4 @@ sim::SceneWorld bin_world(const OriginalBin& bin, const OriginalInput& input, do
 /// Shapes of this group pass through the floor, its spheres and the walls.
 inline constexpr int kPassesFloor = 1;
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 struct Column {
@@ -61,4 +61,4 @@ OriginalInput read_original_input(const std::filesystem::path& file, int line) {
   return {x[0] * std::numbers::pi / 180, 1e-3 * x[1], x[2], x[3], 1e3 * x[4]};
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -3,7 +3,7 @@
 #pragma once
 #include <filesystem>
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct OriginalInput {
   double slope = 0;     // uphill [rad]
@@ -17,4 +17,4 @@ struct OriginalInput {
 /// than five numbers, or whose numbers no run of that study could have.
 OriginalInput read_original_input(const std::filesystem::path& file, int line);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

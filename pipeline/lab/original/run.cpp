@@ -9,7 +9,7 @@
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 using vehicle::EngineVehicle;
@@ -153,4 +153,4 @@ std::string original_output(const OriginalRecord& record) {
   return text + "# " + stop_sentence(record.stop) + "\n";
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

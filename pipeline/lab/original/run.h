@@ -8,7 +8,7 @@
 #include "pipeline/lab/original/bin.h"
 #include "vehicle/model/vehicle.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Times from the run's beginning unless said otherwise.
 struct OriginalTimeline {
@@ -61,4 +61,4 @@ OriginalRecord run_original(const vehicle::Vehicle& v, const OriginalRequest& re
 /// What the original adds to it, the time that the computation took, is left out.
 std::string original_output(const OriginalRecord& record);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

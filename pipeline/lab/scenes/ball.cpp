@@ -4,7 +4,7 @@
 
 #include "pipeline/lab/scenes/ball_in_tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 /// Share of a sphere's volume below its equator plus `depth` [m].
@@ -38,4 +38,4 @@ ManyScene ball_scene(const BallSpec& given, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

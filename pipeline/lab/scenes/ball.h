@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/lab/scenes/tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct BallSpec {
   TankSpec tank{.of = {.count = 20'000}};
@@ -15,4 +15,4 @@ struct BallSpec {
 /// ball below the mean surface over all of it; Archimedes says `relative_density`.
 ManyScene ball_scene(const BallSpec& spec, const RunOn& on);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 sim::SceneWorld with_ball(const sim::SceneWorld& tank, const Vec3d& centre, double radius, double density) {
   sim::SceneWorld world = tank;
@@ -48,4 +48,4 @@ double surface_of(const std::vector<sim::BodyState>& bodies, const TankSpec& tan
   return sum / count;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/lab/scenes/tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// The tank without the spheres that the ball would overlap, the ball first among its bodies. Density [kg/m^3].
 sim::SceneWorld with_ball(const sim::SceneWorld& tank, const Vec3d& centre, double radius, double density);
@@ -15,4 +15,4 @@ Vec3d middle_of(const sim::SceneWorld& world);
 double surface_of(const std::vector<sim::BodyState>& bodies, const TankSpec& tank, const sim::SceneWorld& world,
                   double ball_radius);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

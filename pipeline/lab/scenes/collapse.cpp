@@ -7,7 +7,7 @@
 
 #include "sim/shape/mesh_shapes.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -110,4 +110,4 @@ ManyScene collapse_scene(const CollapseSpec& spec, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

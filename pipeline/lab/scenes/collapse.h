@@ -3,7 +3,7 @@
 #include "pipeline/lab/scenes/scene.h"
 #include "pipeline/lab/scenes/spheres.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct CollapseSpec {
   Spheres of{.count = 4000, .friction = 0.5};
@@ -21,4 +21,4 @@ struct CollapseSpec {
 /// lie (with most of those that roll on by themselves); height of the heap over R_0.
 ManyScene collapse_scene(const CollapseSpec& spec, const RunOn& on);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

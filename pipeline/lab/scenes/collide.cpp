@@ -2,7 +2,7 @@
 
 #include "pipeline/lab/bench/timing.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 CollideBenchResult bench_collide(const CollideBench& request) {
   sim::require_backend(request.on.backend);
@@ -26,4 +26,4 @@ CollideBenchResult bench_collide(const CollideBench& request) {
   return r;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/lab/scenes/tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct CollideBench {
   TankSpec tank;
@@ -21,4 +21,4 @@ struct CollideBenchResult {
 /// Finds the contacts of the tank at rest again and again: bins, pairs, gaps, normals and points. No step is taken.
 CollideBenchResult bench_collide(const CollideBench& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -4,7 +4,7 @@
 
 #include "pipeline/lab/scenes/ball_in_tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 ManyScene crater_scene(const CraterSpec& spec, const RunOn& on) {
   ManyScene scene;
@@ -26,4 +26,4 @@ ManyScene crater_scene(const CraterSpec& spec, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/lab/scenes/tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct CraterSpec {
   TankSpec tank{.of = {.count = 8000}};
@@ -16,4 +16,4 @@ struct CraterSpec {
 /// the end, and H = drop height + depth, both in metres; experiments find depth ~ H^(1/3) (Uehara et al. 2003).
 ManyScene crater_scene(const CraterSpec& spec, const RunOn& on);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -8,7 +8,7 @@
 
 #include "sim/shape/mesh_shapes.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -107,4 +107,4 @@ ManyScene drum_scene(const DrumSpec& spec, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -3,7 +3,7 @@
 #include "pipeline/lab/scenes/scene.h"
 #include "pipeline/lab/scenes/spheres.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct DrumSpec {
   Spheres of;
@@ -23,4 +23,4 @@ ManyScene drum_scene(const DrumSpec& spec, const RunOn& on);
 /// spheres do not count.
 double lacey_index(const std::vector<Vec3d>& position, const std::vector<bool>& is_first, double cube);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

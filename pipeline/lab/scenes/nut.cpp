@@ -5,7 +5,7 @@
 
 #include "pipeline/lab/scenes/ball_in_tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 ManyScene nut_scene(const NutSpec& spec, const RunOn& on) {
   ManyScene scene;
@@ -29,4 +29,4 @@ ManyScene nut_scene(const NutSpec& spec, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

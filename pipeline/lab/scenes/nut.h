@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/lab/scenes/tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct NutSpec {
   TankSpec tank{.of = {.count = 4000}};
@@ -16,4 +16,4 @@ struct NutSpec {
 /// heights of its centre over the depth of the fill at the start and at the end: it rises (Brazil nut).
 ManyScene nut_scene(const NutSpec& spec, const RunOn& on);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -8,7 +8,7 @@
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr int kTool = 1;         // material
@@ -128,4 +128,4 @@ ManyScene pebbles_scene(const PebblesSpec& spec, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

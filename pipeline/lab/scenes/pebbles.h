@@ -4,7 +4,7 @@
 
 #include "pipeline/lab/scenes/tank.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct PebblesSpec {
   /// The floor is three times as long as wide.
@@ -24,4 +24,4 @@ struct PebblesSpec {
 /// InputError for a vehicle without tracks, and for a tank too small for it.
 ManyScene pebbles_scene(const PebblesSpec& spec, const RunOn& on);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

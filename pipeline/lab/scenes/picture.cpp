@@ -14,7 +14,7 @@
 #include "pipeline/report/figure/trial_figure.h"
 #endif
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr int kWidth = 1280, kHeight = 720;
@@ -34,11 +34,12 @@ double high_speed(const sim::Capture& state) {
   return std::max(*at, 1e-3);
 }
 
-Model moving_parts(const ManyScene& scene, const sim::Capture& state, double high) {
+report::Model moving_parts(const ManyScene& scene, const sim::Capture& state, double high) {
   sim::SceneWorld shown = scene.world;
   for (sim::Shape& s : shown.shape)
     if (sim::is_fixed(shown.mass[s.body])) s.type = sim::ShapeType::none;
-  return model_of(shown, state, {scene.show_by_material ? GrainColour::material : GrainColour::speed, 0, high, -1});
+  return report::model_of(
+      shown, state, {scene.show_by_material ? report::GrainColour::material : report::GrainColour::speed, 0, high, -1});
 }
 
 std::filesystem::path frame_path(const std::filesystem::path& folder, std::size_t k) {
@@ -53,15 +54,15 @@ void require_pictures(bool video) {
 #ifndef GONOGO_WITH_PICTURES
   throw InputError("this build has no pictures (--picture, --video, --plot); configure with -DGONOGO_PICTURES=ON");
 #endif
-  if (video) require_ffmpeg();
+  if (video) report::require_ffmpeg();
 }
 
 SnapshotView view_of(const ManyScene& scene, const std::vector<const sim::Capture*>& states) {
   SnapshotView view;
-  Model all;
+  report::Model all;
   std::vector<double> high;
   for (const sim::Capture* state : states) {
-    const Model model = moving_parts(scene, *state, 1);
+    const report::Model model = moving_parts(scene, *state, 1);
     all.ball.insert(all.ball.end(), model.ball.begin(), model.ball.end());
     all.face.insert(all.face.end(), model.face.begin(), model.face.end());
     all.floor = state == states.front() ? model.floor : std::min(all.floor, model.floor);
@@ -70,20 +71,20 @@ SnapshotView view_of(const ManyScene& scene, const std::vector<const sim::Captur
   const auto at = high.begin() + std::ptrdiff_t((high.size() - 1) * 3 / 4);
   std::nth_element(high.begin(), at, high.end());
   view.high_speed = *at;
-  view.camera = frame_model(all, 0.5, 0.3, double(kWidth) / kHeight, {0.03, 0.12, 0.12, 0.15});
+  view.camera = report::frame_model(all, 0.5, 0.3, double(kWidth) / kHeight, {0.03, 0.12, 0.12, 0.15});
   return view;
 }
 
 #ifdef GONOGO_WITH_PICTURES
 namespace {
 
-void add_bar(TrialCaption& caption, double high) {
+void add_bar(report::TrialCaption& caption, double high) {
   caption.bar_label = "speed [m/s]";
   caption.bar_high = high;
   constexpr int steps = 128;
   for (int k = 0; k < steps; ++k) {
-    const Light light = bar_colour((k + 0.5) / steps);
-    for (const Real part : {light.x, light.y, light.z}) caption.bar_rgb.push_back(srgb(part));
+    const report::Light light = report::bar_colour((k + 0.5) / steps);
+    for (const Real part : {light.x, light.y, light.z}) caption.bar_rgb.push_back(report::srgb(part));
   }
 }
 
@@ -91,26 +92,26 @@ void add_bar(TrialCaption& caption, double high) {
 
 void draw_snapshot(const std::filesystem::path& path, const ManyScene& scene, const sim::Capture& state,
                    const SnapshotView& view, int threads) {
-  const Model model = moving_parts(scene, state, view.high_speed);
-  TrialCaption caption;
+  const report::Model model = moving_parts(scene, state, view.high_speed);
+  report::TrialCaption caption;
   caption.title = scene.name;
   caption.facts = {{"bodies", std::to_string(scene.world.body.size())}, {"time", text_of("%.2f s", state.time)}};
   if (!scene.show_by_material) add_bar(caption, view.high_speed);
-  write_trial_figure(path, render(model, view.camera, kWidth, kHeight, threads), caption);
+  report::write_trial_figure(path, report::render(model, view.camera, kWidth, kHeight, threads), caption);
 }
 
 void draw_watched(const std::filesystem::path& path, const ManyScene& scene,
                   const std::vector<std::vector<Measured>>& watched) {
-  LinePlot plot;
+  report::LinePlot plot;
   plot.title = scene.name;
   plot.x_label = watched.front().front().key;
   for (std::size_t k = 1; k < watched.front().size(); ++k) {
-    PlotLine line{watched.front()[k].key, {}, {}};
+    report::PlotLine line{watched.front()[k].key, {}, {}};
     for (const std::vector<Measured>& look : watched)
       line.x.push_back(look.front().value), line.y.push_back(look[k].value);
     plot.lines.push_back(std::move(line));
   }
-  draw_line_plot(path, plot);
+  report::draw_line_plot(path, plot);
 }
 #else
 void draw_snapshot(const std::filesystem::path&, const ManyScene&, const sim::Capture&, const SnapshotView&, int) {
@@ -136,8 +137,8 @@ void draw_video(const std::filesystem::path& path, const ManyScene& scene, const
   for (std::size_t k = 0; k < looks; ++k) some.push_back(&states[k * (states.size() - 1) / (looks - 1)]);
   const SnapshotView view = view_of(scene, some);
   for (std::size_t k = 0; k < states.size(); ++k) draw_snapshot(frame_path(folder, k), scene, states[k], view, threads);
-  make_video(folder, int(states.size()), frame_rate(int(states.size()), every), path);
+  report::make_video(folder, int(states.size()), frame_rate(int(states.size()), every), path);
   std::filesystem::remove_all(folder);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

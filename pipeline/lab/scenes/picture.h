@@ -6,14 +6,14 @@
 #include "pipeline/report/picture/camera.h"
 #include "sim/io/capture.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Throws InputError in a build without pictures and, for a video, on a machine without ffmpeg.
 void require_pictures(bool video);
 
 /// Where it is seen from and what the colours stand for.
 struct SnapshotView {
-  Camera camera;
+  report::Camera camera;
   double high_speed = 1;  // upper end of the colour bar [m/s]
 };
 
@@ -38,4 +38,4 @@ double frame_rate(int count, double every);
 void draw_video(const std::filesystem::path& path, const ManyScene& scene, const std::vector<sim::Capture>& states,
                 double every, int threads);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

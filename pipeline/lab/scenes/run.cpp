@@ -9,7 +9,7 @@
 #include "pipeline/lab/scenes/picture.h"
 #include "sim/io/vtk_series.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 /// Steps of a scene, with its drive called when it is due.
@@ -174,4 +174,4 @@ ManyResult run_many(const ManyScene& scene, const ManyRun& run) {
   return r;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

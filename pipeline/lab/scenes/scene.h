@@ -7,7 +7,7 @@
 
 #include "sim/simulation/stages.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Where a scene is settled and run, by what solver and how accurately.
 struct RunOn {
@@ -79,4 +79,4 @@ ManyResult run_many(const ManyScene& scene, const ManyRun& run);
 /// Median of each stage.
 sim::StageTimes median_times(const std::vector<sim::StageTimes>& samples);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

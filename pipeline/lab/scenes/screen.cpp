@@ -7,7 +7,7 @@
 #include "base/random.h"
 #include "sim/scene/build_joint.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -237,4 +237,4 @@ ManyScene screen_scene(const ScreenSpec& spec, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -3,7 +3,7 @@
 #include "pipeline/lab/scenes/scene.h"
 #include "pipeline/lab/scenes/spheres.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct ScreenSpec {
   Spheres of{.count = 3000};  // small and large ones together; the diameter is that of the small ones
@@ -35,4 +35,4 @@ ManyScene screen_scene(const ScreenSpec& spec, const RunOn& on);
 
 ScreenParts screen_parts(const ScreenSpec& spec);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -8,7 +8,7 @@
 #include "pipeline/lab/scenes/silo_stress.h"
 #include "sim/shape/mesh_shapes.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -179,4 +179,4 @@ ManyScene silo_scene(const SiloSpec& spec, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

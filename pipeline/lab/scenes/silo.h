@@ -3,7 +3,7 @@
 #include "pipeline/lab/scenes/scene.h"
 #include "pipeline/lab/scenes/spheres.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct SiloSpec {
   Spheres of;
@@ -24,4 +24,4 @@ struct SiloSpec {
 /// mean flow between a quarter and all of the flow time. Watched: the first three.
 ManyScene silo_scene(const SiloSpec& spec, const RunOn& on);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -1,6 +1,6 @@
 #include "pipeline/lab/scenes/silo_stress.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 void WallStress::add(const sim::Capture& state, const sim::SceneWorld& world, Index spheres, sim::BodyIndex wall,
                      double step) {
@@ -16,4 +16,4 @@ void WallStress::add(const sim::Capture& state, const sim::SceneWorld& world, In
     weight_moment += 9.81 / double(world.mass[b].inverse_mass.x) * state.body[b].position.z;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

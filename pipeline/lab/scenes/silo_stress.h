@@ -2,7 +2,7 @@
 #pragma once
 #include "sim/io/capture.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Sums over looks at a round silo about the z axis whose wall stands on z = 0.
 struct WallStress {
@@ -21,4 +21,4 @@ struct WallStress {
   double ratio(double diameter) const { return normal * diameter / (4 * (weight_moment - shear_moment)); }
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

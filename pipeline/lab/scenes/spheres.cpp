@@ -5,7 +5,7 @@
 
 #include "base/random.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Index nx, Index ny, Index nz,
                                   const std::function<bool(const Vec3d&)>& inside, std::size_t most) {
@@ -56,4 +56,4 @@ double height_of(const std::vector<Sphere>& spheres) {
   return height;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

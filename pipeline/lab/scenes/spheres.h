@@ -5,7 +5,7 @@
 
 #include "sim/simulation/simulation.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Spheres of the scenes of many bodies.
 struct Spheres {
@@ -47,4 +47,4 @@ double fall_time(double height);
 /// Height of the highest point [m].
 double height_of(const std::vector<Sphere>& spheres);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/progress.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 /// A floor of `along` x `across` blocks, each of `side` x `side` columns of `layers` spheres.
@@ -160,4 +160,4 @@ ManyScene shaken_tank(const TankSpec& spec, const RunOn& on) {
   return scene;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

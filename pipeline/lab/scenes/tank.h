@@ -4,7 +4,7 @@
 #include "pipeline/lab/scenes/scene.h"
 #include "pipeline/lab/scenes/spheres.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct TankSpec {
   Spheres of{.count = 100'000};
@@ -27,4 +27,4 @@ double solid_fraction(const TankSpec& spec, const sim::SceneWorld& world);
 /// and fro.
 ManyScene shaken_tank(const TankSpec& spec, const RunOn& on);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

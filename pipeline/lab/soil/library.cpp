@@ -7,7 +7,7 @@
 #include "base/shipped.h"
 #include "terrain/soil/soil_file.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ SoilReport show_soil(const fs::path& file, const fs::path& calibration) {
   return r;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -5,7 +5,7 @@
 
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct SoilReport {
   Json json;         // keys carry their units
@@ -21,4 +21,4 @@ SoilReport list_soils();
 /// `calibration`: a table, or empty.
 SoilReport show_soil(const std::filesystem::path& file, const std::filesystem::path& calibration);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -14,7 +14,7 @@
 #include "terrain/soil_test/shear.h"
 #include "terrain/soil_test/triaxial.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 using terrain::TestPace;
@@ -123,7 +123,7 @@ SoilTestOutcome repose(const SoilTestRequest& r) {
   for (std::size_t k = 0; k < results.size(); ++k) {
     angles.push_back(results[k].angle.degrees);
     worst = std::max(worst, results[k].worst_residual), rest = std::max(rest, results[k].rest_speed);
-    PlotLine profile{line("seed %zu: %.1f deg", std::size_t(r.soil.seed) + k, angles.back()), {}, {}, false};
+    report::PlotLine profile{line("seed %zu: %.1f deg", std::size_t(r.soil.seed) + k, angles.back()), {}, {}, false};
     for (const auto& s : results[k].profile) {
       o.csv += line("%zu,%.5f,%.5f\n", std::size_t(r.soil.seed) + k, s.x, s.height);
       profile.x.push_back(s.x), profile.y.push_back(s.height);
@@ -191,7 +191,7 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
   double worst = 0;
   for (std::size_t k = 0; k < loads.size(); ++k) {
     worst = std::max(worst, results[k].worst_residual);
-    PlotLine curve{loads[k].seed == 0 ? line("%g kPa", loads[k].stress / 1e3) : "", {}, {}, false};
+    report::PlotLine curve{loads[k].seed == 0 ? line("%g kPa", loads[k].stress / 1e3) : "", {}, {}, false};
     for (const auto& s : results[k].curve) {
       o.csv += line("%g,%zu,%.4f,%.2f,%.2f,%.5f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed, s.travel,
                     s.shear_stress, s.normal_stress, s.rise);
@@ -223,7 +223,7 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
   for (std::size_t k = 0; k < loads.size(); ++k) {
     worst = std::max(worst, results[k].worst_residual);
     fraction += results[k].solid_fraction / double(loads.size());
-    PlotLine curve{loads[k].seed == 0 ? line("%g kPa", loads[k].stress / 1e3) : "", {}, {}, false};
+    report::PlotLine curve{loads[k].seed == 0 ? line("%g kPa", loads[k].stress / 1e3) : "", {}, {}, false};
     for (const auto& s : results[k].curve) {
       o.csv += line("%g,%zu,%.5f,%.2f,%.2f,%.6f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed, s.strain,
                     s.axial_stress, s.lateral_stress, s.volume_strain);
@@ -288,8 +288,8 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
   double worst = 0;
   for (std::size_t k = 0; k < count; ++k) {
     worst = std::max(worst, results[k].worst_residual);
-    PlotLine curve{k < settings.size() ? line("b = %.0f mm", 1e3 * results[k].width) : "", {}, {}, true};
-    PlotLine fitted{k < settings.size() ? line("Bekker, %.0f mm", 1e3 * results[k].width) : "", {}, {}, false};
+    report::PlotLine curve{k < settings.size() ? line("b = %.0f mm", 1e3 * results[k].width) : "", {}, {}, true};
+    report::PlotLine fitted{k < settings.size() ? line("Bekker, %.0f mm", 1e3 * results[k].width) : "", {}, {}, false};
     curve.colour = fitted.colour = int(k % settings.size());
     for (const auto& s : results[k].curve) {
       o.csv += line("%.4f,%zu,%.6f,%.2f\n", results[k].width, std::size_t(r.soil.seed) + k / settings.size(), s.sinkage,
@@ -308,9 +308,9 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
 }
 
 /// Mean of the beds over depth, and from the least to the most of them as a band.
-void draw_cone(LinePlot& plot, const std::vector<terrain::ConeResult>& results) {
+void draw_cone(report::LinePlot& plot, const std::vector<terrain::ConeResult>& results) {
   plot.x_label = "depth of the cone's base [mm]", plot.y_label = "force over base area [kPa]";
-  PlotLine band, mean;
+  report::PlotLine band, mean;
   const std::vector<terrain::ConeSample> profile = mean_profile(results);
   for (std::size_t k = 0; k < profile.size(); ++k) {
     const auto [least, most] = std::minmax_element(results.begin(), results.end(), [k](const auto& a, const auto& b) {
@@ -387,4 +387,4 @@ SoilTestOutcome run_soil_test(const std::string& test, const SoilTestRequest& r)
   throw InputError("soil test: \"" + test + "\" is none of repose, shear, plate, cone, triaxial");
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

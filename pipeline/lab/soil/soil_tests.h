@@ -10,7 +10,7 @@
 #include "pipeline/report/figure/line_plot.h"
 #include "terrain/soil_test/test_run.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct SoilTestRequest {
   terrain::TestSoil soil;
@@ -27,7 +27,7 @@ struct SoilTestOutcome {
   Json json;         // derived numbers; keys carry their units
   std::string text;  // the same for people
   std::string csv;   // all curves, one row per sample
-  LinePlot plot;
+  report::LinePlot plot;
   terrain::TestScene scene;  // of the last run, to be drawn
 };
 
@@ -39,4 +39,4 @@ SoilTestOutcome run_soil_test(const std::string& test, const SoilTestRequest& re
 void write_soil_test(const std::filesystem::path& folder, const std::string& test, const SoilTestOutcome& outcome,
                      int threads);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

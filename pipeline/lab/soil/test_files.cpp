@@ -7,7 +7,7 @@
 #include "pipeline/report/picture/render.h"
 #endif
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 #ifdef GONOGO_WITH_PICTURES
@@ -25,18 +25,18 @@ void draw_scene(const std::filesystem::path& path, const std::string& title, con
   // Walls would hide the grains.
   sim::SceneWorld shown = scene.world;
   std::erase_if(shown.shape, [](const sim::Shape& s) { return s.type == sim::ShapeType::plane; });
-  const Model model = model_of(shown, scene.end, {GrainColour::height, low, high, -1});
+  const report::Model model = report::model_of(shown, scene.end, {report::GrainColour::height, low, high, -1});
   constexpr double degree = std::numbers::pi / 180;
-  const Camera camera =
-      frame_model(model, 16 * degree, 16 * degree, double(kWidth) / kHeight, {0.03, 0.12, 0.12, 0.15});
-  TrialCaption c;
+  const report::Camera camera =
+      report::frame_model(model, 16 * degree, 16 * degree, double(kWidth) / kHeight, {0.03, 0.12, 0.12, 0.15});
+  report::TrialCaption c;
   c.title = title;
   c.bar_label = "height of grain [m]", c.bar_low = low, c.bar_high = high;
   for (int k = 0; k < kBarSteps; ++k) {
-    const Light light = bar_colour((k + 0.5) / kBarSteps);
-    for (const Real part : {light.x, light.y, light.z}) c.bar_rgb.push_back(srgb(part));
+    const report::Light light = report::bar_colour((k + 0.5) / kBarSteps);
+    for (const Real part : {light.x, light.y, light.z}) c.bar_rgb.push_back(report::srgb(part));
   }
-  write_trial_figure(path, render(model, camera, kWidth, kHeight, threads), c);
+  report::write_trial_figure(path, report::render(model, camera, kWidth, kHeight, threads), c);
 }
 #endif
 
@@ -47,10 +47,10 @@ void write_soil_test(const std::filesystem::path& folder, const std::string& tes
   create_folder(folder);
   write_file_atomically(folder / (test + ".csv"), outcome.csv);
 #ifdef GONOGO_WITH_PICTURES
-  draw_line_plot(folder / (test + ".png"), outcome.plot);
+  report::draw_line_plot(folder / (test + ".png"), outcome.plot);
   draw_scene(folder / (test + "_bed.png"), outcome.plot.title, outcome.scene, threads);
 #endif
   write_file_atomically(folder / (test + ".json"), outcome.json.dump(2) + "\n");
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -10,7 +10,7 @@
 #include "pipeline/report/figure/line_plot.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 /// A tyre under the mean load of the wheels. As for the mobility index, 15 % of the section's height is its deflection
@@ -50,28 +50,30 @@ TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double 
 
 DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   const std::string task = line("drawbar:most_pull_per_weight=1,sweep_s=%g", r.sweep);
-  TrialSetup setup = vehicle_trial_setup(r.vehicle, r.calibration, parse_task(task), r.numerics);
+  campaign::TrialSetup setup =
+      campaign::vehicle_trial_setup(r.vehicle, r.calibration, campaign::parse_task(task), r.numerics);
   setup.settled_on = r.batch.backend;
   if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
-  if (r.folded) fold_bed(setup);
+  if (r.folded) campaign::fold_bed(setup);
   setup.compliant_tyres = r.compliant_tyres;
-  check_tyres(setup);
+  campaign::check_tyres(setup);
   const vehicle::Vehicle& v = *setup.whole;
   const auto points = replicates(plain_variables(setup, 0, r.friction_angle, r.speed), r.seeds);
   std::vector<PartSum> part;
   double driven = 0;
   for (const vehicle::Station& s : vehicle::stations(v)) driven += s.driven;
   const double radius = tyre_of(v).radius, weight = setup.weight(0);
-  for (const TrialRecord& record : run_trials(setup, points, r.batch)) {
-    if (record.verdict == Verdict::unknown) throw DeviceError("a trial of the drawbar curve failed its checks");
+  for (const campaign::TrialRecord& record : run_trials(setup, points, r.batch)) {
+    if (record.verdict == campaign::Verdict::unknown)
+      throw DeviceError("a trial of the drawbar curve failed its checks");
     part.resize(std::max(part.size(), record.pull.size()));
     for (std::size_t k = 0; k < record.pull.size(); ++k) {
-      const PullPoint& p = record.pull[k];
+      const campaign::PullPoint& p = record.pull[k];
       part[k].slip.push_back(p.slip), part[k].pull.push_back(p.pull), part[k].sinkage.push_back(p.sinkage);
       part[k].resistance.push_back(driven * p.torque / radius / weight - p.pull);
     }
   }
-  DrawbarReport report{v.name, r.compliant_tyres, r.friction_angle, grains_per_tyre(setup), {}, {}};
+  DrawbarReport report{v.name, r.compliant_tyres, r.friction_angle, campaign::grains_per_tyre(setup), {}, {}};
   for (const PartSum& k : part)
     if (const double slip = mean_of(k.slip).mean; slip > 0.01 && slip < 0.95)
       report.point.push_back(point_of(k, v, r.friction_angle));
@@ -93,7 +95,7 @@ Json as_json(const DrawbarReport& r) {
   json["tyres"] = tyres(r);
   json["friction_angle_deg"] = r.friction_angle;
   json["grains_per_tyre"] = r.grains_per_tyre;
-  json["label"] = r.grains_per_tyre >= kGrainsPerTyre ? "fine" : "coarse";
+  json["label"] = r.grains_per_tyre >= campaign::kGrainsPerTyre ? "fine" : "coarse";
   int pull = 0, resistance = 0;
   for (const DrawbarPoint& p : r.point) {
     Json one;
@@ -125,20 +127,20 @@ std::string as_text(const DrawbarReport& r) {
 #ifdef GONOGO_WITH_PICTURES
 namespace {
 
-LinePlot plot_of(const DrawbarReport& r) {
-  LinePlot plot;
+report::LinePlot plot_of(const DrawbarReport& r) {
+  report::LinePlot plot;
   plot.title = r.vehicle + ": drawbar pull and resistance on sand";
   plot.x_label = "slip", plot.y_label = "share of the weight";
   constexpr int kPullColour = 0, kResistanceColour = 3;
-  PlotLine of_pull{"pull, formulas", {}, {}, false, {}, kPullColour};
-  PlotLine of_resistance{"resistance, formulas", {}, {}, false, {}, kResistanceColour};
+  report::PlotLine of_pull{"pull, formulas", {}, {}, false, {}, kPullColour};
+  report::PlotLine of_resistance{"resistance, formulas", {}, {}, false, {}, kResistanceColour};
   for (const TractionBand& b : r.band) {
     of_pull.x.push_back(b.slip), of_resistance.x.push_back(b.slip);
     of_pull.y.push_back(b.pull[0]), of_pull.most.push_back(b.pull[1]);
     of_resistance.y.push_back(b.resistance[0]), of_resistance.most.push_back(b.resistance[1]);
   }
-  PlotLine pull{"pull, trials", {}, {}, true, {}, kPullColour};
-  PlotLine resistance{"resistance, trials", {}, {}, true, {}, kResistanceColour};
+  report::PlotLine pull{"pull, trials", {}, {}, true, {}, kPullColour};
+  report::PlotLine resistance{"resistance, trials", {}, {}, true, {}, kResistanceColour};
   for (const DrawbarPoint& p : r.point) {
     pull.x.push_back(p.slip), pull.y.push_back(p.pull.mean);
     resistance.x.push_back(p.slip), resistance.y.push_back(p.resistance.mean);
@@ -163,8 +165,8 @@ void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r) 
                 p.band.pull[1], p.resistance.mean, p.band.resistance[0], p.band.resistance[1]);
   write_file_atomically(folder / (r.vehicle + "_drawbar.csv"), csv);
 #ifdef GONOGO_WITH_PICTURES
-  draw_line_plot(folder / (r.vehicle + "_drawbar.png"), plot_of(r));
+  report::draw_line_plot(folder / (r.vehicle + "_drawbar.png"), plot_of(r));
 #endif
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -8,7 +8,7 @@
 #include "pipeline/lab/validate/sand_band.h"
 #include "pipeline/lab/validate/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct DrawbarRequest {
   std::filesystem::path vehicle, calibration;
@@ -18,7 +18,7 @@ struct DrawbarRequest {
   int seeds = 1;
   bool folded = false;           // bed, see pipeline/campaign/trial/lanes.h
   bool compliant_tyres = false;  // of the stiffness that the vehicle's file names
-  BatchSettings batch;
+  campaign::BatchSettings batch;
 };
 
 /// One part of a sweep, mean over the seeds.
@@ -51,4 +51,4 @@ std::string as_text(const DrawbarReport& r);
 /// <vehicle>_drawbar.csv and, where the build has pictures, .png.
 void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

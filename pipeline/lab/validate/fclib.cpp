@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "sim/local_problem/read.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace fs = std::filesystem;
 
 std::vector<fs::path> fclib_files(const std::vector<fs::path>& paths) {
@@ -43,4 +43,4 @@ FclibResult solve_fclib(const fs::path& file, const sim::LocalSolveSettings& set
   return result;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -5,7 +5,7 @@
 
 #include "sim/local_problem/solve.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct FclibResult {
   std::string name;  // of the file
@@ -22,4 +22,4 @@ std::vector<std::filesystem::path> fclib_files(const std::vector<std::filesystem
 /// Throws InputError for a malformed file; not reaching the tolerance is a result.
 FclibResult solve_fclib(const std::filesystem::path& file, const sim::LocalSolveSettings& settings);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -7,24 +7,24 @@
 #include "pipeline/campaign/trial/lanes.h"
 #include "vehicle/model/engine_vehicle.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr double kBinWidth = 0.04;  // [m]
 
-TrialSetup folded_setup(const BedsRequest& r, double width) {
-  TrialSetup s = setup_of(r);
-  fold_bed(s);
+campaign::TrialSetup folded_setup(const BedsRequest& r, double width) {
+  campaign::TrialSetup s = setup_of(r);
+  campaign::fold_bed(s);
   if (width > 0) s.bed_width = width;
-  check_lanes(s);
+  campaign::check_lanes(s);
   fit_to_request(r, s);
   return s;
 }
 
-TrialSetup wide_setup(const TrialSetup& folded) {
-  TrialSetup s = folded;
+campaign::TrialSetup wide_setup(const campaign::TrialSetup& folded) {
+  campaign::TrialSetup s = folded;
   s.folded = false;
-  s.tiles_across = int(std::ceil(3 * folded_width(*s.whole) / s.bed_width - 1e-6));
+  s.tiles_across = int(std::ceil(3 * campaign::folded_width(*s.whole) / s.bed_width - 1e-6));
   return s;
 }
 
@@ -47,10 +47,10 @@ Wheels wheels_of(const vehicle::Vehicle& v) {
 /// Way of grains that all wheels of their side have passed, by distance from the nearest lane.
 class Rut {
  public:
-  Rut(const TrialSetup& setup, int seeds)
+  Rut(const campaign::TrialSetup& setup, int seeds)
       : setup_(setup), wheels_(wheels_of(*setup.whole)), start_(std::size_t(seeds)), sum_(bins()), count_(bins()) {}
 
-  void see(std::size_t seed, const TrialFrame& frame) {
+  void see(std::size_t seed, const campaign::TrialFrame& frame) {
     const auto bodies = frame.simulation.bodies(frame.place);
     auto& start = start_[seed];
     if (start.empty() || frame.sample.time == 0) {
@@ -75,7 +75,7 @@ class Rut {
   double length() const { return setup_.tiles_along * setup_.bed_length; }
   double width() const { return setup_.tiles_across * setup_.bed_width; }
   /// Half the way to the next lane, which lies at least a track away.
-  std::size_t bins() const { return std::size_t(0.75 * folded_width(*setup_.whole) / kBinWidth); }
+  std::size_t bins() const { return std::size_t(0.75 * campaign::folded_width(*setup_.whole) / kBinWidth); }
 
   bool passed(double ahead) const {
     const double d = std::remainder(ahead, length());
@@ -93,7 +93,7 @@ class Rut {
     count_[bin] += 1;
   }
 
-  const TrialSetup& setup_;
+  const campaign::TrialSetup& setup_;
   Wheels wheels_;
   std::vector<std::vector<Vec3d>> start_;
   std::vector<double> sum_, count_;
@@ -112,13 +112,14 @@ double half_width(const std::vector<double>& moved, double tyre_width) {
 }  // namespace
 
 FoldedReport compare_folded(const BedsRequest& r, double width) {
-  const TrialSetup folded = folded_setup(r, width), wide = wide_setup(folded);
+  const campaign::TrialSetup folded = folded_setup(r, width), wide = wide_setup(folded);
   Rut rut(wide, r.seeds);
   FoldedReport report;
-  report.beds = compare_beds(r, {"folded", "folded bed", folded, {}},
-                             {"wide", "wide bed", wide, [&](std::size_t i, const TrialFrame& f) { rut.see(i, f); }});
+  report.beds =
+      compare_beds(r, {"folded", "folded bed", folded, {}},
+                   {"wide", "wide bed", wide, [&](std::size_t i, const campaign::TrialFrame& f) { rut.see(i, f); }});
   report.tyre_width = wheels_of(*folded.whole).width;
-  report.lane_distance = lane_gap(*folded.whole, folded.bed_width) + report.tyre_width;
+  report.lane_distance = campaign::lane_gap(*folded.whole, folded.bed_width) + report.tyre_width;
   report.bin_width = kBinWidth;
   report.moved = rut.moved();
   report.rut_half_width = half_width(report.moved, report.tyre_width);
@@ -141,4 +142,4 @@ std::string as_text(const FoldedReport& r) {
                      r.rut_half_width, r.lane_distance);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -3,7 +3,7 @@
 #pragma once
 #include "pipeline/lab/validate/two_beds.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct FoldedReport {
   BedComparison beds;
@@ -21,4 +21,4 @@ FoldedReport compare_folded(const BedsRequest& request, double width = 0);
 Json as_json(const FoldedReport& r);
 std::string as_text(const FoldedReport& r);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

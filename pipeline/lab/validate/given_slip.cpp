@@ -7,7 +7,7 @@
 #include "base/line.h"
 #include "terrain/soil_test/line_fit.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 /// Slip and traction slope [deg] of each test; slips were set to multiples of 0.05.
@@ -19,11 +19,12 @@ constexpr struct {
 /// Largest distance between two tests at the same slip (at 0.7) [deg].
 constexpr double kScatter = 4.72;
 
-GivenSlip run_slip(const SimulantRun& run, const TrialSetup& setup, const terrain::MacroscopicSoil& soil, GivenSlip s) {
+GivenSlip run_slip(const SimulantRun& run, const campaign::TrialSetup& setup, const terrain::MacroscopicSoil& soil,
+                   GivenSlip s) {
   std::vector<double> slopes, depths;
-  for (const TrialRecord& r :
+  for (const campaign::TrialRecord& r :
        run_simulant(run, setup, replicates(simulant_variables(run, setup, soil, 0), run.seeds))) {
-    if (r.verdict == Verdict::unknown || r.pull.empty()) continue;
+    if (r.verdict == campaign::Verdict::unknown || r.pull.empty()) continue;
     slopes.push_back(terrain::angle_of_tangent(r.pull.front().pull, 0).degrees);
     depths.push_back(r.pull.front().sinkage);
   }
@@ -50,10 +51,10 @@ std::vector<GivenSlip> measured_traction() {
 
 std::vector<GivenSlip> run_given_slips(const SimulantRun& run) {
   const terrain::MacroscopicSoil soil = simulant_soil("grc3", run.state);
-  TrialSetup setup = simulant_setup(run, soil);
+  campaign::TrialSetup setup = simulant_setup(run, soil);
   std::vector<GivenSlip> points;
   for (const GivenSlip& s : measured_traction()) {
-    setup.task = parse_task(line("single_wheel:slip=%.6f", rim_of(setup).slip_of_rim(s.slip)));
+    setup.task = campaign::parse_task(line("single_wheel:slip=%.6f", rim_of(setup).slip_of_rim(s.slip)));
     points.push_back(run_slip(run, setup, soil, s));
   }
   return points;
@@ -88,4 +89,4 @@ SoilFigure given_slip_figure(const SimulantRun& run, const std::vector<GivenSlip
   return f;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

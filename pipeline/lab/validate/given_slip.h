@@ -8,7 +8,7 @@
 #include "pipeline/lab/validate/simulant.h"
 #include "pipeline/lab/validate/soil_figure.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct GivenSlip {
   double slip = 0;                                      // over the grousers [-]
@@ -28,4 +28,4 @@ double rms_traction_error(const std::vector<GivenSlip>& points);
 
 SoilFigure given_slip_figure(const SimulantRun& run, const std::vector<GivenSlip>& points);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -12,7 +12,7 @@
 #include "pipeline/report/figure/line_plot.h"
 #include "vehicle/wheel_rig.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -24,7 +24,9 @@ constexpr double kLeastDistance = 0.2;  // [m]
 
 double degrees(double pull) { return std::atan(pull) / kDegree; }
 
-double variable(const TrialRecord& r, const char* name) { return r.point.variables[contract().variable_index(name)]; }
+double variable(const campaign::TrialRecord& r, const char* name) {
+  return r.point.variables[campaign::contract().variable_index(name)];
+}
 
 /// The wheel of a trial and the load on it.
 WheelOnSand wheel_of(const vehicle::WheelRig& rig, double payload, double along, double across) {
@@ -32,23 +34,24 @@ WheelOnSand wheel_of(const vehicle::WheelRig& rig, double payload, double along,
   return {rig.radius, rig.width, vehicle::rig_mass(rig, payload) * kGravity / std::sqrt(1 + a * a + b * b), 0, 0};
 }
 
-bool is_of_interest(const TrialRecord& r, const GradeRequest& request) {
-  return r.verdict != Verdict::unknown && variable(r, "cohesion") <= request.most_cohesion &&
+bool is_of_interest(const campaign::TrialRecord& r, const GradeRequest& request) {
+  return r.verdict != campaign::Verdict::unknown && variable(r, "cohesion") <= request.most_cohesion &&
          std::fabs(variable(r, "slope_across")) <= request.most_across &&
          variable(r, "tyre_friction") >= std::tan(variable(r, "friction_angle") * kDegree);
 }
 
-bool moved_uphill(const TrialRecord& r) {
-  const double slip = measure_of(r, "slip");
-  return variable(r, "slope_along") >= kLeastSlope && measure_of(r, "distance") >= kLeastDistance && slip > kSlips[0] &&
-         slip < kSlips[std::size(kSlips) - 1];
+bool moved_uphill(const campaign::TrialRecord& r) {
+  const double slip = campaign::measure_of(r, "slip");
+  return variable(r, "slope_along") >= kLeastSlope && campaign::measure_of(r, "distance") >= kLeastDistance &&
+         slip > kSlips[0] && slip < kSlips[std::size(kSlips) - 1];
 }
 
-GradePoint point_of(const TrialRecord& r, const vehicle::WheelRig& rig) {
+GradePoint point_of(const campaign::TrialRecord& r, const vehicle::WheelRig& rig) {
   GradePoint p;
   p.slope = variable(r, "slope_along"), p.friction_angle = variable(r, "friction_angle");
   p.cohesion = variable(r, "cohesion"), p.commanded_speed = variable(r, "commanded_speed");
-  p.slip = measure_of(r, "slip"), p.speed = measure_of(r, "mean_speed"), p.sinkage = measure_of(r, "sinkage");
+  p.slip = campaign::measure_of(r, "slip"), p.speed = campaign::measure_of(r, "mean_speed"),
+  p.sinkage = campaign::measure_of(r, "sinkage");
   p.verdict = r.verdict, p.reason = r.reason;
   const WheelOnSand wheel = wheel_of(rig, variable(r, "payload"), p.slope, variable(r, "slope_across"));
   p.band = sand_band(wheel, p.friction_angle, p.slip, 1e3 * p.cohesion);
@@ -63,11 +66,11 @@ std::vector<LabelCount> empty_counts() {
   return counts;
 }
 
-void count(std::vector<LabelCount>& counts, const TrialRecord& r) {
+void count(std::vector<LabelCount>& counts, const campaign::TrialRecord& r) {
   const double angle = variable(r, "friction_angle"), slope = variable(r, "slope_along");
   for (LabelCount& c : counts)
     if (angle >= c.angle[0] && angle < c.angle[1] && slope >= c.slope[0] && slope < c.slope[1])
-      ++c.trials, c.passed += passes(r.verdict);
+      ++c.trials, c.passed += campaign::passes(r.verdict);
 }
 
 }  // namespace
@@ -78,7 +81,7 @@ GradeReport grade_report(const GradeRequest& request) {
   const vehicle::WheelRig rig = vehicle::read_wheel_rig(request.vehicle);
   GradeReport report;
   report.label = empty_counts();
-  for (const TrialRecord& r : read_dataset(request.dataset).records) {
+  for (const campaign::TrialRecord& r : campaign::read_dataset(request.dataset).records) {
     if (!is_of_interest(r, request)) continue;
     count(report.label, r);
     if (moved_uphill(r)) report.point.push_back(point_of(r, rig));
@@ -88,7 +91,7 @@ GradeReport grade_report(const GradeRequest& request) {
                      std::to_string(request.most_cohesion) + " kPa that its tyre grips; raise --cohesion");
   const TractionBand band = sand_band(wheel_of(rig, 0, 0, 0), 30, 0.4);
   for (int k = 0; k < 2; ++k) report.go_band[k] = degrees(band.pull[k]);
-  for (const GradePoint& p : report.point) report.unsteady_passed += passes(p.verdict) && p.slip > 0.4;
+  for (const GradePoint& p : report.point) report.unsteady_passed += campaign::passes(p.verdict) && p.slip > 0.4;
   return report;
 }
 
@@ -182,11 +185,11 @@ std::string as_text(const GradeReport& r) {
 namespace {
 
 /// Trials of friction angles between 25 and 35 degrees beside the formulas' least and most.
-LinePlot plot_of(const GradeReport& r) {
-  LinePlot plot;
+report::LinePlot plot_of(const GradeReport& r) {
+  report::LinePlot plot;
   plot.title = "Quarter wheel: slope climbed over slip, soils of 25 to 35 degrees";
   plot.x_label = "slip", plot.y_label = "slope [deg]";
-  PlotLine trial{"trials", {}, {}, true}, formulas{"formulas for each", {}, {}, true};
+  report::PlotLine trial{"trials", {}, {}, true}, formulas{"formulas for each", {}, {}, true};
   std::vector<GradePoint> points;
   for (const GradePoint& p : r.point)
     if (p.friction_angle >= 25 && p.friction_angle < 35) points.push_back(p);
@@ -211,12 +214,12 @@ void write_grade(const std::filesystem::path& folder, const GradeReport& r) {
       "slope_least_deg,slope_most_deg\n";
   for (const GradePoint& p : r.point)
     csv += line("%.4g,%.4g,%.4g,%.4f,%.4f,%.4f,%.4f,%s,%s,%.4g,%.4g\n", p.slope, p.friction_angle, p.cohesion, p.slip,
-                p.speed, p.commanded_speed, p.sinkage, contract().info(p.verdict).name.c_str(),
-                contract().info(p.reason).name.c_str(), degrees(p.band.pull[0]), degrees(p.band.pull[1]));
+                p.speed, p.commanded_speed, p.sinkage, campaign::contract().info(p.verdict).name.c_str(),
+                campaign::contract().info(p.reason).name.c_str(), degrees(p.band.pull[0]), degrees(p.band.pull[1]));
   write_file_atomically(folder / "quarter_wheel_grade.csv", csv);
 #ifdef GONOGO_WITH_PICTURES
-  draw_line_plot(folder / "quarter_wheel_grade.png", plot_of(r));
+  report::draw_line_plot(folder / "quarter_wheel_grade.png", plot_of(r));
 #endif
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -10,7 +10,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/lab/validate/sand_band.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct GradeRequest {
   std::filesystem::path dataset;
@@ -25,8 +25,8 @@ struct GradePoint {
   double slip = 0, speed = 0, commanded_speed = 0;     // [-], [m/s], [m/s]
   double sinkage = 0;                                  // [m]
   TractionBand band;
-  Verdict verdict = Verdict::unknown;
-  Reason reason = Reason::none;
+  campaign::Verdict verdict = campaign::Verdict::unknown;
+  campaign::Reason reason = campaign::Reason::none;
 
   double pull() const;  // tan(slope)
   bool below() const { return pull() < band.pull[0]; }
@@ -55,4 +55,4 @@ std::string as_text(const GradeReport& r);
 /// quarter_wheel_grade.csv and, where the build has pictures, .png.
 void write_grade(const std::filesystem::path& folder, const GradeReport& r);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

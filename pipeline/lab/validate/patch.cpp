@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 /// A quarter vehicle's bed as tiles a metre long; a whole vehicle's has tiles already.
-TrialSetup patch_setup(const BedsRequest& r) {
-  TrialSetup s = setup_of(r);
+campaign::TrialSetup patch_setup(const BedsRequest& r) {
+  campaign::TrialSetup s = setup_of(r);
   if (!s.whole) {
     const double d = s.calibration.grain_diameter, wheel = s.rig.radius + s.rig.lug_height;
     s.bed_length = std::max(12 * d, 1.0), s.bed_width = std::max(8 * d, 2.5 * s.rig.width);
@@ -23,8 +23,8 @@ TrialSetup patch_setup(const BedsRequest& r) {
 }
 
 /// The same tiles, so many that the patch's reach stays on ground that nobody has been on.
-TrialSetup fixed_setup(const TrialSetup& patch, double distance) {
-  TrialSetup s = patch;
+campaign::TrialSetup fixed_setup(const campaign::TrialSetup& patch, double distance) {
+  campaign::TrialSetup s = patch;
   s.moving_patch = false;
   s.tiles_along += int(std::ceil((distance + 0.5) / s.bed_length));
   return s;
@@ -33,9 +33,9 @@ TrialSetup fixed_setup(const TrialSetup& patch, double distance) {
 }  // namespace
 
 BedComparison compare_patch(const BedsRequest& r) {
-  const TrialSetup patch = patch_setup(r);
+  const campaign::TrialSetup patch = patch_setup(r);
   return compare_beds(r, {"patch", "moving patch", patch, {}},
                       {"fixed", "fixed bed", fixed_setup(patch, r.distance), {}});
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -2,9 +2,9 @@
 #pragma once
 #include "pipeline/lab/validate/two_beds.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Both beds are of the same tiles.
 BedComparison compare_patch(const BedsRequest& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

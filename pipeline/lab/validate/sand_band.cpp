@@ -6,7 +6,7 @@
 #include "vehicle/semi_empirical/bekker_wong.h"
 #include "vehicle/semi_empirical/traction.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -61,4 +61,4 @@ TractionBand sand_band(const WheelOnSand& wheel, double friction_angle, double s
   return band;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

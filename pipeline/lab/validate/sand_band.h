@@ -1,7 +1,7 @@
 // What semi-empirical formulas say of a wheel's pull on dry sand, least and most of them.
 #pragma once
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// What formulas say at one slip, least and most of them; shares of the load.
 struct TractionBand {
@@ -20,4 +20,4 @@ struct WheelOnSand {
 /// [Pa], sand_net_traction and, for tyres, sand_gross_traction over the cone indices of dry sand. Slip in (0, 1).
 TractionBand sand_band(const WheelOnSand& wheel, double friction_angle, double slip, double cohesion = 0);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

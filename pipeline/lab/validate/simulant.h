@@ -7,7 +7,7 @@
 
 #include "pipeline/lab/validate/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Who drives: files of configs/vehicles.
 inline constexpr const char* kSimulantWheel = "mgru3_wheel";
@@ -46,18 +46,18 @@ struct Rim {
     return 1 - (1 - slip_over_grousers) * (radius + grouser) / radius;
   }
 };
-Rim rim_of(const TrialSetup& setup);
+Rim rim_of(const campaign::TrialSetup& setup);
 
 /// Trials that drive for the run's time, whatever happens, on a moving patch.
-TrialSetup simulant_setup(const SimulantRun& run, const terrain::MacroscopicSoil& soil);
+campaign::TrialSetup simulant_setup(const SimulantRun& run, const terrain::MacroscopicSoil& soil);
 
 /// On a slope [deg], in the contract's order.
-std::vector<double> simulant_variables(const SimulantRun& run, const TrialSetup& setup,
+std::vector<double> simulant_variables(const SimulantRun& run, const campaign::TrialSetup& setup,
                                        const terrain::MacroscopicSoil& soil, double slope);
 
 /// As many trials side by side as the run says; the rest as run_trials().
-std::vector<TrialRecord> run_simulant(const SimulantRun& run, const TrialSetup& setup,
-                                      const std::vector<DesignPoint>& points,
-                                      const std::vector<TrialWatch>& watch = {});
+std::vector<campaign::TrialRecord> run_simulant(const SimulantRun& run, const campaign::TrialSetup& setup,
+                                                const std::vector<campaign::DesignPoint>& points,
+                                                const std::vector<campaign::TrialWatch>& watch = {});
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

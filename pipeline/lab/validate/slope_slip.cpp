@@ -7,7 +7,7 @@
 #include "base/line.h"
 #include "terrain/soil_test/line_fit.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 struct Published {
@@ -21,11 +21,11 @@ constexpr struct {
 } kRepeated[] = {{0.274, 0.0251},  {5.574, 0.0508},  {10.030, 0.1043}, {15.307, 0.3551},
                  {19.980, 0.7384}, {25.188, 0.8383}, {30.149, 0.8967}};
 
-std::vector<DesignPoint> points_of(const SimulantRun& run, const TrialSetup& setup,
-                                   const terrain::MacroscopicSoil& soil) {
-  std::vector<DesignPoint> points;
+std::vector<campaign::DesignPoint> points_of(const SimulantRun& run, const campaign::TrialSetup& setup,
+                                             const terrain::MacroscopicSoil& soil) {
+  std::vector<campaign::DesignPoint> points;
   for (const Published& p : kPublished)
-    for (DesignPoint& point : replicates(simulant_variables(run, setup, soil, p.slope), run.seeds)) {
+    for (campaign::DesignPoint& point : replicates(simulant_variables(run, setup, soil, p.slope), run.seeds)) {
       point.index = points.size();
       points.push_back(std::move(point));
     }
@@ -37,10 +37,10 @@ struct Way {
   double from = 0;  // park time [s]
   std::vector<double> x;
 
-  TrialWatch watch() {
-    TrialWatch w;
+  campaign::TrialWatch watch() {
+    campaign::TrialWatch w;
     w.start = [this] { x.clear(); };
-    w.sample = [this](const TrialSample& s) {
+    w.sample = [this](const campaign::TrialSample& s) {
       if (s.time >= from + double(x.size()) - 1e-9) x.push_back(s.x);
     };
     return w;
@@ -48,13 +48,13 @@ struct Way {
 };
 
 /// Slip of each second that all trials of a slope have driven. `rim_speed` [m/s]
-std::vector<double> slip_over_time(const std::vector<TrialRecord>& records, const std::vector<Way>& ways, double slope,
-                                   double rim_speed) {
+std::vector<double> slip_over_time(const std::vector<campaign::TrialRecord>& records, const std::vector<Way>& ways,
+                                   double slope, double rim_speed) {
   std::vector<double> sum;
   std::size_t seconds = std::size_t(1e9), trials = 0;
   for (std::size_t k = 0; k < records.size(); ++k) {
-    if (records[k].verdict == Verdict::unknown || ways[k].x.empty()) continue;
-    if (records[k].point.variables[contract().variable_index("slope_along")] != slope) continue;
+    if (records[k].verdict == campaign::Verdict::unknown || ways[k].x.empty()) continue;
+    if (records[k].point.variables[campaign::contract().variable_index("slope_along")] != slope) continue;
     seconds = std::min(seconds, ways[k].x.size() - 1), ++trials;
     sum.resize(std::max(sum.size(), seconds));
     for (std::size_t i = 0; i < seconds; ++i) sum[i] += 1 - (ways[k].x[i + 1] - ways[k].x[i]) / rim_speed;
@@ -86,21 +86,22 @@ std::vector<SlopeSlip> repeated_slope_slips() {
 
 std::vector<SlopeSlip> run_slope_slip(const SimulantRun& run) {
   const terrain::MacroscopicSoil soil = simulant_soil("grc1", run.state);
-  const TrialSetup setup = simulant_setup(run, soil);
-  const std::vector<DesignPoint> points = points_of(run, setup, soil);
+  const campaign::TrialSetup setup = simulant_setup(run, soil);
+  const std::vector<campaign::DesignPoint> points = points_of(run, setup, soil);
   std::vector<Way> ways(points.size(), Way{setup.park_time, {}});
-  std::vector<TrialWatch> watch;
+  std::vector<campaign::TrialWatch> watch;
   for (Way& w : ways) watch.push_back(w.watch());
-  const std::vector<TrialRecord> records = run_simulant(run, setup, points, watch);
+  const std::vector<campaign::TrialRecord> records = run_simulant(run, setup, points, watch);
   const Rim rim = rim_of(setup);
-  const std::size_t slip = contract().measure_index("slip"), sinkage = contract().measure_index("sinkage");
+  const std::size_t slip = campaign::contract().measure_index("slip"),
+                    sinkage = campaign::contract().measure_index("sinkage");
   std::vector<SlopeSlip> result;
   for (const Published& p : kPublished) {
     SlopeSlip s{p.slope, p.measured, p.simulated, 0, 0, 0, 0, {}};
     std::vector<double> slips, depths;
-    for (const TrialRecord& r : records) {
-      if (r.verdict == Verdict::unknown) continue;
-      if (r.point.variables[contract().variable_index("slope_along")] != p.slope) continue;
+    for (const campaign::TrialRecord& r : records) {
+      if (r.verdict == campaign::Verdict::unknown) continue;
+      if (r.point.variables[campaign::contract().variable_index("slope_along")] != p.slope) continue;
       slips.push_back(rim.slip_over_grousers(r.measures[slip])), depths.push_back(r.measures[sinkage]);
     }
     s.over_time = slip_over_time(records, ways, p.slope, kSimulantWheelSpeed * (rim.radius + rim.grouser));
@@ -160,4 +161,4 @@ SoilFigure slope_slip_figure(const SimulantRun& run, const std::vector<SlopeSlip
   return f;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

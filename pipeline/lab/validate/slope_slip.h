@@ -12,7 +12,7 @@
 #include "pipeline/lab/validate/simulant.h"
 #include "pipeline/lab/validate/soil_figure.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct SlopeSlip {
   double slope = 0;                    // [deg]
@@ -35,4 +35,4 @@ double rms_slip_error(const std::vector<SlopeSlip>& points, double steepest = 90
 
 SoilFigure slope_slip_figure(const SimulantRun& run, const std::vector<SlopeSlip>& points);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

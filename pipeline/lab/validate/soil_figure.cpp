@@ -3,7 +3,7 @@
 #include "base/file.h"
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 Json as_json(const SoilFigure& figure) {
   Json json = Json::object();
@@ -29,9 +29,9 @@ void write_figure(const std::filesystem::path& folder, const SoilFigure& figure)
   write_file_atomically(folder / (figure.name + ".csv"), figure.csv);
   if (!figure.over_time.empty()) write_file_atomically(folder / (figure.name + "_over_time.csv"), figure.over_time);
 #ifdef GONOGO_WITH_PICTURES
-  draw_line_plot(folder / (figure.name + ".png"), figure.plot);
+  report::draw_line_plot(folder / (figure.name + ".png"), figure.plot);
 #endif
   write_file_atomically(folder / (figure.name + ".json"), as_json(figure).dump(2) + "\n");
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

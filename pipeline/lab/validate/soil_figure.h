@@ -7,7 +7,7 @@
 #include "base/json/json.h"
 #include "pipeline/report/figure/line_plot.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// One number and the bounds it must keep.
 struct SoilCheck {
@@ -19,7 +19,7 @@ struct SoilCheck {
 struct SoilFigure {
   std::string name;  // of its files
   std::string csv;   // what it shows, in SI units
-  LinePlot plot;
+  report::LinePlot plot;
   std::vector<SoilCheck> check;
   std::string over_time{};  // the same over time, if there is more to tell: <name>_over_time.csv
 };
@@ -30,4 +30,4 @@ std::string as_text(const SoilFigure& figure);
 /// <name>.csv, <name>.json and, where the build has pictures, <name>.png.
 void write_figure(const std::filesystem::path& folder, const SoilFigure& figure);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -15,7 +15,7 @@
 #include "terrain/soil_test/shear.h"
 #include "terrain/soil_test/triaxial.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 using terrain::Calibration;
@@ -74,8 +74,8 @@ SoilFigure cone(const SoilValidation& run) {
   in_loose.seeds = in_dense.seeds = std::max(8, run.seeds);
   const SoilTestOutcome loose = run_soil_test("cone", in_loose), dense = run_soil_test("cone", in_dense);
   SoilFigure f = figure_of("cone", dense);
-  for (PlotLine& l : f.plot.lines) l.label = "densest, " + l.label;
-  for (PlotLine l : loose.plot.lines) l.label = "loosest, " + l.label, l.colour = 1, f.plot.lines.push_back(l);
+  for (report::PlotLine& l : f.plot.lines) l.label = "densest, " + l.label;
+  for (report::PlotLine l : loose.plot.lines) l.label = "loosest, " + l.label, l.colour = 1, f.plot.lines.push_back(l);
   f.plot.notes = {"densest: " + dense.plot.notes[0], "loosest: " + loose.plot.notes[0]};
   f.csv = "# densest\n" + dense.csv + "# loosest\n" + loose.csv;
   f.check = {{"cone_dense_over_loose", "cone: index of the densest over that of the loosest bed", 1.05, 100,
@@ -106,7 +106,7 @@ SoilFigure geostatic(const SoilValidation& run) {
   f.plot.lines = {{"weight above", {}, {}, false}, {"carried by contacts", {}, {}, true}};
   for (const auto& s : r.profile) {
     f.csv += line("%.5f,%.3f,%.3f\n", s.depth, s.stress, s.weight);
-    for (PlotLine& l : f.plot.lines) l.x.push_back(s.depth);
+    for (report::PlotLine& l : f.plot.lines) l.x.push_back(s.depth);
     f.plot.lines[0].y.push_back(s.weight / 1e3), f.plot.lines[1].y.push_back(s.stress / 1e3);
   }
   f.check = {{"geostatic_worst", "geostatic: largest error of the vertical stress", 0, 0.05, r.worst_error}};
@@ -243,4 +243,4 @@ SoilFigure soil_figure(const std::string& name, const SoilValidation& run) {
   throw InputError("validate soils: \"" + name + "\" is no figure");
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -7,7 +7,7 @@
 
 #include "pipeline/lab/validate/soil_figure.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct SoilValidation {
   std::filesystem::path calibration;  // its grains are tested
@@ -22,4 +22,4 @@ const std::vector<std::string>& soil_figures();
 /// Runs what one figure shows. Throws InputError for an unknown name.
 SoilFigure soil_figure(const std::string& name, const SoilValidation& run);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -5,7 +5,7 @@
 
 #include "base/progress.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 MeanOf mean_of(const std::vector<double>& values) {
   MeanOf m;
@@ -17,10 +17,10 @@ MeanOf mean_of(const std::vector<double>& values) {
   return m;
 }
 
-std::vector<DesignPoint> replicates(const std::vector<double>& variables, int count) {
-  std::vector<DesignPoint> points;
+std::vector<campaign::DesignPoint> replicates(const std::vector<double>& variables, int count) {
+  std::vector<campaign::DesignPoint> points;
   for (int i = 0; i < count; ++i) {
-    DesignPoint p;
+    campaign::DesignPoint p;
     p.index = p.seed = std::uint64_t(i);
     p.variables = variables;
     points.push_back(p);
@@ -28,9 +28,10 @@ std::vector<DesignPoint> replicates(const std::vector<double>& variables, int co
   return points;
 }
 
-std::vector<double> plain_variables(const TrialSetup& setup, double slope_along, double friction_angle, double speed) {
-  std::vector<double> values(contract().variables.size(), 0);
-  const auto set = [&](const char* name, double x) { values[contract().variable_index(name)] = x; };
+std::vector<double> plain_variables(const campaign::TrialSetup& setup, double slope_along, double friction_angle,
+                                    double speed) {
+  std::vector<double> values(campaign::contract().variables.size(), 0);
+  const auto set = [&](const char* name, double x) { values[campaign::contract().variable_index(name)] = x; };
   set("slope_along", slope_along);
   set("friction_angle", friction_angle);
   set("relative_density", 0.5);
@@ -40,16 +41,18 @@ std::vector<double> plain_variables(const TrialSetup& setup, double slope_along,
   return values;
 }
 
-std::vector<TrialRecord> run_trials(const TrialSetup& setup, const std::vector<DesignPoint>& points,
-                                    const BatchSettings& batch, const std::vector<TrialWatch>& watch) {
-  prepare_trials(setup, points, batch.threads);
-  TrialBatch trials(setup, batch);
-  std::vector<TrialRecord> records(points.size());
+std::vector<campaign::TrialRecord> run_trials(const campaign::TrialSetup& setup,
+                                              const std::vector<campaign::DesignPoint>& points,
+                                              const campaign::BatchSettings& batch,
+                                              const std::vector<campaign::TrialWatch>& watch) {
+  campaign::prepare_trials(setup, points, batch.threads);
+  campaign::TrialBatch trials(setup, batch);
+  std::vector<campaign::TrialRecord> records(points.size());
   Progress progress("validate", "trials", points.size());
   for (std::size_t next = 0, done = 0; done < points.size(); progress.update(done)) {
     for (; trials.free_places() > 0 && next < points.size(); ++next)
-      trials.start(points[next], next < watch.size() ? watch[next] : TrialWatch{});
-    for (TrialRecord& r : trials.advance()) {
+      trials.start(points[next], next < watch.size() ? watch[next] : campaign::TrialWatch{});
+    for (campaign::TrialRecord& r : trials.advance()) {
       records[std::size_t(r.point.index)] = std::move(r);
       ++done;
     }
@@ -57,4 +60,4 @@ std::vector<TrialRecord> run_trials(const TrialSetup& setup, const std::vector<D
   return records;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -4,7 +4,7 @@
 
 #include "pipeline/campaign/trial/batch.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Mean and its standard error; one value has none.
 struct MeanOf {
@@ -13,14 +13,17 @@ struct MeanOf {
 MeanOf mean_of(const std::vector<double>& values);
 
 /// The same variables with the seeds 0, 1, ...: replicates of one trial.
-std::vector<DesignPoint> replicates(const std::vector<double>& variables, int count);
+std::vector<campaign::DesignPoint> replicates(const std::vector<double>& variables, int count);
 
 /// Dry soil of this friction angle, medium dense, 0.3 m deep, in the contract's order [deg], [m/s].
-std::vector<double> plain_variables(const TrialSetup& setup, double slope_along, double friction_angle, double speed);
+std::vector<double> plain_variables(const campaign::TrialSetup& setup, double slope_along, double friction_angle,
+                                    double speed);
 
 /// Side by side in one batch, records in the order of the points. `watch` may be shorter than the points: the rest are
 /// not watched.
-std::vector<TrialRecord> run_trials(const TrialSetup& setup, const std::vector<DesignPoint>& points,
-                                    const BatchSettings& batch, const std::vector<TrialWatch>& watch = {});
+std::vector<campaign::TrialRecord> run_trials(const campaign::TrialSetup& setup,
+                                              const std::vector<campaign::DesignPoint>& points,
+                                              const campaign::BatchSettings& batch,
+                                              const std::vector<campaign::TrialWatch>& watch = {});
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 /// Contact-iterations over the first and the second half of the way.
@@ -14,7 +14,7 @@ struct Meter {
   double distance = 0;
   double cost[2] = {}, way[2] = {}, last = 0;
 
-  void add(const TrialSample& s) {
+  void add(const campaign::TrialSample& s) {
     if (!std::isfinite(s.x)) return;
     const int half = s.x < 0.5 * distance ? 0 : 1;
     cost[half] += double(s.contacts) * s.iterations;
@@ -30,29 +30,29 @@ struct Side {
   int passed = 0;
 };
 
-Side run_side(const BedSide& bed, const BedsRequest& r, const std::vector<DesignPoint>& points) {
+Side run_side(const BedSide& bed, const BedsRequest& r, const std::vector<campaign::DesignPoint>& points) {
   std::vector<Meter> meter(points.size(), Meter{r.distance});
-  std::vector<TrialWatch> watch(points.size());
+  std::vector<campaign::TrialWatch> watch(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     watch[i].start = [&meter, &r, i] { meter[i] = Meter{r.distance}; };
-    watch[i].sample = [&meter, i](const TrialSample& s) { meter[i].add(s); };
+    watch[i].sample = [&meter, i](const campaign::TrialSample& s) { meter[i].add(s); };
     watch[i].frame_interval = 2 * bed.setup.time_limit;
-    if (bed.frame) watch[i].frame = [&bed, i](const TrialFrame& frame) { bed.frame(i, frame); };
+    if (bed.frame) watch[i].frame = [&bed, i](const campaign::TrialFrame& frame) { bed.frame(i, frame); };
   }
   Side side;
-  for (const TrialRecord& record : run_trials(bed.setup, points, r.batch, watch)) {
-    if (record.verdict == Verdict::unknown)
+  for (const campaign::TrialRecord& record : run_trials(bed.setup, points, r.batch, watch)) {
+    if (record.verdict == campaign::Verdict::unknown)
       throw DeviceError("a trial on the " + bed.name + " failed its checks: residual " +
-                        std::to_string(measure_of(record, "worst_residual")) + " m/s, energy error " +
-                        std::to_string(measure_of(record, "energy_error")) +
+                        std::to_string(campaign::measure_of(record, "worst_residual")) + " m/s, energy error " +
+                        std::to_string(campaign::measure_of(record, "energy_error")) +
                         "; give more --iterations or a smaller --step");
-    side.passed += record.verdict != Verdict::no_go;
-    side.slip.push_back(measure_of(record, "slip"));
-    side.sinkage.push_back(measure_of(record, "sinkage"));
+    side.passed += record.verdict != campaign::Verdict::no_go;
+    side.slip.push_back(campaign::measure_of(record, "slip"));
+    side.sinkage.push_back(campaign::measure_of(record, "sinkage"));
   }
   for (int half = 0; half < 2; ++half)
     for (const Meter& m : meter) side.cost[half] += m.cost[half] / m.way[half] / double(meter.size());
-  side.grains = settled_bed(bed.setup, points.front()).grain.size();
+  side.grains = campaign::settled_bed(bed.setup, points.front()).grain.size();
   return side;
 }
 
@@ -68,13 +68,13 @@ double BedComparison::worst_deviation() const {
   return std::max(std::fabs(slip_deviation()), std::fabs(sinkage_deviation()));
 }
 
-TrialSetup setup_of(const BedsRequest& r) {
+campaign::TrialSetup setup_of(const BedsRequest& r) {
   terrain::AskedNumerics asked = r.numerics;
   asked.tolerance = 0;
-  return vehicle_trial_setup(r.vehicle, r.calibration, default_task(), asked);
+  return campaign::vehicle_trial_setup(r.vehicle, r.calibration, campaign::default_task(), asked);
 }
 
-void fit_to_request(const BedsRequest& r, TrialSetup& s) {
+void fit_to_request(const BedsRequest& r, campaign::TrialSetup& s) {
   s.settled_on = r.batch.backend;
   s.run_in_distance = 0.25 * r.distance;
   s.test_distance = 0.75 * r.distance;
@@ -135,4 +135,4 @@ std::string as_text(const BedComparison& c) {
                      100 * c.sinkage_difference.error / std::fabs(c.sinkage[1].mean));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -7,7 +7,7 @@
 #include "base/json/json.h"
 #include "pipeline/lab/validate/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct BedsRequest {
   std::filesystem::path vehicle, calibration;
@@ -17,15 +17,15 @@ struct BedsRequest {
   /// In the place of the table's. A tolerance is not used: it is a mean over the contacts of a world, which a larger
   /// bed at rest meets sooner, so that beds of two sizes would be solved to two accuracies near the wheel.
   terrain::AskedNumerics numerics;
-  BatchSettings batch;
+  campaign::BatchSettings batch;
 };
 
 /// One of the two; the second one is the reference.
 struct BedSide {
   std::string key, name;  // in JSON, in text
-  TrialSetup setup;
+  campaign::TrialSetup setup;
   /// Sees a trial's start and end; may be empty.
-  std::function<void(std::size_t seed, const TrialFrame&)> frame;
+  std::function<void(std::size_t seed, const campaign::TrialFrame&)> frame;
 };
 
 struct BedComparison {
@@ -44,10 +44,10 @@ struct BedComparison {
 };
 
 /// Vehicle, table and numerics of `r`.
-TrialSetup setup_of(const BedsRequest& r);
+campaign::TrialSetup setup_of(const BedsRequest& r);
 
 /// A bed as `r` asks for: its way and its time limit.
-void fit_to_request(const BedsRequest& r, TrialSetup& setup);
+void fit_to_request(const BedsRequest& r, campaign::TrialSetup& setup);
 
 /// Throws DeviceError when a trial fails its checks.
 BedComparison compare_beds(const BedsRequest& r, const BedSide& first, const BedSide& reference);
@@ -55,4 +55,4 @@ BedComparison compare_beds(const BedsRequest& r, const BedSide& first, const Bed
 Json as_json(const BedComparison& c);
 std::string as_text(const BedComparison& c);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -7,7 +7,7 @@
 #include "base/line.h"
 #include "pipeline/report/figure/line_plot.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 using vehicle::HardGroundCheck;
@@ -27,8 +27,8 @@ std::string csv_of(const HardGroundReport& r) {
 }
 
 #ifdef GONOGO_WITH_PICTURES
-LinePlot plot_of(const HardGroundReport& r) {
-  LinePlot plot;
+report::LinePlot plot_of(const HardGroundReport& r) {
+  report::LinePlot plot;
   plot.title = r.title, plot.x_label = r.x_label, plot.y_label = r.y_label;
   for (const vehicle::Trace& t : r.trace) plot.lines.push_back({t.label, t.x, t.y, t.points});
   for (const HardGroundCheck& c : r.check) {
@@ -100,10 +100,10 @@ void write_reports(const std::filesystem::path& folder, const std::string& vehic
     const std::string name = vehicle + "_" + r.name;
     write_file_atomically(folder / (name + ".csv"), csv_of(r));
 #ifdef GONOGO_WITH_PICTURES
-    draw_line_plot(folder / (name + ".png"), plot_of(r));
+    report::draw_line_plot(folder / (name + ".png"), plot_of(r));
 #endif
   }
   write_file_atomically(folder / (vehicle + ".json"), as_json(reports).dump(2) + "\n");
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -7,7 +7,7 @@
 #include "base/json/json.h"
 #include "vehicle/hard_ground/hard_ground.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Wheel loads, gradeability, top speed in the lower gears, stopping distance, frequencies of the suspension.
 std::vector<vehicle::HardGroundReport> check_on_hard_ground(const vehicle::Vehicle& v,
@@ -23,4 +23,4 @@ int failures(const std::vector<vehicle::HardGroundReport>& reports);
 void write_reports(const std::filesystem::path& folder, const std::string& vehicle,
                    const std::vector<vehicle::HardGroundReport>& reports);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -8,7 +8,7 @@
 #include "vehicle/feasible/feasible.h"
 #include "vehicle/model/assembly.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 using namespace vehicle;
@@ -17,7 +17,7 @@ constexpr double kSteepest = 80;  // [deg]
 
 Demand demand_of(const FeasibleRequest& r, double slope_along, bool moving) {
   Demand d;
-  d.gravity = bed_gravity(slope_along, r.slope_across);
+  d.gravity = campaign::bed_gravity(slope_along, r.slope_across);
   d.friction = r.friction;
   d.step = r.step;
   d.moving = moving;
@@ -136,4 +136,4 @@ Report check_feasible(const Vehicle& v, const FeasibleRequest& request) {
   return r;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

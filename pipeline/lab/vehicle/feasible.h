@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/lab/vehicle/show.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct FeasibleRequest {
   double slope_along = 0, slope_across = 0;  // as the trials' variables [deg]
@@ -13,4 +13,4 @@ struct FeasibleRequest {
 /// Throws InputError for slopes beyond 80 degrees and what vehicle::feasible refuses.
 Report check_feasible(const vehicle::Vehicle& v, const FeasibleRequest& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -2,8 +2,8 @@
 
 #include "base/shipped.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 std::filesystem::path vehicle_file(const std::string& name) { return shipped_file("vehicles", "vehicle", name); }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

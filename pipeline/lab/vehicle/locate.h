@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <string>
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// `name` is a file, or the name of one in configs/vehicles below the current folder or above the program. Throws
 /// InputError with the names that there are.
 std::filesystem::path vehicle_file(const std::string& name);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -5,7 +5,7 @@
 #include "vehicle/model/belt.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 using namespace vehicle;
@@ -99,4 +99,4 @@ Report show_vehicle(const Vehicle& v) {
   return r;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -6,7 +6,7 @@
 #include "base/line.h"
 #include "vehicle/model/vehicle.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 struct Report {
   Json json;         // keys carry their units
@@ -15,4 +15,4 @@ struct Report {
 
 Report show_vehicle(const vehicle::Vehicle& v);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -4,7 +4,7 @@
 #include "vehicle/semi_empirical/mobility_index.h"
 #include "vehicle/semi_empirical/traction.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 namespace {
 
 using namespace vehicle;
@@ -107,4 +107,4 @@ Report vehicle_cone_index(const Vehicle& v) {
   return r;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

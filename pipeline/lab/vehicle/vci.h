@@ -2,9 +2,9 @@
 #pragma once
 #include "pipeline/lab/vehicle/show.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
 
 /// Throws InputError for vehicles without an index, see vehicle::vehicle_index.
 Report vehicle_cone_index(const vehicle::Vehicle& v);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -12,7 +12,7 @@
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/training/train_model.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 namespace fs = std::filesystem;
@@ -26,7 +26,7 @@ ModelAnswers answers_of(const Predictor& predictor) {
 }
 
 /// study: the one of the table.
-Predictor train(const Study& study, const fs::path& folder, const fs::path& dataset) {
+Predictor train(const campaign::Study& study, const fs::path& folder, const fs::path& dataset) {
   const fs::path model = folder / "model.h5";
   train_model({.dataset = dataset,
                .model = model,
@@ -36,19 +36,19 @@ Predictor train(const Study& study, const fs::path& folder, const fs::path& data
   return Predictor::read(model);
 }
 
-std::vector<DesignPoint> first_batch(DesignSpec spec, std::uint64_t count) {
+std::vector<campaign::DesignPoint> first_batch(campaign::DesignSpec spec, std::uint64_t count) {
   spec.method = "sobol";
   spec.points = count;
   spec.replicate_every = 0;
-  return make_design(spec);
+  return campaign::make_design(spec);
 }
 
-Json design_of_table(const DesignSpec& box, const Config& section) {
+Json design_of_table(const campaign::DesignSpec& box, const Config& section) {
   Json design = Json::object(), ranges = Json::object(), fixed = Json::object();
-  for (const SampledVariable& range : box.ranges)
-    ranges[contract().variables[range.variable].name] = std::vector<double>{range.minimum, range.maximum};
+  for (const campaign::SampledVariable& range : box.ranges)
+    ranges[campaign::contract().variables[range.variable].name] = std::vector<double>{range.minimum, range.maximum};
   for (std::size_t i = 0; i < box.fixed.size(); ++i)
-    if (!std::isnan(box.fixed[i])) fixed[contract().variables[i].name] = box.fixed[i];
+    if (!std::isnan(box.fixed[i])) fixed[campaign::contract().variables[i].name] = box.fixed[i];
   design["method"] = "csv";
   design["file"] = kPointFile;
   design["replicate_every"] = section.integer_or("replicate_every", 10, {0, 4e9});
@@ -58,7 +58,7 @@ Json design_of_table(const DesignSpec& box, const Config& section) {
 }
 
 /// The study whose design is the table of chosen points, in the campaign's folder: what workers and a later call read.
-Study study_of_table(const ActiveRequest& request, const DesignSpec& box) {
+campaign::Study study_of_table(const ActiveRequest& request, const campaign::DesignSpec& box) {
   Json json = request.study.config.json();
   json["design"] = design_of_table(box, request.study.section("design"));
   // Points crowd where the verdict changes: weighed back to the box, just these would hardly count (docs/campaigns.md).
@@ -69,22 +69,22 @@ Study study_of_table(const ActiveRequest& request, const DesignSpec& box) {
   json["soil"]["calibration"] = fs::absolute(request.study.section("soil").path("calibration")).string();
   const fs::path file = request.folder / "study.json";
   write_file_atomically(file, json.dump(2) + "\n");
-  return read_study(file);
+  return campaign::read_study(file);
 }
 
 }  // namespace
 
 ActiveSummary run_active(const ActiveRequest& request) {
-  const DesignSpec box = read_design_box(request.study.section("design"), request.study.seed);
+  const campaign::DesignSpec box = campaign::read_design_box(request.study.section("design"), request.study.seed);
   fs::create_directories(request.folder);
   const fs::path file = request.folder / kPointFile;
   ActiveSummary summary;
   if (listed_points(file, box) == 0) append_points(file, box, first_batch(box, request.seeds));
-  const Study study = study_of_table(request, box);
+  const campaign::Study study = study_of_table(request, box);
   for (;;) {
     summary.points = listed_points(file, box);
     const std::size_t computed = summary.campaign.computed;
-    summary.campaign = run_campaign(plan_study_campaign(study, request.folder, request.compute));
+    summary.campaign = campaign::run_campaign(campaign::plan_study_campaign(study, request.folder, request.compute));
     summary.campaign.computed += computed;
     summary.campaign.reused = summary.campaign.trials - summary.campaign.computed;
     const Predictor predictor = train(study, request.folder, summary.campaign.dataset);
@@ -103,4 +103,4 @@ ActiveSummary run_active(const ActiveRequest& request) {
   }
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

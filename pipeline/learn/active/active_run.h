@@ -5,12 +5,12 @@
 
 #include "pipeline/campaign/engine/study_campaign.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct ActiveRequest {
-  Study study;                   // its design says which box is sampled; the points are chosen here
+  campaign::Study study;         // its design says which box is sampled; the points are chosen here
   std::filesystem::path folder;  // of the campaign; points.csv, the study with that table, and model.h5 are put there
-  ComputeRequest compute;
+  campaign::ComputeRequest compute;
   std::uint64_t seeds = 64;  // points of the first batch, uniform over the box
   std::uint64_t batch = 32;  // points of each further one
   std::uint64_t most_points = 1000;
@@ -19,7 +19,7 @@ struct ActiveRequest {
 };
 
 struct ActiveSummary {
-  CampaignSummary campaign;  // computed: by all batches of this call
+  campaign::CampaignSummary campaign;  // computed: by all batches of this call
   std::uint64_t points = 0;
   double confidence = 0;  // reached
   bool reached = false;
@@ -28,4 +28,4 @@ struct ActiveSummary {
 /// Continues where an earlier call ended. Throws InputError as plan_study_campaign and run_campaign.
 ActiveSummary run_active(const ActiveRequest& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -7,22 +7,23 @@
 #include "base/random.h"
 #include "pipeline/campaign/design/sobol.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 constexpr double kNovel = 2;                                // novelty above which a point counts as never seen
 constexpr std::uint64_t kStartStream = 0x6163740000000000;  // where systematic sampling starts
 
 /// Points of the scrambled Sobol' sequence in the sampled box: [count x variable count].
-std::vector<double> candidates_of(const DesignSpec& spec, std::uint64_t first, std::uint64_t count) {
+std::vector<double> candidates_of(const campaign::DesignSpec& spec, std::uint64_t first, std::uint64_t count) {
   std::vector<double> points;
   points.reserve(count * spec.fixed.size());
   for (std::uint64_t i = 0; i < count; ++i) {
     std::vector<double> point = spec.fixed;
     for (std::size_t j = 0; j < spec.ranges.size(); ++j) {
-      const SampledVariable& range = spec.ranges[j];
-      point[range.variable] = range.minimum + (range.maximum - range.minimum) *
-                                                  scrambled_sobol(std::uint32_t(first + i), spec.seed, int(j));
+      const campaign::SampledVariable& range = spec.ranges[j];
+      point[range.variable] =
+          range.minimum +
+          (range.maximum - range.minimum) * campaign::scrambled_sobol(std::uint32_t(first + i), spec.seed, int(j));
     }
     points.insert(points.end(), point.begin(), point.end());
   }
@@ -46,7 +47,8 @@ std::vector<double> densities(const ModelAnswers& model, std::span<const double>
 
 }  // namespace
 
-std::vector<DesignPoint> choose_batch(const DesignSpec& spec, const ModelAnswers& model, const BatchRequest& request) {
+std::vector<campaign::DesignPoint> choose_batch(const campaign::DesignSpec& spec, const ModelAnswers& model,
+                                                const BatchRequest& request) {
   if (spec.ranges.empty()) throw InputError("the design samples no variable, so that there is nothing to choose");
   const std::size_t width = spec.fixed.size();
   const std::uint64_t count = std::max(request.candidates, 4 * request.count);
@@ -58,12 +60,12 @@ std::vector<DesignPoint> choose_batch(const DesignSpec& spec, const ModelAnswers
   // says, and neighbours in the sequence are never taken together unless it is far above the mean.
   const double part = sum / double(request.count);
   double next = part * random_unit(spec.seed, kStartStream, request.skip), running = 0;
-  std::vector<DesignPoint> batch;
+  std::vector<campaign::DesignPoint> batch;
   for (std::uint64_t i = 0; i < count && batch.size() < request.count; ++i) {
     running += density[i];
     if (running <= next) continue;
     next += part;
-    DesignPoint& point = batch.emplace_back();
+    campaign::DesignPoint& point = batch.emplace_back();
     point.variables.assign(points.begin() + std::ptrdiff_t(i * width),
                            points.begin() + std::ptrdiff_t((i + 1) * width));
     point.proposal_density = density[i];
@@ -71,7 +73,7 @@ std::vector<DesignPoint> choose_batch(const DesignSpec& spec, const ModelAnswers
   return batch;
 }
 
-double expected_error(const DesignSpec& spec, const ModelAnswers& model, std::uint64_t samples) {
+double expected_error(const campaign::DesignSpec& spec, const ModelAnswers& model, std::uint64_t samples) {
   const std::vector<double> points = candidates_of(spec, 0, samples);
   std::vector<double> p(samples);
   model.p_go(points, p);
@@ -80,4 +82,4 @@ double expected_error(const DesignSpec& spec, const ModelAnswers& model, std::ui
   return sum / double(samples);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -8,7 +8,7 @@
 
 #include "pipeline/campaign/design/design.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// What a model says at many points. points: [count x variable count of the contract], row by row.
 struct ModelAnswers {
@@ -28,10 +28,11 @@ struct BatchRequest {
 ///   q(x) = space_filling + (1 - space_filling) w(x) / mean w,   w = (4 p (1 - p))^2 + [novelty above 2],
 /// relative to uniform, with p the model's P(go): by systematic sampling over scrambled Sobol' candidates, which keeps
 /// the points apart. Each point stores its q as its proposal density. Throws InputError for a box with nothing sampled.
-std::vector<DesignPoint> choose_batch(const DesignSpec& spec, const ModelAnswers& model, const BatchRequest& request);
+std::vector<campaign::DesignPoint> choose_batch(const campaign::DesignSpec& spec, const ModelAnswers& model,
+                                                const BatchRequest& request);
 
 /// Mean of min(p, 1 - p) over the box: the share of wrong answers that the model itself expects; 0 when it is sure
 /// everywhere. A study that asks for 95 % confidence goes on until this is at most 0.05.
-double expected_error(const DesignSpec& spec, const ModelAnswers& model, std::uint64_t samples = 4096);
+double expected_error(const campaign::DesignSpec& spec, const ModelAnswers& model, std::uint64_t samples = 4096);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

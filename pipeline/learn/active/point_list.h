@@ -5,13 +5,14 @@
 
 #include "pipeline/campaign/design/design.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// Number of points in the table; 0 when it does not exist. Throws InputError for a table that cannot be read.
-std::uint64_t listed_points(const std::filesystem::path& file, const DesignSpec& spec);
+std::uint64_t listed_points(const std::filesystem::path& file, const campaign::DesignSpec& spec);
 
 /// Appends points to the table (columns: the sampled variables and proposal_density), every number exact; the file is
 /// replaced whole. Written anew where it does not exist.
-void append_points(const std::filesystem::path& file, const DesignSpec& spec, const std::vector<DesignPoint>& points);
+void append_points(const std::filesystem::path& file, const campaign::DesignSpec& spec,
+                   const std::vector<campaign::DesignPoint>& points);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

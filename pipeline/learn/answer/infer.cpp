@@ -15,7 +15,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/learn/answer/named_values.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 Json reconstruction_json(const Predictor& predictor, const learning::JointAnswer& joint) {
@@ -62,7 +62,7 @@ double cell_value(const std::string& cell, std::size_t variable, const std::stri
   if (cell.empty()) return NAN;
   double value = 0;
   const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  const Variable& v = contract().variables[variable];
+  const campaign::Variable& v = campaign::contract().variables[variable];
   if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value))
     throw InputError(where + v.name + ": \"" + cell + "\" is not a number; leave the cell empty if it is unknown");
   if (value < v.minimum || value > v.maximum)
@@ -85,7 +85,7 @@ PointTable read_points(const std::filesystem::path& path) {
   if (!table.header.empty() && table.header.back() == '\r') table.header.pop_back();
   std::vector<std::size_t> column;
   for (const std::string& name : split(table.header, ',')) {
-    column.push_back(contract().variable_index(name));
+    column.push_back(campaign::contract().variable_index(name));
     if (std::count(column.begin(), column.end(), column.back()) > 1)
       throw InputError(path.string() + ": column " + name + " appears twice");
   }
@@ -97,7 +97,7 @@ PointTable read_points(const std::filesystem::path& path) {
     if (cells.size() != column.size())
       throw InputError(where + std::to_string(cells.size()) + " cells where the header has " +
                        std::to_string(column.size()));
-    std::vector<double> point(contract().variables.size(), NAN);
+    std::vector<double> point(campaign::contract().variables.size(), NAN);
     for (std::size_t k = 0; k < cells.size(); ++k) point[column[k]] = cell_value(cells[k], column[k], where);
     table.points.insert(table.points.end(), point.begin(), point.end());
     table.lines.push_back(text);
@@ -108,7 +108,7 @@ PointTable read_points(const std::filesystem::path& path) {
 /// One word of a conversation applied to the question.
 void apply_word(const std::string& word, Question& question) {
   if (word == "clear") {
-    question.variables.assign(contract().variables.size(), NAN);
+    question.variables.assign(campaign::contract().variables.size(), NAN);
     question.outcome.reset();
     return;
   }
@@ -117,7 +117,7 @@ void apply_word(const std::string& word, Question& question) {
   if (name == "outcome") {
     question.outcome = value == "?" ? std::nullopt : std::optional(outcome_named(value));
   } else if (value == "?") {
-    question.variables[contract().variable_index(name)] = NAN;
+    question.variables[campaign::contract().variable_index(name)] = NAN;
   } else {
     const auto given = to_variables(parse_named_values({word}));
     for (std::size_t v = 0; v < given.size(); ++v)
@@ -129,9 +129,9 @@ void apply_word(const std::string& word, Question& question) {
 
 std::size_t outcome_named(const std::string& name) {
   std::string known;
-  for (std::size_t y = 0; y < contract().outcomes.size(); ++y) {
-    if (contract().outcomes[y].name == name) return y;
-    known += (y ? ", " : "") + contract().outcomes[y].name;
+  for (std::size_t y = 0; y < campaign::contract().outcomes.size(); ++y) {
+    if (campaign::contract().outcomes[y].name == name) return y;
+    known += (y ? ", " : "") + campaign::contract().outcomes[y].name;
   }
   throw InputError("outcome \"" + name + "\" does not exist; use one of: " + known);
 }
@@ -144,7 +144,7 @@ Json answer_question(const Predictor& predictor, const Question& question) {
   const learning::PosteriorAnswer answer = joint_asked ? joint.outcome : predictor.marginal(variables);
   Json json, given = Json::object(), unknown = Json::array(), outcomes = Json::object();
   for (std::size_t v = 0; v < variables.size(); ++v) {
-    const std::string& name = contract().variables[v].name;
+    const std::string& name = campaign::contract().variables[v].name;
     if (std::isnan(variables[v]))
       unknown.push_back(name);
     else
@@ -155,11 +155,11 @@ Json answer_question(const Predictor& predictor, const Question& question) {
     Json entry;
     entry["probability"] = answer.probability[y];
     entry["standard_error"] = answer.standard_error[y];
-    go += contract().outcomes[y].verdict != Verdict::no_go ? answer.probability[y] : 0;
-    outcomes[contract().outcomes[y].name] = std::move(entry);
+    go += campaign::contract().outcomes[y].verdict != campaign::Verdict::no_go ? answer.probability[y] : 0;
+    outcomes[campaign::contract().outcomes[y].name] = std::move(entry);
   }
   json["given"] = std::move(given);
-  if (question.outcome) json["given_outcome"] = contract().outcomes[*question.outcome].name;
+  if (question.outcome) json["given_outcome"] = campaign::contract().outcomes[*question.outcome].name;
   json["summed_out"] = std::move(unknown);
   json["exact"] = answer.exact;
   json["p_go"] = go;
@@ -200,18 +200,18 @@ std::string answer_text(const Json& answer) {
 
 std::size_t infer_csv(const Predictor& predictor, const std::filesystem::path& in, const std::filesystem::path& out) {
   const PointTable table = read_points(in);
-  const std::size_t variables = contract().variables.size(), outcomes = contract().outcomes.size();
+  const std::size_t variables = campaign::contract().variables.size(), outcomes = campaign::contract().outcomes.size();
   std::vector<double> p(table.lines.size() * outcomes);
   predictor.outcome_probabilities(table.points, p);
   std::string text = table.header + ",p_go";
-  for (const Outcome& outcome : contract().outcomes) text += "," + outcome.name;
+  for (const campaign::Outcome& outcome : campaign::contract().outcomes) text += "," + outcome.name;
   text += ",outside_sampled,novelty\n";
   for (std::size_t n = 0; n < table.lines.size(); ++n) {
     const auto point = std::span(table.points).subspan(n * variables, variables);
     double go = 0;
     std::string cells;
     for (std::size_t y = 0; y < outcomes; ++y) {
-      if (contract().outcomes[y].verdict != Verdict::no_go) go += p[n * outcomes + y];
+      if (campaign::contract().outcomes[y].verdict != campaign::Verdict::no_go) go += p[n * outcomes + y];
       cells += line(",%.6f", p[n * outcomes + y]);
     }
     text += table.lines[n] + line(",%.6f", go) + cells + "," + predictor.outside_variable(point) +
@@ -222,7 +222,7 @@ std::size_t infer_csv(const Predictor& predictor, const std::filesystem::path& i
 }
 
 void converse(const Predictor& predictor, std::istream& in, std::ostream& out) {
-  Question question{std::vector<double>(contract().variables.size(), NAN), std::nullopt, true};
+  Question question{std::vector<double>(campaign::contract().variables.size(), NAN), std::nullopt, true};
   out << "variable=number, variable=?, outcome=name, clear, quit\n> " << std::flush;
   for (std::string text; std::getline(in, text); out << "> " << std::flush) {
     std::istringstream words(text);
@@ -242,4 +242,4 @@ void converse(const Predictor& predictor, std::istream& in, std::ostream& out) {
   out << "\n";
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

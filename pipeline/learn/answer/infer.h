@@ -9,7 +9,7 @@
 #include "base/json/json.h"
 #include "pipeline/learn/answer/predictor.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct Question {
   std::vector<double> variables;       // [variable count], not-a-number where unknown
@@ -34,4 +34,4 @@ std::size_t infer_csv(const Predictor& predictor, const std::filesystem::path& i
 /// that cannot be read is explained and changes nothing.
 void converse(const Predictor& predictor, std::istream& in, std::ostream& out);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "pipeline/campaign/study/contract.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 std::map<std::string, double> parse_named_values(const std::vector<std::string>& texts) {
   std::map<std::string, double> values;
@@ -18,7 +18,7 @@ std::map<std::string, double> parse_named_values(const std::vector<std::string>&
     if (equals == 0 || parsed.ec != std::errc() || parsed.ptr != number.data() + number.size())
       throw InputError("\"" + text + "\" is not of the form variable=number, as in slope_along=12");
     const std::string name = text.substr(0, equals);
-    const Variable& variable = contract().variables[contract().variable_index(name)];
+    const campaign::Variable& variable = campaign::contract().variables[campaign::contract().variable_index(name)];
     if (!(value >= variable.minimum && value <= variable.maximum))
       throw InputError(text + ": outside the allowed range, " + std::to_string(variable.minimum) + " to " +
                        std::to_string(variable.maximum) + " " + variable.unit);
@@ -28,9 +28,9 @@ std::map<std::string, double> parse_named_values(const std::vector<std::string>&
 }
 
 std::vector<double> to_variables(const std::map<std::string, double>& values) {
-  std::vector<double> variables(contract().variables.size(), std::numeric_limits<double>::quiet_NaN());
-  for (const auto& [name, value] : values) variables[contract().variable_index(name)] = value;
+  std::vector<double> variables(campaign::contract().variables.size(), std::numeric_limits<double>::quiet_NaN());
+  for (const auto& [name, value] : values) variables[campaign::contract().variable_index(name)] = value;
   return variables;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -11,7 +11,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/learn/training/training_data.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 /// Squared distance in units of the sampled ranges, mean over the variables that both points know and that vary.
@@ -53,12 +53,12 @@ double typical_distance(const learning::Model& model) {
 }
 
 void check_contract(const learning::Model& model, const std::string& source) {
-  bool same = model.layout.variable_count() == contract().variables.size() &&
-              model.layout.outcome_count() == contract().outcomes.size();
-  for (std::size_t v = 0; same && v < contract().variables.size(); ++v)
-    same = model.layout.encoders()[v].name() == contract().variables[v].name;
-  for (std::size_t y = 0; same && y < contract().outcomes.size(); ++y)
-    same = model.layout.outcomes()[y] == contract().outcomes[y].name;
+  bool same = model.layout.variable_count() == campaign::contract().variables.size() &&
+              model.layout.outcome_count() == campaign::contract().outcomes.size();
+  for (std::size_t v = 0; same && v < campaign::contract().variables.size(); ++v)
+    same = model.layout.encoders()[v].name() == campaign::contract().variables[v].name;
+  for (std::size_t y = 0; same && y < campaign::contract().outcomes.size(); ++y)
+    same = model.layout.outcomes()[y] == campaign::contract().outcomes[y].name;
   if (!same)
     throw InputError(source +
                      ": was trained with other variables or outcomes than this program's contract; train again");
@@ -181,4 +181,4 @@ double Predictor::novelty(std::span<const double> variables) const {
   return nearest_distance(*model_, variables, SIZE_MAX) / typical_distance_;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

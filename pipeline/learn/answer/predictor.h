@@ -12,7 +12,7 @@
 #include "learning/model/model.h"
 #include "learning/model/posterior.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// Probabilities for points given as variables in the order and units of contract().variables; not-a-number marks an
 /// unknown variable, which is summed out over the model's prior of inputs, or over the machine's own joint distribution
@@ -64,4 +64,4 @@ class Predictor {
   double typical_distance_ = 1;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

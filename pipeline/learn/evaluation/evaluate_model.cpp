@@ -14,7 +14,7 @@
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/training_data.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 /// What the model was trained on, with passable or not as label.
@@ -52,7 +52,7 @@ std::vector<std::size_t> varying(const learning::Model& model) {
 Json evaluate_model(const std::filesystem::path& model_file, const std::filesystem::path& dataset) {
   const Predictor predictor = Predictor::read(model_file);
   const learning::TrainingTable trained = training_table(predictor.model());
-  const TrainingData data = make_training_data(read_dataset(dataset).records, {});
+  const TrainingData data = make_training_data(campaign::read_dataset(dataset).records, {});
   const std::vector<int> passable = passable_outcomes();
   std::vector<int> label;
   double base = 0.5;  // half a trial of each kind: never exactly 0 or 1
@@ -102,4 +102,4 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
   return json;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -4,7 +4,7 @@
 
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// Scores of P(go) on the valid trials of `dataset` whose point was not trained on, beside logistic regression, a
 /// neural network and the base rate of the model's own training trials, and how all of them get worse when variables
@@ -21,4 +21,4 @@ std::string missing_text(const Json& curve);
 std::vector<std::filesystem::path> write_evaluation(const std::filesystem::path& folder, const Json& report,
                                                     const Json& scores);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

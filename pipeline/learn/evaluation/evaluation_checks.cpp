@@ -2,7 +2,7 @@
 
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 Json check(const std::string& what, bool holds, double value, double limit) {
@@ -61,4 +61,4 @@ std::string checks_text(const Json& checks) {
   return text;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

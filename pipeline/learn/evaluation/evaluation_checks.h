@@ -4,7 +4,7 @@
 
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// Calibration error that a model may have above that of a perfectly calibrated forecaster with its forecasts.
 inline constexpr double kMostCalibrationError = 0.02;
@@ -21,4 +21,4 @@ inline constexpr std::int64_t kHiddenInputs = 2;
 Json evaluation_checks(const Json& report);
 std::string checks_text(const Json& checks);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

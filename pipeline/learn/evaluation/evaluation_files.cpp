@@ -10,7 +10,7 @@
 #include "pipeline/report/figure/chart.h"
 #endif
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 std::string reliability_csv(const Json& scores) {
@@ -45,14 +45,14 @@ std::string in_words(std::string name) {
   return name;
 }
 
-Chart reliability_chart(const Json& scores) {
-  Chart chart{.title = "Reliability: forecast and what happened",
-              .x_label = "forecast P(go)",
-              .y_label = "share that passed, 95 % interval",
-              .diagonal = true,
-              .series = {}};
+report::Chart reliability_chart(const Json& scores) {
+  report::Chart chart{.title = "Reliability: forecast and what happened",
+                      .x_label = "forecast P(go)",
+                      .y_label = "share that passed, 95 % interval",
+                      .diagonal = true,
+                      .series = {}};
   for (const std::string& who : forecaster_names(scores)) {
-    ChartSeries series{.label = in_words(who), .x = {}, .y = {}, .low = {}, .high = {}};
+    report::ChartSeries series{.label = in_words(who), .x = {}, .y = {}, .low = {}, .high = {}};
     for (const Json& bin : scores.at(who).at("reliability").items()) {
       series.x.push_back(bin.at("mean_forecast").number());
       series.y.push_back(bin.at("frequency").number());
@@ -65,15 +65,15 @@ Chart reliability_chart(const Json& scores) {
   return chart;
 }
 
-Chart missing_chart(const Json& curve) {
-  Chart chart{.title = "Brier score with inputs hidden (lower is better)",
-              .x_label = "inputs hidden",
-              .y_label = "Brier score",
-              .x_high = double(curve.items().size() - 1),
-              .y_high = 0,
-              .series = {}};
+report::Chart missing_chart(const Json& curve) {
+  report::Chart chart{.title = "Brier score with inputs hidden (lower is better)",
+                      .x_label = "inputs hidden",
+                      .y_label = "Brier score",
+                      .x_high = double(curve.items().size() - 1),
+                      .y_high = 0,
+                      .series = {}};
   for (const auto& [who, first] : curve.items().front().at("brier").members()) {
-    ChartSeries series{.label = in_words(who), .x = {}, .y = {}, .low = {}, .high = {}};
+    report::ChartSeries series{.label = in_words(who), .x = {}, .y = {}, .low = {}, .high = {}};
     for (const Json& point : curve.items()) {
       series.x.push_back(double(point.at("hidden").integer()));
       series.y.push_back(point.at("brier").at(who).number());
@@ -120,15 +120,15 @@ std::vector<std::filesystem::path> write_evaluation(const std::filesystem::path&
     write_file_atomically(files.back(), missing_csv(*curve));
   }
 #ifdef GONOGO_WITH_PICTURES
-  std::vector<Chart> charts = {reliability_chart(scores)};
+  std::vector<report::Chart> charts = {reliability_chart(scores)};
   if (curve) charts.push_back(missing_chart(*curve));
   files.push_back(folder / "evaluation.png");
-  write_charts(files.back(),
-               line("P(go) on %lld trials that training did not see",
-                    static_cast<long long>(scores.at("model").at("trials").integer())),
-               charts);
+  report::write_charts(files.back(),
+                       line("P(go) on %lld trials that training did not see",
+                            static_cast<long long>(scores.at("model").at("trials").integer())),
+                       charts);
 #endif
   return files;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -8,7 +8,7 @@
 #include "learning/score/calibration.h"
 #include "pipeline/learn/training/score_report.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 using Subset = std::vector<std::size_t>;
@@ -107,4 +107,4 @@ Json missing_curve(const std::vector<Forecaster>& forecasters, const learning::T
   return curve;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

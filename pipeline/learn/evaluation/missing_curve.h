@@ -8,7 +8,7 @@
 #include "base/json/json.h"
 #include "learning/table.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// P(passable) of one row, unknown variables not-a-number.
 struct Forecaster {
@@ -31,4 +31,4 @@ Json missing_curve(const std::vector<Forecaster>& forecasters, const learning::T
                    std::span<const int> happened, const std::vector<std::size_t>& hideable,
                    const MissingSettings& settings = {});
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -8,45 +8,48 @@
 #include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/report/figure/scatter.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace fs = std::filesystem;
 namespace {
 
 template <class Entry, class Get>
-ScatterColumn column_of(const Dataset& dataset, const Entry& entry, Get get) {
-  ScatterColumn column{entry.name + " [" + entry.unit + "]", {}};
-  for (const TrialRecord& record : dataset.records) column.values.push_back(get(record));
+report::ScatterColumn column_of(const campaign::Dataset& dataset, const Entry& entry, Get get) {
+  report::ScatterColumn column{entry.name + " [" + entry.unit + "]", {}};
+  for (const campaign::TrialRecord& record : dataset.records) column.values.push_back(get(record));
   return column;
 }
 
-ScatterColumn variable_column(const Dataset& dataset, std::size_t i) {
-  return column_of(dataset, contract().variables[i], [i](const TrialRecord& r) { return r.point.variables[i]; });
+report::ScatterColumn variable_column(const campaign::Dataset& dataset, std::size_t i) {
+  return column_of(dataset, campaign::contract().variables[i],
+                   [i](const campaign::TrialRecord& r) { return r.point.variables[i]; });
 }
 
 /// A variable or a measure.
-ScatterColumn named_column(const Dataset& dataset, const std::string& name) {
+report::ScatterColumn named_column(const campaign::Dataset& dataset, const std::string& name) {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < contract().variables.size(); ++i) {
-    if (contract().variables[i].name == name) return variable_column(dataset, i);
-    names.push_back(contract().variables[i].name);
+  for (std::size_t i = 0; i < campaign::contract().variables.size(); ++i) {
+    if (campaign::contract().variables[i].name == name) return variable_column(dataset, i);
+    names.push_back(campaign::contract().variables[i].name);
   }
-  for (std::size_t i = 0; i < contract().measures.size(); ++i) {
-    if (contract().measures[i].name == name)
-      return column_of(dataset, contract().measures[i], [i](const TrialRecord& r) { return r.measures[i]; });
-    names.push_back(contract().measures[i].name);
+  for (std::size_t i = 0; i < campaign::contract().measures.size(); ++i) {
+    if (campaign::contract().measures[i].name == name)
+      return column_of(dataset, campaign::contract().measures[i],
+                       [i](const campaign::TrialRecord& r) { return r.measures[i]; });
+    names.push_back(campaign::contract().measures[i].name);
   }
   throw InputError("\"" + name + "\" is neither a variable nor a measure; did you mean \"" + nearest_word(name, names) +
                    "\"? Known: " + join_words(names));
 }
 
-ScatterTable table_of(const Dataset& dataset, const std::string& title) {
-  ScatterTable table{.title = title, .columns = {}, .classes = {}, .class_of_row = {}};
-  for (const VerdictInfo& verdict : contract().verdicts) table.classes.push_back({verdict.label, verdict.colour});
-  for (const TrialRecord& record : dataset.records) table.class_of_row.push_back(int(record.verdict) - 1);
+report::ScatterTable table_of(const campaign::Dataset& dataset, const std::string& title) {
+  report::ScatterTable table{.title = title, .columns = {}, .classes = {}, .class_of_row = {}};
+  for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts)
+    table.classes.push_back({verdict.label, verdict.colour});
+  for (const campaign::TrialRecord& record : dataset.records) table.class_of_row.push_back(int(record.verdict) - 1);
   return table;
 }
 
-bool varies(const ScatterColumn& column) {
+bool varies(const report::ScatterColumn& column) {
   return std::any_of(column.values.begin(), column.values.end(), [&](double x) { return x != column.values.front(); });
 }
 
@@ -79,11 +82,11 @@ std::string page(const std::string& title, const std::string& text, const std::v
   return html + "</body></html>\n";
 }
 
-Bars bars_of(const std::vector<VariableImportance>& importance) {
-  Bars bars{.title = "What decides about go, by the model",
-            .labels = {},
-            .series = {"Sobol' total index of P(go)", "Brier score worse by, if shuffled"},
-            .values = {{}, {}}};
+report::Bars bars_of(const std::vector<VariableImportance>& importance) {
+  report::Bars bars{.title = "What decides about go, by the model",
+                    .labels = {},
+                    .series = {"Sobol' total index of P(go)", "Brier score worse by, if shuffled"},
+                    .values = {{}, {}}};
   for (const VariableImportance& v : importance) {
     bars.labels.push_back(v.name);
     bars.values[0].push_back(v.total_index);
@@ -94,22 +97,23 @@ Bars bars_of(const std::vector<VariableImportance>& importance) {
 
 }  // namespace
 
-std::vector<fs::path> write_dataset_report(const fs::path& folder, const Dataset& dataset,
+std::vector<fs::path> write_dataset_report(const fs::path& folder, const campaign::Dataset& dataset,
                                            const ReportRequest& request) {
-  ScatterTable boundary = table_of(dataset, request.name + ": trials by verdict");
+  report::ScatterTable boundary = table_of(dataset, request.name + ": trials by verdict");
   boundary.columns = {named_column(dataset, request.x), named_column(dataset, request.y)};
-  ScatterTable pairs = table_of(dataset, request.name + ": every pair of variables");
+  report::ScatterTable pairs = table_of(dataset, request.name + ": every pair of variables");
   if (dataset.records.empty()) throw InputError(request.name + ": holds no trial, there is nothing to draw");
-  for (std::size_t i = 0; i < contract().variables.size(); ++i)
-    if (ScatterColumn column = variable_column(dataset, i); varies(column)) pairs.columns.push_back(std::move(column));
+  for (std::size_t i = 0; i < campaign::contract().variables.size(); ++i)
+    if (report::ScatterColumn column = variable_column(dataset, i); varies(column))
+      pairs.columns.push_back(std::move(column));
   create_folder(folder);
   std::vector<fs::path> files{folder / "boundary.png", folder / "pairs.png"};
-  draw_scatter(files[0], boundary, 0, 1);
-  draw_pairs(files[1], pairs);
-  std::string text = to_text(summarise(dataset.records));
+  report::draw_scatter(files[0], boundary, 0, 1);
+  report::draw_pairs(files[1], pairs);
+  std::string text = campaign::to_text(campaign::summarise(dataset.records));
   if (request.importance) {
     files.push_back(folder / "importance.png");
-    draw_bars(files.back(), bars_of(*request.importance));
+    report::draw_bars(files.back(), bars_of(*request.importance));
     text += "\n" + to_text(*request.importance);
   }
   const std::string html = page(request.name, text, files);
@@ -118,4 +122,4 @@ std::vector<fs::path> write_dataset_report(const fs::path& folder, const Dataset
   return files;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -6,7 +6,7 @@
 #include "base/random.h"
 #include "pipeline/campaign/design/sobol.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 constexpr std::uint64_t kShuffleStream = 0x7065726d00000000;
@@ -33,15 +33,15 @@ double mean_squared_error(const ManyValues& function, std::span<const double> po
 TotalIndices sobol_total_indices(const ManyValues& function, const InputBox& box, std::uint32_t samples,
                                  std::uint64_t seed) {
   const std::size_t d = box.minimum.size();
-  if (2 * d > std::size_t(kSobolDimensions))
+  if (2 * d > std::size_t(campaign::kSobolDimensions))
     throw InputError("total indices of " + std::to_string(d) + " inputs: at most " +
-                     std::to_string(kSobolDimensions / 2) + " are possible");
+                     std::to_string(campaign::kSobolDimensions / 2) + " are possible");
   std::vector<double> a(samples * d), b(samples * d), values(samples), changed(samples);
   for (std::uint32_t i = 0; i < samples; ++i)
     for (std::size_t j = 0; j < d; ++j) {
       const double width = box.maximum[j] - box.minimum[j];
-      a[i * d + j] = box.minimum[j] + width * scrambled_sobol(i, seed, int(j));
-      b[i * d + j] = box.minimum[j] + width * scrambled_sobol(i, seed, int(d + j));
+      a[i * d + j] = box.minimum[j] + width * campaign::scrambled_sobol(i, seed, int(j));
+      b[i * d + j] = box.minimum[j] + width * campaign::scrambled_sobol(i, seed, int(d + j));
     }
   function(a, values);
   double mean = 0, squares = 0;
@@ -74,4 +74,4 @@ std::vector<double> permutation_importance(const ManyValues& function, std::span
   return importance;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// points [count x dimensions], row by row -> [count]
 using ManyValues = std::function<void(std::span<const double> points, std::span<double> values)>;
@@ -32,4 +32,4 @@ std::vector<double> permutation_importance(const ManyValues& function, std::span
                                            std::size_t dimensions, std::span<const double> truth, int repeats,
                                            std::uint64_t seed);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -7,7 +7,7 @@
 #include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/learn/importance/importance.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 constexpr std::uint32_t kSamples = 2048;
@@ -15,18 +15,18 @@ constexpr int kShuffles = 5;
 
 }  // namespace
 
-std::vector<VariableImportance> model_importance(const Predictor& predictor, const Dataset& dataset,
+std::vector<VariableImportance> model_importance(const Predictor& predictor, const campaign::Dataset& dataset,
                                                  std::uint64_t seed) {
   const learning::Model& model = predictor.model();
   std::vector<std::size_t> varied;
   InputBox box;
-  for (std::size_t i = 0; i < contract().variables.size(); ++i) {
+  for (std::size_t i = 0; i < campaign::contract().variables.size(); ++i) {
     if (!(model.sampled_lower[i] < model.sampled_upper[i])) continue;
     varied.push_back(i);
     box.minimum.push_back(model.sampled_lower[i]);
     box.maximum.push_back(model.sampled_upper[i]);
   }
-  const std::size_t dimensions = varied.size(), all = contract().variables.size();
+  const std::size_t dimensions = varied.size(), all = campaign::contract().variables.size();
   const ManyValues p_go = [&](std::span<const double> points, std::span<double> values) {
     std::vector<double> whole(values.size() * all);
     for (std::size_t row = 0; row < values.size(); ++row) {
@@ -36,17 +36,17 @@ std::vector<VariableImportance> model_importance(const Predictor& predictor, con
     predictor.p_go(whole, values);
   };
   std::vector<double> points, truth;
-  for (const TrialRecord& record : dataset.records) {
-    if (record.verdict == Verdict::unknown) continue;
+  for (const campaign::TrialRecord& record : dataset.records) {
+    if (record.verdict == campaign::Verdict::unknown) continue;
     for (const std::size_t i : varied) points.push_back(record.point.variables[i]);
-    truth.push_back(is_passable(record.verdict) ? 1 : 0);
+    truth.push_back(campaign::is_passable(record.verdict) ? 1 : 0);
   }
   if (truth.empty()) throw InputError("the dataset has no valid trial, so that nothing can be said of its variables");
   const TotalIndices indices = sobol_total_indices(p_go, box, kSamples, seed);
   const std::vector<double> permutation = permutation_importance(p_go, points, dimensions, truth, kShuffles, seed);
   std::vector<VariableImportance> result;
   for (std::size_t j = 0; j < dimensions; ++j)
-    result.push_back({contract().variables[varied[j]].name, indices.total[j], permutation[j]});
+    result.push_back({campaign::contract().variables[varied[j]].name, indices.total[j], permutation[j]});
   std::stable_sort(result.begin(), result.end(),
                    [](const auto& a, const auto& b) { return a.total_index > b.total_index; });
   return result;
@@ -68,4 +68,4 @@ Json to_json(const std::vector<VariableImportance>& importances) {
   return object;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

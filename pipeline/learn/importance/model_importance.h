@@ -7,7 +7,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/learn/answer/predictor.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct VariableImportance {
   std::string name;
@@ -16,10 +16,10 @@ struct VariableImportance {
 };
 
 /// Of the variables that the trials vary, most important first.
-std::vector<VariableImportance> model_importance(const Predictor& predictor, const Dataset& dataset,
+std::vector<VariableImportance> model_importance(const Predictor& predictor, const campaign::Dataset& dataset,
                                                  std::uint64_t seed = 1);
 
 std::string to_text(const std::vector<VariableImportance>& importances);
 Json to_json(const std::vector<VariableImportance>& importances);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 /// Column of the answer for each visible unit; -1 for units of clamped variables, which the problem does not hold.
@@ -99,4 +99,4 @@ Json summary_json(const Sidecar& sidecar, const DecodedAnswer& decoded) {
   return json;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -7,7 +7,7 @@
 #include "learning/qubo/sample_set.h"
 #include "pipeline/learn/qubo/qubo_exchange.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct DecodedAnswer {
   struct Row {
@@ -30,4 +30,4 @@ std::string rows_csv(const Sidecar& sidecar, const DecodedAnswer& decoded);
 
 Json summary_json(const Sidecar& sidecar, const DecodedAnswer& decoded);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

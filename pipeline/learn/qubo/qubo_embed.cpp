@@ -5,7 +5,7 @@
 #include "base/error.h"
 #include "learning/qubo/json_reader.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 /// The graph of a solver: its topology without the qubits and couplers that it does not list.
@@ -106,4 +106,4 @@ std::unique_ptr<learning::Sampler> make_any_sampler(const std::string& name, con
   return std::make_unique<learning::Emulator>(std::move(device));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

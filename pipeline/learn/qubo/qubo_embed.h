@@ -6,7 +6,7 @@
 #include "learning/hardware/unembed.h"
 #include "pipeline/learn/qubo/qubo_exchange.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct GraphChoice {
   std::string name = "chimera:12";  // unless a solver definition is given
@@ -50,4 +50,4 @@ struct DeviceChoice {
 std::unique_ptr<learning::Sampler> make_any_sampler(const std::string& name, const learning::SamplerSettings& settings,
                                                     const DeviceChoice& device);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -12,7 +12,7 @@
 #include "pipeline/learn/qubo/decode_answer.h"
 #include "pipeline/learn/qubo/qubo_embed.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 namespace fs = std::filesystem;
@@ -193,4 +193,4 @@ Json import_answer(const ImportRequest& request) {
   return json;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

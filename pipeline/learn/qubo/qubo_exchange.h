@@ -17,7 +17,7 @@
 #include "learning/qubo/sidecar.h"
 #include "learning/sampler/sampler.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct Sidecar : learning::ProblemSidecar {
   std::string model_hash;                 // empty: the problem was not exported from a model
@@ -81,4 +81,4 @@ struct ImportRequest {
 /// mean and spread of the variables over valid rows.
 Json import_answer(const ImportRequest& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 constexpr double kFirstScale = 0.2;  // what a machine of temperature 0.2 would need if nothing else warmed its rows
@@ -104,4 +104,4 @@ Json AnnealerTraining::report() const {
   return json;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -20,7 +20,7 @@
 #include "learning/model/weights.h"
 #include "learning/training_settings.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct EmulatorChoice {
   std::string graph = "chimera:12";
@@ -57,4 +57,4 @@ class AnnealerTraining {
   std::optional<learning::TemperatureControl> control_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 BinCoverage bin_coverage(const learning::VisibleLayout& layout, const learning::TrainingTable& table) {
   const auto& encoders = layout.encoders();
@@ -33,4 +33,4 @@ BinCoverage bin_coverage(const learning::VisibleLayout& layout, const learning::
   return coverage;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -3,7 +3,7 @@
 #include "learning/encoding/layout.h"
 #include "learning/table.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct BinCoverage {
   std::size_t fewest = 0;  // trials in the emptiest bin of any variable
@@ -13,4 +13,4 @@ struct BinCoverage {
 /// Rows in which a variable is unknown count for the others. A layout without bins to tell apart has all rows in one.
 BinCoverage bin_coverage(const learning::VisibleLayout& layout, const learning::TrainingTable& table);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -15,7 +15,7 @@
 #include "pipeline/learn/training/training_data.h"
 #include "pipeline/learn/training/training_sampler.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -78,7 +78,7 @@ double base_loss(const learning::TrainingTable& table, std::size_t outcomes) {
 
 Json measured(const TrainingData& data, LearningSettings settings, const std::string& connectivity, int bits,
               std::uint64_t seed) {
-  for (const Variable& variable : contract().variables)
+  for (const campaign::Variable& variable : campaign::contract().variables)
     if (!settings.encoders.count(variable.name) && variable.encoder.code != "one_hot")
       settings.encoders[variable.name] = {variable.encoder.code, bits};
   learning::TrainingSettings training = training_settings(settings, data.table.row_count(), seed);
@@ -118,7 +118,7 @@ Json measured(const TrainingData& data, LearningSettings settings, const std::st
 
 /// One variable's code of another length, all else as in the first combination.
 Json measured_with(const TrainingData& data, LearningSettings settings, const CapacityRequest& request,
-                   const Variable& variable, int bits) {
+                   const campaign::Variable& variable, int bits) {
   settings.training.hidden = request.hidden.front();
   const auto given = settings.encoders.find(variable.name);
   settings.encoders[variable.name] = {given == settings.encoders.end() ? variable.encoder.code : given->second.code,
@@ -130,10 +130,10 @@ Json measured_with(const TrainingData& data, LearningSettings settings, const Ca
   return entry;
 }
 
-std::vector<Variable> varying(const TrainingData& data) {
-  std::vector<Variable> variables;
-  for (std::size_t v = 0; v < contract().variables.size(); ++v)
-    if (data.lower[v] < data.upper[v]) variables.push_back(contract().variables[v]);
+std::vector<campaign::Variable> varying(const TrainingData& data) {
+  std::vector<campaign::Variable> variables;
+  for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v)
+    if (data.lower[v] < data.upper[v]) variables.push_back(campaign::contract().variables[v]);
   return variables;
 }
 
@@ -149,7 +149,7 @@ Json measure_capacity(const CapacityRequest& request) {
   LearningSettings settings = trainable_settings(request.learning);
   if (settings.sampler == "emulator")
     throw InputError("capacity: the sampler emulator has a graph of its own; name graphs by --connectivity");
-  TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
+  TrainingData data = make_training_data(campaign::read_dataset(request.dataset).records, request.design);
   temper_weights(data, settings.importance);
   for (const std::string& name : request.connectivity)  // a wrong name is said before anything is trained
     if (name.rfind("sparse:", 0) == 0)
@@ -158,7 +158,7 @@ Json measure_capacity(const CapacityRequest& request) {
       learning::graph_named(name.substr(0, name.find(',')));
   if (request.bits.empty() || request.hidden.empty() || request.connectivity.empty())
     throw InputError("capacity: bits, hidden units and connectivity need one value each at least");
-  const std::vector<Variable> variables = varying(data);
+  const std::vector<campaign::Variable> variables = varying(data);
   const std::size_t count = request.bits.size() * request.hidden.size() * request.connectivity.size() +
                             variables.size() * request.variable_bits.size();
   Progress progress("capacity", "machines", count);
@@ -171,13 +171,13 @@ Json measure_capacity(const CapacityRequest& request) {
         entries.push_back(measured(data, settings, name, bits, request.seed));
         progress.update(++done);
       }
-  for (const Variable& variable : variables)
+  for (const campaign::Variable& variable : variables)
     for (int bits : request.variable_bits) {
       entries.push_back(measured_with(data, settings, request, variable, bits));
       progress.update(++done);
     }
   report["trials"] = Json(std::uint64_t(data.table.row_count()));
-  report["base_loss_nat"] = base_loss(data.table, contract().outcomes.size());
+  report["base_loss_nat"] = base_loss(data.table, campaign::contract().outcomes.size());
   report["machines"] = std::move(entries);
   return report;
 }
@@ -228,4 +228,4 @@ std::string capacity_csv(const Json& report) {
   return text;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

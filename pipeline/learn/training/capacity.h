@@ -10,7 +10,7 @@
 #include "base/json/config.h"
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct CapacityRequest {
   std::filesystem::path dataset;
@@ -37,4 +37,4 @@ Json measure_capacity(const CapacityRequest& request);
 std::string capacity_text(const Json& report);
 std::string capacity_csv(const Json& report);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -9,7 +9,7 @@
 #include "learning/score/calibration.h"
 #include "pipeline/learn/training/train_model.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 using Terms = std::vector<double> (*)(std::span<const double>, std::span<const int>);
@@ -131,4 +131,4 @@ std::string report_text(const Json& report) {
   return text + scores_text(report.at("cross_validation"));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -6,7 +6,7 @@
 
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// Forecasts for the same trials by the model and the baselines, and what happened (1: passable).
 struct Forecasts {
@@ -29,4 +29,4 @@ std::vector<std::string> forecaster_names(const Json& scores);
 /// The table of scores and the reliability of the model for people.
 std::string scores_text(const Json& scores);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 void read_encoders(const Config& section, LearningSettings& settings) {
   for (const auto& [name, entry] : section.members()) {
-    contract().variable_index(name);
-    EncoderSpec spec;
+    campaign::contract().variable_index(name);
+    campaign::EncoderSpec spec;
     spec.code = entry.choice("code", {"thermometer", "one_hot", "gray"});
     if (entry.has("edges") && entry.has("bits")) entry.fail("edges", "say how many bins there are; leave out bits");
     if (entry.has("edges"))
@@ -125,4 +125,4 @@ Json to_json(const LearningSettings& settings) {
   return json;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

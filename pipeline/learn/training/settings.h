@@ -38,7 +38,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/learn/training/annealer_training.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct LearningSettings {
   std::string sampler = "block_gibbs";
@@ -49,12 +49,12 @@ struct LearningSettings {
   bool batch_given = false;
   bool quantile_bins = false;
   bool calibrate = false;
-  double importance = 1;                             // see temper_weights() in training_data.h
-  bool uniform_inputs = true;                        // of answers with unknown variables; false: the machine's own
-  std::vector<std::string> command;                  // of the sampler "command"
-  std::string stand_in = "block_gibbs";              // for a sampler that cannot be reached
-  std::map<std::string, EncoderSpec> encoders;       // by variable, where the study overrides the contract
-  std::map<std::string, std::vector<double>> edges;  // of bins, for those of `encoders` that give them [unit]
+  double importance = 1;                                  // see temper_weights() in training_data.h
+  bool uniform_inputs = true;                             // of answers with unknown variables; false: the machine's own
+  std::vector<std::string> command;                       // of the sampler "command"
+  std::string stand_in = "block_gibbs";                   // for a sampler that cannot be reached
+  std::map<std::string, campaign::EncoderSpec> encoders;  // by variable, where the study overrides the contract
+  std::map<std::string, std::vector<double>> edges;       // of bins, for those of `encoders` that give them [unit]
 };
 
 /// Without a section: the defaults. Throws InputError for unknown keys, values out of range and unknown variables.
@@ -65,4 +65,4 @@ learning::TrainingSettings training_settings(const LearningSettings& settings, s
 
 Json to_json(const LearningSettings& settings);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -13,7 +13,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/learn/training/training_data.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 /// Times Exp(1) for each group, then to mean 1 again.
@@ -37,7 +37,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     throw InputError(request.model.string() + ": was trained on other trials than " + request.dataset.string() +
                      "; train it anew with gonogo train");
   const LearningSettings settings = trainable_settings(request.learning);
-  TrainingData data = make_training_data(read_dataset(request.dataset).records, request.design);
+  TrainingData data = make_training_data(campaign::read_dataset(request.dataset).records, request.design);
   temper_weights(data, settings.importance);
   if (request.hold_out > 0) hold_out(data, request.hold_out, request.seed);
   learning::TrainingSettings training = training_settings(settings, data.table.row_count(), request.seed);
@@ -61,4 +61,4 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
   return files;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -9,10 +9,10 @@
 
 #include "pipeline/learn/training/train_model.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 /// Trains `count` members beside the model of `request`, which must have been trained on the same dataset:
 /// <model's stem>.member1.h5, ... Returns their names. Same dataset, seed and settings: same bytes.
 std::vector<std::filesystem::path> train_members(const TrainRequest& request, int count);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -16,7 +16,7 @@
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/training_sampler.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 /// Too few groups of trials for the folds asked for: as many folds as groups.
@@ -104,7 +104,8 @@ Json failure_report(const TrainingData& data) {
   double highest = 0;
   Json weights = Json::object();
   for (std::size_t n = 0; n < all.row_count(); ++n) highest = std::max(highest, model(all.row(n)));
-  for (std::size_t v = 0; v < all.variable_count; ++v) weights[contract().variables[v].name] = model.weight[v];
+  for (std::size_t v = 0; v < all.variable_count; ++v)
+    weights[campaign::contract().variables[v].name] = model.weight[v];
   json["modelled_rate_highest"] = highest;
   json["weights_per_standard_deviation"] = std::move(weights);
   return json;
@@ -115,8 +116,8 @@ Json counts_report(const TrainingData& data) {
   json["trials"] = Json(std::uint64_t(data.trials));
   json["trained_on"] = Json(std::uint64_t(data.table.row_count()));
   json["left_out_unknown"] = Json(std::uint64_t(data.failed));
-  for (std::size_t y = 0; y < contract().outcomes.size(); ++y)
-    outcomes[contract().outcomes[y].name] = Json(std::uint64_t(data.outcome_count[y]));
+  for (std::size_t y = 0; y < campaign::contract().outcomes.size(); ++y)
+    outcomes[campaign::contract().outcomes[y].name] = Json(std::uint64_t(data.outcome_count[y]));
   json["outcomes"] = std::move(outcomes);
   return json;
 }
@@ -134,7 +135,7 @@ LearningSettings trainable_settings(const std::optional<Config>& section) {
 
 Json train_model(const TrainRequest& request) {
   const LearningSettings settings = trainable_settings(request.learning);
-  const Dataset dataset = read_dataset(request.dataset);
+  const campaign::Dataset dataset = campaign::read_dataset(request.dataset);
   TrainingData data = make_training_data(dataset.records, request.design);
   temper_weights(data, settings.importance);
   const std::size_t held_out = request.hold_out > 0 ? hold_out(data, request.hold_out, request.seed).row_count() : 0;
@@ -166,7 +167,7 @@ Json train_model(const TrainRequest& request) {
 
   Json& report = model.provenance;
   report["data_hash"] = file_hash(request.dataset);
-  report["contract_hash"] = content_hash(contract_text());
+  report["contract_hash"] = content_hash(campaign::contract_text());
   report["program_version"] = program_version();
   source.report(report);
   report["calibration_power"] = model.calibration_power;
@@ -183,4 +184,4 @@ Json train_model(const TrainRequest& request) {
   return report;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

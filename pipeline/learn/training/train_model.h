@@ -9,7 +9,7 @@
 #include "pipeline/learn/training/settings.h"
 #include "pipeline/learn/training/training_data.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct TrainRequest {
   std::filesystem::path dataset;   // dataset.h5
@@ -30,4 +30,4 @@ Json train_model(const TrainRequest& request);
 /// Trial counts, failure rate, and scores of P(go) by cross-validation beside logistic regression and the base rate.
 std::string report_text(const Json& report);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 void extend_box(TrainingData& data, const std::vector<double>& variables) {
@@ -19,7 +19,7 @@ void extend_box(TrainingData& data, const std::vector<double>& variables) {
 
 void extend_box(TrainingData& data, const Config& ranges) {
   for (const auto& [name, value] : ranges.json().members()) {
-    const std::size_t v = contract().variable_index(name);
+    const std::size_t v = campaign::contract().variable_index(name);
     const std::vector<double> ends = ranges.numbers(name);
     if (ends.size() != 2 || ends[0] > ends[1]) ranges.fail(name, "expected [lowest, highest]");
     data.lower[v] = std::min(data.lower[v], ends[0]);
@@ -38,8 +38,8 @@ void finish(TrainingData& data) {
   make_mean_one(data.table.weight);
   for (std::size_t v = 0; v < data.lower.size(); ++v) {
     if (data.lower[v] <= data.upper[v]) continue;
-    data.lower[v] = contract().variables[v].minimum;
-    data.upper[v] = contract().variables[v].maximum;
+    data.lower[v] = campaign::contract().variables[v].minimum;
+    data.upper[v] = campaign::contract().variables[v].maximum;
   }
 }
 
@@ -47,30 +47,31 @@ void finish(TrainingData& data) {
 
 std::vector<int> passable_outcomes() {
   std::vector<int> passable;
-  for (const Outcome& outcome : contract().outcomes)
-    passable.push_back(outcome.verdict == Verdict::go || outcome.verdict == Verdict::slow_go);
+  for (const campaign::Outcome& outcome : campaign::contract().outcomes)
+    passable.push_back(outcome.verdict == campaign::Verdict::go || outcome.verdict == campaign::Verdict::slow_go);
   return passable;
 }
 
-TrainingData make_training_data(const std::vector<TrialRecord>& records, const std::optional<Config>& design) {
+TrainingData make_training_data(const std::vector<campaign::TrialRecord>& records,
+                                const std::optional<Config>& design) {
   TrainingData data;
-  const std::size_t variables = contract().variables.size();
+  const std::size_t variables = campaign::contract().variables.size();
   data.table.variable_count = variables;
   data.lower.assign(variables, INFINITY);
   data.upper.assign(variables, -INFINITY);
-  data.outcome_count.assign(contract().outcomes.size(), 0);
-  for (const TrialRecord& record : records) {
-    const DesignPoint& point = record.point;
+  data.outcome_count.assign(campaign::contract().outcomes.size(), 0);
+  for (const campaign::TrialRecord& record : records) {
+    const campaign::DesignPoint& point = record.point;
     ++data.trials;
     extend_box(data, point.variables);
-    if (record.verdict == Verdict::unknown) {
+    if (record.verdict == campaign::Verdict::unknown) {
       ++data.failed;
       data.failed_variables.insert(data.failed_variables.end(), point.variables.begin(), point.variables.end());
       continue;
     }
     if (!(point.proposal_density > 0) || !std::isfinite(point.proposal_density))
       throw InputError("dataset: trial " + std::to_string(point.index) + ": proposal density is not a positive number");
-    const std::size_t outcome = contract().outcome_index(record.verdict, record.reason);
+    const std::size_t outcome = campaign::contract().outcome_index(record.verdict, record.reason);
     ++data.outcome_count[outcome];
     data.table.variables.insert(data.table.variables.end(), point.variables.begin(), point.variables.end());
     data.table.outcome.push_back(outcome);
@@ -119,10 +120,10 @@ learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uin
 
 learning::VisibleLayout make_layout(const TrainingData& data, const LearningSettings& settings) {
   std::vector<learning::Encoder> encoders;
-  for (std::size_t v = 0; v < contract().variables.size(); ++v) {
-    const Variable& variable = contract().variables[v];
+  for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v) {
+    const campaign::Variable& variable = campaign::contract().variables[v];
     const auto chosen = settings.encoders.find(variable.name);
-    const EncoderSpec spec = chosen == settings.encoders.end() ? variable.encoder : chosen->second;
+    const campaign::EncoderSpec spec = chosen == settings.encoders.end() ? variable.encoder : chosen->second;
     const learning::Code code = learning::code_from_name(spec.code);
     const int bins = learning::Encoder::bins_for_units(code, spec.bits);
     std::vector<double> values;
@@ -142,8 +143,8 @@ learning::VisibleLayout make_layout(const TrainingData& data, const LearningSett
           learning::Encoder::by_range(variable.name, variable.unit, code, bins, data.lower[v], data.upper[v]));
   }
   std::vector<std::string> outcomes;
-  for (const Outcome& outcome : contract().outcomes) outcomes.push_back(outcome.name);
+  for (const campaign::Outcome& outcome : campaign::contract().outcomes) outcomes.push_back(outcome.name);
   return learning::VisibleLayout(std::move(encoders), std::move(outcomes));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

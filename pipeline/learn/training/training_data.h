@@ -9,7 +9,7 @@
 #include "pipeline/campaign/trial/record.h"
 #include "pipeline/learn/training/settings.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 struct TrainingData {
   learning::TrainingTable table;           // valid trials; weight = prior / proposal, mean 1; replicates in one group
@@ -22,7 +22,7 @@ struct TrainingData {
 /// The prior is uniform over the sampled box, so that a row's weight is 1 / proposal density.
 /// `design` is the study's section, whose "ranges" widen the box beyond the outermost trials; without it the box is
 /// what the trials span. Throws InputError when no valid trial is left.
-TrainingData make_training_data(const std::vector<TrialRecord>& records, const std::optional<Config>& design);
+TrainingData make_training_data(const std::vector<campaign::TrialRecord>& records, const std::optional<Config>& design);
 
 /// Raises the weights to a power in [0, 1] and makes their mean 1 again. 1: forecasts suit the whole box, at the price
 /// of few trials that count where a design put many; 0: every trial counts alike, which is better where the machine can
@@ -39,4 +39,4 @@ learning::VisibleLayout make_layout(const TrainingData& data, const LearningSett
 /// 1 for outcomes that are go or slow_go, in the order of contract().outcomes.
 std::vector<int> passable_outcomes();
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

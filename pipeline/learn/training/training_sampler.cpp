@@ -4,7 +4,7 @@
 #include "learning/sampler/gpu_chains.h"
 #include "learning/sampler/stand_in.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 namespace {
 
 /// Unit updates between two updates of the weights from which on a GPU gains by it: below, starting it takes longer.
@@ -63,4 +63,4 @@ void TrainingSampler::report(Json& report) const {
   report["stand_in_reason"] = chosen->reason();
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -7,7 +7,7 @@
 #include "pipeline/learn/training/annealer_training.h"
 #include "pipeline/learn/training/settings.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
 
 class TrainingSampler {
  public:
@@ -28,4 +28,4 @@ class TrainingSampler {
   std::unique_ptr<AnnealerTraining> annealer_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "terrain/raster/slope.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 using terrain::MapGrid;
 using terrain::RasterKind;
@@ -107,7 +107,7 @@ CellState state_of(const SoilTable& table, const std::vector<LandRule>& land, co
     const LandRule& decides = land[std::size_t(decision.rule) - 1];
     return {{*decides.verdict, decides.reason}, kNoData, nullptr};
   }
-  if (decision.soil < 0) return {{Verdict::unknown, Reason::input_missing}, kNoData, nullptr};
+  if (decision.soil < 0) return {{campaign::Verdict::unknown, campaign::Reason::input_missing}, kNoData, nullptr};
   return in_heading(table.responses[std::size_t(decision.soil)], rules, slope, aspect);
 }
 
@@ -244,4 +244,4 @@ BlockLayers evaluate_block(const MapSources& sources, const Region& region, cons
   return block;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -7,7 +7,7 @@
 #include "pipeline/map/evaluate/soil_table.h"
 #include "terrain/raster/raster_source.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct MapSources {
   terrain::RasterSource elevation;
@@ -44,4 +44,4 @@ SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const
 BlockLayers evaluate_block(const MapSources& sources, const Region& region, const SoilTable& table,
                            const std::vector<MapLayer>& layers, const MapRules& rules, terrain::Window window);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Slope along the heading (uphill positive) and across it (left side up positive) [deg].
 struct BedSlopes {
@@ -29,4 +29,4 @@ inline double rounded_aspect(double aspect) { return std::fmod(std::round(aspect
 /// Headings that "worst" and "best" are taken over: 0 (uphill), 10, ... 350 degrees from the fall line.
 inline constexpr int kHeadings = 36;
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -6,7 +6,7 @@
 #include "pipeline/map/evaluate/heading.h"
 #include "pipeline/map/evaluate/soil_points.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Slopes along and across are rounded to this before the model is asked: 1/2 degree. P(go) of a heading is the model's
 /// own value there. Independent elevation errors of 0.2 m at 10 m cells already do as much to the slope.
@@ -58,4 +58,4 @@ class HeadingTable {
   HeadingAnswer outside_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -4,7 +4,7 @@
 
 #include "pipeline/campaign/study/contract.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 using terrain::LayerInfo;
 using terrain::LegendEntry;
@@ -51,7 +51,7 @@ std::function<float(const CellState&)> class_over(CellClass HeadingRange::*membe
 
 std::vector<LegendEntry> class_legend(bool colour_blind_safe) {
   std::vector<LegendEntry> legend;
-  for (const VerdictInfo& verdict : contract().verdicts)
+  for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts)
     legend.push_back(
         {double(verdict.code), verdict.label, colour_blind_safe ? verdict.colour_blind_safe : verdict.colour});
   return legend;
@@ -59,7 +59,7 @@ std::vector<LegendEntry> class_legend(bool colour_blind_safe) {
 
 std::vector<LegendEntry> reason_legend() {
   std::vector<LegendEntry> legend;
-  for (const ReasonInfo& reason : contract().reasons)
+  for (const campaign::ReasonInfo& reason : campaign::contract().reasons)
     legend.push_back({double(reason.code), reason.label, reason.colour});
   return legend;
 }
@@ -117,4 +117,4 @@ std::vector<MapLayer> map_layers(const MapRules& rules, bool has_measures, bool 
   return layers;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -9,7 +9,7 @@
 #include "pipeline/map/region/rules.h"
 #include "terrain/raster/geotiff.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
@@ -34,4 +34,4 @@ std::vector<terrain::LegendEntry> class_legend(bool colour_blind_safe);
 std::vector<terrain::LegendEntry> reason_legend();
 std::vector<terrain::LegendEntry> p_go_legend();
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -6,7 +6,7 @@
 
 #include "pipeline/campaign/study/contract.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr std::size_t kFewestTrials = 12;
@@ -146,7 +146,7 @@ double MeasureFit::value(std::span<const double> variables) const {
 
 MeasureFit fit_measure(std::string name, std::string unit, std::span<const double> points,
                        std::span<const double> value) {
-  const std::size_t width = contract().variables.size();
+  const std::size_t width = campaign::contract().variables.size();
   MeasureFit fit;
   fit.name = std::move(name);
   fit.unit = std::move(unit);
@@ -182,7 +182,8 @@ double SlopeMeasure::at(BedSlopes s) const {
 }
 
 SlopeMeasure on_soil(const MeasureFit& fit, const std::vector<std::vector<double>>& points) {
-  const std::size_t a = contract().variable_index("slope_along"), b = contract().variable_index("slope_across");
+  const std::size_t a = campaign::contract().variable_index("slope_along"),
+                    b = campaign::contract().variable_index("slope_across");
   SlopeMeasure measure;
   for (std::vector<double> point : points) {
     point[a] = 0;
@@ -203,4 +204,4 @@ SlopeMeasure on_soil(const MeasureFit& fit, const std::vector<std::vector<double
   return measure;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

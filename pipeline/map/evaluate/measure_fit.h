@@ -13,7 +13,7 @@
 
 #include "pipeline/map/evaluate/heading.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Routes never count on less speed than this [m/s].
 inline constexpr double kSlowestSpeed = 0.05;
@@ -46,4 +46,4 @@ struct SlopeMeasure {
 /// Mean over the points that the soil may be; slopes in `points` are not looked at.
 SlopeMeasure on_soil(const MeasureFit& fit, const std::vector<std::vector<double>>& points);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

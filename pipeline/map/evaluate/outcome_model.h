@@ -9,7 +9,7 @@
 #include "base/json/config.h"
 #include "pipeline/map/evaluate/measure_fit.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Cone indices that a vehicle needs in fine-grained soil (vehicle/semi_empirical/mobility_index.h).
 struct ConeIndexNeed {
@@ -37,4 +37,4 @@ struct OutcomeModel {
   std::optional<ConeIndexNeed> cone_index;  // of the vehicle; nothing: not known, fine-grained soil is then unknown
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -8,7 +8,7 @@
 #include "terrain/soil/strength.h"
 #include "terrain/soil/texture.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -17,8 +17,8 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 std::string in_psi(double pascal) { return line("%.0f psi", pascal / terrain::kPascalPerPsi); }
 
 double estimated_index(const std::vector<double>& point) {
-  const double cohesion = point[contract().variable_index("cohesion")];
-  const double angle = point[contract().variable_index("friction_angle")];
+  const double cohesion = point[campaign::contract().variable_index("cohesion")];
+  const double angle = point[campaign::contract().variable_index("friction_angle")];
   return terrain::cone_index(cohesion * 1e3, angle);  // not-a-number where one of them is not known
 }
 
@@ -75,7 +75,7 @@ std::optional<bool> is_fine_grained(const Region& region, const Soil& soil) {
 
 SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector<std::vector<double>>& points,
                        const std::optional<ConeIndexNeed>& need) {
-  const std::size_t angle = contract().variable_index("friction_angle");
+  const std::size_t angle = campaign::contract().variable_index("friction_angle");
   const std::size_t draws = points.size() / std::max<std::size_t>(1, soil.samples.size());
   const std::optional<bool> fine = is_fine_grained(region, soil);
   SoftPoints soft{std::vector<char>(points.size(), 0), {}};
@@ -92,4 +92,4 @@ SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector
   return soft;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -9,7 +9,7 @@
 #include "pipeline/map/evaluate/outcome_model.h"
 #include "pipeline/map/region/region.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// A soil whose texture is not given counts as fine-grained below this friction angle: no sand of configs/soils has
 /// less.
@@ -28,4 +28,4 @@ SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector
 /// True, false, or nothing where neither the soil nor the region says.
 std::optional<bool> is_fine_grained(const Region& region, const Soil& soil);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

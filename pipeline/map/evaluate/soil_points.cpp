@@ -4,10 +4,10 @@
 #include <cmath>
 #include <sstream>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
-std::string describe_outside(const Variable& variable, double value, Range sampled) {
+std::string describe_outside(const campaign::Variable& variable, double value, Range sampled) {
   std::ostringstream text;
   text << variable.name << " " << value << " " << variable.unit << " is outside " << sampled.minimum << " to "
        << sampled.maximum << " " << variable.unit;
@@ -23,7 +23,7 @@ bool contains(Range sampled, double value) {
 
 SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft)
     : all_(std::move(points)), soft_(std::move(soft)) {
-  const auto& variables = contract().variables;
+  const auto& variables = campaign::contract().variables;
   soft_.is_soft.resize(all_.size(), 0);
   std::size_t soft_count = 0;
   for (std::size_t i = 0; i < all_.size(); ++i) {
@@ -44,13 +44,13 @@ SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double
   soft_share_ = double(soft_count) / double(all_.size());
 }
 
-Reason SoilPoints::reason_outside() const { return reason_of_unknown(Prospect{{}, 1, soft_share_}); }
+campaign::Reason SoilPoints::reason_outside() const { return reason_of_unknown(Prospect{{}, 1, soft_share_}); }
 
 std::vector<double> SoilPoints::answers(const Probabilities& model, double slope_along, double slope_across) const {
-  const std::size_t variables = contract().variables.size();
-  const std::size_t along = contract().variable_index("slope_along");
-  const std::size_t across = contract().variable_index("slope_across");
-  std::vector<double> points = inside_, result(inside_count_ * contract().outcomes.size());
+  const std::size_t variables = campaign::contract().variables.size();
+  const std::size_t along = campaign::contract().variable_index("slope_along");
+  const std::size_t across = campaign::contract().variable_index("slope_across");
+  std::vector<double> points = inside_, result(inside_count_ * campaign::contract().outcomes.size());
   for (std::size_t i = 0; i < inside_count_; ++i) {
     points[i * variables + along] = slope_along;
     points[i * variables + across] = slope_across;
@@ -60,12 +60,13 @@ std::vector<double> SoilPoints::answers(const Probabilities& model, double slope
 }
 
 Prospect SoilPoints::nothing_known() const {
-  return {std::vector<double>(contract().outcomes.size(), 0.0), 1, soft_share_};
+  return {std::vector<double>(campaign::contract().outcomes.size(), 0.0), 1, soft_share_};
 }
 
 bool SoilPoints::is_sampled(const OutcomeModel& model, double slope_along, double slope_across) const {
-  return inside_count_ > 0 && contains(model.sampled[contract().variable_index("slope_along")], slope_along) &&
-         contains(model.sampled[contract().variable_index("slope_across")], slope_across);
+  return inside_count_ > 0 &&
+         contains(model.sampled[campaign::contract().variable_index("slope_along")], slope_along) &&
+         contains(model.sampled[campaign::contract().variable_index("slope_across")], slope_across);
 }
 
 Prospect SoilPoints::mean_of(const std::vector<double>& answers) const {
@@ -78,11 +79,11 @@ Prospect SoilPoints::mean_of(const std::vector<double>& answers) const {
 }
 
 void SoilPoints::add_p_go(const std::vector<double>& answers, std::vector<double>& p_go) const {
-  const auto& outcomes = contract().outcomes;
+  const auto& outcomes = campaign::contract().outcomes;
   for (std::size_t i = 0; i < inside_count_; ++i) {
     double sum = 0;
     for (std::size_t o = 0; o < outcomes.size(); ++o)
-      if (outcomes[o].verdict != Verdict::no_go) sum += answers[i * outcomes.size() + o];
+      if (outcomes[o].verdict != campaign::Verdict::no_go) sum += answers[i * outcomes.size() + o];
     p_go.push_back(sum);
   }
 }
@@ -104,11 +105,11 @@ Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double sl
 double SoilPoints::novelty(const OutcomeModel& model, double slope_along, double slope_across) const {
   double sum = 0;
   for (std::vector<double> point : all_) {
-    point[contract().variable_index("slope_along")] = slope_along;
-    point[contract().variable_index("slope_across")] = slope_across;
+    point[campaign::contract().variable_index("slope_along")] = slope_along;
+    point[campaign::contract().variable_index("slope_across")] = slope_across;
     sum += model.novelty(point);
   }
   return sum / double(all_.size());
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

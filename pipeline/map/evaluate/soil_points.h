@@ -8,7 +8,7 @@
 #include "pipeline/map/evaluate/soft_soil.h"
 #include "pipeline/map/region/rules.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Room for the last digit of a range that went through a file.
 bool contains(Range sampled, double value);
@@ -30,7 +30,7 @@ class SoilPoints {
   /// Share of the points that are too soft, sampled or not.
   double soft_share() const { return soft_share_; }
   /// Why nothing is said about slopes outside the sampled box.
-  Reason reason_outside() const;
+  campaign::Reason reason_outside() const;
   /// Every point, sampled or not.
   const std::vector<std::vector<double>>& all() const { return all_; }
   /// "cohesion 6.1 kPa is outside 0 to 5 kPa" for each variable that keeps points of this soil out.
@@ -53,4 +53,4 @@ class SoilPoints {
   std::vector<std::string> outside_because_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -7,7 +7,7 @@
 
 #include "base/cancel.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
@@ -20,7 +20,7 @@ constexpr std::array<double, 9> kNormalParts = {-1.59322, -0.967422, -0.589456, 
 float p_slow_of(const Prospect& prospect) {
   double sum = 0;
   for (std::size_t o = 0; o < prospect.outcome.size(); ++o)
-    if (contract().outcomes[o].verdict == Verdict::slow_go) sum += prospect.outcome[o];
+    if (campaign::contract().outcomes[o].verdict == campaign::Verdict::slow_go) sum += prospect.outcome[o];
   return float(sum);
 }
 
@@ -37,7 +37,7 @@ double rounded_slope(double slope_deg) { return std::round(slope_deg * kSlopeSte
 SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
                            double gradient_error, SoftPoints soft)
     : points_(model, std::move(points), std::move(soft)), headings_(model, rules, points_) {
-  sampled_slope_ = model.sampled[contract().variable_index("slope_along")];
+  sampled_slope_ = model.sampled[campaign::contract().variable_index("slope_along")];
   tabulate(model, rules);
   add_interval(gradient_error, 1 + model.members.size());
   p_each_ = {};
@@ -55,7 +55,8 @@ void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
   stop_if_cancelled();
   CellAnswer steeper;
   steeper.result = classify(points_.at(model, sampled_slope_.maximum, 0), rules);
-  if (steeper.result.verdict != Verdict::no_go) steeper.result = {Verdict::unknown, points_.reason_outside()};
+  if (steeper.result.verdict != campaign::Verdict::no_go)
+    steeper.result = {campaign::Verdict::unknown, points_.reason_outside()};
   steeper.p_go = steeper.p_slow = steeper.speed = steeper.slip = steeper.sinkage = kNoData;
   steeper.outside_share = 1;
   std::fill(table_.begin() + steepest + 1, table_.end(), steeper);
@@ -125,4 +126,4 @@ const CellAnswer& SoilResponse::at(double slope_deg) const {
   return table_[std::size_t(std::clamp(step, 0.0, double(table_.size() - 1)))];
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

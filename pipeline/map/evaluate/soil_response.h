@@ -10,7 +10,7 @@
 #include "pipeline/map/evaluate/soil_points.h"
 #include "pipeline/map/region/rules.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Slopes are rounded to this before the model is asked: 1/64 degree, far less than what the elevation's own error
 /// does. The map's P(go) is the model's own value at the rounded slope.
@@ -73,4 +73,4 @@ class SoilResponse {
   std::vector<std::vector<double>> p_each_;           // [step][sampled point], only while the tables are made
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -8,7 +8,7 @@
 #include "pipeline/map/evaluate/soil_response.h"
 #include "pipeline/map/region/region.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct SoilTable {
   static constexpr int kUnknown = -1;
@@ -44,4 +44,4 @@ struct SoilTable {
   std::unordered_map<std::int64_t, int> index_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -5,7 +5,7 @@
 
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 int SpeedCurve::step_of(double speed) {
   if (!(speed > 0)) return 0;
@@ -35,4 +35,4 @@ std::string SpeedCurve::csv() const {
   return text + line("unknown,%.6f of all cells,\n", all > 0 ? double(unknown_) / double(all) : 0.0);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

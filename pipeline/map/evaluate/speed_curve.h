@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 class SpeedCurve {
  public:
@@ -27,4 +27,4 @@ class SpeedCurve {
   std::uint64_t unknown_ = 0;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

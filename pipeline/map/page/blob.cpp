@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 /// Low bytes first, then high bytes.
@@ -74,4 +74,4 @@ std::string blob_element(const Blob& blob) {
          base64(best) + "</script>\n";
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Differences from what the neighbours in a row-by-row array say; the filter that deflates best is taken.
 enum class BlobFilter { none = 0, left = 1, plane = 2, mean = 3 };  // 0, left, left + up - corner, (left + up) / 2
@@ -22,4 +22,4 @@ std::vector<std::uint16_t> filtered(const Blob& blob, BlobFilter filter);
 std::string blob_element(const Blob& blob);
 std::string base64(const std::string& bytes);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "pipeline/map/page/page_text.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 std::string script_safe(const Json& json) {
   std::string out;
@@ -37,4 +37,4 @@ std::string page_file(const Json& meta, const std::vector<Blob>& blobs) {
   return out + html.substr(from);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -6,7 +6,7 @@
 #include "base/json/json.h"
 #include "pipeline/map/page/blob.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// `meta` is what data.js calls meta. Any text in it is shown as text: nothing of it can end the script or become
 /// markup.
@@ -15,4 +15,4 @@ std::string page_file(const Json& meta, const std::vector<Blob>& blobs);
 /// JSON that can stand inside a <script> element.
 std::string script_safe(const Json& json);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -3,10 +3,10 @@
 #pragma once
 #include <string>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 const std::string& page_html();
 const std::string& page_css();
 const std::string& page_js();
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 std::string csv_row(const std::string& verdict, const std::string& reason, std::uint64_t cells, double area_km2,
@@ -21,32 +21,34 @@ std::uint64_t AreaCount::total() const {
   return sum;
 }
 
-std::uint64_t AreaCount::cells(Verdict verdict) const {
+std::uint64_t AreaCount::cells(campaign::Verdict verdict) const {
   std::uint64_t sum = 0;
   for (const auto& [key, count] : cells_) sum += key.first == verdict ? count : 0;
   return sum;
 }
 
-std::uint64_t AreaCount::cells(Verdict verdict, Reason reason) const {
+std::uint64_t AreaCount::cells(campaign::Verdict verdict, campaign::Reason reason) const {
   const auto found = cells_.find({verdict, reason});
   return found == cells_.end() ? 0 : found->second;
 }
 
-double AreaCount::share(Verdict verdict) const { return total() ? double(cells(verdict)) / double(total()) : 0; }
+double AreaCount::share(campaign::Verdict verdict) const {
+  return total() ? double(cells(verdict)) / double(total()) : 0;
+}
 
-double AreaCount::share(Verdict verdict, Reason reason) const {
+double AreaCount::share(campaign::Verdict verdict, campaign::Reason reason) const {
   return total() ? double(cells(verdict, reason)) / double(total()) : 0;
 }
 
 std::string AreaCount::csv(double cell_area_m2) const {
   std::string text = "class,reason,cells,area_km2,share\n";
-  for (const VerdictInfo& info : contract().verdicts) {
-    const Verdict verdict = Verdict(info.code);
+  for (const campaign::VerdictInfo& info : campaign::contract().verdicts) {
+    const campaign::Verdict verdict = campaign::Verdict(info.code);
     text += csv_row(info.name, "all", cells(verdict), double(cells(verdict)) * cell_area_m2 * 1e-6, share(verdict));
-    for (const ReasonInfo& reason : contract().reasons)
-      if (const std::uint64_t count = cells(verdict, Reason(reason.code)))
+    for (const campaign::ReasonInfo& reason : campaign::contract().reasons)
+      if (const std::uint64_t count = cells(verdict, campaign::Reason(reason.code)))
         text += csv_row(info.name, reason.name, count, double(count) * cell_area_m2 * 1e-6,
-                        share(verdict, Reason(reason.code)));
+                        share(verdict, campaign::Reason(reason.code)));
   }
   return text;
 }
@@ -55,8 +57,8 @@ Json AreaCount::to_json() const {
   Json rows = Json::array();
   for (const auto& [key, count] : cells_) {
     Json row = Json::object();
-    row["class"] = contract().info(key.first).name;
-    row["reason"] = contract().info(key.second).name;
+    row["class"] = campaign::contract().info(key.first).name;
+    row["reason"] = campaign::contract().info(key.second).name;
     row["cells"] = count;
     rows.push_back(row);
   }
@@ -66,11 +68,11 @@ Json AreaCount::to_json() const {
 AreaCount AreaCount::from_json(const Json& json) {
   AreaCount area;
   for (const Json& row : json.items())
-    for (const VerdictInfo& verdict : contract().verdicts)
-      for (const ReasonInfo& reason : contract().reasons)
+    for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts)
+      for (const campaign::ReasonInfo& reason : campaign::contract().reasons)
         if (row.at("class").string() == verdict.name && row.at("reason").string() == reason.name)
-          area.add(Verdict(verdict.code), Reason(reason.code), row.at("cells").unsigned_integer());
+          area.add(campaign::Verdict(verdict.code), campaign::Reason(reason.code), row.at("cells").unsigned_integer());
   return area;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

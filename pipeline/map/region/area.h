@@ -8,18 +8,20 @@
 #include "base/json/json.h"
 #include "pipeline/campaign/study/contract.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 class AreaCount {
  public:
-  void add(Verdict verdict, Reason reason, std::uint64_t cells = 1) { cells_[{verdict, reason}] += cells; }
+  void add(campaign::Verdict verdict, campaign::Reason reason, std::uint64_t cells = 1) {
+    cells_[{verdict, reason}] += cells;
+  }
 
   std::uint64_t total() const;
-  std::uint64_t cells(Verdict verdict) const;
-  std::uint64_t cells(Verdict verdict, Reason reason) const;
+  std::uint64_t cells(campaign::Verdict verdict) const;
+  std::uint64_t cells(campaign::Verdict verdict, campaign::Reason reason) const;
   /// Share of all cells that have elevation [0, 1]; 0 when there are none.
-  double share(Verdict verdict) const;
-  double share(Verdict verdict, Reason reason) const;
+  double share(campaign::Verdict verdict) const;
+  double share(campaign::Verdict verdict, campaign::Reason reason) const;
 
   /// Columns class, reason, cells, area_km2, share; every class in the contract's order, then its reasons that occur.
   std::string csv(double cell_area_m2) const;
@@ -27,7 +29,7 @@ class AreaCount {
   static AreaCount from_json(const Json& json);
 
  private:
-  std::map<std::pair<Verdict, Reason>, std::uint64_t> cells_;
+  std::map<std::pair<campaign::Verdict, campaign::Reason>, std::uint64_t> cells_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -5,7 +5,7 @@
 #include "terrain/soil/strength.h"
 #include "terrain/soil/texture.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 RegionRaster read_raster(const Config& config, const std::string& role) {
@@ -35,7 +35,7 @@ SoilSample read_sample(const Config& config) {
   sample.source = config.text("source");
   if (config.has("water_percent")) sample.water_percent = config.number("water_percent", {0, 1000});
   if (config.has("cone_index_kPa")) sample.cone_index = 1e3 * config.number("cone_index_kPa", {0, 10000});
-  for (const Variable& variable : contract().variables) {
+  for (const campaign::Variable& variable : campaign::contract().variables) {
     if (variable.name == "slope_along" || variable.name == "slope_across" || !config.has(variable.name)) continue;
     const double value = config.number(variable.name, {variable.minimum, variable.maximum});
     sample.values[variable.name] = {Spread::Kind::fixed, value, value, sample.source};
@@ -90,9 +90,11 @@ LandRule read_land_rule(const Config& config) {
   const std::string verdict = config.choice("verdict", {"soil", "no_go", "unknown"});
   config.text_or("note", "");
   if (verdict != "soil") {
-    rule.verdict = verdict == "no_go" ? Verdict::no_go : Verdict::unknown;
+    rule.verdict = verdict == "no_go" ? campaign::Verdict::no_go : campaign::Verdict::unknown;
     const std::string reason = config.choice("reason", {"water", "vegetation", "built_up"});
-    rule.reason = reason == "water" ? Reason::water : reason == "vegetation" ? Reason::vegetation : Reason::built_up;
+    rule.reason = reason == "water"        ? campaign::Reason::water
+                  : reason == "vegetation" ? campaign::Reason::vegetation
+                                           : campaign::Reason::built_up;
   }
   config.finish();
   return rule;
@@ -165,9 +167,9 @@ Region read_region(const std::filesystem::path& path) {
 
 std::vector<LandRule> land_rules(const Region& region) {
   std::vector<LandRule> rules = region.land;
-  rules.push_back({-1, "land cover not known", Verdict::unknown, Reason::land_unknown});
-  rules.push_back({-1, "measured cone index below VCI1", Verdict::no_go, Reason::soft_soil});
-  rules.push_back({-1, "measured cone index below VCI50", Verdict::unknown, Reason::soft_soil});
+  rules.push_back({-1, "land cover not known", campaign::Verdict::unknown, campaign::Reason::land_unknown});
+  rules.push_back({-1, "measured cone index below VCI1", campaign::Verdict::no_go, campaign::Reason::soft_soil});
+  rules.push_back({-1, "measured cone index below VCI50", campaign::Verdict::unknown, campaign::Reason::soft_soil});
   return rules;
 }
 
@@ -194,4 +196,4 @@ std::vector<std::vector<double>> soil_points(const Region& region, const Soil& s
   return points;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

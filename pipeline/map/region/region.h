@@ -10,7 +10,7 @@
 #include "pipeline/map/region/spread.h"
 #include "terrain/raster/grid.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct RegionRaster {
   terrain::RasterFiles files;
@@ -32,8 +32,8 @@ struct SoilSample {
 struct LandRule {
   int code = 0;  // in the land cover raster
   std::string name;
-  std::optional<Verdict> verdict;  // no_go or unknown
-  Reason reason = Reason::none;    // water, vegetation or built_up
+  std::optional<campaign::Verdict> verdict;          // no_go or unknown
+  campaign::Reason reason = campaign::Reason::none;  // water, vegetation or built_up
 };
 
 /// A state of the soil's moisture: the samples whose water content lies in [low, high) belong to it.
@@ -82,4 +82,4 @@ inline std::size_t below_fifty_passes_rule(const Region& region) { return region
 std::vector<std::vector<double>> soil_points(const Region& region, const Soil& soil, const Spreads& overriding,
                                              int draws);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -6,7 +6,7 @@
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/slope.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 using terrain::RasterKind;
@@ -16,15 +16,17 @@ using terrain::Tile;
 constexpr int kDraws = 64;  // points of a soil
 constexpr int kRowsAtOnce = 256;
 
-bool holds(const SampledVariable& range, double value) { return value >= range.minimum && value <= range.maximum; }
+bool holds(const campaign::SampledVariable& range, double value) {
+  return value >= range.minimum && value <= range.maximum;
+}
 
 /// Share of the soil's points whose known variables lie inside.
-double share_of_soil(const Region& region, const Soil& soil, const DesignSpec& spec) {
+double share_of_soil(const Region& region, const Soil& soil, const campaign::DesignSpec& spec) {
   const std::vector<std::vector<double>> points = soil_points(region, soil, {}, kDraws);
   std::size_t inside = 0;
   for (const std::vector<double>& point : points) {
     bool all = true;
-    for (const SampledVariable& range : spec.ranges)
+    for (const campaign::SampledVariable& range : spec.ranges)
       all = all && (std::isnan(point[range.variable]) || holds(range, point[range.variable]));
     inside += all;
   }
@@ -32,10 +34,10 @@ double share_of_soil(const Region& region, const Soil& soil, const DesignSpec& s
 }
 
 /// Whether a slope, uphill, and none across lie inside.
-bool holds_slope(const DesignSpec& spec, double slope) {
-  const std::size_t along = contract().variable_index("slope_along"),
-                    across = contract().variable_index("slope_across");
-  for (const SampledVariable& range : spec.ranges) {
+bool holds_slope(const campaign::DesignSpec& spec, double slope) {
+  const std::size_t along = campaign::contract().variable_index("slope_along"),
+                    across = campaign::contract().variable_index("slope_across");
+  for (const campaign::SampledVariable& range : spec.ranges) {
     if (range.variable == along && !holds(range, slope)) return false;
     if (range.variable == across && !holds(range, 0)) return false;
   }
@@ -44,7 +46,7 @@ bool holds_slope(const DesignSpec& spec, double slope) {
 
 }  // namespace
 
-double share_inside(const Region& region, const DesignSpec& spec) {
+double share_inside(const Region& region, const campaign::DesignSpec& spec) {
   const RasterSource elevation = RasterSource::open_elevation(region.elevation.files, region.grid);
   const terrain::MapGrid& grid = elevation.grid();
   std::optional<RasterSource> soils;
@@ -74,4 +76,4 @@ double share_inside(const Region& region, const DesignSpec& spec) {
   return cells > 0 ? inside / cells : 0;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

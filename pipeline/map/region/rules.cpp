@@ -7,29 +7,29 @@
 #include "base/error.h"
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
-double probability_of(const Prospect& prospect, Verdict verdict) {
-  const auto& outcomes = contract().outcomes;
+double probability_of(const Prospect& prospect, campaign::Verdict verdict) {
+  const auto& outcomes = campaign::contract().outcomes;
   double sum = 0;
   for (std::size_t i = 0; i < outcomes.size(); ++i)
     if (outcomes[i].verdict == verdict) sum += prospect.outcome[i];
   return sum;
 }
 
-Verdict verdict_at(double p_go, bool slow_is_likelier, const MapRules& rules) {
-  if (p_go < rules.no_go) return Verdict::no_go;
-  if (p_go < rules.go || slow_is_likelier) return Verdict::slow_go;
-  return Verdict::go;
+campaign::Verdict verdict_at(double p_go, bool slow_is_likelier, const MapRules& rules) {
+  if (p_go < rules.no_go) return campaign::Verdict::no_go;
+  if (p_go < rules.go || slow_is_likelier) return campaign::Verdict::slow_go;
+  return campaign::Verdict::go;
 }
 
-Reason likeliest_no_go_reason(const Prospect& prospect) {
-  const auto& outcomes = contract().outcomes;
+campaign::Reason likeliest_no_go_reason(const Prospect& prospect) {
+  const auto& outcomes = campaign::contract().outcomes;
   double best = -1;
-  Reason reason = Reason::none;
+  campaign::Reason reason = campaign::Reason::none;
   for (std::size_t i = 0; i < outcomes.size(); ++i)
-    if (outcomes[i].verdict == Verdict::no_go && prospect.outcome[i] > best) {
+    if (outcomes[i].verdict == campaign::Verdict::no_go && prospect.outcome[i] > best) {
       best = prospect.outcome[i];
       reason = outcomes[i].reason;
     }
@@ -80,23 +80,24 @@ std::string heading_text(const MapRules& rules) {
 
 double Prospect::p_go() const {
   if (outside_share >= 1) return std::numeric_limits<double>::quiet_NaN();
-  return probability_of(*this, Verdict::go) + probability_of(*this, Verdict::slow_go);
+  return probability_of(*this, campaign::Verdict::go) + probability_of(*this, campaign::Verdict::slow_go);
 }
 
-Reason reason_of_unknown(const Prospect& prospect) {
+campaign::Reason reason_of_unknown(const Prospect& prospect) {
   const bool soft = prospect.soft_share > 0 && 2 * prospect.soft_share >= prospect.outside_share;
-  return soft ? Reason::soft_soil : Reason::outside_sampled;
+  return soft ? campaign::Reason::soft_soil : campaign::Reason::outside_sampled;
 }
 
 CellClass classify(const Prospect& prospect, const MapRules& rules) {
-  if (prospect.outside_share >= 1) return {Verdict::unknown, reason_of_unknown(prospect)};
+  if (prospect.outside_share >= 1) return {campaign::Verdict::unknown, reason_of_unknown(prospect)};
   const double not_sampled = prospect.outside_share - prospect.soft_share;
   const double outside = prospect.soft_share + (not_sampled > rules.tolerated_outside_share ? not_sampled : 0);
   const double lower = prospect.p_go() * (1 - outside), upper = lower + outside;
-  const bool slow = probability_of(prospect, Verdict::slow_go) > probability_of(prospect, Verdict::go);
-  const Verdict verdict = verdict_at(lower, slow, rules);
-  if (verdict != verdict_at(upper, slow, rules)) return {Verdict::unknown, reason_of_unknown(prospect)};
-  return {verdict, verdict == Verdict::no_go ? likeliest_no_go_reason(prospect) : Reason::none};
+  const bool slow =
+      probability_of(prospect, campaign::Verdict::slow_go) > probability_of(prospect, campaign::Verdict::go);
+  const campaign::Verdict verdict = verdict_at(lower, slow, rules);
+  if (verdict != verdict_at(upper, slow, rules)) return {campaign::Verdict::unknown, reason_of_unknown(prospect)};
+  return {verdict, verdict == campaign::Verdict::no_go ? likeliest_no_go_reason(prospect) : campaign::Reason::none};
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

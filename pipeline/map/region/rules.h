@@ -13,7 +13,7 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/map/region/spread.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Which heading class, P(go) and reason of the map are about.
 enum class HeadingMode { uphill, worst, best, set };
@@ -51,15 +51,15 @@ struct Prospect {
 };
 
 struct CellClass {
-  Verdict verdict = Verdict::unknown;
-  Reason reason = Reason::outside_sampled;
+  campaign::Verdict verdict = campaign::Verdict::unknown;
+  campaign::Reason reason = campaign::Reason::outside_sampled;
 };
 
 /// soft_soil where at least half of what is not answered for is too soft, outside_sampled otherwise.
-Reason reason_of_unknown(const Prospect& prospect);
+campaign::Reason reason_of_unknown(const Prospect& prospect);
 
 /// `no_go` cells get their likeliest no_go reason, `unknown` ones reason_of_unknown(). Points that are too soft are
 /// never tolerated.
 CellClass classify(const Prospect& prospect, const MapRules& rules);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

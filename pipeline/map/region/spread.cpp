@@ -5,10 +5,10 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
-Spread read_spread(const Config& config, const Variable& variable) {
+Spread read_spread(const Config& config, const campaign::Variable& variable) {
   const Range allowed = {variable.minimum, variable.maximum};
   Spread spread;
   if (int(config.has("fixed")) + int(config.has("range")) + int(config.has("unknown")) != 1)
@@ -42,14 +42,14 @@ Spreads read_spreads(const Config& config) {
   for (const auto& [name, member] : config.members()) {
     if (name == "slope_along" || name == "slope_across")
       config.fail(name, "slopes come from the elevation raster; remove this key");
-    spreads[name] = read_spread(member, contract().variables[contract().variable_index(name)]);
+    spreads[name] = read_spread(member, campaign::contract().variables[campaign::contract().variable_index(name)]);
   }
   return spreads;
 }
 
 std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws) {
   constexpr std::array<int, 9> kPrimes = {2, 3, 5, 7, 11, 13, 17, 19, 23};
-  const auto& variables = contract().variables;
+  const auto& variables = campaign::contract().variables;
   int ranges = 0;
   for (const auto& [name, spread] : spreads) ranges += spread.kind == Spread::Kind::range;
   if (ranges > int(kPrimes.size()) + 1)
@@ -74,4 +74,4 @@ std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws
   return points;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

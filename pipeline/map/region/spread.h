@@ -7,7 +7,7 @@
 #include "base/json/config.h"
 #include "pipeline/campaign/study/contract.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct Spread {
   enum class Kind { unknown, fixed, range };
@@ -29,4 +29,4 @@ Spreads read_spreads(const Config& config);
 /// Hammersley 1960, "Monte Carlo methods for solving multivariable problems".
 std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -8,7 +8,7 @@
 #include "base/error.h"
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr double kWantedBands = 8;
@@ -92,4 +92,4 @@ LargestRegions largest_regions(const std::vector<std::int32_t>& region) {
   return result;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

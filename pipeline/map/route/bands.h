@@ -6,7 +6,7 @@
 
 #include "pipeline/map/route/cost.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 inline constexpr std::uint8_t kNoBand = 255;
 inline constexpr int kMostBands = 250;
@@ -32,4 +32,4 @@ struct LargestRegions {
 /// From what connected_regions gives; of equally large regions the one with the first cell comes first.
 LargestRegions largest_regions(const std::vector<std::int32_t>& region);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

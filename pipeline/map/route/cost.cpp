@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -78,16 +78,16 @@ RouteCosts::RouteCosts(const SoilTable& table, RouteCost cost, double correlatio
       for (int j = 0; j < headings.across_count(); ++j) {
         const HeadingAnswer& answer = headings.node(i, j);
         const BedSlopes slopes = headings.slopes(i, j);
-        factor.push_back(passes(answer.result.verdict)
+        factor.push_back(campaign::passes(answer.result.verdict)
                              ? float(cost_per_metre(soil, answer, slopes, cost, correlation_length))
                              : kImpassable);
       }
     factor_.push_back(std::move(factor));
     std::vector<char> best;
     for (int s = 0; s <= int(90 * kSlopeSteps); ++s)
-      best.push_back(passes(soil.at(s / kSlopeSteps).headings.best.verdict));
+      best.push_back(campaign::passes(soil.at(s / kSlopeSteps).headings.best.verdict));
     best_.push_back(std::move(best));
   }
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

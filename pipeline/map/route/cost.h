@@ -20,7 +20,7 @@
 
 #include "pipeline/map/evaluate/soil_table.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 enum class RouteCost { length, time, risk, energy };
 inline constexpr std::array<RouteCost, 4> kRouteCosts = {RouteCost::length, RouteCost::time, RouteCost::risk,
@@ -90,4 +90,4 @@ class RouteCosts {
   std::vector<std::vector<char>> best_;     // [soil][slope step]
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -9,7 +9,7 @@
 
 #include "pipeline/map/route/cost.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 class StepGraph {
  public:
@@ -128,13 +128,13 @@ inline std::pair<boost::counting_iterator<std::size_t>, boost::counting_iterator
   return {boost::counting_iterator<std::size_t>(0), boost::counting_iterator<std::size_t>(g.size())};
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map
 
 template <>
-struct boost::graph_traits<gonogo::pipeline::StepGraph> {
+struct boost::graph_traits<gonogo::map::StepGraph> {
   using vertex_descriptor = std::size_t;
-  using edge_descriptor = gonogo::pipeline::StepGraph::Edge;
-  using out_edge_iterator = gonogo::pipeline::StepIterator;
+  using edge_descriptor = gonogo::map::StepGraph::Edge;
+  using out_edge_iterator = gonogo::map::StepIterator;
   using vertex_iterator = boost::counting_iterator<std::size_t>;
   using directed_category = boost::directed_tag;
   using edge_parallel_category = boost::disallow_parallel_edge_tag;

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "base/first_error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr int kBlockRows = 128;
@@ -64,4 +64,4 @@ RouteCells read_route_cells(const MapSources& sources, const Region& region, con
   return cells;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// A buffer of boost::breadth_first_visit. A cell whose cost has fallen is entered once more; its older entries are
 /// dropped when they come up, so that nothing needs to be found inside of the heap. Equal costs: the lower cell first.
@@ -38,4 +38,4 @@ class NearestFirst {
   std::vector<std::uint64_t> heap_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

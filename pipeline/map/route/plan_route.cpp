@@ -14,7 +14,7 @@
 #include "pipeline/map/write/map_record.h"
 #include "terrain/raster/vector.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 std::uint32_t cell_at(const Place& place, const terrain::MapGrid& grid, const RouteCells& cells, const char* which) {
@@ -203,4 +203,4 @@ std::string route_text(const Json& result) {
   return text;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -9,7 +9,7 @@
 #include "pipeline/map/route/cost.h"
 #include "pipeline/map/write/make_map.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct Place {
   double x = 0, y = 0;  // in the region's coordinate system
@@ -35,4 +35,4 @@ struct RouteRequest {
 Json plan_route(const RouteRequest& request);
 std::string route_text(const Json& result);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -13,7 +13,7 @@
 #include "terrain/raster/polygons.h"
 #include "terrain/raster/tile_codec.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 namespace fs = std::filesystem;
@@ -88,4 +88,4 @@ Json write_regions(const fs::path& path, const terrain::MapGrid& grid, const std
   return json;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

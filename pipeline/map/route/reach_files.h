@@ -8,7 +8,7 @@
 #include "pipeline/map/route/cost.h"
 #include "terrain/raster/grid.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// GeoTIFF of the least cost [unit_of(cost)], row by row from the north; nodata where there is no way.
 void write_reach(const std::filesystem::path& path, const terrain::MapGrid& grid, RouteCost cost,
@@ -24,4 +24,4 @@ void write_isochrones(const std::filesystem::path& path, const terrain::MapGrid&
 Json write_regions(const std::filesystem::path& path, const terrain::MapGrid& grid,
                    const std::vector<std::int32_t>& region);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

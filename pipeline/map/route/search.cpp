@@ -9,7 +9,7 @@
 #include "pipeline/map/route/grid_graph.h"
 #include "pipeline/map/route/nearest_first.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr std::size_t kAnywhere = std::size_t(-1);
@@ -108,4 +108,4 @@ std::vector<std::int32_t> connected_regions(const RouteCells& cells, const Route
   return region;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -6,7 +6,7 @@
 
 #include "pipeline/map/route/cost.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct FoundRoute {
   double cost = 0;
@@ -24,4 +24,4 @@ std::vector<float> reach(const RouteCells& cells, const RouteCosts& costs, std::
 /// between them exist in both directions under `costs`. Regions are numbered by their first cell.
 std::vector<std::int32_t> connected_regions(const RouteCells& cells, const RouteCosts& costs);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -16,7 +16,7 @@
 #include "base/cancel.h"
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr std::size_t kLongestRequest = 16384;
@@ -157,4 +157,4 @@ void HttpServer::run(const std::function<HttpAnswer(const std::string&)>& answer
   }
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct HttpAnswer {
   int status = 200;
@@ -41,4 +41,4 @@ class HttpServer {
 /// %xx decoded; nothing but the path: query and fragment are cut off.
 std::string decoded_path(const std::string& target);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -9,7 +9,7 @@
 #include "base/file.h"
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace fs = std::filesystem;
 namespace {
 
@@ -108,4 +108,4 @@ HttpAnswer MapView::answer(const std::string& path) const {
   return kNotFound;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -14,7 +14,7 @@
 #include "pipeline/map/view/http.h"
 #include "terrain/raster/layer_reader.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 class MapView {
  public:
@@ -33,4 +33,4 @@ class MapView {
   std::map<std::string, terrain::LayerReader> layers_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

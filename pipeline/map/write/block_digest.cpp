@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 using terrain::MapGrid;
 using terrain::Tile;
@@ -76,10 +76,10 @@ std::map<std::uint32_t, std::uint64_t> speeds_of(const BlockLayers& block, const
   for (std::size_t i = 0; i < block.verdict().value.size(); ++i) {
     const float verdict = block.verdict().value[i];
     if (std::isnan(verdict)) continue;
-    const auto v = Verdict(int(verdict));
-    const bool passed = passes(v);
+    const auto v = campaign::Verdict(int(verdict));
+    const bool passed = campaign::passes(v);
     const float metres = block.layer[speed].value[i];
-    if (v == Verdict::unknown || (passed && std::isnan(metres)))
+    if (v == campaign::Verdict::unknown || (passed && std::isnan(metres)))
       ++cells[SpeedCurve::kSteps];
     else
       ++cells[std::uint32_t(passed ? std::max(1, SpeedCurve::step_of(metres)) : 0)];
@@ -91,7 +91,7 @@ std::map<std::uint32_t, std::uint64_t> speeds_of(const BlockLayers& block, const
 
 std::string digest_of(const BlockLayers& block, const SoilTable& table, const MapGrid& grid, const MapDigest& shape,
                       const std::vector<MapLayer>& layers) {
-  const std::size_t reasons = contract().reasons.size(), verdicts = contract().verdicts.size();
+  const std::size_t reasons = campaign::contract().reasons.size(), verdicts = campaign::contract().verdicts.size();
   std::vector<std::uint64_t> area((verdicts + 1) * reasons, 0), soils(table.soils.size(), 0);
   for (std::size_t i = 0; i < block.verdict().value.size(); ++i) {
     if (std::isnan(block.verdict().value[i])) continue;
@@ -122,9 +122,10 @@ std::string digest_of(const BlockLayers& block, const SoilTable& table, const Ma
 void add_digest(const std::string& bytes, Window window, const MapGrid& grid, SoilTable& table, MapDigest& digest,
                 const std::string& where) {
   Reader reader(bytes, where);
-  for (std::size_t verdict = 0; verdict <= contract().verdicts.size(); ++verdict)
-    for (std::size_t reason = 0; reason < contract().reasons.size(); ++reason)
-      if (const auto count = reader.get<std::uint64_t>()) digest.area.add(Verdict(verdict), Reason(reason), count);
+  for (std::size_t verdict = 0; verdict <= campaign::contract().verdicts.size(); ++verdict)
+    for (std::size_t reason = 0; reason < campaign::contract().reasons.size(); ++reason)
+      if (const auto count = reader.get<std::uint64_t>())
+        digest.area.add(campaign::Verdict(verdict), campaign::Reason(reason), count);
   for (auto& cells : table.cells) cells += reader.get<std::uint64_t>();
   for (auto entries = reader.get<std::uint32_t>(); entries > 0; --entries) {
     const auto step = reader.get<std::uint32_t>();
@@ -149,4 +150,4 @@ void add_digest(const std::string& bytes, Window window, const MapGrid& grid, So
     }
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -11,7 +11,7 @@
 #include "pipeline/map/write/map_page.h"
 #include "pipeline/map/write/picture.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// The things that digests of all blocks add up to.
 struct MapDigest {
@@ -28,4 +28,4 @@ std::string digest_of(const BlockLayers& block, const SoilTable& table, const te
 void add_digest(const std::string& bytes, terrain::Window window, const terrain::MapGrid& grid, SoilTable& table,
                 MapDigest& digest, const std::string& where);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

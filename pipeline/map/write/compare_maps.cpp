@@ -18,7 +18,7 @@
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/tile_codec.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace fs = std::filesystem;
 using terrain::GeoTiffWriter;
 using terrain::LayerInfo;
@@ -145,8 +145,8 @@ class Reduced {
   Tile tile_;
 };
 
-std::vector<FigureClass> figure_classes(const std::vector<LegendEntry>& legend, const Json& counts) {
-  std::vector<FigureClass> classes;
+std::vector<report::FigureClass> figure_classes(const std::vector<LegendEntry>& legend, const Json& counts) {
+  std::vector<report::FigureClass> classes;
   for (std::size_t i = 0; i < legend.size(); ++i)
     classes.push_back(
         {int(legend[i].value), legend[i].label, legend[i].colour, counts.items()[i].at("share").number()});
@@ -156,7 +156,7 @@ std::vector<FigureClass> figure_classes(const std::vector<LegendEntry>& legend, 
 /// The layers as a picture; `reduced` in the order of `layers`, `result` with the counts.
 void write_figure(const fs::path& path, const OneMap& a, const OneMap& b, const MapGrid& grid,
                   const std::vector<LayerInfo>& layers, const std::vector<Reduced>& reduced, const Json& result) {
-  ComparisonFigure figure;
+  report::ComparisonFigure figure;
   figure.title = "Two maps compared: " + a.region;
   figure.subtitle = "First: " + a.name + ".  Second: " + b.name + ".  Uphill heading.";
   figure.notes = {
@@ -172,7 +172,7 @@ void write_figure(const fs::path& path, const OneMap& a, const OneMap& b, const 
   figure.difference_classes = figure_classes(layers[3].legend, result.at("significance"));
   for (const LegendEntry& stop : layers[1].legend) figure.difference_ramp.push_back({stop.value, stop.colour});
   for (const Json& row : result.at("change").items()) figure.area_km2 += row.at("area_km2").number();
-  draw_comparison_figure(path, figure);
+  report::draw_comparison_figure(path, figure);
 }
 
 Json counted(const std::vector<LegendEntry>& legend, const std::array<std::uint64_t, 8>& cells, const MapGrid& grid,
@@ -204,8 +204,10 @@ double significance(double p1, double low1, double high1, double p2, double low2
 }
 
 PassChange pass_change(int verdict1, int verdict2) {
-  if (verdict1 == int(Verdict::unknown) || verdict2 == int(Verdict::unknown)) return PassChange::unknown;
-  const bool first = passes(Verdict(verdict1)), second = passes(Verdict(verdict2));
+  if (verdict1 == int(campaign::Verdict::unknown) || verdict2 == int(campaign::Verdict::unknown))
+    return PassChange::unknown;
+  const bool first = campaign::passes(campaign::Verdict(verdict1)),
+             second = campaign::passes(campaign::Verdict(verdict2));
   if (first) return second ? PassChange::both : PassChange::only_first;
   return second ? PassChange::only_second : PassChange::neither;
 }
@@ -270,4 +272,4 @@ std::string compare_text(const Json& result) {
   return text;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -12,7 +12,7 @@
 
 #include "base/json/json.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct CompareRequest {
   std::filesystem::path first, second;  // folders of maps, both for the uphill heading
@@ -35,4 +35,4 @@ PassChange pass_change(int verdict1, int verdict2);
 Json compare_maps(const CompareRequest& request);
 std::string compare_text(const Json& result);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -11,7 +11,7 @@
 #include "pipeline/map/write/map_page.h"
 #include "pipeline/map/write/map_record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace fs = std::filesystem;
 using terrain::MapGrid;
 namespace {
@@ -50,10 +50,10 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const Region& reg
   if (summary.area.total() == 0)
     remarks.push_back(
         "nothing is said: every cell lies at the border or beside one without elevation, so none has a slope");
-  if (const double share = summary.area.share(Verdict::unknown, Reason::input_missing); share > 0)
+  if (const double share = summary.area.share(campaign::Verdict::unknown, campaign::Reason::input_missing); share > 0)
     remarks.push_back("soil is not known on " + percent(share) +
                       " of the area: nodata, or a code the region's table does not list");
-  if (const double share = summary.area.share(Verdict::unknown, Reason::land_unknown); share > 0)
+  if (const double share = summary.area.share(campaign::Verdict::unknown, campaign::Reason::land_unknown); share > 0)
     remarks.push_back("land cover is not known on " + percent(share) +
                       " of the area: nodata, or a code the region's table does not list");
   for (const std::string& soil : table.without_samples)
@@ -114,4 +114,4 @@ MapSummary make_map(const MapRequest& request) {
   return summary;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

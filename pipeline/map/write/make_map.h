@@ -12,7 +12,7 @@
 #include "pipeline/map/region/region.h"
 #include "pipeline/map/region/rules.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct MapRequest {
   OutcomeModel model;
@@ -39,4 +39,4 @@ struct MapSummary {
 /// are then as they were.
 MapSummary make_map(const MapRequest& request);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -10,7 +10,7 @@
 #include "base/progress.h"
 #include "terrain/raster/tile_codec.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace fs = std::filesystem;
 using terrain::kTileCells;
 using terrain::MapGrid;
@@ -127,4 +127,4 @@ void MapBlocks::forget() {
   digests_.remove();
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -11,7 +11,7 @@
 #include "pipeline/map/write/make_map.h"
 #include "terrain/raster/geotiff.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 class MapBlocks {
  public:
@@ -43,4 +43,4 @@ class MapBlocks {
   std::size_t found_ = 0;  // blocks of an earlier run
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -5,7 +5,7 @@
 #include "terrain/raster/overlay.h"
 #include "terrain/raster/polygons.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace fs = std::filesystem;
 using terrain::MapGrid;
 namespace {
@@ -104,4 +104,4 @@ std::vector<fs::path> write_map_exports(const MapRequest& request, const MapGrid
   return files;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -7,7 +7,7 @@
 #include "pipeline/map/write/block_digest.h"
 #include "pipeline/map/write/make_map.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// classes.gpkg, overlay.png, overlay.kml, stac.json and, where speeds are told, speed_curve.csv; go.tif and the other
 /// layers of `summary` are in place. Returns the names written.
@@ -15,4 +15,4 @@ std::vector<std::filesystem::path> write_map_exports(const MapRequest& request, 
                                                      const std::vector<MapLayer>& layers, const MapSummary& summary,
                                                      const SpeedCurve& speeds);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

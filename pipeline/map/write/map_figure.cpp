@@ -7,7 +7,7 @@
 #include "pipeline/map/evaluate/layers.h"
 #include "pipeline/report/figure/figure.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 std::string number(double x, const char* format = "%g") {
@@ -16,28 +16,28 @@ std::string number(double x, const char* format = "%g") {
   return text;
 }
 
-void add_legends(const MapRequest& request, const MapSummary& summary, MapFigure& figure) {
+void add_legends(const MapRequest& request, const MapSummary& summary, report::MapFigure& figure) {
   for (const auto& entry : class_legend(request.colour_blind_safe))
     figure.classes.push_back(
-        {int(entry.value), entry.label, entry.colour, summary.area.share(Verdict(int(entry.value)))});
+        {int(entry.value), entry.label, entry.colour, summary.area.share(campaign::Verdict(int(entry.value)))});
   for (const auto& entry : reason_legend()) {
     double share = 0;
-    for (const VerdictInfo& verdict : contract().verdicts)
-      share += summary.area.share(Verdict(verdict.code), Reason(int(entry.value)));
+    for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts)
+      share += summary.area.share(campaign::Verdict(verdict.code), campaign::Reason(int(entry.value)));
     if (share > 0) figure.reasons.push_back({int(entry.value), entry.label, entry.colour, share});
   }
   for (const auto& stop : p_go_legend()) figure.p_go_ramp.push_back({stop.value, stop.colour});
 }
 
 /// One curve per soil that occurs, the most frequent first.
-void add_curves(const SoilTable& table, const MapSummary& summary, MapFigure& figure) {
+void add_curves(const SoilTable& table, const MapSummary& summary, report::MapFigure& figure) {
   std::vector<std::size_t> order;
   for (std::size_t s = 0; s < table.soils.size(); ++s)
     if (table.soils.size() == 1 || table.cells[s] > 0) order.push_back(s);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return table.cells[a] > table.cells[b]; });
   for (const std::size_t s : order) {
-    FigureCurve curve;
+    report::FigureCurve curve;
     curve.label = table.soils[s].name;
     if (summary.area.total() > 0 && table.cells[s] > 0)
       curve.label += "  " + number(100.0 * double(table.cells[s]) / double(summary.area.total()), "%.1f") + " %";
@@ -51,7 +51,8 @@ void add_curves(const SoilTable& table, const MapSummary& summary, MapFigure& fi
   }
 }
 
-void add_notes(const MapRequest& request, const terrain::MapGrid& grid, const MapSummary& summary, MapFigure& figure) {
+void add_notes(const MapRequest& request, const terrain::MapGrid& grid, const MapSummary& summary,
+               report::MapFigure& figure) {
   const MapRules& rules = request.rules;
   figure.notes.push_back("go: P(go) \u2265 " + number(rules.go) + ";  slow-go: " + number(rules.no_go) +
                          " \u2264 P(go) < " + number(rules.go) + ", or slower than the go speed;  no-go: P(go) < " +
@@ -70,7 +71,7 @@ void add_notes(const MapRequest& request, const terrain::MapGrid& grid, const Ma
 
 void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path) {
-  MapFigure figure;
+  report::MapFigure figure;
   figure.title = "Go/NoGo map: " + request.region.name;
   figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) + ", " +
                     heading_text(request.rules) + ", " + request.rules.fidelity;
@@ -85,7 +86,7 @@ void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, c
   add_legends(request, summary, figure);
   add_curves(table, summary, figure);
   add_notes(request, grid, summary, figure);
-  draw_map_figure(path, figure);
+  report::draw_map_figure(path, figure);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -6,9 +6,9 @@
 #include "pipeline/map/write/make_map.h"
 #include "pipeline/map/write/picture.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -11,7 +11,7 @@
 #include "pipeline/map/write/map_record.h"
 #include "pipeline/map/write/page_tables.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr std::uint16_t kNone = 65535, kNoData = 255, kNoSoil = 254;
@@ -77,7 +77,7 @@ Json grid_json(const terrain::MapGrid& grid) {
 
 Json verdicts_json() {
   Json list = Json::array();
-  for (const VerdictInfo& v : contract().verdicts) {
+  for (const campaign::VerdictInfo& v : campaign::contract().verdicts) {
     Json entry = Json::object();
     entry["code"] = v.code;
     entry["name"] = v.name;
@@ -91,7 +91,7 @@ Json verdicts_json() {
 
 Json reasons_json() {
   Json list = Json::array();
-  for (const ReasonInfo& r : contract().reasons) {
+  for (const campaign::ReasonInfo& r : campaign::contract().reasons) {
     Json entry = Json::object();
     entry["code"] = r.code;
     entry["name"] = r.name;
@@ -107,7 +107,7 @@ Json land_json(const Region& region) {
   Json list = Json::array();
   for (const LandRule& rule : land_rules(region)) {
     Json entry = Json::object();
-    entry["of"] = rule.reason == Reason::soft_soil ? "Strength" : "Land cover";
+    entry["of"] = rule.reason == campaign::Reason::soft_soil ? "Strength" : "Land cover";
     entry["name"] = rule.name;
     entry["verdict"] = rule.verdict ? int(*rule.verdict) : 0;
     entry["reason"] = int(rule.reason);
@@ -246,4 +246,4 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   write_file_atomically(path, page_file(meta, blobs));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

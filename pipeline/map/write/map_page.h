@@ -7,7 +7,7 @@
 #include "pipeline/map/evaluate/soil_table.h"
 #include "pipeline/map/write/make_map.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Most cells of a page; of a larger map every step-th cell in both directions is taken, and the page says so.
 inline constexpr int kPageCells = 1'100'000;
@@ -25,4 +25,4 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
                     const MapSummary& summary, const PageCells& cells, const Metadata& metadata,
                     const std::filesystem::path& path);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -8,7 +8,7 @@
 #include "base/version.h"
 #include "terrain/raster/raster_source.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace fs = std::filesystem;
 namespace {
 
@@ -62,7 +62,7 @@ Json map_inputs(const MapRequest& request) {
   Json inputs = Json::object();
   inputs["version"] = program_version();
   inputs["revision"] = program_revision();
-  inputs["contract_hash"] = content_hash(contract_text());
+  inputs["contract_hash"] = content_hash(campaign::contract_text());
   inputs["model_hash"] = request.model.hash;
   if (!request.model.member_hashes.empty()) inputs["member_hashes"] = Json(request.model.member_hashes);
   if (!request.model.dataset_hash.empty()) inputs["dataset_hash"] = request.model.dataset_hash;
@@ -131,4 +131,4 @@ void write_map_record(const MapRequest& request, const Json& inputs, const MapSu
   write_file_atomically(request.out / kRecordName, record.dump(2) + "\n");
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

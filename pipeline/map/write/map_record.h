@@ -6,7 +6,7 @@
 #include "pipeline/map/evaluate/layers.h"
 #include "pipeline/map/write/make_map.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Hash of every raster of a region by its role; of a VRT or of tiles over all files that it reads.
 std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region);
@@ -26,4 +26,4 @@ std::optional<MapSummary> find_finished_map(const MapRequest& request, const Jso
 /// Written last: a folder with this file holds a whole map.
 void write_map_record(const MapRequest& request, const Json& inputs, const MapSummary& summary);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

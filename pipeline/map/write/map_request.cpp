@@ -12,14 +12,14 @@
 #include "terrain/soil/strength.h"
 #include "vehicle/semi_empirical/mobility_index.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 OutcomeModel read_outcome_model(const std::filesystem::path& file) {
-  const auto predictor = std::make_shared<const Predictor>(Predictor::read(file));
+  const auto predictor = std::make_shared<const learn::Predictor>(learn::Predictor::read(file));
   OutcomeModel model;
   model.hash = file_hash(file);
-  for (std::size_t v = 0; v < contract().variables.size(); ++v)
+  for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v)
     model.sampled.push_back({predictor->model().sampled_lower[v], predictor->model().sampled_upper[v]});
   model.probabilities = [predictor](std::span<const double> points, std::span<double> result) {
     predictor->outcome_probabilities(points, result);
@@ -31,12 +31,12 @@ OutcomeModel read_outcome_model(const std::filesystem::path& file) {
 /// Other models of the same trials, whose answers show how much those leave open.
 void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& files) {
   for (const std::filesystem::path& file : files) {
-    const auto predictor = std::make_shared<const Predictor>(Predictor::read(file));
+    const auto predictor = std::make_shared<const learn::Predictor>(learn::Predictor::read(file));
     for (std::size_t v = 0; v < model.sampled.size(); ++v)
       if (predictor->model().sampled_lower[v] != model.sampled[v].minimum ||
           predictor->model().sampled_upper[v] != model.sampled[v].maximum)
         throw InputError(file.string() + ": is no member of the model, its trials sampled another range of " +
-                         contract().variables[v].name + "; make members with gonogo train --members");
+                         campaign::contract().variables[v].name + "; make members with gonogo train --members");
     model.member_hashes.push_back(file_hash(file));
     model.members.push_back([predictor](std::span<const double> points, std::span<double> result) {
       predictor->outcome_probabilities(points, result);
@@ -46,17 +46,17 @@ void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& 
 
 /// Measures of the trials that passed, fitted over the variables.
 void add_measures(OutcomeModel& model, const std::filesystem::path& file) {
-  const Dataset dataset = read_dataset(file);
+  const campaign::Dataset dataset = campaign::read_dataset(file);
   model.dataset_hash = file_hash(file);
   for (const char* name : {"mean_speed", "slip", "sinkage", "energy_per_metre"}) {
     std::vector<double> points, value;
-    const std::size_t index = contract().measure_index(name);
-    for (const TrialRecord& record : dataset.records) {
-      if (!passes(record.verdict)) continue;
+    const std::size_t index = campaign::contract().measure_index(name);
+    for (const campaign::TrialRecord& record : dataset.records) {
+      if (!campaign::passes(record.verdict)) continue;
       points.insert(points.end(), record.point.variables.begin(), record.point.variables.end());
       value.push_back(record.measures[index]);
     }
-    model.measures.push_back(fit_measure(name, contract().measures[index].unit, points, value));
+    model.measures.push_back(fit_measure(name, campaign::contract().measures[index].unit, points, value));
     if (model.measures.back().trials == 0) model.measures.pop_back();
   }
 }
@@ -77,8 +77,8 @@ ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
 }
 
 MapRequest read_map_request(const MapFiles& files) {
-  std::optional<Study> study;
-  if (!files.study.empty()) study = read_study(files.study);
+  std::optional<campaign::Study> study;
+  if (!files.study.empty()) study = campaign::read_study(files.study);
   const std::filesystem::path region = !files.region.empty() ? files.region : study ? study->region : "";
   if (region.empty()) throw InputError("map: no region; give --region, or a --study that names one");
   MapRequest request;
@@ -103,4 +103,4 @@ MapRequest read_map_request(const MapFiles& files) {
   return request;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

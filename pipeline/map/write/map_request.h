@@ -6,7 +6,7 @@
 
 #include "pipeline/map/write/make_map.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 struct MapFiles {
   std::filesystem::path model;                   // model.h5
@@ -29,4 +29,4 @@ MapRequest read_map_request(const MapFiles& files);
 /// VCI1 and VCI50 of a vehicle file; throws InputError for one that has none, such as a rig of one wheel.
 ConeIndexNeed read_cone_index_need(const std::filesystem::path& file);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -5,7 +5,7 @@
 
 #include "base/line.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 namespace {
 
 constexpr std::uint16_t kNone = 65535;
@@ -21,7 +21,7 @@ std::vector<std::string> inputs_of(const Soil& soil) {
   for (const SoilSample& sample : soil.samples) {
     std::string text;
     for (const auto& [name, spread] : sample.values) {
-      const Variable& v = contract().variables[contract().variable_index(name)];
+      const campaign::Variable& v = campaign::contract().variables[campaign::contract().variable_index(name)];
       text += line("%s%s %g %s", text.empty() ? "" : ", ", v.label.c_str(), spread.low, v.unit.c_str());
     }
     lines.push_back(text + ". " + sample.source);
@@ -34,7 +34,7 @@ std::vector<std::string> inputs_of(const Soil& soil) {
 /// Variables that the points leave open and those held fixed in all trials.
 std::vector<std::string> unknown_of(const MapRequest& request, const SoilResponse& response) {
   std::vector<std::string> lines;
-  const auto& variables = contract().variables;
+  const auto& variables = campaign::contract().variables;
   for (std::size_t v = 0; v < variables.size(); ++v) {
     if (variables[v].name == "slope_along" || variables[v].name == "slope_across") continue;
     const Range sampled = request.model.sampled[v];
@@ -64,7 +64,7 @@ Json measure_json(const SlopeMeasure& m) {
 double p_slow(const Prospect& prospect) {
   double sum = 0;
   for (std::size_t o = 0; o < prospect.outcome.size(); ++o)
-    if (contract().outcomes[o].verdict == Verdict::slow_go) sum += prospect.outcome[o];
+    if (campaign::contract().outcomes[o].verdict == campaign::Verdict::slow_go) sum += prospect.outcome[o];
   return sum;
 }
 
@@ -72,9 +72,9 @@ double p_slow(const Prospect& prospect) {
 template <class OutcomeAt>
 void add_reasons(const std::string& table, int index, std::size_t count, std::size_t width, OutcomeAt outcome_at,
                  std::vector<Blob>& blobs) {
-  for (std::size_t o = 0; o < contract().outcomes.size(); ++o) {
-    if (contract().outcomes[o].verdict != Verdict::no_go) continue;
-    const std::string& reason = contract().info(contract().outcomes[o].reason).name;
+  for (std::size_t o = 0; o < campaign::contract().outcomes.size(); ++o) {
+    if (campaign::contract().outcomes[o].verdict != campaign::Verdict::no_go) continue;
+    const std::string& reason = campaign::contract().info(campaign::contract().outcomes[o].reason).name;
     Blob blob{table + "_" + std::to_string(index) + "_" + reason, 8, width, {}};
     double most = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -125,10 +125,10 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
   json["across_count"] = response.headings().across_count();
   for (const auto& [name, measure] : response.measures()) measures[name] = measure_json(measure);
   json["measures"] = measures;
-  for (const Outcome& outcome : contract().outcomes) {
-    if (outcome.verdict != Verdict::no_go) continue;
+  for (const campaign::Outcome& outcome : campaign::contract().outcomes) {
+    if (outcome.verdict != campaign::Verdict::no_go) continue;
     Json entry = Json::object();
-    entry["reason"] = contract().info(outcome.reason).name;
+    entry["reason"] = campaign::contract().info(outcome.reason).name;
     outcomes.push_back(entry);
   }
   json["no_go_outcomes"] = outcomes;
@@ -156,4 +156,4 @@ void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& 
       blobs);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

@@ -6,7 +6,7 @@
 #include "pipeline/map/page/blob.h"
 #include "pipeline/map/write/make_map.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Name, samples, what is not known, sizes of the tables, measures.
 Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& response);
@@ -14,4 +14,4 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
 /// Probabilities in steps of 1/65534 (65535: none), of single no-go reasons in steps of 1/255; `index` ends the names.
 void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

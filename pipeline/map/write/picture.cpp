@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 using terrain::MapGrid;
 using terrain::Tile;
@@ -16,4 +16,4 @@ Picture::Picture(const MapGrid& grid, int longest) {
   shade = verdict = reason = p_go = Tile(columns, rows, std::numeric_limits<float>::quiet_NaN());
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

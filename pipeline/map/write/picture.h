@@ -4,7 +4,7 @@
 
 #include "terrain/raster/grid.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::map {
 
 /// Every cell the map's cell under its middle.
 struct Picture {
@@ -14,4 +14,4 @@ struct Picture {
   Picture(const terrain::MapGrid& grid, int longest);
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::map

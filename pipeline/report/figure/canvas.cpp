@@ -7,7 +7,7 @@
 #include "base/error.h"
 #include "base/file.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr Colour kInk = {0.13, 0.13, 0.16, 1};
@@ -121,4 +121,4 @@ void Canvas::write_png(const std::filesystem::path& path) const {
   });
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 struct Colour {
   double red = 0, green = 0, blue = 0, alpha = 1;  // [0, 1]
@@ -57,4 +57,4 @@ class Canvas {
   cairo_t* cairo_;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -7,7 +7,7 @@
 
 #include "pipeline/report/figure/canvas.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr Colour kFrame = {0.13, 0.13, 0.16, 1}, kFaint = {0.87, 0.87, 0.9, 1}, kMiddle = {0.55, 0.55, 0.6, 1};
@@ -121,4 +121,4 @@ void write_charts(const std::filesystem::path& path, const std::string& title, c
   canvas.write_png(path);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 struct ChartSeries {
   std::string label;
@@ -22,4 +22,4 @@ struct Chart {
 /// Throws DeviceError when the file cannot be written.
 void write_charts(const std::filesystem::path& path, const std::string& title, const std::vector<Chart>& charts);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -6,7 +6,7 @@
 #include "pipeline/report/figure/figure_legend.h"
 #include "pipeline/report/figure/figure_panel.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr double kNoRelief = 0;
@@ -55,4 +55,4 @@ void draw_comparison_figure(const std::filesystem::path& path, const ComparisonF
   canvas.write_png(path);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

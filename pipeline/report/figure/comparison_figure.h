@@ -3,7 +3,7 @@
 #pragma once
 #include "pipeline/report/figure/figure.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 struct ComparisonFigure {
   std::string title, subtitle;
@@ -18,4 +18,4 @@ struct ComparisonFigure {
 /// Writes a PNG 2400 pixels wide. Throws DeviceError when it cannot be written.
 void draw_comparison_figure(const std::filesystem::path& path, const ComparisonFigure& figure);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

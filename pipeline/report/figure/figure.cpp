@@ -7,7 +7,7 @@
 #include "pipeline/report/figure/figure_legend.h"
 #include "pipeline/report/figure/figure_panel.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 // Relief must not change what a colour means: weaker where colours are read against a ramp or a long legend.
@@ -56,4 +56,4 @@ void draw_map_figure(const std::filesystem::path& path, const MapFigure& figure)
   canvas.write_png(path);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -7,7 +7,7 @@
 
 #include "terrain/raster/grid.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 /// A class of a panel, with its share of the area [0, 1].
 struct FigureClass {
@@ -43,4 +43,4 @@ struct MapFigure {
 /// Writes a PNG 2400 pixels wide. Throws DeviceError when it cannot be written.
 void draw_map_figure(const std::filesystem::path& path, const MapFigure& figure);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr Colour kFrame = {0.13, 0.13, 0.16, 1};
@@ -127,4 +127,4 @@ void draw_curves(const Canvas& canvas, Box room, const MapFigure& figure) {
   canvas.text(axes.box.right() + 114, y + 9, "steeper than sampled", kSize);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -3,9 +3,9 @@
 #include "pipeline/report/figure/canvas.h"
 #include "pipeline/report/figure/figure.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 /// Draws axes, thresholds, curves and their legend inside `room`, labels included.
 void draw_curves(const Canvas& canvas, Box room, const MapFigure& figure);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 std::string percent(double share) {
@@ -115,4 +115,4 @@ terrain::Tile marked_where_missing(terrain::Tile value, const terrain::Tile& the
   return value;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

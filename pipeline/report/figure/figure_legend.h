@@ -7,7 +7,7 @@
 #include "pipeline/report/figure/figure.h"
 #include "pipeline/report/figure/figure_panel.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 inline constexpr int kFigureWidth = 2400;
 inline constexpr double kFigureMargin = 60, kFigureHead = 240;  // of the page; the head holds title and subtitle
@@ -30,4 +30,4 @@ void draw_notes(const Canvas& canvas, double left, double top, const std::vector
 /// kMissing where `there` is known and `value` is not: such cells are drawn, not left white like those without ground.
 terrain::Tile marked_where_missing(terrain::Tile value, const terrain::Tile& there);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

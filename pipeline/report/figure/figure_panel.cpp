@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 using terrain::MapGrid;
 using terrain::Tile;
@@ -147,4 +147,4 @@ void draw_scale_and_north(const Canvas& canvas, Box box, const MapGrid& grid) {
   canvas.text(x, y + 66, "N", 26, Align::centre, true);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -5,7 +5,7 @@
 #include "pipeline/report/figure/canvas.h"
 #include "pipeline/report/figure/figure.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 /// Largest box of the grid's shape inside `room`, at its top left.
 Box fit_panel(const terrain::MapGrid& grid, Box room);
@@ -26,4 +26,4 @@ void draw_scale_and_north(const Canvas& canvas, Box box, const terrain::MapGrid&
 /// 1, 2 or 5 times a power of ten, at most `limit`.
 double round_length(double limit);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "pipeline/report/figure/canvas.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr Colour kFrame = {0.13, 0.13, 0.16, 1}, kFaint = {0.87, 0.87, 0.9, 1};
@@ -175,4 +175,4 @@ void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot) {
   canvas.write_png(path);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

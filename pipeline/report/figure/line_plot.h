@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 struct PlotLine {
   std::string label;
@@ -28,4 +28,4 @@ std::vector<double> axis_ticks(double low, double high, int count);
 /// written.
 void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -8,7 +8,7 @@
 #include "pipeline/report/figure/canvas.h"
 #include "pipeline/report/figure/line_plot.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr Colour kFrame = {0.13, 0.13, 0.16, 1}, kFaint = {0.9, 0.9, 0.92, 1};
@@ -144,4 +144,4 @@ void draw_bars(const std::filesystem::path& path, const Bars& bars) {
   canvas.write_png(path);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

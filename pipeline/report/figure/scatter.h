@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 struct ScatterColumn {
   std::string label;
@@ -38,4 +38,4 @@ struct Bars {
 };
 void draw_bars(const std::filesystem::path& path, const Bars& bars);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -9,7 +9,7 @@
 #include "base/error.h"
 #include "pipeline/report/figure/canvas.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 /// Sizes are given for a picture 720 pixels high and grow with it.
@@ -117,4 +117,4 @@ void write_trial_figure(const std::filesystem::path& path, const Image& image, c
   canvas.write_png(path);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

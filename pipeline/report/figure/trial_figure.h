@@ -6,7 +6,7 @@
 
 #include "pipeline/report/picture/image.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 struct TrialCaption {
   std::string title;
@@ -26,4 +26,4 @@ inline constexpr double kCaptionHead = 0.10, kCaptionFoot = 0.12, kCaptionSide =
 /// Writes the picture with its caption as PNG, whole or not at all.
 void write_trial_figure(const std::filesystem::path& path, const Image& image, const TrialCaption& caption);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -18,7 +18,7 @@
 
 extern char** environ;
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 /// Runs a program with what it prints going to `log`; returns its exit code, or -1 when a signal ended it.
@@ -96,4 +96,4 @@ void make_video(const std::filesystem::path& folder, int count, double rate, con
   std::filesystem::remove(log);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

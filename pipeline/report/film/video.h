@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 /// Throws InputError when no program ffmpeg is on the PATH.
 void require_ffmpeg();
@@ -11,4 +11,4 @@ void require_ffmpeg();
 /// at all. Throws DeviceError with what ffmpeg said.
 void make_video(const std::filesystem::path& folder, int count, double rate, const std::filesystem::path& video);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 /// Tangents of what a camera sees of a set of points, and the least distance of any of them.
@@ -65,4 +65,4 @@ Camera frame_model(const Model& model, double azimuth, double elevation, double 
   return c;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -2,7 +2,7 @@
 #pragma once
 #include "pipeline/report/picture/model.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 struct Camera {
   Vec3 eye;                 // [m]
@@ -25,4 +25,4 @@ struct Margins {
 /// [rad], from as near as the margins allow. `aspect`: width over height.
 Camera frame_model(const Model& model, double azimuth, double elevation, double aspect, const Margins& margins);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

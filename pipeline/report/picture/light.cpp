@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr int kSkyDirections = 28, kSunPixels = 2048, kSkyPixels = 768;
@@ -155,4 +155,4 @@ Lighting light_model(const Model& model, const Vec3& towards_sun, int threads) {
   return lighting;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

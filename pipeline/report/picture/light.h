@@ -4,7 +4,7 @@
 #pragma once
 #include "pipeline/report/picture/model.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 /// Heights of a model seen along one direction, square pixels.
 class HeightMap {
@@ -48,4 +48,4 @@ inline constexpr int kFloorPoints = 128;
 /// `towards_sun`: unit. Every direction is drawn by one thread; results do not depend on their number.
 Lighting light_model(const Model& model, const Vec3& towards_sun, int threads);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

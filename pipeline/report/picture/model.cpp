@@ -9,7 +9,7 @@
 #include "sim/io/surface.h"
 #include "sim/shape/touch.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 using sim::BodyState;
@@ -210,4 +210,4 @@ Model model_of(const SceneWorld& world, const sim::Capture& frame, const ModelSt
   return model;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -5,7 +5,7 @@
 
 #include "sim/io/capture.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 /// Linear red, green and blue, 0 to 1.
 using Light = Vec3;
@@ -46,4 +46,4 @@ Light bar_colour(double share);
 /// its bed the bed is drawn as often as it takes.
 Model model_of(const sim::SceneWorld& world, const sim::Capture& frame, const ModelStyle& style);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -7,7 +7,7 @@
 #include "pipeline/report/picture/light.h"
 #include "pipeline/report/picture/visible.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr int kSamples = 2;  // per pixel and axis
@@ -118,4 +118,4 @@ Image render(const Model& model, const Camera& camera, int width, int height, in
   return image;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -3,7 +3,7 @@
 #include "pipeline/report/picture/camera.h"
 #include "pipeline/report/picture/image.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 /// Same bytes for any number of threads.
 Image render(const Model& model, const Camera& camera, int width, int height, int threads);
@@ -11,4 +11,4 @@ Image render(const Model& model, const Camera& camera, int width, int height, in
 /// sRGB code, 0 to 255, of linear light.
 std::uint8_t srgb(Real light);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

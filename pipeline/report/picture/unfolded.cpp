@@ -5,7 +5,7 @@
 
 #include "sim/joint/row.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 using sim::BodyIndex;
@@ -55,4 +55,4 @@ Unfolded unfolded(const sim::SceneWorld& world, const sim::Capture& frame, BodyI
   return u;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -5,7 +5,7 @@
 
 #include "sim/io/capture.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 struct Unfolded {
   std::vector<sim::BodyState> body;  // [body], those that joints connect with the focus beside it
@@ -16,4 +16,4 @@ struct Unfolded {
 /// `focus` may be -1: then nothing is unfolded.
 Unfolded unfolded(const sim::SceneWorld& world, const sim::Capture& frame, sim::BodyIndex focus);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

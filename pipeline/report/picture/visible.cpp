@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 namespace {
 
 constexpr int kBandRows = 16;
@@ -159,4 +159,4 @@ Vec3 corner_shares(const Vec3 (&corner)[3], const Vec3& ray) {
   return share * (1 / (share.x + share.y + share.z));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

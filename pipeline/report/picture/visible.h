@@ -4,7 +4,7 @@
 
 #include "pipeline/report/picture/camera.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
 
 inline constexpr std::int32_t kNothing = -1;
 
@@ -28,4 +28,4 @@ Visible find_visible(const Model& model, const Camera& camera, int width, int he
 /// Share of each corner of a face where a ray from the origin meets its plane.
 Vec3 corner_shares(const Vec3 (&corner)[3], const Vec3& ray);
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

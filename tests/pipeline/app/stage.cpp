@@ -6,7 +6,8 @@
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::app {
+
 namespace {
 
 /// A stage that copies its input value into a file and counts how often it works.
@@ -93,4 +94,4 @@ TEST_CASE("the hash of a folder depends on names and contents and on nothing els
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::app

@@ -14,7 +14,8 @@
 #include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -218,4 +219,4 @@ TEST_CASE("a batch without places and one that is full refuse") {
   CHECK_THROWS_AS(batch.start(p), InputError);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

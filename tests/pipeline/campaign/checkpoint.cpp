@@ -11,7 +11,8 @@
 #include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -152,4 +153,4 @@ TEST_CASE("nothing is saved before the interval has passed") {
   CHECK_FALSE(fs::exists(saved.path));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -6,7 +6,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 const std::string& file_text() {
@@ -91,4 +92,4 @@ TEST_CASE("a schema that disagrees with the program is refused") {
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -17,7 +17,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 Dataset sample(std::size_t rows) {
@@ -265,4 +266,4 @@ TEST_CASE("datasets of one study merge into the whole, overlapping or growing; o
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

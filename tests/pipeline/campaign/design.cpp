@@ -14,7 +14,8 @@
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 Config section(const std::string& text) { return Config::parse(text, "study.json"); }
@@ -352,4 +353,4 @@ TEST_CASE("bad design sections: one sentence with file, place and what to do") {
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

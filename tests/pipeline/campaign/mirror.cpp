@@ -8,7 +8,8 @@
 #include "tests/support/measure.h"
 #include "tests/support/short_trial.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 using test::agrees;
@@ -74,4 +75,4 @@ TEST_CASE("headings psi and -psi mirror each other: the same slip and sinkage, o
   CHECK(other > 2 * y);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

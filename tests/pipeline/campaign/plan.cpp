@@ -8,7 +8,8 @@
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 const std::string kStudy = R"({
@@ -80,4 +81,4 @@ TEST_CASE("a missing vehicle or design section is one sentence") {
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -10,7 +10,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/trials.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace fs = std::filesystem;
 namespace {
 
@@ -69,4 +70,4 @@ TEST_CASE("a snapshot of nothing is refused, saying what to wait for") {
   CHECK(contains(input_error([&] { campaign_snapshot(folder.path()); }), "trial 0 is still missing"));
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -5,7 +5,8 @@
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 std::string refusal(const std::string& text) {
@@ -46,4 +47,4 @@ TEST_CASE("the largest seed is read exactly") {
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -13,7 +13,8 @@
 #include "tests/support/short_trial.h"
 #include "vehicle/model/statics.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 using test::agrees;
@@ -194,4 +195,4 @@ TEST_CASE("tasks that cannot be done are refused") {
         Reason::obstacle);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

@@ -9,7 +9,8 @@
 #include "tests/support/catch.h"
 #include "tests/support/short_trial.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -104,4 +105,4 @@ TEST_CASE("a slope steeper than its loose soil can stand fails before the vehicl
   CHECK(measure_of(r, "bed_creep") > setup.thresholds.creep_speed);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

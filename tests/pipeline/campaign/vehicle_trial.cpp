@@ -15,7 +15,8 @@
 #include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -338,4 +339,4 @@ TEST_CASE("on a moving patch a trial has the same bits alone, in company, and cu
   }
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

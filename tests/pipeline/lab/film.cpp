@@ -17,7 +17,9 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/vtp_file.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
+using namespace report;
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -229,4 +231,4 @@ TEST_CASE("a video is made of all frames by ffmpeg, whole or not at all") {
   refused([&] { check_film(request); }, "--size");
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

@@ -11,7 +11,8 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/vehicles.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
+
 namespace {
 
 using test::agrees;
@@ -105,4 +106,4 @@ TEST_CASE("a run of the original bin ends at its goal, or slides back, and its f
   CHECK(last == "# Vehicle sliding backward");
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

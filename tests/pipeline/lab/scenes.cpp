@@ -19,7 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::lab;
 using namespace gonogo::test;
 
 TEST_CASE("a tank laid out from blocks holds the spheres asked for, inside of its walls, and steps take time") {

@@ -7,7 +7,7 @@
 #include "pipeline/lab/validate/given_slip.h"
 #include "tests/support/catch.h"
 
-using namespace gonogo::pipeline;
+using namespace gonogo::lab;
 
 TEST_CASE("the published simulation has the slip error that was computed from its table by hand") {
   const auto published = published_slope_slips();

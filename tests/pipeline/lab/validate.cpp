@@ -11,7 +11,8 @@
 #include "vehicle/semi_empirical/bekker_wong.h"
 #include "vehicle/semi_empirical/traction.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::lab {
+using namespace campaign;
 
 TEST_CASE("means of replicates carry their standard errors") {
   const MeanOf m = mean_of({1, 2, 3, 4});
@@ -92,4 +93,4 @@ TEST_CASE("a wheel that climbs by rule is inside the formulas' band, and faster 
   std::filesystem::remove(file);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::lab

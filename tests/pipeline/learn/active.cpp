@@ -9,7 +9,8 @@
 #include "tests/pipeline/learn/known_boundary.h"
 #include "tests/support/catch.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
+
 namespace {
 
 std::vector<double> unit(const DesignSpec& spec, std::span<const double> variables) {
@@ -143,4 +144,4 @@ TEST_CASE("places that no trial is near are chosen though the model is sure of t
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

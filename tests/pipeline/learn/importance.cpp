@@ -6,7 +6,8 @@
 #include "base/random.h"
 #include "tests/support/catch.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
+
 namespace {
 
 /// Applies a function of one point to many.
@@ -58,4 +59,4 @@ TEST_CASE("permuting an input of a sum costs twice its variance, one that is not
 }
 
 }  // namespace
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -8,7 +8,8 @@
 
 #include "pipeline/campaign/design/design.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
+using namespace campaign;
 
 /// Slope, friction angle and cohesion vary; all others are held at the middle of what the contract allows.
 inline DesignSpec known_boundary_box(std::uint64_t seed, std::uint64_t points) {
@@ -44,4 +45,4 @@ double known_boundary_brier(const DesignSpec& spec, const Forecast& p_go) {
   return sum / double(held_out.size());
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

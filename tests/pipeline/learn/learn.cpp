@@ -19,7 +19,7 @@
 #include "tests/support/refused.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::learn;
 namespace fs = std::filesystem;
 
 TEST_CASE("failed trials are left out and counted, and their rate is modelled apart") {

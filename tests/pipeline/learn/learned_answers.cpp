@@ -19,7 +19,7 @@
 #include "tests/support/refused.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::learn;
 namespace fs = std::filesystem;
 
 TEST_CASE("a model trained on a hundred trials predicts fresh ones") {

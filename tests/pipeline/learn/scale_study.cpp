@@ -23,7 +23,8 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::campaign;
+using namespace gonogo::learn;
 
 namespace {
 

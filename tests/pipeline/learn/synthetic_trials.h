@@ -6,7 +6,8 @@
 #include "base/random.h"
 #include "pipeline/campaign/trial/record.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
+using namespace campaign;
 
 /// True P(go or slow_go) of the synthetic trials.
 inline double synthetic_p_go(double slope_along, double friction_angle) {
@@ -46,4 +47,4 @@ inline std::vector<TrialRecord> synthetic_trials(std::size_t count, std::uint64_
   return records;
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -9,7 +9,8 @@
 #include "tests/pipeline/learn/synthetic_trials.h"
 #include "tests/support/temporary_folder.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::learn {
+using namespace campaign;
 
 inline const std::filesystem::path& scratch() {
   static const TemporaryFolder folder;
@@ -39,4 +40,4 @@ inline const std::filesystem::path& model_file() {
 
 inline std::vector<double> middle_point() { return {12, 0, 33, 10, 0.5, 1500, 0.65, 0.3, 2}; }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::learn

@@ -22,7 +22,7 @@ struct AnalyticModel {
     return 1 / (1 + std::exp((slope - limit + weaker_deg) / width_deg));
   }
 
-  pipeline::OutcomeModel outcome_model() const {
+  map::OutcomeModel outcome_model() const {
     using namespace pipeline;
     const Contract& c = contract();
     OutcomeModel model;

@@ -18,7 +18,7 @@
 #include "tests/terrain/raster_maker.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::map;
 using terrain::RasterKind;
 using terrain::RasterSource;
 using terrain::Tile;

@@ -12,7 +12,7 @@
 #include "tests/support/catch.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::map;
 
 namespace {
 

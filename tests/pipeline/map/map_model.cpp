@@ -17,7 +17,8 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::learn;
+using namespace gonogo::map;
 using learning::Encoder;
 using terrain::RasterKind;
 using terrain::RasterSource;

@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::map;
 using test::AnalyticModel;
 
 namespace {

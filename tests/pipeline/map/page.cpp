@@ -17,7 +17,7 @@
 #include "tests/terrain/line_reader.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::map;
 using terrain::RasterKind;
 using terrain::RasterSource;
 using terrain::Tile;

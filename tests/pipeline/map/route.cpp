@@ -10,7 +10,7 @@
 #include "tests/support/message.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::map;
 
 namespace {
 

@@ -11,7 +11,7 @@
 #include "tests/support/catch.h"
 
 using namespace gonogo;
-using namespace gonogo::pipeline;
+using namespace gonogo::map;
 using terrain::RasterSource;
 using terrain::Tile;
 

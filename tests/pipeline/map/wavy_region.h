@@ -30,10 +30,10 @@ inline void make_wavy_region(const TemporaryFolder& folder, const std::string& n
 }
 
 /// A map of the folder's region by the analytic model.
-inline pipeline::MapRequest request_of_region(const TemporaryFolder& folder, const std::string& out) {
-  pipeline::MapRequest request;
+inline map::MapRequest request_of_region(const TemporaryFolder& folder, const std::string& out) {
+  map::MapRequest request;
   request.model = AnalyticModel{}.outcome_model();
-  request.region = pipeline::read_region(folder / "region.json");
+  request.region = map::read_region(folder / "region.json");
   request.out = folder / out;
   return request;
 }

@@ -12,7 +12,8 @@
 #include "tests/support/draw.h"
 #include "tests/support/scenes.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::report {
+
 namespace {
 
 using test::Draw;
@@ -320,4 +321,4 @@ TEST_CASE("the colour bar darkens from end to end") {
   CHECK(length(bar_colour(7) - bar_colour(1)) == 0);
 }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::report

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 namespace {
 
 constexpr int kLine = 1, kStop = 2;  // tags
@@ -112,4 +112,4 @@ CrewMaker MpiJob::crew_maker() const {
 
 std::unique_ptr<WorkerLine> MpiJob::worker_line() const { return std::make_unique<MpiLine>(); }
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign

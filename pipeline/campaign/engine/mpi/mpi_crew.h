@@ -5,7 +5,7 @@
 #include "pipeline/campaign/engine/crew.h"
 #include "pipeline/campaign/engine/worker.h"
 
-namespace gonogo::pipeline {
+namespace gonogo::campaign {
 
 /// From MPI_Init to MPI_Finalize; one per process. Leaving it on rank 0 tells all workers to stop, whatever they are
 /// at.
@@ -28,4 +28,4 @@ class MpiJob {
   int rank_ = 0, size_ = 1;
 };
 
-}  // namespace gonogo::pipeline
+}  // namespace gonogo::campaign
