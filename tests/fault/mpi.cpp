@@ -12,6 +12,7 @@
 #include "tests/support/temporary_folder.h"
 
 namespace gonogo::app {
+using namespace campaign;
 
 namespace fs = std::filesystem;
 namespace {

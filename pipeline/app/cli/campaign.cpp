@@ -116,16 +116,16 @@ void print_summary(const Globals& globals, const campaign::CampaignSummary& summ
 #ifdef GONOGO_WITH_MPI
 /// Every rank comes here; all but the first work until they are told to stop, and leave what is to be said to it.
 void run_with_mpi(const Options& options, const Globals& globals) {
-  const MpiJob job;
+  const campaign::MpiJob job;
   if (job.rank() > 0) {
-    const std::unique_ptr<WorkerLine> line = job.worker_line();
-    const Study study = read_study(options.study);
-    return run_study_worker(study, worker_options(study, options.folder, compute_of(options, globals), job.rank() - 1),
-                            *line);
+    const std::unique_ptr<campaign::WorkerLine> line = job.worker_line();
+    const campaign::Study study = campaign::read_study(options.study);
+    return campaign::run_study_worker(
+        study, campaign::worker_options(study, options.folder, compute_of(options, globals), job.rank() - 1), *line);
   }
-  CampaignRequest request = plan(options, globals);
+  campaign::CampaignRequest request = plan(options, globals);
   request.crew = job.crew_maker();
-  print_summary(globals, run_campaign(request));
+  print_summary(globals, campaign::run_campaign(request));
 }
 #else
 void run_with_mpi(const Options&, const Globals&) {

@@ -19,6 +19,7 @@
 
 namespace gonogo::lab {
 using namespace report;
+using namespace campaign;
 
 namespace {
 

@@ -19,6 +19,7 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
+using namespace gonogo::report;
 using namespace gonogo::lab;
 using namespace gonogo::test;
 

@@ -7,6 +7,8 @@
 #include "pipeline/lab/validate/given_slip.h"
 #include "tests/support/catch.h"
 
+using namespace gonogo::report;
+using namespace gonogo::campaign;
 using namespace gonogo::lab;
 
 TEST_CASE("the published simulation has the slip error that was computed from its table by hand") {

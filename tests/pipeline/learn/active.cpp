@@ -10,6 +10,7 @@
 #include "tests/support/catch.h"
 
 namespace gonogo::learn {
+using namespace campaign;
 
 namespace {
 

@@ -19,6 +19,7 @@
 #include "tests/support/refused.h"
 
 using namespace gonogo;
+using namespace gonogo::campaign;
 using namespace gonogo::learn;
 namespace fs = std::filesystem;
 

@@ -23,7 +23,8 @@ struct AnalyticModel {
   }
 
   map::OutcomeModel outcome_model() const {
-    using namespace pipeline;
+    using namespace campaign;
+    using namespace map;
     const Contract& c = contract();
     OutcomeModel model;
     for (const Variable& variable : c.variables) model.sampled.push_back({variable.minimum, variable.maximum});

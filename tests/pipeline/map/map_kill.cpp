@@ -12,6 +12,7 @@
 #include "tests/support/catch.h"
 
 using namespace gonogo;
+using namespace gonogo::campaign;
 using namespace gonogo::map;
 
 namespace {

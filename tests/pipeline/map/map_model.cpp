@@ -17,6 +17,7 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
+using namespace gonogo::campaign;
 using namespace gonogo::learn;
 using namespace gonogo::map;
 using learning::Encoder;

@@ -14,6 +14,7 @@
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
+using namespace gonogo::campaign;
 using namespace gonogo::map;
 using test::AnalyticModel;
 

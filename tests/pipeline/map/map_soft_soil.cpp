@@ -15,6 +15,7 @@
 #include "tests/terrain/raster_maker.h"
 
 using namespace gonogo;
+using namespace gonogo::campaign;
 using namespace gonogo::map;
 using terrain::RasterKind;
 using terrain::RasterSource;

@@ -17,6 +17,7 @@
 #include "tests/terrain/line_reader.h"
 
 using namespace gonogo;
+using namespace gonogo::campaign;
 using namespace gonogo::map;
 using terrain::RasterKind;
 using terrain::RasterSource;

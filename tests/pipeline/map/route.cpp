@@ -10,6 +10,7 @@
 #include "tests/support/message.h"
 
 using namespace gonogo;
+using namespace gonogo::campaign;
 using namespace gonogo::map;
 
 namespace {

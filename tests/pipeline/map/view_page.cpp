@@ -11,6 +11,7 @@
 #include "tests/support/catch.h"
 
 using namespace gonogo;
+using namespace gonogo::campaign;
 using namespace gonogo::map;
 using terrain::RasterSource;
 using terrain::Tile;
