@@ -1,6 +1,8 @@
 """Pictures of maps' pages: docs/gallery/make.py <map folder> [<browser> [<map folder of the second region>]].
-Needs Python and headless Chromium."""
+Ends with scripts/shrink_pictures.sh, which makes each at most 250 kB. Needs Python, headless Chromium, ffmpeg and
+pngquant."""
 import pathlib
+import subprocess
 import sys
 
 here = pathlib.Path(__file__).resolve().parent
@@ -44,3 +46,6 @@ if len(sys.argv) > 3:
     second.js("document.querySelector('input[name=layer][value=reason]').click()")
     second.picture(here / "zion_reasons.png")
     second.close()
+
+shrink = here.parents[1] / "scripts" / "shrink_pictures.sh"
+subprocess.run([shrink, here.parent / "images" / "page.png", *sorted(here.glob("*.png"))], check=True)
