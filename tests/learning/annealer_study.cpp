@@ -1,5 +1,5 @@
 // Training a machine of 48 visible and 20 hidden units through the emulated annealer, scored by exact log-likelihood of
-// fresh rows as the share of what exact samples gain over independent units (docs/learning.md).
+// fresh rows as the share of what exact samples gain over independent units (docs/annealer.md).
 //
 //   learning_annealer [line ...] [seed=, chains=, sweeps=, gauges=, reads=, chain_coupling=, dead=]   all lines of the
 //   table, or some; "thermometers": what each measures on one machine at several scales. Another seed is another
