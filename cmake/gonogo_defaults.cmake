@@ -10,13 +10,20 @@ find_package(Threads REQUIRED)
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 
 if(GONOGO_CUDA)
+  # Code for Ampere (80, 86, 89 run it) and Hopper (90), and PTX that later GPUs translate at the first start.
+  if(NOT DEFINED CMAKE_CUDA_ARCHITECTURES AND NOT DEFINED ENV{CUDAARCHS})
+    set(CMAKE_CUDA_ARCHITECTURES "80;90" CACHE STRING "Compute capabilities to build for")
+  endif()
   enable_language(CUDA)
 endif()
 
 function(gonogo_defaults target)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}")
-  set(host_flags -Wall -Wextra -Wshadow=local -ffp-contract=off)
+  set(host_flags -Wall -Wextra -ffp-contract=off)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    list(APPEND host_flags -Wshadow=local)  # Clang knows no such level
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     list(APPEND host_flags -Wno-restrict)  # GCC bug 105651: false alarms about "literal" + std::string
   endif()

@@ -47,13 +47,30 @@ build() {
   cmake --build --preset "$preset" -j "$(build_jobs)" "${targets[@]}"
 }
 
+# Headers that a GPU machine lacks (nlohmann-json, CLI11, Catch2, xxhash) may lie in .carry/usr, laid out like /usr.
+use_carried_headers() {
+  [[ ! -d .carry/usr ]] || export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
+}
+
+# Compute capability of the first GPU of this machine, as CMake writes it: 90. One architecture builds in half the time of
+# the two that are built by default.
+gpu_architecture() {
+  local capability
+  capability=$(nvidia-smi --query-gpu=compute_cap --format=csv,noheader | sed -n 1p)
+  [[ $capability =~ ^[0-9]+\.[0-9]+$ ]] || fail "nvidia-smi names no compute capability: '$capability'"
+  echo "${capability/./}"
+}
+
 # The program for campaigns on GPUs, from a bare checkout: the CUDA preset without GDAL, LibTorch and cairo, where there is no
-# program yet. Headers that the machine lacks (nlohmann-json, CLI11, xxhash) may lie in .carry/usr, laid out like /usr.
+# program yet.
 build_gpu_program() {
   [[ ! -x build/cuda-release/gonogo ]] || return 0
-  [[ ! -d .carry/usr ]] || export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
+  local architecture
+  architecture=$(gpu_architecture)
+  use_carried_headers
   mkdir -p build
-  cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF -DGONOGO_TESTS=OFF > build/gpu_configure.log
+  cmake --preset cuda-release "-DCMAKE_CUDA_ARCHITECTURES=$architecture" -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF \
+    -DGONOGO_PICTURES=OFF -DGONOGO_TESTS=OFF > build/gpu_configure.log
   cmake --build build/cuda-release -j "$(nproc)" --target gonogo > build/gpu_build.log 2>&1 ||
     { grep -E 'error|FAILED' build/gpu_build.log | head; exit 1; }
 }

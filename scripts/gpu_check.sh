@@ -1,62 +1,128 @@
 #!/usr/bin/env bash
-# The whole GPU check in one call: builds the CUDA preset without GDAL, LibTorch and cairo, runs the engine's tests on CPU and
-# GPU, gradients by a LibTorch with CUDA where python3 has one, runs the tiny worlds of test_sim_sanitize under compute-sanitizer (memcheck, racecheck, initcheck), and times the bench
-# scenes. Needs nvcc and a GPU. Headers that the machine lacks (nlohmann-json, CLI11, Catch2, xxhash) may lie in .carry/usr, laid
-# out like /usr. Ends with status 1 when a test failed or a sanitizer found something; the logs are in the results folder.
+# The GPU check: builds the CUDA preset without GDAL, LibTorch and cairo for this machine's GPU, and checks it.
 #
-#   scripts/gpu_check.sh [results-folder]
+#   scripts/gpu_check.sh [--out FOLDER] [part...]        parts: build tests sanitizers bench; all of them when none is named
+#
+#   build       the program and the tests; also the test of LibTorch's gradients, where python3 has a LibTorch with CUDA
+#   tests       the engine's tests on CPU and GPU, and those gradients
+#   sanitizers  the tiny worlds of test_sim_sanitize under compute-sanitizer: memcheck, racecheck, initcheck
+#   bench       times of the bench scenes and of the demo's trials
+#
+# Each part fits a call of ten minutes on 16 cores. Every part but `build` builds what is missing or out of date first.
+# Needs nvcc, a GPU and Catch2 2.13 or 3. Headers that the machine lacks (nlohmann-json, CLI11, Catch2, xxhash) may lie in
+# .carry/usr, laid out like /usr. Ends with status 1 when a test failed or a sanitizer found something; the logs are in the
+# folder, out/gpu by default.
 set -euo pipefail
-cd "$(dirname "$0")/.."
-results=${1:-out/gpu}
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+results=out/gpu
+parts=()
+while (($# > 0)); do
+  case $1 in
+    --out) (($# > 1)) || fail "--out needs a folder"; results=$2; shift ;;
+    build | tests | sanitizers | bench) parts+=("$1") ;;
+    *) fail "no part '$1'; there are: build tests sanitizers bench, and --out FOLDER before them" ;;
+  esac
+  shift
+done
+((${#parts[@]} > 0)) || parts=(build tests sanitizers bench)
 mkdir -p "$results"
 failed=()
-[ -d .carry/usr ] && export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
-nvidia-smi --query-gpu=name,driver_version --format=csv,noheader
-cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/configure.log"
-tests=$(cmake --build build/cuda-release --target help | grep -oE '^test_(sim|validation|base_kernels|terrain_beds|pipeline_batch|learning_gpu)[a-z_]*' | sort -u)
-cmake --build build/cuda-release -j "$(nproc)" --target gonogo $tests > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
-ctest --test-dir build/cuda-release -j 4 -R '^(sim|validation|base_kernels|terrain_beds|pipeline_batch|learning_gpu)' --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 || failed+=(tests)
+engine='(sim|validation|base_kernels|terrain_beds|pipeline_batch|learning_gpu)'
+program=build/cuda-release/gonogo
+use_carried_headers
 
-# Gradients by LibTorch on the GPU, where python3 has a LibTorch with CUDA; a build of its own, so that the program's needs none.
-torch=$(python3 -c 'import torch; print(torch.utils.cmake_prefix_path if torch.version.cuda else "")' 2> /dev/null || true)
-if [ -n "$torch" ]; then
-  CMAKE_PREFIX_PATH="${CMAKE_PREFIX_PATH:-}:$torch" cmake --preset cuda-release -B build/torch -DGONOGO_TORCH=ON -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/torch.log" 2>&1 &&
-    cmake --build build/torch -j "$(nproc)" --target test_learning_gpu_gradients >> "$results/torch.log" 2>&1 &&
-    build/torch/tests/learning/test_learning_gpu_gradients || { tail -20 "$results/torch.log"; failed+=(gradients); }
-else
-  echo "gradients on the GPU: not run, python3 has no LibTorch with CUDA"
-fi
+# configure_gpu <log> [cmake arguments...]
+configure_gpu() {
+  local architecture
+  architecture=$(gpu_architecture)
+  cmake --preset cuda-release "-DCMAKE_CUDA_ARCHITECTURES=$architecture" -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF "${@:2}" \
+    > "$1" 2>&1 || { tail -20 "$1"; fail "configuring failed"; }
+}
+
+# LibTorch has a build of its own, so that the program's needs none.
+build_gradients() {
+  local torch
+  torch=$(python3 -c 'import torch; print(torch.utils.cmake_prefix_path if torch.version.cuda else "")' 2> /dev/null || true)
+  if [[ -z $torch ]]; then
+    say "gradients on the GPU: not built, python3 has no LibTorch with CUDA"
+    return
+  fi
+  CMAKE_PREFIX_PATH="${CMAKE_PREFIX_PATH:-}:$torch" configure_gpu "$results/torch.log" -B build/torch -DGONOGO_TORCH=ON
+  cmake --build build/torch -j "$(nproc)" --target test_learning_gpu_gradients >> "$results/torch.log" 2>&1 ||
+    { tail -20 "$results/torch.log"; fail "building the gradients' test failed"; }
+}
+
+build_all() {
+  local tests
+  configure_gpu "$results/configure.log" -DGONOGO_TORCH=OFF
+  grep 'The tests use Catch2' "$results/configure.log"
+  mapfile -t tests < <(cmake --build build/cuda-release --target help | grep -oE "^test_${engine}[a-z_]*" | sort -u)
+  ((${#tests[@]} > 0)) || fail "the build has no test of the engine"
+  cmake --build build/cuda-release -j "$(nproc)" --target gonogo "${tests[@]}" > "$results/build.log" 2>&1 ||
+    { tail -40 "$results/build.log"; fail "the build failed"; }
+  build_gradients
+}
+
+run_tests() {
+  local gradients=build/torch/tests/learning/test_learning_gpu_gradients
+  ctest --test-dir build/cuda-release -j 4 -R "^$engine" --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 ||
+    failed+=(tests)
+  if [[ -x $gradients ]]; then
+    "$gradients" || failed+=(gradients)
+  fi
+}
 
 # A sanitizer that cannot work on this machine is told apart from one that found something.
-sanitizer=$(command -v compute-sanitizer || echo /usr/local/cuda/bin/compute-sanitizer)
-for tool in memcheck racecheck initcheck; do
-  log="$results/$tool.log"
-  status=0
-  cases=()
-  [ "$tool" = racecheck ] && cases=("two short steps*")  # it follows every access to shared memory
-  timeout 240 "$sanitizer" --tool "$tool" --error-exitcode 9 build/cuda-release/tests/sim/test_sim_sanitize "${cases[@]}" > "$log" 2>&1 || status=$?
-  echo "$tool: exit status $status, $(grep -E 'SUMMARY|not supported|All tests passed|No such file' "$log" | tail -2 | tr '\n' ' ')"
-  if [ "$status" -ne 0 ]; then
-    if grep -q 'Device not supported' "$log"; then echo "  $tool does not work on this machine"; else failed+=("$tool"); fi
-  fi
-done
+run_sanitizers() {
+  local sanitizer tool log status cases
+  sanitizer=$(command -v compute-sanitizer) || fail "compute-sanitizer is not installed"
+  for tool in memcheck racecheck initcheck; do
+    log="$results/$tool.log"
+    status=0
+    cases=()
+    [[ $tool != racecheck ]] || cases=("two short steps*")  # it follows every access to shared memory
+    timeout 240 "$sanitizer" --tool "$tool" --error-exitcode 9 build/cuda-release/tests/sim/test_sim_sanitize "${cases[@]}" \
+      > "$log" 2>&1 || status=$?
+    echo "$tool: exit status $status, $(grep -E 'SUMMARY|not supported|All tests passed' "$log" | tail -2 | tr '\n' ' ')"
+    if ((status != 0)); then
+      if grep -q 'Device not supported' "$log"; then echo "  $tool does not work on this machine"; else failed+=("$tool"); fi
+    fi
+  done
+}
 
-bench() { build/cuda-release/gonogo bench "$@" --json | tail -1 | tee -a "$results/bench.jsonl"; }
-for backend in cpu cuda; do
-  bench bed --grain 0.05 --backend "$backend" --threads 1
+bench() { "$program" bench "$@" --json | tail -1 | tee -a "$results/bench.jsonl"; }
+
+run_bench() {
+  local threads backend rolling chains device
+  threads=$(nproc)
+  for backend in cpu cuda; do
+    bench bed --grain 0.05 --backend "$backend" --threads 1
+  done
+  for rolling in 0 0.1; do
+    bench bed --grain 0.05 --worlds 40 --rolling "$rolling" --backend cuda --threads "$threads"
+    bench bed --grain 0.05 --copies 40 --rolling "$rolling" --backend cuda --threads "$threads"
+  done
+  bench batch --beside-one --threads "$threads"
+  bench batch --tiny --beside-one --threads "$threads"
+  bench wheel --backend cuda --threads "$threads"
+  bench wheel --substeps 1 --iterations 50 --backend cuda --threads "$threads"
+  bench gibbs --threads 1 --chains 256
+  for chains in 256 4096 65536 262144; do bench gibbs --backend cuda --chains "$chains"; done
+  # Trials in steady state: the demo's, on the CPU's cores and in one batch on the GPU.
+  for device in cpu cuda; do
+    "$program" campaign run configs/studies/demo.json --out "$results/campaign_$device" --device "$device" 2>&1 | tail -2
+  done
+}
+
+nvidia-smi --query-gpu=name,driver_version --format=csv,noheader
+build_all
+for part in "${parts[@]}"; do
+  case $part in
+    build) ;;
+    tests) run_tests ;;
+    sanitizers) run_sanitizers ;;
+    bench) run_bench ;;
+  esac
 done
-for rolling in 0 0.1; do
-  bench bed --grain 0.05 --worlds 40 --rolling "$rolling" --backend cuda --threads "$(nproc)"
-  bench bed --grain 0.05 --copies 40 --rolling "$rolling" --backend cuda --threads "$(nproc)"
-done
-bench batch --beside-one --threads "$(nproc)"
-bench batch --tiny --beside-one --threads "$(nproc)"
-bench wheel --backend cuda --threads "$(nproc)"
-bench wheel --substeps 1 --iterations 50 --backend cuda --threads "$(nproc)"
-bench gibbs --threads 1 --chains 256
-for chains in 256 4096 65536 262144; do bench gibbs --backend cuda --chains "$chains"; done
-# Trials in steady state: the demo's, on the CPU's cores and in one batch on the GPU.
-for device in cpu cuda; do
-  build/cuda-release/gonogo campaign run configs/studies/demo.json --out "$results/campaign_$device" --device "$device" 2>&1 | tail -2
-done
-if [ "${#failed[@]}" -gt 0 ]; then echo "failed: ${failed[*]}"; exit 1; fi
+if ((${#failed[@]} > 0)); then fail "failed: ${failed[*]}"; fi

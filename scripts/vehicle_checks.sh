@@ -9,12 +9,13 @@
 # The friction angle of a table does not depend on the size of its grains (docs/soils.md: triaxial tests without gravity), so
 # that the 32 mm table, whose steps of 1 ms all these runs take, serves coarser grains here.
 set -uo pipefail
-cd "$(dirname "$0")/.."
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 results=${1:-out/vehicles}
 mkdir -p "$results"
-[ -d .carry/usr ] && export CMAKE_PREFIX_PATH="$PWD/.carry/usr" CPATH="$PWD/.carry/usr/include"
+use_carried_headers
 gonogo=build/cuda-release/gonogo
-cmake --preset cuda-release -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/configure.log" || exit 1
+architecture=$(gpu_architecture) || exit 1
+cmake --preset cuda-release "-DCMAKE_CUDA_ARCHITECTURES=$architecture" -DGONOGO_TORCH=OFF -DGONOGO_GDAL=OFF -DGONOGO_PICTURES=OFF > "$results/configure.log" || exit 1
 cmake --build build/cuda-release -j "$(nproc)" --target gonogo > "$results/build.log" 2>&1 || { tail -40 "$results/build.log"; exit 1; }
 coarse="$results/grains_0.064.json"
 fine=configs/soils/calibration_32mm.json

@@ -1,5 +1,5 @@
 // Entry point of every test program.
-#if __has_include(<catch2/catch_all.hpp>)
+#if GONOGO_CATCH2 >= 3
 #include <catch2/catch_session.hpp>
 int main(int argc, char* argv[]) { return Catch::Session().run(argc, argv); }
 #else
