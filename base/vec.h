@@ -104,7 +104,17 @@ GONOGO_HD inline Vec3 rotate(const Quat& q, const Vec3& v) {
   return v + q.w * t + cross(u, t);
 }
 
+/// R v for a quaternion whose length may be off by rounding.
+GONOGO_HD inline Vec3d rotate_precisely(const Quat& q, const Vec3& v_B) {
+  const Vec3d u{q.x, q.y, q.z}, v = static_cast<Vec3d>(v_B);
+  const double w = q.w, scale = 2 / (w * w + dot(u, u));
+  const Vec3d t = cross(u, v);
+  return v + scale * (w * t + cross(u, t));
+}
+
 GONOGO_HD inline Vec3 rotate_back(const Quat& q, const Vec3& v) { return rotate({q.w, -q.x, -q.y, -q.z}, v); }
+
+GONOGO_HD inline Quat conjugate(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
 
 GONOGO_HD inline Quat operator*(const Quat& a, const Quat& b) {
   return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,

@@ -1,7 +1,6 @@
 #include "learning/rbm/network.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include "base/error.h"
 #include "base/normal.h"

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/beside.h"
+#include "base/units.h"
 #include "base/words.h"
 #include "sim/contact/finder.h"
 #include "sim/state/tiles.h"
@@ -121,7 +122,7 @@ struct ContactWriter {
     c.rho = law.rolling_friction * radius;
     c.sigma = law.spinning_friction * radius;
     c.cohesion = t.gap < settings.cohesion_range
-                     ? law.cohesion_pressure * Real(3.14159265) * smaller * smaller * settings.substep()
+                     ? law.cohesion_pressure * Real(kPi) * smaller * smaller * settings.substep()
                      : Real(0);
     c.body_a = si.body;
     c.body_b = sj.body;

@@ -1,15 +1,15 @@
 #include "sim/io/surface.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "sim/shape/ellipsoid.h"
 
 namespace gonogo::sim {
 namespace {
 
-constexpr Real kTurn = Real(2 * std::numbers::pi);
+constexpr Real kTurn = Real(2 * kPi);
 
 Index add_point(Surface& s, const Vec3& point, const Vec3& normal) {
   s.point.push_back(point);

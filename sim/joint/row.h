@@ -7,14 +7,6 @@
 
 namespace gonogo::sim {
 
-/// R v for a quaternion whose length may be off by rounding.
-GONOGO_HD inline Vec3d rotate_precisely(const Quat& q, const Vec3& v_B) {
-  const Vec3d u{q.x, q.y, q.z}, v = static_cast<Vec3d>(v_B);
-  const double w = q.w, scale = 2 / (w * w + dot(u, u));
-  const Vec3d t = cross(u, v);
-  return v + scale * (w * t + cross(u, t));
-}
-
 /// An attachment in the world frame.
 struct PlacedAttachment {
   Vec3d arm;         // from the centre of mass to the point [m]

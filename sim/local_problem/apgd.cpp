@@ -147,7 +147,7 @@ LocalSolution solve_apgd(const LocalProblem& problem, const LocalSolveSettings& 
   while (k < most && best.best.error > settings.tolerance) {
     const double change = method.step();
     if (++k % kCheckEvery == 0 || k == most) best.offer(method.impulses());
-    if (settings.target == ConeTarget::ccp || !slip.due(change)) continue;
+    if (settings.target == Target::ccp || !slip.due(change)) continue;
     best.offer(method.impulses());
     slip.judge(best.best.error);
     method.follow_slip(slip.share());

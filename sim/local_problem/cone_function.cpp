@@ -93,14 +93,14 @@ bool natural_map(const LocalProblem& problem, Index contact, const double* weigh
 
 }  // namespace
 
-bool cone_function(const LocalProblem& problem, Index contact, ConeTarget target, const double* weight, const double* r,
+bool cone_function(const LocalProblem& problem, Index contact, Target target, const double* weight, const double* r,
                    const double* u, double* f, ConeDerivative* derivative) {
   if (derivative) {
     derivative->by_u = ContactMatrix::Zero(problem.dimension, problem.dimension);
     derivative->by_r = ContactMatrix::Zero(problem.dimension, problem.dimension);
   }
-  return target == ConeTarget::coulomb ? alart_curnier(problem, contact, weight, r, u, f, derivative)
-                                       : natural_map(problem, contact, weight, r, u, f, derivative);
+  return target == Target::coulomb ? alart_curnier(problem, contact, weight, r, u, f, derivative)
+                                   : natural_map(problem, contact, weight, r, u, f, derivative);
 }
 
 }  // namespace gonogo::sim

@@ -21,7 +21,7 @@ struct ConeDerivative {
 ///   F_n = r_n - max(0, y_n),  y_n = r_n - rho_n u_n
 ///   F_d = r_d - y_d min(1, c_d max(0, y_n) / |y_d|),  y_d = r_d - rho_d u_d
 /// ccp: the natural map, F = r - P_K(y), y = r - rho_n u; P_K: projection onto the cone.
-bool cone_function(const LocalProblem& problem, Index contact, ConeTarget target, const double* weight, const double* r,
+bool cone_function(const LocalProblem& problem, Index contact, Target target, const double* weight, const double* r,
                    const double* u, double* f, ConeDerivative* derivative);
 
 }  // namespace gonogo::sim

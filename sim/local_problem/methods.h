@@ -7,10 +7,10 @@ namespace gonogo::sim {
 /// Keeps the best impulses met.
 struct BestSoFar {
   const LocalProblem& problem;
-  ConeTarget target;
+  Target target;
   LocalSolution best;
 
-  BestSoFar(const LocalProblem& p, ConeTarget t) : problem(p), target(t) {
+  BestSoFar(const LocalProblem& p, Target t) : problem(p), target(t) {
     best.r.assign(p.q.size(), 0.0);
     best.error = siconos_error(p, best.r, t);
   }
@@ -27,7 +27,7 @@ struct BestSoFar {
 std::vector<double> diagonal_weight(const LocalProblem& problem);
 
 /// One sweep over all contacts in their order.
-void sweep(const LocalProblem& problem, ConeTarget target, std::vector<double>& r);
+void sweep(const LocalProblem& problem, Target target, std::vector<double>& r);
 
 LocalSolution solve_nsgs(const LocalProblem& problem, const LocalSolveSettings& settings);
 LocalSolution solve_apgd(const LocalProblem& problem, const LocalSolveSettings& settings);

@@ -151,8 +151,7 @@ void root_over_normal(const LocalProblem& problem, Index contact, const double* 
 }
 
 /// Newton on the cone function from the r given; whether it converged.
-bool newton(const LocalProblem& problem, Index contact, ConeTarget target, const double* a, const double* b,
-            double* r) {
+bool newton(const LocalProblem& problem, Index contact, Target target, const double* a, const double* b, double* r) {
   constexpr int kMostSteps = 15;
   const int d = problem.dimension;
   const RowMajorBlock block(a, d, d);
@@ -180,7 +179,7 @@ void solve_coulomb(const LocalProblem& problem, Index contact, const double* a, 
     std::fill(r, r + problem.dimension, 0.0);
   } else if (problem.disc_count() == 1) {
     slide_or_stick(problem, contact, a, b, r);
-  } else if (!newton(problem, contact, ConeTarget::coulomb, a, b, r)) {
+  } else if (!newton(problem, contact, Target::coulomb, a, b, r)) {
     root_over_normal(problem, contact, a, b, r);
   }
 }
@@ -193,7 +192,7 @@ void solve_ccp(const LocalProblem& problem, Index contact, const double* a, cons
   for (int i = 0; i < d; ++i) trace += a[i * (d + 1)];
   std::copy(r, r + d, guess);
   for (int round = 0; round < kRounds; ++round) {
-    if (newton(problem, contact, ConeTarget::ccp, a, b, r)) return;
+    if (newton(problem, contact, Target::ccp, a, b, r)) return;
     std::copy(guess, guess + d, r);
     for (int k = 0; k < kSteps; ++k) {
       for (int i = 0; i < d; ++i) {
@@ -209,9 +208,9 @@ void solve_ccp(const LocalProblem& problem, Index contact, const double* a, cons
 
 }  // namespace
 
-void solve_one_contact(const LocalProblem& problem, Index contact, ConeTarget target, const double* a, const double* b,
+void solve_one_contact(const LocalProblem& problem, Index contact, Target target, const double* a, const double* b,
                        double* r) {
-  target == ConeTarget::coulomb ? solve_coulomb(problem, contact, a, b, r) : solve_ccp(problem, contact, a, b, r);
+  target == Target::coulomb ? solve_coulomb(problem, contact, a, b, r) : solve_ccp(problem, contact, a, b, r);
 }
 
 }  // namespace gonogo::sim

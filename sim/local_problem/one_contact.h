@@ -19,7 +19,7 @@ namespace gonogo::sim {
 
 /// Impulse r[dimension] of `contact` (in: a guess) when the rest of the problem gives it the velocity b[dimension] at
 /// r = 0; `a` is its block of W, row major, with a[0] > 0 and a positive semidefinite symmetric part.
-void solve_one_contact(const LocalProblem& problem, Index contact, ConeTarget target, const double* a, const double* b,
+void solve_one_contact(const LocalProblem& problem, Index contact, Target target, const double* a, const double* b,
                        double* r);
 
 }  // namespace gonogo::sim

@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 /// The function of cone_function.h over all contacts, for the problem with u = (W + alpha D) r + q - alpha D centre.
 class RegularisedProblem {
  public:
-  RegularisedProblem(const LocalProblem& problem, ConeTarget target)
+  RegularisedProblem(const LocalProblem& problem, Target target)
       : p_(problem), target_(target), weight_(diagonal_weight(problem)), f_(problem.q.size()) {}
 
   void regularise(double alpha, const std::vector<double>& centre) { alpha_ = alpha, centre_ = centre; }
@@ -96,7 +96,7 @@ class RegularisedProblem {
   }
 
   const LocalProblem& p_;
-  ConeTarget target_;
+  Target target_;
   std::vector<double> weight_;
   double alpha_ = 0;
   std::vector<double> centre_, u_, f_;

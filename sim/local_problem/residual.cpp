@@ -68,7 +68,7 @@ double de_saxce_term(const LocalProblem& problem, Index contact, const double* u
   return sum;
 }
 
-double siconos_error(const LocalProblem& problem, const std::vector<double>& r, ConeTarget target) {
+double siconos_error(const LocalProblem& problem, const std::vector<double>& r, Target target) {
   const std::vector<double> u = velocity(problem, r);
   const int dimension = problem.dimension;
   double sum = 0;
@@ -77,7 +77,7 @@ double siconos_error(const LocalProblem& problem, const std::vector<double>& r, 
     const double* const ui = u.data() + std::size_t(i) * dimension;
     std::array<double, 5> p{};
     for (int a = 0; a < dimension; ++a) p[a] = ri[a] - ui[a];
-    if (target == ConeTarget::coulomb) p[0] -= de_saxce_term(problem, i, ui);
+    if (target == Target::coulomb) p[0] -= de_saxce_term(problem, i, ui);
     project_onto_cone(problem, i, p.data());
     for (int a = 0; a < dimension; ++a) sum += (ri[a] - p[a]) * (ri[a] - p[a]);
   }

@@ -1,11 +1,9 @@
 // How far impulses r are from solving a LocalProblem; the measure of every solver here.
 #pragma once
 #include "sim/local_problem/problem.h"
+#include "sim/state/target.h"
 
 namespace gonogo::sim {
-
-/// Which complementarity problem is meant; see problem.h.
-enum class ConeTarget { ccp, coulomb };
 
 /// Nearest point of K, in the plain metric, for one contact: p[dimension] in and out.
 ///   min (n - p_n)^2 + sum_d (|t_d| - |p_d|)^2,  n >= 0, |t_d| <= c_d n
@@ -16,7 +14,6 @@ double de_saxce_term(const LocalProblem& problem, Index contact, const double* u
 
 /// | r - P_K(r - u^) | / max(|q|, |r|, |u|) with u = W r + q and u^ = u + de_saxce_term e_n for `coulomb`, u^ = u for
 /// `ccp`; Euclidean norms over all contacts, as in fc3d_compute_error of Siconos. 0 when q, r and u are all 0.
-double siconos_error(const LocalProblem& problem, const std::vector<double>& r,
-                     ConeTarget target = ConeTarget::coulomb);
+double siconos_error(const LocalProblem& problem, const std::vector<double>& r, Target target = Target::coulomb);
 
 }  // namespace gonogo::sim

@@ -40,7 +40,7 @@ std::vector<double> diagonal_weight(const LocalProblem& problem) {
   return weight;
 }
 
-void sweep(const LocalProblem& problem, ConeTarget target, std::vector<double>& r) {
+void sweep(const LocalProblem& problem, Target target, std::vector<double>& r) {
   const int d = problem.dimension;
   double b[5];
   for (Index i = 0; i < problem.contact_count(); ++i) {

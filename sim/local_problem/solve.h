@@ -17,7 +17,7 @@ enum class LocalSolver { nsgs, apgd, ppa };
 
 struct LocalSolveSettings {
   LocalSolver solver = LocalSolver::ppa;
-  ConeTarget target = ConeTarget::coulomb;
+  Target target = Target::coulomb;
   double tolerance = 1e-8;  // of siconos_error for the target
   int max_iterations = 0;   // 0: the solver's own; sweeps, gradient steps or Newton steps
 };

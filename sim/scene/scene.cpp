@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::sim {
 
@@ -29,7 +30,7 @@ BodyIndex SceneWorld::add_body(const BodyState& state, const BodyMass& body_mass
 }
 
 BodyIndex SceneWorld::add_sphere(const Vec3d& position, Real radius, Real density, int material) {
-  const Real m = density * Real(4.0 / 3.0 * 3.14159265358979) * radius * radius * radius;
+  const Real m = density * Real(4.0 / 3.0 * kPi) * radius * radius * radius;
   const Real inertia = Real(0.4) * m * radius * radius;
   const BodyIndex b = add_body({position, {}, {}, {}}, solid(m, {inertia, inertia, inertia}));
   Shape s;
@@ -42,7 +43,7 @@ BodyIndex SceneWorld::add_sphere(const Vec3d& position, Real radius, Real densit
 
 BodyIndex SceneWorld::add_ellipsoid(const BodyState& state, const Vec3& half, Real density, int material) {
   const double x = double(half.x) * half.x, y = double(half.y) * half.y, z = double(half.z) * half.z;
-  const double m = double(density) * 4.0 / 3.0 * 3.14159265358979 * half.x * half.y * half.z;
+  const double m = double(density) * 4.0 / 3.0 * kPi * half.x * half.y * half.z;
   const Vec3 inertia{Real(m / 5 * (y + z)), Real(m / 5 * (x + z)), Real(m / 5 * (x + y))};
   const BodyIndex b = add_body(state, solid(Real(m), inertia));
   Shape s;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/units.h"
 #include "sim/shape/triangle_mesh.h"
 #include "sim/state/state.h"
 
@@ -19,8 +20,8 @@ struct BodyState {
 /// One world: a box [origin, origin + size], periodic along x and y where asked. Bodies are numbered from 0 in each
 /// world; shapes must be listed in ascending order of their body.
 struct SceneWorld {
-  Vec3 gravity{0, 0, Real(-9.81)};  // [m/s^2]
-  Vec3d origin, size{1, 1, 1};      // [m]
+  Vec3 gravity{0, 0, Real(-kGravity)};  // [m/s^2]
+  Vec3d origin, size{1, 1, 1};          // [m]
   bool periodic_x = false, periodic_y = false;
   PairLaw law[kMaxMaterials][kMaxMaterials];
   /// Shapes that overlap at the start by more than this share of the smaller one's least half are refused; 0: not

@@ -1,9 +1,9 @@
 #include "sim/shape/mesh_shapes.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "sim/shape/welder.h"
 
 namespace gonogo::sim {
@@ -64,7 +64,7 @@ TriangleMesh box_mesh(const Vec3& h, int cells) {
 TriangleMesh cylinder_mesh(Real radius, Real half_length, int segments) {
   if (segments < 3) throw InputError("a cylinder mesh needs at least 3 segments");
   std::vector<std::pair<Real, Real>> outline;
-  for (int k = 0; k < segments; ++k) outline.push_back(on_rim(radius, 2 * std::numbers::pi * k / segments));
+  for (int k = 0; k < segments; ++k) outline.push_back(on_rim(radius, 2 * kPi * k / segments));
   TriangleMesh mesh = prism(outline, half_length);
   mesh.name = "cylinder";
   return mesh;
@@ -72,14 +72,13 @@ TriangleMesh cylinder_mesh(Real radius, Real half_length, int segments) {
 
 TriangleMesh tyre_mesh(const Shape& wheel, int segments) {
   const double radius = wheel.size.x, tip = radius + wheel.size.z, half = 0.5 * double(wheel.lug_thickness);
-  const double pitch = wheel.lug_count > 0 ? 2 * std::numbers::pi / wheel.lug_count : 0,
-               foot = std::asin(half / radius);
+  const double pitch = wheel.lug_count > 0 ? 2 * kPi / wheel.lug_count : 0, foot = std::asin(half / radius);
   if (wheel.lug_count == 0) return cylinder_mesh(wheel.size.x, wheel.size.y, segments);
   if (!(2 * foot < pitch)) throw InputError("the lugs of the tyre leave no room between them");
   std::vector<std::pair<Real, Real>> outline;
   for (int lug = 0; lug < wheel.lug_count; ++lug) {
     // Lug k of a wheel lies at the angle k pitch from x towards z; outlines run the other way, from z towards x.
-    const double middle = std::numbers::pi / 2 + lug * pitch;
+    const double middle = kPi / 2 + lug * pitch;
     const double s = std::sin(middle), c = std::cos(middle);
     outline.push_back(on_rim(radius, middle - foot));
     outline.push_back({Real(tip * s - half * c), Real(tip * c + half * s)});
@@ -99,7 +98,7 @@ TriangleMesh revolved_mesh(const std::vector<std::pair<Real, Real>>& profile, in
   mesh.name = "solid of revolution";
   const auto n = Index(profile.size());
   for (int k = 0; k < segments; ++k) {
-    const double angle = 2 * std::numbers::pi * k / segments, c = std::cos(angle), s = std::sin(angle);
+    const double angle = 2 * kPi * k / segments, c = std::cos(angle), s = std::sin(angle);
     for (const auto& [r, z] : profile) {
       if (!(r > 0)) throw InputError("a solid of revolution must keep off its axis");
       mesh.vertex.push_back({Real(r * c), Real(r * s), z});

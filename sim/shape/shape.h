@@ -44,6 +44,11 @@ struct Shape {
   Quat turn_B;             // from the shape's axes to the body's
 };
 
+/// Axes of a shape in the world.
+GONOGO_HD inline Quat shape_orientation(const Shape& s, const Quat& body) {
+  return s.turn_B.w == 1 ? body : body * s.turn_B;
+}
+
 /// Distance of the outer edges of a wheel's lugs from the axle: a little more than radius plus lug height [m].
 GONOGO_HD inline Real lug_edge_radius(const Shape& wheel) {
   const Real tip = wheel.size.x + wheel.size.z, half = Real(0.5) * wheel.lug_thickness;

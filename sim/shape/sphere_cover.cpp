@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <queue>
 #include <string>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::sim {
 namespace {
@@ -57,7 +57,7 @@ double depth_inside(const std::vector<Corners>& triangles, const Vec3d& p) {
     square = std::min(square, square_to_triangle(p, t));
     angle += solid_angle(p, t);
   }
-  return angle > 2 * std::numbers::pi ? std::sqrt(square) : -std::sqrt(square);
+  return angle > 2 * kPi ? std::sqrt(square) : -std::sqrt(square);
 }
 
 struct Sample {

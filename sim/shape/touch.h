@@ -44,11 +44,4 @@ GONOGO_HD inline Vec3d in_frame(const Quat& q, const Vec3d& v) {
   return v + double(q.w) * t + cross(u, t);
 }
 
-GONOGO_HD inline Quat conjugate(const Quat& q) { return {q.w, -q.x, -q.y, -q.z}; }
-
-/// Axes of a shape in the world.
-GONOGO_HD inline Quat shape_orientation(const Shape& s, const Quat& body) {
-  return s.turn_B.w == 1 ? body : body * s.turn_B;
-}
-
 }  // namespace gonogo::sim

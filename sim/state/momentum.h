@@ -2,6 +2,7 @@
 // restart follow Nesterov 1983 and O'Donoghue & Candes 2015 (gradient scheme, eq. 13).
 #pragma once
 #include "base/view.h"
+#include "sim/state/target.h"
 
 namespace gonogo::sim {
 
@@ -9,10 +10,6 @@ namespace gonogo::sim {
 /// (colour.h); `bb`: projected gradients of spectral length (spectral.h); `jacobi_scan`: the steps of `jacobi`, added
 /// up by segmented scans as the first solvers on GPUs did (jacobi_scan.h).
 enum class Solver : std::int32_t { apgd, jacobi, gauss_seidel, bb, jacobi_scan };
-
-/// What a solution satisfies: the convex relaxation of Anitescu, in which a sliding contact opens at mu |v_t|, or
-/// Coulomb's law, reached by iterating on that term (De Saxce & Feng 1998).
-enum class Target : std::int32_t { ccp, coulomb };
 
 struct IterationRules {
   Solver solver;

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/cancel.h"
 #include "base/error.h"
-#include "base/gravity.h"
 #include "base/hash.h"
 #include "base/json/json.h"
 #include "base/random.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -51,7 +50,7 @@ std::vector<Grain> glued_base(const BedSpec& s) {
 
 /// Staggered loose layers above the base, enough to fill the depth at a solid fraction of 0.6.
 std::vector<Grain> poured_grains(const BedSpec& s) {
-  const double volume = std::numbers::pi / 6 * std::pow(s.grain_diameter, 3) * (1 + s.size_spread * s.size_spread);
+  const double volume = kPi / 6 * std::pow(s.grain_diameter, 3) * (1 + s.size_spread * s.size_spread);
   const auto count = std::size_t(0.6 * s.length * s.width * s.depth / volume);
   const double pitch = 1.05 * clump_of(s.shape, s.grain_diameter).reach * (1 + s.size_spread);
   const int nx = int(s.length / pitch), ny = int(s.width / pitch);
@@ -71,13 +70,13 @@ std::vector<Grain> poured_grains(const BedSpec& s) {
 /// Solid volume of a sphere below height z.
 double volume_below(const Grain& g, double z) {
   const double h = std::clamp(z - (g.position.z - g.radius), 0.0, 2 * g.radius);
-  return std::numbers::pi * h * h * (g.radius - h / 3);
+  return kPi * h * h * (g.radius - h / 3);
 }
 
 /// Where lobes overlap each counts for its share of the union. `lobes`: of grains of this shape.
 double solid_fraction_between(const std::vector<Grain>& lobes, const BedSpec& s, double low, double high) {
   const Clump c = clump_of(s.shape, 1);
-  const double sphere = std::numbers::pi * 4 / 3 * c.lobe_radius * c.lobe_radius * c.lobe_radius;
+  const double sphere = kPi * 4 / 3 * c.lobe_radius * c.lobe_radius * c.lobe_radius;
   const double share = c.lobe.size() == 1 ? 1 : c.volume / (sphere * double(c.lobe.size()));
   double solid = 0;
   for (const Grain& g : lobes) solid += volume_below(g, high) - volume_below(g, low);

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
 namespace {
-
-using std::numbers::pi;
 
 /// Volume V and matrix of second moments, the integral of r r^T over the solid; off the diagonal it is zero in the axes
 /// used here.
@@ -39,9 +37,9 @@ double integral(double from, double to, Function f) {
 void add_lens(double sign, const Vec3d& a, const Vec3d& b, Moments& m) {
   const double p = length(b - a) / 2;
   const auto disc = [](double t) { return 1 - t * t; };  // square of its radius
-  const double v = 2 * pi * integral(p, 1, disc);
-  const double axial = 2 * pi * integral(p, 1, [&](double t) { return (t - p) * (t - p) * disc(t); });
-  const double across = pi / 2 * integral(p, 1, [&](double t) { return disc(t) * disc(t); });
+  const double v = 2 * kPi * integral(p, 1, disc);
+  const double axial = 2 * kPi * integral(p, 1, [&](double t) { return (t - p) * (t - p) * disc(t); });
+  const double across = kPi / 2 * integral(p, 1, [&](double t) { return disc(t) * disc(t); });
   m.add(sign, v, axial, across, (a + b) * 0.5, (b - a) * (0.5 / p));
 }
 
@@ -49,7 +47,7 @@ void add_lens(double sign, const Vec3d& a, const Vec3d& b, Moments& m) {
 Moments union_of(const std::vector<Vec3d>& lobe) {
   Moments m;
   for (std::size_t i = 0; i < lobe.size(); ++i) {
-    m.add(1, 4 * pi / 3, 4 * pi / 15, 4 * pi / 15, lobe[i], {1, 0, 0});
+    m.add(1, 4 * kPi / 3, 4 * kPi / 15, 4 * kPi / 15, lobe[i], {1, 0, 0});
     for (std::size_t j = 0; j < i; ++j) add_lens(-1, lobe[i], lobe[j], m);
   }
   return m;
@@ -107,7 +105,7 @@ GrainShape grain_shape_of(const std::string& name) {
 
 Clump clump_of(GrainShape shape, double radius) {
   Clump c = unit_clump(shape);
-  const double volume = 4 * pi / 3 * radius * radius * radius;
+  const double volume = 4 * kPi / 3 * radius * radius * radius;
   const double a = shape == GrainShape::sphere ? radius : std::cbrt(volume / c.volume);
   for (Vec3d& x : c.lobe) x *= a;
   c.lobe_radius *= a;
@@ -160,7 +158,7 @@ Quat mirrored(GrainShape shape, const Quat& q) {
 }
 
 Quat random_orientation(double u, double v, double w) {
-  const double a = std::sqrt(1 - u), b = std::sqrt(u), p = 2 * pi * v, q = 2 * pi * w;
+  const double a = std::sqrt(1 - u), b = std::sqrt(u), p = 2 * kPi * v, q = 2 * kPi * w;
   return normalised({Real(b * std::cos(q)), Real(a * std::sin(p)), Real(a * std::cos(p)), Real(b * std::sin(q))});
 }
 

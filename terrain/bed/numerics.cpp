@@ -2,20 +2,9 @@
 
 #include "base/error.h"
 #include "base/line.h"
-#include "terrain/bed/target_name.h"
+#include "sim/scene/target_name.h"
 
 namespace gonogo::terrain {
-
-const std::vector<std::string>& target_names() {
-  static const std::vector<std::string> names{name_of(sim::Target::ccp), name_of(sim::Target::coulomb)};
-  return names;
-}
-
-sim::Target target_named(const std::string& name) {
-  for (sim::Target target : {sim::Target::ccp, sim::Target::coulomb})
-    if (name == name_of(target)) return target;
-  throw InputError("contact law \"" + name + "\" does not exist; use ccp or coulomb");
-}
 
 std::string description(const Numerics& n) {
   return line("step %g s, %d x %d updates to %g m/s%s", n.step, n.substeps, n.iterations, n.tolerance,
@@ -27,7 +16,7 @@ void write_numerics(Json& object, const Numerics& n) {
   object["substeps"] = n.substeps;
   object["iterations"] = n.iterations;
   object["tolerance_m_per_s"] = n.tolerance;
-  if (n.target != sim::Target::ccp) object["target"] = name_of(n.target);
+  if (n.target != sim::Target::ccp) object["target"] = sim::name_of(n.target);
 }
 
 Numerics read_numerics(const Json& object) {
@@ -36,7 +25,7 @@ Numerics read_numerics(const Json& object) {
   n.substeps = int(object.at("substeps").integer());
   n.iterations = int(object.at("iterations").integer());
   n.tolerance = object.at("tolerance_m_per_s").number();
-  if (const Json* target = object.find("target")) n.target = target_named(target->string());
+  if (const Json* target = object.find("target")) n.target = sim::target_named(target->string());
   return n;
 }
 

@@ -26,9 +26,6 @@ inline sim::StepSettings step_settings(double grain_diameter, const Numerics& n)
   return s;
 }
 
-/// Names of targets in files and options.
-inline const char* name_of(sim::Target target) { return target == sim::Target::coulomb ? "coulomb" : "ccp"; }
-
 /// "6e-3 s, 14 x 2 updates to 0 m/s, ccp": for names that tell numerics apart.
 std::string description(const Numerics& n);
 

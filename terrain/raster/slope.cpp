@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
 namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 /// Eastward and southward rise per metre; not-a-number next to nodata, which any of the nine values passes on.
 struct Gradient {
@@ -48,22 +47,23 @@ Tile for_each_cell(const Tile& elevation, CellSize cell, int threads, const Form
 
 Tile slope_degrees(const Tile& elevation, CellSize cell, int threads) {
   return for_each_cell(elevation, cell, threads,
-                       [](Gradient g) { return float(std::atan(std::hypot(g.east, g.south)) * kDegrees); });
+                       [](Gradient g) { return float(std::atan(std::hypot(g.east, g.south)) * kDegreesPerRadian); });
 }
 
 Tile aspect_degrees(const Tile& elevation, CellSize cell, int threads) {
   return for_each_cell(elevation, cell, threads, [](Gradient g) {
     if (g.east == 0 && g.south == 0) return kNoData;
     // Downslope is (-east, +south); azimuth = atan2(eastward, northward).
-    const float azimuth = float(std::atan2(-g.east, g.south) * kDegrees);
+    const float azimuth = float(std::atan2(-g.east, g.south) * kDegreesPerRadian);
     const float turned = azimuth < 0 ? azimuth + 360.0f : azimuth;
     return turned >= 360.0f ? 0.0f : turned;
   });
 }
 
 Tile hillshade(const Tile& elevation, CellSize cell, double azimuth, double altitude, int threads) {
-  const double up = std::sin(altitude / kDegrees), level = std::cos(altitude / kDegrees);
-  const double east = level * std::sin(azimuth / kDegrees), south = -level * std::cos(azimuth / kDegrees);
+  const double up = std::sin(altitude / kDegreesPerRadian), level = std::cos(altitude / kDegreesPerRadian);
+  const double east = level * std::sin(azimuth / kDegreesPerRadian),
+               south = -level * std::cos(azimuth / kDegreesPerRadian);
   return for_each_cell(elevation, cell, threads, [=](Gradient g) {
     // The surface normal is (-dz/dx, -dz/dy, 1) / length; brightness its product with the direction to the light.
     const double brightness =

@@ -2,27 +2,24 @@
 // indices (VCI1, VCI50) are compared with.
 #pragma once
 #include <cmath>
-#include <numbers>
 
-#include "base/gravity.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
-
-inline constexpr double kPascalPerPsi = 6894.757;
 
 /// Bearing capacity factor of cohesion under a strip (Prandtl 1921): (e^(pi tan phi) tan^2(45 + phi/2) - 1) cot phi;
 /// 2 + pi without friction. `friction_angle` [deg].
 inline double bearing_capacity_factor(double friction_angle) {
-  const double phi = friction_angle * std::numbers::pi / 180;
-  if (phi < 1e-6) return 2 + std::numbers::pi;
-  const double half = std::tan(std::numbers::pi / 4 + phi / 2);
-  return (std::exp(std::numbers::pi * std::tan(phi)) * half * half - 1) / std::tan(phi);
+  const double phi = to_radians(friction_angle);
+  if (phi < 1e-6) return 2 + kPi;
+  const double half = std::tan(kPi / 4 + phi / 2);
+  return (std::exp(kPi * std::tan(phi)) * half * half - 1) / std::tan(phi);
 }
 
 /// Bearing capacity factor of the load beside a strip (Reissner 1924): e^(pi tan phi) tan^2(45 + phi/2); 1 without
 /// friction. `friction_angle` [deg].
 inline double surcharge_factor(double friction_angle) {
-  return 1 + bearing_capacity_factor(friction_angle) * std::tan(friction_angle * std::numbers::pi / 180);
+  return 1 + bearing_capacity_factor(friction_angle) * std::tan(to_radians(friction_angle));
 }
 
 /// Weight of the soil above the middle of the layer that carries wheels of less than 2,000 lb, 3 to 9 inches deep
@@ -33,7 +30,7 @@ inline constexpr double kOverburden = 1500 * kGravity * 0.1524;
 /// shape raise the strip's factor of cohesion from 5.14 to 9 (Skempton 1951, "The bearing capacity of clays"); that of
 /// the soil above is left as it is, so that the index is rather too low. `cohesion` [Pa], `friction_angle` [deg].
 inline double cone_index(double cohesion, double friction_angle) {
-  const double of_cohesion = 9 / (2 + std::numbers::pi) * bearing_capacity_factor(friction_angle) * cohesion;
+  const double of_cohesion = 9 / (2 + kPi) * bearing_capacity_factor(friction_angle) * cohesion;
   return of_cohesion + surcharge_factor(friction_angle) * kOverburden;
 }
 

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
-#include "base/gravity.h"
+#include "base/units.h"
 #include "sim/scene/build_joint.h"
 
 namespace gonogo::terrain {
@@ -18,13 +17,13 @@ constexpr int kSides = 24;
 constexpr double kShaftShare = 0.783;  // of the cone's diameter: 15.88 mm of 20.27 mm (ASAE S313)
 
 /// Height of a 30 degree cone per diameter of its base.
-double cone_height(double diameter) { return diameter / 2 / std::tan(15 * std::numbers::pi / 180); }
+double cone_height(double diameter) { return diameter / 2 / std::tan(to_radians(15)); }
 
 /// A ring of corners; returns the index of its first.
 Index add_ring(sim::TriangleMesh& mesh, double radius, double z) {
   const auto first = Index(mesh.vertex.size());
   for (int k = 0; k < kSides; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kSides;
+    const double angle = 2 * kPi * k / kSides;
     mesh.vertex.push_back({Real(radius * std::cos(angle)), Real(radius * std::sin(angle)), Real(z)});
   }
   return first;
@@ -39,7 +38,7 @@ void add_band(sim::TriangleMesh& mesh, Index low, Index high) {
   }
 }
 
-double base_area(double diameter) { return std::numbers::pi / 4 * diameter * diameter; }
+double base_area(double diameter) { return kPi / 4 * diameter * diameter; }
 
 /// A cone on vertical rails, as heavy as the soil under its base to a depth of one diameter, and what pushes it.
 struct Penetrometer {

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "base/gravity.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -56,7 +55,7 @@ GeostaticResult geostatic_test(const TestSoil& soil, double grains_deep, const T
     double weight = 0;
     for (std::size_t i = 0; i < bed.grain.size(); ++i)
       if (bodies[i].position.z > c.z)
-        weight += kGravity * soil.grain_density * std::numbers::pi / 6 * std::pow(2 * bed.grain[i].radius, 3);
+        weight += kGravity * soil.grain_density * kPi / 6 * std::pow(2 * bed.grain[i].radius, 3);
     r.profile.push_back({bed.surface - c.z, c.upward / area, weight / area});
     if (bed.surface - c.z > 2.5 * d) r.worst_error = std::max(r.worst_error, std::fabs(c.upward / weight - 1));
   }

@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
-namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
-}  // namespace
+namespace {}  // namespace
 
 LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& weight) {
   GONOGO_ASSERT(x.size() == y.size() && (weight.empty() || weight.size() == x.size()));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "base/gravity.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/gravity.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
-#include "base/gravity.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
 namespace {

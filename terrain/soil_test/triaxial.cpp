@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "base/units.h"
 
 namespace gonogo::terrain {
 namespace {
@@ -46,7 +47,7 @@ Specimen loose_specimen(const TestSoil& soil, const TriaxialSettings& settings) 
         const double radius = d / 2 * (1 + kSizeSpread * (2 * u - 1));
         const Quat turn = first_orientation(soil, s.grain.size());
         s.grain.push_back({{(i + 0.5) * pitch, (j + 0.5) * pitch, (k + 0.5) * pitch}, radius, turn});
-        s.solid_volume += 4 * std::numbers::pi / 3 * std::pow(radius, 3);
+        s.solid_volume += 4 * kPi / 3 * std::pow(radius, 3);
       }
   s.size = {settings.grains_wide * pitch, settings.grains_wide * pitch, settings.grains_high * pitch};
   return s;
@@ -185,8 +186,7 @@ MohrCoulomb by_axial_stress(const std::vector<double>& axial, const std::vector<
   }
   const double n = f.slope, root = std::sqrt(n);
   // d phi / d N = 1 / (sqrt(N) (1 + N)); phi = 2 atan(sqrt(N)) - 90 degrees.
-  constexpr double degree = std::numbers::pi / 180;
-  const Angle angle{2 * std::atan(root) / degree - 90, f.slope_error / (root * (1 + n)) / degree};
+  const Angle angle{2 * std::atan(root) / kDegree - 90, f.slope_error / (root * (1 + n)) / kDegree};
   // c = b / (2 sqrt(N)), b the intercept, whose covariance with the slope is -mean(s3) var(N).
   const double by_intercept = 1 / (2 * root), by_slope = -f.intercept / (4 * n * root);
   const double covariance = -middle(lateral, weight) * f.slope_error * f.slope_error;

@@ -2,9 +2,9 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 
 #include "base/file.h"
+#include "base/units.h"
 
 namespace gonogo {
 namespace fs = std::filesystem;
@@ -22,7 +22,7 @@ std::string ramp() {
     double height = 2000;
     for (int below = kRows - 1; below > row; --below) {
       const double share = double(kRows - 1 - below) / (kRows - 1);
-      height += kCell * std::tan(share * kSteepestDegrees * std::numbers::pi / 180);
+      height += kCell * std::tan(share * kSteepestDegrees * kDegree);
     }
     for (int column = 0; column < kColumns; ++column) text += std::to_string(height) + " ";
     text += "\n";

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/random.h"
+#include "base/units.h"
 #include "learning/sampler/block_gibbs.h"
 #include "learning/sampler/exact.h"
 #include "tests/learning/toy.h"
@@ -66,8 +67,8 @@ Fit compare(const SampleSet& rows, const std::vector<double>& p) {
   for (std::size_t i = 0; i < p.size(); ++i) {
     fit.chi_squared += (count[i] - n * p[i]) * (count[i] - n * p[i]) / (n * p[i]);
     fit.total_variation += std::abs(count[i] / n - p[i]) / 2;
-    fit.floor += std::sqrt(2 * p[i] * (1 - p[i]) / (M_PI * n)) / 2;
-    fit.spread += (1 - 2 / M_PI) * p[i] * (1 - p[i]) / n / 4;
+    fit.floor += std::sqrt(2 * p[i] * (1 - p[i]) / (kPi * n)) / 2;
+    fit.spread += (1 - 2 / kPi) * p[i] * (1 - p[i]) / n / 4;
   }
   fit.spread = std::sqrt(fit.spread);
   return fit;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/units.h"
 #include "sim/shape/shape.h"
 #include "tests/support/draw.h"
 
@@ -162,7 +163,7 @@ inline std::vector<Body> parts(const sim::Shape& s, const Vec3d& centre, const Q
   if (s.type != sim::ShapeType::wheel) return {{s.type, size, centre, axes}};
   std::vector<Body> list{{sim::ShapeType::cylinder, size, centre, axes}};
   for (int k = 0; k < s.lug_count; ++k) {
-    const double angle = 2 * 3.14159265358979323846 * k / s.lug_count;
+    const double angle = 2 * kPi * k / s.lug_count;
     Body lug{sim::ShapeType::box, {size.z, size.y, 0.5 * s.lug_thickness}, centre, axes};
     const Vec3d out = axes.x * std::cos(angle) + axes.z * std::sin(angle);
     lug.axes.z = axes.z * std::cos(angle) - axes.x * std::sin(angle);

@@ -5,13 +5,13 @@
 #include <functional>
 #include <vector>
 
+#include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 
 using namespace gonogo;
 using namespace gonogo::sim;
 using gonogo::test::Draw;
-using gonogo::test::kPi;
 
 namespace {
 

@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-const std::array kTargets = {ConeTarget::coulomb, ConeTarget::ccp};
+const std::array kTargets = {Target::coulomb, Target::ccp};
 
 LocalProblem make(int dimension, const MatrixXd& w, const VectorXd& q, std::vector<double> mu,
                   std::vector<double> mu_roll = {}) {
@@ -47,15 +47,14 @@ struct Draw {
   }
 };
 
-std::vector<double> one(const LocalProblem& p, ConeTarget target) {
+std::vector<double> one(const LocalProblem& p, Target target) {
   std::vector<double> r(p.q.size(), 0.0);
   solve_one_contact(p, 0, target, p.diagonal_block(0), p.q.data(), r.data());
   return r;
 }
 
 /// All exact solutions in the plane: each contact open, sticking, or sliding either way, one linear system per choice.
-std::vector<VectorXd> enumerate(const MatrixXd& w, const VectorXd& q, const std::vector<double>& mu,
-                                ConeTarget target) {
+std::vector<VectorXd> enumerate(const MatrixXd& w, const VectorXd& q, const std::vector<double>& mu, Target target) {
   const int contacts = int(mu.size());
   std::vector<VectorXd> found;
   for (int code = 0; code < std::pow(4, contacts); ++code) {
@@ -70,7 +69,7 @@ std::vector<VectorXd> enumerate(const MatrixXd& w, const VectorXd& q, const std:
         rows(n, n) = rows(t, t) = 1;
         continue;
       }
-      const double lift = target == ConeTarget::ccp && state(c) > 1 ? mu[c] * sign : 0;  // u_n = mu |u_t|
+      const double lift = target == Target::ccp && state(c) > 1 ? mu[c] * sign : 0;  // u_n = mu |u_t|
       rows.row(n) = w.row(n) - lift * w.row(t);
       rhs[n] = -q[n] + lift * q[t];
       if (state(c) == 1) {
@@ -85,7 +84,7 @@ std::vector<VectorXd> enumerate(const MatrixXd& w, const VectorXd& q, const std:
     bool holds = (rows * r - rhs).norm() < 1e-9;
     for (int c = 0; c < contacts; ++c) {
       const double r_n = r[2 * c], r_t = r[2 * c + 1], u_n = u[2 * c], u_t = u[2 * c + 1], none = 1e-12;
-      const double lift = target == ConeTarget::ccp ? mu[c] * std::abs(u_t) : 0;
+      const double lift = target == Target::ccp ? mu[c] * std::abs(u_t) : 0;
       holds = holds && r_n >= -none && std::abs(r_t) <= mu[c] * r_n + none && u_n >= lift - 1e-9;
       holds = holds && (state(c) != 2 || u_t >= -none) && (state(c) != 3 || u_t <= none);
     }
@@ -128,8 +127,8 @@ TEST_CASE("the projection is the nearest admissible impulse, with and without ro
 TEST_CASE("one contact with equal, uncoupled inertias: closed forms of open, stick and slide") {
   const double w = 4, mu = 0.5;
   const MatrixXd block = w * MatrixXd::Identity(3, 3);
-  const auto solve_for = [&](const VectorXd& q, ConeTarget target) { return one(make(3, block, q, {mu}), target); };
-  for (const ConeTarget target : kTargets) {
+  const auto solve_for = [&](const VectorXd& q, Target target) { return one(make(3, block, q, {mu}), target); };
+  for (const Target target : kTargets) {
     CHECK(solve_for(Eigen::Vector3d(2, 3, 0), target) == std::vector<double>{0, 0, 0});  // leaves faster than mu |q_t|
     const auto stick = solve_for(Eigen::Vector3d(-2, 0.6, -0.7), target);
     CHECK(stick[0] == Approx(0.5).epsilon(1e-13));
@@ -137,22 +136,22 @@ TEST_CASE("one contact with equal, uncoupled inertias: closed forms of open, sti
     CHECK(stick[2] == Approx(0.175).epsilon(1e-13));
   }
   // Slide at q = (-2, 3, 4): Coulomb r_n = 2 / w, r_t = -mu r_n (3, 4) / 5; CCP is the projection of -q / w.
-  const auto coulomb = solve_for(Eigen::Vector3d(-2, 3, 4), ConeTarget::coulomb);
+  const auto coulomb = solve_for(Eigen::Vector3d(-2, 3, 4), Target::coulomb);
   const double r_n = (2 + mu * 5) / (1 + mu * mu) / w;
-  const auto ccp = solve_for(Eigen::Vector3d(-2, 3, 4), ConeTarget::ccp);
+  const auto ccp = solve_for(Eigen::Vector3d(-2, 3, 4), Target::ccp);
   for (const auto& [r, n] : {std::pair(coulomb, 2 / w), {ccp, r_n}}) {
     CHECK(r[0] == Approx(n).epsilon(1e-13));
     CHECK(r[1] == Approx(-mu * n * 0.6).epsilon(1e-13));
     CHECK(r[2] == Approx(-mu * n * 0.8).epsilon(1e-13));
   }
   // Between the two: at q = (1, 3, 0) Coulomb opens, the relaxation pulls to reach u_n = mu |u_t|.
-  CHECK(solve_for(Eigen::Vector3d(1, 3, 0), ConeTarget::coulomb)[0] == 0);
-  CHECK(solve_for(Eigen::Vector3d(1, 3, 0), ConeTarget::ccp)[0] == Approx((-1 + mu * 3) / (1 + mu * mu) / w));
+  CHECK(solve_for(Eigen::Vector3d(1, 3, 0), Target::coulomb)[0] == 0);
+  CHECK(solve_for(Eigen::Vector3d(1, 3, 0), Target::ccp)[0] == Approx((-1 + mu * 3) / (1 + mu * mu) / w));
 }
 
 TEST_CASE("one contact of any inertia, in the plane, in space and with rolling, is solved to rounding") {
   Draw draw(7);
-  for (const ConeTarget target : kTargets)
+  for (const Target target : kTargets)
     for (const int d : {2, 3, 5})
       for (int k = 0; k < (d == 5 ? 400 : 2000); ++k) {
         const std::vector<double> mu_roll = d == 5 ? std::vector{std::abs(draw.number())} : std::vector<double>{};
@@ -170,8 +169,7 @@ TEST_CASE("the error is 0 at a solution, that of the natural map elsewhere, and 
   const double n = 1.6;
   CHECK(siconos_error(p, {0, 0, 0}) == Approx(n * std::sqrt(1.25) / std::sqrt(29.0)).epsilon(1e-14));
   const double n_ccp = (2 + 2.5) / 1.25;
-  CHECK(siconos_error(p, {0, 0, 0}, ConeTarget::ccp) ==
-        Approx(n_ccp * std::sqrt(1.25) / std::sqrt(29.0)).epsilon(1e-14));
+  CHECK(siconos_error(p, {0, 0, 0}, Target::ccp) == Approx(n_ccp * std::sqrt(1.25) / std::sqrt(29.0)).epsilon(1e-14));
 }
 
 TEST_CASE("two contacts in the plane: every solver finds a solution that enumeration knows") {
@@ -182,7 +180,7 @@ TEST_CASE("two contacts in the plane: every solver finds a solution that enumera
     const VectorXd q = draw.vector(4);
     const std::vector<double> mu = {0.3 * std::abs(draw.number()), 0.6};
     const LocalProblem p = make(2, w, q, mu);
-    for (const ConeTarget target : kTargets) {
+    for (const Target target : kTargets) {
       const auto known = enumerate(w, q, mu, target);
       REQUIRE(!known.empty());
       several += known.size() > 1;
@@ -202,7 +200,7 @@ TEST_CASE("contacts that share fewer freedoms than they have rows are solved by 
     const int contacts = 6;
     const LocalProblem p =
         make(3, draw.delassus(3 * contacts, 9), draw.vector(3 * contacts), std::vector<double>(contacts, 0.4));
-    for (const ConeTarget target : kTargets)
+    for (const Target target : kTargets)
       for (const LocalSolver solver : {LocalSolver::nsgs, LocalSolver::apgd, LocalSolver::ppa}) {
         const LocalSolution x = solve(p, {solver, target, 1e-9, 0});
         INFO("problem " << k << " solver " << solver_name(solver) << " target " << int(target));

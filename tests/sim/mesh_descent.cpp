@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "base/units.h"
 #include "sim/shape/mesh_shapes.h"
 #include "sim/shape/pairs.h"
 #include "sim/shape/surface_library.h"
@@ -17,8 +18,6 @@ using namespace gonogo::sim;
 using namespace gonogo::test;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979;
 
 struct Found {
   int feature;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
 #include "sim/shape/mesh_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -143,7 +144,7 @@ TEST_CASE("a box of spheres falls flat onto a plane and rests on its lowest sphe
   const BodyState end = simulation->body(0, b);
   CHECK(end.position.z == Approx(-lowest).margin(2e-3));
   CHECK(length(end.velocity) < 1e-3f);
-  CHECK(simulation->contact_force(0, b).z == Approx(9.81 * 32).epsilon(1e-3));
+  CHECK(simulation->contact_force(0, b).z == Approx(kGravity * 32).epsilon(1e-3));
 }
 
 TEST_CASE("solids that cannot be made of spheres are refused") {

@@ -3,11 +3,10 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "base/vec.h"
 
 namespace gonogo::test {
-
-inline constexpr double kPi = 3.14159265358979323846;
 
 /// Draws in sequence from one seed.
 class Draw {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "base/gravity.h"
+#include "base/units.h"
 #include "sim/simulation/simulation.h"
 #include "tests/support/draw.h"
 

@@ -4,15 +4,15 @@
 #include <limits>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "pipeline/campaign/trial/record.h"
 
 namespace gonogo::campaign {
 
 /// Climbs while tan(slope) stays below friction; every measure is a hash of the point, some are special values.
 inline TrialRecord closed_form_trial(const DesignPoint& point) {
-  constexpr double degree = 0.017453292519943295;
-  const double slope = std::tan(point.variables[contract().variable_index("slope_along")] * degree);
-  const double grip = std::tan(point.variables[contract().variable_index("friction_angle")] * degree) *
+  const double slope = std::tan(point.variables[contract().variable_index("slope_along")] * kDegree);
+  const double grip = std::tan(point.variables[contract().variable_index("friction_angle")] * kDegree) *
                       (0.9 + 0.2 * random_unit(point.seed, 1, 0));
   TrialRecord record;
   record.point = point;

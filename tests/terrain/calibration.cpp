@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/units.h"
 #include "terrain/calibration/journal.h"
 #include "tests/support/catch.h"
 
@@ -76,7 +77,7 @@ TEST_CASE("a table is what its tests measured") {
   CHECK(c.packing.front().solid_fraction == Approx(0.64 - 0.07 * 0.8));
   CHECK(c.packing.front().relative_density == Approx(0).margin(1e-12));
   CHECK(c.packing.back().relative_density == Approx(1));
-  const auto degrees = [](double sine) { return std::asin(sine) * 180 / 3.14159265358979; };
+  const auto degrees = [](double sine) { return to_degrees(std::asin(sine)); };
   CHECK(c.response[5 * 3 + 1].steady_friction_angle == Approx(degrees(0.5 / 4)));
   CHECK(c.response[5 * 3 + 1].friction_angle == Approx(degrees(0.5 / 3 + 0.025)));
   CHECK(c.contact[5].friction_angle ==
@@ -102,7 +103,7 @@ TEST_CASE("further specimens count for friction angles alone") {
   fill(run, "");
   const Calibration c = calibrate(run);
   const double mean_sine = 0.5 / 3 + 0.025 + 0.02 / 3;
-  CHECK(c.response[5 * 3 + 1].friction_angle == Approx(std::asin(mean_sine) * 180 / 3.14159265358979));
+  CHECK(c.response[5 * 3 + 1].friction_angle == Approx(to_degrees(std::asin(mean_sine))));
   CHECK(c.response[5 * 3 + 1].friction_angle_error > 0);
   CHECK(c.response[5 * 3 + 1].cohesion_gain == Approx(0.1));
   CHECK(c.response[5 * 3 + 1].sinkage_modulus_error == 0);  // of one specimen

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -66,9 +67,8 @@ TEST_CASE(
     const std::string name = name_of(shape);
     const double square = radius * radius;
     // Standard errors of 200,000 points inside: 0.2 % of the volume, 0.001 of a squared radius.
-    CHECK(
-        agrees(name + ": counted volume over the sphere's", 1, m.volume / (4 * test::kPi / 3 * square * radius), 0.01));
-    CHECK(c.volume == Approx(4 * test::kPi / 3 * square * radius).epsilon(1e-12));
+    CHECK(agrees(name + ": counted volume over the sphere's", 1, m.volume / (4 * kPi / 3 * square * radius), 0.01));
+    CHECK(c.volume == Approx(4 * kPi / 3 * square * radius).epsilon(1e-12));
     CHECK(agrees(name + ": centre of mass [radii]", 0, length(m.centre) / radius, 0.005));
     CHECK(agrees(name + ": products of inertia [radii^2]", 0, length(m.product) / square, 0.005));
     const Vec3d inertia{m.square.y + m.square.z, m.square.x + m.square.z, m.square.x + m.square.y};

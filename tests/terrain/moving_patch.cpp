@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
 #include "terrain/bed/bed.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -25,8 +26,6 @@ const Packing& tile() {
   }();
   return packing;
 }
-
-constexpr double kDegree = test::kPi / 180;
 
 /// Gravity on 25 degrees whose fall line is turned by `heading` from x.
 Vec3 gravity_on_slope(double heading) {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
@@ -15,7 +16,6 @@ using namespace gonogo::terrain;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 const std::string kGolden = GONOGO_SOURCE_DIR "/tests/golden/terrain/";
 
 Tile read_all(const std::string& path, int border = 0) {
@@ -80,14 +80,15 @@ TEST_CASE("the slope of a plane is the angle of the plane, on square and oblong 
   const CellSize cell = GENERATE(CellSize{8, 8}, CellSize{4, 16});
   const double east = GENERATE(0.0, 0.25, -0.5, 1.0), north = GENERATE(0.0, 0.5, -0.125);
   const Tile z = plane(east, north, cell);
-  const double slope = std::atan(std::hypot(east, north)) * kDegrees;
+  const double slope = std::atan(std::hypot(east, north)) * kDegreesPerRadian;
   for (const float value : slope_degrees(z, cell).value) CHECK(value == float(slope));
   for (const float value : aspect_degrees(z, cell).value) {
     if (east == 0 && north == 0) {
       CHECK(std::isnan(value));
       continue;
     }
-    double downhill = std::atan2(-east, -north) * kDegrees;  // azimuth of the direction (east, north) = (-rise, -rise)
+    double downhill =
+        std::atan2(-east, -north) * kDegreesPerRadian;  // azimuth of the direction (east, north) = (-rise, -rise)
     if (downhill < 0) downhill += 360;
     CHECK(on_circle(value, downhill) < 1e-4);
   }

@@ -1,8 +1,8 @@
 // What is derived from soil tests, on made-up measurements of known soils.
 #include <cmath>
-#include <numbers>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "sim/shape/triangle_mesh.h"
 #include "terrain/soil/strength.h"
 #include "terrain/soil_test/cone.h"
@@ -13,8 +13,6 @@
 
 namespace gonogo::terrain {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 PlateResult bekker_plate(double width, double k_c, double k_phi, double n) {
   PlateResult r;
@@ -136,7 +134,7 @@ TEST_CASE("the cone is a closed body whose volume is that of a 30 degree cone wi
                          cross(mesh.vertex[std::size_t(t[1])], mesh.vertex[std::size_t(t[2])]))) /
               6;
   // Areas of 24-sided polygons, 0.989 of their circles; cone, frustum of a tenth of the diameter, shaft.
-  const double polygon = 12 * std::sin(2 * std::numbers::pi / 24), r = d / 2, q = 0.783 * r;
+  const double polygon = 12 * std::sin(2 * kPi / 24), r = d / 2, q = 0.783 * r;
   const double height = r / std::tan(15 * kDegree);
   const double expected =
       polygon * (r * r * height / 3 + 0.1 * d * (r * r + r * q + q * q) / 3 + q * q * (shaft - 0.1 * d));
@@ -165,9 +163,7 @@ TEST_CASE(
 }
 
 TEST_CASE("clays that Wong measured wet are below the 39 psi of an HMMWV's fifty passes, dry ones far above") {
-  const auto psi = [](double cohesion_kPa, double angle) {
-    return cone_index(cohesion_kPa * 1e3, angle) / kPascalPerPsi;
-  };
+  const auto psi = [](double cohesion_kPa, double angle) { return cone_index(cohesion_kPa * 1e3, angle) / kPsi; };
   CHECK(psi(13.79, 11) < 39);  // lean clay, 32 % water
   CHECK(psi(20.69, 6) < 39);   // heavy clay, 40 %
   CHECK(psi(3.1, 29.8) < 39);  // Grenville loam, 24 %

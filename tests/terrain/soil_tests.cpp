@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "terrain/soil_test/cone.h"
 #include "terrain/soil_test/geostatic.h"
 #include "terrain/soil_test/plate.h"
@@ -86,7 +87,7 @@ TEST_CASE("the triaxial friction angle is within three degrees of that of shear"
   const TriaxialResult t = triaxial_test(soil, settings, rough_pace());
   const ShearResult s = sheared(soil, shared_cell(), 1.5);
   const double triaxial = triaxial_strength({t}, false).steady_angle.degrees;
-  const double shear = std::atan(s.shear_stress / s.normal_stress) * 180 / 3.14159265358979;
+  const double shear = to_degrees(std::atan(s.shear_stress / s.normal_stress));
   CAPTURE(triaxial, shear);
   CHECK(std::fabs(triaxial - shear) < 3);
 }
@@ -167,7 +168,7 @@ TEST_CASE("the contacts of a bed at rest carry at every level the weight above i
   // By the solid fraction too, which nothing above was computed from: half-way between two levels far apart.
   const auto &upper = r.profile[2], &lower = r.profile[5];
   const double gradient = (lower.stress - upper.stress) / (lower.depth - upper.depth);
-  CHECK(gradient == Approx(2650 * 9.81 * r.solid_fraction).epsilon(0.06));
+  CHECK(gradient == Approx(2650 * kGravity * r.solid_fraction).epsilon(0.06));
 }
 
 TEST_CASE("soil tests refuse what cannot be tested") {

@@ -2,10 +2,10 @@
 #include <ogr_spatialref.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/units.h"
 #include "terrain/raster/ground_scale.h"
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/slope.h"
@@ -21,7 +21,6 @@ using test::RasterRecipe;
 
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kEastRise = 0.2, kNorthRise = 0.1;  // of the plane, per ground metre
 const std::string kGolden = GONOGO_SOURCE_DIR "/tests/golden/terrain/";
 
@@ -76,7 +75,7 @@ Slopes slopes_of(const RasterSource& source) {
 }
 
 void check_plane(const RasterSource& source, double margin = 0.05) {
-  const double expected = std::atan(std::hypot(kEastRise, kNorthRise)) * kDegrees;
+  const double expected = std::atan(std::hypot(kEastRise, kNorthRise)) * kDegreesPerRadian;
   const Slopes found = slopes_of(source);
   CHECK(found.least == Approx(expected).margin(margin));
   CHECK(found.most == Approx(expected).margin(margin));

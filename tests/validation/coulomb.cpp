@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
+#include "sim/scene/target_name.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -13,14 +15,10 @@ using namespace gonogo;
 using namespace gonogo::sim;
 using namespace gonogo::test;
 
-namespace {
-
-const char* name_of(Target target) { return target == Target::ccp ? "ccp" : "coulomb"; }
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("a block of 1 g to 1 t sticks on a slope of 20 degrees with mu 0.5, and the residual says so alike") {
-  const double angle = 20 * kPi / 180;
+  const double angle = to_radians(20);
   for (const Backend backend : backends())
     for (const Target target : {Target::ccp, Target::coulomb}) {
       std::vector<double> starved;

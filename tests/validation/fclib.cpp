@@ -5,6 +5,7 @@
 
 #include "sim/local_problem/read.h"
 #include "sim/local_problem/solve.h"
+#include "sim/scene/target_name.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;
@@ -26,8 +27,7 @@ double solve_file(const std::filesystem::path& file, const LocalSolveSettings& s
   const LocalSolution x = solve(problem, settings);
   const double error = siconos_error(problem, x.r, settings.target);
   std::printf("%-34s %3d contacts, %-4s %-7s: error %.2e after %d iterations\n", file.filename().c_str(),
-              problem.contact_count(), solver_name(settings.solver),
-              settings.target == ConeTarget::ccp ? "ccp" : "coulomb", error, x.iterations);
+              problem.contact_count(), solver_name(settings.solver), name_of(settings.target), error, x.iterations);
   std::fflush(stdout);
   return error;
 }
@@ -38,7 +38,7 @@ TEST_CASE("every problem by others is solved to 1e-8 with exact Coulomb friction
   const auto files = problems();
   REQUIRE(files.size() == 11);
   for (const auto& file : files)
-    for (const ConeTarget target : {ConeTarget::coulomb, ConeTarget::ccp}) {
+    for (const Target target : {Target::coulomb, Target::ccp}) {
       INFO(file.filename());
       CHECK(solve_file(file, {LocalSolver::ppa, target, 1e-8, 0}) <= 1e-8);
     }
@@ -51,7 +51,7 @@ TEST_CASE("first-order solvers reach 1e-4 with exact Coulomb friction on all but
     // 20000 sweeps of Gauss-Seidel end at 1.3e-4 and 1.8e-4, 100000 gradients on RockPile at 1.0e-4.
     const bool rocks = name == "RockPile_tob1.dat", boxes = name == "fclib_local_problem_test.hdf5";
     const double gradients = rocks ? 1e-3 : 1e-4, sweeps = rocks || boxes ? 1e-3 : 1e-4;
-    CHECK(solve_file(file, {LocalSolver::apgd, ConeTarget::coulomb, gradients, 0}) <= gradients);
-    CHECK(solve_file(file, {LocalSolver::nsgs, ConeTarget::coulomb, sweeps, 0}) <= sweeps);
+    CHECK(solve_file(file, {LocalSolver::apgd, Target::coulomb, gradients, 0}) <= gradients);
+    CHECK(solve_file(file, {LocalSolver::nsgs, Target::coulomb, sweeps, 0}) <= sweeps);
   }
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "sim/scene/target_name.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -53,8 +54,6 @@ Impulse2 stopping_impulse(double angle, double speed, double step) {
   const double det = nn * tt - nt * nt, q_n = -kGravity * step;
   return {-(tt * q_n - nt * speed) / det, -(nn * speed - nt * q_n) / det};
 }
-
-const char* name_of(Target target) { return target == Target::ccp ? "ccp" : "coulomb"; }
 
 double energy(Simulation& simulation) {
   return simulation.report(0).kinetic_energy + kMass * kGravity * simulation.body(0, 1).position.z;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -65,7 +66,7 @@ double angle_of(const std::vector<BodyState>& bodies, const std::vector<BodyMass
     const double at = (double(i) + 0.5) * width;
     n += 1, x += at, z += top[i], xx += at * at, xz += at * top[i];
   }
-  return -std::atan((n * xz - x * z) / (n * xx - x * x)) * 180 / kPi;
+  return to_degrees(-std::atan((n * xz - x * z) / (n * xx - x * x)));
 }
 
 /// Mean over heaps that differ in their grains; one heap's angle scatters by some 2 degrees.

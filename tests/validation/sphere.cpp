@@ -2,6 +2,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -17,8 +18,6 @@ constexpr double kRadius = 0.1;
 
 /// Speed of the sphere's lowest point along x.
 double slip(const BodyState& s) { return s.velocity.x - s.angular_velocity.y * kRadius; }
-
-double degrees(double angle) { return angle * 180 / kPi; }
 
 }  // namespace
 
@@ -90,7 +89,7 @@ TEST_CASE("a sphere on an incline rolls with 5/7 g sin where friction suffices a
       const double speed =
           (rolls ? 5.0 / 7 * std::sin(angle) : std::sin(angle) - mu * std::cos(angle)) * kGravity * seconds;
       const double spin = rolls ? speed : 2.5 * mu * kGravity * std::cos(angle) * seconds;
-      const std::string label = short_text(degrees(angle)) + " degrees, " + name_of(backend);
+      const std::string label = short_text(to_degrees(angle)) + " degrees, " + name_of(backend);
       // The first step finds the gap at zero and hops; the speed it takes is a step's worth, 1/500.
       CHECK(agrees("incline, speed [m/s], " + label, -speed, s.velocity.x, 2e-3 * speed));
       CHECK(agrees("incline, spin times radius [m/s], " + label, -spin, s.angular_velocity.y * kRadius, 2e-3 * spin));

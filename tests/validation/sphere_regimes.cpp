@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -79,7 +80,7 @@ TEST_CASE("a sphere released on an incline rests, rolls, slides or does both whe
   Scene scene;
   for (double angle = 1; angle <= 60; angle += 3.1)
     for (double rolling = 0; rolling <= 0.305; rolling += 0.05)
-      cells.push_back({angle, rolling}), scene.push_back(sphere_on_slope(angle * kPi / 180, mu, rolling, radius, mass));
+      cells.push_back({angle, rolling}), scene.push_back(sphere_on_slope(to_radians(angle), mu, rolling, radius, mass));
   const StepSettings settings = settings_with(step, 60);
   for (const Backend backend : backends()) {
     const auto simulation = make_simulation(backend, scene, settings, 1);
@@ -87,7 +88,7 @@ TEST_CASE("a sphere released on an incline rests, rolls, slides or does both whe
     int right = 0, counted = 0, of[4] = {};
     double worst = 0;
     for (std::size_t k = 0; k < cells.size(); ++k) {
-      const double angle = cells[k].angle_deg * kPi / 180;
+      const double angle = to_radians(cells[k].angle_deg);
       const Descent expected = closed_form(angle, mu, cells[k].rolling, time);
       const BodyState s = simulation->body(WorldIndex(k), 1);
       const double speed = -s.velocity.x, rim = -s.angular_velocity.y * radius,

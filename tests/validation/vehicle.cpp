@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -84,7 +85,7 @@ void check_loads(const Vehicle& v, const std::vector<BodyState>& body, const std
   CHECK(agrees(name + "drift [m]", 0, drift(v.world, body), 1e-4));
 }
 
-constexpr double kSlope = 15 * kPi / 180, kWeak = 300, kStrong = 2000;  // torques of the brakes per wheel [N m]
+constexpr double kSlope = to_radians(15), kWeak = 300, kStrong = 2000;  // torques of the brakes per wheel [N m]
 
 /// Four of them in one batch: standing on level ground, held on a slope by its brakes, rolling down it because they are
 /// too weak, and driving off.

@@ -1,6 +1,7 @@
 // Whole vehicles on hard ground in the contact engine against closed forms.
 #include <cmath>
 
+#include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -70,7 +71,7 @@ TEST_CASE("a driver who holds a speed brings the HMMWV to it and keeps it there"
   orders.release = 0.3;
   orders.throttle_ramp = 1;
   orders.speed = 3;
-  const HardGround d(hmmwv(), orders, 0.8, 10 * kPi / 180);
+  const HardGround d(hmmwv(), orders, 0.8, to_radians(10));
   const auto s = started(sim::Backend::cpu, d.world, 2e-3);
   advance_for(*s, 0.3);
   CHECK(std::fabs(speed_of(*s, d)) < 0.05);  // brakes on
@@ -85,7 +86,7 @@ TEST_CASE("a driver whose wheels find no hold turns them at the speed that he is
   orders.throttle_ramp = 0.5;
   orders.speed = speed;
   const Vehicle v = hmmwv();
-  const HardGround d(v, orders, mu, 25 * kPi / 180);
+  const HardGround d(v, orders, mu, to_radians(25));
   const auto s = started(sim::Backend::cpu, d.world, 1e-3);
   double fastest = 0;
   for (int k = 0; k < 300; ++k) {

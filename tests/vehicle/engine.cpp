@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/units.h"
 #include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -233,7 +234,7 @@ TEST_CASE("the HMMWV that the engine has let settle on rigid ground is in equili
       CHECK(agrees("load of wheel " + std::to_string(i) + " [N]", load[i], on, 0.01 * load[i]));
       sum += on;
     }
-    CHECK(agrees("sum of the loads [N]", weigh(m.vehicle).total * vehicle::kGravity, sum, 1e-4 * sum));
+    CHECK(agrees("sum of the loads [N]", weigh(m.vehicle).total * kGravity, sum, 1e-4 * sum));
     const VectorX dv = acceleration_at(m, *simulation, s);
     CHECK(agrees("acceleration of the chassis [m/s^2]", 0, dv.segment<3>(3).norm(), 0.002));
     CHECK(agrees("turning of the chassis [rad/s^2]", 0, dv.head<3>().norm(), 0.001));

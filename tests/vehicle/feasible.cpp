@@ -6,6 +6,7 @@
 
 #include <Eigen/Dense>
 
+#include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/refused.h"
@@ -18,12 +19,10 @@ using namespace gonogo::vehicle;
 
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
-
 Demand on_slope(double along, double across, double friction, bool moving = true) {
   const double a = std::tan(along * kDegree), b = std::tan(across * kDegree), n = std::sqrt(1 + a * a + b * b);
   Demand d;
-  d.gravity = Vec3d{a, b, 1} * (-vehicle::kGravity / n);
+  d.gravity = Vec3d{a, b, 1} * (-kGravity / n);
   d.friction = friction;
   d.moving = moving;
   return d;
@@ -172,7 +171,7 @@ TEST_CASE("a parked vehicle holds exactly where the slope is in the cone and the
 TEST_CASE("torque limits bind where the weight's part along the slope needs more") {
   // FED-Alpha: 23 kN in the lowest gear under 62 kN.
   const Vehicle alpha = shipped_vehicle("fed_alpha");
-  const double weight = weigh(alpha).total * vehicle::kGravity;
+  const double weight = weigh(alpha).total * kGravity;
   const double most = std::asin(gear_speeds(alpha)[0].tractive_force / weight) / kDegree;
   CHECK(agrees("FED-Alpha on much friction [deg]", most, steepest(alpha, 0, 2), 1e-3));
   CHECK(limiting_cause(alpha, on_slope(most + 0.2, 0, 2)) == "torque");
@@ -180,13 +179,13 @@ TEST_CASE("torque limits bind where the weight's part along the slope needs more
                least_torque_share(alpha, on_slope(10, 0, 2)), 1e-5));
   Vehicle weak = shipped_vehicle("hmmwv");
   for (Axle& a : weak.axle) a.brake_torque = 500;
-  const double held = std::asin(4 * 500 / 0.467 / (weigh(weak).total * vehicle::kGravity)) / kDegree;
+  const double held = std::asin(4 * 500 / 0.467 / (weigh(weak).total * kGravity)) / kDegree;
   CHECK(agrees("HMMWV held by brakes of 500 N m [deg]", held, steepest(weak, 0, 0.9, false), 1e-3));
   // Tracks: the sprockets' torque over their radius.
   const Vehicle m113 = shipped_vehicle("m113");
   const double force = largest_drive_torque(m113) / m113.track[0].sprocket_radius;
-  CHECK(agrees("M113 [deg]", std::asin(force / (weigh(m113).total * vehicle::kGravity)) / kDegree,
-               steepest(m113, 0, 0.8), 0.01));
+  CHECK(
+      agrees("M113 [deg]", std::asin(force / (weigh(m113).total * kGravity)) / kDegree, steepest(m113, 0, 0.8), 0.01));
   CHECK(agrees("M113 on little friction [deg]", degrees(0.2), steepest(m113, 0, 0.2), 0.1));
   CHECK(agrees("single wheel [deg]", degrees(0.5), steepest(shipped_vehicle("mgru3"), 0, 0.5), 1e-3));
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/vehicles.h"
@@ -14,8 +15,6 @@ using namespace gonogo::test;
 using namespace gonogo::vehicle;
 
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Eigen::Matrix3d matrix(const Part& p) {
   Eigen::Matrix3d m;
@@ -130,7 +129,7 @@ TEST_CASE("the HMMWV weighs, stands and runs as its parts say") {
                    load[3] * wheel[3].centre.y,
                1e-6));
   CHECK(agrees("wheelbase, 130 in [m]", 3.302, base, 1e-4));
-  CHECK(agrees("track [m]", 2 * 35.815 * 0.0254, wheel[0].centre.y - wheel[1].centre.y, 1e-4));
+  CHECK(agrees("track [m]", 2 * 35.815 * kInch, wheel[0].centre.y - wheel[1].centre.y, 1e-4));
   const double published[6] = {4.5, 7.4, 11.1, 16.4, 26.9, 40.6};  // 2700 rpm, rounded
   const auto gears = gear_speeds(v);
   REQUIRE(gears.size() == 6);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <random>
 
+#include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/refused.h"
@@ -13,8 +14,7 @@ using namespace gonogo::vehicle::multibody;
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846, kG = 9.81;
-const Vector3 kDown(0, 0, -kG);
+const Vector3 kDown(0, 0, -kGravity);
 
 struct Draw {
   std::mt19937 engine;
@@ -171,7 +171,7 @@ TEST_CASE("a compound pendulum swings with its closed-form period") {
   while (q(0) > 0) runge_kutta(acceleration, q, v, h), time += h;
   time -= q(0) / v(0);
   // Quarter period K(sin(a / 2)) / w with w^2 = 3 g / (2 L).
-  const double expected = std::comp_ellint_1(std::sin(amplitude / 2)) / std::sqrt(1.5 * kG / length);
+  const double expected = std::comp_ellint_1(std::sin(amplitude / 2)) / std::sqrt(1.5 * kGravity / length);
   CHECK(agrees("quarter period [s]", expected, time, 1e-8));
 }
 
@@ -216,7 +216,7 @@ TEST_CASE("a four-bar with a loop moves as one pendulum does") {
   q << angle, angle, -angle;
   v << speed, speed, -speed;
   const LoopMotion m = forward_with_loops(tree, loops, q, v, VectorX::Zero(3), kDown);
-  const double expected = -(rod_mass + coupler) * kG * length * std::sin(angle) /
+  const double expected = -(rod_mass + coupler) * kGravity * length * std::sin(angle) /
                           (2 * rod_mass * length * length / 3 + coupler * length * length);
   CHECK(agrees("acceleration [rad/s^2]", expected, m.acceleration(0), 1e-10));
   CHECK(agrees("the other rod [rad/s^2]", expected, m.acceleration(1), 1e-10));

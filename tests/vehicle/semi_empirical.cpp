@@ -2,6 +2,7 @@
 // hand-worked numbers.
 #include <cmath>
 
+#include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/refused.h"
@@ -17,12 +18,10 @@ using namespace gonogo::vehicle;
 
 namespace {
 
-constexpr double kPound = 4.4482216153, kInch = 0.0254, kDegree = 3.14159265358979323846 / 180;
-
 /// HMMWV tyres 37 x 12.5, more than 10 hp/ton, automatic.
 WheeledIndexInput hmmwv(double pounds, double clearance_inches) {
   WheeledIndexInput in;
-  in.axle_load = pounds * kPound / 2;
+  in.axle_load = pounds * kPoundForce / 2;
   in.diameter = 37 * kInch;
   in.section_width = 12.5 * kInch;
   in.clearance = clearance_inches * kInch;
@@ -110,8 +109,7 @@ TEST_CASE("traction on sand and clay: limits, order, numbers worked by hand") {
   CHECK(agrees("sand, ratio 0.5, slip 0.2", -0.5 + 0.938 / std::pow(1.194319, 1 / 1.516), sand_net_traction(0.5, 0.2),
                1e-6));
   const WheelOnSoil w{1e4, 1, 0.3, 0.25, 0.0375, 40 * 1e4 / 0.3};
-  CHECK(
-      agrees("sand numeric", 40 * 1e4 / 0.3 / 3.47 / 0.0254 * std::pow(0.3, 1.5) * 0.15 / 1e4, sand_numeric(w), 1e-9));
+  CHECK(agrees("sand numeric", 40 * 1e4 / 0.3 / 3.47 / kInch * std::pow(0.3, 1.5) * 0.15 / 1e4, sand_numeric(w), 1e-9));
   CHECK(agrees("sand gross at numeric 20, slip 0.2", 0.66 - 0.66 * 13.31 / 43.31, sand_gross_traction(20, 0.2), 1e-12));
   const double n = clay_numeric(w);
   CHECK(agrees("clay numeric", 40 / (std::pow(0.85, 1.5) * std::pow(1.3, 0.75)), n, 1e-9));

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/joint_error.h"
@@ -107,7 +108,7 @@ TEST_CASE("on side slopes to the left and to the right a steering HMMWV runs way
   std::vector<Vec3d> way[2];
   for (const int side : {0, 1}) {
     HardGround d = steered(v, orders, 3);
-    const double across = (side == 0 ? 8 : -8) * kPi / 180;
+    const double across = to_radians(side == 0 ? 8 : -8);
     d.world.gravity = {0, Real(-kGravity * std::sin(across)), Real(-kGravity * std::cos(across))};
     const auto s = started(d);
     for (int k = 0; k < 15; ++k) {

@@ -1,7 +1,7 @@
 // Tracks: the loop of shoes, and a whole tracked vehicle on hard ground against closed forms.
 #include <cmath>
-#include <numbers>
 
+#include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/joint_error.h"
@@ -52,7 +52,7 @@ TEST_CASE("a track's shoes close in chords of one pitch, in the sprocket's seats
       if (std::fabs(length(from) - t.sprocket_radius) < 1e-9) {
         ++seated;
         // Teeth stand half-way between pins.
-        const double turns = (std::atan2(from.z, from.x) - loop.tooth_angle) * 10 / (2 * std::numbers::pi);
+        const double turns = (std::atan2(from.z, from.x) - loop.tooth_angle) * 10 / (2 * kPi);
         CHECK(std::fabs(std::fabs(turns - std::floor(turns)) - 0.5) < 1e-3);
       }
       CHECK(from_chord(loop.idler, a, b) > t.idler_radius + t.pad_above_pin - 1e-9);

@@ -6,16 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "vehicle/model/vehicle.h"
 
 namespace gonogo::vehicle {
 
 struct Demand {
-  Vec3d gravity{0, 0, -9.81};  // in the frame of the ground: x forward, y left, z out of it [m/s^2]
-  double friction = 0.8;       // of every contact
-  double step = 0;             // height of a step that all axles must climb [m]
-  double acceleration = 0;     // along x [m/s^2]
-  bool moving = true;          // driven or braked by rolling wheels; false: parked, with brakes only
+  Vec3d gravity{0, 0, -kGravity};  // in the frame of the ground: x forward, y left, z out of it [m/s^2]
+  double friction = 0.8;           // of every contact
+  double step = 0;                 // height of a step that all axles must climb [m]
+  double acceleration = 0;         // along x [m/s^2]
+  bool moving = true;              // driven or braked by rolling wheels; false: parked, with brakes only
 };
 
 /// Limits that an answer may leave out, to find which one binds.

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "vehicle/hard_ground/drive_for.h"
 #include "vehicle/model/statics.h"
 

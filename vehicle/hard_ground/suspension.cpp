@@ -1,9 +1,9 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "vehicle/hard_ground/drive_for.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/multibody/vehicle_tree.h"
@@ -166,10 +166,10 @@ HardGroundReport check_suspension(const Vehicle& vehicle, const HardGroundRun& r
                      {},           {{"front axle", {}, {}}, {"rear axle", {}, {}}}};
   const char* const name[2] = {"slower", "faster"};
   for (int m = 0; m < 2; ++m) {
-    const double hertz = expected(m) / (2 * std::numbers::pi);
+    const double hertz = expected(m) / (2 * kPi);
     r.check.push_back({std::string("suspension_") + name[m] + "_Hz",
                        std::string(name[m]) + " of heave and pitch on the static rates of the axles [Hz]", hertz,
-                       found(m) / (2 * std::numbers::pi), 0.05 * hertz});
+                       found(m) / (2 * kPi), 0.05 * hertz});
   }
   for (std::size_t k = 0; k < z.size(); ++k)
     for (int a = 0; a < 2; ++a)

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "base/units.h"
 #include "vehicle/hard_ground/drive_for.h"
 #include "vehicle/hard_ground/hard_ground.h"
 #include "vehicle/model/statics.h"
@@ -57,7 +57,7 @@ double pin_drift(const sim::SceneWorld& world, const std::vector<sim::BodyState>
     const sim::Joint& j = world.joint[std::size_t(pin)];
     const auto at = [&](const sim::Attachment& a) {
       const sim::BodyState& b = body[std::size_t(a.body)];
-      return b.position + sim::rotate_precisely(b.orientation, a.point_B);
+      return b.position + rotate_precisely(b.orientation, a.point_B);
     };
     worst = std::max(worst, length(at(j.a) - at(j.b)));
   }
@@ -74,7 +74,7 @@ double belt_pull(TrackRig& rig, const EngineTrack& t, const Vec3d& travel) {
   const auto pin_at = [&](std::size_t k) {
     const sim::Attachment& a = rig.ground.world.joint[std::size_t(t.pin[k])].a;
     const sim::BodyState& b = bodies[std::size_t(a.body)];
-    return b.position + sim::rotate_precisely(b.orientation, a.point_B);
+    return b.position + rotate_precisely(b.orientation, a.point_B);
   };
   for (std::size_t k = 0; k < t.pin.size(); ++k) {
     const Vec3d from = pin_at(k) - axle;
@@ -139,10 +139,9 @@ HardGroundReport check_track_speed(const Vehicle& vehicle, double sprocket_speed
   drive_for(*rig.s, settled);
   rig.speed_up(sprocket_speed, torque);
   drive_for(*rig.s, 0.5);
-  const double turn = 2 * std::numbers::pi / sprocket_speed, from = rig.place();
+  const double turn = 2 * kPi / sprocket_speed, from = rig.place();
   HardGroundReport r{"track_speed", v.name + ": way over what the sprockets turn", "turns", "way [m]", {}, {}};
-  Trace engine{"engine", {}, {}},
-      closed{"teeth times pitch", {0, 2}, {0, 2 * 2 * std::numbers::pi * rolling_radius(v.track[0])}};
+  Trace engine{"engine", {}, {}}, closed{"teeth times pitch", {0, 2}, {0, 2 * 2 * kPi * rolling_radius(v.track[0])}};
   double drift = 0;
   constexpr int parts = 20, turns = 2;
   for (int k = 0; k < turns * parts; ++k) {
@@ -203,7 +202,7 @@ HardGroundReport check_track_torque(const Vehicle& vehicle, double slope, const 
                      {},
                      {}};
   Trace ground{"ground", {}, {}}, sprockets{"torque over rolling radius", {}, {}};
-  const double time = teeth * 2 * std::numbers::pi / (sprocket_teeth(t) * speed);
+  const double time = teeth * 2 * kPi / (sprocket_teeth(t) * speed);
   double by_ground = 0, by_torque = 0;
   for (int k = 0; k < samples; ++k) {
     drive_for(*rig.s, time / samples);

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "base/units.h"
 
 namespace gonogo::vehicle {
 namespace {
 
 /// Angle of direction t turned into [0, 2 pi).
 double full_turn(double angle) {
-  angle = std::fmod(angle, 2 * std::numbers::pi);
-  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
+  angle = std::fmod(angle, 2 * kPi);
+  return angle < 0 ? angle + 2 * kPi : angle;
 }
 
 /// How far a circle reaches in a direction [m].
@@ -30,7 +31,7 @@ std::vector<HullArc> hull_arcs(const std::vector<Circle>& circles) {
       for (const int side : {-1, 1}) turn.push_back(full_turn(std::atan2(z, x) + side * std::acos(cosine)));
     }
   std::sort(turn.begin(), turn.end());
-  turn.push_back(2 * std::numbers::pi);
+  turn.push_back(2 * kPi);
   // Between the directions in which two circles reach equally far one circle is outermost.
   std::vector<HullArc> arcs;
   for (std::size_t i = 1; i < turn.size(); ++i) {

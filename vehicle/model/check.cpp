@@ -1,7 +1,6 @@
 // What can only be judged across the sections of a vehicle file.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "base/nearest.h"

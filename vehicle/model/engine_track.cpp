@@ -1,9 +1,9 @@
 #include "vehicle/model/engine_track.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "sim/scene/build_joint.h"
 
 namespace gonogo::vehicle {
@@ -35,7 +35,7 @@ void add_sprocket_shape(sim::SceneWorld& world, const Track& t, const TrackLoop&
                         int material) {
   const Belt& b = t.belt[0];
   const int teeth = sprocket_teeth(t);
-  const double hub = t.sprocket_radius - b.pin_radius, chord = t.sprocket_radius * std::cos(std::numbers::pi / teeth);
+  const double hub = t.sprocket_radius - b.pin_radius, chord = t.sprocket_radius * std::cos(kPi / teeth);
   sim::Shape s =
       shape_on(body, sim::ShapeType::wheel,
                {Real(hub), Real(0.5 * b.disc_distance + b.pin_radius), Real(chord + kToothReach - hub)}, material);

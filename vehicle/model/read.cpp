@@ -1,14 +1,12 @@
 #include "vehicle/model/read.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::vehicle {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Leading minors of the inertia matrix: all positive for a body that resists every rotation.
 bool positive_definite(const Part& p) {

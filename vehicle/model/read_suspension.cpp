@@ -1,6 +1,5 @@
 // Suspensions and wheels.
 #include <cmath>
-#include <numbers>
 
 #include "vehicle/model/read.h"
 

@@ -1,11 +1,8 @@
 // Weights, wheel loads and speeds that follow from a vehicle's file by closed forms.
 #pragma once
-#include "base/gravity.h"
 #include "vehicle/model/assembly.h"
 
 namespace gonogo::vehicle {
-
-using gonogo::kGravity;
 
 struct Weights {
   double total = 0;     // [kg]

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::vehicle {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 Vec3d toward(double angle) { return {std::cos(angle), 0, std::sin(angle)}; }
 

@@ -1,10 +1,10 @@
 #include "vehicle/semi_empirical/bekker_wong.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::vehicle {
 namespace {
@@ -73,7 +73,7 @@ WheelForces wheel_forces(const BekkerSoil& soil, double radius, double width, do
 
 WheelForces wheel_forces_under(const BekkerSoil& soil, double radius, double width, double slip, double load,
                                const WheelStress& stress) {
-  double low = 0, high = std::numbers::pi / 2;
+  double low = 0, high = kPi / 2;
   if (wheel_forces(soil, radius, width, slip, high, stress).load < load)
     throw InputError("a load of " + std::to_string(load) + " N sinks the wheel to its axle in this soil");
   for (int i = 0; i < 60; ++i) {

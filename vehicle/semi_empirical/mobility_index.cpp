@@ -3,12 +3,12 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::vehicle {
 namespace {
 
-constexpr double kPound = 4.4482216153, kInch = 0.0254;       // [N], [m]
 constexpr double kHorsepower = 745.7, kShortTon = 907.18474;  // [W], [kg]
 constexpr double kUsualDeflection = 0.15;                     // at which the correction is 1
 
@@ -76,7 +76,7 @@ VehicleIndex axle_index(const Vehicle& v, std::size_t axle) {
 }  // namespace
 
 MobilityFactors mobility_factors(const WheeledIndexInput& in) {
-  const double load = in.axle_load / kPound, width = in.section_width / kInch, diameter = in.diameter / kInch;
+  const double load = in.axle_load / kPoundForce, width = in.section_width / kInch, diameter = in.diameter / kInch;
   MobilityFactors f;
   f.contact_pressure = load / (0.5 * in.tyres_per_axle * diameter * width);
   f.weight = axle_weight_factor(load);
@@ -90,7 +90,7 @@ MobilityFactors mobility_factors(const WheeledIndexInput& in) {
 }
 
 MobilityFactors mobility_factors(const TrackedIndexInput& in) {
-  const double weight = in.weight / kPound, square_inch = kInch * kInch;
+  const double weight = in.weight / kPoundForce, square_inch = kInch * kInch;
   MobilityFactors f;
   f.contact_pressure = weight / (2 * in.ground_length * in.width / square_inch);
   f.weight = track_weight_factor(weight);

@@ -3,6 +3,8 @@
 #pragma once
 #include <cmath>
 
+#include "base/units.h"
+
 namespace gonogo::vehicle {
 
 /// A wheel on soil.
@@ -55,7 +57,7 @@ inline double sand_net_traction(double pressure_ratio, double slip) {
 /// Numeric of a wheel on sand: N_s = G (b d)^(3/2) deflection / (W height) with the cone index gradient G = CI / 3.47
 /// in psi and psi/in (Turnage 1972; Mason et al. 2016).
 inline double sand_numeric(const WheelOnSoil& w) {
-  const double gradient = w.cone_index / 3.47 / 0.0254;  // [Pa/m]
+  const double gradient = w.cone_index / 3.47 / kInch;  // [Pa/m]
   return gradient * std::pow(w.width * w.diameter, 1.5) * w.deflection / (w.load * w.section_height);
 }
 

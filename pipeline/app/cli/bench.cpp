@@ -8,11 +8,10 @@
 #include "pipeline/lab/bench/bed.h"
 #include "pipeline/lab/bench/gibbs.h"
 #include "pipeline/lab/bench/wheel.h"
+#include "sim/scene/target_name.h"
 
 namespace gonogo::app {
 namespace {
-
-const std::map<std::string, sim::Target> kTargets{{"ccp", sim::Target::ccp}, {"coulomb", sim::Target::coulomb}};
 
 Json bed_json(const char* scene, const lab::BedBench& request, const lab::BedBenchResult& r) {
   Json json;
@@ -124,7 +123,7 @@ void print_wheel(const Globals& globals, const lab::WheelBench& request) {
   json["backend"] = name_in(kBackends, request.backend);
   json["threads"] = request.threads;
   json["solver"] = name_in(kSolvers, request.solver);
-  json["target"] = name_in(kTargets, request.target);
+  json["target"] = sim::name_of(request.target);
   json["step_s"] = request.step;
   json["substeps"] = request.substeps;
   json["iterations"] = request.iterations;
@@ -164,7 +163,9 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   command->add_option("--drive-time", request->drive_time, "Instead of the scene's [s]")->check(CLI::Range(0.1, 1e3));
   add_choice(*command, "--backend", request->backend, kBackends, "cpu or cuda");
   add_solver(*command, request->solver);
-  add_choice(*command, "--target", request->target, kTargets, "ccp or coulomb");
+  std::map<std::string, sim::Target> targets;
+  for (const std::string& name : sim::target_names()) targets[name] = sim::target_named(name);
+  add_choice(*command, "--target", request->target, targets, "ccp or coulomb");
   command->footer("Example:\n  gonogo bench wheel --backend cuda --worlds 8 --json");
   command->callback([&globals, request] {
     request->threads = bench_threads(globals);

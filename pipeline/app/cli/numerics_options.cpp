@@ -1,6 +1,6 @@
 #include "pipeline/app/cli/numerics_options.h"
 
-#include "terrain/bed/target_name.h"
+#include "sim/scene/target_name.h"
 
 namespace gonogo::app {
 
@@ -15,12 +15,12 @@ void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::st
   command.add_option("--tolerance", n.tolerance, whose + ": residual at which the solver stops [m/s]; 0: never")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
-  const auto set = [&n](const std::string& name) { n.target = terrain::target_named(name); };
+  const auto set = [&n](const std::string& name) { n.target = sim::target_named(name); };
   command
       .add_option_function<std::string>("--target", set,
                                         whose + ": ccp, whose contacts open as they slide or roll, or coulomb")
-      ->check(CLI::IsMember(terrain::target_names()))
-      ->default_str(terrain::name_of(n.target));
+      ->check(CLI::IsMember(sim::target_names()))
+      ->default_str(sim::name_of(n.target));
 }
 
 void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
@@ -35,11 +35,11 @@ void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked
         .add_option("--tolerance", asked.tolerance,
                     whose + ": residual at which the solver stops [m/s]; 0: never" + from)
         ->check(CLI::Range(0.0, 1.0));
-  const auto set = [&asked](const std::string& name) { asked.target = terrain::target_named(name); };
+  const auto set = [&asked](const std::string& name) { asked.target = sim::target_named(name); };
   command
       .add_option_function<std::string>("--target", set,
                                         whose + ": ccp, whose contacts open as they slide or roll, or coulomb" + from)
-      ->check(CLI::IsMember(terrain::target_names()));
+      ->check(CLI::IsMember(sim::target_names()));
 }
 
 bool numerics_given(const CLI::App& command) {

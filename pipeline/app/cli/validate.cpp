@@ -20,6 +20,7 @@
 #include "pipeline/lab/validate/soils.h"
 #include "pipeline/lab/validate/vehicles.h"
 #include "pipeline/lab/vehicle/locate.h"
+#include "sim/scene/target_name.h"
 
 namespace gonogo::app {
 namespace {
@@ -53,7 +54,7 @@ std::string as_line(const lab::FclibResult& r, const FclibRequest& request) {
 
 void validate_fclib(const Globals& globals, FclibRequest request) {
   request.settings.solver = sim::local_solver(request.solver);
-  request.settings.target = request.target == "ccp" ? sim::ConeTarget::ccp : sim::ConeTarget::coulomb;
+  request.settings.target = sim::target_named(request.target);
   const auto files = lab::fclib_files({request.paths.begin(), request.paths.end()});
   std::string text =
       "problem                            dim contacts  solver iterations  coulomb err    ccp err         ms\n";
@@ -353,7 +354,7 @@ void add_validate_command(CLI::App& app, const Globals& globals) {
       ->check(CLI::IsMember({"nsgs", "apgd", "ppa"}))
       ->capture_default_str();
   fclib->add_option("--target", request->target, "coulomb, or ccp: its convex relaxation")
-      ->check(CLI::IsMember({"coulomb", "ccp"}))
+      ->check(CLI::IsMember(sim::target_names()))
       ->capture_default_str();
   fclib->add_option("--tolerance", request->settings.tolerance, "Error at which a solver stops")
       ->check(CLI::Range(1e-15, 1.0))

@@ -8,13 +8,13 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
+#include "base/units.h"
 
 namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kDensity = "proposal_density";
-constexpr double kDegree = 3.14159265358979323846 / 180;  // [rad]
 
 /// Lines without their ends, comments and blank lines left out, with their numbers from 1.
 std::vector<std::pair<std::size_t, std::string>> lines_of(const fs::path& file) {

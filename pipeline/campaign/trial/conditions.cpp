@@ -1,9 +1,8 @@
 #include "pipeline/campaign/trial/conditions.h"
 
 #include <cmath>
-#include <numbers>
 
-#include "base/gravity.h"
+#include "base/units.h"
 #include "pipeline/campaign/trial/trial.h"
 #include "terrain/bed/hard_layer.h"
 #include "vehicle/compliant_tyre.h"
@@ -11,8 +10,6 @@
 
 namespace gonogo::campaign {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Where a wheel stands on the hard layer under weak grains, some of them are pinched and jump away at tens of metres
 /// per second. One movement in a million: a trial moves tens of thousands of grains some thousand times.

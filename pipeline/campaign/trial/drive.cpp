@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "base/units.h"
 #include "pipeline/campaign/trial/undisturbed.h"
 #include "sim/scene/build_joint.h"
 #include "vehicle/model/engine_vehicle.h"
@@ -154,7 +154,7 @@ void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const
           rotate_back(world.body[std::size_t(e.chassis)].orientation, static_cast<Vec3>(hitch - e.chassis_centre)),
           world);
   sim::Monitor chassis = stopping_monitor(setup, e.chassis);
-  chassis.least_up = std::cos(setup.thresholds.tilt_deg * std::numbers::pi / 180);
+  chassis.least_up = std::cos(to_radians(setup.thresholds.tilt_deg));
   world.monitor.push_back(chassis);
   const auto parts = vehicle::running_parts(v);
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <limits>
 #include <tuple>
 
+#include "base/units.h"
 #include "pipeline/campaign/trial/drive.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
@@ -148,7 +149,7 @@ class Judge {
     for (std::size_t k = 0; k < at.size(); ++k) {
       const std::size_t before = k > 0 ? k - 1 : k, after = k + 1 < at.size() ? k + 1 : k;
       if (after == before) continue;
-      points[k].pull += (at[after].speed - at[before].speed) / (double(after - before) * time) / vehicle::kGravity;
+      points[k].pull += (at[after].speed - at[before].speed) / (double(after - before) * time) / kGravity;
     }
   }
 
@@ -161,7 +162,7 @@ class Judge {
     double mean = 0;
     for (const sim::MonitorSample& s : samples) mean += ahead(s) / count;
     const double rate = (ahead(samples.back()) - ahead(samples.front())) / ((count - 1) * step_);
-    const double force = kCarriageStiffness * mean + carriage_damping(weight / vehicle::kGravity) * rate;
+    const double force = kCarriageStiffness * mean + carriage_damping(weight / kGravity) * rate;
     return {force / weight, o.slip, o.mean_speed, o.sinkage, o.mean_torque};
   }
 

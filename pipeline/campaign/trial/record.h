@@ -18,17 +18,27 @@ struct DesignPoint {
   std::vector<double> variables;   // [contract().variables.size()], in the units of the contract
 };
 
-/// A check that a simulation must pass before its outcome counts. The first three are the world's flags (StepFlag).
+/// Bits of failed checks in datasets. The first three have the values of sim::StepFlag.
+enum CheckBit : std::uint64_t {
+  check_not_finite = 1,
+  check_too_fast = 2,
+  check_left_domain = 4,
+  check_residual = 8,
+  check_energy = 16
+};
+
+/// A check that a simulation must pass before its outcome counts.
 struct Check {
   const char* name;
-  std::uint64_t bit;
+  CheckBit bit;
   const char* about;
 };
-inline constexpr std::array<Check, 5> kChecks{{{"not_finite", 1, "a velocity or place became no number"},
-                                               {"too_fast", 2, "a body crossed more than a bin in a step"},
-                                               {"left_domain", 4, "a body fell out of the domain"},
-                                               {"residual", 8, "contact residual above the study's limit"},
-                                               {"energy", 16, "energy that nothing supplied above the study's limit"}}};
+inline constexpr std::array<Check, 5> kChecks{
+    {{"not_finite", check_not_finite, "a velocity or place became no number"},
+     {"too_fast", check_too_fast, "a body crossed more than a bin in a step"},
+     {"left_domain", check_left_domain, "a body fell out of the domain"},
+     {"residual", check_residual, "contact residual above the study's limit"},
+     {"energy", check_energy, "energy that nothing supplied above the study's limit"}}};
 
 /// "residual+energy": the checks whose bits are set, or "none".
 inline std::string names_of_checks(std::uint64_t bits) {

@@ -6,9 +6,10 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/trial/lanes.h"
-#include "terrain/bed/target_name.h"
+#include "sim/scene/target_name.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
@@ -45,7 +46,7 @@ terrain::AskedNumerics read_numerics(const Config& c) {
   if (c.has("substeps")) asked.substeps = int(c.integer("substeps", {1, 1000}));
   if (c.has("iterations")) asked.iterations = int(c.integer("iterations", {1, 100000}));
   if (c.has("tolerance_m_per_s")) asked.tolerance = c.number("tolerance_m_per_s", {0, 1});
-  if (c.has("target")) asked.target = terrain::target_named(c.choice("target", terrain::target_names()));
+  if (c.has("target")) asked.target = sim::target_named(c.choice("target", sim::target_names()));
   c.finish();
   return asked;
 }
@@ -221,7 +222,7 @@ terrain::MovingPatch TrialSetup::patch() const {
 
 double TrialSetup::weight(double payload) const {
   const double mass = whole ? vehicle::weigh(*whole).total + payload : vehicle::rig_mass(rig, payload);
-  return mass * vehicle::kGravity;
+  return mass * kGravity;
 }
 
 Course TrialSetup::course(double surface) const {

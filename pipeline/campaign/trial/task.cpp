@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -124,7 +124,7 @@ class Ditch final : public Obstacle {
   explicit Ditch(const Config& c)
       : width_(c.number("width_m", {0.05, 20})),
         depth_(c.number("depth_m", {0.01, 3})),
-        side_(std::tan(c.number_or("side_deg", 30, {5, 89}) * std::numbers::pi / 180)) {}
+        side_(std::tan(to_radians(c.number_or("side_deg", 30, {5, 89})))) {}
   std::string name() const override { return "ditch"; }
   double length() const override { return width_; }
 

@@ -45,10 +45,15 @@ void store_measures(const DriveOutcome& o, TrialRecord& record) {
   set("energy_error", o.energy_error);
 }
 
-/// Bits of the checks that the simulation failed; it may be believed when there are none.
+static_assert(int(check_not_finite) == sim::flag_not_finite && int(check_too_fast) == sim::flag_too_fast &&
+              int(check_left_domain) == sim::flag_left_domain);
+
+/// Bits of the checks that the simulation failed; its outcome counts when there are none.
 std::uint64_t failed_checks(const TrialSetup& setup, const DriveOutcome& o) {
   std::uint64_t failed = std::uint64_t(o.flags);
-  if (!(o.worst_residual <= setup.thresholds.residual)) failed |= 8;
+  if (!(o.worst_residual <= setup.thresholds.residual)) failed |= check_residual;
+  if (!(o.energy_error <= setup.thresholds.energy_error)) failed |= check_energy;
+  |= 8;
   if (!(o.energy_error <= setup.thresholds.energy_error)) failed |= 16;
   return failed;
 }

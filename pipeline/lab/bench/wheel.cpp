@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
-#include "base/gravity.h"
 #include "base/json/config.h"
 #include "base/progress.h"
+#include "base/units.h"
 #include "pipeline/lab/bench/timing.h"
 #include "terrain/bed/bed.h"
 #include "vehicle/wheel_rig.h"
@@ -44,7 +43,7 @@ WheelScene read_wheel_scene(const std::filesystem::path& path) {
   s.law.friction = Real(contact.number("friction", {0, 10}));
   s.law.rolling_friction = Real(contact.number("rolling_friction", {0, 10}));
   contact.finish();
-  s.slope = c.number("slope_deg", {-60, 60}) * std::numbers::pi / 180;
+  s.slope = to_radians(c.number("slope_deg", {-60, 60}));
   s.speed = c.number("speed_m_s", {0.01, 50});
   s.settle_time = c.number("settle_time_s", {0, 100});
   s.park_time = c.number("park_time_s", {0, 100});

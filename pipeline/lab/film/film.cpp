@@ -9,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/units.h"
 #include "pipeline/report/film/video.h"
 #include "pipeline/report/picture/render.h"
 #ifdef GONOGO_WITH_PICTURES
@@ -18,7 +19,6 @@
 namespace gonogo::lab {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180;
 constexpr double kAzimuth = 16 * kDegree, kElevation = 13 * kDegree;
 
 std::string text_of(const char* format, double value) {

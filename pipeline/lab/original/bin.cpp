@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/random.h"
+#include "base/units.h"
 
 namespace gonogo::lab {
 namespace {
@@ -101,7 +102,7 @@ std::vector<Vec3d> poisson_disk(double half_x, double half_y, double apart, std:
     bool found = false;
     for (std::uint64_t t = 0; t < trials && !found; ++t) {
       const std::uint64_t draw = round * trials + t;
-      const double angle = 2 * std::numbers::pi * random_unit(seed, angle_stream, draw);
+      const double angle = 2 * kPi * random_unit(seed, angle_stream, draw);
       // Uniform over the ring between one and two distances.
       const double r = apart * std::sqrt(1 + 3 * random_unit(seed, distance_stream, draw));
       const Vec3d p = around + Vec3d{r * std::cos(angle), r * std::sin(angle), 0};

@@ -1,12 +1,12 @@
 #include "pipeline/lab/original/input.h"
 
 #include <fstream>
-#include <numbers>
 #include <sstream>
 #include <vector>
 
 #include "base/error.h"
 #include "base/line.h"
+#include "base/units.h"
 
 namespace gonogo::lab {
 namespace {
@@ -58,7 +58,7 @@ OriginalInput read_original_input(const std::filesystem::path& file, int line) {
       throw InputError(
           where + ": " + kColumn[i].name +
           gonogo::line(" %g %s; allowed are %g to %g", x[i], kColumn[i].unit, kColumn[i].least, kColumn[i].most));
-  return {x[0] * std::numbers::pi / 180, 1e-3 * x[1], x[2], x[3], 1e3 * x[4]};
+  return {to_radians(x[0]), 1e-3 * x[1], x[2], x[3], 1e3 * x[4]};
 }
 
 }  // namespace gonogo::lab

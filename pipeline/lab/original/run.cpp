@@ -6,6 +6,7 @@
 #include "base/cancel.h"
 #include "base/error.h"
 #include "base/line.h"
+#include "base/units.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
@@ -139,8 +140,7 @@ OriginalRecord run_original(const Vehicle& vehicle, const OriginalRequest& r) {
       return record;
     }
     if (taken == tilt)
-      s->set_gravity(0, {Real(-vehicle::kGravity * std::sin(r.input.slope)), 0,
-                         Real(-vehicle::kGravity * std::cos(r.input.slope))});
+      s->set_gravity(0, {Real(-kGravity * std::sin(r.input.slope)), 0, Real(-kGravity * std::cos(r.input.slope))});
     s->advance(every);
   }
 }

@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
+#include "base/units.h"
 #include "sim/shape/mesh_shapes.h"
 
 namespace gonogo::lab {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kPacked = 0.6;  // solid fraction of the column, about
 constexpr int kSegments = 48;
 /// With the friction that they have later the rows of the lattice would stand on each other as they are.

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "base/units.h"
 #include "pipeline/lab/scenes/ball_in_tank.h"
 
 namespace gonogo::lab {
@@ -15,7 +16,7 @@ ManyScene crater_scene(const CraterSpec& spec, const RunOn& on) {
   const Vec3d above = middle_of(tank) + Vec3d{0, 0, 1e3};
   const double surface = surface_of(with_ball(tank, above, radius, spec.density).body, spec.tank, tank, -1e3) + grain;
   scene.world = with_ball(tank, middle_of(tank) + Vec3d{0, 0, surface + grain + radius}, radius, spec.density);
-  scene.world.body[0].velocity.z = Real(-std::sqrt(2 * 9.81 * spec.drop_height));
+  scene.world.body[0].velocity.z = Real(-std::sqrt(2 * kGravity * spec.drop_height));
   scene.world.size.z += 4 * radius;
   scene.settings = many_step_settings(spec.tank.of, on.iterations, on.solver);
   scene.duration = spec.watched;

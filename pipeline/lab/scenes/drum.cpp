@@ -4,14 +4,13 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 
+#include "base/units.h"
 #include "sim/shape/mesh_shapes.h"
 
 namespace gonogo::lab {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kSegments = 48;
 constexpr double kCubeDiameters = 3;  // edge of a sample: about 30 spheres
 constexpr std::size_t kLeastInCube = 10;
@@ -22,7 +21,7 @@ double radius_of(const DrumSpec& spec) {
   return spec.of.diameter * std::cbrt(double(spec.of.count) / (1.8 * spec.length_over_radius));
 }
 
-double speed_of(const DrumSpec& spec) { return std::sqrt(spec.froude * 9.81 / radius_of(spec)); }
+double speed_of(const DrumSpec& spec) { return std::sqrt(spec.froude * kGravity / radius_of(spec)); }
 
 std::vector<Sphere> loose_fill(const DrumSpec& spec, double radius, double length) {
   const double inside = radius * std::cos(kPi / kSegments) - spec.of.largest_diameter() / 2, pitch = spec.of.pitch();

@@ -1,8 +1,8 @@
 #include "pipeline/lab/scenes/nut.h"
 
 #include <cmath>
-#include <numbers>
 
+#include "base/units.h"
 #include "pipeline/lab/scenes/ball_in_tank.h"
 
 namespace gonogo::lab {
@@ -17,8 +17,8 @@ ManyScene nut_scene(const NutSpec& spec, const RunOn& on) {
   scene.settings = many_step_settings(spec.tank.of, on.iterations, on.solver);
   scene.duration = spec.shaken;
   scene.drive = [spec](sim::Simulation& simulation, double time) {
-    const double phase = 2 * std::numbers::pi * spec.frequency * time;
-    simulation.set_gravity(0, {0, 0, Real(-9.81 * (1 + spec.acceleration * std::sin(phase)))});
+    const double phase = 2 * kPi * spec.frequency * time;
+    simulation.set_gravity(0, {0, 0, Real(-kGravity * (1 + spec.acceleration * std::sin(phase)))});
   };
   const double before = scene.world.body[0].position.z / surface_of(scene.world.body, spec.tank, scene.world, radius);
   scene.measure = [=, world = scene.world](sim::Simulation& simulation) -> std::vector<Measured> {

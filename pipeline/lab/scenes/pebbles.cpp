@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
 
@@ -88,7 +89,7 @@ std::vector<Measured> look_at(const Driven& d, sim::Simulation& simulation) {
   return {{"way_m", chassis.position.x - d.start},
           {"speed_m_per_s", speed},
           {"slip", std::fabs(rolled) > 0.1 ? 1 - speed / rolled : 0},
-          {"load_over_weight", force.z / (vehicle::weigh(d.v).total * vehicle::kGravity)}};
+          {"load_over_weight", force.z / (vehicle::weigh(d.v).total * kGravity)}};
 }
 
 /// Bodies, joints and drive of the vehicle on the pebbles.

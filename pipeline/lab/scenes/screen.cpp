@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "sim/scene/build_joint.h"
 
 namespace gonogo::lab {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kSizeRatio = 2;                  // of large spheres to small ones; a lattice cell holds 1 or 8
 constexpr double kOpening = 1.4, kBarHalf = 0.3;  // between bars; half of their width; in small diameters
 constexpr double kSlope = kPi / 4;                // of the deck's stroke
@@ -82,7 +81,7 @@ sim::BodyMass solid_box(double mass, double x, double y, double z) {
 
 /// Of the motor: several times what holds the deck with all of the feed on it, and throws it.
 double torque_of(const ScreenSpec& spec, double mass) {
-  return 10 * mass * spec.crank() * (9.81 + spec.crank() * std::pow(spec.crank_speed(), 2));
+  return 10 * mass * spec.crank() * (kGravity + spec.crank() * std::pow(spec.crank_speed(), 2));
 }
 
 /// Bars along x, held by three beams below, and a rear wall, so that nothing gets between the deck and what stands
@@ -190,7 +189,7 @@ double ScreenSpec::length() const { return kLengthOverWidth * width(); }
 
 double ScreenSpec::crank() const { return 0.25 * of.diameter; }
 
-double ScreenSpec::crank_speed() const { return std::sqrt(throw_number * 9.81 / (crank() * std::sin(kSlope))); }
+double ScreenSpec::crank_speed() const { return std::sqrt(throw_number * kGravity / (crank() * std::sin(kSlope))); }
 
 ScreenParts screen_parts(const ScreenSpec& spec) {
   const sim::BodyIndex ground = spec.of.count;

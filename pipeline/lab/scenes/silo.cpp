@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 
+#include "base/units.h"
 #include "pipeline/lab/scenes/silo_stress.h"
 #include "sim/shape/mesh_shapes.h"
 
 namespace gonogo::lab {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kPacked = 0.6;  // solid fraction of the fill, about
 constexpr int kSegments = 48;
 
@@ -129,7 +128,7 @@ ManyScene silo_scene(const SiloSpec& spec, const RunOn& on) {
   scene.duration = ends;
   const auto flow = std::make_shared<Flow>();
   const auto kept = std::make_shared<const sim::SceneWorld>(world);
-  const double mouth = -wall_thickness(spec), weight = 9.81 * mass_below(world, spheres, world.body, 1e30);
+  const double mouth = -wall_thickness(spec), weight = kGravity * mass_below(world, spheres, world.body, 1e30);
   scene.drive = [=](sim::Simulation& simulation, double time) {
     if (time < opens) {
       if (time < pulled) return;
@@ -164,7 +163,7 @@ ManyScene silo_scene(const SiloSpec& spec, const RunOn& on) {
             {"wall_friction_mobilised", flow->stress.mobilised(spec.of.friction)},
             {"wall_stress_ratio", flow->stress.ratio(2 * spec.radius())},
             {"flow_kg_per_s", time > 0 ? (flow->last_mass - flow->first_mass) / time : 0},
-            {"left_share", flow->last_mass / (weight / 9.81)}};
+            {"left_share", flow->last_mass / (weight / kGravity)}};
   };
   scene.watch_every = 0.05;
   scene.watch = [=](sim::Simulation& simulation, double time) -> std::vector<Measured> {

@@ -1,5 +1,7 @@
 #include "pipeline/lab/scenes/silo_stress.h"
 
+#include "base/units.h"
+
 namespace gonogo::lab {
 
 void WallStress::add(const sim::Capture& state, const sim::SceneWorld& world, Index spheres, sim::BodyIndex wall,
@@ -13,7 +15,7 @@ void WallStress::add(const sim::Capture& state, const sim::SceneWorld& world, In
     shear_moment += force.z * c.point.z;
   }
   for (Index b = 0; b < spheres; ++b)
-    weight_moment += 9.81 / double(world.mass[b].inverse_mass.x) * state.body[b].position.z;
+    weight_moment += kGravity / double(world.mass[b].inverse_mass.x) * state.body[b].position.z;
 }
 
 }  // namespace gonogo::lab

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "base/units.h"
 
 namespace gonogo::lab {
 
@@ -30,7 +31,7 @@ sim::StepSettings many_step_settings(const Spheres& spec, int iterations, sim::S
   s.iterations = iterations;
   s.solver = solver;
   s.envelope = Real(0.06 * spec.diameter);
-  s.recovery_speed = Real(std::sqrt(9.81 * spec.diameter) / 10);
+  s.recovery_speed = Real(std::sqrt(kGravity * spec.diameter) / 10);
   return s;
 }
 
@@ -48,7 +49,7 @@ Quat towards(int axis, double sign) {
   return axis == 0 ? Quat{c, 0, s, 0} : Quat{c, -s, 0, 0};
 }
 
-double fall_time(double height) { return std::sqrt(2 * height / 9.81); }
+double fall_time(double height) { return std::sqrt(2 * height / kGravity); }
 
 double height_of(const std::vector<Sphere>& spheres) {
   double height = 0;

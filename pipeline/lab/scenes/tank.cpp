@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include "base/error.h"
 #include "base/progress.h"
+#include "base/units.h"
 
 namespace gonogo::lab {
 namespace {
@@ -99,7 +99,7 @@ void keep_lowest(std::vector<Sphere>& spheres, std::size_t count) {
 /// Of a sphere about the origin, between two heights.
 double volume_between(double radius, double low, double high) {
   const double a = std::clamp(low, -radius, radius), b = std::clamp(high, -radius, radius);
-  return std::numbers::pi * (radius * radius * (b - a) - (b * b * b - a * a * a) / 3);
+  return kPi * (radius * radius * (b - a) - (b * b * b - a * a * a) / 3);
 }
 
 }  // namespace
@@ -154,8 +154,8 @@ ManyScene shaken_tank(const TankSpec& spec, const RunOn& on) {
   scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
   scene.duration = spec.seconds;
   scene.drive = [](sim::Simulation& simulation, double time) {
-    const double acceleration = 0.5 * 9.81 * std::sin(2 * std::numbers::pi * 2 * time);
-    simulation.set_gravity(0, {Real(-acceleration), 0, Real(-9.81)});
+    const double acceleration = 0.5 * kGravity * std::sin(2 * kPi * 2 * time);
+    simulation.set_gravity(0, {Real(-acceleration), 0, Real(-kGravity)});
   };
   return scene;
 }

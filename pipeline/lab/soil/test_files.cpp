@@ -1,7 +1,7 @@
 #include "base/file.h"
+#include "base/units.h"
 #include "pipeline/lab/soil/soil_tests.h"
 #ifdef GONOGO_WITH_PICTURES
-#include <numbers>
 
 #include "pipeline/report/figure/trial_figure.h"
 #include "pipeline/report/picture/render.h"
@@ -26,9 +26,8 @@ void draw_scene(const std::filesystem::path& path, const std::string& title, con
   sim::SceneWorld shown = scene.world;
   std::erase_if(shown.shape, [](const sim::Shape& s) { return s.type == sim::ShapeType::plane; });
   const report::Model model = report::model_of(shown, scene.end, {report::GrainColour::height, low, high, -1});
-  constexpr double degree = std::numbers::pi / 180;
   const report::Camera camera =
-      report::frame_model(model, 16 * degree, 16 * degree, double(kWidth) / kHeight, {0.03, 0.12, 0.12, 0.15});
+      report::frame_model(model, 16 * kDegree, 16 * kDegree, double(kWidth) / kHeight, {0.03, 0.12, 0.12, 0.15});
   report::TrialCaption c;
   c.title = title;
   c.bar_label = "height of grain [m]", c.bar_low = low, c.bar_high = high;

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
+#include "base/units.h"
 #include "pipeline/campaign/trial/lanes.h"
 #include "pipeline/report/figure/line_plot.h"
 #include "vehicle/model/statics.h"
@@ -18,7 +19,7 @@ namespace {
 WheelOnSand tyre_of(const vehicle::Vehicle& v) {
   const auto wheels = vehicle::stations(v);
   const vehicle::Wheel& w = *wheels.front().wheel;
-  return {w.radius, w.width, vehicle::weigh(v).total * vehicle::kGravity / double(wheels.size()), w.size_section_height,
+  return {w.radius, w.width, vehicle::weigh(v).total * kGravity / double(wheels.size()), w.size_section_height,
           w.size_deflection > 0 ? w.size_deflection : 0.15 * w.size_section_height};
 }
 

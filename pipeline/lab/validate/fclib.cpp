@@ -36,8 +36,8 @@ FclibResult solve_fclib(const fs::path& file, const sim::LocalSolveSettings& set
   result.dimension = problem.dimension;
   result.contacts = problem.contact_count();
   result.iterations = solution.iterations;
-  result.coulomb_error = sim::siconos_error(problem, solution.r, sim::ConeTarget::coulomb);
-  result.ccp_error = sim::siconos_error(problem, solution.r, sim::ConeTarget::ccp);
+  result.coulomb_error = sim::siconos_error(problem, solution.r, sim::Target::coulomb);
+  result.ccp_error = sim::siconos_error(problem, solution.r, sim::Target::ccp);
   result.target_error = solution.error;
   result.ms = taken.count();
   return result;

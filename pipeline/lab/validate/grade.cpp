@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
 #include "base/file.h"
-#include "base/gravity.h"
 #include "base/line.h"
+#include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/report/figure/line_plot.h"
 #include "vehicle/wheel_rig.h"
@@ -15,7 +14,6 @@
 namespace gonogo::lab {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kAngles[] = {14, 20, 25, 30, 35, 40, 45};      // [deg]
 constexpr double kSlopes[] = {-20, -10, 0, 5, 10, 15, 20, 35};  // [deg]
 constexpr double kSlips[] = {0.02, 0.2, 0.4, 0.6, 0.8, 0.95};

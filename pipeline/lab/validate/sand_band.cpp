@@ -1,15 +1,13 @@
 #include "pipeline/lab/validate/sand_band.h"
 
 #include <algorithm>
-#include <numbers>
 
+#include "base/units.h"
 #include "vehicle/semi_empirical/bekker_wong.h"
 #include "vehicle/semi_empirical/traction.h"
 
 namespace gonogo::lab {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 /// Dry sand of the Land Locomotion Laboratory and LETE sand (Wong, Theory of Ground Vehicles, table of terrain values;
 /// configs/soils); shear displacement K of sands, 10 to 25 mm there.

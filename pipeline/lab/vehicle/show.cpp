@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "base/units.h"
 #include "vehicle/model/belt.h"
 #include "vehicle/model/statics.h"
 
@@ -9,8 +10,6 @@ namespace gonogo::lab {
 namespace {
 
 using namespace vehicle;
-
-constexpr double kPsi = 6894.757;  // [Pa]
 
 void masses(const Vehicle& v, Report& r) {
   const Weights w = weigh(v);

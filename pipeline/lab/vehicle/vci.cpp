@@ -1,5 +1,6 @@
 #include "pipeline/lab/vehicle/vci.h"
 
+#include "base/units.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/semi_empirical/mobility_index.h"
 #include "vehicle/semi_empirical/traction.h"
@@ -9,8 +10,7 @@ namespace {
 
 using namespace vehicle;
 
-constexpr double kPsi = 6894.757;  // [Pa]
-constexpr double kSlip = 0.2;      // of the traction columns
+constexpr double kSlip = 0.2;  // of the traction columns
 
 void factors(const VehicleIndex& index, bool wheels, Report& r) {
   const MobilityFactors& f = index.factors;

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/cancel.h"
+#include "base/units.h"
 
 namespace gonogo::map {
 namespace {
@@ -66,7 +67,7 @@ HeadingRange HeadingTable::over_headings(double slope_deg) const {
   bool any_unknown = false, any_soft = false;
   int sampled = 0;
   for (int h = 0; h < kHeadings; ++h) {
-    const HeadingAnswer& answer = at(bed_slopes(slope_deg, 2 * std::numbers::pi * h / kHeadings));
+    const HeadingAnswer& answer = at(bed_slopes(slope_deg, 2 * kPi * h / kHeadings));
     const campaign::Verdict verdict = answer.result.verdict;
     if (!std::isnan(answer.p_go)) {
       ++sampled;

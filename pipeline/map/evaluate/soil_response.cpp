@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/cancel.h"
+#include "base/units.h"
 
 namespace gonogo::map {
 namespace {
@@ -87,9 +88,9 @@ void SoilResponse::add_interval(double gradient_error, std::size_t models) {
 #pragma omp parallel for schedule(static)
   for (int i = 0; i <= kLastStep; ++i) {
     std::vector<double> low, high;
-    const double rise = std::tan(i / kSlopeSteps * std::numbers::pi / 180);
+    const double rise = std::tan(to_radians(i / kSlopeSteps));
     for (const double part : kNormalParts) {
-      const double slope = std::atan(std::abs(rise + part * gradient_error)) * 180 / std::numbers::pi;
+      const double slope = to_degrees(std::atan(std::abs(rise + part * gradient_error)));
       const auto& known = p_each_[std::size_t(std::clamp(int(std::lround(slope * kSlopeSteps)), 0, kLastStep))];
       low.insert(low.end(), known.begin(), known.end());
       low.insert(low.end(), points_.all().size() * models - known.size(), -1.0);

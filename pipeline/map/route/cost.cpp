@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::map {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr std::array<const char*, 4> kNames = {"shortest", "fastest", "safest", "least-energy"};
 
 const SlopeMeasure& require_measure(const SoilResponse& soil, const char* name) {

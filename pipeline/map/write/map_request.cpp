@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "base/json/json.h"
+#include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/learn/answer/predictor.h"
@@ -73,7 +74,7 @@ std::string vehicle_name(const std::filesystem::path& file) {
 ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
   const vehicle::Vehicle vehicle = vehicle::read_vehicle(file);
   const vehicle::VehicleConeIndex index = vehicle::vehicle_index(vehicle).cone_index;
-  return {vehicle.name, index.one_pass * terrain::kPascalPerPsi, index.fifty_passes * terrain::kPascalPerPsi};
+  return {vehicle.name, index.one_pass * terrain::kPsi, index.fifty_passes * terrain::kPsi};
 }
 
 MapRequest read_map_request(const MapFiles& files) {

@@ -1,11 +1,11 @@
 #include "pipeline/report/figure/canvas.h"
 
 #include <cstdio>
-#include <numbers>
 #include <sstream>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/units.h"
 
 namespace gonogo::report {
 namespace {
@@ -89,7 +89,7 @@ void Canvas::text(double x, double baseline, const std::string& words, double si
   set(kInk);
   cairo_save(cairo_);
   cairo_translate(cairo_, x, baseline);
-  if (turned) cairo_rotate(cairo_, -std::numbers::pi / 2);
+  if (turned) cairo_rotate(cairo_, -kPi / 2);
   cairo_move_to(cairo_, shift, 0);
   cairo_show_text(cairo_, words.c_str());
   cairo_restore(cairo_);

@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
+#include "base/units.h"
 #include "pipeline/report/figure/canvas.h"
 
 namespace gonogo::report {
@@ -79,7 +79,7 @@ void draw_series(const Canvas& canvas, const Axes& axes, const ChartSeries& seri
     }
     canvas.set(colour);
     cairo_new_path(canvas.cairo());
-    cairo_arc(canvas.cairo(), x, y, 5, 0, 2 * std::numbers::pi);
+    cairo_arc(canvas.cairo(), x, y, 5, 0, 2 * kPi);
     cairo_fill(canvas.cairo());
   }
 }

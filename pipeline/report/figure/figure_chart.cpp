@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
+
+#include "base/units.h"
 
 namespace gonogo::report {
 namespace {
@@ -52,7 +53,7 @@ void draw_axes(const Canvas& canvas, const Axes& axes) {
     canvas.text(axes.x(slope), axes.box.bottom() + 36, label_of(slope) + "\u00b0", kSize, Align::centre);
   }
   for (const double grade : {0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0}) {
-    const double slope = std::atan(grade / 100) * 180 / std::numbers::pi;
+    const double slope = to_degrees(std::atan(grade / 100));
     if (slope > axes.slope_end) break;
     canvas.line(axes.x(slope), axes.box.top - 9, axes.x(slope), axes.box.top, kFrame, 2);
     canvas.text(axes.x(slope), axes.box.top - 18, label_of(grade) + " %", kSize, Align::centre);

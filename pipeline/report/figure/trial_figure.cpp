@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <numbers>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "pipeline/report/figure/canvas.h"
 
 namespace gonogo::report {
@@ -34,7 +34,7 @@ void put_image(const Canvas& canvas, const Image& image) {
 
 void rounded_box(const Canvas& canvas, Box b, double radius, Colour colour) {
   cairo_t* c = canvas.cairo();
-  const double quarter = std::numbers::pi / 2;
+  const double quarter = kPi / 2;
   canvas.set(colour);
   cairo_new_path(c);
   cairo_arc(c, b.right() - radius, b.top + radius, radius, -quarter, 0);

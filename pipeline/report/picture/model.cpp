@@ -7,7 +7,6 @@
 #include "base/random.h"
 #include "pipeline/report/picture/unfolded.h"
 #include "sim/io/surface.h"
-#include "sim/shape/touch.h"
 
 namespace gonogo::report {
 namespace {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/joint/row.h"
-
 namespace gonogo::report {
 namespace {
 
@@ -15,8 +13,8 @@ void place_beside(const sim::SceneWorld& world, const sim::Attachment& from, con
                   std::vector<sim::BodyState>& body) {
   const sim::BodyState& at = body[std::size_t(from.body)];
   sim::BodyState& moved = body[std::size_t(next.body)];
-  const Vec3d apart = moved.position + sim::rotate_precisely(moved.orientation, next.point_B) - at.position -
-                      sim::rotate_precisely(at.orientation, from.point_B);
+  const Vec3d apart = moved.position + rotate_precisely(moved.orientation, next.point_B) - at.position -
+                      rotate_precisely(at.orientation, from.point_B);
   if (world.periodic_x) moved.position.x += std::remainder(apart.x, world.size.x) - apart.x;
   if (world.periodic_y) moved.position.y += std::remainder(apart.y, world.size.y) - apart.y;
 }

@@ -136,7 +136,7 @@ TEST_CASE("a world that raises a flag makes its own trial unknown and leaves the
     const Records records = run_all(setup, mixed, backend, 4);
     CHECK(records.at(2).verdict == Verdict::unknown);
     CHECK(records.at(2).reason == Reason::simulation_failed);
-    CHECK((records.at(2).failed_checks & 7) != 0);
+    CHECK((records.at(2).failed_checks & (check_not_finite | check_too_fast | check_left_domain)) != 0);
     CHECK(records.at(2).attempts == 2);
     CHECK(sound.at(2).verdict != Verdict::unknown);
     for (const std::uint64_t other : {0, 1, 3}) check_same(records.at(other), sound.at(other));

@@ -178,7 +178,7 @@ TEST_CASE("a summary counts what a by-hand count gives") {
   set(1, 4.9, Verdict::slow_go, Reason::none, 0);
   set(2, -0.1, Verdict::no_go, Reason::traction, 0);
   set(3, 5, Verdict::unknown, Reason::simulation_failed, 1);
-  records[3].failed_checks = 8 + 16;
+  records[3].failed_checks = check_residual | check_energy;
   const DatasetSummary summary = summarise(records);
   CHECK(summary.by_verdict ==
         std::map<std::string, std::size_t>{{"go", 1}, {"slow_go", 1}, {"no_go", 1}, {"unknown", 1}});
@@ -224,7 +224,7 @@ TEST_CASE("a sound dataset has no faults, and each planted fault is named") {
     r[5].reason = Reason::traction;
   });
   CHECK(contains(wrong, "trial 5: verdict go with reason traction"));
-  CHECK(contains(faults_with([](Records& r) { r[6].failed_checks = 2; }), "with failed checks too_fast"));
+  CHECK(contains(faults_with([](Records& r) { r[6].failed_checks = check_too_fast; }), "with failed checks too_fast"));
 }
 
 TEST_CASE("differences of datasets: none with themselves, every changed bit, row and input otherwise") {

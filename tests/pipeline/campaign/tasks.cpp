@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/units.h"
 #include "pipeline/campaign/trial/conditions.h"
 #include "pipeline/campaign/trial/drive.h"
 #include "tests/support/catch.h"
@@ -166,7 +167,7 @@ TEST_CASE("a wheel that is led has the slip it is given, and the carriage carrie
     CHECK(agrees("slip", slip, r.pull[0].slip, 0.02));
     const std::size_t half = force.size() / 2, count = force.size() - half;
     const double contacts = std::accumulate(force.begin() + std::ptrdiff_t(half), force.end(), 0.0) / double(count);
-    const double gained = (speed.back() - speed[half]) / (double(count - 1) * 0.002) / vehicle::kGravity;
+    const double gained = (speed.back() - speed[half]) / (double(count - 1) * 0.002) / kGravity;
     CHECK(agrees("pull of the carriage, of the contacts less what speeds the wheel up, per weight", contacts - gained,
                  r.pull[0].pull, 0.02));
     pull[k] = r.pull[0].pull;

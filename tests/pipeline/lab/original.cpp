@@ -4,6 +4,7 @@
 
 #include "base/file.h"
 #include "base/random.h"
+#include "base/units.h"
 #include "pipeline/lab/original/run.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -20,7 +21,7 @@ using test::agrees;
 /// A bin just as long as a HMMWV and grains far too large for it, so that a run is short.
 OriginalRequest short_run(double slope_deg, double friction) {
   OriginalRequest r;
-  r.input = {slope_deg * 3.14159265358979 / 180, 0.1, 2500, friction, 0};
+  r.input = {to_radians(slope_deg), 0.1, 2500, friction, 0};
   r.bin.half_length = 4, r.bin.half_width = 1.4;
   r.time.start_x = -0.8, r.time.goal_x = -0.2, r.time.lost_x = -1.2;
   r.time.end = 3;

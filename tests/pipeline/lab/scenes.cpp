@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/shipped.h"
+#include "base/units.h"
 #include "pipeline/lab/scenes/collide.h"
 #include "pipeline/lab/scenes/drum.h"
 #include "pipeline/lab/scenes/pebbles.h"
@@ -164,7 +165,7 @@ TEST_CASE("a screen's deck moves as its crank and rod say; small spheres fall th
     worst = std::max(worst, std::fabs(along - expected));
     aside = std::max(aside, length(moved - along * parts.stroke));
     stroke = std::max(stroke, -along);
-    if (time > 1.2) turned += std::fabs(std::remainder(angle - before, 2 * 3.14159265358979));
+    if (time > 1.2) turned += std::fabs(std::remainder(angle - before, 2 * kPi));
     before = angle;
     return look(simulation, time);
   };

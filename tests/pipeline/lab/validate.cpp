@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/lab/validate/drawbar.h"
 #include "pipeline/lab/validate/grade.h"
@@ -23,8 +24,8 @@ TEST_CASE("means of replicates carry their standard errors") {
 
 TEST_CASE("the band of drawbar pulls on sand holds every formula that makes it and is bounded by friction") {
   const vehicle::Vehicle v = test::shipped_vehicle("hmmwv");
-  const double angle = 32, load = vehicle::weigh(v).total * vehicle::kGravity / 4;
-  const vehicle::BekkerSoil dry{1.1, 0.99e3, 1528.43e3, 0, angle * 3.14159265358979 / 180, 0.025};
+  const double angle = 32, load = vehicle::weigh(v).total * kGravity / 4;
+  const vehicle::BekkerSoil dry{1.1, 0.99e3, 1528.43e3, 0, to_radians(angle), 0.025};
   double before = -1;
   for (const double slip : {0.05, 0.2, 0.5, 0.9}) {
     const TractionBand b = sand_band(v, angle, slip);
@@ -36,7 +37,7 @@ TEST_CASE("the band of drawbar pulls on sand holds every formula that makes it a
     if (ratio >= vehicle::kLeastPressureRatio) CHECK(inside(b.pull, vehicle::sand_net_traction(ratio, slip)));
     CHECK(b.pull[0] < b.pull[1]);
     // No wheel without lugs pulls more than friction and the cohesion of its footprint give.
-    CHECK(b.pull[1] < std::tan(angle * 3.14159265358979 / 180) + 0.1);
+    CHECK(b.pull[1] < std::tan(to_radians(angle)) + 0.1);
     CHECK(b.pull[1] > before);
     before = b.pull[1];
   }
@@ -63,10 +64,10 @@ TEST_CASE("a wheel that climbs by rule is inside the formulas' band, and faster 
   const std::filesystem::path root = GONOGO_SOURCE_DIR;
   const auto file = std::filesystem::temp_directory_path() / "gonogo-test-grade.h5";
   // The rig's 643.2 kg on a rigid wheel by Wong and Reece: the slope whose tangent is the pull over the load.
-  const vehicle::BekkerSoil sand{1.1, 0.99e3, 1528.43e3, 0, 30 * 3.14159265358979 / 180, 0.025};
-  const double load = 643.2 * vehicle::kGravity;
+  const vehicle::BekkerSoil sand{1.1, 0.99e3, 1528.43e3, 0, to_radians(30), 0.025};
+  const double load = 643.2 * kGravity;
   const double pull = vehicle::wheel_forces_under(sand, 0.467, 0.254, 0.4, load).drawbar_pull / load;
-  const double slope = std::atan(pull) * 180 / 3.14159265358979;
+  const double slope = to_degrees(std::atan(pull));
   Dataset d;
   d.records = {climbed(slope + 0.5, 30, 0, 0.8, 0.4), climbed(2.5, 30, 0, 0.8, 0.4),
                climbed(34, 30, 0, 0.8, 0.4),          climbed(10, 30, 0, 0.3, 0.4),  // the tyre slides on the soil
@@ -76,7 +77,7 @@ TEST_CASE("a wheel that climbs by rule is inside the formulas' band, and faster 
   write_dataset(file, d);
   const GradeReport r = grade_report({file, root / "configs/vehicles/hmmwv_quarter.json", 5, 12});
   REQUIRE(r.point.size() == 3);
-  CHECK(r.point[0].band.pull[0] <= std::tan((slope + 0.5) * 3.14159265358979 / 180));
+  CHECK(r.point[0].band.pull[0] <= std::tan(to_radians(slope + 0.5)));
   CHECK((!r.point[0].below() && !r.point[0].above()));
   CHECK(r.point[1].below());
   CHECK(r.point[2].above());

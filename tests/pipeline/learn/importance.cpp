@@ -1,9 +1,9 @@
 #include "pipeline/learn/importance/importance.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::learn {
@@ -20,14 +20,14 @@ ManyValues many(std::size_t dimensions, F f) {
 
 TEST_CASE("total indices of Ishigami's function are the ones of its closed form") {
   // T. Ishigami and T. Homma (1990): sin x1 + a sin^2 x2 + b x3^4 sin x1 over [-pi, pi]^3.
-  constexpr double a = 7, b = 0.1, pi = std::numbers::pi;
+  constexpr double a = 7, b = 0.1;
   const auto f = many(3, [](std::span<const double> x) {
     return std::sin(x[0]) + a * std::pow(std::sin(x[1]), 2) + b * std::pow(x[2], 4) * std::sin(x[0]);
   });
-  const double pi4 = std::pow(pi, 4), pi8 = pi4 * pi4;
+  const double pi4 = std::pow(kPi, 4), pi8 = pi4 * pi4;
   const double variance = a * a / 8 + b * pi4 / 5 + b * b * pi8 / 18 + 0.5;
   const double v13 = b * b * pi8 * (1.0 / 18 - 1.0 / 50), v1 = 0.5 * std::pow(1 + b * pi4 / 5, 2), v2 = a * a / 8;
-  const TotalIndices found = sobol_total_indices(f, {{-pi, -pi, -pi}, {pi, pi, pi}}, 8192, 3);
+  const TotalIndices found = sobol_total_indices(f, {{-kPi, -kPi, -kPi}, {kPi, kPi, kPi}}, 8192, 3);
   CHECK(found.variance == Approx(variance).epsilon(0.02));
   CHECK(found.total[0] == Approx((v1 + v13) / variance).margin(0.015));
   CHECK(found.total[1] == Approx(v2 / variance).margin(0.015));

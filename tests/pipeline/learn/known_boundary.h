@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/units.h"
 #include "pipeline/campaign/design/design.h"
 
 namespace gonogo::learn {
@@ -27,10 +28,9 @@ inline DesignSpec known_boundary_box(std::uint64_t seed, std::uint64_t points) {
 
 /// 1 where it climbs, 0 elsewhere.
 inline double known_boundary_passes(const DesignSpec& spec, std::span<const double> variables) {
-  constexpr double degree = 0.017453292519943295;
   const double slope = variables[spec.ranges[0].variable], angle = variables[spec.ranges[1].variable];
   const double cohesion = variables[spec.ranges[2].variable];
-  return std::tan(slope * degree) < 0.6 * std::tan(angle * degree) + 0.02 * cohesion ? 1 : 0;
+  return std::tan(slope * kDegree) < 0.6 * std::tan(angle * kDegree) + 0.02 * cohesion ? 1 : 0;
 }
 
 /// Mean squared error of p_go(variables) over 1,000 points that no design holds.

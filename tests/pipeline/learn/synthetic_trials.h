@@ -35,7 +35,7 @@ inline std::vector<TrialRecord> synthetic_trials(std::size_t count, std::uint64_
     if (random_unit(seed, n, 101) < 1.0 / 30) {
       record.verdict = Verdict::unknown;
       record.reason = Reason::simulation_failed;
-      record.failed_checks = 8;
+      record.failed_checks = check_residual;
     } else if (u < synthetic_p_go(x[0], x[2])) {
       record.verdict = u < 0.2 ? Verdict::slow_go : Verdict::go;
     } else {

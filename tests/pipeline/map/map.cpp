@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/random.h"
+#include "base/units.h"
 #include "pipeline/map/evaluate/soil_response.h"
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/slope.h"
@@ -35,7 +35,7 @@ std::vector<float> bowl() {
   double z = 2000;
   for (int column = 0; column < kColumns; ++column) {
     height.push_back(float(z));
-    z += 10 * std::tan((column + 0.5) * std::numbers::pi / 180);
+    z += 10 * std::tan(to_radians(column + 0.5));
   }
   std::vector<float> value;
   for (int row = 0; row < kRows; ++row) value.insert(value.end(), height.begin(), height.end());
@@ -111,9 +111,8 @@ TEST_CASE("every cell of made ground gets the class that its slope and soil ask 
         continue;
       }
       // Central difference of the two bowl steps next to the cell, independent of Horn's weights on straight contours.
-      const double west = std::tan((column - 0.5) * std::numbers::pi / 180),
-                   east = std::tan((column + 0.5) * std::numbers::pi / 180);
-      const double slope = std::atan((west + east) / 2) * 180 / std::numbers::pi;
+      const double west = std::tan(to_radians(column - 0.5)), east = std::tan(to_radians(column + 0.5));
+      const double slope = to_degrees(std::atan((west + east) / 2));
       if (std::abs(slope - 35) < 0.1) continue;
       const double p = model.p_go(slope, 28, 0);
       if (slope > 35) {

@@ -1,9 +1,9 @@
 // Headings: slopes along and across, tables over both, worst and best of all headings, measures that depend on them.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "pipeline/map/evaluate/measure_fit.h"
 #include "pipeline/map/evaluate/soil_response.h"
 #include "tests/pipeline/map/analytic_model.h"
@@ -16,7 +16,6 @@ using namespace gonogo::map;
 
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 std::size_t index(const char* name) { return contract().variable_index(name); }
 
 /// P(go) falls with the slope along and, half as fast, with the slope across.
@@ -71,7 +70,7 @@ TEST_CASE("P(go) of any heading is the model's own at slopes rounded to half a d
   int inside = 0;
   for (int i = 0; i < 2000; ++i) {
     const double slope = rounded_slope(45 * random_unit(3, 0, std::uint64_t(i)));
-    const double psi = 2 * std::numbers::pi * random_unit(3, 1, std::uint64_t(i));
+    const double psi = 2 * kPi * random_unit(3, 1, std::uint64_t(i));
     const HeadingAnswer& answer = soil.at(slope, psi);
     const BedSlopes slopes = bed_slopes(slope, psi);
     const double along = to_half(slopes.along), across = to_half(slopes.across);

@@ -2,10 +2,10 @@
 
 #include <cmath>
 #include <map>
-#include <numbers>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/units.h"
 #include "pipeline/map/evaluate/block.h"
 #include "pipeline/map/evaluate/speed_curve.h"
 #include "pipeline/map/write/compare_maps.h"
@@ -35,7 +35,7 @@ std::vector<float> slope_of_15() {
   std::vector<float> value;
   for (int row = 0; row < kSide; ++row)
     for (int column = 0; column < kSide; ++column)
-      value.push_back(float(1000 + 10 * column * std::tan(15 * std::numbers::pi / 180)));
+      value.push_back(float(1000 + 10 * column * std::tan(to_radians(15))));
   return value;
 }
 

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/random.h"
+#include "base/units.h"
 #include "learning/model/model.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/map/evaluate/soil_response.h"
@@ -157,8 +158,8 @@ TEST_CASE("the vehicle whose cone index counts is the study's or the one asked f
   CHECK_FALSE(request("", "").model.cone_index);
   const auto demo = request("studies/demo.json", "").model.cone_index;
   REQUIRE(demo);
-  CHECK(demo->one_pass / 6894.757 == Approx(16.6).margin(0.05));  // published for this mass
-  CHECK(demo->fifty_passes / 6894.757 == Approx(39.0).margin(0.1));
+  CHECK(demo->one_pass / kPsi == Approx(16.6).margin(0.05));  // published for this mass
+  CHECK(demo->fifty_passes / kPsi == Approx(39.0).margin(0.1));
   CHECK(request("studies/demo.json", "vehicles/m113.json").model.cone_index->vehicle != demo->vehicle);
   CHECK(contains(input_error([&] { request("", "vehicles/hmmwv_quarter.json"); }), "hmmwv_quarter.json"));
 }

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/units.h"
 #include "pipeline/map/evaluate/block.h"
 #include "pipeline/map/route/map_cells.h"
 #include "pipeline/map/write/make_map.h"
@@ -24,16 +25,15 @@ using terrain::Tile;
 namespace {
 
 constexpr int kSide = 24;
-constexpr double kPsi = 6894.757;                               // [Pa]
 const ConeIndexNeed kHmmwv{"HMMWV", 16.6 * kPsi, 39.0 * kPsi};  // published for its mass
 const std::vector<std::string> kClassLayers = {"go", "go_worst", "go_best"};
 
 /// Prandtl's factor of cohesion, by the form of the textbooks, times Skempton's 9 / 5.14, and Reissner's of six inches
 /// of soil of 1,500 kg/m3.
 double textbook_index(double cohesion_kPa, double angle) {
-  const double phi = angle * std::numbers::pi / 180;
-  const double nq = std::exp(std::numbers::pi * std::tan(phi)) * (1 + std::sin(phi)) / (1 - std::sin(phi));
-  return 1.7508 * (nq - 1) / std::tan(phi) * cohesion_kPa * 1e3 + nq * 1500 * 9.81 * 0.1524;
+  const double phi = to_radians(angle);
+  const double nq = std::exp(kPi * std::tan(phi)) * (1 + std::sin(phi)) / (1 - std::sin(phi));
+  return 1.7508 * (nq - 1) / std::tan(phi) * cohesion_kPa * 1e3 + nq * 1500 * kGravity * 0.1524;
 }
 
 /// Ground of 3 degrees; soil code 1 but for 2 in the southern quarter.
@@ -41,7 +41,7 @@ void make_ground(const TemporaryFolder& folder) {
   std::vector<float> height, soil;
   for (int row = 0; row < kSide; ++row)
     for (int column = 0; column < kSide; ++column) {
-      height.push_back(float(500 + 10 * column * std::tan(3 * std::numbers::pi / 180)));
+      height.push_back(float(500 + 10 * column * std::tan(to_radians(3))));
       soil.push_back(row < 3 * kSide / 4 ? 1 : 2);
     }
   test::make_raster(folder / "dem.tif", {.columns = kSide, .rows = kSide, .value = height});

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "pipeline/map/route/bands.h"
 #include "pipeline/map/route/search.h"
 #include "tests/pipeline/map/analytic_model.h"
@@ -59,15 +60,13 @@ RouteCells made_cells(int columns, int rows, std::uint64_t seed) {
 double half_step(const RouteCells& cells, int cell, int dx, int dy, RouteCost cost) {
   const auto i = std::size_t(cell);
   if (cells.soil[i] == RouteCells::kNowhere) return INFINITY;
-  const double heading =
-      std::round(std::atan2(dx * cells.cell_width, -dy * cells.cell_height) * 180 / std::numbers::pi);
+  const double heading = std::round(to_degrees(std::atan2(dx * cells.cell_width, -dy * cells.cell_height)));
   const BedSlopes slopes = bed_slopes(cells.slope[i] / kSlopeSteps, fall_line_angle(heading, double(cells.aspect[i])));
   const double along = std::round(2 * slopes.along) / 2, across = std::round(2 * slopes.across) / 2;
   if (along < -20 || along > 30 || std::abs(across) > 20) return INFINITY;
   const double p = made_p_go(along + (cells.soil[i] == 1 ? 4 : 0), across);
   if (p < 0.5) return INFINITY;
-  const double length =
-      std::hypot(dx * cells.cell_width, dy * cells.cell_height) / 2 / std::cos(along * std::numbers::pi / 180);
+  const double length = std::hypot(dx * cells.cell_width, dy * cells.cell_height) / 2 / std::cos(to_radians(along));
   return cost == RouteCost::length ? length : -std::log(p) * length / 100;
 }
 
@@ -75,7 +74,7 @@ bool some_heading_passes(const RouteCells& cells, int cell) {
   const auto i = std::size_t(cell);
   if (cells.soil[i] == RouteCells::kNowhere) return false;
   for (int h = 0; h < 36; ++h) {
-    const BedSlopes slopes = bed_slopes(cells.slope[i] / kSlopeSteps, h * std::numbers::pi / 18);
+    const BedSlopes slopes = bed_slopes(cells.slope[i] / kSlopeSteps, h * kPi / 18);
     const double along = std::round(2 * slopes.along) / 2, across = std::round(2 * slopes.across) / 2;
     if (along >= -20 && along <= 30 && std::abs(across) <= 20 &&
         made_p_go(along + (cells.soil[i] == 1 ? 4 : 0), across) >= 0.5)

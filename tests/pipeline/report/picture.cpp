@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/units.h"
 #include "pipeline/report/picture/light.h"
 #include "pipeline/report/picture/render.h"
 #include "pipeline/report/picture/visible.h"
@@ -17,7 +18,6 @@ namespace gonogo::report {
 namespace {
 
 using test::Draw;
-using test::kPi;
 
 /// Looks along +y from a distance; x right, z up.
 Camera camera_at(Real distance, Real tan_half_height) {
@@ -162,7 +162,7 @@ TEST_CASE("a ball's shadow lies where the sun's rays through it meet the floor")
 }
 
 TEST_CASE("a bed under tilted gravity is drawn rising by its slope, around the wheel") {
-  const double slope = 20 * kPi / 180;
+  const double slope = to_radians(20);
   sim::SceneWorld w;
   w.gravity = test::tilted_gravity(slope);
   w.size = {4, 1, 2};
