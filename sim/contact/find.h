@@ -239,6 +239,18 @@ void reserve_contacts(State<Exec>& s, Index count) {
   }
 }
 
+/// On the host the buffers are enlarged in the middle of the step that needs it.
+inline void make_room_for_contacts(Cpu, State<Cpu>& s) {
+  Progress progress = s.progress.read(0);
+  if (progress.halted == 0) return;
+  reserve_contacts(s, progress.contact_total + progress.contact_total / 2);
+  progress.halted = 0;
+  s.progress.write(0, progress);
+}
+
+/// On the GPU the step is given up; the host enlarges the buffers before it is taken again, see Progress.
+inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
+
 template <class Exec>
 ContactFinder contact_finder(State<Exec>& s, const StepSettings& settings) {
   return {s.shape.view(),    s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),

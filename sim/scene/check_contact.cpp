@@ -8,7 +8,6 @@
 #include "base/error.h"
 #include "sim/contact/find.h"
 #include "sim/scene/check_shape.h"
-#include "sim/solver/host_blocks.h"
 
 namespace gonogo::sim {
 namespace {

@@ -10,6 +10,7 @@
 #include "sim/joint/prepare.h"
 #include "sim/simulation/spin.h"
 #include "sim/simulation/stages.h"
+#include "sim/solver/storage.h"
 #include "sim/state/tiles.h"
 
 namespace gonogo::sim {
@@ -148,25 +149,27 @@ void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
   finish_step(exec, s, settings);
 }
 
+/// `own`: what the solver keeps for itself.
 template <class Exec>
-void step(Exec exec, State<Exec>& s, const StepSettings& settings) {
+void step(Exec exec, State<Exec>& s, SolverStorage<Exec>& own, const StepSettings& settings) {
   beside(
       exec, [&](Exec main) { prepare_contacts(main, s, settings); },
       [&](Exec side) { prepare_motion(side, s, settings); });
   apply_forces(exec, s, settings);
-  solve(exec, s, settings);
+  solve(exec, s, own, settings);
   integrate(exec, s, settings);
 }
 
 /// The same step, one stage after the other: calls timed(stage, work) for each.
 template <class Exec, class Timed>
-void step_by_stage(Exec exec, State<Exec>& s, const StepSettings& settings, const Timed& timed) {
+void step_by_stage(Exec exec, State<Exec>& s, SolverStorage<Exec>& own, const StepSettings& settings,
+                   const Timed& timed) {
   timed(Stage::bins, [&] { sort_into_bins(exec, s); });
   timed(Stage::contacts, [&] { find_contacts(exec, s, settings); });
   timed(Stage::lists, [&] { list_contacts(exec, s); });
   timed(Stage::motion, [&] { prepare_motion(exec, s, settings); });
   timed(Stage::forces, [&] { apply_forces(exec, s, settings); });
-  timed(Stage::solve, [&] { solve(exec, s, settings); });
+  timed(Stage::solve, [&] { solve(exec, s, own, settings); });
   timed(Stage::integrate, [&] { integrate(exec, s, settings); });
 }
 

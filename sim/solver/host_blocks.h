@@ -3,6 +3,7 @@
 #include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
+#include "sim/solver/storage.h"
 #include "sim/state/tiles.h"
 
 namespace gonogo::sim {
@@ -34,15 +35,6 @@ struct SolverStorage<Cpu> {
   Buffer<SpectralSums, Cpu> spectral_sums;  // [tile]
   ScanStorage<Cpu> scan;
 };
-
-/// Enlarges the buffers in the middle of the step that needs it.
-inline void make_room_for_contacts(Cpu, State<Cpu>& s) {
-  Progress progress = s.progress.read(0);
-  if (progress.halted == 0) return;
-  reserve_contacts(s, progress.contact_total + progress.contact_total / 2);
-  progress.halted = 0;
-  s.progress.write(0, progress);
-}
 
 /// Loads eight records of eight numbers as one pack per number.
 template <class Record, class Fields>

@@ -16,8 +16,8 @@ namespace gonogo::sim {
 template <class Exec>
 class ScanIteration {
  public:
-  ScanIteration(Exec exec, State<Exec>& state, const StepSettings& settings)
-      : exec_(exec), s(state), own(state.solver.scan), settings_(settings), rules_(settings.rules()) {}
+  ScanIteration(Exec exec, State<Exec>& state, ScanStorage<Exec>& storage, const StepSettings& settings)
+      : exec_(exec), s(state), own(storage), settings_(settings), rules_(settings.rules()) {}
 
   void begin() {
     for_each_index(exec_, s.world_count, BeginWorld{s.momentum.view(), rules_});
@@ -137,8 +137,7 @@ bool seen_to_end(const State<Exec>& s) {
 }
 
 template <class Exec>
-void reserve_scan(State<Exec>& s, const StepSettings& settings) {
-  ScanStorage<Exec>& own = s.solver.scan;
+void reserve_scan(const State<Exec>& s, ScanStorage<Exec>& own, const StepSettings& settings) {
   const std::size_t contacts = std::size_t(s.contact_capacity), tiles = std::size_t(tile_capacity(s)),
                     worlds = std::size_t(s.world_count), slots = 2 * contacts + worlds * kScanRun;
   own.slot.resize(contacts);
@@ -161,8 +160,8 @@ void reserve_scan(State<Exec>& s, const StepSettings& settings) {
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step. Call
 /// reserve_scan before.
 template <class Exec>
-void solve_by_scan(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  ScanIteration<Exec> iteration(exec, s, settings);
+void solve_by_scan(Exec exec, State<Exec>& s, ScanStorage<Exec>& own, const StepSettings& settings) {
+  ScanIteration<Exec> iteration(exec, s, own, settings);
   iteration.begin();
   iteration.move(true);
   const std::int64_t most = std::int64_t(settings.substeps) * settings.iterations;

@@ -113,8 +113,7 @@ inline bool all_done(const State<Cpu>& s, View<const Momentum> momentum) {
   return true;
 }
 
-inline void fill_blocks(Cpu exec, State<Cpu>& s, Index tile_count) {
-  SolverStorage<Cpu>& own = s.solver;
+inline void fill_blocks(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count) {
   own.block.resize(std::size_t(tile_count) * kBlocksPerTile);
   own.wrench_a.resize(s.contact_capacity);
   own.wrench_b.resize(s.contact_capacity + 1);
@@ -142,13 +141,13 @@ inline void project_mechanisms(Cpu exec, State<Cpu>& s, bool first, bool carried
                  kBodiesInParallel);
 }
 
-inline void gather(Cpu exec, State<Cpu>& s, bool first) {
+inline void gather(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, bool first) {
   for_each_index(
       exec, s.body_count,
-      GatherVelocity{incidence(s), s.solver.wrench_a.view(), s.solver.wrench_b.view(), s.mass.view(),
-                     s.inverse_inertia_W.view(), motor_moment(s.mechanisms), s.free_velocity.view(),
-                     s.world_of_body.view(), s.momentum.view(), s.velocity.view(), s.extrapolated_velocity.view(),
-                     s.mechanisms.gathered.view(), s.solver.velocity_before.view(), first});
+      GatherVelocity{incidence(s), own.wrench_a.view(), own.wrench_b.view(), s.mass.view(), s.inverse_inertia_W.view(),
+                     motor_moment(s.mechanisms), s.free_velocity.view(), s.world_of_body.view(), s.momentum.view(),
+                     s.velocity.view(), s.extrapolated_velocity.view(), s.mechanisms.gathered.view(),
+                     own.velocity_before.view(), first});
   project_mechanisms(exec, s, first, false);
 }
 
@@ -161,16 +160,16 @@ inline void carry_bodies(Cpu exec, State<Cpu>& s) {
   project_mechanisms(exec, s, false, true);
 }
 
-inline void advance_tiles(Cpu exec, State<Cpu>& s, Index tile_count, const StepSettings& settings) {
-  for_each_index(exec, tile_count,
-                 AdvanceTile{tiles(s), s.contact.view(), s.solver.block.view(), s.part_velocity.view(),
-                             s.momentum.view(), settings},
-                 kTilesInParallel);
+inline void advance_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count,
+                          const StepSettings& settings) {
+  for_each_index(
+      exec, tile_count,
+      AdvanceTile{tiles(s), s.contact.view(), own.block.view(), s.part_velocity.view(), s.momentum.view(), settings},
+      kTilesInParallel);
 }
 
 template <bool turning>
-void update_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
-  SolverStorage<Cpu>& own = s.solver;
+void update_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
   for_each_index(exec, tile_count,
                  UpdateTile<turning>{tiles(s), own.block.view(), s.extrapolated_velocity.view(), s.momentum.view(),
                                      own.wrench_a.view(), own.wrench_b.view(), own.tile_sums.view(), parity},
@@ -178,8 +177,7 @@ void update_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
 }
 
 /// Each contact waits for those before it; see Colouring.
-inline void colour_contacts(Cpu exec, State<Cpu>& s, Index contacts) {
-  SolverStorage<Cpu>& own = s.solver;
+inline void colour_contacts(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index contacts) {
   own.colour.resize(s.contact_capacity);
   std::fill_n(own.colour.view().begin(), contacts, kNoColour);
   const Colouring all = colouring(s, own.colour.view());
@@ -193,8 +191,7 @@ inline void colour_contacts(Cpu exec, State<Cpu>& s, Index contacts) {
 }
 
 template <bool turning>
-void sweep_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
-  SolverStorage<Cpu>& own = s.solver;
+void sweep_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
   const SweptBodies bodies{incidence(s), s.mass.view(), s.inverse_inertia_W.view(), s.extrapolated_velocity.view()};
   for (Index colour = 0; colour < std::max<Index>(1, own.colours); ++colour)
     for_each_index(exec, tile_count,
@@ -208,8 +205,7 @@ void sweep_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
 }
 
 template <bool turning>
-void spectral_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
-  SolverStorage<Cpu>& own = s.solver;
+void spectral_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
   for_each_index(exec, tile_count,
                  SpectralTile<turning>{tiles(s), own.block.view(), s.velocity.view(), own.velocity_before.view(),
                                        s.momentum.view(), own.length.view(), own.wrench_a.view(), own.wrench_b.view(),
@@ -219,23 +215,22 @@ void spectral_tiles(Cpu exec, State<Cpu>& s, Index tile_count, Index parity) {
 
 /// Update number `k` of all contacts.
 template <bool turning>
-void update_contacts(Cpu exec, State<Cpu>& s, Index tile_count, Index k, Solver solver) {
+void update_contacts(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index k, Solver solver) {
   switch (solver) {
     case Solver::apgd:
     case Solver::jacobi:
-      return update_tiles<turning>(exec, s, tile_count, k & 1);
+      return update_tiles<turning>(exec, s, own, tile_count, k & 1);
     case Solver::gauss_seidel:
-      return sweep_tiles<turning>(exec, s, tile_count, k & 1);
+      return sweep_tiles<turning>(exec, s, own, tile_count, k & 1);
     case Solver::bb:
-      return spectral_tiles<turning>(exec, s, tile_count, k & 1);
+      return spectral_tiles<turning>(exec, s, own, tile_count, k & 1);
     case Solver::jacobi_scan:
       return;  // solve() has gone another way
   }
 }
 
-inline void prepare_method(Cpu exec, State<Cpu>& s, Index tile_count, Solver solver) {
-  SolverStorage<Cpu>& own = s.solver;
-  if (solver == Solver::gauss_seidel) colour_contacts(exec, s, *contact_count(s).count);
+inline void prepare_method(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Solver solver) {
+  if (solver == Solver::gauss_seidel) colour_contacts(exec, s, own, *contact_count(s).count);
   if (solver != Solver::bb) return;
   own.velocity_before.resize(s.body_count);
   own.spectral_sums.resize(tile_count);
@@ -243,8 +238,7 @@ inline void prepare_method(Cpu exec, State<Cpu>& s, Index tile_count, Solver sol
 }
 
 /// What the next update will do.
-inline void decide(Cpu exec, State<Cpu>& s, const IterationRules& rules) {
-  SolverStorage<Cpu>& own = s.solver;
+inline void decide(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const IterationRules& rules) {
   if (rules.solver == Solver::bb) own.momentum_before.upload(s.momentum.download());
   for_each_index(exec, s.world_count,
                  DecideNextUpdate{s.first_tile.view(), own.tile_sums.view(), tiles(s), s.momentum.view(), rules},
@@ -256,51 +250,51 @@ inline void decide(Cpu exec, State<Cpu>& s, const IterationRules& rules) {
                    kTilesInParallel);
 }
 
-inline void measure(Cpu exec, State<Cpu>& s, Index tile_count, const StepSettings& settings) {
+inline void measure(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, const StepSettings& settings) {
   View<Impulse> impulse = s.store[s.parity].impulse.view();
-  for_each_index(exec, tile_count, StoreImpulses{tiles(s), s.solver.block.view(), s.momentum.view(), impulse},
+  for_each_index(exec, tile_count, StoreImpulses{tiles(s), own.block.view(), s.momentum.view(), impulse},
                  kTilesInParallel);
-  for_each_index(exec, tile_count,
-                 MeasureTile{tiles(s), s.contact.view(), s.velocity.view(), impulse, s.solver.tile_measures.view(),
-                             settings.target},
-                 kTilesInParallel);
+  for_each_index(
+      exec, tile_count,
+      MeasureTile{tiles(s), s.contact.view(), s.velocity.view(), impulse, own.tile_measures.view(), settings.target},
+      kTilesInParallel);
   for_each_index(exec, s.world_count,
-                 MeasureWorld{tiles(s), s.solver.tile_measures.view(), s.mass.view(), s.orientation.view(),
+                 MeasureWorld{tiles(s), own.tile_measures.view(), s.mass.view(), s.orientation.view(),
                               s.velocity.view(), s.momentum.view(), s.world_sums.view()},
                  kTilesInParallel);
 }
 
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step.
-inline void solve(Cpu exec, State<Cpu>& s, const StepSettings& settings) {
+inline void solve(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const StepSettings& settings) {
   if (settings.solver == Solver::jacobi_scan) {
-    reserve_scan(s, settings);
-    return solve_by_scan(exec, s, settings);
+    reserve_scan(s, own.scan, settings);
+    return solve_by_scan(exec, s, own.scan, settings);
   }
   const IterationRules rules = settings.rules();
   const Index tile_count = tiles(s).count();
   const bool turning = s.turning;
   for_each_counted(exec, contact_count(s), mass_splitting(s, settings));
-  fill_blocks(exec, s, tile_count);
+  fill_blocks(exec, s, own, tile_count);
   for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
-  prepare_method(exec, s, tile_count, rules.solver);
-  s.solver.motor_before.upload(s.mechanisms.motor_impulse.download());
+  prepare_method(exec, s, own, tile_count, rules.solver);
+  own.motor_before.upload(s.mechanisms.motor_impulse.download());
   for_each_index(
       exec, s.body_count,
       BeginBody{s.velocity.view(), s.velocity_change.view(), s.free_velocity.view(), s.earlier_velocity.view()});
-  gather(exec, s, true);
+  gather(exec, s, own, true);
   for (Index k = 0; !all_done(s, s.momentum.view()); ++k) {
-    if (any_world(s, &Momentum::begins)) advance_tiles(exec, s, tile_count, settings);
-    turning ? update_contacts<true>(exec, s, tile_count, k, rules.solver)
-            : update_contacts<false>(exec, s, tile_count, k, rules.solver);
+    if (any_world(s, &Momentum::begins)) advance_tiles(exec, s, own, tile_count, settings);
+    turning ? update_contacts<true>(exec, s, own, tile_count, k, rules.solver)
+            : update_contacts<false>(exec, s, own, tile_count, k, rules.solver);
     for_each_index(exec, s.mechanisms.motor.size(),
                    UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
                                s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
-                               s.solver.motor_before.view(), settings.substep()});
-    gather(exec, s, false);
+                               own.motor_before.view(), settings.substep()});
+    gather(exec, s, own, false);
     if (any_world(s, &Momentum::ends)) carry_bodies(exec, s);
-    decide(exec, s, rules);
+    decide(exec, s, own, rules);
   }
-  measure(exec, s, tile_count, settings);
+  measure(exec, s, own, tile_count, settings);
 }
 
 }  // namespace gonogo::sim

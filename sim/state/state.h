@@ -166,10 +166,6 @@ struct alignas(16) Tile {
   Index first;  // 1: the first of its world
 };
 
-/// Arrays that a backend's solver keeps for itself; each backend specialises it.
-template <class Exec>
-struct SolverStorage;
-
 /// What became of the steps that were asked for. When a buffer is too small, the step that found out and all steps
 /// queued behind it do nothing; the host enlarges the buffer and goes on with that step.
 struct Progress {
@@ -232,7 +228,6 @@ struct State {
   ScanScratch<Exec> scratch, tile_scratch;
 
   ContactStore<Exec> store[2];
-  SolverStorage<Exec> solver;
 };
 
 /// How many contacts the step has found; on the device nobody else knows.

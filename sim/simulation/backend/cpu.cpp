@@ -13,13 +13,13 @@ class StepQueue<Cpu> {
   explicit StepQueue(Cpu exec) : exec_(exec) {}
   void advance(State<Cpu>& s, const StepSettings& settings, Index count) {
     for (Index i = 0; i < count; ++i) {
-      step(exec_, s, settings);
+      step(exec_, s, solver_, settings);
       s.parity = 1 - s.parity;
     }
   }
   StageTimes timed_step(State<Cpu>& s, const StepSettings& settings) {
     StageTimes times;
-    step_by_stage(exec_, s, settings, StageClock(times, [] {}));
+    step_by_stage(exec_, s, solver_, settings, StageClock(times, [] {}));
     s.parity = 1 - s.parity;
     return times;
   }
@@ -41,6 +41,7 @@ class StepQueue<Cpu> {
 
  private:
   Cpu exec_;
+  SolverStorage<Cpu> solver_;
 };
 
 template class SimulationOn<Cpu>;

@@ -40,8 +40,8 @@ class StepQueue<Cuda> {
 
   StageTimes timed_step(State<Cuda>& s, const StepSettings& settings) {
     const StageTimes times = timed(s, [&](Cuda exec, const auto& clock) {
-      reserve_solver(s, settings);
-      step_by_stage(exec, s, settings, clock);
+      reserve_solver(s, solver_, settings);
+      step_by_stage(exec, s, solver_, settings, clock);
     });
     s.parity = 1 - s.parity;
     return times;
@@ -102,8 +102,8 @@ class StepQueue<Cuda> {
 
   void launch(State<Cuda>& s, const StepSettings& settings) {
     if (!prepared_) {  // taken step by step: scratch memory is allocated on the way
-      reserve_solver(s, settings);
-      step(exec_, s, settings);
+      reserve_solver(s, solver_, settings);
+      step(exec_, s, solver_, settings);
       prepared_ = true;
       return;
     }
@@ -116,7 +116,7 @@ class StepQueue<Cuda> {
     cudaGraph_t graph = nullptr;
     cudaGraphExec_t executable = nullptr;
     check_cuda(cudaStreamBeginCapture(stream_of(exec_), cudaStreamCaptureModeThreadLocal), "begin capture");
-    step(exec_, s, settings);
+    step(exec_, s, solver_, settings);
     check_cuda(cudaStreamEndCapture(stream_of(exec_), &graph), "end capture");
     check_cuda(cudaGraphInstantiate(&executable, graph, 0), "graph");
     check_cuda(cudaGraphDestroy(graph), "graph");
@@ -124,6 +124,7 @@ class StepQueue<Cuda> {
   }
 
   Cuda exec_;
+  SolverStorage<Cuda> solver_;
   SideStream side_[kSideStreams];
   cudaGraphExec_t graph_[2] = {nullptr, nullptr};
   bool prepared_ = false;

@@ -10,7 +10,7 @@
 
 namespace gonogo::sim {
 
-/// Takes steps; each backend has its own way of queueing them.
+/// Takes steps and holds what the solver keeps for itself; each backend has its own way of queueing steps.
 template <class Exec>
 class StepQueue;
 

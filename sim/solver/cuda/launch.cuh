@@ -9,9 +9,6 @@
 
 namespace gonogo::sim {
 
-/// On the device a step that lacks room is given up and taken again; see Progress.
-inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
-
 /// All iterations of a step.
 template <bool turning, bool resident, bool parts, Solver method>
 GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismWork& work) {
@@ -60,9 +57,8 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
 
 inline bool is_accelerated(Solver solver) { return solver == Solver::apgd || solver == Solver::jacobi; }
 
-inline void reserve_solver(State<Cuda>& s, const StepSettings& settings) {
-  if (settings.solver == Solver::jacobi_scan) return reserve_scan(s, settings);
-  SolverStorage<Cuda>& own = s.solver;
+inline void reserve_solver(const State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
+  if (settings.solver == Solver::jacobi_scan) return reserve_scan(s, own.scan, settings);
   own.frame.resize(s.contact_capacity);
   own.cone.resize(s.contact_capacity);
   own.central.resize(s.contact_capacity);
@@ -107,8 +103,7 @@ inline Index mechanism_teams(const State<Cuda>& s) {
   return s.mechanisms.body.size() >= large * count && few * count <= kTeamsPerBlock * grid_size(s) ? count : 0;
 }
 
-inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
-  SolverStorage<Cuda>& own = s.solver;
+inline SolveViews solve_views(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
   return {tiles(s),
           incidence(s),
           mass_splitting(s, settings),
@@ -168,9 +163,9 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, const StepSettings& set
 }
 
 template <bool turning, bool parts, Solver method = Solver::apgd>
-void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
+void launch_solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
   const auto kernel = solve_kernel<turning, parts, method>;
-  SolveViews views = solve_views(exec, s, settings);
+  SolveViews views = solve_views(exec, s, own, settings);
   constexpr std::size_t room = sizeof(Residence);
   const std::size_t offered = device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
   // Whether the contacts fit too is known on the device only.
@@ -186,8 +181,8 @@ void launch_solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
 }
 
 /// By Gauss-Seidel or spectral gradients; compiled apart, in methods.cu.
-void solve_otherwise(Cuda exec, State<Cuda>& s, const StepSettings& settings);
+void solve_otherwise(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings);
 /// `jacobi_scan`; compiled apart, in scan.cu.
-void solve_with_scans(Cuda exec, State<Cuda>& s, const StepSettings& settings);
+void solve_with_scans(Cuda exec, State<Cuda>& s, ScanStorage<Cuda>& own, const StepSettings& settings);
 
 }  // namespace gonogo::sim

@@ -3,11 +3,11 @@
 
 namespace gonogo::sim {
 
-void solve_otherwise(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
+void solve_otherwise(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
   if (settings.solver == Solver::gauss_seidel)
-    launch_solve<true, true, Solver::gauss_seidel>(exec, s, settings);
+    launch_solve<true, true, Solver::gauss_seidel>(exec, s, own, settings);
   else
-    launch_solve<true, true, Solver::bb>(exec, s, settings);
+    launch_solve<true, true, Solver::bb>(exec, s, own, settings);
 }
 
 }  // namespace gonogo::sim

@@ -6,6 +6,7 @@
 #include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
+#include "sim/solver/storage.h"
 #include "sim/state/motor.h"
 #include "sim/state/tiles.h"
 

@@ -3,6 +3,8 @@
 
 namespace gonogo::sim {
 
-void solve_with_scans(Cuda exec, State<Cuda>& s, const StepSettings& settings) { solve_by_scan(exec, s, settings); }
+void solve_with_scans(Cuda exec, State<Cuda>& s, ScanStorage<Cuda>& own, const StepSettings& settings) {
+  solve_by_scan(exec, s, own, settings);
+}
 
 }  // namespace gonogo::sim

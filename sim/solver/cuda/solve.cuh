@@ -4,16 +4,16 @@
 
 namespace gonogo::sim {
 
-inline void solve(Cuda exec, State<Cuda>& s, const StepSettings& settings) {
-  if (settings.solver == Solver::jacobi_scan) return solve_with_scans(exec, s, settings);
-  clear(exec, s.solver.counter.view());
+inline void solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
+  if (settings.solver == Solver::jacobi_scan) return solve_with_scans(exec, s, own.scan, settings);
+  clear(exec, own.counter.view());
   const bool parts = settings.substeps > 1;
   if (!is_accelerated(settings.solver))
-    solve_otherwise(exec, s, settings);
+    solve_otherwise(exec, s, own, settings);
   else if (s.turning)
-    parts ? launch_solve<true, true>(exec, s, settings) : launch_solve<true, false>(exec, s, settings);
+    parts ? launch_solve<true, true>(exec, s, own, settings) : launch_solve<true, false>(exec, s, own, settings);
   else
-    parts ? launch_solve<false, true>(exec, s, settings) : launch_solve<false, false>(exec, s, settings);
+    parts ? launch_solve<false, true>(exec, s, own, settings) : launch_solve<false, false>(exec, s, own, settings);
 }
 
 }  // namespace gonogo::sim
