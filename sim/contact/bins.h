@@ -132,8 +132,14 @@ template <class Exec>
 void sort_into_bins(Exec exec, State<Exec>& s) {
   clear(exec, s.bin_cursor.view());
   for_each_index(exec, s.shape_count,
-                 PlaceShape{s.shape.view(), s.position.view(), s.orientation.view(), s.world_of_body.view(),
-                            s.world.view(), s.centre.view(), s.bin_of_shape.view(), s.bin_cursor.view()});
+                 PlaceShape{.shape = s.shape.view(),
+                            .position = s.position.view(),
+                            .orientation = s.orientation.view(),
+                            .world_of_body = s.world_of_body.view(),
+                            .world = s.world.view(),
+                            .centre = s.centre.view(),
+                            .bin_of_shape = s.bin_of_shape.view(),
+                            .bin_size = s.bin_cursor.view()});
   exclusive_scan(exec, s.bin_cursor.view(), s.first_in_bin.view(), s.scratch);
   clear(exec, s.bin_cursor.view());
   for_each_index(exec, s.shape_count,

@@ -253,10 +253,40 @@ inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
 
 template <class Exec>
 ContactFinder contact_finder(State<Exec>& s, const StepSettings& settings) {
-  return {s.shape.view(),    s.centre.view(),       s.orientation.view(),  s.world_of_body.view(),
-          s.world.view(),    s.bin_of_shape.view(), s.first_in_bin.view(), s.shape_by_bin.view(),
-          s.large.view(),    s.large_groups,        s.mass.view(),         s.mechanisms.body.view(),
-          s.surfaces.view(), settings.envelope,     s.solids_binned};
+  return {.shape = s.shape.view(),
+          .centre = s.centre.view(),
+          .orientation = s.orientation.view(),
+          .world_of_body = s.world_of_body.view(),
+          .world = s.world.view(),
+          .bin_of_shape = s.bin_of_shape.view(),
+          .first_in_bin = s.first_in_bin.view(),
+          .shape_by_bin = s.shape_by_bin.view(),
+          .large = s.large.view(),
+          .large_groups = s.large_groups,
+          .mass = s.mass.view(),
+          .jointed = s.mechanisms.body.view(),
+          .surfaces = s.surfaces.view(),
+          .envelope = settings.envelope,
+          .solids_binned = s.solids_binned};
+}
+
+/// Warm starts come from the store of the step before.
+template <class Exec>
+ContactWriter contact_writer(State<Exec>& s, const ContactFinder& finder, const StepSettings& settings) {
+  ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
+  return {.find = finder,
+          .settings = settings,
+          .position = s.position.view(),
+          .first_of_part = s.first_of_part.view(),
+          .old_begin = old.begin.view(),
+          .old_end = old.end.view(),
+          .old_key = old.key.view(),
+          .old_impulse = old.impulse.view(),
+          .contact = s.contact.view(),
+          .impulse = now.impulse.view(),
+          .key = now.key.view(),
+          .contact_weight_of_body = s.contact_weight.view(),
+          .second_count = s.second_count.view()};
 }
 
 template <class Exec>
@@ -275,20 +305,7 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
   exclusive_scan(exec, s.contacts_of_part.view(), s.first_of_part.view(), s.scratch);
   for_each_index(exec, 1, CheckCapacity{s.first_of_part.view(), s.progress.view(), s.contact_capacity});
   make_room_for_contacts(exec, s);
-  ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];
-  const ContactWriter writer{finder,
-                             settings,
-                             s.position.view(),
-                             s.first_of_part.view(),
-                             old.begin.view(),
-                             old.end.view(),
-                             old.key.view(),
-                             old.impulse.view(),
-                             s.contact.view(),
-                             now.impulse.view(),
-                             now.key.view(),
-                             s.contact_weight.view(),
-                             s.second_count.view()};
+  const ContactWriter writer = contact_writer(s, finder, settings);
   beside(
       exec,
       [&](Exec main) {
@@ -296,9 +313,9 @@ void find_contacts(Exec exec, State<Exec>& s, const StepSettings& settings) {
                        ListSpherePairs{finder, s.first_of_part.view(), s.noted.view(), s.pair.view(), rows});
       },
       [&](Exec side) {
-        for_each_index(
-            side, s.shape_count,
-            WriteOtherContacts{writer, s.pair.view(), s.first_contact.view(), now.begin.view(), now.end.view()});
+        for_each_index(side, s.shape_count,
+                       WriteOtherContacts{writer, s.pair.view(), s.first_contact.view(), s.store[s.parity].begin.view(),
+                                          s.store[s.parity].end.view()});
       });
   for_each_counted(exec, contact_count(s), WriteSphereContact{writer, s.pair.view()});
 }

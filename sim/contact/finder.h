@@ -138,8 +138,13 @@ struct ContactFinder {
     const Quat qi = shape_orientation(own, orientation[own.body]);
     const Quat qj = shape_orientation(other, orientation[other.body]);
     const bool first = own.type < other.type || (own.type == other.type && i < j);
-    const ShapePair pair{
-        first ? own : other, first ? other : own, first ? qi : qj, first ? qj : qi, first ? d : -d, envelope, surfaces};
+    const ShapePair pair{.a = first ? own : other,
+                         .b = first ? other : own,
+                         .qa = first ? qi : qj,
+                         .qb = first ? qj : qi,
+                         .d = first ? d : -d,
+                         .envelope = envelope,
+                         .surfaces = surfaces};
     visit_touches(pair, [&](int feature, const Touch& t) { visit(j, feature, first ? t : seen_from_other(t, -d), d); });
   }
 };

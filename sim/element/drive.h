@@ -140,14 +140,24 @@ struct ApplyForces {
 template <class Exec>
 void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
-  for_each_index(
-      exec, e.controller.size(),
-      ApplyController{e.controller.view(), e.table.view(), s.steps.view(), s.velocity.view(), s.orientation.view(),
-                      e.controller_state.view(), s.mechanisms.motor.view(), settings.step});
-  for_each_index(
-      exec, e.driveline.size(),
-      ApplyDriveline{e.driveline.view(), e.table.view(), s.steps.view(), s.velocity.view(), s.orientation.view(),
-                     e.driveline_state.view(), s.mechanisms.motor.view(), settings.step});
+  for_each_index(exec, e.controller.size(),
+                 ApplyController{.controller = e.controller.view(),
+                                 .table = e.table.view(),
+                                 .steps = s.steps.view(),
+                                 .velocity = s.velocity.view(),
+                                 .orientation = s.orientation.view(),
+                                 .state = e.controller_state.view(),
+                                 .motor = s.mechanisms.motor.view(),
+                                 .step = settings.step});
+  for_each_index(exec, e.driveline.size(),
+                 ApplyDriveline{.driveline = e.driveline.view(),
+                                .table = e.table.view(),
+                                .steps = s.steps.view(),
+                                .velocity = s.velocity.view(),
+                                .orientation = s.orientation.view(),
+                                .state = e.driveline_state.view(),
+                                .motor = s.mechanisms.motor.view(),
+                                .step = settings.step});
 }
 
 /// Forces are those of the step's start, implicit where they resist. Call when the change by gravity and the inertia of
@@ -156,9 +166,18 @@ template <class Exec>
 void apply_force_elements(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
   for_each_index(exec, e.loaded.size(),
-                 ApplyForces{e.loaded.view(), e.force.view(), s.steps.view(), s.world_of_body.view(), s.velocity.view(),
-                             s.orientation.view(), s.mass.view(), s.inverse_inertia_W.view(), e.applied.view(),
-                             s.velocity_change.view(), settings.step, settings.substep()});
+                 ApplyForces{.loaded = e.loaded.view(),
+                             .force = e.force.view(),
+                             .steps = s.steps.view(),
+                             .world_of_body = s.world_of_body.view(),
+                             .velocity = s.velocity.view(),
+                             .orientation = s.orientation.view(),
+                             .mass = s.mass.view(),
+                             .inverse_inertia_W = s.inverse_inertia_W.view(),
+                             .applied = e.applied.view(),
+                             .velocity_change = s.velocity_change.view(),
+                             .step = settings.step,
+                             .substep = settings.substep()});
 }
 
 }  // namespace gonogo::sim

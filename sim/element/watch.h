@@ -131,23 +131,55 @@ struct FinishStep {
   }
 };
 
+template <class Exec>
+MeasureElements element_measure(State<Exec>& s, const StepSettings& settings) {
+  ElementState<Exec>& e = s.element;
+  MechanismStore<Exec>& m = s.mechanisms;
+  return {.world = e.world.view(),
+          .parameters = s.world.view(),
+          .motor = m.motor.view(),
+          .drive = m.drive.view(),
+          .motor_impulse = m.motor_impulse.view(),
+          .spring = m.spring.view(),
+          .loaded = e.loaded.view(),
+          .applied = e.applied.view(),
+          .position = s.position.view(),
+          .orientation = s.orientation.view(),
+          .velocity = s.velocity.view(),
+          .energy = e.energy.view(),
+          .substep = settings.substep()};
+}
+
+template <class Exec>
+UpdateMonitors monitor_update(State<Exec>& s, const StepSettings& settings) {
+  ElementState<Exec>& e = s.element;
+  MechanismStore<Exec>& m = s.mechanisms;
+  return {.element = e.world.view(),
+          .world = s.world.view(),
+          .sums = s.world_sums.view(),
+          .energy = e.energy.view(),
+          .flags = s.flags.view(),
+          .motor = m.motor.view(),
+          .drive = m.drive.view(),
+          .motor_impulse = m.motor_impulse.view(),
+          .position = s.position.view(),
+          .orientation = s.orientation.view(),
+          .velocity = s.velocity.view(),
+          .monitor = e.monitor.view(),
+          .steps = s.steps.view(),
+          .stop = e.stop.view(),
+          .state = e.monitor_state.view(),
+          .sample = e.sample.view(),
+          .step = settings.step,
+          .substep = settings.substep()};
+}
+
 /// Call after integrate.
 template <class Exec>
 void finish_step(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  ElementState<Exec>& e = s.element;
-  MechanismStore<Exec>& m = s.mechanisms;
-  const MeasureElements measure{e.world.view(),         s.world.view(),       m.motor.view(),    m.drive.view(),
-                                m.motor_impulse.view(), m.spring.view(),      e.loaded.view(),   e.applied.view(),
-                                s.position.view(),      s.orientation.view(), s.velocity.view(), e.energy.view(),
-                                settings.substep()};
-  const UpdateMonitors monitors{e.world.view(),    s.world.view(),       s.world_sums.view(),    e.energy.view(),
-                                s.flags.view(),    m.motor.view(),       m.drive.view(),         m.motor_impulse.view(),
-                                s.position.view(), s.orientation.view(), s.velocity.view(),      e.monitor.view(),
-                                s.steps.view(),    e.stop.view(),        e.monitor_state.view(), e.sample.view(),
-                                settings.step,     settings.substep()};
-  for_each_index(
-      exec, s.world_count,
-      FinishStep{measure, monitors, s.steps.view(), s.slowed.view(), s.slowed_now.view(), s.progress.view()});
+  for_each_index(exec, s.world_count,
+                 FinishStep{element_measure(s, settings), monitor_update(s, settings), s.steps.view(), s.slowed.view(),
+                            s.slowed_now.view(), s.progress.view()});
 }
 
 }  // namespace gonogo::sim

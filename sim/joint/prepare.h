@@ -225,12 +225,25 @@ struct PrepareMechanism {
 template <class Exec>
 void prepare_mechanisms(Exec exec, State<Exec>& s, const StepSettings& settings) {
   MechanismStore<Exec>& m = s.mechanisms;
-  for_each_team(
-      exec, m.mechanism.size(),
-      PrepareMechanism{m.mechanism.view(), m.body.view(), m.row_entry.view(), m.element.view(), m.joint.view(),
-                       m.spring.view(), m.motor.view(), m.row.view(), m.system.view(), m.projection.view(),
-                       m.drive.view(), s.world.view(), s.position.view(), s.orientation.view(), s.mass.view(),
-                       s.velocity.view(), settings.step, settings.substep()});
+  for_each_team(exec, m.mechanism.size(),
+                PrepareMechanism{.mechanism = m.mechanism.view(),
+                                 .body = m.body.view(),
+                                 .row_entry = m.row_entry.view(),
+                                 .element = m.element.view(),
+                                 .joint = m.joint.view(),
+                                 .spring = m.spring.view(),
+                                 .motor = m.motor.view(),
+                                 .row = m.row.view(),
+                                 .system = m.system.view(),
+                                 .projection = m.projection.view(),
+                                 .drive = m.drive.view(),
+                                 .world = s.world.view(),
+                                 .position = s.position.view(),
+                                 .orientation = s.orientation.view(),
+                                 .mass = s.mass.view(),
+                                 .velocity = s.velocity.view(),
+                                 .step = settings.step,
+                                 .substep = settings.substep()});
 }
 
 }  // namespace gonogo::sim

@@ -122,7 +122,13 @@ void set(double* r, double normal, const Vector& r_f) {
 void slide_or_stick(const LocalProblem& problem, Index contact, const double* a, const double* b, double* r) {
   const int f = problem.dimension - 1;
   const RowMajorBlock block(a, f + 1, f + 1);
-  Friction friction{problem, contact, -b[0] / a[0], 1e-16 * std::abs(b[0] / a[0]), Vector(f), Vector(f), Matrix(f, f)};
+  Friction friction{.problem = problem,
+                    .contact = contact,
+                    .n = -b[0] / a[0],
+                    .rounding = 1e-16 * std::abs(b[0] / a[0]),
+                    .tilt = Vector(f),
+                    .g = Vector(f),
+                    .s = Matrix(f, f)};
   for (int i = 0; i < f; ++i) {
     friction.tilt[i] = block(0, i + 1) / a[0];
     friction.g[i] = b[i + 1] - block(i + 1, 0) * b[0] / a[0];
@@ -136,7 +142,13 @@ void slide_or_stick(const LocalProblem& problem, Index contact, const double* a,
 void root_over_normal(const LocalProblem& problem, Index contact, const double* a, const double* b, double* r) {
   const int f = problem.dimension - 1;
   const RowMajorBlock block(a, f + 1, f + 1);
-  Friction friction{problem, contact, 0, 0, Vector::Zero(f), Vector(f), block.bottomRightCorner(f, f)};
+  Friction friction{.problem = problem,
+                    .contact = contact,
+                    .n = 0,
+                    .rounding = 0,
+                    .tilt = Vector::Zero(f),
+                    .g = Vector(f),
+                    .s = block.bottomRightCorner(f, f)};
   const auto approach = [&](double n) {  // -u_n; leaves the solution for this n in r
     friction.n = n;
     friction.rounding = 1e-16 * n;

@@ -150,7 +150,13 @@ Vec3d unit_normal(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
 Index SurfaceLibrary::add(const std::shared_ptr<const TriangleMesh>& source) {
   const auto known = std::find(mesh_source_.begin(), mesh_source_.end(), source);
   if (known != mesh_source_.end()) return Index(known - mesh_source_.begin());
-  MeshRange range{Index(node.size()), 0, Index(triangle.size()), Index(vertex.size()), source->open ? 1 : 0, {}, {}};
+  MeshRange range{.node = Index(node.size()),
+                  .node_count = 0,
+                  .triangle = Index(triangle.size()),
+                  .vertex = Index(vertex.size()),
+                  .open = source->open ? 1 : 0,
+                  .low = {},
+                  .high = {}};
   std::vector<Box> box;
   for (const auto& corner : source->triangle) box.push_back(box_of(*source, corner));
   std::vector<Index> order(box.size());
@@ -184,8 +190,14 @@ Index SurfaceLibrary::add(const std::shared_ptr<const Heightfield>& source) {
   const auto known = std::find(field_source_.begin(), field_source_.end(), source);
   if (known != field_source_.end()) return Index(known - field_source_.begin());
   const auto [low, high] = std::minmax_element(source->height.begin(), source->height.end());
-  const FieldRange range{Index(height.size()), Index(name.size()), source->nx, source->ny,
-                         source->spacing_x,    source->spacing_y,  *low,       *high};
+  const FieldRange range{.height = Index(height.size()),
+                         .name = Index(name.size()),
+                         .nx = source->nx,
+                         .ny = source->ny,
+                         .spacing_x = source->spacing_x,
+                         .spacing_y = source->spacing_y,
+                         .low = *low,
+                         .high = *high};
   const FieldSurface surface{range, source->height.data(), nullptr};
   const std::vector<Index> names = face_names(
       2 * (source->nx - 1) * (source->ny - 1), [&](Index t, int k) { return surface.neighbour(t, k); },
@@ -201,10 +213,14 @@ Index SurfaceLibrary::add(const std::shared_ptr<const Heightfield>& source) {
 }
 
 SurfaceView SurfaceLibrary::view() const {
-  return {{mesh.data(), Index(mesh.size())},     {node.data(), Index(node.size())},
-          {cone.data(), Index(cone.size())},     {triangle.data(), Index(triangle.size())},
-          {vertex.data(), Index(vertex.size())}, {field.data(), Index(field.size())},
-          {height.data(), Index(height.size())}, {name.data(), Index(name.size())}};
+  return {.mesh = {mesh.data(), Index(mesh.size())},
+          .node = {node.data(), Index(node.size())},
+          .cone = {cone.data(), Index(cone.size())},
+          .triangle = {triangle.data(), Index(triangle.size())},
+          .vertex = {vertex.data(), Index(vertex.size())},
+          .field = {field.data(), Index(field.size())},
+          .height = {height.data(), Index(height.size())},
+          .name = {name.data(), Index(name.size())}};
 }
 
 }  // namespace gonogo::sim

@@ -113,10 +113,15 @@ struct Integrate {
 /// What is known of the bodies' motion before the contacts are.
 template <class Exec>
 void prepare_motion(Exec exec, State<Exec>& s, const StepSettings& settings) {
-  for_each_index(
-      exec, s.body_count,
-      FreeMotion{s.world.view(), s.world_of_body.view(), s.mass.view(), s.orientation.view(), s.velocity.view(),
-                 s.inverse_inertia_W.view(), s.velocity_change.view(), settings.substep()});
+  for_each_index(exec, s.body_count,
+                 FreeMotion{.world = s.world.view(),
+                            .world_of_body = s.world_of_body.view(),
+                            .mass = s.mass.view(),
+                            .orientation = s.orientation.view(),
+                            .velocity = s.velocity.view(),
+                            .inverse_inertia_W = s.inverse_inertia_W.view(),
+                            .velocity_change = s.velocity_change.view(),
+                            .substep = settings.substep()});
   prepare_mechanisms(exec, s, settings);
 }
 
@@ -143,9 +148,19 @@ void apply_forces(Exec exec, State<Exec>& s, const StepSettings& settings) {
 template <class Exec>
 void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(exec, s.body_count,
-                 Integrate{s.world.view(), s.world_of_body.view(), s.mass.view(), s.velocity.view(),
-                           s.earlier_velocity.view(), s.position.view(), s.orientation.view(), s.steps.view(),
-                           s.slowed.view(), s.slowed_now.view(), s.flags.view(), s.fault.view(), settings});
+                 Integrate{.world = s.world.view(),
+                           .world_of_body = s.world_of_body.view(),
+                           .mass = s.mass.view(),
+                           .velocity = s.velocity.view(),
+                           .earlier_velocity = s.earlier_velocity.view(),
+                           .position = s.position.view(),
+                           .orientation = s.orientation.view(),
+                           .steps = s.steps.view(),
+                           .slowed = s.slowed.view(),
+                           .slowed_now = s.slowed_now.view(),
+                           .flags = s.flags.view(),
+                           .fault = s.fault.view(),
+                           .settings = settings});
   finish_step(exec, s, settings);
 }
 

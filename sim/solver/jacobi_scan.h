@@ -23,8 +23,13 @@ class ScanIteration {
     for_each_index(exec_, s.world_count, BeginWorld{s.momentum.view(), rules_});
     lay_out_slots();
     for_each_counted(exec_, contact_count(s),
-                     EnterContact{mass_splitting(s, settings_), place(), s.second_slot.view(),
-                                  s.store[s.parity].impulse.view(), own.slot.view(), own.body.view(), slots()});
+                     EnterContact{.split = mass_splitting(s, settings_),
+                                  .place = place(),
+                                  .second_slot = s.second_slot.view(),
+                                  .impulse = s.store[s.parity].impulse.view(),
+                                  .slot = own.slot.view(),
+                                  .body = own.body.view(),
+                                  .slots = slots()});
     for_each_index(
         exec_, s.body_count,
         BeginBody{s.velocity.view(), s.velocity_change.view(), s.free_velocity.view(), s.earlier_velocity.view()});
@@ -32,10 +37,7 @@ class ScanIteration {
 
   void update() {
     s.turning ? update_contacts<true>() : update_contacts<false>();
-    for_each_index(exec_, s.mechanisms.motor.size(),
-                   UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
-                               s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
-                               own.motor_before.view(), settings_.substep()});
+    for_each_index(exec_, s.mechanisms.motor.size(), motor_update(s, own.motor_before.view(), settings_));
   }
 
   /// The bodies follow the impulses of now.
@@ -43,21 +45,25 @@ class ScanIteration {
     for_each_index(
         exec_, scan_runs(own.wrench.size()),
         ScanRun<Wrench, BodyOfSlot>{{own.body.view()}, own.wrench.view(), own.first_slot.data() + s.world_count});
-    for_each_index(
-        exec_, s.body_count,
-        MoveByScan{place(), own.wrench.view(), s.mass.view(), s.inverse_inertia_W.view(), motor_moment(s.mechanisms),
-                   s.free_velocity.view(), s.world_of_body.view(), s.momentum.view(), s.velocity.view(),
-                   s.extrapolated_velocity.view(), s.mechanisms.gathered.view()});
+    for_each_index(exec_, s.body_count,
+                   MoveByScan{.place = place(),
+                              .scanned = own.wrench.view(),
+                              .mass = s.mass.view(),
+                              .inverse_inertia_W = s.inverse_inertia_W.view(),
+                              .motor_moment = motor_moment(s.mechanisms),
+                              .free_velocity = s.free_velocity.view(),
+                              .world_of_body = s.world_of_body.view(),
+                              .momentum = s.momentum.view(),
+                              .velocity = s.velocity.view(),
+                              .extrapolated_velocity = s.extrapolated_velocity.view(),
+                              .gathered = s.mechanisms.gathered.view()});
     project(first, false);
   }
 
   /// Into the next part of the step, where a world has one.
   void carry() {
     if (rules_.parts == 1) return;
-    for_each_index(exec_, s.body_count,
-                   CarryBody{s.mass.view(), s.velocity_change.view(), s.world_of_body.view(), s.momentum.view(),
-                             s.free_velocity.view(), s.velocity.view(), s.extrapolated_velocity.view(),
-                             s.part_velocity.view(), s.earlier_velocity.view(), s.mechanisms.gathered.view()});
+    for_each_index(exec_, s.body_count, body_carry(s));
     project(false, true);
   }
 
@@ -77,8 +83,13 @@ class ScanIteration {
                    MeasureTile{tiles(s), s.contact.view(), s.velocity.view(), s.store[s.parity].impulse.view(),
                                own.tile_measures.view(), settings_.target});
     for_each_index(exec_, s.world_of_body_tile.size(),
-                   MeasureBodyTile{s.world.view(), s.first_body_tile.view(), s.world_of_body_tile.view(), s.mass.view(),
-                                   s.orientation.view(), s.velocity.view(), own.body_tile_measures.view()});
+                   MeasureBodyTile{.world = s.world.view(),
+                                   .first_body_tile = s.first_body_tile.view(),
+                                   .world_of_body_tile = s.world_of_body_tile.view(),
+                                   .mass = s.mass.view(),
+                                   .orientation = s.orientation.view(),
+                                   .velocity = s.velocity.view(),
+                                   .sums = own.body_tile_measures.view()});
     sum_by_lanes(s.first_tile, own.tile_measures, own.contacts_of_lane);
     sum_by_lanes(s.first_body_tile, own.body_tile_measures, own.bodies_of_lane);
     for_each_index(exec_, s.world_count,
@@ -102,15 +113,18 @@ class ScanIteration {
   template <bool turning>
   void update_contacts() {
     for_each_counted(exec_, contact_count(s),
-                     UpdateByScan<turning>{s.contact.view(), s.store[s.parity].impulse.view(),
-                                           s.extrapolated_velocity.view(), s.part_velocity.view(), s.momentum.view(),
-                                           slots(), own.residual_square.view(), settings_});
+                     UpdateByScan<turning>{.contact = s.contact.view(),
+                                           .impulse = s.store[s.parity].impulse.view(),
+                                           .velocity = s.extrapolated_velocity.view(),
+                                           .part_velocity = s.part_velocity.view(),
+                                           .momentum = s.momentum.view(),
+                                           .slots = slots(),
+                                           .residual_square_of = own.residual_square.view(),
+                                           .settings = settings_});
   }
 
   void project(bool first, bool carried) {
-    for_each_index(exec_, s.mechanisms.body.size(),
-                   ProjectMechanism{projection(s.mechanisms), s.world_of_body.view(), s.momentum.view(),
-                                    s.velocity.view(), s.extrapolated_velocity.view(), first, carried});
+    for_each_index(exec_, s.mechanisms.body.size(), mechanism_projection(s, first, carried));
   }
 
   template <class T>

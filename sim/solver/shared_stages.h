@@ -103,4 +103,42 @@ struct MeasureTile {
   }
 };
 
+/// `before`: impulses of the update before.
+template <class Exec>
+UpdateMotor motor_update(State<Exec>& s, View<Real> before, const StepSettings& settings) {
+  return {.motor = s.mechanisms.motor.view(),
+          .drive = s.mechanisms.drive.view(),
+          .velocity = s.extrapolated_velocity.view(),
+          .world_of_body = s.world_of_body.view(),
+          .momentum = s.momentum.view(),
+          .now = s.mechanisms.motor_impulse.view(),
+          .before = before,
+          .step = settings.substep()};
+}
+
+template <class Exec>
+CarryBody body_carry(State<Exec>& s) {
+  return {.mass = s.mass.view(),
+          .change = s.velocity_change.view(),
+          .world_of_body = s.world_of_body.view(),
+          .momentum = s.momentum.view(),
+          .free_velocity = s.free_velocity.view(),
+          .velocity = s.velocity.view(),
+          .extrapolated_velocity = s.extrapolated_velocity.view(),
+          .part_velocity = s.part_velocity.view(),
+          .earlier_velocity = s.earlier_velocity.view(),
+          .gathered = s.mechanisms.gathered.view()};
+}
+
+template <class Exec>
+ProjectMechanism mechanism_projection(State<Exec>& s, bool first, bool carried) {
+  return {.projection = projection(s.mechanisms),
+          .world_of_body = s.world_of_body.view(),
+          .momentum = s.momentum.view(),
+          .velocity = s.velocity.view(),
+          .extrapolated_velocity = s.extrapolated_velocity.view(),
+          .first = first,
+          .carried = carried};
+}
+
 }  // namespace gonogo::sim

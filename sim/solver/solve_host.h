@@ -135,28 +135,31 @@ inline bool any_world(State<Cpu>& s, std::int32_t Momentum::*flag) {
 }
 
 inline void project_mechanisms(Cpu exec, State<Cpu>& s, bool first, bool carried) {
-  for_each_index(exec, s.mechanisms.body.size(),
-                 ProjectMechanism{projection(s.mechanisms), s.world_of_body.view(), s.momentum.view(),
-                                  s.velocity.view(), s.extrapolated_velocity.view(), first, carried},
-                 kBodiesInParallel);
+  for_each_index(exec, s.mechanisms.body.size(), mechanism_projection(s, first, carried), kBodiesInParallel);
 }
 
 inline void gather(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, bool first) {
-  for_each_index(
-      exec, s.body_count,
-      GatherVelocity{incidence(s), own.wrench_a.view(), own.wrench_b.view(), s.mass.view(), s.inverse_inertia_W.view(),
-                     motor_moment(s.mechanisms), s.free_velocity.view(), s.world_of_body.view(), s.momentum.view(),
-                     s.velocity.view(), s.extrapolated_velocity.view(), s.mechanisms.gathered.view(),
-                     own.velocity_before.view(), first});
+  for_each_index(exec, s.body_count,
+                 GatherVelocity{.incidence = incidence(s),
+                                .wrench_a = own.wrench_a.view(),
+                                .wrench_b = own.wrench_b.view(),
+                                .mass = s.mass.view(),
+                                .inverse_inertia_W = s.inverse_inertia_W.view(),
+                                .motor_moment = motor_moment(s.mechanisms),
+                                .free_velocity = s.free_velocity.view(),
+                                .world_of_body = s.world_of_body.view(),
+                                .momentum = s.momentum.view(),
+                                .velocity = s.velocity.view(),
+                                .extrapolated_velocity = s.extrapolated_velocity.view(),
+                                .gathered = s.mechanisms.gathered.view(),
+                                .before = own.velocity_before.view(),
+                                .first = first});
   project_mechanisms(exec, s, first, false);
 }
 
 /// Into the next part of the step, where a world has one.
 inline void carry_bodies(Cpu exec, State<Cpu>& s) {
-  for_each_index(exec, s.body_count,
-                 CarryBody{s.mass.view(), s.velocity_change.view(), s.world_of_body.view(), s.momentum.view(),
-                           s.free_velocity.view(), s.velocity.view(), s.extrapolated_velocity.view(),
-                           s.part_velocity.view(), s.earlier_velocity.view(), s.mechanisms.gathered.view()});
+  for_each_index(exec, s.body_count, body_carry(s));
   project_mechanisms(exec, s, false, true);
 }
 
@@ -171,8 +174,14 @@ inline void advance_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Inde
 template <bool turning>
 void update_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
   for_each_index(exec, tile_count,
-                 UpdateTile<turning>{tiles(s), own.block.view(), s.extrapolated_velocity.view(), s.momentum.view(),
-                                     own.wrench_a.view(), own.wrench_b.view(), own.tile_sums.view(), parity},
+                 UpdateTile<turning>{.tiles = tiles(s),
+                                     .block = own.block.view(),
+                                     .velocity = s.extrapolated_velocity.view(),
+                                     .momentum = s.momentum.view(),
+                                     .wrench_a = own.wrench_a.view(),
+                                     .wrench_b = own.wrench_b.view(),
+                                     .sums = own.tile_sums.view(),
+                                     .parity = parity},
                  kTilesInParallel);
 }
 
@@ -195,8 +204,14 @@ void sweep_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_co
   const SweptBodies bodies{incidence(s), s.mass.view(), s.inverse_inertia_W.view(), s.extrapolated_velocity.view()};
   for (Index colour = 0; colour < std::max<Index>(1, own.colours); ++colour)
     for_each_index(exec, tile_count,
-                   SweepTile<turning>{tiles(s), own.block.view(), own.colour.view(), bodies, s.momentum.view(),
-                                      own.tile_sums.view(), parity, colour},
+                   SweepTile<turning>{.tiles = tiles(s),
+                                      .block = own.block.view(),
+                                      .colour = own.colour.view(),
+                                      .bodies = bodies,
+                                      .momentum = s.momentum.view(),
+                                      .sums = own.tile_sums.view(),
+                                      .parity = parity,
+                                      .present = colour},
                    kTilesInParallel);
   for_each_index(
       exec, tile_count,
@@ -207,9 +222,17 @@ void sweep_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_co
 template <bool turning>
 void spectral_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
   for_each_index(exec, tile_count,
-                 SpectralTile<turning>{tiles(s), own.block.view(), s.velocity.view(), own.velocity_before.view(),
-                                       s.momentum.view(), own.length.view(), own.wrench_a.view(), own.wrench_b.view(),
-                                       own.tile_sums.view(), own.spectral_sums.view(), parity},
+                 SpectralTile<turning>{.tiles = tiles(s),
+                                       .block = own.block.view(),
+                                       .velocity = s.velocity.view(),
+                                       .velocity_before = own.velocity_before.view(),
+                                       .momentum = s.momentum.view(),
+                                       .length = own.length.view(),
+                                       .wrench_a = own.wrench_a.view(),
+                                       .wrench_b = own.wrench_b.view(),
+                                       .sums = own.tile_sums.view(),
+                                       .spectral_sums = own.spectral_sums.view(),
+                                       .parity = parity},
                  kTilesInParallel);
 }
 
@@ -259,8 +282,13 @@ inline void measure(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile
       MeasureTile{tiles(s), s.contact.view(), s.velocity.view(), impulse, own.tile_measures.view(), settings.target},
       kTilesInParallel);
   for_each_index(exec, s.world_count,
-                 MeasureWorld{tiles(s), own.tile_measures.view(), s.mass.view(), s.orientation.view(),
-                              s.velocity.view(), s.momentum.view(), s.world_sums.view()},
+                 MeasureWorld{.tiles = tiles(s),
+                              .tile_measures = own.tile_measures.view(),
+                              .mass = s.mass.view(),
+                              .orientation = s.orientation.view(),
+                              .velocity = s.velocity.view(),
+                              .momentum = s.momentum.view(),
+                              .sums = s.world_sums.view()},
                  kTilesInParallel);
 }
 
@@ -286,10 +314,7 @@ inline void solve(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const StepSe
     if (any_world(s, &Momentum::begins)) advance_tiles(exec, s, own, tile_count, settings);
     turning ? update_contacts<true>(exec, s, own, tile_count, k, rules.solver)
             : update_contacts<false>(exec, s, own, tile_count, k, rules.solver);
-    for_each_index(exec, s.mechanisms.motor.size(),
-                   UpdateMotor{s.mechanisms.motor.view(), s.mechanisms.drive.view(), s.extrapolated_velocity.view(),
-                               s.world_of_body.view(), s.momentum.view(), s.mechanisms.motor_impulse.view(),
-                               own.motor_before.view(), settings.substep()});
+    for_each_index(exec, s.mechanisms.motor.size(), motor_update(s, own.motor_before.view(), settings));
     gather(exec, s, own, false);
     if (any_world(s, &Momentum::ends)) carry_bodies(exec, s);
     decide(exec, s, own, rules);

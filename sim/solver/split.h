@@ -121,17 +121,17 @@ template <class Exec>
 SplitMasses mass_splitting(State<Exec>& s, const StepSettings& settings) {
   const bool stretched =
       settings.substeps > 1 && settings.solver != Solver::gauss_seidel && settings.solver != Solver::bb;
-  return {s.mass.view(),
-          s.mechanisms.body.view(),
-          s.orientation.view(),
-          s.velocity.view(),
-          s.contact_weight.view(),
-          s.store[s.parity].impulse.view(),
-          s.contact.view(),
-          incidence(s),
-          settings.target,
-          settings.solver == Solver::gauss_seidel,
-          stretched ? kStretch : Real(1)};
+  return {.mass = s.mass.view(),
+          .jointed = s.mechanisms.body.view(),
+          .orientation = s.orientation.view(),
+          .velocity = s.velocity.view(),
+          .weight = s.contact_weight.view(),
+          .impulse = s.store[s.parity].impulse.view(),
+          .contact = s.contact.view(),
+          .incidence = incidence(s),
+          .target = settings.target,
+          .sweeps = settings.solver == Solver::gauss_seidel,
+          .stretch = stretched ? kStretch : Real(1)};
 }
 
 }  // namespace gonogo::sim

@@ -25,20 +25,26 @@ struct ElementSize {
 };
 
 inline ElementSize larger(const ElementSize& a, const ElementSize& b) {
-  return {std::max(a.loaded, b.loaded),           std::max(a.forces, b.forces),
-          std::max(a.controllers, b.controllers), std::max(a.table_points, b.table_points),
-          std::max(a.monitors, b.monitors),       std::max(a.samples, b.samples),
-          std::max(a.drivelines, b.drivelines)};
+  return {.loaded = std::max(a.loaded, b.loaded),
+          .forces = std::max(a.forces, b.forces),
+          .controllers = std::max(a.controllers, b.controllers),
+          .table_points = std::max(a.table_points, b.table_points),
+          .monitors = std::max(a.monitors, b.monitors),
+          .samples = std::max(a.samples, b.samples),
+          .drivelines = std::max(a.drivelines, b.drivelines)};
 }
 
 /// Where the elements behind these begin. Throws InputError when the samples are too many to count.
 inline ElementSize after(const ElementSize& first, const ElementSize& size) {
   if (size.samples > std::numeric_limits<Index>::max() - first.samples)
     throw InputError("the monitors of the batch record more than 2^31 samples; use a larger stride or fewer worlds");
-  return {first.loaded + size.loaded,           first.forces + size.forces,
-          first.controllers + size.controllers, first.table_points + size.table_points,
-          first.monitors + size.monitors,       first.samples + size.samples,
-          first.drivelines + size.drivelines};
+  return {.loaded = first.loaded + size.loaded,
+          .forces = first.forces + size.forces,
+          .controllers = first.controllers + size.controllers,
+          .table_points = first.table_points + size.table_points,
+          .monitors = first.monitors + size.monitors,
+          .samples = first.samples + size.samples,
+          .drivelines = first.drivelines + size.drivelines};
 }
 
 /// Elements of a checked world; all indices count from zero.
@@ -54,8 +60,13 @@ struct FlatElements {
   Index sample_capacity = 0;
 
   ElementSize size() const {
-    return {Index(loaded.size()),  Index(force.size()), Index(controller.size()), Index(table.size()),
-            Index(monitor.size()), sample_capacity,     Index(driveline.size())};
+    return {.loaded = Index(loaded.size()),
+            .forces = Index(force.size()),
+            .controllers = Index(controller.size()),
+            .table_points = Index(table.size()),
+            .monitors = Index(monitor.size()),
+            .samples = sample_capacity,
+            .drivelines = Index(driveline.size())};
   }
 };
 
@@ -175,9 +186,14 @@ struct ElementState {
     controller.write(first.controllers, f.controller);
     driveline.write(first.drivelines, f.driveline);
     monitor.write(first.monitors, f.monitor);
-    world.write(at.world,
-                WorldElements{at.motor, at.motor + at.motor_count, at.spring, at.spring + at.spring_count, first.loaded,
-                              first.loaded + size.loaded, first.monitors, first.monitors + size.monitors});
+    world.write(at.world, WorldElements{.first_motor = at.motor,
+                                        .motor_end = at.motor + at.motor_count,
+                                        .first_spring = at.spring,
+                                        .spring_end = at.spring + at.spring_count,
+                                        .first_loaded = first.loaded,
+                                        .loaded_end = first.loaded + size.loaded,
+                                        .first_monitor = first.monitors,
+                                        .monitor_end = first.monitors + size.monitors});
     restore({{},
              std::vector<ControllerState>(size.controllers),
              f.monitor_state,

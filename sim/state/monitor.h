@@ -163,13 +163,13 @@ struct MonitorMeans {
 /// `to` must be later than `from`.
 GONOGO_HD inline MonitorMeans means_between(const MonitorSample& from, const MonitorSample& to, double step) {
   const double count = to.step - from.step;
-  return {count * step,
-          to.x - from.x,
-          to.y - from.y,
-          to.turned - from.turned,
-          (to.drop_sum - from.drop_sum) / count,
-          (to.torque_sum - from.torque_sum) / count,
-          to.work - from.work};
+  return {.time = count * step,
+          .x = to.x - from.x,
+          .y = to.y - from.y,
+          .turned = to.turned - from.turned,
+          .drop = (to.drop_sum - from.drop_sum) / count,
+          .torque = (to.torque_sum - from.torque_sum) / count,
+          .work = to.work - from.work};
 }
 
 }  // namespace gonogo::sim

@@ -20,8 +20,14 @@ struct SurfaceStore {
   Index size() const { return mesh.size() + field.size(); }
 
   SurfaceView view() {
-    return {mesh.view(),   node.view(),  cone.view(),   triangle.view(),
-            vertex.view(), field.view(), height.view(), name.view()};
+    return {.mesh = mesh.view(),
+            .node = node.view(),
+            .cone = cone.view(),
+            .triangle = triangle.view(),
+            .vertex = vertex.view(),
+            .field = field.view(),
+            .height = height.view(),
+            .name = name.view()};
   }
 
   void upload(const SurfaceLibrary& library) {

@@ -81,9 +81,14 @@ Vec3d rotated(const Quat& q, const Vec3& v) { return static_cast<Vec3d>(rotate(n
 /// All contacts of two shapes, whichever comes first.
 void add_pair(const Shape& a, const Quat& qa, const Shape& b, const Quat& qb, const Vec3d& d, double reach,
               std::vector<double>& gaps) {
-  visit_touches(
-      ShapePair{a, b, a.turn_B.w == 1 ? qa : qa * a.turn_B, b.turn_B.w == 1 ? qb : qb * b.turn_B, d, Real(reach), {}},
-      [&](int, const Touch& t) { gaps.push_back(t.gap); });
+  visit_touches(ShapePair{.a = a,
+                          .b = b,
+                          .qa = a.turn_B.w == 1 ? qa : qa * a.turn_B,
+                          .qb = b.turn_B.w == 1 ? qb : qb * b.turn_B,
+                          .d = d,
+                          .envelope = Real(reach),
+                          .surfaces = {}},
+                [&](int, const Touch& t) { gaps.push_back(t.gap); });
 }
 
 /// All pairs of shapes of different bodies and groups, not both fixed, closer than `reach`.

@@ -33,7 +33,8 @@ Shape shape_of(ShapeType type, const Vec3& size) {
 std::vector<Touch> touches(const Shape& a, const Quat& qa, const Shape& b, const Quat& qb, const Vec3d& d,
                            const SurfaceView& surfaces = {}) {
   std::vector<Touch> found;
-  visit_touches(ShapePair{a, b, qa, qb, d, Real(0.01), surfaces}, [&](int, const Touch& t) { found.push_back(t); });
+  visit_touches(ShapePair{.a = a, .b = b, .qa = qa, .qb = qb, .d = d, .envelope = Real(0.01), .surfaces = surfaces},
+                [&](int, const Touch& t) { found.push_back(t); });
   return found;
 }
 

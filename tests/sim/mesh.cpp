@@ -44,9 +44,11 @@ struct Found {
 std::vector<Found> touches(const SurfaceLibrary& library, const Shape& a, const Quat& qa, const Shape& b,
                            const Quat& qb, const Vec3d& d, double envelope) {
   std::vector<Found> found;
-  visit_touches(ShapePair{a, b, qa, qb, d, Real(envelope), library.view()}, [&](int feature, const Touch& t) {
-    found.push_back({feature, t});
-  });
+  visit_touches(
+      ShapePair{.a = a, .b = b, .qa = qa, .qb = qb, .d = d, .envelope = Real(envelope), .surfaces = library.view()},
+      [&](int feature, const Touch& t) {
+        found.push_back({feature, t});
+      });
   return found;
 }
 

@@ -25,9 +25,10 @@ struct Found {
 std::vector<Found> touches(const Shape& a, const Quat& qa, const Shape& b, const Quat& qb, const Vec3d& d,
                            Real envelope) {
   std::vector<Found> found;
-  visit_touches(ShapePair{a, b, qa, qb, d, envelope, {}}, [&](int feature, const Touch& t) {
-    found.push_back({feature, t});
-  });
+  visit_touches(ShapePair{.a = a, .b = b, .qa = qa, .qb = qb, .d = d, .envelope = envelope, .surfaces = {}},
+                [&](int feature, const Touch& t) {
+                  found.push_back({feature, t});
+                });
   return found;
 }
 

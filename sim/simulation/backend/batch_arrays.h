@@ -44,14 +44,14 @@ struct BatchArrays {
   ElementPlace element_place(WorldIndex w) const {
     const Place& at = place[w];
     const FlatMechanisms& m = flat[w].mechanisms;
-    return {w,
-            at.body,
-            at.mechanisms.motors,
-            Index(m.motor.size()),
-            at.mechanisms.springs,
-            Index(m.spring.size()),
-            at.elements,
-            at.size.elements};
+    return {.world = w,
+            .body = at.body,
+            .motor = at.mechanisms.motors,
+            .motor_count = Index(m.motor.size()),
+            .spring = at.mechanisms.springs,
+            .spring_count = Index(m.spring.size()),
+            .first = at.elements,
+            .room = at.size.elements};
   }
 
   void write_parameters(WorldIndex w) {

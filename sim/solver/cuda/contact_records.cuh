@@ -1,6 +1,7 @@
 // Where the records of a contact are, and how they come from what the narrow phase found.
 #pragma once
 #include "sim/solver/cuda/residence.cuh"
+#include "sim/solver/cuda/views.cuh"
 
 namespace gonogo::sim {
 

@@ -91,8 +91,14 @@ class SolveKernel {
 
   /// The last threads begin, which have no contacts.
   GONOGO_DEVICE void update_motors(Index k) {
-    const UpdateMotor update{s.motor,           s.drive,         s.extrapolated_velocity, s.world_of_body,
-                             s.momentum[k & 1], s.motor_impulse, s.motor_before,          s.settings.substep()};
+    const UpdateMotor update{.motor = s.motor,
+                             .drive = s.drive,
+                             .velocity = s.extrapolated_velocity,
+                             .world_of_body = s.world_of_body,
+                             .momentum = s.momentum[k & 1],
+                             .now = s.motor_impulse,
+                             .before = s.motor_before,
+                             .step = s.settings.substep()};
     for (Index i = stride() - 1 - first_index(); i < s.motor.size; i += stride()) update(i);
   }
 

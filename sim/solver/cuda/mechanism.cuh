@@ -2,6 +2,7 @@
 // grid. What a thread will need comes from memory while others still add.
 #pragma once
 #include "sim/solver/cuda/residence.cuh"
+#include "sim/solver/cuda/views.cuh"
 
 namespace gonogo::sim {
 

@@ -1,14 +1,9 @@
 // What the solver keeps on the GPU. Records are packed for bandwidth: an arm along the normal (two spheres, a sphere on
 // a fixed floor) is one number.
 #pragma once
-#include "sim/joint/project.h"
-#include "sim/solver/body_update.h"
 #include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
-#include "sim/solver/split.h"
 #include "sim/solver/storage.h"
-#include "sim/state/motor.h"
-#include "sim/state/tiles.h"
 
 namespace gonogo::sim {
 
@@ -78,79 +73,5 @@ struct SolverStorage<Cuda> {
   Buffer<SpectralSums, Cuda> spectral_sums;
   ScanStorage<Cuda> scan;
 };
-
-/// What the kernel works on.
-struct SolveViews {
-  Tiles tiles;
-  Incidence incidence;
-  SplitMasses split;
-  StepSettings settings;
-  IterationRules rules;
-  const Index* halted;
-  const Index* contact_total;
-  View<Contact> contact;
-  View<const BodyMass> mass;
-  View<const Quat> orientation;
-  View<const SymMat3> inverse_inertia_W;
-  View<const Velocity> velocity_change;
-  View<const WorldIndex> world_of_body, world_of_body_tile;
-  View<const Index> first_body_tile;
-  Projection projection;
-  MotorMoment motor_moment;
-  Index mechanism_teams;               // the last ones; they see to nothing but their mechanism while bodies move
-  View<Velocity> gathered;             // [mechanism body], as are the next two
-  View<MechanismSlot> mechanism_slot;  // of mechanisms too large for shared memory
-  View<Velocity> mechanism_gathered;
-  View<const Motor> motor;
-  View<const MotorDrive> drive;
-  View<Real> motor_impulse, motor_before;
-  View<Velocity> free_velocity, velocity, extrapolated_velocity, part_velocity, earlier_velocity;
-  View<Momentum> momentum[2];  // [world] of the present update and of the next, taking turns
-  View<Impulse> impulse;       // warm start, and the result
-  View<WorldSums> world_sums;
-
-  View<FrameRecord> frame;
-  View<ConeRecord> cone;
-  View<TurnRecord> turn;
-  View<CentralArms> central;
-  View<ArmsRecord> arms;
-  View<PairRecord> pair;
-  View<GapRecord> gap;
-  View<Vec3> linear[2], angular[2];
-  View<const Index> second_slot;
-  View<HalfContact> half;
-  View<HalfRange> of_body;
-  View<BodyIndex> hub;
-  unsigned long long* barrier;
-  Index* hub_count;
-  View<UpdateSums> tile_sums;
-  View<WorldSums> tile_measures, body_tile_measures;
-
-  // Of the methods that use them; empty otherwise.
-  View<Index> colour;
-  Index* colours;  // how many
-  View<Velocity> velocity_before;
-  View<SpectralStep> length;
-  View<SpectralSums> spectral_sums;
-};
-
-/// Body b at the beginning of the step: its velocity without impulses.
-GONOGO_DEVICE Velocity begin_body(const SolveViews& s, BodyIndex b) {
-  return begin_body(s.velocity[b], s.velocity_change[b], s.free_velocity[b], s.earlier_velocity[b]);
-}
-
-/// Body b has moved with `v`; `free`: at hand, and goes on. See carry_body in body_update.h.
-GONOGO_DEVICE Velocity carry_body(const SolveViews& s, BodyIndex b, const Velocity& v, Velocity& free) {
-  const Velocity more = carry_body(v, s.velocity_change[b], free, s.part_velocity[b], s.earlier_velocity[b]);
-  s.free_velocity[b] = free;
-  return more;
-}
-
-/// `free`, `m`: of body b, loaded early.
-GONOGO_DEVICE Velocity driven(const SolveViews& s, BodyIndex b, const Velocity& free, const BodyMass& m,
-                              const Vec3& linear, const Vec3& angular) {
-  const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
-  return driven_velocity(free, m, inverse_inertia, linear, angular);
-}
 
 }  // namespace gonogo::sim
