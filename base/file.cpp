@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "base/error.h"
+#include "base/input_place.h"
 
 namespace gonogo {
 namespace fs = std::filesystem;
@@ -25,19 +26,23 @@ void flush_to_disk(const fs::path& path) {
   if (status != 0) throw DeviceError(path.string() + ": cannot flush to disk: " + why);
 }
 
+[[noreturn]] void refuse(const fs::path& path, const std::string& message) {
+  throw PlacedInputError(path.string() + ": " + message, {.file = path.string()});
+}
+
 fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
 }  // namespace
 
 std::string read_file(const fs::path& path) {
   std::error_code ec;
-  if (!fs::exists(path, ec)) throw InputError(path.string() + ": no such file; check the path");
-  if (fs::is_directory(path, ec)) throw InputError(path.string() + ": is a folder, a file is needed");
+  if (!fs::exists(path, ec)) refuse(path, "no such file; check the path");
+  if (fs::is_directory(path, ec)) refuse(path, "is a folder, a file is needed");
   std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path.string() + ": cannot be read: " + reason() + "; check its permissions");
+  if (!in) refuse(path, "cannot be read: " + reason() + "; check its permissions");
   std::ostringstream text;
   text << in.rdbuf();
-  if (in.bad()) throw InputError(path.string() + ": reading failed: " + reason());
+  if (in.bad()) refuse(path, "reading failed: " + reason());
   return std::move(text).str();
 }
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "base/error.h"
 #include "base/file.h"
+#include "base/input_place.h"
 #include "base/nearest.h"
 
 namespace gonogo {
@@ -55,7 +55,8 @@ const std::filesystem::path& Config::file() const { return document_->file; }
 void Config::fail(const std::string& key, const std::string& message) const {
   std::string where = where_;
   if (!key.empty()) where += (where.empty() || key[0] == '[' ? "" : ".") + key;
-  throw InputError(document_->file.string() + ": " + (where.empty() ? "" : where + ": ") + message);
+  const std::string file = document_->file.string();
+  throw PlacedInputError(file + ": " + (where.empty() ? "" : where + ": ") + message, {.file = file, .path = where});
 }
 
 const Json* Config::find(const std::string& key) const {

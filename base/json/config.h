@@ -54,7 +54,7 @@ class Config {
 
   /// Throws InputError for the first key of this object (not of nested ones) that was never asked for.
   void finish() const;
-  /// InputError "file: path: message" about a key of this object ("" for the object itself).
+  /// Throws PlacedInputError "file: path: message" about a key of this object ("" for the object itself).
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
   const Json& json() const { return *value_; }

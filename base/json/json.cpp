@@ -1,11 +1,13 @@
 #include "base/json/json.h"
 
 #include <algorithm>
+#include <cctype>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/input_place.h"
 
 namespace gonogo {
 namespace {
@@ -13,6 +15,20 @@ namespace {
 using Library = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxDepth = 512;  // of nested lists and objects: deeper text is an attack or an accident
+
+/// Where the token starts whose last byte is the text's `position`th; the library counts bytes from 1. Its `token` is
+/// whole for strings alone: other tokens may carry what stood before them.
+std::size_t token_start(std::string_view text, std::size_t position, const std::string& token) {
+  const std::string_view read = text.substr(0, position);
+  if (read.empty()) return 0;
+  if (read.back() == '"' && read.ends_with(token)) return read.size() - token.size();
+  const auto in_word = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '-' || c == '+';
+  };
+  std::size_t at = position > text.size() ? text.size() : position - 1;  // beyond the end: the text stops too early
+  while (at > 0 && at < text.size() && in_word(text[at]) && in_word(text[at - 1])) --at;
+  return at;
+}
 
 /// Receives the parts of a text from the library's parser and builds the value. Strict where the library is not:
 /// a key that appears twice in one object is an error, because one of the two values would be lost.
@@ -34,20 +50,18 @@ class Builder : public nlohmann::json_sax<Library> {
   bool start_object(std::size_t) override { return open(true); }
   bool start_array(std::size_t) override { return open(false); }
   bool key(string_t& key) override {
-    if (!open_.back().seen.insert(key).second)
-      throw InputError(name_ + ": the key \"" + key + "\" appears twice in one object; remove one of them");
+    const bool first = open_.back().seen.insert(key).second;
     open_.back().key = key;
+    if (!first) refuse("the key \"" + key + "\" appears twice in one object; remove one of them", {.path = path()});
     return true;
   }
   bool end_object() override { return close(); }
   bool end_array() override { return close(); }
 
   bool parse_error(std::size_t position, const std::string& token, const nlohmann::detail::exception& e) override {
-    const std::size_t end = std::min(position == 0 ? 0 : position - 1, text_.size());
-    const auto line = 1 + std::count(text_.begin(), text_.begin() + std::ptrdiff_t(end), '\n');
-    const std::string where = name_ + ": line " + std::to_string(line) + ": ";
-    if (e.id == kOutOfRange) throw InputError(where + "the number " + token + " is too large to represent");
-    throw InputError(where + "not valid JSON (a comma, quote or bracket is missing or too many near there)");
+    const InputPlace place = place_of(position, token);
+    if (e.id == kOutOfRange) refuse("the number " + token + " is too large to represent", place);
+    refuse("not valid JSON (a comma, quote or bracket is missing or too many near there)", place);
   }
 
  private:
@@ -61,9 +75,37 @@ class Builder : public nlohmann::json_sax<Library> {
     std::set<std::string> seen;
   };
 
+  [[noreturn]] void refuse(const std::string& message, InputPlace place) const {
+    place.file = name_;
+    std::string where;
+    if (place.line > 0)
+      where = "line " + std::to_string(place.line) + ", column " + std::to_string(place.column) + ": ";
+    throw PlacedInputError(name_ + ": " + where + message, std::move(place));
+  }
+
+  InputPlace place_of(std::size_t position, const std::string& token) const {
+    const std::string_view before = text_.substr(0, token_start(text_, position, token));
+    const std::string_view in_line = before.substr(before.rfind('\n') + 1);  // npos + 1 is 0
+    const auto starts_character = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; };
+    return {.line = 1 + std::size_t(std::count(before.begin(), before.end(), '\n')),
+            .column = 1 + std::size_t(std::count_if(in_line.begin(), in_line.end(), starts_character))};
+  }
+
+  /// Of the value that is being read, "bed.size_m[2]".
+  std::string path() const {
+    std::string path;
+    for (const Open& level : open_) {
+      if (level.is_object)
+        path += (path.empty() ? "" : ".") + level.key;
+      else
+        path += "[" + std::to_string(level.items.size()) + "]";
+    }
+    return path;
+  }
+
   bool open(bool is_object) {
     if (open_.size() == kMaxDepth)
-      throw InputError(name_ + ": lists and objects are nested deeper than " + std::to_string(kMaxDepth) + " levels");
+      refuse("lists and objects are nested deeper than " + std::to_string(kMaxDepth) + " levels", {});
     open_.push_back({is_object, {}, {}, {}, {}});
     return true;
   }

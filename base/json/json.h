@@ -65,8 +65,8 @@ class Json {
   /// not-a-number and infinities have no JSON form and print as null.
   std::string dump(int indent = -1) const;
 
-  /// Parses text; `name` (usually the file) starts the InputError that a syntax error, a key given twice in one object,
-  /// a number beyond double range or nesting deeper than 512 levels throws.
+  /// Parses text. Throws PlacedInputError for a syntax error, a key given twice in one object, a number beyond double
+  /// range, and nesting deeper than 512 levels. `name`, usually the file, begins its message.
   static Json parse(std::string_view text, const std::string& name);
   static Json read(const std::filesystem::path& path);
 

@@ -1,6 +1,7 @@
 #include "base/json/config.h"
 
 #include "base/file.h"
+#include "base/input_place.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -71,6 +72,18 @@ TEST_CASE("elements of lists and members of objects know their path") {
   REQUIRE(members.size() == 1);
   CHECK(members[0].first == "sand");
   CHECK(contains(input_error([&] { members[0].second.number("c", {.minimum = 0}); }), "table.sand.c: value -1"));
+}
+
+TEST_CASE("a refusal holds file and path in fields of their own") {
+  const Config config = parse(R"({"bed": {"size_m": [1, 2, -3]}})");
+  try {
+    config.object("bed").numbers("size_m", {.minimum = 0});
+    FAIL("accepted");
+  } catch (const PlacedInputError& error) {
+    CHECK(error.place.file == "dir/study.json");
+    CHECK(error.place.path == "bed.size_m[2]");
+    CHECK(error.place.line == 0);
+  }
 }
 
 TEST_CASE("paths are relative to the folder of the file") {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/input_place.h"
 #include "base/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
@@ -47,17 +48,49 @@ TEST_CASE("objects keep the order of their keys") {
   CHECK(object.dump() == R"({"zebra":3,"ape":2})");
 }
 
-TEST_CASE("a syntax error names the file and the line") {
-  CHECK(contains(input_error([] { parse("{\n \"a\": 1\n \"b\": 2\n}"); }), "x.json: line 3"));
-  CHECK(contains(input_error([] { parse(""); }), "x.json: line 1"));
+/// The fields of the refusal of a text: file, JSON path, line, column.
+InputPlace place_of(const std::string& text) {
+  try {
+    parse(text);
+  } catch (const PlacedInputError& error) {
+    return error.place;
+  }
+  FAIL("the text was accepted");
+  return {};
+}
+
+TEST_CASE("a syntax error names the file, the line and the column") {
+  const std::string missing_comma = "{\n \"a\": 1\n  \"bee\": 2\n}";
+  CHECK(contains(input_error([&] { parse(missing_comma); }), "x.json: line 3, column 3: not valid JSON"));
+  CHECK(contains(input_error([] { parse(""); }), "x.json: line 1, column 1: "));
   CHECK(contains(input_error([] { parse("{\"a\": 1} trailing"); }), "not valid JSON"));
   CHECK(contains(input_error([] { parse("{\"a\": NaN}"); }), "not valid JSON"));
+  const InputPlace place = place_of(missing_comma);
+  CHECK(place.file == "x.json");
+  CHECK(place.path == "");
+  CHECK(place.line == 3);
+  CHECK(place.column == 3);
+}
+
+TEST_CASE("columns count characters, not bytes, and lines of both kinds") {
+  CHECK(place_of("[\"\u00e4\u00f6\u00fc\" 1]").column == place_of("[\"aou\" 1]").column);
+  CHECK(place_of("[\"aou\" 1]").column == 8);
+  CHECK(place_of("[1,\r\n2,,3]").line == 2);
+  CHECK(place_of("[1,\r\n2,,3]").column == 3);
+  CHECK(place_of("[1, 2").line == 1);
+  CHECK(place_of("[1,\n2\n").line >= 2);
+}
+
+TEST_CASE("a key given twice is named by its path") {
+  const InputPlace place = place_of(R"({"bed": [{}, {"size": 1, "size": 2}]})");
+  CHECK(place.path == "bed[1].size");
+  CHECK(place.line == 0);
 }
 
 TEST_CASE("what would lose data is refused") {
   CHECK(contains(input_error([] { parse(R"({"a": 1, "b": {"a": 2}, "a": 3})"); }), "\"a\" appears twice"));
   CHECK(parse(R"({"a": 1, "b": {"a": 2}})").at("b").at("a").integer() == 2);
-  CHECK(contains(input_error([] { parse("[1,\n1e999]"); }), "line 2: the number 1e999 is too large"));
+  CHECK(contains(input_error([] { parse("[1,\n1e999]"); }), "line 2, column 1: the number 1e999 is too large"));
 }
 
 TEST_CASE("nesting has a limit instead of a stack overflow") {
