@@ -53,8 +53,6 @@ std::uint64_t failed_checks(const TrialSetup& setup, const DriveOutcome& o) {
   std::uint64_t failed = std::uint64_t(o.flags);
   if (!(o.worst_residual <= setup.thresholds.residual)) failed |= check_residual;
   if (!(o.energy_error <= setup.thresholds.energy_error)) failed |= check_energy;
-  |= 8;
-  if (!(o.energy_error <= setup.thresholds.energy_error)) failed |= 16;
   return failed;
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// Number in psi, as cone indices are quoted.
-std::string in_psi(double pascal) { return line("%.0f psi", pascal / terrain::kPsi); }
+std::string in_psi(double pascal) { return line("%.0f psi", pascal / kPsi); }
 
 double estimated_index(const std::vector<double>& point) {
   const double cohesion = point[campaign::contract().variable_index("cohesion")];

@@ -20,7 +20,7 @@ RegionRaster read_raster(const Config& config, const std::string& role) {
   }
   raster.source = config.text("source");
   raster.licence = config.text("licence");
-  if (role == "cone_index") raster.unit = config.choice("unit", {"psi", "kPa"}) == "psi" ? terrain::kPsi : 1e3;
+  if (role == "cone_index") raster.unit = config.choice("unit", {"psi", "kPa"}) == "psi" ? kPsi : 1e3;
   if (role == "elevation" && config.has("error_m")) {
     raster.error = config.number("error_m", {0, 1000});
     raster.error_correlation = config.number_or("error_correlation", 0, {0, 0.9999});

@@ -74,7 +74,7 @@ std::string vehicle_name(const std::filesystem::path& file) {
 ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
   const vehicle::Vehicle vehicle = vehicle::read_vehicle(file);
   const vehicle::VehicleConeIndex index = vehicle::vehicle_index(vehicle).cone_index;
-  return {vehicle.name, index.one_pass * terrain::kPsi, index.fifty_passes * terrain::kPsi};
+  return {vehicle.name, index.one_pass * kPsi, index.fifty_passes * kPsi};
 }
 
 MapRequest read_map_request(const MapFiles& files) {
