@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/line.h"
 #include "pipeline/campaign/study/contract.h"
 
 namespace gonogo::learn {
@@ -20,8 +21,8 @@ std::map<std::string, double> parse_named_values(const std::vector<std::string>&
     const std::string name = text.substr(0, equals);
     const campaign::Variable& variable = campaign::contract().variables[campaign::contract().variable_index(name)];
     if (!(value >= variable.minimum && value <= variable.maximum))
-      throw InputError(text + ": outside the allowed range, " + std::to_string(variable.minimum) + " to " +
-                       std::to_string(variable.maximum) + " " + variable.unit);
+      throw InputError(text + ": outside the allowed range, " + line("%g to %g ", variable.minimum, variable.maximum) +
+                       variable.unit);
     if (!values.emplace(name, value).second) throw InputError(text + ": " + name + " is given twice");
   }
   return values;

@@ -69,8 +69,10 @@ Connectivity connectivity_named(const std::string& name, std::size_t visible, st
 double base_loss(const learning::TrainingTable& table, std::size_t outcomes) {
   std::vector<double> weight(outcomes, 0.0);
   double total = 0, loss = 0;
-  for (std::size_t n = 0; n < table.row_count(); ++n)
-    weight[table.outcome[n]] += table.weight[n], total += table.weight[n];
+  for (std::size_t n = 0; n < table.row_count(); ++n) {
+    weight[table.outcome[n]] += table.weight[n];
+    total += table.weight[n];
+  }
   for (double w : weight)
     if (w > 0) loss -= w / total * std::log(w / total);
   return loss;

@@ -25,7 +25,9 @@ Json minus_best(const Forecasts& forecasts, Terms terms, std::uint64_t seed) {
   std::vector<double> least;
   for (const auto& [name, forecast] : baselines) {
     std::vector<double> now = terms(*forecast, forecasts.happened);
-    if (least.empty() || total(now) < total(least)) best = name, least = std::move(now);
+    if (!least.empty() && !(total(now) < total(least))) continue;
+    best = name;
+    least = std::move(now);
   }
   Json json = difference_json(terms(forecasts.model, forecasts.happened), least, seed);
   json["baseline"] = best;

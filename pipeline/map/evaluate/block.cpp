@@ -158,12 +158,19 @@ std::optional<Tile> read_part(const std::optional<RasterSource>& source, Window 
 }  // namespace
 
 MapSources MapSources::again() const {
-  return {elevation.again(), open_again(soil_class), open_again(land_cover), open_again(moisture),
-          open_again(cone_index)};
+  return {.elevation = elevation.again(),
+          .soil_class = open_again(soil_class),
+          .land_cover = open_again(land_cover),
+          .moisture = open_again(moisture),
+          .cone_index = open_again(cone_index)};
 }
 
 MapSources open_sources(const Region& region) {
-  MapSources sources{RasterSource::open_elevation(region.elevation.files, region.grid), {}, {}, {}, {}};
+  MapSources sources{.elevation = RasterSource::open_elevation(region.elevation.files, region.grid),
+                     .soil_class = {},
+                     .land_cover = {},
+                     .moisture = {},
+                     .cone_index = {}};
   const MapGrid& grid = sources.elevation.grid();
   if (grid.columns < 3 || grid.rows < 3)
     throw InputError(region.elevation.files.file.front().string() + ": makes a map of " + std::to_string(grid.columns) +
@@ -216,19 +223,21 @@ BlockLayers evaluate_block(const MapSources& sources, const Region& region, cons
   const MapGrid& grid = sources.elevation.grid();
   const Tile bordered =
       sources.elevation.read({window.column - 1, window.row - 1, window.columns + 2, window.rows + 2});
-  const Readings readings = {read_part(sources.soil_class, window), read_part(sources.moisture, window),
-                             read_part(sources.land_cover, window), read_part(sources.cone_index, window)};
+  const Readings readings = {.soil = read_part(sources.soil_class, window),
+                             .moisture = read_part(sources.moisture, window),
+                             .land = read_part(sources.land_cover, window),
+                             .cone_index = read_part(sources.cone_index, window)};
   const std::vector<LandRule> land = land_rules(region);
   const terrain::CellSize cell = {grid.cell_width_m(), grid.cell_height_m()};
   const Tile empty(window.columns, window.rows, kNoData);
-  BlockLayers block{window,
-                    empty,
-                    terrain::slope_degrees(bordered, cell, 1),
-                    terrain::aspect_degrees(bordered, cell, 1),
-                    terrain::hillshade(bordered, cell, 315, 45, 1),
-                    empty,
-                    Tile(window.columns, window.rows, 0),
-                    std::vector<Tile>(layers.size(), empty)};
+  BlockLayers block{.window = window,
+                    .elevation = empty,
+                    .slope = terrain::slope_degrees(bordered, cell, 1),
+                    .aspect = terrain::aspect_degrees(bordered, cell, 1),
+                    .shade = terrain::hillshade(bordered, cell, 315, 45, 1),
+                    .soil = empty,
+                    .rule = Tile(window.columns, window.rows, 0),
+                    .layer = std::vector<Tile>(layers.size(), empty)};
   for (int row = 0; row < window.rows; ++row)
     for (int column = 0; column < window.columns; ++column) {
       block.elevation.at(column, row) = bordered.at(column + 1, row + 1);

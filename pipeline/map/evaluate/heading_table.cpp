@@ -59,11 +59,11 @@ int HeadingTable::index_of(BedSlopes slopes) const {
 }
 
 HeadingRange HeadingTable::over_headings(double slope_deg) const {
-  HeadingRange range{{campaign::Verdict::go, campaign::Reason::none},
-                     {campaign::Verdict::no_go, campaign::Reason::none},
-                     kNoData,
-                     kNoData,
-                     0};
+  HeadingRange range{.worst = {campaign::Verdict::go, campaign::Reason::none},
+                     .best = {campaign::Verdict::no_go, campaign::Reason::none},
+                     .p_worst = kNoData,
+                     .p_best = kNoData,
+                     .sampled_share = 0};
   bool any_unknown = false, any_soft = false;
   int sampled = 0;
   for (int h = 0; h < kHeadings; ++h) {

@@ -53,13 +53,13 @@ OneMap open_map(const fs::path& folder, const MapGrid& grid) {
   };
   const Json inputs = Json::read(folder / "map.json").at("inputs");
   const std::string& moisture = inputs.at("rules").at("moisture").string();
-  return {open("go.tif"),
-          open("p_go.tif"),
-          open("p_go_low.tif"),
-          open("p_go_high.tif"),
-          inputs.at("vehicle").string() + (moisture.empty() ? "" : ", " + moisture) + ", model " +
-              inputs.at("model_hash").string().substr(0, 8),
-          inputs.at("region").string()};
+  return {.go = open("go.tif"),
+          .p = open("p_go.tif"),
+          .low = open("p_go_low.tif"),
+          .high = open("p_go_high.tif"),
+          .name = inputs.at("vehicle").string() + (moisture.empty() ? "" : ", " + moisture) + ", model " +
+                  inputs.at("model_hash").string().substr(0, 8),
+          .region = inputs.at("region").string()};
 }
 
 MapGrid common_grid(const CompareRequest& request) {

@@ -34,7 +34,14 @@ BlockLayers evaluate_strips(const MapSources& sources, const MapRequest& request
                             const std::vector<MapLayer>& layers, Window window, int rows) {
   if (rows >= window.rows) return evaluate_block(sources, request.region, table, layers, request.rules, window);
   const Tile empty(window.columns, window.rows, 0);
-  BlockLayers whole{window, empty, empty, empty, empty, empty, empty, std::vector<Tile>(layers.size(), empty)};
+  BlockLayers whole{.window = window,
+                    .elevation = empty,
+                    .slope = empty,
+                    .aspect = empty,
+                    .shade = empty,
+                    .soil = empty,
+                    .rule = empty,
+                    .layer = std::vector<Tile>(layers.size(), empty)};
   for (int row = 0; row < window.rows; row += rows) {
     const Window strip = {window.column, window.row + row, window.columns, std::min(rows, window.rows - row)};
     copy_rows(evaluate_block(sources, request.region, table, layers, request.rules, strip), row, whole);

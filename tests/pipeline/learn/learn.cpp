@@ -52,7 +52,8 @@ TEST_CASE("rows are weighted by prior over proposal, replicates share a group, f
   for (double w : data.table.weight) sum += w;
   CHECK(sum == Approx(20));
   TrainingData half = data, none = data;
-  temper_weights(half, 0.5), temper_weights(none, 0);
+  temper_weights(half, 0.5);
+  temper_weights(none, 0);
   CHECK(half.table.weight[0] == Approx(half.table.weight[1] / 2));
   CHECK(none.table.weight == std::vector<double>(20, 1.0));
   CHECK(data.table.group[9] == data.table.group[8]);
@@ -241,9 +242,13 @@ TEST_CASE("settings are read strictly") {
 
 TEST_CASE("datasets without anything to learn are refused") {
   auto records = synthetic_trials(20, 4);
-  for (auto& record : records) record.verdict = Verdict::unknown, record.reason = Reason::simulation_failed;
+  for (auto& record : records) {
+    record.verdict = Verdict::unknown;
+    record.reason = Reason::simulation_failed;
+  }
   refused([&] { make_training_data(records, {}); }, "20");
-  records[3].verdict = Verdict::go, records[3].reason = Reason::none;
+  records[3].verdict = Verdict::go;
+  records[3].reason = Reason::none;
   records[3].point.proposal_density = 0;
   refused([&] { make_training_data(records, {}); }, "proposal density");
 }

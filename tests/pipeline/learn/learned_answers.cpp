@@ -202,7 +202,8 @@ TEST_CASE("a table of points gets the answers of single points; bad cells are re
        {std::pair(33.0, 12.0), std::pair(double(NAN), 20.0), std::pair(30.0, double(NAN))}) {
     std::getline(lines, text);
     std::vector<double> x(contract().variables.size(), NAN);
-    x[0] = slope, x[2] = angle;
+    x[0] = slope;
+    x[2] = angle;
     const std::size_t cell = text.find(',', text.find(',') + 1) + 1;
     CHECK(std::stod(text.substr(cell)) == Approx(predictor.p_go(x)).margin(1e-6));
   }

@@ -46,7 +46,8 @@ SoilTable made_table() {
 }
 
 RouteCells made_cells(int columns, int rows, std::uint64_t seed) {
-  RouteCells cells{columns, rows, 10, 12, {}, {}, {}};
+  RouteCells cells{
+      .columns = columns, .rows = rows, .cell_width = 10, .cell_height = 12, .slope = {}, .aspect = {}, .soil = {}};
   for (std::uint64_t i = 0; i < std::uint64_t(columns) * std::uint64_t(rows); ++i) {
     const double u = random_unit(seed, 0, i);
     cells.slope.push_back(std::uint16_t(std::lround(13 * random_unit(seed, 1, i) * kSlopeSteps)));
@@ -178,13 +179,13 @@ TEST_CASE("risk and length of a way do not depend on the size of the cells") {
     for (const int finer : {1, 2}) {
       const int columns = 40 * finer;
       const auto count = std::size_t(columns);
-      const RouteCells cells{columns,
-                             1,
-                             10.0 / finer,
-                             10.0 / finer,
-                             std::vector<std::uint16_t>(count, 6 * 64),
-                             std::vector<std::uint16_t>(count, 270),
-                             std::vector<std::uint8_t>(count, 0)};
+      const RouteCells cells{.columns = columns,
+                             .rows = 1,
+                             .cell_width = 10.0 / finer,
+                             .cell_height = 10.0 / finer,
+                             .slope = std::vector<std::uint16_t>(count, 6 * 64),
+                             .aspect = std::vector<std::uint16_t>(count, 270),
+                             .soil = std::vector<std::uint8_t>(count, 0)};
       // From the middle of the first coarse cell to the middle of the last one.
       const auto route = find_route(cells, costs, 0, std::uint32_t(columns - finer));
       REQUIRE(route);
@@ -196,13 +197,13 @@ TEST_CASE("risk and length of a way do not depend on the size of the cells") {
 
 TEST_CASE("connected regions are those that a flood along two-way steps fills") {
   const SoilTable table = made_table();
-  RouteCells cells{9,
-                   3,
-                   10,
-                   10,
-                   std::vector<std::uint16_t>(27, 0),
-                   std::vector<std::uint16_t>(27, 0),
-                   std::vector<std::uint8_t>(27, 0)};
+  RouteCells cells{.columns = 9,
+                   .rows = 3,
+                   .cell_width = 10,
+                   .cell_height = 10,
+                   .slope = std::vector<std::uint16_t>(27, 0),
+                   .aspect = std::vector<std::uint16_t>(27, 0),
+                   .soil = std::vector<std::uint8_t>(27, 0)};
   for (int row = 0; row < 3; ++row) cells.soil[std::size_t(9 * row + 4)] = RouteCells::kNowhere;
   const auto region = connected_regions(cells, RouteCosts(table, RouteCost::length, 100));
   for (int row = 0; row < 3; ++row)
