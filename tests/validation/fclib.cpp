@@ -15,8 +15,10 @@ namespace {
 
 std::vector<std::filesystem::path> problems() {
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(GONOGO_SOURCE_DIR "/tests/data/fclib"))
-    if (entry.path().extension() != ".md") files.push_back(entry.path());
+  for (const auto& entry : std::filesystem::directory_iterator(GONOGO_SOURCE_DIR "/tests/data/fclib")) {
+    const auto kind = entry.path().extension();
+    if (kind == ".dat" || kind == ".hdf5") files.push_back(entry.path());
+  }
   std::sort(files.begin(), files.end());
   return files;
 }
