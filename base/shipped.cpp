@@ -1,6 +1,7 @@
 #include "base/shipped.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <system_error>
 
 #include "base/error.h"
@@ -12,10 +13,11 @@ namespace fs = std::filesystem;
 
 std::vector<fs::path> shipped_folders(const std::string& kind) {
   std::vector<fs::path> result{fs::path("configs") / kind};
+  if (const char* share = std::getenv("GONOGO_SHARE")) result.push_back(fs::path(share) / "configs" / kind);
   std::error_code none;
   fs::path at = fs::read_symlink("/proc/self/exe", none).parent_path();
   for (int up = 0; !none && up < 5 && at.has_relative_path(); ++up, at = at.parent_path())
-    result.push_back(at / "configs" / kind);
+    for (const char* place : {"configs", "share/gonogo/configs"}) result.push_back(at / place / kind);
   result.erase(std::remove_if(result.begin(), result.end(), [](const fs::path& p) { return !fs::is_directory(p); }),
                result.end());
   return result;

@@ -6,7 +6,8 @@
 
 namespace gonogo {
 
-/// The folders configs/<kind> that there are: here, or beside the source tree that the program was built in.
+/// The folders of this kind that exist, first one first: configs/<kind> here, in $GONOGO_SHARE, and above the running
+/// program: in its source tree or under share/gonogo of the prefix it is installed in.
 std::vector<std::filesystem::path> shipped_folders(const std::string& kind);
 
 /// Names of the JSON files in a folder, ascending, but for those that begin with `left_out`.

@@ -19,7 +19,7 @@ endif()
 
 function(gonogo_defaults target)
   target_compile_features(${target} PUBLIC cxx_std_20)
-  target_include_directories(${target} PUBLIC "${PROJECT_SOURCE_DIR}")
+  target_include_directories(${target} PUBLIC "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>")
   set(host_flags -Wall -Wextra -ffp-contract=off)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     list(APPEND host_flags -Wshadow=local)  # Clang knows no such level
@@ -43,4 +43,5 @@ function(gonogo_library name)
   add_library(gonogo::${name} ALIAS gonogo_${name})
   gonogo_defaults(gonogo_${name})
   target_link_libraries(gonogo_${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
+  set_property(GLOBAL APPEND PROPERTY gonogo_libraries ${name})  # for gonogo_install.cmake
 endfunction()

@@ -1,0 +1,9 @@
+// Settled beds of grains, and soils whose friction angle and cohesion are calibrated.
+// Package component `sim`; link gonogo::bed and gonogo::soil.
+#pragma once
+#include "terrain/bed/bed.h"
+#include "terrain/bed/hard_layer.h"
+#include "terrain/bed/moving_patch.h"
+#include "terrain/bed/numerics.h"
+#include "terrain/soil/calibration.h"
+#include "terrain/soil/soil_file.h"
