@@ -17,6 +17,7 @@ set(folders_report pipeline/report)
 set(folders_learn learning pipeline/learn)
 set(folders_map terrain/raster pipeline/map)
 set(folders_lab pipeline/lab)
+set(component_of_report map)  # figures of maps: the one library of its folder that needs GDAL
 
 # Public headers: a header and all that it includes from this project, by paths from the source root.
 function(gonogo_follow_header header)
@@ -59,6 +60,9 @@ foreach(library ${libraries})
       endif()
     endforeach()
   endforeach()
+  if(DEFINED component_of_${library})
+    set(component ${component_of_${library}})
+  endif()
   if(component)
     set_target_properties(gonogo_${library} PROPERTIES EXPORT_NAME ${library})
     target_include_directories(gonogo_${library} INTERFACE

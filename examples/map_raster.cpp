@@ -1,4 +1,4 @@
-// Maps a region with a trained model: map_raster <model.h5> <region.json> <folder>
+// Maps a region with a trained model: map_raster <model.h5> <vehicle.json> <region.json> <folder>
 #include <gonogo/map.h>
 
 #include <cstdio>
@@ -7,11 +7,12 @@
 using namespace gonogo;
 
 int main(int argc, char** argv) try {
-  if (argc != 4) throw InputError("usage: map_raster <model.h5> <region.json> <folder>");
+  if (argc != 5) throw InputError("usage: map_raster <model.h5> <vehicle.json> <region.json> <folder>");
   map::MapFiles files;
   files.model = argv[1];
-  files.region = argv[2];
-  files.out = argv[3];
+  files.vehicle = argv[2];
+  files.region = argv[3];
+  files.out = argv[4];
   const map::MapSummary map = map::make_map(map::read_map_request(files));
 
   std::printf("%.2f km2:", map.area_km2);

@@ -1,6 +1,7 @@
 // Studies, designs, trials, datasets and campaigns of many trials.
 // Package component `sim`; link gonogo::trial, gonogo::dataset, gonogo::study_campaign.
 #pragma once
+#include "base/error.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/dataset/export.h"
 #include "pipeline/campaign/dataset/summary.h"

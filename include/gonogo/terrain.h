@@ -1,6 +1,7 @@
 // Settled beds of grains, and soils whose friction angle and cohesion are calibrated.
 // Package component `sim`; link gonogo::bed and gonogo::soil.
 #pragma once
+#include "base/error.h"
 #include "terrain/bed/bed.h"
 #include "terrain/bed/hard_layer.h"
 #include "terrain/bed/moving_patch.h"

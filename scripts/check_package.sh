@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# The installed package as its users meet it: installs into an empty prefix, builds examples/ against that prefix alone,
+# and runs them on what the demo left. Needs a build of cpu-release and scripts/demo.sh.
+#   scripts/check_package.sh
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
+
+demo=$PWD/out/demo
+[[ -s $demo/dataset.h5 && -s $demo/model.h5 ]] || fail "no trials and model in out/demo: run scripts/demo.sh first"
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+prefix=$scratch/prefix examples=$scratch/examples
+say "installing into an empty prefix"
+cmake --install build/cpu-release --prefix "$prefix" > "$scratch/install.log"
+say "building examples/ against it"
+arguments=("-DCMAKE_PREFIX_PATH=$prefix" -DCMAKE_BUILD_TYPE=Release)
+[[ ! -s .cache/torch_prefix ]] || arguments=("-DCMAKE_PREFIX_PATH=$prefix;$(cat .cache/torch_prefix)" -DCMAKE_BUILD_TYPE=Release)
+cmake -S examples -B "$examples" -G Ninja "${arguments[@]}" > "$scratch/configure.log" || { cat "$scratch/configure.log"; fail "examples cannot be configured"; }
+cmake --build "$examples" -j "$(build_jobs)" > "$scratch/build.log" || { tail -30 "$scratch/build.log"; fail "examples cannot be built"; }
+
+# A wheel on soil stands on component sim alone.
+if ldd "$examples/settle_and_drive" | grep -E 'gdal|torch|cairo'; then
+  fail "the component sim links a library that it must not need"
+fi
+cd "$scratch"  # nothing of the source tree may be found by accident
+share=$prefix/share/gonogo/configs
+say "running them"
+"$examples/settle_and_drive" "$share/vehicles/hmmwv_quarter.json" frames > drive.txt
+tail -n 1 drive.txt
+[[ $(find frames -name 'contacts_*.vtp' | wc -l) -eq 25 ]] || fail "settle_and_drive left no 25 frames"
+awk '/ m  torque/ {travelled = $3} END {exit !(travelled > 0.5)}' drive.txt || fail "the wheel of settle_and_drive did not drive"
+"$examples/train_and_anneal" "$demo/dataset.h5" annealed > anneal.txt
+grep -q '"energies": "verified"' anneal.txt || fail "train_and_anneal read no answer back"
+"$examples/map_raster" "$demo/model.h5" "$share/vehicles/hmmwv.json" "$share/regions/sagehen.json" map > map.txt
+[[ -s map/go.tif && -s map/index.html ]] || fail "map_raster left no map"
+head -n 1 map.txt
+"$prefix/bin/gonogo" vehicle show hmmwv > /dev/null || fail "the installed program does not find its vehicles"
+say "the package installs, and its examples run"
