@@ -2,7 +2,7 @@
 # A study's campaign on all GPUs of this machine, from a bare checkout: builds the program where there is none yet (see
 # common.sh), computes trials for so many seconds at most, and prints how many came and how busy the GPUs were. The same
 # command goes on where it stopped; --checkpoint-every 0 because nothing but the clock stops it. CUDA_VISIBLE_DEVICES=0,1
-# takes these GPUs alone.
+# takes these GPUs alone; GONOGO_PROGRAM=FILE takes a program that is built already.
 #
 #   scripts/gpu_campaign.sh [study] [folder] [seconds] [places per worker] [workers] [options of gonogo campaign run...]
 set -euo pipefail
@@ -10,8 +10,8 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 study=${1:-configs/studies/quarter_wheel_32mm.json} folder=${2:-out/quarter_wheel_32mm} seconds=${3:-480} places=${4:-64}
 visible=${CUDA_VISIBLE_DEVICES:-$(nvidia-smi --query-gpu=index --format=csv,noheader | paste -sd,)}
 gpus=$(tr ',' '\n' <<< "$visible" | wc -l)
-build_gpu_program
-gonogo=build/cuda-release/gonogo
+gonogo=${GONOGO_PROGRAM:-build/cuda-release/gonogo}
+[[ -n ${GONOGO_PROGRAM:-} ]] || build_gpu_program
 mkdir -p "$folder"
 done_trials() { "$gonogo" --json campaign status "$folder" 2> /dev/null | tail -1 | sed -n 's/.*"done":\([0-9]*\).*/\1/p'; }
 before=$(done_trials || true) begin=$SECONDS
