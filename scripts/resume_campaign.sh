@@ -8,14 +8,15 @@
 #   scripts/resume_campaign.sh DATA pack                      # may be called while it runs; also writes DATA/dataset.h5
 #
 # DATA is data/hmmwv_32mm, say: its study is configs/studies/hmmwv_32mm.json, its folder out/hmmwv_32mm. `build` leaves the
-# program and the libraries that it needs in build/program-REVISION; copy that folder to a machine without history.
+# program, the libraries that it needs and the vehicles and soils of its revision in build/program-REVISION; copy that folder
+# to a machine without history.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 usage() { sed -n '2,/^set /{/^#/s/^# \{0,1\}//p}' "${BASH_SOURCE[0]}"; exit 2; }
 [[ $# -ge 2 ]] || usage
 data=${1%/} action=$2 seconds=${3:-480} places=${4:-48}
 name=$(basename "$data")
-study=configs/studies/$name.json folder=out/$name archive=$data/campaign.tar.gz
+folder=out/$name archive=$data/campaign.tar.gz
 [[ -f $archive ]] || fail "$archive: no such file; name a data folder that holds a packed campaign"
 
 # "0.1.0 (f79d486fa5a0)" in campaign.json
@@ -39,6 +40,7 @@ build_program() {
   # Without the ceiling the build would find this repository, and name its revision instead.
   (export GONOGO_REVISION=$revision GIT_CEILING_DIRECTORIES=$PWD/build && source "$source_tree/scripts/common.sh" &&
     build_gpu_program)
+  cp -r "$source_tree/configs" "$program/"
   needed_libraries "$built" | xargs -I{} cp -L {} "$program/lib/"
   cp "$built" "$program/gonogo.new" && strip "$program/gonogo.new" && mv "$program/gonogo.new" "$program/gonogo"
 }
@@ -84,7 +86,9 @@ case $action in
   run)
     build_program
     unpack
-    GONOGO_PROGRAM=$program/gonogo scripts/gpu_campaign.sh "$study" "$folder" "$seconds" "$places"
+    # The study of today, which may have more points, with the vehicles and soils of the campaign.
+    cp "configs/studies/$name.json" "$program/configs/studies/"
+    GONOGO_PROGRAM=$program/gonogo scripts/gpu_campaign.sh "$program/configs/studies/$name.json" "$folder" "$seconds" "$places"
     pack
     ;;
   *) usage ;;
