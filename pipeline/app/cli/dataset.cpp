@@ -9,9 +9,8 @@
 #include "pipeline/campaign/dataset/export.h"
 #include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/campaign/engine/replay.h"
-#ifdef GONOGO_WITH_PICTURES
 #include "pipeline/learn/importance/dataset_report.h"
-#endif
+#include "pipeline/report/figure/pictures.h"
 
 namespace gonogo::app {
 namespace {
@@ -143,7 +142,6 @@ void add_replay(CLI::App& parent, const Globals& globals) {
   });
 }
 
-#ifdef GONOGO_WITH_PICTURES
 void add_plot(CLI::App& parent, const Globals& globals) {
   CLI::App* command =
       parent.add_subcommand("plot", "Pictures and a page: go/no-go over two variables, pairs, importance");
@@ -156,6 +154,7 @@ void add_plot(CLI::App& parent, const Globals& globals) {
   command->add_option("--model", options->model, "Model trained on it, for the importance of variables");
   command->footer("Example:\n  gonogo dataset plot out/demo/dataset.h5 --model out/demo/model.h5 --out out/demo/plots");
   command->callback([options, &globals] {
+    report::require_pictures("dataset plot");
     const campaign::Dataset dataset = campaign::read_dataset(options->dataset);
     learn::ReportRequest request{.name = options->dataset, .x = options->x, .y = options->y, .importance = {}};
     if (!options->model.empty())
@@ -175,7 +174,6 @@ void add_plot(CLI::App& parent, const Globals& globals) {
     print_result(globals, result, text);
   });
 }
-#endif
 
 }  // namespace
 
@@ -189,9 +187,7 @@ void add_dataset_command(CLI::App& app, const Globals& globals) {
   add_verify(*command, globals);
   add_diff(*command, globals);
   add_replay(*command, globals);
-#ifdef GONOGO_WITH_PICTURES
   add_plot(*command, globals);
-#endif
 }
 
 }  // namespace gonogo::app

@@ -14,7 +14,7 @@
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/cli/numerics_options.h"
 #include "pipeline/campaign/trial/lanes.h"
-#include "pipeline/lab/film/film.h"
+#include "pipeline/lab/film/trial_film.h"
 #include "pipeline/lab/vehicle/locate.h"
 
 namespace gonogo::app {
@@ -25,7 +25,7 @@ struct Options {
   std::optional<double> slope_along, slope_across;  // [deg]
   std::vector<std::string> settings;
   std::uint64_t seed = 0;
-  lab::FilmRequest film;
+  report::FilmRequest film;
   campaign::TrialCheckpoint checkpoint;
   terrain::AskedNumerics numerics;
   std::string size = "1280x720", colour = "speed";
@@ -102,15 +102,15 @@ std::string csv_line(const campaign::TrialSample& s) {
   return text;
 }
 
-lab::FilmRequest film_request(const Globals& globals, const Options& options) {
-  lab::FilmRequest film = options.film;
+report::FilmRequest film_request(const Globals& globals, const Options& options) {
+  report::FilmRequest film = options.film;
   int used = 0;
   if (std::sscanf(options.size.c_str(), "%dx%d%n", &film.width, &film.height, &used) != 2 ||
       used != int(options.size.size()))
     throw InputError("--size " + options.size + ": write it as WIDTHxHEIGHT in pixels, such as 1280x720");
   film.colour = options.colour == "height" ? report::GrainColour::height : report::GrainColour::speed;
   film.threads = globals.threads > 0 ? globals.threads : int(std::max(1u, std::thread::hardware_concurrency()));
-  lab::check_film(film);
+  report::check_film(film);
   return film;
 }
 
@@ -122,8 +122,10 @@ campaign::TrialRecord watched_trial(const Globals& globals, const Options& optio
         "--checkpoint does not go with --frames, --vtk or --video: a continued run has no pictures of its "
         "beginning; leave one out");
   const auto value = [&](const char* name) { return point.variables[campaign::contract().variable_index(name)]; };
-  lab::Film film(film_request(globals, options), setup.name, value("slope_along"), value("slope_across"),
-                 value("commanded_speed"));
+  lab::TrialFilm film(film_request(globals, options), {.title = setup.name,
+                                                       .slope_along = value("slope_along"),
+                                                       .slope_across = value("slope_across"),
+                                                       .commanded_speed = value("commanded_speed")});
   if (options.gpu) sim::require_backend(sim::Backend::cuda);
   campaign::prepare_trials(setup, {&point, 1}, 1);
   std::string csv;

@@ -25,8 +25,7 @@ SnapshotView view_of(const ManyScene& scene, const std::vector<const sim::Captur
 void draw_snapshot(const std::filesystem::path& path, const ManyScene& scene, const sim::Capture& state,
                    const SnapshotView& view, int threads);
 
-/// Writes a PNG of curves: everything but the first number of a look over the first. Throws InputError in a build
-/// without pictures.
+/// Writes a PNG of curves: everything but the first number of a look over the first.
 void draw_watched(const std::filesystem::path& path, const ManyScene& scene,
                   const std::vector<std::vector<Measured>>& watched);
 

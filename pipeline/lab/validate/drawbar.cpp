@@ -125,7 +125,6 @@ std::string as_text(const DrawbarReport& r) {
   return text + "  ! outside the band\n";
 }
 
-#ifdef GONOGO_WITH_PICTURES
 namespace {
 
 report::LinePlot plot_of(const DrawbarReport& r) {
@@ -155,7 +154,6 @@ report::LinePlot plot_of(const DrawbarReport& r) {
 }
 
 }  // namespace
-#endif
 
 void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r) {
   create_folder(folder);
@@ -165,9 +163,7 @@ void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r) 
     csv += line("%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", p.slip, p.sinkage, p.pull.mean, p.band.pull[0],
                 p.band.pull[1], p.resistance.mean, p.band.resistance[0], p.band.resistance[1]);
   write_file_atomically(folder / (r.vehicle + "_drawbar.csv"), csv);
-#ifdef GONOGO_WITH_PICTURES
   report::draw_line_plot(folder / (r.vehicle + "_drawbar.png"), plot_of(r));
-#endif
 }
 
 }  // namespace gonogo::lab

@@ -179,7 +179,6 @@ std::string as_text(const GradeReport& r) {
          labels_text(r);
 }
 
-#ifdef GONOGO_WITH_PICTURES
 namespace {
 
 /// Trials of friction angles between 25 and 35 degrees beside the formulas' least and most.
@@ -203,7 +202,6 @@ report::LinePlot plot_of(const GradeReport& r) {
 }
 
 }  // namespace
-#endif
 
 void write_grade(const std::filesystem::path& folder, const GradeReport& r) {
   create_folder(folder);
@@ -215,9 +213,7 @@ void write_grade(const std::filesystem::path& folder, const GradeReport& r) {
                 p.speed, p.commanded_speed, p.sinkage, campaign::contract().info(p.verdict).name.c_str(),
                 campaign::contract().info(p.reason).name.c_str(), degrees(p.band.pull[0]), degrees(p.band.pull[1]));
   write_file_atomically(folder / "quarter_wheel_grade.csv", csv);
-#ifdef GONOGO_WITH_PICTURES
   report::draw_line_plot(folder / "quarter_wheel_grade.png", plot_of(r));
-#endif
 }
 
 }  // namespace gonogo::lab

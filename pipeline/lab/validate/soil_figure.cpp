@@ -28,9 +28,7 @@ void write_figure(const std::filesystem::path& folder, const SoilFigure& figure)
   create_folder(folder);
   write_file_atomically(folder / (figure.name + ".csv"), figure.csv);
   if (!figure.over_time.empty()) write_file_atomically(folder / (figure.name + "_over_time.csv"), figure.over_time);
-#ifdef GONOGO_WITH_PICTURES
   report::draw_line_plot(folder / (figure.name + ".png"), figure.plot);
-#endif
   write_file_atomically(folder / (figure.name + ".json"), as_json(figure).dump(2) + "\n");
 }
 

@@ -26,7 +26,6 @@ std::string csv_of(const HardGroundReport& r) {
   return csv;
 }
 
-#ifdef GONOGO_WITH_PICTURES
 report::LinePlot plot_of(const HardGroundReport& r) {
   report::LinePlot plot;
   plot.title = r.title, plot.x_label = r.x_label, plot.y_label = r.y_label;
@@ -37,7 +36,6 @@ report::LinePlot plot_of(const HardGroundReport& r) {
   }
   return plot;
 }
-#endif
 
 }  // namespace
 
@@ -99,9 +97,7 @@ void write_reports(const std::filesystem::path& folder, const std::string& vehic
   for (const HardGroundReport& r : reports) {
     const std::string name = vehicle + "_" + r.name;
     write_file_atomically(folder / (name + ".csv"), csv_of(r));
-#ifdef GONOGO_WITH_PICTURES
     report::draw_line_plot(folder / (name + ".png"), plot_of(r));
-#endif
   }
   write_file_atomically(folder / (vehicle + ".json"), as_json(reports).dump(2) + "\n");
 }

@@ -6,9 +6,8 @@
 #include "base/line.h"
 #include "pipeline/learn/evaluation/evaluate_model.h"
 #include "pipeline/learn/training/score_report.h"
-#ifdef GONOGO_WITH_PICTURES
 #include "pipeline/report/figure/chart.h"
-#endif
+#include "pipeline/report/figure/pictures.h"
 
 namespace gonogo::learn {
 namespace {
@@ -39,7 +38,6 @@ std::string missing_csv(const Json& curve) {
   return text;
 }
 
-#ifdef GONOGO_WITH_PICTURES
 std::string in_words(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
@@ -83,7 +81,6 @@ report::Chart missing_chart(const Json& curve) {
   }
   return chart;
 }
-#endif
 
 }  // namespace
 
@@ -119,7 +116,7 @@ std::vector<std::filesystem::path> write_evaluation(const std::filesystem::path&
     files.push_back(folder / "missing.csv");
     write_file_atomically(files.back(), missing_csv(*curve));
   }
-#ifdef GONOGO_WITH_PICTURES
+  if (!report::pictures_available()) return files;
   std::vector<report::Chart> charts = {reliability_chart(scores)};
   if (curve) charts.push_back(missing_chart(*curve));
   files.push_back(folder / "evaluation.png");
@@ -127,7 +124,6 @@ std::vector<std::filesystem::path> write_evaluation(const std::filesystem::path&
                        line("P(go) on %lld trials that training did not see",
                             static_cast<long long>(scores.at("model").at("trials").integer())),
                        charts);
-#endif
   return files;
 }
 

@@ -6,6 +6,7 @@
 #include "base/file.h"
 #include "base/nearest.h"
 #include "pipeline/campaign/dataset/summary.h"
+#include "pipeline/report/figure/pictures.h"
 #include "pipeline/report/figure/scatter.h"
 
 namespace gonogo::learn {
@@ -99,6 +100,7 @@ report::Bars bars_of(const std::vector<VariableImportance>& importance) {
 
 std::vector<fs::path> write_dataset_report(const fs::path& folder, const campaign::Dataset& dataset,
                                            const ReportRequest& request) {
+  report::require_pictures("dataset report");
   report::ScatterTable boundary = table_of(dataset, request.name + ": trials by verdict");
   boundary.columns = {named_column(dataset, request.x), named_column(dataset, request.y)};
   report::ScatterTable pairs = table_of(dataset, request.name + ": every pair of variables");

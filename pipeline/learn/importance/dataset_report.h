@@ -17,7 +17,7 @@ struct ReportRequest {
 
 /// Writes boundary.png (trials over x and y by verdict), pairs.png (all varied variables), importance.png (with a
 /// model) and report.html, which holds them. Returns the files. Throws InputError for names that are neither variable
-/// nor measure, DeviceError when nothing can be written.
+/// nor measure and in a build without pictures, DeviceError when nothing can be written.
 std::vector<std::filesystem::path> write_dataset_report(const std::filesystem::path& folder,
                                                         const campaign::Dataset& dataset, const ReportRequest& request);
 

@@ -6,6 +6,7 @@
 
 #include "base/units.h"
 #include "pipeline/report/figure/canvas.h"
+#include "pipeline/report/figure/ticks.h"
 
 namespace gonogo::report {
 namespace {
@@ -23,14 +24,6 @@ const SeriesStyle& style_of(std::size_t series) {
   static const std::array<SeriesStyle, 5> styles = {
       {{"#0072b2", {}}, {"#d55e00", {16, 8}}, {"#009e73", {5, 6}}, {"#8a8a8a", {22, 6, 5, 6}}, {"#cc79a7", {}}}};
   return styles[series % styles.size()];
-}
-
-/// 1, 2 or 5 times a power of ten that gives four to eight ticks.
-double tick_step(double range) {
-  const double power = std::pow(10.0, std::floor(std::log10(range / 4)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (range / (factor * power) <= 8) return factor * power;
-  return 10 * power;
 }
 
 std::string number_text(double x) {

@@ -46,7 +46,7 @@ void draw_comparison_figure(const std::filesystem::path& path, const ComparisonF
   const Palette classes = class_palette(figure.difference_classes);
   const Box lower = draw_side(canvas, figure, {side.left, side.bottom() + 40, side.width, side.height},
                               "Is it more than both maps leave open?", figure.difference_class,
-                              [=](float value) { return value == kMissing ? kNothing : classes(value); });
+                              [=](float value) { return value == kMissing ? kNoValue : classes(value); });
   draw_legend(canvas, {lower.right() + 24, lower.top + 4, side.right() - lower.right() - 24, 0},
               figure.difference_classes, 22);
   canvas.text(kFigureMargin, lower_top + 34, "Which map passes, share of the area", 30, Align::left, true);

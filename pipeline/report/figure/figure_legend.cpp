@@ -21,14 +21,14 @@ Colour between_stops(const std::vector<FigureStop>& ramp, double value) {
     const Colour a = colour_from(ramp[i - 1].colour), b = colour_from(ramp[i].colour);
     return {a.red + t * (b.red - a.red), a.green + t * (b.green - a.green), a.blue + t * (b.blue - a.blue), 1};
   }
-  return kNothing;
+  return kNoValue;
 }
 
 }  // namespace
 
 Palette class_palette(const std::vector<FigureClass>& classes) {
   std::array<Colour, 256> colours;
-  colours.fill(kNothing);
+  colours.fill(kNoValue);
   for (const FigureClass& entry : classes) colours[std::size_t(entry.code)] = colour_from(entry.colour);
   return [colours](float value) { return colours[std::size_t(value)]; };
 }
@@ -39,7 +39,7 @@ Palette ramp_palette(const std::vector<FigureStop>& ramp) {
   std::vector<Colour> colours;
   for (int i = 0; i <= steps; ++i) colours.push_back(between_stops(ramp, low + (high - low) * i / steps));
   return [=](float value) {
-    return value < low ? kNothing : colours[std::size_t(std::min(1.0, (value - low) / (high - low)) * steps)];
+    return value < low ? kNoValue : colours[std::size_t(std::min(1.0, (value - low) / (high - low)) * steps)];
   };
 }
 
@@ -58,7 +58,7 @@ void draw_ramp(const Canvas& canvas, Box bar, const std::vector<FigureStop>& ram
     canvas.line(bar.right(), y, bar.right() + 8, y, kFrame, 2);
     canvas.text(bar.right() + 18, y + 9, text, 24);
   }
-  canvas.fill({bar.left, bar.bottom() + 34, bar.width, 30}, kNothing);
+  canvas.fill({bar.left, bar.bottom() + 34, bar.width, 30}, kNoValue);
   canvas.outline({bar.left, bar.bottom() + 34, bar.width, 30}, kFrame, 1.5);
   canvas.text(bar.right() + 18, bar.bottom() + 58, "no value", 24);
 }

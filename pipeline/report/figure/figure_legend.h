@@ -12,11 +12,11 @@ namespace gonogo::report {
 inline constexpr int kFigureWidth = 2400;
 inline constexpr double kFigureMargin = 60, kFigureHead = 240;  // of the page; the head holds title and subtitle
 inline constexpr Colour kFrame = {0.13, 0.13, 0.16, 1};
-inline constexpr Colour kNothing = {0.80, 0.80, 0.84, 1};  // cells that have no value
+inline constexpr Colour kNoValue = {0.80, 0.80, 0.84, 1};  // cells that have no value
 inline constexpr float kMissing = -99;                     // below every ramp
 
 Palette class_palette(const std::vector<FigureClass>& classes);
-/// Colours between the stops; kNothing below the first.
+/// Colours between the stops; kNoValue below the first.
 Palette ramp_palette(const std::vector<FigureStop>& ramp);
 /// The bar of a ramp with five numbers beside it, and a swatch for cells without a value.
 void draw_ramp(const Canvas& canvas, Box bar, const std::vector<FigureStop>& ramp);

@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "pipeline/report/figure/canvas.h"
+#include "pipeline/report/figure/ticks.h"
 
 namespace gonogo::report {
 namespace {
@@ -135,17 +136,6 @@ void draw_legend(const Canvas& canvas, const Axes& a, const LinePlot& plot) {
 }
 
 }  // namespace
-
-std::vector<double> axis_ticks(double low, double high, int count) {
-  if (!(high > low)) high = low + (low == 0 ? 1 : std::fabs(low));
-  const double rough = (high - low) / count, power = std::pow(10, std::floor(std::log10(rough)));
-  const double share = rough / power;
-  const double step = power * (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10);
-  std::vector<double> ticks;
-  const double first = std::floor(low / step + 1e-9), last = std::ceil(high / step - 1e-9);
-  for (double k = first; k <= last; ++k) ticks.push_back(k * step);
-  return ticks;
-}
 
 void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot) {
   Span x, y;

@@ -21,9 +21,6 @@ struct LinePlot {
   bool from_zero = true;           // the axes begin at zero where all values are at or above it
 };
 
-/// Round numbers that cover [low, high] in about `count` steps.
-std::vector<double> axis_ticks(double low, double high, int count);
-
 /// Writes a PNG 1500 pixels wide. Throws InputError for a plot without a finite point, DeviceError when it cannot be
 /// written.
 void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot);

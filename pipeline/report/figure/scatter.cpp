@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/line.h"
 #include "pipeline/report/figure/canvas.h"
-#include "pipeline/report/figure/line_plot.h"
+#include "pipeline/report/figure/ticks.h"
 
 namespace gonogo::report {
 namespace {

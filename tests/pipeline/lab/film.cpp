@@ -1,5 +1,5 @@
 // Films of trials: the frames that are due, their captions, VTK files, videos; and that watching changes nothing.
-#include "pipeline/lab/film/film.h"
+#include "pipeline/lab/film/trial_film.h"
 
 #include <cairo.h>
 
@@ -18,6 +18,7 @@
 #include "tests/support/vtp_file.h"
 
 namespace gonogo::lab {
+using namespace campaign;
 using namespace report;
 using namespace campaign;
 
@@ -34,7 +35,9 @@ FilmRequest small_film() {
   return r;
 }
 
-TrialRecord filmed(const TrialSetup& setup, const DesignPoint& p, Film& film, std::vector<TrialSample>* samples) {
+FilmedTrial small_trial(double slope) { return {.title = "test", .slope_along = slope, .commanded_speed = 1.5}; }
+
+TrialRecord filmed(const TrialSetup& setup, const DesignPoint& p, TrialFilm& film, std::vector<TrialSample>* samples) {
   TrialWatch watch;
   watch.start = [&] {
     film.start();
@@ -113,7 +116,7 @@ TEST_CASE("a filmed trial ends with the bits of one that nobody watches, and has
   create_folder(request.frames);
   std::vector<TrialSample> samples;
   {
-    Film film(request, "test", 5, 0, 1.5);
+    TrialFilm film(request, small_trial(5));
     // Left over from a longer film: they must not be taken for frames of this one.
     write_file_atomically(request.frames / "frame_000008.png", "old");
     write_file_atomically(request.frames / "frame_000009.png", "old");
@@ -158,7 +161,7 @@ TEST_CASE("two films of one trial have the same bytes, whatever the threads") {
     FilmRequest request = small_film();
     request.picture = folder / (std::to_string(threads) + ".png");
     request.threads = threads;
-    Film film(request, "test", 5, 0, 1.5);
+    TrialFilm film(request, small_trial(5));
     filmed(setup, p, film, nullptr);
   }
   CHECK(read_file(folder / "1.png") == read_file(folder / "3.png"));
@@ -173,7 +176,7 @@ TEST_CASE("a trial that was repeated is shown as it was the second time") {
   FilmRequest request = small_film();
   request.frames = folder / "frames";
   std::vector<TrialSample> samples;
-  Film film(request, "test", 5, 0, 1.5);
+  TrialFilm film(request, small_trial(5));
   const TrialRecord record = filmed(setup, p, film, &samples);
   CHECK(record.attempts == 2);
   CHECK(samples[1].time - samples[0].time == Approx(setup.numerics.step / 2));
@@ -190,7 +193,7 @@ TEST_CASE("a slope that fails by itself is shown without a wheel") {
   FilmRequest request = small_film();
   request.picture = folder / "end.png";
   request.vtk = folder / "vtk";
-  Film film(request, "test", 44, 0, 1.5);
+  TrialFilm film(request, small_trial(44));
   const TrialRecord record = filmed(setup, p, film, nullptr);
   CHECK(record.reason == Reason::slope_unstable);
   CHECK(badge(request.picture, Verdict::no_go) > 200);

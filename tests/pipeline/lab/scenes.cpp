@@ -13,6 +13,7 @@
 #include "pipeline/lab/scenes/picture.h"
 #include "pipeline/lab/scenes/screen.h"
 #include "pipeline/lab/scenes/silo.h"
+#include "pipeline/report/figure/pictures.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/refused.h"
@@ -122,9 +123,7 @@ TEST_CASE("a turning drum mixes, a standing one does not; pictures and frames of
   run.repeats = 0;
   run.vtk = folder.path() / "vtk";
   run.every = 0.5;
-#ifdef GONOGO_WITH_PICTURES
-  run.picture = folder.path() / "drum.png";
-#endif
+  if (report::pictures_available()) run.picture = folder.path() / "drum.png";
   const ManyResult drum = run_many(drum_scene(spec, {.iterations = 20}), run);
   const double turned = value_of(drum, "mixing_index");
   REQUIRE(drum.watched.size() == 9);  // at the start and after each eighth of the turn
@@ -225,8 +224,7 @@ TEST_CASE("what a scene does not watch cannot be plotted") {
   refused([&] { run_many(shaken_tank({.of = {.count = 200}}, {}), run); }, "--plot");
 }
 
-#ifdef GONOGO_WITH_PICTURES
-TEST_CASE("a run can be shown as a video, where there is ffmpeg") {
+TEST_CASE("a run can be shown as a video, where the build has pictures and there is ffmpeg") {
   TankSpec spec;
   spec.of.count = 200;
   const TemporaryFolder folder;
@@ -235,14 +233,13 @@ TEST_CASE("a run can be shown as a video, where there is ffmpeg") {
   run.every = 0.04;
   run.video = folder / "tank.mp4";
   ManyScene scene = shaken_tank(spec, {.iterations = 10});
-  if (std::system("ffmpeg -version > /dev/null 2>&1") == 0) {
+  if (report::pictures_available() && std::system("ffmpeg -version > /dev/null 2>&1") == 0) {
     run_many(scene, run);
     CHECK(std::filesystem::file_size(run.video) > 5000);
   } else {
     CHECK_THROWS_AS(run_many(scene, run), InputError);
   }
 }
-#endif
 
 TEST_CASE("videos run as fast as things went, but not in less than six seconds nor below five pictures a second") {
   CHECK(frame_rate(100, 0.1) == Approx(10));    // 10 s

@@ -1,4 +1,4 @@
-#include "pipeline/report/figure/trial_figure.h"
+#include "pipeline/report/figure/captioned.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "pipeline/report/figure/canvas.h"
+#include "pipeline/report/figure/ticks.h"
 
 namespace gonogo::report {
 namespace {
@@ -54,17 +55,17 @@ void coloured_text(const Canvas& canvas, double x, double baseline, const std::s
   cairo_show_text(canvas.cairo(), words.c_str());
 }
 
-void draw_verdict(const Canvas& canvas, const TrialCaption& caption, double right, double s) {
-  if (caption.verdict.empty()) return;
-  const double size = 20 * s, width = canvas.text_width(caption.verdict, size, true) + 32 * s;
-  const Colour fill = colour_from(caption.verdict_colour);
+void draw_badge(const Canvas& canvas, const Badge& badge, double right, double s) {
+  if (badge.text.empty()) return;
+  const double size = 20 * s, width = canvas.text_width(badge.text, size, true) + 32 * s;
+  const Colour fill = colour_from(badge.colour);
   // Relative luminance decides between dark and bright letters.
   const bool bright = 0.2126 * fill.red + 0.7152 * fill.green + 0.0722 * fill.blue > 0.6;
   rounded_box(canvas, {right - width, 20 * s, width, 36 * s}, 8 * s, fill);
-  coloured_text(canvas, right - width + 16 * s, 45 * s, caption.verdict, size, bright ? kDark : kBright, true);
+  coloured_text(canvas, right - width + 16 * s, 45 * s, badge.text, size, bright ? kDark : kBright, true);
 }
 
-void draw_facts(const Canvas& canvas, const TrialCaption& caption, double width, double height, double s) {
+void draw_facts(const Canvas& canvas, const Caption& caption, double width, double height, double s) {
   const double margin = 32 * s, top = height - 66 * s;
   canvas.line(margin, top, width - margin, top, kRule, s);
   const double pitch = (width - 2 * margin) / double(std::max<std::size_t>(1, caption.facts.size()));
@@ -75,15 +76,7 @@ void draw_facts(const Canvas& canvas, const TrialCaption& caption, double width,
   }
 }
 
-/// 1, 2 or 5 times a power of ten, so that a bar gets four to eight ticks.
-double tick_step(double range) {
-  const double power = std::pow(10.0, std::floor(std::log10(range / 4)));
-  for (const double factor : {1.0, 2.0, 5.0})
-    if (range / (factor * power) <= 8) return factor * power;
-  return 10 * power;
-}
-
-void draw_bar(const Canvas& canvas, const TrialCaption& caption, double width, double height, double s) {
+void draw_bar(const Canvas& canvas, const Caption& caption, double width, double height, double s) {
   const int steps = int(caption.bar_rgb.size() / 3);
   if (steps == 0) return;
   const Box bar{width - 92 * s, 0.28 * height, 16 * s, 0.40 * height};
@@ -106,12 +99,12 @@ void draw_bar(const Canvas& canvas, const TrialCaption& caption, double width, d
 
 }  // namespace
 
-void write_trial_figure(const std::filesystem::path& path, const Image& image, const TrialCaption& caption) {
+void write_captioned(const std::filesystem::path& path, const Image& image, const Caption& caption) {
   const Canvas canvas(image.width, image.height);
   put_image(canvas, image);
   const double s = image.height / kDesignHeight, width = image.width, height = image.height;
   canvas.text(32 * s, 46 * s, caption.title, 22 * s, Align::left, true);
-  draw_verdict(canvas, caption, width - 32 * s, s);
+  draw_badge(canvas, caption.badge, width - 32 * s, s);
   draw_facts(canvas, caption, width, height, s);
   draw_bar(canvas, caption, width, height, s);
   canvas.write_png(path);
