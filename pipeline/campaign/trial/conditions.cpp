@@ -48,7 +48,8 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
     const double wheels = double(vehicle::stations(*setup.whole).size());
     const vehicle::ContactSpring spring = vehicle::contact_spring(
         setup.whole->wheel.front(), setup.weight(value(point, "payload")) / wheels, setup.calibration.grain_diameter);
-    c.laws.tool.stiffness = Real(spring.stiffness), c.laws.tool.damping = Real(spring.damping);
+    c.laws.tool.stiffness = Real(spring.stiffness);
+    c.laws.tool.damping = Real(spring.damping);
   }
   if (const auto strip = setup.task->strip({})) c.soft = terrain::contact_law(setup.calibration, strip->soil, packing);
   c.payload = value(point, "payload");

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "base/units.h"
 #include "pipeline/campaign/trial/undisturbed.h"
@@ -13,7 +12,6 @@
 namespace gonogo::campaign {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kHeadroom = 2;  // over a standing vehicle's origin [m]
 
 /// The wheel is let down with its brake on, its rim speed grows from zero to the commanded one, and stays there.
@@ -221,11 +219,14 @@ bool fails(const TrialSetup& setup, const TiltedBed& bed) {
 }
 
 DriveOutcome outcome_of_failed_bed(const TiltedBed& bed) {
-  DriveOutcome o{};
+  DriveOutcome o;
   o.flags = bed.flags;
   o.worst_residual = bed.residual;
   o.bed_creep = bed.creep;
-  if (bed.flags == 0) o.verdict = Verdict::no_go, o.reason = Reason::slope_unstable;
+  if (bed.flags == 0) {
+    o.verdict = Verdict::no_go;
+    o.reason = Reason::slope_unstable;
+  }
   o.slip = o.sinkage = o.drift = o.mean_torque = o.energy_per_metre = kNaN;
   return o;
 }

@@ -4,14 +4,15 @@
 
 namespace gonogo::campaign {
 
-/// Verdict and measures (units in the contract). When the bed failed before the vehicle acted, driving measures are
-/// NaN.
+/// Verdict and measures of a drive. Measures stand in the contract's order and units.
 struct DriveOutcome {
   Verdict verdict = Verdict::unknown;
   Reason reason = Reason::simulation_failed;
-  double distance, drive_time, mean_speed, slip, sinkage, drift, mean_torque, energy_per_metre;
+  // 0 as long as nothing was driven; of a bed that failed by itself, NaN where 0 would be a statement.
+  double distance = 0, drive_time = 0, mean_speed = 0, slip = 0, sinkage = 0, drift = 0, mean_torque = 0,
+         energy_per_metre = 0;
   double bed_creep = 0, worst_residual = 0, energy_error = 0;
-  Index flags = 0;
+  Index flags = 0;                  // sim::StepFlag
   std::vector<WheelRecord> wheels;  // of a whole vehicle
   std::vector<PullPoint> pull;      // of a drawbar sweep
 };

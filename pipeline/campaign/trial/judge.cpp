@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "base/units.h"
@@ -10,8 +9,6 @@
 
 namespace gonogo::campaign {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A wheel of the vehicle and the monitor that watches it.
 struct WatchedWheel {
@@ -89,7 +86,10 @@ class Judge {
     double sum = 0;
     int count = 0;
     for (const WatchedWheel& w : wheels_)
-      if (w.driven) sum += value(w), ++count;
+      if (w.driven) {
+        sum += value(w);
+        ++count;
+      }
     return sum / count;
   }
 
@@ -97,7 +97,7 @@ class Judge {
   sim::MonitorSample sample(Index monitor, Index i) const { return simulation_.samples(world_, monitor, i, 1).front(); }
 
   DriveOutcome measures() {
-    DriveOutcome o{};
+    DriveOutcome o;
     o.flags = end_.now.flags;
     o.worst_residual = end_.worst_residual;
     // A carriage that leads a wheel does work that the monitor does not see: there is no balance.
@@ -117,7 +117,10 @@ class Judge {
       if (w.sinks) drop += of.drop / sinking(wheels_);
       if (setup_.whole) o.wheels.push_back(record_of(w, of, half.x));
       if (!w.driven) continue;
-      rolled += of.turned * w.radius, work += of.work, torque += of.torque, ++driven_wheels;
+      rolled += of.turned * w.radius;
+      work += of.work;
+      torque += of.torque;
+      ++driven_wheels;
     }
     rolled /= driven_wheels;
     o.mean_speed = half.x / half.time;
@@ -177,7 +180,9 @@ class Judge {
       const sim::MonitorMeans turned = sim::means_between(sample(w.monitor, from), sample(w.monitor, to), step_);
       if (w.sinks) p.sinkage += turned.drop / sinking(wheels_);
       if (!w.driven) continue;
-      rolled += turned.turned * w.radius, p.torque += turned.torque, ++driven;
+      rolled += turned.turned * w.radius;
+      p.torque += turned.torque;
+      ++driven;
     }
     p.torque /= driven;
     p.slip = rolled > 0 ? 1 - of.x / (rolled / driven) : kNaN;
@@ -208,9 +213,12 @@ SeenWheels mean_of_wheels(const TrialSetup& setup, SampleOf&& sample_of) {
     const sim::MonitorSample now = sample_of(w.monitor);
     if (w.sinks) seen.sinkage += now.drop / sinking(wheels);
     if (!w.driven) continue;
-    seen.rolled += now.turned * w.radius, seen.torque += now.torque, ++driven;
+    seen.rolled += now.turned * w.radius;
+    seen.torque += now.torque;
+    ++driven;
   }
-  seen.rolled /= driven, seen.torque /= driven;
+  seen.rolled /= driven;
+  seen.torque /= driven;
   return seen;
 }
 

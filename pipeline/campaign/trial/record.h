@@ -2,12 +2,16 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "pipeline/campaign/study/contract.h"
 
 namespace gonogo::campaign {
+
+/// Of a measure that a trial does not have.
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// One point of a design. Its trial is a pure function of (study, point): same point, same bits.
 struct DesignPoint {

@@ -155,7 +155,8 @@ Extent extent_of(const TrialSetup& s) {
   double front = -1e9, rear = 1e9;
   for (const vehicle::RunningPart& p : vehicle::running_parts(*s.whole)) {
     if (!(p.reach > 0)) continue;
-    front = std::max(front, p.centre.x), rear = std::min(rear, p.centre.x);
+    front = std::max(front, p.centre.x);
+    rear = std::min(rear, p.centre.x);
     e.wheel = std::max(e.wheel, p.reach);
     e.width = std::max(e.width, 2 * std::fabs(p.centre.y) + p.width);
   }

@@ -20,11 +20,18 @@ TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point);
 /// [m/s^2]. The bed's normal leans by `s` from the vertical with tan^2 s = tan^2 along + tan^2 across.
 Vec3d bed_gravity(double slope_along_deg, double slope_across_deg);
 
-/// State of a trial after a step, for people who look. Time runs from letting the wheel down [s]; x and y are what was
-/// travelled [m]; slip is that of the whole way; NaN where the bed failed before there was a wheel.
+/// State of a trial after a step, for observers. Numbers of the drive are NaN where the bed failed before there was a
+/// wheel.
 struct TrialSample {
-  double time, x, y, sinkage, speed, slip, torque, residual;
-  int contacts, iterations;
+  double time = 0;                   // from letting the wheel down [s]
+  double x = kNaN;                   // travelled [m]
+  double y = kNaN;                   // [m]
+  double sinkage = kNaN;             // [m]
+  double speed = kNaN;               // [m/s]
+  double slip = kNaN;                // of the whole way [-]
+  double torque = kNaN;              // [N m]
+  double residual = 0;               // root mean square over contacts [m/s]
+  int contacts = 0, iterations = 0;  // of the step
 };
 using TrialObserver = std::function<void(const TrialSample&)>;
 

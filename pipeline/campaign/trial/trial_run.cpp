@@ -14,7 +14,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRenewEvery = 0.1;  // of the moving patch [s]
 constexpr Index kNever = std::numeric_limits<Index>::max();
 
@@ -82,7 +81,8 @@ void TrialRun::enter(Places& places) {
   places_ = &places;
   place_ = places.take();
   bed_scene_.clear();
-  shown_samples_ = 0, frame_count_ = 0, replay_to_ = 0;
+  shown_samples_ = 0;
+  frame_count_ = 0;
   if (watch_.start) watch_.start();
   if (saved_) {
     try {
@@ -91,7 +91,7 @@ void TrialRun::enter(Places& places) {
       set_aside(error.what());
     }
   }
-  if (!world_) send_for(Phase::bed);
+  if (phase_ == Phase::outside) send_for(Phase::bed_coming);
 }
 
 /// Everything is read and checked before the place is touched.
@@ -128,20 +128,21 @@ ReadyWorld TrialRun::drive_world() const {
   return places_->ready(place_, vehicle_on_bed(setup_, packing_, bed_, conditions_));
 }
 
-void TrialRun::send_for(Phase phase) {
-  coming_phase_ = phase;
-  coming_ = std::async(std::launch::async, [this, phase] { return phase == Phase::bed ? bed_world() : drive_world(); });
+void TrialRun::send_for(Phase coming) {
+  phase_ = next_ = coming;
+  const bool bed = coming == Phase::bed_coming;
+  coming_ = std::async(std::launch::async, [this, bed] { return bed ? bed_world() : drive_world(); });
 }
 
 void TrialRun::arrive(bool wait) {
   if (!is_coming() || (!wait && coming_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)) return;
-  begin(coming_phase_, coming_.get(), nullptr);
+  begin(phase_ == Phase::bed_coming ? Phase::bed : Phase::drive, coming_.get(), nullptr);
 }
 
 void TrialRun::begin(Phase phase, ReadyWorld ready, const sim::Snapshot* from) {
   world_ = ready.world;
   places_->put(place_, std::move(ready), from);
-  phase_ = phase;
+  phase_ = next_ = phase;
   scene_.clear();
   step_ = from ? from->steps : 0;
   if (phase == Phase::bed) return;
@@ -153,7 +154,7 @@ void TrialRun::begin(Phase phase, ReadyWorld ready, const sim::Snapshot* from) {
 
 Index TrialRun::due() const {
   if (phase_ == Phase::bed) return bed_steps(setup_, settings_) - step_;
-  if (replay_to_ > 0) return replay_to_ - step_;
+  if (phase_ == Phase::replay) return replay_to_ - step_;
   const Index frame = std::max<Index>(1, next_frame() - step_);
   return setup_.moving_patch ? std::min(frame, renewal_steps() - step_ % renewal_steps()) : frame;
 }
@@ -168,43 +169,59 @@ void TrialRun::renew_when_due() {
 
 void TrialRun::look(Index steps, const sim::WorldStop& stop) {
   step_ += steps;
-  if (phase_ == Phase::bed)
-    look_at_bed();
-  else
-    look_at_drive(stop);
+  if (phase_ == Phase::bed) next_ = look_at_bed();
+  if (phase_ == Phase::drive) next_ = look_at_drive(stop);
+  if (phase_ == Phase::replay) next_ = look_at_replay(stop);
 }
 
-void TrialRun::look_at_bed() {
-  if (step_ < bed_steps(setup_, settings_)) return;
+void TrialRun::move_on() {
+  phase_ = next_;
+  if (phase_ == Phase::drive_coming) send_for(phase_);
+  if (phase_ == Phase::outside || phase_ == Phase::over) leave();
+}
+
+void TrialRun::leave() {
+  places_->release(place_);
+  places_ = nullptr;
+  world_.reset();
+}
+
+TrialRun::Phase TrialRun::look_at_bed() {
+  if (step_ < bed_steps(setup_, settings_)) return Phase::bed;
   bed_ = tilted_bed(simulation(), place_, packing_);
-  next_ = Next::drive;
-  if (!fails(setup_, bed_)) return;
-  if (watch_.frame)
-    watch_.frame({{0, kNaN, kNaN, kNaN, kNaN, kNaN, kNaN, bed_.residual, 0, 0}, *world_, simulation(), place_, -1});
-  end_attempt(outcome_of_failed_bed(bed_));
+  if (!fails(setup_, bed_)) return Phase::drive_coming;
+  if (watch_.frame) {
+    const TrialSample sample{.residual = bed_.residual};
+    watch_.frame({sample, *world_, simulation(), place_, -1});
+  }
+  return end_attempt(outcome_of_failed_bed(bed_));
 }
 
-/// A world is stepped on after it has stopped until the next look. Who wants to see it gets the step in which it
-/// stopped: taken again from the look before, which gives the same bits.
-void TrialRun::look_at_drive(const sim::WorldStop& stop) {
+/// A world is stepped on after it has stopped until the next look. A watcher of frames gets the step in which it
+/// stopped: the steps from the look before are taken again, with the same bits.
+TrialRun::Phase TrialRun::look_at_drive(const sim::WorldStop& stop) {
+  const bool passed = stop.cause != sim::StopCause::none && stop.step < step_;
+  if (!watch_.frame || !passed) return follow_drive(stop);
+  simulation().restore(place_, before_);
+  step_ = before_.steps;
+  replay_to_ = stop.step;
+  return Phase::replay;
+}
+
+TrialRun::Phase TrialRun::look_at_replay(const sim::WorldStop& stop) { return follow_drive(stop); }
+
+/// Shows what the watchers have not seen; stays in the phase unless the world has stopped.
+TrialRun::Phase TrialRun::follow_drive(const sim::WorldStop& stop) {
   const bool stopped = stop.cause != sim::StopCause::none;
-  if (watch_.frame && stopped && stop.step < step_) {
-    simulation().restore(place_, before_);
-    step_ = before_.steps;
-    replay_to_ = stop.step;
-    return;
-  }
   if (!stopped) renew_when_due();
   show_samples();
   if (stopped || step_ >= next_frame()) show_frame();
-  if (stopped)
-    end_attempt(judge_drive(setup_, conditions_, bed_, numerics_.step, simulation(), place_));
-  else
-    remember_for_replay();
+  if (stopped) return end_attempt(judge_drive(setup_, conditions_, bed_, numerics_.step, simulation(), place_));
+  remember_for_replay();
+  return phase_;
 }
 
-void TrialRun::end_attempt(const DriveOutcome& outcome) {
-  next_ = Next::leave;
+TrialRun::Phase TrialRun::end_attempt(const DriveOutcome& outcome) {
   store_measures(outcome, record_);
   record_.wheels = outcome.wheels;
   record_.pull = outcome.pull;
@@ -213,14 +230,15 @@ void TrialRun::end_attempt(const DriveOutcome& outcome) {
   if (failed == 0) {
     record_.verdict = outcome.verdict;
     record_.reason = outcome.reason;
-    over_ = true;
-  } else if (attempt() == 2) {
-    record_.failed_checks = failed;
-    over_ = true;  // unknown / simulation_failed
-  } else {
-    say_what_failed(failed, outcome);
-    record_.attempts = 2;
+    return Phase::over;
   }
+  if (attempt() == 2) {
+    record_.failed_checks = failed;
+    return Phase::over;  // unknown / simulation_failed
+  }
+  say_what_failed(failed, outcome);
+  record_.attempts = 2;
+  return Phase::outside;
 }
 
 void TrialRun::say_what_failed(std::uint64_t failed, const DriveOutcome& outcome) {
@@ -240,24 +258,18 @@ void TrialRun::say_what_was_slowed() {
 
 void TrialRun::say(const std::string& what) const { log_line("trial " + std::to_string(record_.point.index), what); }
 
-void TrialRun::move_on() {
-  if (next_ == Next::drive) send_for(Phase::drive);
-  if (next_ == Next::leave) {
-    places_->release(place_);
-    places_ = nullptr;
-    world_.reset();
-  }
-  next_ = Next::stay;
-}
-
 std::string TrialRun::scene_of(const sim::SceneWorld& world) const { return sim::scene_hash(world, settings_); }
 
 void TrialRun::save_when_due(bool at_once) {
   if (!saves() || !in_place() || is_coming() || (!at_once && Clock::now() < next_save_)) return;
   if (bed_scene_.empty()) bed_scene_ = scene_of(bed_alone(setup_, packing_, conditions_));
   if (scene_.empty()) scene_ = scene_of(*world_);
-  const TiltedBed* bed = phase_ == Phase::drive ? &bed_ : nullptr;
-  save_run(checkpoint_.path, {attempt(), bed_scene_, scene_, bed, simulation().snapshot(place_)});
+  const TiltedBed* bed = phase_ == Phase::bed ? nullptr : &bed_;
+  save_run(checkpoint_.path, {.attempt = attempt(),
+                              .bed_scene = bed_scene_,
+                              .scene = scene_,
+                              .bed = bed,
+                              .world = simulation().snapshot(place_)});
   next_save_ = in_seconds(checkpoint_.every);
 }
 
@@ -277,8 +289,16 @@ void TrialRun::remember_for_replay() {
 
 TrialSample TrialRun::seen(const sim::MonitorSample& s) const {
   const double rolled = s.turned * setup_.rig.radius;
-  return {s.step * numerics_.step,           s.x,      s.y,        s.drop,          s.speed,
-          rolled > 0 ? 1 - s.x / rolled : 0, s.torque, s.residual, s.contact_count, s.iterations};
+  return {.time = s.step * numerics_.step,
+          .x = s.x,
+          .y = s.y,
+          .sinkage = s.drop,
+          .speed = s.speed,
+          .slip = rolled > 0 ? 1 - s.x / rolled : 0,
+          .torque = s.torque,
+          .residual = s.residual,
+          .contacts = s.contact_count,
+          .iterations = s.iterations};
 }
 
 /// Of a whole vehicle: slip, sinkage and torque are means of its wheels now. What little its wheels roll while it is

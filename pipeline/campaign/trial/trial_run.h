@@ -28,7 +28,7 @@ class TrialRun {
   /// The host makes the world of the next phase while the batch goes on with others. Puts it into the place once it is
   /// made, which `wait` waits for. May rebuild the batch.
   void arrive(bool wait);
-  bool is_coming() const { return coming_.valid(); }
+  bool is_coming() const { return phase_ == Phase::bed_coming || phase_ == Phase::drive_coming; }
 
   /// After at most this many steps the batch has to look; it may do so sooner.
   Index due() const;
@@ -42,23 +42,43 @@ class TrialRun {
   bool saves() const { return !checkpoint_.path.empty(); }
 
   /// The record is final.
-  bool over() const { return over_; }
+  bool over() const { return phase_ == Phase::over; }
   const TrialRecord& record() const { return record_; }
 
  private:
-  enum class Phase { bed, drive };
-  enum class Next { stay, drive, leave };
+  /// Where the trial is between two calls. enter(), arrive(), look() and move_on() take the arrows.
+  ///
+  ///             enter              arrive       look, move_on           arrive        look
+  ///   outside ---------> bed_coming ------> bed ------------> drive_coming ------> drive ---> replay
+  ///
+  /// A checkpoint leads from `outside` straight to `bed` or `drive`. From `bed`, `drive` and `replay` an attempt ends:
+  /// in `over`, or in `outside` when a second attempt follows.
+  enum class Phase {
+    outside,       // has no place: before its first attempt, or between two
+    bed_coming,    // the host makes the world of the bed
+    bed,           // the bed settles alone under the trial's gravity
+    drive_coming,  // the bed has settled; the host makes the world with the vehicle
+    drive,         // the vehicle drives until a monitor stops the world
+    replay,        // the stop lay between two looks: the steps from the look before to the stop are taken again
+    over           // the record is final
+  };
 
   sim::Simulation& simulation() { return places_->simulation(); }
   void resume(const SavedRun& saved);
   void set_aside(const std::string& why);
-  void send_for(Phase phase);
+  void send_for(Phase coming);
   ReadyWorld bed_world() const;
   ReadyWorld drive_world() const;
   void begin(Phase phase, ReadyWorld ready, const sim::Snapshot* from);
-  void look_at_bed();
-  void look_at_drive(const sim::WorldStop& stop);
-  void end_attempt(const DriveOutcome& outcome);
+  void leave();
+
+  // What a look finds; each returns the next phase.
+  Phase look_at_bed();
+  Phase look_at_drive(const sim::WorldStop& stop);
+  Phase look_at_replay(const sim::WorldStop& stop);
+  Phase follow_drive(const sim::WorldStop& stop);
+  Phase end_attempt(const DriveOutcome& outcome);
+
   void say(const std::string& what) const;  // on standard error, of this trial
   void say_what_was_slowed();
   void say_what_failed(std::uint64_t failed, const DriveOutcome& outcome);
@@ -78,10 +98,11 @@ class TrialRun {
   const TrialSetup& setup_;
   TrialWatch watch_;
   TrialCheckpoint checkpoint_;
+  Phase phase_ = Phase::outside;
+  Phase next_ = Phase::outside;  // entered by move_on()
   TrialRecord record_;
   TrialConditions conditions_;
   terrain::Packing packing_;
-  bool over_ = false;
   std::optional<SavedRun> saved_;  // until the first attempt has entered a place
   std::chrono::steady_clock::time_point next_save_;
 
@@ -90,8 +111,6 @@ class TrialRun {
   sim::StepSettings settings_;
   Places* places_ = nullptr;
   sim::WorldIndex place_ = 0;
-  Phase phase_ = Phase::bed;
-  Next next_ = Next::stay;
   Index step_ = 0;  // of the phase's world
   std::shared_ptr<const sim::SceneWorld> world_;
   std::string bed_scene_, scene_;  // hashes, when they have been needed
@@ -101,9 +120,8 @@ class TrialRun {
   Index shown_samples_ = 0;
   std::int64_t frame_count_ = 0;
   sim::Snapshot before_;  // of the latest look
-  Index replay_to_ = 0;   // above zero: step in which the world stops
+  Index replay_to_ = 0;   // step in which the world stops
 
-  Phase coming_phase_ = Phase::bed;
   std::future<ReadyWorld> coming_;  // the last member: it is waited for before what it reads goes
 };
 

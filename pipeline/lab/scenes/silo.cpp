@@ -62,26 +62,12 @@ Parts add_silo(sim::SceneWorld& world, const SiloSpec& spec, double height) {
   return parts;
 }
 
-/// What a run of the silo remembers from drive to drive.
-struct Flow {
-  bool pulled = false, open = false;
-  double floor_force = 0, looks = 0;     // sum over looks before the hole is opened [N]
-  double fill_over_width = 0;            // when it is
-  WallStress stress;                     // of the same looks
-  double first_time = 0, last_time = 0;  // between which the flow is taken [s]
-  double first_mass = 0, last_mass = 0;  // that has left by then [kg]
-};
-
 double mass_below(const sim::SceneWorld& world, Index spheres, const std::vector<sim::BodyState>& bodies, double z) {
   double mass = 0;
   for (Index b = 0; b < spheres; ++b)
     if (bodies[b].position.z < z) mass += 1 / double(world.mass[b].inverse_mass.x);
   return mass;
 }
-
-/// The wall is drawn upward for so long before the opening, at so many diameters a second; over the second half of
-/// this its friction has built up as far as it does, and the sums are taken.
-constexpr double kPull = 2, kPullSpeed = 0.1;  // [s], [1/s]
 
 /// Upward at a speed [m/s].
 void move_wall(sim::Simulation& simulation, sim::BodyIndex wall, double speed) {
@@ -100,6 +86,130 @@ double fill_height(const sim::SceneWorld& world, Index spheres, const std::vecto
   }
   return 2 * moment / mass;
 }
+
+/// A run of the silo: what acts on it, and the sums that are taken meanwhile.
+class SiloRun {
+ public:
+  SiloRun(const SiloSpec& spec, const sim::SceneWorld& world, const Parts& parts, double height)
+      : spec_(spec),
+        world_(world),
+        parts_(parts),
+        spheres_(parts.wall),
+        weight_(kGravity * mass_below(world, spheres_, world.body, 1e30)) {
+    pull_ = 3 * fall_time(height / 3);
+    open_ = pull_ + kPullTime;
+    end_ = open_ + spec.flow_time;
+  }
+
+  double end() const { return end_; }  // [s]
+
+  void drive(sim::Simulation& simulation, double time) {
+    enter_due_phase(simulation, time);
+    if (phase_ == Phase::weigh) weigh(simulation);
+    if (phase_ == Phase::gauge) gauge(simulation, time);
+  }
+
+  std::vector<Measured> measures() const {
+    const double time = last_.time - first_.time;
+    return {{"floor_share_of_weight", floor_force_ / looks_ / weight_},
+            {"fill_over_width", fill_over_width_},
+            {"wall_friction_mobilised", stress_.mobilised(spec_.of.friction)},
+            {"wall_stress_ratio", stress_.ratio(2 * spec_.radius())},
+            {"flow_kg_per_s", time > 0 ? (last_.mass - first_.mass) / time : 0},
+            {"left_share", last_.mass / (weight_ / kGravity)}};
+  }
+
+  std::vector<Measured> watched(sim::Simulation& simulation, double time) const {
+    WallStress now;
+    add_stress(simulation, now);
+    return {{"time_s", time},
+            {"floor_share_of_weight", -floor_force_now(simulation) / weight_},
+            {"wall_friction_mobilised", now.normal > 0 ? now.mobilised(spec_.of.friction) : 0},
+            {"wall_stress_ratio", now.ratio(2 * spec_.radius())}};
+  }
+
+ private:
+  /// In the order in which they follow each other.
+  enum class Phase {
+    settle,  // the lattice falls onto floor and plug
+    pull,    // the wall is drawn upward, and its friction builds up
+    weigh,   // as before, and forces on floor and wall are summed up
+    flow,    // the wall stands, the plug is gone
+    gauge,   // as before, and what has left is noted
+    over
+  };
+
+  static constexpr double kPullTime = 2;     // of both phases in which the wall is drawn upward [s]
+  static constexpr double kPullSpeed = 0.1;  // of the wall, in sphere diameters [1/s]
+
+  /// Mass that has left the silo by a time.
+  struct Left {
+    double time = 0, mass = 0;  // [s], [kg]
+  };
+
+  Phase phase_at(double time) const {
+    if (time < pull_) return Phase::settle;
+    if (time < pull_ + kPullTime / 2) return Phase::pull;
+    if (time < open_) return Phase::weigh;
+    if (time < open_ + spec_.flow_time / 4) return Phase::flow;
+    return time <= end_ ? Phase::gauge : Phase::over;
+  }
+
+  /// No phase is left out, however far apart two drives are.
+  void enter_due_phase(sim::Simulation& simulation, double time) {
+    while (phase_ < phase_at(time)) {
+      phase_ = Phase(int(phase_) + 1);
+      if (phase_ == Phase::pull) start_pull(simulation);
+      if (phase_ == Phase::flow) open_silo(simulation);
+    }
+  }
+
+  void start_pull(sim::Simulation& simulation) const {
+    move_wall(simulation, parts_.wall, kPullSpeed * spec_.of.diameter);
+    simulation.set_law(0, 0, 0, {Real(spec_.of.friction), Real(spec_.rolling_friction), 0});
+  }
+
+  void open_silo(sim::Simulation& simulation) {
+    fill_over_width_ = fill_height(world_, spheres_, simulation.bodies(0)) / (2 * spec_.radius());
+    move_wall(simulation, parts_.wall, 0);
+    sim::BodyState away = simulation.body(0, parts_.plug);
+    away.position.z = -depth_below(spec_) - 1;
+    simulation.set_body(0, parts_.plug, away);
+  }
+
+  void weigh(sim::Simulation& simulation) {
+    floor_force_ -= floor_force_now(simulation);
+    add_stress(simulation, stress_);
+    ++looks_;
+  }
+
+  void gauge(sim::Simulation& simulation, double time) {
+    last_ = {time, mass_below(world_, spheres_, simulation.bodies(0), -wall_thickness(spec_))};
+    if (first_.time == 0) first_ = last_;
+  }
+
+  /// Upward force of the spheres on floor and plug, negative [N].
+  double floor_force_now(sim::Simulation& simulation) const {
+    return simulation.contact_force(0, parts_.floor).z + simulation.contact_force(0, parts_.plug).z;
+  }
+
+  void add_stress(sim::Simulation& simulation, WallStress& stress) const {
+    stress.add(sim::capture_world(simulation, 0), world_, spheres_, parts_.wall, simulation.settings().step);
+  }
+
+  SiloSpec spec_;
+  sim::SceneWorld world_;
+  Parts parts_;
+  Index spheres_;                         // they are the bodies before the wall
+  double weight_;                         // of all spheres [N]
+  double pull_ = 0, open_ = 0, end_ = 0;  // beginnings of phases `pull`, `flow` and `over` [s]
+
+  Phase phase_ = Phase::settle;
+  double floor_force_ = 0, looks_ = 0;  // sum of downward forces [N] over this many looks
+  WallStress stress_;                   // of the same looks
+  double fill_over_width_ = 0;          // when the plug goes
+  Left first_, last_;                   // of phase `gauge`
+};
 
 }  // namespace
 
@@ -122,59 +232,13 @@ ManyScene silo_scene(const SiloSpec& spec, const RunOn& on) {
   world.size = {2 * half, 2 * half, height + below};
   world.set_law(0, 0, {Real(spec.of.friction), 0, 0});
   for (const Sphere& s : fill) world.add_sphere(s.centre, Real(s.radius), Real(spec.of.density), 0);
-  const auto spheres = Index(fill.size());
   const Parts parts = add_silo(world, spec, height);
-  const double pulled = 3 * fall_time(height / 3), opens = pulled + kPull, ends = opens + spec.flow_time;
-  scene.duration = ends;
-  const auto flow = std::make_shared<Flow>();
-  const auto kept = std::make_shared<const sim::SceneWorld>(world);
-  const double mouth = -wall_thickness(spec), weight = kGravity * mass_below(world, spheres, world.body, 1e30);
-  scene.drive = [=](sim::Simulation& simulation, double time) {
-    if (time < opens) {
-      if (time < pulled) return;
-      if (!flow->pulled) {
-        move_wall(simulation, parts.wall, kPullSpeed * spec.of.diameter);
-        simulation.set_law(0, 0, 0, {Real(spec.of.friction), Real(spec.rolling_friction), 0});
-        flow->pulled = true;
-      }
-      if (time < pulled + kPull / 2) return;
-      flow->floor_force -= simulation.contact_force(0, parts.floor).z + simulation.contact_force(0, parts.plug).z;
-      flow->stress.add(sim::capture_world(simulation, 0), *kept, spheres, parts.wall, simulation.settings().step);
-      ++flow->looks;
-      return;
-    }
-    if (!flow->open) {
-      flow->fill_over_width = fill_height(*kept, spheres, simulation.bodies(0)) / (2 * spec.radius());
-      move_wall(simulation, parts.wall, 0);
-      sim::BodyState away = simulation.body(0, parts.plug);
-      away.position.z = -depth_below(spec) - 1;
-      simulation.set_body(0, parts.plug, away);
-      flow->open = true;
-    }
-    if (time < opens + spec.flow_time / 4 || time > ends) return;
-    const double mass = mass_below(*kept, spheres, simulation.bodies(0), mouth);
-    if (flow->first_time == 0) flow->first_time = time, flow->first_mass = mass;
-    flow->last_time = time, flow->last_mass = mass;
-  };
-  scene.measure = [=](sim::Simulation&) -> std::vector<Measured> {
-    const double time = flow->last_time - flow->first_time;
-    return {{"floor_share_of_weight", flow->floor_force / flow->looks / weight},
-            {"fill_over_width", flow->fill_over_width},
-            {"wall_friction_mobilised", flow->stress.mobilised(spec.of.friction)},
-            {"wall_stress_ratio", flow->stress.ratio(2 * spec.radius())},
-            {"flow_kg_per_s", time > 0 ? (flow->last_mass - flow->first_mass) / time : 0},
-            {"left_share", flow->last_mass / (weight / kGravity)}};
-  };
+  const auto run = std::make_shared<SiloRun>(spec, world, parts, height);
+  scene.duration = run->end();
+  scene.drive = [run](sim::Simulation& simulation, double time) { run->drive(simulation, time); };
+  scene.measure = [run](sim::Simulation&) { return run->measures(); };
   scene.watch_every = 0.05;
-  scene.watch = [=](sim::Simulation& simulation, double time) -> std::vector<Measured> {
-    WallStress now;
-    now.add(sim::capture_world(simulation, 0), *kept, spheres, parts.wall, simulation.settings().step);
-    const double floor = simulation.contact_force(0, parts.floor).z + simulation.contact_force(0, parts.plug).z;
-    return {{"time_s", time},
-            {"floor_share_of_weight", -floor / weight},
-            {"wall_friction_mobilised", now.normal > 0 ? now.mobilised(spec.of.friction) : 0},
-            {"wall_stress_ratio", now.ratio(2 * spec.radius())}};
-  };
+  scene.watch = [run](sim::Simulation& simulation, double time) { return run->watched(simulation, time); };
   return scene;
 }
 
