@@ -107,7 +107,10 @@ void run_with_mpi(const std::vector<std::string>& words) {
 int run(const std::vector<std::string>& words) {
   const std::string& what = words.at(1);
   if (what == "worker") {
-    if (words.at(3) == "old") std::printf("%s%s", kHelloWord, seal_line("0.0.1 (1234)").c_str()), std::fflush(stdout);
+    if (words.at(3) == "old") {
+      std::printf("%s%s", kHelloWord, seal_line("0.0.1 (1234)").c_str());
+      std::fflush(stdout);
+    }
     work(std::stoi(words.at(2)), words.at(3), std::stoi(words.at(4)));
   } else if (what == "task") {
     const std::size_t n = words.size();

@@ -86,7 +86,10 @@ void write_outcome(Hdf5Writer& out, TrialColumns& columns) {
   store(out, "outcome/failed_checks", columns.failed_checks, "-", "bits of the checks that an unknown trial failed");
   std::vector<std::string> names;
   std::vector<std::int64_t> bits;
-  for (const Check& check : kChecks) names.push_back(check.name), bits.push_back(std::int64_t(check.bit));
+  for (const Check& check : kChecks) {
+    names.push_back(check.name);
+    bits.push_back(std::int64_t(check.bit));
+  }
   out.attribute("outcome/failed_checks", "names", names);
   out.attribute("outcome/failed_checks", "bits", bits);
 }

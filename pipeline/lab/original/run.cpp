@@ -19,7 +19,10 @@ using vehicle::Vehicle;
 Vehicle as_in_the_original(Vehicle v) {
   if (v.kind != vehicle::VehicleKind::wheeled || v.driveline.wheel_motors)
     throw InputError("vehicle " + v.name + ": the original study drives a wheeled vehicle with an engine");
-  for (vehicle::Wheel& w : v.wheel) w.lug_count = 0, w.lug_height = 0;
+  for (vehicle::Wheel& w : v.wheel) {
+    w.lug_count = 0;
+    w.lug_height = 0;
+  }
   for (vehicle::Axle& a : v.axle) a.brake_torque = 0;
   return v;
 }

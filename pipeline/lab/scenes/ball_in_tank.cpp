@@ -7,7 +7,9 @@ namespace gonogo::lab {
 
 sim::SceneWorld with_ball(const sim::SceneWorld& tank, const Vec3d& centre, double radius, double density) {
   sim::SceneWorld world = tank;
-  world.body.clear(), world.mass.clear(), world.shape.clear();
+  world.body.clear();
+  world.mass.clear();
+  world.shape.clear();
   world.add_sphere(centre, Real(radius), Real(density), 0);
   std::size_t next = 0;
   for (std::size_t b = 0; b < tank.body.size(); ++b) {
@@ -44,7 +46,10 @@ double surface_of(const std::vector<sim::BodyState>& bodies, const TankSpec& tan
   }
   double sum = 0, count = 0;
   for (const double z : top)
-    if (z >= 0) sum += z, ++count;
+    if (z >= 0) {
+      sum += z;
+      ++count;
+    }
   return sum / count;
 }
 

@@ -57,11 +57,16 @@ double lacey_index(const std::vector<Vec3d>& position, const std::vector<bool>& 
     const Vec3d& p = position[i];
     auto& c = count[{std::int64_t(std::floor(p.x / cube)), std::int64_t(std::floor(p.y / cube)),
                      std::int64_t(std::floor(p.z / cube))}];
-    ++c[0], c[1] += is_first[i];
+    ++c[0];
+    c[1] += is_first[i];
   }
   double all = 0, first = 0, cubes = 0;
   for (const auto& [at, c] : count)
-    if (c[0] >= kLeastInCube) all += double(c[0]), first += double(c[1]), ++cubes;
+    if (c[0] >= kLeastInCube) {
+      all += double(c[0]);
+      first += double(c[1]);
+      ++cubes;
+    }
   const double p = first / all, n = all / cubes;
   double variance = 0;
   for (const auto& [at, c] : count)

@@ -62,14 +62,17 @@ Kinds loose_feed(const ScreenSpec& spec) {
 }
 
 void add_machine_shape(sim::SceneWorld& world, sim::Shape s) {
-  s.material = kMachine, s.group = kMachineGroup;
+  s.material = kMachine;
+  s.group = kMachineGroup;
   world.add_shape(s);
 }
 
 sim::Shape box(sim::BodyIndex body, const Vec3& offset, const Vec3& half) {
   sim::Shape s;
   s.type = sim::ShapeType::box;
-  s.body = body, s.offset_B = offset, s.size = half;
+  s.body = body;
+  s.offset_B = offset;
+  s.size = half;
   return s;
 }
 
@@ -151,8 +154,10 @@ void add_ground(sim::SceneWorld& world, const ScreenSpec& spec, const Bounds& at
   add_plane(world, ground, {0, half, 0}, towards(1, -1));
   add_plane(world, ground, {}, towards(0, 1));
   add_plane(world, ground, {at.end_x, 0, 0}, towards(0, -1));
-  for (std::size_t k = world.shape.size() - 5; k < world.shape.size(); ++k)
-    world.shape[k].material = kMachine, world.shape[k].group = kMachineGroup;
+  for (std::size_t k = world.shape.size() - 5; k < world.shape.size(); ++k) {
+    world.shape[k].material = kMachine;
+    world.shape[k].group = kMachineGroup;
+  }
   const double thick = thickness(spec) / 2, tall = (at.wall_top - at.floor_z) / 2;
   add_machine_shape(world, box(ground, {Real(at.wall_x + thick), 0, Real(at.wall_top - tall)},
                                {Real(thick), Real(half), Real(tall)}));

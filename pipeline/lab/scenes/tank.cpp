@@ -119,7 +119,8 @@ sim::SceneWorld tank_world(const TankSpec& spec, const RunOn& on) {
   add_plane(world, tank, {0, -room, 0}, towards(1, 1));
   add_plane(world, tank, {0, width + room, 0}, towards(1, -1));
   world.origin = {-2 * room, -2 * room, world.origin.z};
-  world.size.x = length + 4 * room, world.size.y = width + 4 * room;
+  world.size.x = length + 4 * room;
+  world.size.y = width + 4 * room;
   return world;
 }
 
@@ -129,12 +130,15 @@ double solid_fraction(const TankSpec& spec, const sim::SceneWorld& world) {
   Vec3d low{1e30, 1e30, 2 * d}, high{-1e30, -1e30, 0};
   for (Index b = 0; b < spec.of.count; ++b) {
     const Vec3d& p = world.body[b].position;
-    low.x = std::min(low.x, p.x), low.y = std::min(low.y, p.y);
-    high.x = std::max(high.x, p.x), high.y = std::max(high.y, p.y);
+    low.x = std::min(low.x, p.x);
+    low.y = std::min(low.y, p.y);
+    high.x = std::max(high.x, p.x);
+    high.y = std::max(high.y, p.y);
     surface = std::max(surface, p.z);
   }
   const Vec3d aside{2 * d, 2 * d, 0};
-  low += aside, high -= aside;
+  low += aside;
+  high -= aside;
   high.z = surface - 2 * d;
   // A sphere counts with the share of its height that lies between the two levels, and whole across them.
   double solid = 0;

@@ -107,7 +107,10 @@ TestSoil seeded(const SoilTestRequest& r, std::size_t k) {
 
 SoilTestOutcome repose(const SoilTestRequest& r) {
   terrain::ReposeSettings settings;
-  if (r.quick) settings.length = 16, settings.height = 8;
+  if (r.quick) {
+    settings.length = 16;
+    settings.height = 8;
+  }
   settings.steps_per_time = steps_per_gravity_time(settings.steps_per_time, r);
   std::vector<terrain::ReposeResult> results(std::size_t(r.seeds));
   SoilTestOutcome o = begin("repose", r);
@@ -116,16 +119,19 @@ SoilTestOutcome repose(const SoilTestRequest& r) {
     results[k] = repose_test(seeded(r, k), settings, pace, k + 1 == results.size() ? &o.scene : nullptr);
   });
   o.csv = "seed,x_m,height_m\n";
-  o.plot.x_label = "distance from the far wall [m]", o.plot.y_label = "height of the surface [m]";
+  o.plot.x_label = "distance from the far wall [m]";
+  o.plot.y_label = "height of the surface [m]";
   std::vector<double> angles;
   double worst = 0, rest = 0;
   for (std::size_t k = 0; k < results.size(); ++k) {
     angles.push_back(results[k].angle.degrees);
-    worst = std::max(worst, results[k].worst_residual), rest = std::max(rest, results[k].rest_speed);
+    worst = std::max(worst, results[k].worst_residual);
+    rest = std::max(rest, results[k].rest_speed);
     report::PlotLine profile{line("seed %zu: %.1f deg", std::size_t(r.soil.seed) + k, angles.back()), {}, {}, false};
     for (const auto& s : results[k].profile) {
       o.csv += line("%zu,%.5f,%.5f\n", std::size_t(r.soil.seed) + k, s.x, s.height);
-      profile.x.push_back(s.x), profile.y.push_back(s.height);
+      profile.x.push_back(s.x);
+      profile.y.push_back(s.height);
     }
     o.plot.lines.push_back(profile);
   }
@@ -186,7 +192,8 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
                             k + 1 == loads.size() ? &o.scene : nullptr);
   });
   o.csv = "normal_stress_Pa,seed,travel_grains,shear_stress_Pa,measured_normal_stress_Pa,rise_grains\n";
-  o.plot.x_label = "travel of the plate, grain diameters", o.plot.y_label = "shear stress [kPa]";
+  o.plot.x_label = "travel of the plate, grain diameters";
+  o.plot.y_label = "shear stress [kPa]";
   double worst = 0;
   for (std::size_t k = 0; k < loads.size(); ++k) {
     worst = std::max(worst, results[k].worst_residual);
@@ -194,7 +201,8 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
     for (const auto& s : results[k].curve) {
       o.csv += line("%g,%zu,%.4f,%.2f,%.2f,%.5f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed, s.travel,
                     s.shear_stress, s.normal_stress, s.rise);
-      curve.x.push_back(s.travel), curve.y.push_back(s.shear_stress / 1e3);
+      curve.x.push_back(s.travel);
+      curve.y.push_back(s.shear_stress / 1e3);
     }
     o.plot.lines.push_back(curve);
   }
@@ -206,7 +214,10 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
 SoilTestOutcome triaxial(const SoilTestRequest& r) {
   const std::vector<Load> loads = loads_of(r);
   terrain::TriaxialSettings settings;
-  if (r.quick) settings.grains_wide = 7, settings.grains_high = 12;
+  if (r.quick) {
+    settings.grains_wide = 7;
+    settings.grains_high = 12;
+  }
   std::vector<terrain::TriaxialResult> results(loads.size());
   SoilTestOutcome o = begin("triaxial", r);
   Runs runs("triaxial", r, loads.size(), terrain::triaxial_steps(settings));
@@ -217,7 +228,8 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
     results[k] = triaxial_test(seeded(r, loads[k].seed), own, pace, k + 1 == loads.size() ? &o.scene : nullptr);
   });
   o.csv = "confining_stress_Pa,seed,strain,axial_stress_Pa,lateral_stress_Pa,volume_strain\n";
-  o.plot.x_label = "axial strain", o.plot.y_label = "deviator stress over lateral stress";
+  o.plot.x_label = "axial strain";
+  o.plot.y_label = "deviator stress over lateral stress";
   double worst = 0, fraction = 0;
   for (std::size_t k = 0; k < loads.size(); ++k) {
     worst = std::max(worst, results[k].worst_residual);
@@ -226,7 +238,8 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
     for (const auto& s : results[k].curve) {
       o.csv += line("%g,%zu,%.5f,%.2f,%.2f,%.6f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed, s.strain,
                     s.axial_stress, s.lateral_stress, s.volume_strain);
-      curve.x.push_back(s.strain), curve.y.push_back(s.axial_stress / s.lateral_stress - 1);
+      curve.x.push_back(s.strain);
+      curve.y.push_back(s.axial_stress / s.lateral_stress - 1);
     }
     o.plot.lines.push_back(curve);
   }
@@ -269,7 +282,10 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
   Index steps = 0;
   for (std::size_t k = 0; k < settings.size(); ++k) {
     settings[k].width_grains = r.plate_widths[k];
-    if (r.quick) settings[k].bed_depth = 2, settings[k].growth_time = 3;
+    if (r.quick) {
+      settings[k].bed_depth = 2;
+      settings[k].growth_time = 3;
+    }
     settings[k].steps_per_time = steps_per_gravity_time(settings[k].steps_per_time, r);
     steps = std::max(steps, terrain::plate_steps(settings[k]));
   }
@@ -282,7 +298,8 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
                             k + 1 == count ? &o.scene : nullptr);
   });
   o.csv = "plate_width_m,seed,sinkage_m,pressure_Pa\n";
-  o.plot.x_label = "sinkage [mm]", o.plot.y_label = "pressure [kPa]";
+  o.plot.x_label = "sinkage [mm]";
+  o.plot.y_label = "pressure [kPa]";
   const terrain::BekkerFit fit = fit_bekker(results);
   double worst = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -294,7 +311,8 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
       o.csv += line("%.4f,%zu,%.6f,%.2f\n", results[k].width, std::size_t(r.soil.seed) + k / settings.size(), s.sinkage,
                     s.pressure);
       if (s.sinkage < 0) continue;
-      curve.x.push_back(1e3 * s.sinkage), curve.y.push_back(s.pressure / 1e3);
+      curve.x.push_back(1e3 * s.sinkage);
+      curve.y.push_back(s.pressure / 1e3);
       fitted.x.push_back(1e3 * s.sinkage);
       fitted.y.push_back((fit.k_c / results[k].width + fit.k_phi) * std::pow(s.sinkage, fit.n) / 1e3);
     }
@@ -308,20 +326,24 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
 
 /// Mean of the beds over depth, and from the least to the most of them as a band.
 void draw_cone(report::LinePlot& plot, const std::vector<terrain::ConeResult>& results) {
-  plot.x_label = "depth of the cone's base [mm]", plot.y_label = "force over base area [kPa]";
+  plot.x_label = "depth of the cone's base [mm]";
+  plot.y_label = "force over base area [kPa]";
   report::PlotLine band, mean;
   const std::vector<terrain::ConeSample> profile = mean_profile(results);
   for (std::size_t k = 0; k < profile.size(); ++k) {
     const auto [least, most] = std::minmax_element(results.begin(), results.end(), [k](const auto& a, const auto& b) {
       return a.profile[k].pressure < b.profile[k].pressure;
     });
-    band.x.push_back(1e3 * profile[k].depth), mean.x.push_back(1e3 * profile[k].depth);
-    band.y.push_back(least->profile[k].pressure / 1e3), band.most.push_back(most->profile[k].pressure / 1e3);
+    band.x.push_back(1e3 * profile[k].depth);
+    mean.x.push_back(1e3 * profile[k].depth);
+    band.y.push_back(least->profile[k].pressure / 1e3);
+    band.most.push_back(most->profile[k].pressure / 1e3);
     mean.y.push_back(profile[k].pressure / 1e3);
   }
   band.colour = mean.colour = 0;
   if (results.size() > 1) {
-    band.label = "least to most", mean.label = line("mean of %zu beds", results.size());
+    band.label = "least to most";
+    mean.label = line("mean of %zu beds", results.size());
     plot.lines.push_back(band);
   }
   plot.lines.push_back(mean);

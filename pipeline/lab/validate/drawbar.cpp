@@ -31,7 +31,8 @@ struct PartSum {
 DrawbarPoint point_of(const PartSum& part, const vehicle::Vehicle& v, double friction_angle) {
   DrawbarPoint p;
   p.slip = mean_of(part.slip).mean;
-  p.pull = mean_of(part.pull), p.resistance = mean_of(part.resistance);
+  p.pull = mean_of(part.pull);
+  p.resistance = mean_of(part.resistance);
   p.sinkage = mean_of(part.sinkage).mean;
   p.band = sand_band(v, friction_angle, p.slip);
   return p;
@@ -39,7 +40,8 @@ DrawbarPoint point_of(const PartSum& part, const vehicle::Vehicle& v, double fri
 
 Json range(const double (&x)[2]) {
   Json pair = Json::array();
-  pair.push_back(x[0]), pair.push_back(x[1]);
+  pair.push_back(x[0]);
+  pair.push_back(x[1]);
   return pair;
 }
 
@@ -70,7 +72,9 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
     part.resize(std::max(part.size(), record.pull.size()));
     for (std::size_t k = 0; k < record.pull.size(); ++k) {
       const campaign::PullPoint& p = record.pull[k];
-      part[k].slip.push_back(p.slip), part[k].pull.push_back(p.pull), part[k].sinkage.push_back(p.sinkage);
+      part[k].slip.push_back(p.slip);
+      part[k].pull.push_back(p.pull);
+      part[k].sinkage.push_back(p.sinkage);
       part[k].resistance.push_back(driven * p.torque / radius / weight - p.pull);
     }
   }
@@ -100,12 +104,17 @@ Json as_json(const DrawbarReport& r) {
   int pull = 0, resistance = 0;
   for (const DrawbarPoint& p : r.point) {
     Json one;
-    one["slip"] = p.slip, one["sinkage_m"] = p.sinkage;
-    one["pull_per_weight"] = p.pull.mean, one["pull_error"] = p.pull.error, one["pull_band"] = range(p.band.pull);
-    one["resistance_per_weight"] = p.resistance.mean, one["resistance_error"] = p.resistance.error;
+    one["slip"] = p.slip;
+    one["sinkage_m"] = p.sinkage;
+    one["pull_per_weight"] = p.pull.mean;
+    one["pull_error"] = p.pull.error;
+    one["pull_band"] = range(p.band.pull);
+    one["resistance_per_weight"] = p.resistance.mean;
+    one["resistance_error"] = p.resistance.error;
     one["resistance_band"] = range(p.band.resistance);
     json["points"].push_back(std::move(one));
-    pull += p.pull_inside(), resistance += p.resistance_inside();
+    pull += p.pull_inside();
+    resistance += p.resistance_inside();
   }
   json["drawbar_points"] = r.point.size();
   json["drawbar_inside"] = pull;
@@ -130,20 +139,26 @@ namespace {
 report::LinePlot plot_of(const DrawbarReport& r) {
   report::LinePlot plot;
   plot.title = r.vehicle + ": drawbar pull and resistance on sand";
-  plot.x_label = "slip", plot.y_label = "share of the weight";
+  plot.x_label = "slip";
+  plot.y_label = "share of the weight";
   constexpr int kPullColour = 0, kResistanceColour = 3;
   report::PlotLine of_pull{"pull, formulas", {}, {}, false, {}, kPullColour};
   report::PlotLine of_resistance{"resistance, formulas", {}, {}, false, {}, kResistanceColour};
   for (const TractionBand& b : r.band) {
-    of_pull.x.push_back(b.slip), of_resistance.x.push_back(b.slip);
-    of_pull.y.push_back(b.pull[0]), of_pull.most.push_back(b.pull[1]);
-    of_resistance.y.push_back(b.resistance[0]), of_resistance.most.push_back(b.resistance[1]);
+    of_pull.x.push_back(b.slip);
+    of_resistance.x.push_back(b.slip);
+    of_pull.y.push_back(b.pull[0]);
+    of_pull.most.push_back(b.pull[1]);
+    of_resistance.y.push_back(b.resistance[0]);
+    of_resistance.most.push_back(b.resistance[1]);
   }
   report::PlotLine pull{"pull, trials", {}, {}, true, {}, kPullColour};
   report::PlotLine resistance{"resistance, trials", {}, {}, true, {}, kResistanceColour};
   for (const DrawbarPoint& p : r.point) {
-    pull.x.push_back(p.slip), pull.y.push_back(p.pull.mean);
-    resistance.x.push_back(p.slip), resistance.y.push_back(p.resistance.mean);
+    pull.x.push_back(p.slip);
+    pull.y.push_back(p.pull.mean);
+    resistance.x.push_back(p.slip);
+    resistance.y.push_back(p.resistance.mean);
   }
   plot.lines = {of_pull, of_resistance, pull, resistance};
   plot.notes.push_back(

@@ -37,8 +37,10 @@ struct Wheels {
 Wheels wheels_of(const vehicle::Vehicle& v) {
   Wheels w;
   for (const vehicle::RunningPart& p : vehicle::running_parts(v)) {
-    w.front = std::max(w.front, p.centre.x), w.rear = std::min(w.rear, p.centre.x);
-    w.reach = std::max(w.reach, p.reach), w.width = std::max(w.width, p.width);
+    w.front = std::max(w.front, p.centre.x);
+    w.rear = std::min(w.rear, p.centre.x);
+    w.reach = std::max(w.reach, p.reach);
+    w.width = std::max(w.width, p.width);
     w.lane.push_back(p.centre.y);
   }
   return w;
@@ -128,8 +130,10 @@ FoldedReport compare_folded(const BedsRequest& r, double width) {
 
 Json as_json(const FoldedReport& r) {
   Json json = as_json(r.beds);
-  json["lane_distance_m"] = r.lane_distance, json["tyre_width_m"] = r.tyre_width;
-  json["rut_half_width_m"] = r.rut_half_width, json["bin_width_m"] = r.bin_width;
+  json["lane_distance_m"] = r.lane_distance;
+  json["tyre_width_m"] = r.tyre_width;
+  json["rut_half_width_m"] = r.rut_half_width;
+  json["bin_width_m"] = r.bin_width;
   for (const double m : r.moved) json["moved_m"].push_back(m);
   return json;
 }

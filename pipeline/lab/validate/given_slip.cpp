@@ -30,7 +30,8 @@ GivenSlip run_slip(const SimulantRun& run, const campaign::TrialSetup& setup, co
   }
   const terrain::MeanError slope = terrain::mean_error(slopes);
   s.trials = int(slopes.size());
-  s.traction_slope = slopes.empty() ? std::nan("") : slope.mean, s.traction_slope_error = slope.error;
+  s.traction_slope = slopes.empty() ? std::nan("") : slope.mean;
+  s.traction_slope_error = slope.error;
   s.sinkage = terrain::mean_error(depths).mean;
   return s;
 }
@@ -70,14 +71,19 @@ SoilFigure given_slip_figure(const SimulantRun& run, const std::vector<GivenSlip
   SoilFigure f;
   f.name = "soils_trec";
   f.plot.title = "A wheel of MGRU3 on GRC-3, led at given slips";
-  f.plot.x_label = "slip", f.plot.y_label = "slope that the pull would climb [deg]";
+  f.plot.x_label = "slip";
+  f.plot.y_label = "slope that the pull would climb [deg]";
   f.plot.lines = {{"single-wheel tests", {}, {}, true}, {"gonogo", {}, {}, false}};
-  for (const auto& t : kTests) f.plot.lines[0].x.push_back(t.slip), f.plot.lines[0].y.push_back(t.slope);
+  for (const auto& t : kTests) {
+    f.plot.lines[0].x.push_back(t.slip);
+    f.plot.lines[0].y.push_back(t.slope);
+  }
   f.csv = "slip,measured_deg,lowest_deg,highest_deg,traction_slope_deg,standard_error_deg,sinkage_m,trials\n";
   for (const GivenSlip& p : points) {
     f.csv += line("%g,%.2f,%g,%g,%.3f,%.3f,%.5f,%d\n", p.slip, p.measured, p.lowest, p.highest, p.traction_slope,
                   p.traction_slope_error, p.sinkage, p.trials);
-    f.plot.lines[1].x.push_back(p.slip), f.plot.lines[1].y.push_back(p.traction_slope);
+    f.plot.lines[1].x.push_back(p.slip);
+    f.plot.lines[1].y.push_back(p.traction_slope);
   }
   const double rms = rms_traction_error(points);
   f.check = {{"rmse_traction_slope_trec_deg",

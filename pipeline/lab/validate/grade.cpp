@@ -46,11 +46,14 @@ bool moved_uphill(const campaign::TrialRecord& r) {
 
 GradePoint point_of(const campaign::TrialRecord& r, const vehicle::WheelRig& rig) {
   GradePoint p;
-  p.slope = variable(r, "slope_along"), p.friction_angle = variable(r, "friction_angle");
-  p.cohesion = variable(r, "cohesion"), p.commanded_speed = variable(r, "commanded_speed");
+  p.slope = variable(r, "slope_along");
+  p.friction_angle = variable(r, "friction_angle");
+  p.cohesion = variable(r, "cohesion");
+  p.commanded_speed = variable(r, "commanded_speed");
   p.slip = campaign::measure_of(r, "slip"), p.speed = campaign::measure_of(r, "mean_speed"),
   p.sinkage = campaign::measure_of(r, "sinkage");
-  p.verdict = r.verdict, p.reason = r.reason;
+  p.verdict = r.verdict;
+  p.reason = r.reason;
   const WheelOnSand wheel = wheel_of(rig, variable(r, "payload"), p.slope, variable(r, "slope_across"));
   p.band = sand_band(wheel, p.friction_angle, p.slip, 1e3 * p.cohesion);
   return p;
@@ -67,8 +70,10 @@ std::vector<LabelCount> empty_counts() {
 void count(std::vector<LabelCount>& counts, const campaign::TrialRecord& r) {
   const double angle = variable(r, "friction_angle"), slope = variable(r, "slope_along");
   for (LabelCount& c : counts)
-    if (angle >= c.angle[0] && angle < c.angle[1] && slope >= c.slope[0] && slope < c.slope[1])
-      ++c.trials, c.passed += campaign::passes(r.verdict);
+    if (angle >= c.angle[0] && angle < c.angle[1] && slope >= c.slope[0] && slope < c.slope[1]) {
+      ++c.trials;
+      c.passed += campaign::passes(r.verdict);
+    }
 }
 
 }  // namespace
@@ -101,8 +106,11 @@ struct Cell {
   double slope = 0, sinkage = 0, band[2] = {};  // sums
 
   void add(const GradePoint& p) {
-    ++points, below += p.below(), above += p.above();
-    slope += p.slope, sinkage += p.sinkage;
+    ++points;
+    below += p.below();
+    above += p.above();
+    slope += p.slope;
+    sinkage += p.sinkage;
     for (int k = 0; k < 2; ++k) band[k] += degrees(p.band.pull[k]);
   }
 };
@@ -154,15 +162,20 @@ Json as_json(const GradeReport& r) {
   const Cell all = all_of(r);
   Json json;
   json["grade_trials"] = all.points;
-  json["grade_below"] = all.below, json["grade_above"] = all.above;
+  json["grade_below"] = all.below;
+  json["grade_above"] = all.above;
   json["grade_inside"] = all.points - all.below - all.above;
   json["passed_above_go_slip"] = r.unsteady_passed;
   json["go_slope_by_formulas_deg"].push_back(r.go_band[0]);
   json["go_slope_by_formulas_deg"].push_back(r.go_band[1]);
   for (const LabelCount& c : r.label) {
     Json row;
-    for (int k = 0; k < 2; ++k) row["friction_angle_deg"].push_back(c.angle[k]), row["slope_deg"].push_back(c.slope[k]);
-    row["passed"] = c.passed, row["trials"] = c.trials;
+    for (int k = 0; k < 2; ++k) {
+      row["friction_angle_deg"].push_back(c.angle[k]);
+      row["slope_deg"].push_back(c.slope[k]);
+    }
+    row["passed"] = c.passed;
+    row["trials"] = c.trials;
     json["labels"].push_back(std::move(row));
   }
   return json;
@@ -185,16 +198,19 @@ namespace {
 report::LinePlot plot_of(const GradeReport& r) {
   report::LinePlot plot;
   plot.title = "Quarter wheel: slope climbed over slip, soils of 25 to 35 degrees";
-  plot.x_label = "slip", plot.y_label = "slope [deg]";
+  plot.x_label = "slip";
+  plot.y_label = "slope [deg]";
   report::PlotLine trial{"trials", {}, {}, true}, formulas{"formulas for each", {}, {}, true};
   std::vector<GradePoint> points;
   for (const GradePoint& p : r.point)
     if (p.friction_angle >= 25 && p.friction_angle < 35) points.push_back(p);
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.slip < b.slip; });
   for (const GradePoint& p : points) {
-    trial.x.push_back(p.slip), trial.y.push_back(p.slope);
+    trial.x.push_back(p.slip);
+    trial.y.push_back(p.slope);
     formulas.x.push_back(p.slip);
-    formulas.y.push_back(degrees(p.band.pull[0])), formulas.most.push_back(degrees(p.band.pull[1]));
+    formulas.y.push_back(degrees(p.band.pull[0]));
+    formulas.most.push_back(degrees(p.band.pull[1]));
   }
   plot.lines = {formulas, trial};
   plot.notes.push_back("formulas: Wong and Reece on two sands with the trial's friction angle and load, Mason et al.");

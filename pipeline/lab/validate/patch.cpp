@@ -11,7 +11,8 @@ campaign::TrialSetup patch_setup(const BedsRequest& r) {
   campaign::TrialSetup s = setup_of(r);
   if (!s.whole) {
     const double d = s.calibration.grain_diameter, wheel = s.rig.radius + s.rig.lug_height;
-    s.bed_length = std::max(12 * d, 1.0), s.bed_width = std::max(8 * d, 2.5 * s.rig.width);
+    s.bed_length = std::max(12 * d, 1.0);
+    s.bed_width = std::max(8 * d, 2.5 * s.rig.width);
     s.moving_patch = true;
     s.tiles_along = int(std::ceil((2 * s.patch().reach + std::max(4 * d, wheel)) / s.bed_length));
   }

@@ -34,15 +34,19 @@ campaign::TrialSetup simulant_setup(const SimulantRun& run, const terrain::Macro
                                                          run.calibration, campaign::default_task(), run.numerics);
   if (run.grain > 0) s.calibration.grain_diameter = run.grain;
   s.settled_on = run.gpu ? sim::Backend::cuda : sim::Backend::cpu;
-  s.tiles_along = s.tiles_across = 1, s.moving_patch = true;
+  s.tiles_along = s.tiles_across = 1;
+  s.moving_patch = true;
   s.bed_width = 0.7;
   if (s.whole) campaign::fold_bed(s);
-  s.bed_length = or_else(run.length, s.whole ? 3.5 : 2), s.bed_width = or_else(run.width, s.bed_width);
+  s.bed_length = or_else(run.length, s.whole ? 3.5 : 2);
+  s.bed_width = or_else(run.width, s.bed_width);
   s.grain_density = fit_soil(s.calibration, soil).grain_density;
   s.packing_seeds = run.seeds;
-  s.test_distance = 1e3, s.minimum_drive_time = s.time_limit = or_else(run.time, s.whole ? 24 : 8);
+  s.test_distance = 1e3;
+  s.minimum_drive_time = s.time_limit = or_else(run.time, s.whole ? 24 : 8);
   s.run_in_distance = 0;
-  s.thresholds.immobile_speed = 0, s.thresholds.slid_back_share = 10;
+  s.thresholds.immobile_speed = 0;
+  s.thresholds.slid_back_share = 10;
   // So slow a wheel does little work: pushing settled grains apart by a hair is much beside it.
   s.thresholds.energy_error = 10;
   if (s.folded) campaign::check_lanes(s);

@@ -55,7 +55,8 @@ std::vector<double> slip_over_time(const std::vector<campaign::TrialRecord>& rec
   for (std::size_t k = 0; k < records.size(); ++k) {
     if (records[k].verdict == campaign::Verdict::unknown || ways[k].x.empty()) continue;
     if (records[k].point.variables[campaign::contract().variable_index("slope_along")] != slope) continue;
-    seconds = std::min(seconds, ways[k].x.size() - 1), ++trials;
+    seconds = std::min(seconds, ways[k].x.size() - 1);
+    ++trials;
     sum.resize(std::max(sum.size(), seconds));
     for (std::size_t i = 0; i < seconds; ++i) sum[i] += 1 - (ways[k].x[i + 1] - ways[k].x[i]) / rim_speed;
   }
@@ -102,12 +103,15 @@ std::vector<SlopeSlip> run_slope_slip(const SimulantRun& run) {
     for (const campaign::TrialRecord& r : records) {
       if (r.verdict == campaign::Verdict::unknown) continue;
       if (r.point.variables[campaign::contract().variable_index("slope_along")] != p.slope) continue;
-      slips.push_back(rim.slip_over_grousers(r.measures[slip])), depths.push_back(r.measures[sinkage]);
+      slips.push_back(rim.slip_over_grousers(r.measures[slip]));
+      depths.push_back(r.measures[sinkage]);
     }
     s.over_time = slip_over_time(records, ways, p.slope, kSimulantWheelSpeed * (rim.radius + rim.grouser));
     const terrain::MeanError mean = terrain::mean_error(slips), depth = terrain::mean_error(depths);
     s.trials = int(slips.size());
-    s.slip = slips.empty() ? std::nan("") : mean.mean, s.slip_error = mean.error, s.sinkage = depth.mean;
+    s.slip = slips.empty() ? std::nan("") : mean.mean;
+    s.slip_error = mean.error;
+    s.sinkage = depth.mean;
     result.push_back(s);
   }
   return result;
@@ -117,7 +121,10 @@ double rms_slip_error(const std::vector<SlopeSlip>& points, double steepest) {
   double square = 0;
   int count = 0;
   for (const SlopeSlip& p : points)
-    if (p.slope <= steepest) square += (p.slip - p.measured) * (p.slip - p.measured), ++count;
+    if (p.slope <= steepest) {
+      square += (p.slip - p.measured) * (p.slip - p.measured);
+      ++count;
+    }
   return std::sqrt(square / count);
 }
 
@@ -138,18 +145,25 @@ SoilFigure slope_slip_figure(const SimulantRun& run, const std::vector<SlopeSlip
   SoilFigure f;
   f.name = "soils_" + key;
   f.plot.title = rover ? "MGRU3 on GRC-1: slip over slope" : "A wheel of MGRU3 on GRC-1: slip over slope";
-  f.plot.x_label = "slope [deg]", f.plot.y_label = "slip";
+  f.plot.x_label = "slope [deg]";
+  f.plot.y_label = "slip";
   f.plot.lines = {{"rover, measured in 2021", {}, {}, true},
                   {"one wheel, published discrete elements", {}, {}, true},
                   {rover ? "rover, gonogo" : "one wheel, gonogo", {}, {}, false},
                   {"rover, measured in 2022", {}, {}, true}};
-  for (const auto& r : kRepeated) f.plot.lines[3].x.push_back(r.slope), f.plot.lines[3].y.push_back(r.measured);
+  for (const auto& r : kRepeated) {
+    f.plot.lines[3].x.push_back(r.slope);
+    f.plot.lines[3].y.push_back(r.measured);
+  }
   f.csv = "slope_deg,slip_experiment,slip_published_dem,slip,slip_standard_error,sinkage_m,trials\n";
   for (const SlopeSlip& p : points) {
     f.csv += line("%g,%g,%g,%.4f,%.4f,%.5f,%d\n", p.slope, p.measured, p.published, p.slip, p.slip_error, p.sinkage,
                   p.trials);
     const double y[] = {p.measured, p.published, p.slip};
-    for (std::size_t k = 0; k < 3; ++k) f.plot.lines[k].x.push_back(p.slope), f.plot.lines[k].y.push_back(y[k]);
+    for (std::size_t k = 0; k < 3; ++k) {
+      f.plot.lines[k].x.push_back(p.slope);
+      f.plot.lines[k].y.push_back(y[k]);
+    }
   }
   f.over_time = over_time_csv(points);
   const double all = rms_slip_error(points), gentle = rms_slip_error(points, 15);

@@ -9,7 +9,10 @@ Json as_json(const SoilFigure& figure) {
   Json json = Json::object();
   for (const SoilCheck& c : figure.check) {
     Json one;
-    one["measured"] = c.measured, one["low"] = c.low, one["high"] = c.high, one["holds"] = c.holds();
+    one["measured"] = c.measured;
+    one["low"] = c.low;
+    one["high"] = c.high;
+    one["holds"] = c.holds();
     one["claim"] = c.claim;
     json[c.key] = std::move(one);
   }

@@ -24,10 +24,13 @@ using terrain::Calibration;
 SoilTestRequest request_of(const SoilValidation& run, double rolling, double density) {
   SoilTestRequest r;
   const Calibration table = terrain::read_calibration(run.calibration);
-  r.soil.grain_diameter = table.grain_diameter, r.soil.shape = table.shape;
+  r.soil.grain_diameter = table.grain_diameter;
+  r.soil.shape = table.shape;
   r.soil.grain = {Real(0.5), Real(rolling), 0};
   r.soil.relative_density = density;
-  r.seeds = run.seeds, r.threads = run.threads, r.quick = run.quick;
+  r.seeds = run.seeds;
+  r.threads = run.threads;
+  r.quick = run.quick;
   return r;
 }
 
@@ -75,7 +78,11 @@ SoilFigure cone(const SoilValidation& run) {
   const SoilTestOutcome loose = run_soil_test("cone", in_loose), dense = run_soil_test("cone", in_dense);
   SoilFigure f = figure_of("cone", dense);
   for (report::PlotLine& l : f.plot.lines) l.label = "densest, " + l.label;
-  for (report::PlotLine l : loose.plot.lines) l.label = "loosest, " + l.label, l.colour = 1, f.plot.lines.push_back(l);
+  for (report::PlotLine l : loose.plot.lines) {
+    l.label = "loosest, " + l.label;
+    l.colour = 1;
+    f.plot.lines.push_back(l);
+  }
   f.plot.notes = {"densest: " + dense.plot.notes[0], "loosest: " + loose.plot.notes[0]};
   f.csv = "# densest\n" + dense.csv + "# loosest\n" + loose.csv;
   f.check = {{"cone_dense_over_loose", "cone: index of the densest over that of the loosest bed", 1.05, 100,
@@ -102,12 +109,15 @@ SoilFigure geostatic(const SoilValidation& run) {
   SoilFigure f;
   f.name = "soils_geostatic";
   f.csv = "depth_m,vertical_stress_Pa,weight_above_Pa\n";
-  f.plot.title = "Bed under its own weight", f.plot.x_label = "depth [m]", f.plot.y_label = "vertical stress [kPa]";
+  f.plot.title = "Bed under its own weight";
+  f.plot.x_label = "depth [m]";
+  f.plot.y_label = "vertical stress [kPa]";
   f.plot.lines = {{"weight above", {}, {}, false}, {"carried by contacts", {}, {}, true}};
   for (const auto& s : r.profile) {
     f.csv += line("%.5f,%.3f,%.3f\n", s.depth, s.stress, s.weight);
     for (report::PlotLine& l : f.plot.lines) l.x.push_back(s.depth);
-    f.plot.lines[0].y.push_back(s.weight / 1e3), f.plot.lines[1].y.push_back(s.stress / 1e3);
+    f.plot.lines[0].y.push_back(s.weight / 1e3);
+    f.plot.lines[1].y.push_back(s.stress / 1e3);
   }
   f.check = {{"geostatic_worst", "geostatic: largest error of the vertical stress", 0, 0.05, r.worst_error}};
   return f;
@@ -145,7 +155,8 @@ std::vector<Inverted> soils_of(const Calibration& c) {
 terrain::TriaxialResult compressed(const Calibration& c, const std::filesystem::path& table,
                                    const terrain::SoilFit& fit, double stress, std::uint64_t seed) {
   terrain::TestSoil soil;
-  soil.grain_diameter = c.grain_diameter, soil.shape = c.shape;
+  soil.grain_diameter = c.grain_diameter;
+  soil.shape = c.shape;
   soil.grain = fit.law;
   soil.grain_density = fit.grain_density;
   soil.relative_density = terrain::relative_density_of(c.packing[fit.packing].settle_friction);
@@ -184,8 +195,10 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
   for (std::size_t i = 0; i < soils.size(); ++i) {
     const auto begin = results.begin() + std::ptrdiff_t(i * each);
     const auto s = terrain::triaxial_strength({begin, begin + std::ptrdiff_t(each)}, soils[i].soil.cohesion > 0);
-    soils[i].friction_angle = s.peak_angle.degrees, soils[i].angle_error = s.peak_angle.error;
-    soils[i].cohesion = s.peak_cohesion, soils[i].cohesion_error = s.peak_cohesion_error;
+    soils[i].friction_angle = s.peak_angle.degrees;
+    soils[i].angle_error = s.peak_angle.error;
+    soils[i].cohesion = s.peak_cohesion;
+    soils[i].cohesion_error = s.peak_cohesion_error;
     for (std::size_t k = i * each; k < (i + 1) * each; ++k) soils[i].bulk_density += density[k] / double(each);
   }
 }
@@ -200,14 +213,16 @@ SoilFigure inversion(const SoilValidation& run) {
       "soil,friction_angle_deg,measured_deg,standard_error_deg,cohesion_Pa,measured_Pa,standard_error_Pa,bulk_density,"
       "measured,relative_density,of_grains\n";
   f.plot.title = "Soils asked for, and measured on the grains that stand for them";
-  f.plot.x_label = "friction angle asked for [deg]", f.plot.y_label = "friction angle measured [deg]";
+  f.plot.x_label = "friction angle asked for [deg]";
+  f.plot.y_label = "friction angle measured [deg]";
   f.plot.lines = {{"equal", {15, 45}, {15, 45}, false}, {"soils", {}, {}, true}};
   double angle = 0, cohesion = 0, density = 0;
   for (const Inverted& s : soils) {
     f.csv += line("%s,%g,%.2f,%.2f,%g,%.0f,%.0f,%g,%.0f,%g,%.2f\n", s.name.c_str(), s.soil.friction_angle,
                   s.friction_angle, s.angle_error, s.soil.cohesion, s.cohesion, s.cohesion_error, s.soil.bulk_density,
                   s.bulk_density, s.soil.relative_density, s.fit.relative_density);
-    f.plot.lines[1].x.push_back(s.soil.friction_angle), f.plot.lines[1].y.push_back(s.friction_angle);
+    f.plot.lines[1].x.push_back(s.soil.friction_angle);
+    f.plot.lines[1].y.push_back(s.friction_angle);
     angle = std::max(angle, std::fabs(s.friction_angle - s.soil.friction_angle));
     if (s.soil.cohesion > 0) cohesion = std::max(cohesion, std::fabs(s.cohesion / s.soil.cohesion - 1));
     if (s.soil.bulk_density > 0) density = std::max(density, std::fabs(s.bulk_density / s.soil.bulk_density - 1));

@@ -90,8 +90,10 @@ BedComparison compare_beds(const BedsRequest& r, const BedSide& first, const Bed
   for (int k = 0; k < 2; ++k) {
     const BedSide& bed = k == 0 ? first : reference;
     side[k] = run_side(bed, r, points);
-    c.key[k] = bed.key, c.name[k] = bed.name;
-    c.slip[k] = mean_of(side[k].slip), c.sinkage[k] = mean_of(side[k].sinkage);
+    c.key[k] = bed.key;
+    c.name[k] = bed.name;
+    c.slip[k] = mean_of(side[k].slip);
+    c.sinkage[k] = mean_of(side[k].sinkage);
     c.grains[k] = side[k].grains;
     c.length[k] = bed.setup.tiles_along * bed.setup.bed_length;
     c.width[k] = bed.setup.tiles_across * bed.setup.bed_width;
@@ -107,9 +109,13 @@ Json as_json(const BedComparison& c) {
   Json json;
   for (int k = 0; k < 2; ++k) {
     Json one;
-    one["slip"] = c.slip[k].mean, one["slip_error"] = c.slip[k].error;
-    one["sinkage_m"] = c.sinkage[k].mean, one["sinkage_error_m"] = c.sinkage[k].error;
-    one["grains"] = c.grains[k], one["length_m"] = c.length[k], one["width_m"] = c.width[k];
+    one["slip"] = c.slip[k].mean;
+    one["slip_error"] = c.slip[k].error;
+    one["sinkage_m"] = c.sinkage[k].mean;
+    one["sinkage_error_m"] = c.sinkage[k].error;
+    one["grains"] = c.grains[k];
+    one["length_m"] = c.length[k];
+    one["width_m"] = c.width[k];
     for (const double cost : c.cost[k]) one["contact_iterations_per_metre"].push_back(cost);
     json[c.key[k]] = std::move(one);
   }

@@ -28,7 +28,9 @@ std::string csv_of(const HardGroundReport& r) {
 
 report::LinePlot plot_of(const HardGroundReport& r) {
   report::LinePlot plot;
-  plot.title = r.title, plot.x_label = r.x_label, plot.y_label = r.y_label;
+  plot.title = r.title;
+  plot.x_label = r.x_label;
+  plot.y_label = r.y_label;
   for (const vehicle::Trace& t : r.trace) plot.lines.push_back({t.label, t.x, t.y, t.points});
   for (const HardGroundCheck& c : r.check) {
     plot.notes.push_back(
@@ -67,7 +69,9 @@ Json as_json(const std::vector<HardGroundReport>& reports) {
   for (const HardGroundReport& r : reports)
     for (const HardGroundCheck& c : r.check) {
       Json one;
-      one["expected"] = c.expected, one["measured"] = c.measured, one["tolerance"] = c.tolerance;
+      one["expected"] = c.expected;
+      one["measured"] = c.measured;
+      one["tolerance"] = c.tolerance;
       one["holds"] = c.holds();
       json[c.key] = std::move(one);
     }

@@ -34,7 +34,10 @@ Colour faint(Colour c) {
 struct Span {
   double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
   void cover(double x) {
-    if (std::isfinite(x)) low = std::min(low, x), high = std::max(high, x);
+    if (std::isfinite(x)) {
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
   }
 };
 
@@ -142,7 +145,8 @@ void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot) {
   for (const PlotLine& line : plot.lines)
     for (std::size_t i = 0; i < line.x.size(); ++i)
       if (std::isfinite(line.x[i]) && std::isfinite(line.y[i])) {
-        x.cover(line.x[i]), y.cover(line.y[i]);
+        x.cover(line.x[i]);
+        y.cover(line.y[i]);
         if (!line.most.empty()) y.cover(line.most[i]);
       }
   if (!(x.high >= x.low)) throw InputError(path.string() + ": nothing to draw, every point is missing");
@@ -161,7 +165,10 @@ void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot) {
   canvas.outline(axes.box, kFrame, 2);
   draw_legend(canvas, axes, plot);
   double line = kPlotHeight + 10;
-  for (const std::string& note : plot.notes) canvas.text(left, line, note, 20), line += 30;
+  for (const std::string& note : plot.notes) {
+    canvas.text(left, line, note, 20);
+    line += 30;
+  }
   canvas.write_png(path);
 }
 

@@ -113,7 +113,9 @@ Image render(const Model& model, const Camera& camera, int width, int height, in
     for (int column = 0; column < width; ++column) {
       const Light light = shader.pixel(column, row);
       std::uint8_t* rgb = &image.rgb[(std::size_t(row) * width + column) * 3];
-      rgb[0] = srgb(light.x), rgb[1] = srgb(light.y), rgb[2] = srgb(light.z);
+      rgb[0] = srgb(light.x);
+      rgb[1] = srgb(light.y);
+      rgb[2] = srgb(light.z);
     }
   return image;
 }

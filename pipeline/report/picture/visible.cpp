@@ -84,8 +84,10 @@ class Scan {
     for (int k = 0; k < 3; ++k) {
       const Vec3 c = s.corner[k] = camera_.seen(f.corner[k]);
       nearest = std::min(nearest, c.z);
-      left = std::min(left, c.x / c.z), right = std::max(right, c.x / c.z);
-      low = std::min(low, c.y / c.z), high = std::max(high, c.y / c.z);
+      left = std::min(left, c.x / c.z);
+      right = std::max(right, c.x / c.z);
+      low = std::min(low, c.y / c.z);
+      high = std::max(high, c.y / c.z);
     }
     for (int k = 0; k < 3; ++k) s.side[k] = cross(s.corner[(k + 1) % 3], s.corner[(k + 2) % 3]);
     s.normal = cross(s.corner[1] - s.corner[0], s.corner[2] - s.corner[0]);

@@ -17,7 +17,8 @@ namespace {
 
 TrialRecord trial(std::uint64_t index) {
   DesignPoint point;
-  point.index = index, point.seed = 100 + index;
+  point.index = index;
+  point.seed = 100 + index;
   point.variables.assign(contract().variables.size(), 0.5);
   return closed_form_trial(point);
 }
@@ -30,7 +31,9 @@ std::vector<TrialRecord> trials(std::uint64_t first, std::uint64_t count) {
 
 Provenance provenance() {
   Provenance p;
-  p.study = "{}", p.program_version = "test", p.backend = "cpu";
+  p.study = "{}";
+  p.program_version = "test";
+  p.backend = "cpu";
   return p;
 }
 

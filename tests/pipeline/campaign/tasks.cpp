@@ -123,7 +123,8 @@ TEST_CASE("in a drawbar sweep slip grows, and its pull is what the grains do to 
   TrialSetup s = rig_setup("drawbar:most_pull_per_weight=1,sweep_s=2.4");
   s.minimum_drive_time = 0.6;
   s.bed_length = 3.6;
-  s.numerics.step = 1e-3, s.numerics.iterations = 120;  // with half of both the wheel pulls more than it weighs
+  s.numerics.step = 1e-3;  // with half of both the wheel pulls more than it weighs
+  s.numerics.iterations = 120;
   const DesignPoint p = design_point(0, 38, 0.3);
   prepare_trials(s, {&p, 1}, 1);
   TrialWatch watch;

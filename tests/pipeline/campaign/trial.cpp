@@ -49,7 +49,9 @@ TEST_CASE("sinkage is counted from where the wheel would roll over the grains wi
   // their centres, in the mean at (p/2 root(a^2 - p^2/4) + a^2 asin(p / 2a)) / p over them with a = R + r.
   terrain::Packing row;
   const double radius = 0.045, pitch = 0.12, reach = 0.4, arc = radius + reach;
-  row.spec.length = 30 * pitch, row.spec.width = 1, row.spec.grain_diameter = 2 * radius / 50;
+  row.spec.length = 30 * pitch;
+  row.spec.width = 1;
+  row.spec.grain_diameter = 2 * radius / 50;
   for (int i = 0; i < 30; ++i) row.grain.push_back({{(i + 0.3) * pitch, 0.6, 0.2}, radius});
   const double half = pitch / 2;
   const double mean = (half * std::sqrt(arc * arc - half * half) + arc * arc * std::asin(half / arc)) / pitch;

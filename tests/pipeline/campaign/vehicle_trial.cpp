@@ -30,8 +30,10 @@ TrialSetup coarse_vehicle(const std::string& vehicle, const std::string& task) {
                           parse_task(task), {}, fs::temp_directory_path() / "gonogo-test-beds");
   const double length = s.tiles_along * s.bed_length;
   s.calibration.grain_diameter = 0.2;
-  s.bed_length = 2.2, s.bed_width = 1.6;
-  s.tiles_along = std::max(4, int(std::ceil(length / s.bed_length))), s.tiles_across = 2;
+  s.bed_length = 2.2;
+  s.bed_width = 1.6;
+  s.tiles_along = std::max(4, int(std::ceil(length / s.bed_length)));
+  s.tiles_across = 2;
   s.bed_settle_time = 0.05;
   s.park_time = 0.3;
   s.ramp_time = 0.2;
@@ -155,10 +157,12 @@ TEST_CASE("on a folded bed a HMMWV stands as on three of it side by side") {
   TrialSetup folded = coarse_hmmwv();
   folded.calibration = test::locked_grains();
   folded.calibration.grain_diameter = 0.12;
-  folded.bed_length = 2.2, folded.park_time = 2;
+  folded.bed_length = 2.2;
+  folded.park_time = 2;
   fold_bed(folded);
   TrialSetup wide = folded;
-  wide.folded = false, wide.tiles_across = 3;
+  wide.folded = false;
+  wide.tiles_across = 3;
   DesignPoint p = design_point(0, 36, 0.25);
   p.variables[contract().variable_index("slope_across")] = 8;
   prepare_trials(folded, {&p, 1}, 1);
@@ -170,7 +174,8 @@ TEST_CASE("on a folded bed a HMMWV stands as on three of it side by side") {
     for (const terrain::Grain& g : bed.grain) tilted.grain.push_back({g.position});
     const sim::SceneWorld world = vehicle_on_bed(setup, bed, tilted, conditions_of(setup, p));
     sim::StepSettings settings = attempt_settings(setup, 1);
-    settings.iterations = 150, settings.tolerance = 0;
+    settings.iterations = 150;
+    settings.tolerance = 0;
     const auto s = sim::make_simulation(sim::Backend::cpu, {world}, settings, 1);
     s->advance(250);  // 1 s
     CHECK(s->report(0).flags == 0);

@@ -21,9 +21,12 @@ using test::agrees;
 /// A bin just as long as a HMMWV and grains far too large for it, so that a run is short.
 OriginalRequest short_run(double slope_deg, double friction) {
   OriginalRequest r;
-  r.input = {to_radians(slope_deg), 0.1, 2500, friction, 0};
-  r.bin.half_length = 4, r.bin.half_width = 1.4;
-  r.time.start_x = -0.8, r.time.goal_x = -0.2, r.time.lost_x = -1.2;
+  r.input = {.slope = to_radians(slope_deg), .radius = 0.1, .density = 2500, .friction = friction, .cohesion = 0};
+  r.bin.half_length = 4;
+  r.bin.half_width = 1.4;
+  r.time.start_x = -0.8;
+  r.time.goal_x = -0.2;
+  r.time.lost_x = -1.2;
   r.time.end = 3;
   r.time.step = 2e-3;
   return r;

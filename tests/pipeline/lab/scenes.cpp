@@ -136,7 +136,8 @@ TEST_CASE("a turning drum mixes, a standing one does not; pictures and frames of
   spec.froude = 1e-8;
   ManyScene still = drum_scene(spec, {.iterations = 20});
   still.duration = 0.6;
-  run.vtk.clear(), run.picture.clear();
+  run.vtk.clear();
+  run.picture.clear();
   const double stood = value_of(run_many(still, run), "mixing_index");
   std::printf("mixing index after a turn %.3f, of a drum that stands %.3f\n", turned, stood);
   CHECK(stood < 0.35);
@@ -192,7 +193,9 @@ TEST_CASE("a screen's deck moves as its crank and rod say; small spheres fall th
 TEST_CASE("pebbles carry the weight of a tracked vehicle at rest, and it drives off") {
   PebblesSpec spec;
   spec.vehicle = shipped_file("vehicles", "vehicle", "m113");
-  spec.tank.of.count = 1000, spec.tank.of.diameter = 0.25, spec.tank.layers = 2;
+  spec.tank.of.count = 1000;
+  spec.tank.of.diameter = 0.25;
+  spec.tank.layers = 2;
   spec.driven = 1;
   ManyRun run;
   run.repeats = 0;
@@ -201,7 +204,11 @@ TEST_CASE("pebbles carry the weight of a tracked vehicle at rest, and it drives 
   double load = 0, stood_at = 0;
   int looks = 0;
   for (const std::vector<Measured>& look : r.watched)
-    if (look[0].value > 1.05 && look[0].value < 1.65) load += look[4].value, stood_at = look[1].value, ++looks;
+    if (look[0].value > 1.05 && look[0].value < 1.65) {
+      load += look[4].value;
+      stood_at = look[1].value;
+      ++looks;
+    }
   std::printf("pebbles: load over weight at rest %.3f; then way %.3f m, speed %.3f m/s, slip %.3f\n", load / looks,
               value_of(r, "way_m") - stood_at, value_of(r, "speed_m_per_s"), value_of(r, "slip"));
   CHECK(load / looks == Approx(1).margin(0.05));

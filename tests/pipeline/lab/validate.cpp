@@ -50,8 +50,12 @@ TrialRecord climbed(double slope, double friction_angle, double cohesion, double
   r.point.variables.assign(contract().variables.size(), 0);
   r.measures.assign(contract().measures.size(), 0);
   const auto set = [&](const char* name, double x) { r.point.variables[contract().variable_index(name)] = x; };
-  set("slope_along", slope), set("friction_angle", friction_angle), set("cohesion", cohesion);
-  set("tyre_friction", tyre_friction), set("bed_depth", 0.3), set("commanded_speed", 1.5);
+  set("slope_along", slope);
+  set("friction_angle", friction_angle);
+  set("cohesion", cohesion);
+  set("tyre_friction", tyre_friction);
+  set("bed_depth", 0.3);
+  set("commanded_speed", 1.5);
   r.measures[contract().measure_index("slip")] = slip;
   r.measures[contract().measure_index("distance")] = 1.6;
   r.verdict = Verdict::slow_go;
@@ -82,7 +86,10 @@ TEST_CASE("a wheel that climbs by rule is inside the formulas' band, and faster 
   CHECK(r.point[1].below());
   CHECK(r.point[2].above());
   int trials = 0, passed = 0;
-  for (const LabelCount& c : r.label) trials += c.trials, passed += c.passed;
+  for (const LabelCount& c : r.label) {
+    trials += c.trials;
+    passed += c.passed;
+  }
   CHECK(trials == 4);
   CHECK(passed == 4);
   CHECK(r.go_band[0] < slope + 0.1);

@@ -94,9 +94,11 @@ TEST_CASE("every sample sees what brute force in double precision finds nearest"
         double clear = 0;
         const double t = meeting(model, i, eye, ray, clear);
         doubt = std::min(doubt, clear);
-        if (t > 0 && t < nearest)
-          second = nearest, nearest = t, item = std::int32_t(i);
-        else if (t > 0)
+        if (t > 0 && t < nearest) {
+          second = nearest;
+          nearest = t;
+          item = std::int32_t(i);
+        } else if (t > 0)
           second = std::min(second, t);
       }
       if (doubt < 1e-5 || (item != kNothing && second - nearest < 1e-5))
@@ -221,7 +223,10 @@ TEST_CASE("a bed stands on a block of ground that is level below") {
   for (const Face& f : m.face)
     for (const Vec3& c : f.corner) {
       on_floor += c.z == m.floor;
-      if (c.z > m.floor) low = std::min(low, c.z), high = std::max(high, c.z);
+      if (c.z > m.floor) {
+        low = std::min(low, c.z);
+        high = std::max(high, c.z);
+      }
     }
   CHECK(on_floor == 12);  // of each upright side's six corners three
   CHECK(high - low == Approx(4 * std::sin(0.3)));
@@ -274,8 +279,10 @@ TEST_CASE("the camera comes as near as the margins allow") {
   for (int row = 0; row < height; ++row)
     for (int column = 0; column < width; ++column) {
       if (v.item[v.at(column, row)] == kNothing) continue;
-      left = std::min(left, column), right = std::max(right, column);
-      top = std::min(top, row), bottom = std::max(bottom, row);
+      left = std::min(left, column);
+      right = std::max(right, column);
+      top = std::min(top, row);
+      bottom = std::max(bottom, row);
     }
   // Outlines are taken at six points of a ball: what is between them may stick out by a few pixels.
   CHECK(left >= 0.1 * width - 12);
