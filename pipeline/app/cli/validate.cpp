@@ -317,10 +317,10 @@ void add_grade(CLI::App& command, const Globals& globals) {
   grade->add_option("dataset", o->request.dataset, "Dataset of quarter-vehicle trials")->required();
   grade->add_option("--vehicle", o->vehicle, "Its quarter vehicle, a file or the name of one in configs/vehicles")
       ->capture_default_str();
-  grade->add_option("--cohesion", o->request.most_cohesion, "Most of the trials looked at [kPa]")
+  grade->add_option("--cohesion", o->request.max_cohesion, "Most of the trials looked at [kPa]")
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
-  grade->add_option("--cross-slope", o->request.most_across, "Most of the trials looked at, either way [deg]")
+  grade->add_option("--cross-slope", o->request.max_across, "Most of the trials looked at, either way [deg]")
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();
   grade->add_option("--out", o->folder, "Folder for a table and a picture");

@@ -12,7 +12,7 @@
 namespace gonogo::campaign {
 namespace {
 
-constexpr std::size_t kMostShown = 20;
+constexpr std::size_t kMaxShown = 20;
 
 std::string trial_name(const TrialRecord& record) { return "trial " + std::to_string(record.point.index) + ": "; }
 
@@ -114,7 +114,7 @@ std::string list_text(const Range& range, Show show) {
   std::string text;
   std::size_t shown = 0;
   for (const auto& entry : range) {
-    if (shown++ == kMostShown) return text + "  and " + std::to_string(range.size() - kMostShown) + " more\n";
+    if (shown++ == kMaxShown) return text + "  and " + std::to_string(range.size() - kMaxShown) + " more\n";
     text += "  " + show(entry) + "\n";
   }
   return text;

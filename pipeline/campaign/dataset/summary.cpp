@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <unordered_map>
 
 #include "pipeline/campaign/dataset/row.h"
@@ -17,8 +16,7 @@ constexpr int kBarWidth = 40;         // characters of the longest bar
 template <class Get>
 ValueRange range_of(const std::string& name, const std::string& unit, const std::vector<TrialRecord>& records,
                     Get get) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  ValueRange range{name, unit, nan, nan, nan};
+  ValueRange range{.name = name, .unit = unit};
   double sum = 0;
   std::size_t count = 0;
   for (const TrialRecord& record : records) {
@@ -100,8 +98,8 @@ std::string counts_text(const std::map<std::string, std::size_t>& counts) {
 
 /// "+" go, "o" slow-go, "x" no-go, "?" unknown; a bar's length is its share of the fullest bin.
 std::string histogram_text(const std::vector<SlopeBin>& bins) {
-  std::size_t most = 1;
-  for (const SlopeBin& bin : bins) most = std::max(most, bin.go + bin.slow_go + bin.no_go + bin.unknown);
+  std::size_t largest = 1;
+  for (const SlopeBin& bin : bins) largest = std::max(largest, bin.go + bin.slow_go + bin.no_go + bin.unknown);
   std::string text = "slope along [deg]  (+ go, o slow-go, x no-go, ? unknown)\n";
   for (const SlopeBin& bin : bins) {
     char head[40];
@@ -110,7 +108,7 @@ std::string histogram_text(const std::vector<SlopeBin>& bins) {
     std::size_t sum = 0;
     const auto extend = [&](std::size_t count, char mark) {
       sum += count;
-      bar.resize(std::size_t(std::lround(double(sum) * kBarWidth / double(std::max<std::size_t>(most, kBarWidth)))),
+      bar.resize(std::size_t(std::lround(double(sum) * kBarWidth / double(std::max<std::size_t>(largest, kBarWidth)))),
                  mark);
     };
     extend(bin.go, '+');

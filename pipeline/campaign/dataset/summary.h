@@ -13,7 +13,7 @@ namespace gonogo::campaign {
 
 struct ValueRange {
   std::string name, unit;
-  double minimum = 0, mean = 0, maximum = 0;  // over the rows that have a value; not-a-number when none has
+  double minimum = kNaN, mean = kNaN, maximum = kNaN;  // over the rows that have a value; NaN when none has
 };
 
 /// Trials of one interval of a variable.

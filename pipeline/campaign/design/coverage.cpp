@@ -8,7 +8,7 @@
 namespace gonogo::campaign {
 namespace {
 
-constexpr std::size_t kMostCompared = 8192;  // points of a coverage, which compares all pairs
+constexpr std::size_t kMaxCompared = 8192;  // points of a coverage, which compares all pairs
 constexpr std::uint32_t kProbes = 4096;
 constexpr std::size_t kClimbers = 8;
 constexpr double kSmallestStep = 1e-4;  // [sides of the cube]
@@ -20,7 +20,7 @@ Points unit_points(const DesignSpec& spec, const std::vector<DesignPoint>& desig
   Points points;
   for (const DesignPoint& point : design) {
     if (point.replicate_of >= 0) continue;
-    if (points.size() == kMostCompared) break;
+    if (points.size() == kMaxCompared) break;
     std::vector<double>& unit = points.emplace_back();
     for (const SampledVariable& range : spec.ranges)
       unit.push_back((point.variables[range.variable] - range.minimum) / (range.maximum - range.minimum));

@@ -107,11 +107,11 @@ class BasePoints {
   std::size_t next_stratum() {
     if (spec_.strata.empty()) return 0;
     std::size_t best = 0;
-    double most = -1e300;
+    double largest = -1e300;
     for (std::size_t s = 0; s < given_.size(); ++s) {
       const double behind = spec_.strata[s].share * double(number_) - double(given_[s]);
-      if (behind > most) {
-        most = behind;
+      if (behind > largest) {
+        largest = behind;
         best = s;
       }
     }

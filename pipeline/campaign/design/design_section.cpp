@@ -12,8 +12,8 @@
 namespace gonogo::campaign {
 namespace {
 
-constexpr double kMostPoints = 4e9;        // below 2^32, the length of the sequence
-constexpr double kMostCombinations = 1e7;  // of a factorial
+constexpr double kMaxPoints = 4e9;        // below 2^32, the length of the sequence
+constexpr double kMaxCombinations = 1e7;  // of a factorial
 
 std::string interval_text(const Variable& variable) {
   return line("[%g, %g] %s", variable.minimum, variable.maximum, variable.unit.c_str());
@@ -98,8 +98,8 @@ void read_levels(const Config& section, DesignSpec& spec) {
     combinations *= double(spec.levels.back());
   }
   levels.finish();
-  if (combinations > kMostCombinations)
-    section.fail("levels", line("make %.3g points; at most %.0e are possible", combinations, kMostCombinations));
+  if (combinations > kMaxCombinations)
+    section.fail("levels", line("make %.3g points; at most %.0e are possible", combinations, kMaxCombinations));
   spec.points = std::uint64_t(combinations);
 }
 
@@ -148,9 +148,9 @@ DesignSpec read_design(const Config& section, std::uint64_t seed) {
   DesignSpec spec;
   spec.seed = seed;
   spec.method = section.choice("method", {"sobol", "latin_hypercube", "factorial", "csv", "original"});
-  spec.replicate_every = std::uint64_t(section.integer_or("replicate_every", 10, {0, kMostPoints}));
+  spec.replicate_every = std::uint64_t(section.integer_or("replicate_every", 10, {0, kMaxPoints}));
   const bool counted = spec.method == "sobol" || spec.method == "latin_hypercube";
-  if (counted) spec.points = std::uint64_t(section.integer("points", {1, kMostPoints}));
+  if (counted) spec.points = std::uint64_t(section.integer("points", {1, kMaxPoints}));
   read_variables(section, spec);
   if (is_point_file(spec)) {
     read_points(section, spec);

@@ -184,7 +184,11 @@ CampaignSummary run_campaign(const CampaignRequest& request) {
   std::size_t deaths = 0;
   if (reused < request.design.size()) {
     request.prepare();
-    deaths = compute({request, ledger, journal_path(request.folder), request.design.size(), true});
+    deaths = compute({.request = request,
+                      .ledger = ledger,
+                      .journal = journal_path(request.folder),
+                      .trials = request.design.size(),
+                      .alone = true});
   }
   CampaignSummary summary = finish(request, plan, ledger, reused);
   summary.worker_deaths = deaths;
@@ -209,7 +213,11 @@ CampaignSummary run_campaign_task(const CampaignRequest& request, std::uint64_t 
     for (const fs::path& other : journals_of(request.folder)) ledger.load_journal(other, other == journal);
     ledger.commit_whole();
     const std::size_t reused = ledger.done();
-    total.worker_deaths += compute({request, ledger, journal, std::size_t(plan.range(shard).count), false});
+    total.worker_deaths += compute({.request = request,
+                                    .ledger = ledger,
+                                    .journal = journal,
+                                    .trials = std::size_t(plan.range(shard).count),
+                                    .alone = false});
     std::error_code ignored;
     fs::remove(journal, ignored);
     const CampaignSummary part = summary_of(ledger);

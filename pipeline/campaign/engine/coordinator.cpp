@@ -16,8 +16,8 @@
 namespace gonogo::campaign {
 namespace {
 
-constexpr int kMostCrashes = 2;  // of workers that had one trial alone, by their own code
-constexpr int kMostKills = 5;    // of such workers, from outside
+constexpr int kMaxCrashes = 2;  // of workers that had one trial alone, by their own code
+constexpr int kMaxKills = 5;    // of such workers, from outside
 constexpr int kPollMilliseconds = 200;
 constexpr double kShortTrial = 1;  // [s] of a worker
 
@@ -73,14 +73,14 @@ class Pool {
   }
 
   bool may_have(const Trials& held, const DesignPoint& next) const {
-    std::size_t most = std::min(std::size_t(std::max(1, request_.places)) + ahead(), most_beside(next));
+    std::size_t room = std::min(std::size_t(std::max(1, request_.places)) + ahead(), max_beside(next));
     if (!company_.empty())
-      for (const DesignPoint* trial : held) most = std::min(most, most_beside(*trial));
-    return held.size() < most;
+      for (const DesignPoint* trial : held) room = std::min(room, max_beside(*trial));
+    return held.size() < room;
   }
 
   /// Trials that a worker may have together with this one.
-  std::size_t most_beside(const DesignPoint& trial) const {
+  std::size_t max_beside(const DesignPoint& trial) const {
     const auto found = company_.find(trial.index);
     return found == company_.end() ? std::numeric_limits<std::size_t>::max() : found->second;
   }
@@ -129,7 +129,7 @@ class Pool {
       if (alone) ++(news.killed_from_outside ? deaths.kills : deaths.crashes);
       // Being killed once says nothing about a trial; twice, the machine may be short of memory for so many.
       if (!alone && !(news.killed_from_outside && ++deaths.kills_in_company == 1))
-        company_[trial->index] = std::min(most_beside(*trial), trials.size() / 2);
+        company_[trial->index] = std::min(max_beside(*trial), trials.size() / 2);
       stop_if_hopeless(deaths, "the worker of trial " + std::to_string(trial->index) + others + " " + news.end);
     }
     log_line("campaign", "the worker of trial " + std::to_string(trials.front()->index) + others + " " + news.end +
@@ -137,12 +137,12 @@ class Pool {
   }
 
   static void stop_if_hopeless(const Deaths& deaths, const std::string& what) {
-    if (deaths.crashes >= kMostCrashes)
+    if (deaths.crashes >= kMaxCrashes)
       throw DeviceError("campaign: " + what +
                         ", for the second time; finished trials are kept, and this one has to be " +
                         "looked into before the campaign can end");
-    if (deaths.kills >= kMostKills)
-      throw DeviceError("campaign: " + what + ", like " + std::to_string(kMostKills - 1) +
+    if (deaths.kills >= kMaxKills)
+      throw DeviceError("campaign: " + what + ", like " + std::to_string(kMaxKills - 1) +
                         " before it; the machine may " +
                         "be short of memory: use fewer --workers or --places and run the same command again");
   }
@@ -151,7 +151,7 @@ class Pool {
   std::deque<const DesignPoint*> todo_;
   std::vector<Trials> held_;                      // by worker
   std::map<std::uint64_t, Deaths> deaths_;        // by index of the trial
-  std::map<std::uint64_t, std::size_t> company_;  // by index; of trials whose worker crashed, see most_beside
+  std::map<std::uint64_t, std::size_t> company_;  // by index; of trials whose worker crashed, see max_beside
   std::size_t death_count_ = 0, finished_count_ = 0;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

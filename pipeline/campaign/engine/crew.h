@@ -29,7 +29,7 @@ class Crew {
   virtual std::vector<CrewNews> wait(int milliseconds) = 0;
 };
 
-/// Makes a crew of at most `most` workers.
-using CrewMaker = std::function<std::unique_ptr<Crew>(std::size_t most)>;
+/// Makes a crew of at most `max_workers` workers.
+using CrewMaker = std::function<std::unique_ptr<Crew>(std::size_t max_workers)>;
 
 }  // namespace gonogo::campaign

@@ -11,14 +11,14 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kFormat = "gonogo/campaign/1";
-constexpr std::size_t kMostNamed = 4;   // differences spelt out in one sentence
-constexpr std::size_t kMostShown = 60;  // characters of a value
+constexpr std::size_t kMaxNamed = 4;   // differences spelt out in one sentence
+constexpr std::size_t kMaxShown = 60;  // characters of a value
 
 fs::path claim_path(const fs::path& folder) { return folder / "campaign.json"; }
 fs::path lock_path(const fs::path& folder) { return folder / "campaign.lock"; }
 
 std::string shown(const std::string& value) {
-  return value.size() <= kMostShown ? value : value.substr(0, kMostShown) + "...";
+  return value.size() <= kMaxShown ? value : value.substr(0, kMaxShown) + "...";
 }
 
 const Json* find_text(const Json& object, const std::string& name) {
@@ -45,8 +45,8 @@ void require_same(const fs::path& folder, const Json& before, const Dependencies
   const std::vector<std::string> phrases = differences(before, now);
   if (phrases.empty()) return;
   std::string text;
-  for (std::size_t i = 0; i < std::min(phrases.size(), kMostNamed); ++i) text += (i > 0 ? "; " : "") + phrases[i];
-  if (phrases.size() > kMostNamed) text += "; and " + std::to_string(phrases.size() - kMostNamed) + " more";
+  for (std::size_t i = 0; i < std::min(phrases.size(), kMaxNamed); ++i) text += (i > 0 ? "; " : "") + phrases[i];
+  if (phrases.size() > kMaxNamed) text += "; and " + std::to_string(phrases.size() - kMaxNamed) + " more";
   throw InputError(folder.string() + ": the trials here were computed with other inputs: " + text +
                    "; undo the change or choose another folder");
 }

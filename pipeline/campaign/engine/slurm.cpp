@@ -14,7 +14,7 @@ namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uint64_t kMostTasks = 1000;  // below Slurm's usual MaxArraySize of 1001
+constexpr std::uint64_t kMaxTasks = 1000;  // below Slurm's usual MaxArraySize of 1001
 
 fs::path slurm_folder(const fs::path& folder) { return folder / "slurm"; }
 fs::path jobs_file(const fs::path& folder) { return slurm_folder(folder) / "jobs.txt"; }
@@ -86,7 +86,7 @@ Submission submit_campaign(const CampaignRequest& campaign, const SlurmRequest& 
   if (shards.empty()) return result;
   const std::uint64_t all = ShardPlan{campaign.design.size(), read_claim(campaign.folder).trials_per_shard}.count();
   const std::uint64_t count =
-      std::min(slurm.tasks > 0 ? std::uint64_t(slurm.tasks) : kMostTasks, std::min(all, kMostTasks));
+      std::min(slurm.tasks > 0 ? std::uint64_t(slurm.tasks) : kMaxTasks, std::min(all, kMaxTasks));
   const std::set<std::uint64_t> tasks = tasks_of(shards, count);
   result.tasks = tasks.size();
   result.script = slurm_folder(campaign.folder) / "job.sh";

@@ -89,20 +89,23 @@ std::string read_colour(const Config& config, const std::string& key) {
 }
 
 VerdictInfo read_verdict(const Config& config) {
-  VerdictInfo info{config.text("name"), int(config.integer("code")), config.text("label"),
-                   read_colour(config, "colour"), read_colour(config, "colour_blind_safe")};
+  VerdictInfo info{.name = config.text("name"),
+                   .code = int(config.integer("code")),
+                   .label = config.text("label"),
+                   .colour = read_colour(config, "colour"),
+                   .colour_blind_safe = read_colour(config, "colour_blind_safe")};
   config.finish();
   return info;
 }
 
 ReasonInfo read_reason(const Config& config, const std::vector<VerdictInfo>& verdicts) {
-  ReasonInfo info{config.text("name"),
-                  int(config.integer("code")),
-                  config.texts("verdicts"),
-                  config.text("label"),
-                  read_colour(config, "colour"),
-                  config.text("about"),
-                  config.boolean_or("map_only", false)};
+  ReasonInfo info{.name = config.text("name"),
+                  .code = int(config.integer("code")),
+                  .verdicts = config.texts("verdicts"),
+                  .label = config.text("label"),
+                  .colour = read_colour(config, "colour"),
+                  .about = config.text("about"),
+                  .map_only = config.boolean_or("map_only", false)};
   for (const auto& verdict : info.verdicts) position(verdicts, verdict, "verdict");
   config.finish();
   return info;

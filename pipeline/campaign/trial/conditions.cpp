@@ -13,7 +13,7 @@ namespace {
 
 /// Where a wheel stands on the hard layer under weak grains, some of them are pinched and jump away at tens of metres
 /// per second. One movement in a million: a trial moves tens of thousands of grains some thousand times.
-constexpr Index kMostSlowed = 200;
+constexpr Index kMaxSlowed = 200;
 
 double value(const DesignPoint& point, const char* name) { return point.variables.at(contract().variable_index(name)); }
 
@@ -77,7 +77,7 @@ terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attemp
 
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt) {
   sim::StepSettings s = terrain::step_settings(setup.calibration.grain_diameter, attempt_numerics(setup, attempt));
-  s.most_slowed = kMostSlowed;
+  s.most_slowed = kMaxSlowed;
   return s;
 }
 

@@ -19,10 +19,14 @@ struct WatchedWheel {
 };
 
 std::vector<WatchedWheel> watched_wheels(const TrialSetup& setup) {
-  if (!setup.whole) return {{"wheel", 0, setup.rig.radius, true}};
+  if (!setup.whole) return {{.name = "wheel", .radius = setup.rig.radius}};
   std::vector<WatchedWheel> wheels;
   for (const vehicle::RunningPart& p : vehicle::running_parts(*setup.whole))
-    wheels.push_back({p.name, Index(wheels.size()) + 1, p.rolling_radius, p.driven, p.reach > 0});
+    wheels.push_back({.name = p.name,
+                      .monitor = Index(wheels.size()) + 1,
+                      .radius = p.rolling_radius,
+                      .driven = p.driven,
+                      .sinks = p.reach > 0});
   return wheels;
 }
 
@@ -50,7 +54,13 @@ class Judge {
     if (setup_.task->tow().share > 0) o.pull = pull_points();
     if (const auto slip = setup_.task->given_slip()) o.pull = {led_point(o, *slip)};
     const auto [common, reason] = verdict(o);
-    const DriveEnd end{common, reason, end_.now.x, o.drift, setup_.vehicle_length(), setup_.thresholds.go_slip, o.pull};
+    const DriveEnd end{.verdict = common,
+                       .reason = reason,
+                       .travelled = end_.now.x,
+                       .drift = o.drift,
+                       .vehicle_length = setup_.vehicle_length(),
+                       .go_slip = setup_.thresholds.go_slip,
+                       .pull = o.pull};
     std::tie(o.verdict, o.reason) = setup_.task->judge(end);
     return o;
   }
@@ -166,7 +176,8 @@ class Judge {
     for (const sim::MonitorSample& s : samples) mean += ahead(s) / count;
     const double rate = (ahead(samples.back()) - ahead(samples.front())) / ((count - 1) * step_);
     const double force = kCarriageStiffness * mean + carriage_damping(weight / kGravity) * rate;
-    return {force / weight, o.slip, o.mean_speed, o.sinkage, o.mean_torque};
+    return {
+        .pull = force / weight, .slip = o.slip, .speed = o.mean_speed, .sinkage = o.sinkage, .torque = o.mean_torque};
   }
 
   /// Between two samples, under a mean load.
@@ -191,7 +202,10 @@ class Judge {
 
   static WheelRecord record_of(const WatchedWheel& w, const sim::MonitorMeans& of, double travelled) {
     const double rolled = of.turned * w.radius;
-    return {w.name, w.driven && rolled > 0 ? 1 - travelled / rolled : kNaN, w.sinks ? of.drop : kNaN, of.torque};
+    return {.name = w.name,
+            .slip = w.driven && rolled > 0 ? 1 - travelled / rolled : kNaN,
+            .sinkage = w.sinks ? of.drop : kNaN,
+            .torque = of.torque};
   }
 
   const TrialSetup& setup_;

@@ -29,16 +29,17 @@ double widest_tyre(const vehicle::Vehicle& v) {
 double folded_width(const vehicle::Vehicle& v) { return 2 * track_of(v) / 3; }
 
 double lane_gap(const vehicle::Vehicle& v, double width) {
-  double least = std::numeric_limits<double>::infinity();
+  double smallest = std::numeric_limits<double>::infinity();
   const auto parts = vehicle::running_parts(v);
   for (const vehicle::RunningPart& a : parts) {
     if (!(a.reach > 0)) continue;
-    least = std::min(least, width - a.width);
+    smallest = std::min(smallest, width - a.width);
     for (const vehicle::RunningPart& b : parts)
       if (b.reach > 0 && a.centre.y > 0 && b.centre.y < 0)
-        least = std::min(least, std::fabs(std::remainder(a.centre.y - b.centre.y, width)) - (a.width + b.width) / 2);
+        smallest =
+            std::min(smallest, std::fabs(std::remainder(a.centre.y - b.centre.y, width)) - (a.width + b.width) / 2);
   }
-  return least;
+  return smallest;
 }
 
 void check_foldable(const TrialSetup& s) {
@@ -53,7 +54,7 @@ void check_foldable(const TrialSetup& s) {
 }
 
 void check_lanes(const TrialSetup& s) {
-  const double width = s.tiles_across * s.bed_width, needed = kLeastLaneGap * widest_tyre(*s.whole);
+  const double width = s.tiles_across * s.bed_width, needed = kMinLaneGap * widest_tyre(*s.whole);
   const double gap = lane_gap(*s.whole, width);
   if (gap >= needed) return;
   throw InputError("on a folded bed of " + std::to_string(width) + " m there are " +

@@ -13,7 +13,7 @@ namespace gonogo::campaign {
 /// Ground between the sides of tyres in neighbouring lanes, in tyre widths, that a folded bed must leave. A wheel moves
 /// grains far beside it: a tyre width from its side they move a fifth of the way of those under it
 /// (docs/validation.md).
-inline constexpr double kLeastLaneGap = 1;
+inline constexpr double kMinLaneGap = 1;
 
 /// Two thirds of the track: the width of a folded bed whose lanes lie half a bed apart [m].
 double folded_width(const vehicle::Vehicle& v);

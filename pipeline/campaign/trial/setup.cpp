@@ -229,7 +229,12 @@ double TrialSetup::weight(double payload) const {
 Course TrialSetup::course(double surface) const {
   const double ends = extent_of(*this).ends(), length = tiles_along * bed_length;
   const double usual = whole ? 0.5 * length : 0.15 * length;
-  return {start > 0 ? start : usual, ends, ends, length, tiles_across * bed_width, surface};
+  return {.start = start > 0 ? start : usual,
+          .front = ends,
+          .rear = ends,
+          .length = length,
+          .width = tiles_across * bed_width,
+          .surface = surface};
 }
 
 terrain::BedSpec TrialSetup::bed_spec(double bed_depth, std::size_t packing, std::uint64_t bed_seed) const {

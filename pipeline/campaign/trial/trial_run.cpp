@@ -192,7 +192,7 @@ TrialRun::Phase TrialRun::look_at_bed() {
   if (!fails(setup_, bed_)) return Phase::drive_coming;
   if (watch_.frame) {
     const TrialSample sample{.residual = bed_.residual};
-    watch_.frame({sample, *world_, simulation(), place_, -1});
+    watch_.frame(frame_of(sample, -1));
   }
   return end_attempt(outcome_of_failed_bed(bed_));
 }
@@ -324,11 +324,15 @@ void TrialRun::show_samples() {
   shown_samples_ += count;
 }
 
+TrialFrame TrialRun::frame_of(const TrialSample& sample, sim::BodyIndex wheel) {
+  return {.sample = sample, .world = *world_, .simulation = simulation(), .place = place_, .wheel = wheel};
+}
+
 void TrialRun::show_frame() {
   if (!watch_.frame) return;
   const sim::MonitorSample now = simulation().monitor(place_, 0).now;
   const TrialSample sample = setup_.whole ? seen_whole(now, seen_wheels(setup_, simulation(), place_)) : seen(now);
-  watch_.frame({sample, *world_, simulation(), place_, world_->monitor.front().body});
+  watch_.frame(frame_of(sample, world_->monitor.front().body));
   pass_due_frames();
 }
 

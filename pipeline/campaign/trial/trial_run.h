@@ -93,6 +93,7 @@ class TrialRun {
   TrialSample seen(const sim::MonitorSample& s) const;
   TrialSample seen_whole(const sim::MonitorSample& s, const SeenWheels& wheels) const;
   void show_samples();
+  TrialFrame frame_of(const TrialSample& sample, sim::BodyIndex wheel);
   void show_frame();
 
   const TrialSetup& setup_;

@@ -86,7 +86,7 @@ void add_walls(const OriginalBin& bin, sim::SceneWorld& world) {
 }  // namespace
 
 int layer_count(const OriginalBin& bin, double radius) {
-  return std::clamp(int(bin.depth / (2 * radius) + 1e-9), bin.least_layers, bin.most_layers);
+  return std::clamp(int(bin.depth / (2 * radius) + 1e-9), bin.min_layers, bin.max_layers);
 }
 
 std::vector<Vec3d> poisson_disk(double half_x, double half_y, double apart, std::uint64_t seed) {

@@ -15,7 +15,7 @@ struct OriginalBin {
   double half_length = 6, half_width = 1.75, half_height = 0.5;  // inside the walls [m]
   double half_wall = 0.05;                                       // half thickness of the walls [m]
   double depth = 0.1;  // that the layers are to fill, as far as their number allows [m]
-  int least_layers = 4, most_layers = 8;
+  int min_layers = 4, max_layers = 8;
   double spread = 1.01;   // grains are dropped as far apart as grains this much larger would be [-]
   double base_pitch = 4;  // of the spheres of the rough floor, in grain radii [-]
 };

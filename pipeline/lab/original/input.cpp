@@ -14,7 +14,7 @@ namespace {
 struct Column {
   const char* name;
   const char* unit;
-  double least, most;
+  double min, max;
 };
 
 /// Wider than what the study sampled: slopes of 0 to 30 degrees, radii of 4 to 30 mm, densities of 1000 to 3000 kg/m^3,
@@ -54,11 +54,15 @@ OriginalInput read_original_input(const std::filesystem::path& file, int line) {
   const std::string where = file.string() + ", line " + std::to_string(line);
   const std::vector<double> x = numbers_of(text, where);
   for (std::size_t i = 0; i < x.size(); ++i)
-    if (!(x[i] >= kColumn[i].least && x[i] <= kColumn[i].most))
+    if (!(x[i] >= kColumn[i].min && x[i] <= kColumn[i].max))
       throw InputError(
           where + ": " + kColumn[i].name +
-          gonogo::line(" %g %s; allowed are %g to %g", x[i], kColumn[i].unit, kColumn[i].least, kColumn[i].most));
-  return {to_radians(x[0]), 1e-3 * x[1], x[2], x[3], 1e3 * x[4]};
+          gonogo::line(" %g %s; allowed are %g to %g", x[i], kColumn[i].unit, kColumn[i].min, kColumn[i].max));
+  return {.slope = to_radians(x[0]),
+          .radius = 1e-3 * x[1],
+          .density = x[2],
+          .friction = x[3],
+          .cohesion = 1e3 * x[4]};
 }
 
 }  // namespace gonogo::lab

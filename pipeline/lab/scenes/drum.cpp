@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kSegments = 48;
 constexpr double kCubeDiameters = 3;  // edge of a sample: about 30 spheres
-constexpr std::size_t kLeastInCube = 10;
+constexpr std::size_t kMinInCube = 10;
 constexpr double kLooksPerTurn = 8;
 
 /// Half of the drum is full: N pi d^3 / 6 = 0.6 pi r^2 l / 2.
@@ -62,7 +62,7 @@ double lacey_index(const std::vector<Vec3d>& position, const std::vector<bool>& 
   }
   double all = 0, first = 0, cubes = 0;
   for (const auto& [at, c] : count)
-    if (c[0] >= kLeastInCube) {
+    if (c[0] >= kMinInCube) {
       all += double(c[0]);
       first += double(c[1]);
       ++cubes;
@@ -70,7 +70,7 @@ double lacey_index(const std::vector<Vec3d>& position, const std::vector<bool>& 
   const double p = first / all, n = all / cubes;
   double variance = 0;
   for (const auto& [at, c] : count)
-    if (c[0] >= kLeastInCube) variance += double(c[0]) / all * std::pow(double(c[1]) / double(c[0]) - p, 2);
+    if (c[0] >= kMinInCube) variance += double(c[0]) / all * std::pow(double(c[1]) / double(c[0]) - p, 2);
   return (p * (1 - p) - variance) / (p * (1 - p) * (1 - 1 / n));
 }
 

@@ -198,7 +198,12 @@ double ScreenSpec::crank_speed() const { return std::sqrt(throw_number * kGravit
 
 ScreenParts screen_parts(const ScreenSpec& spec) {
   const sim::BodyIndex ground = spec.of.count;
-  return {ground, ground + 1, ground + 2, ground + 3, {std::cos(kSlope), 0, std::sin(kSlope)}, 20 * spec.crank()};
+  return {.ground = ground,
+          .deck = ground + 1,
+          .crank = ground + 2,
+          .rod = ground + 3,
+          .stroke = {std::cos(kSlope), 0, std::sin(kSlope)},
+          .rod_length = 20 * spec.crank()};
 }
 
 ManyScene screen_scene(const ScreenSpec& spec, const RunOn& on) {

@@ -9,7 +9,7 @@
 namespace gonogo::lab {
 
 std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Index nx, Index ny, Index nz,
-                                  const std::function<bool(const Vec3d&)>& inside, std::size_t most) {
+                                  const std::function<bool(const Vec3d&)>& inside, std::size_t max_count) {
   std::vector<Sphere> spheres;
   std::uint64_t draw = 0;
   const auto between = [&](double low, double high) { return low + (high - low) * random_unit(spec.seed, 0, draw++); };
@@ -19,7 +19,7 @@ std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Inde
       for (Index x = 0; x < nx; ++x) {
         const double dx = between(-aside, aside), dy = between(-aside, aside), size = between(-1, 1);
         const Vec3d at = corner + Vec3d{(x + 0.5) * pitch + dx, (y + 0.5) * pitch + dy, (z + 0.5) * pitch};
-        if (spheres.size() < most && inside(at))
+        if (spheres.size() < max_count && inside(at))
           spheres.push_back({at, spec.diameter / 2 * (1 + spec.size_spread * size)});
       }
   return spheres;

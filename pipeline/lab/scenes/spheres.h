@@ -27,9 +27,9 @@ struct Sphere {
 };
 
 /// Spheres of a cubic lattice, each a little aside so that columns buckle, from the lower corner upward, x fastest;
-/// only those whose place `inside` accepts, and no more than `most`.
+/// only those whose place `inside` accepts, and no more than `max_count` of them.
 std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Index nx, Index ny, Index nz,
-                                  const std::function<bool(const Vec3d&)>& inside, std::size_t most);
+                                  const std::function<bool(const Vec3d&)>& inside, std::size_t max_count);
 
 /// Numerical parameters for spheres of this diameter; step 2e-3 s. The envelope gives about 3.6 contacts a sphere, as
 /// the published tank has 3.55.

@@ -19,7 +19,7 @@ struct Blocks {
 
 /// A block is so many columns wide where the tank has that many: its periodic images do not notice each other, and
 /// it settles in seconds.
-constexpr int kLeastSide = 10, kMostSide = 14;
+constexpr int kMinSide = 10, kMaxSide = 14;
 
 Blocks choose_blocks(const TankSpec& spec) {
   Blocks b;
@@ -30,8 +30,8 @@ Blocks choose_blocks(const TankSpec& spec) {
   const auto lay = [&](int side) {
     return Blocks{side, (along + side - 1) / side, (across + side - 1) / side, b.layers};
   };
-  if (across <= kMostSide) return lay(std::max(across, 4));
-  for (int side = kLeastSide; side <= kMostSide; ++side)
+  if (across <= kMaxSide) return lay(std::max(across, 4));
+  for (int side = kMinSide; side <= kMaxSide; ++side)
     if (const Blocks other = lay(side); b.side == 0 || other.columns() < b.columns()) b = other;
   return b;
 }

@@ -19,8 +19,11 @@ namespace {
 WheelOnSand tyre_of(const vehicle::Vehicle& v) {
   const auto wheels = vehicle::stations(v);
   const vehicle::Wheel& w = *wheels.front().wheel;
-  return {w.radius, w.width, vehicle::weigh(v).total * kGravity / double(wheels.size()), w.size_section_height,
-          w.size_deflection > 0 ? w.size_deflection : 0.15 * w.size_section_height};
+  return {.radius = w.radius,
+          .width = w.width,
+          .load = vehicle::weigh(v).total * kGravity / double(wheels.size()),
+          .section_height = w.size_section_height,
+          .deflection = w.size_deflection > 0 ? w.size_deflection : 0.15 * w.size_section_height};
 }
 
 /// Sums over the seeds of one part of the sweep.
@@ -78,7 +81,11 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
       part[k].resistance.push_back(driven * p.torque / radius / weight - p.pull);
     }
   }
-  DrawbarReport report{v.name, r.compliant_tyres, r.friction_angle, campaign::grains_per_tyre(setup), {}, {}};
+  DrawbarReport report;
+  report.vehicle = v.name;
+  report.compliant_tyres = r.compliant_tyres;
+  report.friction_angle = r.friction_angle;
+  report.grains_per_tyre = campaign::grains_per_tyre(setup);
   for (const PartSum& k : part)
     if (const double slip = mean_of(k.slip).mean; slip > 0.01 && slip < 0.95)
       report.point.push_back(point_of(k, v, r.friction_angle));
@@ -142,18 +149,18 @@ report::LinePlot plot_of(const DrawbarReport& r) {
   plot.x_label = "slip";
   plot.y_label = "share of the weight";
   constexpr int kPullColour = 0, kResistanceColour = 3;
-  report::PlotLine of_pull{"pull, formulas", {}, {}, false, {}, kPullColour};
-  report::PlotLine of_resistance{"resistance, formulas", {}, {}, false, {}, kResistanceColour};
+  report::PlotLine of_pull{.label = "pull, formulas", .colour = kPullColour};
+  report::PlotLine of_resistance{.label = "resistance, formulas", .colour = kResistanceColour};
   for (const TractionBand& b : r.band) {
     of_pull.x.push_back(b.slip);
     of_resistance.x.push_back(b.slip);
     of_pull.y.push_back(b.pull[0]);
-    of_pull.most.push_back(b.pull[1]);
+    of_pull.upper.push_back(b.pull[1]);
     of_resistance.y.push_back(b.resistance[0]);
-    of_resistance.most.push_back(b.resistance[1]);
+    of_resistance.upper.push_back(b.resistance[1]);
   }
-  report::PlotLine pull{"pull, trials", {}, {}, true, {}, kPullColour};
-  report::PlotLine resistance{"resistance, trials", {}, {}, true, {}, kResistanceColour};
+  report::PlotLine pull{.label = "pull, trials", .points = true, .colour = kPullColour};
+  report::PlotLine resistance{.label = "resistance, trials", .points = true, .colour = kResistanceColour};
   for (const DrawbarPoint& p : r.point) {
     pull.x.push_back(p.slip);
     pull.y.push_back(p.pull.mean);

@@ -103,11 +103,11 @@ class Rut {
 
 double half_width(const std::vector<double>& moved, double tyre_width) {
   const auto under = std::size_t(tyre_width / 2 / kBinWidth);
-  double most = 0;
-  for (std::size_t k = 0; k < under; ++k) most += moved[k] / double(under);
+  double largest = 0;
+  for (std::size_t k = 0; k < under; ++k) largest += moved[k] / double(under);
   std::size_t last = 0;
   for (std::size_t k = 0; k < moved.size(); ++k)
-    if (moved[k] > 0.1 * most) last = k + 1;
+    if (moved[k] > 0.1 * largest) last = k + 1;
   return double(last) * kBinWidth;
 }
 

@@ -45,7 +45,7 @@ std::vector<GivenSlip> measured_traction() {
   for (const auto& [slip, slopes] : at) {
     const auto [low, high] = std::minmax_element(slopes.begin(), slopes.end());
     const double mean = terrain::mean_error(slopes).mean;
-    points.push_back({slip, mean, *low, *high, mean, 0, 0, 0});
+    points.push_back({.slip = slip, .measured = mean, .lowest = *low, .highest = *high, .traction_slope = mean});
   }
   return points;
 }

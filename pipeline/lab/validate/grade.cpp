@@ -17,8 +17,8 @@ namespace {
 constexpr double kAngles[] = {14, 20, 25, 30, 35, 40, 45};      // [deg]
 constexpr double kSlopes[] = {-20, -10, 0, 5, 10, 15, 20, 35};  // [deg]
 constexpr double kSlips[] = {0.02, 0.2, 0.4, 0.6, 0.8, 0.95};
-constexpr double kLeastSlope = 2;       // [deg]
-constexpr double kLeastDistance = 0.2;  // [m]
+constexpr double kMinSlope = 2;       // [deg]
+constexpr double kMinDistance = 0.2;  // [m]
 
 double degrees(double pull) { return std::atan(pull) / kDegree; }
 
@@ -29,18 +29,20 @@ double variable(const campaign::TrialRecord& r, const char* name) {
 /// The wheel of a trial and the load on it.
 WheelOnSand wheel_of(const vehicle::WheelRig& rig, double payload, double along, double across) {
   const double a = std::tan(along * kDegree), b = std::tan(across * kDegree);
-  return {rig.radius, rig.width, vehicle::rig_mass(rig, payload) * kGravity / std::sqrt(1 + a * a + b * b), 0, 0};
+  return {.radius = rig.radius,
+          .width = rig.width,
+          .load = vehicle::rig_mass(rig, payload) * kGravity / std::sqrt(1 + a * a + b * b)};
 }
 
 bool is_of_interest(const campaign::TrialRecord& r, const GradeRequest& request) {
-  return r.verdict != campaign::Verdict::unknown && variable(r, "cohesion") <= request.most_cohesion &&
-         std::fabs(variable(r, "slope_across")) <= request.most_across &&
+  return r.verdict != campaign::Verdict::unknown && variable(r, "cohesion") <= request.max_cohesion &&
+         std::fabs(variable(r, "slope_across")) <= request.max_across &&
          variable(r, "tyre_friction") >= std::tan(variable(r, "friction_angle") * kDegree);
 }
 
 bool moved_uphill(const campaign::TrialRecord& r) {
   const double slip = campaign::measure_of(r, "slip");
-  return variable(r, "slope_along") >= kLeastSlope && campaign::measure_of(r, "distance") >= kLeastDistance &&
+  return variable(r, "slope_along") >= kMinSlope && campaign::measure_of(r, "distance") >= kMinDistance &&
          slip > kSlips[0] && slip < kSlips[std::size(kSlips) - 1];
 }
 
@@ -91,7 +93,7 @@ GradeReport grade_report(const GradeRequest& request) {
   }
   if (report.point.empty())
     throw InputError(request.dataset.string() + ": no trial drove uphill on soil of at most " +
-                     std::to_string(request.most_cohesion) + " kPa that its tyre grips; raise --cohesion");
+                     std::to_string(request.max_cohesion) + " kPa that its tyre grips; raise --cohesion");
   const TractionBand band = sand_band(wheel_of(rig, 0, 0, 0), 30, 0.4);
   for (int k = 0; k < 2; ++k) report.go_band[k] = degrees(band.pull[k]);
   for (const GradePoint& p : report.point) report.unsteady_passed += campaign::passes(p.verdict) && p.slip > 0.4;
@@ -210,7 +212,7 @@ report::LinePlot plot_of(const GradeReport& r) {
     trial.y.push_back(p.slope);
     formulas.x.push_back(p.slip);
     formulas.y.push_back(degrees(p.band.pull[0]));
-    formulas.most.push_back(degrees(p.band.pull[1]));
+    formulas.upper.push_back(degrees(p.band.pull[1]));
   }
   plot.lines = {formulas, trial};
   plot.notes.push_back("formulas: Wong and Reece on two sands with the trial's friction angle and load, Mason et al.");

@@ -15,8 +15,8 @@ namespace gonogo::lab {
 struct GradeRequest {
   std::filesystem::path dataset;
   std::filesystem::path vehicle;  // the quarter vehicle of its trials
-  double most_cohesion = 5;       // of trials that are looked at [kPa]
-  double most_across = 12;        // slope across, either way [deg]
+  double max_cohesion = 5;        // of trials that are looked at [kPa]
+  double max_across = 12;         // slope across, either way [deg]
 };
 
 /// One trial, uphill, whose wheel moved on.

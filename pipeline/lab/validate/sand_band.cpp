@@ -29,7 +29,12 @@ void add_wong_reece(const WheelOnSand& w, double friction_angle, double cohesion
   for (const BekkerSand& sand : kSand)
     for (const double shear : kShear)
       for (const double c : {0.0, sand.cohesion, cohesion}) {
-        const vehicle::BekkerSoil soil{sand.n, sand.k_c, sand.k_phi, c, friction_angle * kDegree, shear};
+        const vehicle::BekkerSoil soil{.n = sand.n,
+                                       .k_c = sand.k_c,
+                                       .k_phi = sand.k_phi,
+                                       .cohesion = c,
+                                       .friction_angle = friction_angle * kDegree,
+                                       .shear_modulus = shear};
         const vehicle::WheelForces f = vehicle::wheel_forces_under(soil, w.radius, w.width, band.slip, w.load);
         const double pull = f.drawbar_pull / w.load;
         widen(band.pull, pull);
@@ -45,7 +50,12 @@ void add_cone_index(const WheelOnSand& w, TractionBand& band) {
     const double net = vehicle::sand_net_traction(ratio, band.slip);
     widen(band.pull, net);
     if (!(w.section_height > 0)) continue;
-    const vehicle::WheelOnSoil on{w.load, 2 * w.radius, w.width, w.section_height, w.deflection, index};
+    const vehicle::WheelOnSoil on{.load = w.load,
+                                  .diameter = 2 * w.radius,
+                                  .width = w.width,
+                                  .section_height = w.section_height,
+                                  .deflection = w.deflection,
+                                  .cone_index = index};
     widen(band.resistance, vehicle::sand_gross_traction(vehicle::sand_numeric(on), band.slip) - net);
   }
 }

@@ -69,7 +69,8 @@ std::vector<double> slip_over_time(const std::vector<campaign::TrialRecord>& rec
 
 std::vector<SlopeSlip> published_slope_slips() {
   std::vector<SlopeSlip> slips;
-  for (const Published& p : kPublished) slips.push_back({p.slope, p.measured, p.simulated, p.simulated, 0, 0, 0, {}});
+  for (const Published& p : kPublished)
+    slips.push_back({.slope = p.slope, .measured = p.measured, .published = p.simulated, .slip = p.simulated});
   return slips;
 }
 
@@ -98,7 +99,7 @@ std::vector<SlopeSlip> run_slope_slip(const SimulantRun& run) {
                     sinkage = campaign::contract().measure_index("sinkage");
   std::vector<SlopeSlip> result;
   for (const Published& p : kPublished) {
-    SlopeSlip s{p.slope, p.measured, p.simulated, 0, 0, 0, 0, {}};
+    SlopeSlip s{.slope = p.slope, .measured = p.measured, .published = p.simulated};
     std::vector<double> slips, depths;
     for (const campaign::TrialRecord& r : records) {
       if (r.verdict == campaign::Verdict::unknown) continue;

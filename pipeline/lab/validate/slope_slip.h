@@ -20,7 +20,7 @@ struct SlopeSlip {
   double slip = 0, slip_error = 0;     // mean and standard error over the beds [-]
   double sinkage = 0;                  // [m]
   int trials = 0;                      // that ended as they should
-  std::vector<double> over_time;       // [second of driving] slip, mean over the beds
+  std::vector<double> over_time = {};  // [second of driving] slip, mean over the beds
 };
 
 /// The published simulation as if it were a run of ours.

@@ -131,7 +131,7 @@ struct Inverted {
   double friction_angle = 0, angle_error = 0, cohesion = 0, cohesion_error = 0, bulk_density = 0;
 
   /// Least confining stress of its tests [Pa]: the contacts' pull, up to which tables know cohesion as a share of it.
-  double least_stress() const { return std::max(2.5e3, double(fit.law.cohesion_pressure)); }
+  double min_stress() const { return std::max(2.5e3, double(fit.law.cohesion_pressure)); }
 };
 
 constexpr double kInversionStress[] = {1, 2, 4, 8};  // times the least
@@ -187,7 +187,7 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
     const std::uint64_t seed = kNewSeed + within / loads;
     const Inverted& soil = soils[k / each];
     const terrain::SoilFit& fit = soil.fit;
-    results[k] = compressed(c, run.calibration, fit, soil.least_stress() * kInversionStress[within % loads], seed);
+    results[k] = compressed(c, run.calibration, fit, soil.min_stress() * kInversionStress[within % loads], seed);
     density[k] = bulk_density_of(c, fit, seed);
 #pragma omp critical(inversion_progress)
     progress.update(++done, "");

@@ -35,12 +35,11 @@ void factors(const VehicleIndex& index, bool wheels, Report& r) {
 WheelOnSoil mean_wheel(const Vehicle& v, const VehicleIndex& index) {
   const auto places = stations(v);
   const Wheel& wheel = *places[0].wheel;
-  return {weigh(v).total * kGravity / double(places.size()),
-          wheel.size_diameter,
-          wheel.size_section_width,
-          wheel.size_section_height,
-          index.deflection_ratio * wheel.size_section_height,
-          0};
+  return {.load = weigh(v).total * kGravity / double(places.size()),
+          .diameter = wheel.size_diameter,
+          .width = wheel.size_section_width,
+          .section_height = wheel.size_section_height,
+          .deflection = index.deflection_ratio * wheel.size_section_height};
 }
 
 void tractions(const WheelOnSoil& w, Report& r, Json& row) {

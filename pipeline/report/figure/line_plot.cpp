@@ -98,7 +98,7 @@ void draw_band(const Canvas& canvas, const Axes& a, const PlotLine& line, Colour
   cairo_t* cairo = canvas.cairo();
   cairo_new_path(cairo);
   for (std::size_t i = 0; i < line.x.size(); ++i) cairo_line_to(cairo, a.x(line.x[i]), a.y(line.y[i]));
-  for (std::size_t i = line.x.size(); i-- > 0;) cairo_line_to(cairo, a.x(line.x[i]), a.y(line.most[i]));
+  for (std::size_t i = line.x.size(); i-- > 0;) cairo_line_to(cairo, a.x(line.x[i]), a.y(line.upper[i]));
   cairo_close_path(cairo);
   canvas.set(faint(colour));
   cairo_fill_preserve(cairo);
@@ -110,18 +110,18 @@ void draw_band(const Canvas& canvas, const Axes& a, const PlotLine& line, Colour
 /// One at every x, as wide as a dot.
 void draw_bars(const Canvas& canvas, const Axes& a, const PlotLine& line, Colour colour) {
   for (std::size_t i = 0; i < line.x.size(); ++i)
-    canvas.line(a.x(line.x[i]), a.y(line.y[i]), a.x(line.x[i]), a.y(line.most[i]), faint(colour), 2 * kDot);
+    canvas.line(a.x(line.x[i]), a.y(line.y[i]), a.x(line.x[i]), a.y(line.upper[i]), faint(colour), 2 * kDot);
 }
 
 void draw(const Canvas& canvas, const Axes& a, const PlotLine& line, Colour colour) {
-  if (!line.most.empty()) return line.points ? draw_bars(canvas, a, line, colour) : draw_band(canvas, a, line, colour);
+  if (!line.upper.empty()) return line.points ? draw_bars(canvas, a, line, colour) : draw_band(canvas, a, line, colour);
   canvas.set(colour);
   line.points ? draw_points(canvas, a, line) : draw_curve(canvas, a, line);
 }
 
 /// In the legend: a stroke of the curve, a piece of the band, or one of the points.
 void draw_sample(const Canvas& canvas, double x, double y, const PlotLine& line, Colour colour) {
-  if (!line.most.empty()) return canvas.line(x, y, x + 40, y, faint(colour), 20);
+  if (!line.upper.empty()) return canvas.line(x, y, x + 40, y, faint(colour), 20);
   if (!line.points) return canvas.line(x, y, x + 40, y, colour, 4);
   canvas.set(colour);
   cairo_new_path(canvas.cairo());
@@ -147,7 +147,7 @@ void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot) {
       if (std::isfinite(line.x[i]) && std::isfinite(line.y[i])) {
         x.cover(line.x[i]);
         y.cover(line.y[i]);
-        if (!line.most.empty()) y.cover(line.most[i]);
+        if (!line.upper.empty()) y.cover(line.upper[i]);
       }
   if (!(x.high >= x.low)) throw InputError(path.string() + ": nothing to draw, every point is missing");
   if (plot.from_zero && x.low > 0) x.low = 0;

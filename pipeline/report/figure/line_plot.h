@@ -7,11 +7,12 @@
 namespace gonogo::report {
 
 struct PlotLine {
-  std::string label;
-  std::vector<double> x, y;       // a not-a-number breaks the line
-  bool points = false;            // dots instead of a line
-  std::vector<double> most = {};  // from y to it a band instead of a line, or bars instead of dots; as long as y
-  int colour = -1;                // place in the palette, to share one; -1: its own place among the lines
+  std::string label = {};
+  std::vector<double> x = {}, y = {};  // NaN breaks the line
+  bool points = false;                 // dots instead of a line
+  /// As long as y, or empty. A band from y to here replaces the line, bars replace the dots.
+  std::vector<double> upper = {};
+  int colour = -1;  // place in the palette; -1: that of the line among the lines
 };
 
 struct LinePlot {

@@ -53,11 +53,11 @@ void draw_histogram(const Canvas& canvas, Box box, const ScatterTable& table, st
     ++counts[bin][std::size_t(table.class_of_row[i])];
     ++sums[bin];
   }
-  const double most = std::max(1, *std::max_element(sums.begin(), sums.end()));
+  const double largest = std::max(1, *std::max_element(sums.begin(), sums.end()));
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     double bottom = box.bottom();
     for (std::size_t k = 0; k < table.classes.size(); ++k) {
-      const double height = 0.95 * box.height * counts[bin][k] / most;
+      const double height = 0.95 * box.height * counts[bin][k] / largest;
       canvas.fill({box.left + double(bin) * box.width / kBins, bottom - height, box.width / kBins - 1, height},
                   colour_from(table.classes[k].colour));
       bottom -= height;
@@ -131,12 +131,12 @@ void draw_bars(const std::filesystem::path& path, const Bars& bars) {
   canvas.text(30, 50, bars.title, 28, Align::left, true);
   for (std::size_t s = 0; s < bars.series.size(); ++s) {
     const double left = label + double(s) * (width + gap);
-    const double most = std::max(1e-12, *std::max_element(bars.values[s].begin(), bars.values[s].end()));
+    const double largest = std::max(1e-12, *std::max_element(bars.values[s].begin(), bars.values[s].end()));
     canvas.text(left, top - 20, bars.series[s], 20);
     for (std::size_t i = 0; i < bars.labels.size(); ++i) {
       const double y = top + height * double(i);
       if (s == 0) canvas.text(label - 14, y + 22, bars.labels[i], 20, Align::right);
-      const double length = width * std::max(0.0, bars.values[s][i]) / most;
+      const double length = width * std::max(0.0, bars.values[s][i]) / largest;
       canvas.fill({left, y + 4, length, height - 8}, colour_from("#0072b2"));
       canvas.text(left + length + 8, y + 22, line("%.3g", bars.values[s][i]), 18);
     }

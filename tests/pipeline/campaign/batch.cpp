@@ -48,16 +48,16 @@ std::vector<DesignPoint> some_points() {
 
 using Records = std::map<std::uint64_t, TrialRecord>;
 
-/// Keeps the batch full until all trials are over. `most_waiting`: trials that waited for a second attempt at a time.
+/// Keeps the batch full until all trials are over. `max_waiting`: trials that waited for a second attempt at a time.
 Records run_all(const TrialSetup& setup, const std::vector<DesignPoint>& points, sim::Backend backend, int places,
-                int* most_waiting = nullptr) {
+                int* max_waiting = nullptr) {
   TrialBatch batch(setup, {backend, places, 1});
   std::deque<DesignPoint> todo(points.begin(), points.end());
   Records records;
   while (batch.running() > 0 || !todo.empty()) {
     for (; batch.free_places() > 0 && !todo.empty(); todo.pop_front()) batch.start(todo.front());
     for (TrialRecord& r : batch.advance()) records.emplace(r.point.index, std::move(r));
-    if (most_waiting != nullptr) *most_waiting = std::max(*most_waiting, batch.waiting());
+    if (max_waiting != nullptr) *max_waiting = std::max(*max_waiting, batch.waiting());
   }
   return records;
 }

@@ -191,10 +191,18 @@ TEST_CASE("tasks that cannot be done are refused") {
       },
       "quarter");
   CHECK(parse_task("climb")->name() == "climb");
-  CHECK(parse_task("side_slope")->judge({Verdict::go, Reason::none, 5, 1.5, 4, 0.4, {}}).second == Reason::slid_back);
-  CHECK(parse_task("side_slope")->judge({Verdict::go, Reason::none, 5, 0.5, 4, 0.4, {}}).first == Verdict::go);
-  CHECK(parse_task("ditch:width_m=1,depth_m=0.1")->judge({Verdict::no_go, Reason::timeout, 1, 0, 4, 0.4, {}}).second ==
-        Reason::obstacle);
+  const auto judged = [](const char* task, Verdict verdict, Reason reason, double travelled, double drift) {
+    return parse_task(task)->judge({.verdict = verdict,
+                                    .reason = reason,
+                                    .travelled = travelled,
+                                    .drift = drift,
+                                    .vehicle_length = 4,
+                                    .go_slip = 0.4,
+                                    .pull = {}});
+  };
+  CHECK(judged("side_slope", Verdict::go, Reason::none, 5, 1.5).second == Reason::slid_back);
+  CHECK(judged("side_slope", Verdict::go, Reason::none, 5, 0.5).first == Verdict::go);
+  CHECK(judged("ditch:width_m=1,depth_m=0.1", Verdict::no_go, Reason::timeout, 1, 0).second == Reason::obstacle);
 }
 
 }  // namespace gonogo::campaign

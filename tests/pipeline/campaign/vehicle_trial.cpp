@@ -60,6 +60,10 @@ TrialSetup moving_rig() {
   return s;
 }
 
+terrain::Numerics coulomb_numerics(double step, int substeps, int iterations) {
+  return {.step = step, .substeps = substeps, .iterations = iterations, .tolerance = 0, .target = sim::Target::coulomb};
+}
+
 }  // namespace
 
 TEST_CASE("a HMMWV drives over a bed of tiles, and each of its wheels has its record") {
@@ -228,14 +232,12 @@ TEST_CASE("a vehicle without a study steps by the numerics of its soil's table, 
   const auto setup = [&](const char* vehicle, const char* table, const terrain::AskedNumerics& asked) {
     return vehicle_trial_setup(configs / "vehicles" / vehicle, configs / "soils" / table, default_task(), asked);
   };
-  const terrain::Numerics table_32mm{1e-3, 14, 2, 0, sim::Target::coulomb};
+  const terrain::Numerics table_32mm = coulomb_numerics(1e-3, 14, 2);
   CHECK(setup("hmmwv_quarter.json", "calibration_32mm.json", {}).numerics == table_32mm);
-  CHECK(setup("hmmwv.json", "calibration_90mm.json", {}).numerics ==
-        terrain::Numerics{2e-3, 14, 2, 0, sim::Target::coulomb});
+  CHECK(setup("hmmwv.json", "calibration_90mm.json", {}).numerics == coulomb_numerics(2e-3, 14, 2));
   terrain::AskedNumerics asked;
   asked.iterations = 20;
-  CHECK(setup("hmmwv.json", "calibration_32mm.json", asked).numerics ==
-        terrain::Numerics{1e-3, 14, 20, 0, sim::Target::coulomb});
+  CHECK(setup("hmmwv.json", "calibration_32mm.json", asked).numerics == coulomb_numerics(1e-3, 14, 20));
   // The shipped study that was gathered with this table has the same numerics and limits.
   const TrialSetup study = read_trial_setup(read_study(configs / "studies/quarter_wheel_32mm.json"));
   CHECK(study.numerics == table_32mm);
@@ -259,9 +261,9 @@ TEST_CASE("a study steps by the numerics of its soil's table but for those that 
     return read_trial_setup(read_study(folder / "study.json"));
   };
   const std::string table = (root / "configs/soils/calibration_32mm.json").string();
-  CHECK(study_of("", table).numerics == terrain::Numerics{1e-3, 14, 2, 0, sim::Target::coulomb});
+  CHECK(study_of("", table).numerics == coulomb_numerics(1e-3, 14, 2));
   CHECK(study_of(R"("numerics": { "substeps": 10, "iterations": 20 },)", table).numerics ==
-        terrain::Numerics{1e-3, 10, 20, 0, sim::Target::coulomb});
+        coulomb_numerics(1e-3, 10, 20));
   std::string mute = read_file(table);
   mute.replace(mute.find("\"substeps\""), 10, "\"parts\"");
   write_file_atomically(folder / "mute.json", mute);

@@ -14,6 +14,19 @@
 
 namespace gonogo::lab {
 using namespace campaign;
+namespace {
+
+/// Dry sand of the Land Locomotion Laboratory with another friction angle [deg] and no cohesion.
+vehicle::BekkerSoil dry_sand(double friction_angle) {
+  return {.n = 1.1,
+          .k_c = 0.99e3,
+          .k_phi = 1528.43e3,
+          .cohesion = 0,
+          .friction_angle = to_radians(friction_angle),
+          .shear_modulus = 0.025};
+}
+
+}  // namespace
 
 TEST_CASE("means of replicates carry their standard errors") {
   const MeanOf m = mean_of({1, 2, 3, 4});
@@ -25,7 +38,7 @@ TEST_CASE("means of replicates carry their standard errors") {
 TEST_CASE("the band of drawbar pulls on sand holds every formula that makes it and is bounded by friction") {
   const vehicle::Vehicle v = test::shipped_vehicle("hmmwv");
   const double angle = 32, load = vehicle::weigh(v).total * kGravity / 4;
-  const vehicle::BekkerSoil dry{1.1, 0.99e3, 1528.43e3, 0, to_radians(angle), 0.025};
+  const vehicle::BekkerSoil dry = dry_sand(angle);
   double before = -1;
   for (const double slip : {0.05, 0.2, 0.5, 0.9}) {
     const TractionBand b = sand_band(v, angle, slip);
@@ -68,7 +81,7 @@ TEST_CASE("a wheel that climbs by rule is inside the formulas' band, and faster 
   const std::filesystem::path root = GONOGO_SOURCE_DIR;
   const auto file = std::filesystem::temp_directory_path() / "gonogo-test-grade.h5";
   // The rig's 643.2 kg on a rigid wheel by Wong and Reece: the slope whose tangent is the pull over the load.
-  const vehicle::BekkerSoil sand{1.1, 0.99e3, 1528.43e3, 0, to_radians(30), 0.025};
+  const vehicle::BekkerSoil sand = dry_sand(30);
   const double load = 643.2 * kGravity;
   const double pull = vehicle::wheel_forces_under(sand, 0.467, 0.254, 0.4, load).drawbar_pull / load;
   const double slope = to_degrees(std::atan(pull));
