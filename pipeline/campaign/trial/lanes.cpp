@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "vehicle/model/engine_vehicle.h"
 
 namespace gonogo::campaign {
@@ -57,11 +58,11 @@ void check_lanes(const TrialSetup& s) {
   const double width = s.tiles_across * s.bed_width, needed = kMinLaneGap * widest_tyre(*s.whole);
   const double gap = lane_gap(*s.whole, width);
   if (gap >= needed) return;
-  throw InputError("on a folded bed of " + std::to_string(width) + " m there are " +
-                   std::to_string(std::max(0.0, gap)) + " m between the tyres of neighbouring lanes; at least " +
-                   std::to_string(needed) +
+  throw InputError("on a folded bed of " + number_text(width, 4) + " m there are " +
+                   number_text(std::max(0.0, gap), 4) + " m between the tyres of neighbouring lanes; at least " +
+                   number_text(needed, 4) +
                    " m are needed, so that none works in another's rut; leave trial.bed.width_m out, which gives " +
-                   std::to_string(folded_width(*s.whole)) + " m, or trial.bed.folded");
+                   number_text(folded_width(*s.whole), 4) + " m, or trial.bed.folded");
 }
 
 void fold_bed(TrialSetup& s) {

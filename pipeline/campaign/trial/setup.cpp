@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/trial/lanes.h"
@@ -86,8 +87,8 @@ std::optional<Span> span_of(const Config& design, const char* variable, Range al
 void check_angles(const TrialSetup& s, const Span& angle) {
   const terrain::AngleRange reach = terrain::reachable_angles(s.calibration);
   if (angle.low >= reach.lowest && angle.high <= reach.highest) return;
-  angle.part.fail("friction_angle", "grains of " + std::to_string(s.calibration.grain_diameter) + " m reach " +
-                                        std::to_string(reach.lowest) + " to " + std::to_string(reach.highest) +
+  angle.part.fail("friction_angle", "grains of " + number_text(s.calibration.grain_diameter) + " m reach " +
+                                        number_text(reach.lowest, 4) + " to " + number_text(reach.highest, 4) +
                                         " deg; narrow the range to that");
 }
 
@@ -98,10 +99,10 @@ void check_cohesion(const TrialSetup& s, const Span& angle, const Span& cohesion
     for (double phi = angle.low;; phi = std::min(phi + 0.25, angle.high)) {
       const double reach = 1e-3 * terrain::reachable_cohesion(s.calibration, phi, packing);
       if (cohesion.high > reach)
-        cohesion.part.fail("cohesion", "goes to " + std::to_string(cohesion.high) +
-                                           " kPa, and at a friction angle of " + std::to_string(phi) +
-                                           " deg grains of " + std::to_string(s.calibration.grain_diameter) +
-                                           " m reach " + std::to_string(reach) +
+        cohesion.part.fail("cohesion", "goes to " + number_text(cohesion.high, 4) +
+                                           " kPa, and at a friction angle of " + number_text(phi) + " deg grains of " +
+                                           number_text(s.calibration.grain_diameter) + " m reach " +
+                                           number_text(reach, 4) +
                                            " kPa; narrow the range to that or start at a larger friction angle");
       if (phi >= angle.high) break;
     }
@@ -124,8 +125,8 @@ void check_depth(const Study& study, const TrialSetup& s) {
   const Config ranges = design->object("ranges");
   const auto range = ranges.numbers("bed_depth", {0, 100});
   if (range.size() == 2 && range[1] > s.deepest_bed)
-    ranges.fail("bed_depth", "goes to " + std::to_string(range[1]) + " m, but trial.bed.deepest_m is " +
-                                 std::to_string(s.deepest_bed) + " m; make that as deep");
+    ranges.fail("bed_depth", "goes to " + number_text(range[1], 4) + " m, but trial.bed.deepest_m is " +
+                                 number_text(s.deepest_bed, 4) + " m; make that as deep");
 }
 
 /// A quarter vehicle or a whole one.
@@ -174,8 +175,8 @@ void check_wheels_on_bed(const TrialSetup& s) {
   const Extent e = extent_of(s);
   const double length = s.tiles_along * s.bed_length, width = s.tiles_across * s.bed_width;
   const auto too_small = [&](const char* side, double has, double needs) {
-    throw InputError("the bed is " + std::to_string(has) + " m " + side + ", and the wheels of the vehicle take " +
-                     std::to_string(needs) + " m: a wheel would stand outside the bed; enlarge trial.bed, put more " +
+    throw InputError("the bed is " + number_text(has, 4) + " m " + side + ", and the wheels of the vehicle take " +
+                     number_text(needs, 4) + " m: a wheel would stand outside the bed; enlarge trial.bed, put more " +
                      "tiles side by side with tiles_along and tiles_across, or fold its width (trial.bed.folded)");
   };
   if (length < 2 * e.ends()) too_small("long", length, 2 * e.ends());
@@ -194,8 +195,8 @@ void fit_to_task(TrialSetup& s) {
   const Course c = s.course(0);
   const double needed = c.front + c.rear + end;
   if (needed > c.length)
-    throw InputError("a trial of type " + s.task->name() + " needs a bed of " + std::to_string(needed) +
-                     " m for vehicle and obstacle; it is " + std::to_string(c.length) + " m long");
+    throw InputError("a trial of type " + s.task->name() + " needs a bed of " + number_text(needed, 4) +
+                     " m for vehicle and obstacle; it is " + number_text(c.length, 4) + " m long");
   s.run_in_distance = 0;
   s.test_distance = needed;
 }

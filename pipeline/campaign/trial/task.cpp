@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 
 namespace gonogo::campaign {
@@ -130,7 +131,7 @@ class Ditch final : public Obstacle {
 
   void shape(const Course& c, terrain::Packing& bed) const override {
     if (depth_ > c.surface - bed.spec.grain_diameter)
-      throw InputError("a ditch of " + std::to_string(depth_) + " m in a bed of " + std::to_string(c.surface) +
+      throw InputError("a ditch of " + number_text(depth_) + " m in a bed of " + number_text(c.surface) +
                        " m leaves no grain below it; make the bed deeper");
     std::erase_if(bed.grain, [&](const terrain::Grain& g) {
       const double x = beyond(from(c), g.position.x, c.length), inside = std::min(x, width_ - x);

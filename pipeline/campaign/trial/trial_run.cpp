@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/progress.h"
 #include "sim/io/checkpoint.h"
 
@@ -242,9 +243,8 @@ TrialRun::Phase TrialRun::end_attempt(const DriveOutcome& outcome) {
 }
 
 void TrialRun::say_what_failed(std::uint64_t failed, const DriveOutcome& outcome) {
-  char numbers[80];
-  std::snprintf(numbers, sizeof numbers, "residual %.3g m/s, energy error %.3g", outcome.worst_residual,
-                outcome.energy_error);
+  const std::string numbers =
+      "residual " + number_text(outcome.worst_residual) + " m/s, energy error " + number_text(outcome.energy_error);
   const std::string fault = sim::description(simulation().report(place_).fault, numerics_.step);
   say("first attempt fails by " + names_of_checks(failed) + " (" + numbers + (fault.empty() ? "" : "; " + fault) +
       "); a second one takes half the step");

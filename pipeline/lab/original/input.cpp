@@ -58,11 +58,7 @@ OriginalInput read_original_input(const std::filesystem::path& file, int line) {
       throw InputError(
           where + ": " + kColumn[i].name +
           gonogo::line(" %g %s; allowed are %g to %g", x[i], kColumn[i].unit, kColumn[i].min, kColumn[i].max));
-  return {.slope = to_radians(x[0]),
-          .radius = 1e-3 * x[1],
-          .density = x[2],
-          .friction = x[3],
-          .cohesion = 1e3 * x[4]};
+  return {.slope = to_radians(x[0]), .radius = 1e-3 * x[1], .density = x[2], .friction = x[3], .cohesion = 1e3 * x[4]};
 }
 
 }  // namespace gonogo::lab

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/format.h"
 #include "base/line.h"
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
@@ -93,7 +94,7 @@ GradeReport grade_report(const GradeRequest& request) {
   }
   if (report.point.empty())
     throw InputError(request.dataset.string() + ": no trial drove uphill on soil of at most " +
-                     std::to_string(request.max_cohesion) + " kPa that its tyre grips; raise --cohesion");
+                     number_text(request.max_cohesion) + " kPa that its tyre grips; raise --cohesion");
   const TractionBand band = sand_band(wheel_of(rig, 0, 0, 0), 30, 0.4);
   for (int k = 0; k < 2; ++k) report.go_band[k] = degrees(band.pull[k]);
   for (const GradePoint& p : report.point) report.unsteady_passed += campaign::passes(p.verdict) && p.slip > 0.4;

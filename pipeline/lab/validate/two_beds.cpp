@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/line.h"
 
 namespace gonogo::lab {
@@ -43,8 +44,8 @@ Side run_side(const BedSide& bed, const BedsRequest& r, const std::vector<campai
   for (const campaign::TrialRecord& record : run_trials(bed.setup, points, r.batch, watch)) {
     if (record.verdict == campaign::Verdict::unknown)
       throw DeviceError("a trial on the " + bed.name + " failed its checks: residual " +
-                        std::to_string(campaign::measure_of(record, "worst_residual")) + " m/s, energy error " +
-                        std::to_string(campaign::measure_of(record, "energy_error")) +
+                        number_text(campaign::measure_of(record, "worst_residual")) + " m/s, energy error " +
+                        number_text(campaign::measure_of(record, "energy_error")) +
                         "; give more --iterations or a smaller --step");
     side.passed += record.verdict != campaign::Verdict::no_go;
     side.slip.push_back(campaign::measure_of(record, "slip"));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/units.h"
 #include "pipeline/campaign/trial/trial.h"
 #include "vehicle/feasible/feasible.h"
 #include "vehicle/model/assembly.h"
@@ -108,7 +109,7 @@ void limits(const Vehicle& v, const FeasibleRequest& request, Report& r) {
   r.json["steepest_cause"] = cause;
   r.text +=
       line("steepest slope along that it climbs, as it leans now: %.2f degrees (%.0f %%), limited by %s\n", slope,
-           100 * std::tan(slope * 0.017453292519943295), cause.empty() ? "nothing below 80 degrees" : cause.c_str());
+           100 * std::tan(slope * kDegree), cause.empty() ? "nothing below 80 degrees" : cause.c_str());
   if (v.kind != VehicleKind::wheeled || v.axle.size() != 2) return;
   const double step = highest_step(v, request);
   r.json["highest_step_m"] = step;
