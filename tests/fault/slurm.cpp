@@ -93,7 +93,7 @@ TEST_CASE("without Slurm, submitting is one sentence that says where the script 
   const TemporaryFolder folder;
   const ShellEnding refused = shell("PATH=/nowhere " + words("submit", folder / "a", 0));
   CHECK(refused.status == 1);
-  CHECK(contains(refused.output, "sbatch did not take the job"));
+  CHECK(contains(refused.output, "sbatch refused the job"));
   CHECK(contains(refused.output, "not found"));
   CHECK(contains(refused.output, "job.sh"));
 }

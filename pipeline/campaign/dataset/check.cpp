@@ -105,8 +105,8 @@ void require_one_campaign(const Dataset& first, const Dataset& next, const std::
   std::vector<std::string> differing = provenance_differences(first.provenance, next.provenance);
   if (comparable_study(first, a).dump() == comparable_study(next, b).dump()) std::erase(differing, "the study");
   if (!differing.empty())
-    throw InputError(a + " and " + b + ": their trials depend on different things (" + differing.front() +
-                     "), so that they are no one dataset; train on them apart");
+    throw InputError(a + " and " + b + ": their trials depend on different inputs (" + differing.front() +
+                     "), so they cannot be one dataset; train on each alone");
 }
 
 template <class Range, class Show>
@@ -162,7 +162,7 @@ std::string to_text(const DatasetDifference& d) {
   if (d.none()) return std::to_string(d.common) + " trials, the same bits\n";
   std::string text = std::to_string(d.common) + " trials in both\n";
   if (!d.provenance.empty())
-    text += "they depend on different things:\n" + list_text(d.provenance, [](const std::string& s) { return s; });
+    text += "they depend on different inputs:\n" + list_text(d.provenance, [](const std::string& s) { return s; });
   const auto number = [](std::uint64_t index) { return "trial " + std::to_string(index); };
   if (!d.only_first.empty()) text += "only in the first:\n" + list_text(d.only_first, number);
   if (!d.only_second.empty()) text += "only in the second:\n" + list_text(d.only_second, number);
@@ -184,7 +184,7 @@ Dataset merge_datasets(const std::vector<Dataset>& parts, const std::vector<std:
       const auto [place, is_new] = records.emplace(record.point.index, record);
       if (!is_new && to_row(place->second) != to_row(record))
         throw InputError(names[part] + ": trial " + std::to_string(record.point.index) +
-                         " has another result than in a dataset before it; gonogo dataset diff shows how they differ");
+                         " has another result in an earlier file; gonogo dataset diff shows the difference");
     }
   }
   Dataset merged{.records = {}, .provenance = parts.at(longest).provenance};

@@ -7,9 +7,11 @@
 
 namespace gonogo::campaign {
 
-/// One sentence for each thing that no campaign writes: indices that repeat or do not increase, replicates of no
-/// earlier trial or of other variables, values outside the contract's ranges, verdicts with reasons that do not belong
-/// to them, valid trials without measures, attempts that are neither 1 nor 2. Empty: the dataset is sound.
+/// Faults that no campaign writes, one sentence each. Empty: the dataset is sound. Checked are:
+///   indices: each once, increasing;
+///   replicates: of an earlier trial, with its variables;
+///   variables: inside the ranges of the contract;
+///   outcomes: verdict and reason belong together, valid trials have measures, attempts are 1 or 2.
 std::vector<std::string> faults_of(const Dataset& dataset);
 
 struct RowDifference {
@@ -26,13 +28,14 @@ struct DatasetDifference {
   bool none() const { return provenance.empty() && only_first.empty() && only_second.empty() && rows.empty(); }
 };
 
-/// Compares bit for bit; not-a-numbers are equal.
+/// Compares bit for bit. One NaN equals another.
 DatasetDifference difference(const Dataset& first, const Dataset& second);
 std::string to_text(const DatasetDifference& difference);
 
-/// Trials of several datasets of one study as one, in the order of the design, each once. The study's number of points
-/// may differ. Throws InputError when trials depend on different things (proposal densities of different designs do not
-/// add up to one), and when one trial has two results; `names` are the files, for the message.
+/// Trials of several datasets of one study as one dataset, each trial once, in the order of the design. The study's
+/// number of points may differ. `names` are the files, for messages. Throws InputError when trials depend on different
+/// inputs or one trial has two results. Different inputs include another design: proposal densities of two designs do
+/// not add up to one.
 Dataset merge_datasets(const std::vector<Dataset>& parts, const std::vector<std::string>& names);
 
 }  // namespace gonogo::campaign

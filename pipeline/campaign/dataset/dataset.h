@@ -1,9 +1,9 @@
 // The dataset: one row per trial, one HDF5 array per variable and measure, with unit, description and range beside it.
 //
-//   /design/{index, seed, replicate_of, proposal_density}     [rows]
-//   /variables/<name>, /measures/<name>                       [rows], in the unit of their attribute "unit"
-//   /outcome/{verdict, reason, attempts, failed_checks}       [rows]; codes and bits, named by attributes "names" and
-//   "codes" /provenance/{study, inputs, files, libraries}             what the rows depend on, and nothing else
+//   /design/{index, seed, replicate_of, proposal_density}   [rows]
+//   /variables/<name>, /measures/<name>                     [rows], in the unit of their attribute "unit"
+//   /outcome/{verdict, reason, attempts, failed_checks}     [rows]; attributes "names" and "codes" name codes and bits
+//   /provenance/{study, inputs, files, libraries}           what the rows depend on
 //
 // Rows and provenance decide every byte: no times, hosts or numbers of workers.
 #pragma once
@@ -36,7 +36,7 @@ struct Dataset {
   Provenance provenance;
 };
 
-/// The table column by column: what a million rows are merged in.
+/// The same table by columns, which takes less memory than records: millions of rows are merged in it.
 struct TrialColumns {
   explicit TrialColumns(std::size_t expected_rows = 0);
   /// Throws InputError for a record whose lengths are not the contract's.
@@ -58,8 +58,8 @@ void write_dataset(const std::filesystem::path& path, const Dataset& dataset);
 std::string dataset_image(const Dataset& dataset);
 std::string dataset_image(TrialColumns columns, const Provenance& provenance);
 
-/// Throws InputError, naming file and place, for a missing, truncated or damaged file and for one whose variables,
-/// measures, verdicts or reasons are not those of this program's contract.
+/// Throws InputError with file and place for a missing, truncated or damaged file. The same for a file whose variables,
+/// measures, verdicts or reasons are not those of this contract.
 Dataset read_dataset(const std::filesystem::path& path);
 
 }  // namespace gonogo::campaign

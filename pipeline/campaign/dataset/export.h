@@ -9,10 +9,11 @@ namespace gonogo::campaign {
 /// Header and one line per trial (row.h).
 std::string to_csv(const Dataset& dataset);
 
-/// The inverse of to_csv, bit for bit; `name` starts the InputError, which names the line. Provenance stays empty.
+/// The inverse of to_csv, bit for bit, with an empty provenance. Throws InputError that starts with `name` and has the
+/// line.
 Dataset parse_csv(const std::string& text, const std::string& name);
 
-/// One JSON object: "provenance", "units", and "trials", an object per trial; not-a-number is null.
+/// One JSON object: "provenance", "units", and "trials", an object per trial. NaN is null.
 std::string to_json_text(const Dataset& dataset);
 
 }  // namespace gonogo::campaign

@@ -1,6 +1,6 @@
-// One trial as one line of comma-separated values. Numbers print with the fewest digits that read back to the same
-// bits (at most 17); not-a-number prints as "nan".
+// One trial as one line of comma-separated values.
 //   index,seed,replicate_of,proposal_density,<variables...>,verdict,reason,attempts,failed_checks,<measures...>
+// Numbers have the fewest digits, at most 17, that read back to the same bits. NaN is "nan".
 #pragma once
 #include <optional>
 #include <string>
@@ -20,7 +20,7 @@ std::string point_header_row();
 std::string to_row(const DesignPoint& point);
 std::string to_row(const TrialRecord& record);
 
-/// Exact inverses. Nothing for a line that is not such a row: wrong number of columns, no number, unknown name.
+/// The inverses. Empty for a line that is no such row: wrong number of columns, no number, unknown name.
 std::optional<DesignPoint> parse_point(std::string_view row);
 std::optional<TrialRecord> parse_record(std::string_view row);
 

@@ -1,4 +1,4 @@
-// A dataset at a glance: how trials ended, over which ranges, how often two beds agree, and go against slope.
+// A summary of a dataset: verdicts, ranges, agreement of replicates, and verdicts over slope.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -6,18 +6,16 @@
 //     "strata": [{"name": "dry sand", "share": 0.3, "ranges": {"friction_angle": [30, 40], "cohesion": [0, 1]}}, ...]
 //   }
 //
-// method           points
-// sobol            scrambled Sobol' sequence
-// latin_hypercube  Latin hypercubes of "block" points (64 without it), one after the other
-// factorial        every combination of "levels": {"slope_along": 5, ...} values, evenly spaced, ends included
-// csv              rows of "file", whose header names variables; "ranges" are the box they come from, or else the one
-// they
-//                  span
-// original         lines of "file" as the original study wrote them (point_file.h)
+//   method           points
+//   sobol            scrambled Sobol' sequence
+//   latin_hypercube  Latin hypercubes of "block" points (default 64), one after the other
+//   factorial        every combination of "levels": {"slope_along": 5, ...} values, evenly spaced, ends included
+//   csv              rows of "file", whose header names variables; "ranges" are their box, by default what they span
+//   original         lines of "file" as the original study wrote them (point_file.h)
 //
-// Every variable of the contract is either ranged or fixed, by the section or else by its preset. After each
-// `replicate_every` points one of them, taken at random, is repeated with another bed seed, so that 96 points with 10
-// are 105 trials. A longer design begins with the same trials (a factorial has one length).
+// Section or preset give each variable of the contract a range or a fixed value. After every `replicate_every` points,
+// one of them, drawn at random, is repeated with another bed seed: 96 points with 10 are 105 trials. A longer design
+// begins with the same trials. A factorial has one length.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -46,15 +44,15 @@ struct DesignSpec {
   std::uint64_t points = 0;                // without replicates
   std::uint64_t replicate_every = 0;       // 0: no replicates
   std::vector<SampledVariable> ranges;     // in the order of the contract; of points from a file, what they span
-  std::vector<double> fixed;               // per variable of the contract; not-a-number where it is sampled
+  std::vector<double> fixed;               // per variable of the contract; NaN where it is sampled
   std::vector<Stratum> strata = {};        // empty: the whole box alike
   std::uint64_t block = 64;                // points of one Latin hypercube
   std::vector<std::uint64_t> levels = {};  // [ranges] of a factorial
   std::vector<DesignPoint> given = {};     // points of a file: variables and proposal_density
 };
 
-/// Reads and checks the section. Throws InputError for unknown variables (with the nearest known one), ranges outside
-/// the contract's, variables that are neither ranged nor fixed or both, and counts out of range.
+/// Reads and checks the section. Throws InputError for unknown variables, with the nearest known name, and for ranges
+/// and counts out of range. A variable needs either a range or a fixed value.
 DesignSpec read_design(const Config& section, std::uint64_t seed);
 
 /// The same without the points of a file, which need not exist yet: method, ranges and fixed values.

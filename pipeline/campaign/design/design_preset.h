@@ -1,4 +1,4 @@
-// Named ranges for designs. A study says only what it wants otherwise.
+// Named ranges for designs. What a study says itself overrides its preset.
 #pragma once
 #include <map>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace gonogo::campaign {
 
-/// By name of the variable, in its unit. Variables that are in neither have to be named by the study.
+/// By name of the variable, in its unit. The study must give the variables that are in neither map.
 struct DesignPreset {
   std::map<std::string, std::pair<double, double>> ranges;
   std::map<std::string, double> fixed;
@@ -17,13 +17,16 @@ std::vector<std::string> preset_names();
 
 /// Empty for the empty name.
 ///
-/// study_reproduction  The continuous ranges of the original study (R. Serban's go_nogo programs, projectchrono fork,
-///     commit 6e9a73d694, 2017-06-25): slope 0 to 30 degrees, friction 0.2 to 1.0 (as friction angle, atan: 11.3 to 45
-///     degrees), straight uphill, tyre friction 0.8, bed of 100 mm, GO at 7 m in 6.5 s, 1.1 m/s. Its cohesion, a
-///     contact stress of 100 to 1000 kPa, is no soil's; the bed's goes over all that the contract allows.
-/// realistic_soil      Slopes of terrain that vehicles meet and soils from loose sand to firm clay: friction angles of
-/// 20
-///     to 42 degrees and cohesions up to 25 kPa cover the soils of configs/soils (sources there).
+///   study_reproduction  the continuous ranges of the original study
+///   realistic_soil      slopes that vehicles meet, soils from loose sand to firm clay
+///
+/// study_reproduction: R. Serban's go_nogo programs, projectchrono fork, commit 6e9a73d694, 2017-06-25. Slope 0 to 30
+/// degrees straight uphill, friction 0.2 to 1.0 (as friction angle, atan: 11.3 to 45 degrees), tyre friction 0.8, bed
+/// of 100 mm, go at 7 m in 6.5 s, 1.1 m/s. Its cohesion, a contact stress of 100 to 1000 kPa, is no soil's; the preset
+/// takes the whole range of the contract.
+///
+/// realistic_soil: friction angles of 20 to 42 degrees and cohesions up to 25 kPa, which cover the soils of
+/// configs/soils (sources there).
 DesignPreset design_preset(const std::string& name);
 
 }  // namespace gonogo::campaign

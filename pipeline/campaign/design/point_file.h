@@ -7,9 +7,9 @@
 
 namespace gonogo::campaign {
 
-/// Comma-separated values: a header that names variables of the contract (any of them, in any order) and, where the
-/// points do not come from a uniform design, "proposal_density"; then one point per line. `fixed` [variable count]
-/// holds the values of the variables that are no columns. Throws InputError naming file and line.
+/// Comma-separated values with a header that names variables of the contract, in any order, then one point per line. A
+/// column "proposal_density" is needed where the points do not come from a uniform design. `fixed` [variable count]
+/// holds the values of the variables without a column. Throws InputError with file and line.
 std::vector<DesignPoint> read_point_csv(const std::filesystem::path& file, const std::vector<double>& fixed);
 
 /// The original study's input (R. Serban's go_nogo programs, projectchrono fork, commit 6e9a73d694, 2017): one run per

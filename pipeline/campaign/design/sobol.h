@@ -14,9 +14,9 @@ inline constexpr int kSobolDimensions = 21;
 std::uint32_t sobol(std::uint32_t index, int dimension);
 
 /// Nested uniform scrambling (A. B. Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995): each half of
-/// each interval of the binary tree over [0, 1) swaps with the other at random. The hash-based form of B. Burley,
-/// "Practical hash-based Owen scrambling", JCGT 9(4) (2020), section 3, with Philox as the hash of (seed, dimension,
-/// node of the tree), so that the swaps are independent to the last bit.
+/// each interval of the binary tree over [0, 1) swaps with the other at random. Hash-based form: B. Burley, "Practical
+/// hash-based Owen scrambling", JCGT 9(4) (2020), section 3. Philox hashes (seed, dimension, node of the tree), so that
+/// the swaps are independent to the last bit.
 std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed, int dimension);
 
 /// Scrambled coordinate in (0, 1): middle of its interval of width 1/2^32.

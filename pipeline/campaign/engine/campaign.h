@@ -1,15 +1,16 @@
-// A campaign: every trial of a design computed once, whatever happens on the way, and put into one dataset.
+// A campaign: every trial of a design is computed once and put into one dataset, through interruptions and dead
+// workers.
 //
 //   <folder>/campaign.json    what the trials depend on; a campaign with other inputs is refused here
 //   <folder>/campaign.lock    held while a coordinator, or tasks of a batch system, work
 //   <folder>/trials/*.csv     finished trials of shards that are not whole yet (journal.h); gone when all are committed
 //   <folder>/shards/          committed trials (shard.h)
 //   <folder>/running/         trials under way, saved by their workers; gone when the campaign is complete
-//   <folder>/progress/        how fast it goes, for status; no result depends on it
+//   <folder>/progress/        speed of each writer, for status; no result depends on it
 //   <folder>/dataset.h5       merged from the shards when all trials of the design are there
 //
-// The dataset's bytes depend on design, inputs and program alone: not on the engine, the number of workers, the size of
-// shards, the order in which trials ended, interruptions or deaths.
+// The dataset's bytes depend on design, inputs and program alone. Engine, number of workers, size of shards, order of
+// trials, interruptions and deaths do not change them.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -32,10 +33,9 @@ struct CampaignRequest {
   int workers = 1;                          // 0: one per core
   int places = 1;                           // trials that a worker computes side by side
   std::vector<std::string> worker_command;  // process that calls run_worker; "/proc/self/exe" is this very program
-  /// Above zero: workers are also told "--checkpoints <folder>/running --checkpoint-every <this>" [s of the wall
-  /// clock].
+  /// Above zero: workers also get "--checkpoints <folder>/running --checkpoint-every <this>" [s of the wall clock].
   double checkpoint_every = 0;
-  int gpus = 0;                           // above zero: workers are also told "--gpu <k>", taking turns
+  int gpus = 0;                           // above zero: workers also get "--gpu <k>", in turn
   std::function<void()> prepare = [] {};  // called before workers start, when trials are missing (settles beds)
   std::size_t trials_per_shard = 256;     // of a new campaign
   CrewMaker crew;                         // empty: worker processes of this machine
@@ -49,25 +49,24 @@ struct CampaignSummary {
   Counts by_verdict, by_reason;
 };
 
-/// Computes what is missing and writes the dataset; a dataset that is right already is left untouched. Progress with
-/// rate, time left and counts goes to stderr. Throws InputError when the folder belongs to another campaign (naming
-/// what differs), when another coordinator works there or when a trial refuses its input; DeviceError when the disk is
-/// full or a trial crashes its workers; Cancelled on Ctrl-C. Whatever it throws, finished trials are kept and the same
-/// call continues.
+/// Computes what is missing and writes the dataset. A dataset that is already right is left untouched. Progress with
+/// rate, time left and counts goes to stderr. Finished trials are kept whatever it throws, and the same call continues.
+///
+/// Throws InputError when the folder belongs to another campaign (with what differs), when another coordinator works
+/// there or when a trial refuses its input. Throws DeviceError when the disk is full or a trial crashes its workers,
+/// Cancelled on Ctrl-C.
 CampaignSummary run_campaign(const CampaignRequest& request);
 
-/// One of `tasks` tasks of a batch system: computes the shards k with k % tasks == task that are not committed, while
-/// other tasks, maybe on other machines, compute others. A shard that another task is at is left to it, which is said.
-/// Returns counts over its own shards; `dataset` is empty. Throws as run_campaign, and when the folder was not claimed
-/// for this study.
+/// One of `tasks` tasks of a batch system: computes the uncommitted shards k with k % tasks == task. A shard that
+/// another task works on is left to it, with a line on stderr. Returns counts over its own shards; `dataset` is empty.
+/// Throws as run_campaign, and InputError when the folder was not claimed for this study.
 CampaignSummary run_campaign_task(const CampaignRequest& request, std::uint64_t task, std::uint64_t tasks);
 
 /// Prepares the folder for tasks: claims it and settles beds when trials are missing. Returns the shards that are not
 /// committed.
 std::vector<std::uint64_t> open_campaign(const CampaignRequest& request);
 
-/// Merges what tasks committed, computing nothing. Throws InputError naming how many trials of how many shards are
-/// missing.
+/// Merges what tasks committed and computes nothing. Throws InputError with the numbers of missing trials and shards.
 CampaignSummary collect_campaign(const CampaignRequest& request);
 
 struct CampaignStatus {
@@ -78,7 +77,7 @@ struct CampaignStatus {
   Counts by_verdict, by_reason;
 };
 
-/// Looks without touching anything, also while the campaign runs. Throws InputError when `folder` holds no campaign.
+/// Changes nothing; may be called while the campaign runs. Throws InputError when `folder` holds no campaign.
 CampaignStatus campaign_status(const std::filesystem::path& folder);
 
 /// "31 go, 12 no_go (7 traction, 5 sinkage)": counts for one line.

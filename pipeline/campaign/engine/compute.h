@@ -1,4 +1,4 @@
-// On what a campaign's trials are computed: the study's section "compute" and what the command line says instead.
+// Where a campaign computes its trials: the study's section "compute", overridden by the command line.
 #pragma once
 #include <optional>
 #include <string>

@@ -98,7 +98,7 @@ class Pool {
     std::optional<TrialRecord> record = row ? parse_record(*row) : std::nullopt;
     const auto trial = record ? find(held, record->point) : held.end();
     if (trial == held.end())
-      throw DeviceError("campaign: a worker answered with something else than a trial it was given: " + line);
+      throw DeviceError("campaign: a worker answered with a line that is none of its trials: " + line);
     held.erase(trial);
     ++finished_count_;
     request_.finished(std::move(*record));

@@ -16,12 +16,15 @@ struct PoolRequest {
   std::function<void()> idle;                 // called several times a second
 };
 
-/// Computes every trial of `todo` and returns how many workers died on the way. A dead worker is replaced and its
-/// trials done again; those of a worker that crashed, or was killed from outside for the second time, then get at most
-/// half as many others beside them, until the one to blame is alone. A trial whose workers crash twice when it is
-/// alone, or are killed five times, stops the campaign: it never becomes a result, because results must not depend on
-/// which workers died. Throws InputError or DeviceError with the worker's sentence when a trial reports trouble that
-/// all would meet, InputError for a worker of another version of the program, Cancelled on Ctrl-C.
+/// Computes every trial of `todo` and returns how many workers died. A dead worker is replaced and its trials are done
+/// again.
+///
+/// The trial that kills workers is found by halving: after a crash, or a second kill from outside, the trials that the
+/// worker had get at most half as many others beside them. A trial whose workers crash twice while it is alone, or are
+/// killed five times, stops the campaign. It never becomes a result: results must not depend on which workers died.
+///
+/// Throws InputError or DeviceError with the worker's sentence when a trial reports a fault that all would meet. Throws
+/// InputError for a worker of another version of the program, Cancelled on Ctrl-C.
 std::size_t compute_trials(const PoolRequest& request);
 
 }  // namespace gonogo::campaign

@@ -1,4 +1,4 @@
-// Workers as the coordinator sees them, wherever they run: numbered, given lines of text, answering with lines.
+// Workers as the coordinator sees them: numbered, they get lines of text and answer with lines.
 #pragma once
 #include <cstddef>
 #include <functional>

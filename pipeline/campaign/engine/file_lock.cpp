@@ -37,7 +37,7 @@ std::optional<FileLock> FileLock::take(const std::filesystem::path& path, Kind k
   if (::fcntl(result.fd_, F_OFD_SETLK, &lock) == 0) return result;
   if (errno == EAGAIN || errno == EACCES) return std::nullopt;
   throw DeviceError(path.string() + ": this filesystem has no locks (" + std::strerror(errno) +
-                    "), so that two campaigns could mix; choose a folder on another one");
+                    "), and two campaigns could mix; choose a folder on another one");
 }
 
 std::optional<FileLock::Kind> FileLock::held(const std::filesystem::path& path) {

@@ -15,10 +15,10 @@ class FileLock {
   FileLock(FileLock&& other) noexcept;
   FileLock& operator=(FileLock&&) = delete;
 
-  /// Creates the file. Nothing when another holds a lock that excludes this one. Throws InputError when the file cannot
+  /// Creates the file. Empty when another holds a lock that excludes this one. Throws InputError when the file cannot
   /// be written, DeviceError when its filesystem has no locks.
   static std::optional<FileLock> take(const std::filesystem::path& path, Kind kind);
-  /// Which lock somebody holds, asked without taking any.
+  /// The lock that another process holds, if any. Takes none itself.
   static std::optional<Kind> held(const std::filesystem::path& path);
 
  private:

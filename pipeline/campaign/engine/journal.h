@@ -2,9 +2,9 @@
 //
 //   <32 hexadecimal digits: content_hash of the row> <row as in pipeline/campaign/dataset/row.h>
 //
-// A trial is committed by one append. kill -9 at any instant leaves whole lines and at most one torn last line, which
-// its hash gives away; a power cut can take the lines of the last second. A campaign's folder holds one such file per
-// engine or job in trials/; rows stay there until their shard is committed.
+// A trial is committed by one append. After kill -9 at any instant the file has whole lines and at most one torn last
+// line, whose hash does not match. A power cut can take the lines of the last second. A campaign's folder holds one
+// such file per engine or job in trials/. Rows stay there until their shard is committed.
 #pragma once
 #include <chrono>
 #include <filesystem>
@@ -20,7 +20,7 @@ namespace gonogo::campaign {
 
 /// "<hash> <text>\n"; the text has no line ends.
 std::string seal_line(std::string_view text);
-/// The text of a line without its end, or nothing when the hash does not match.
+/// The text of a line without its end; empty when the hash does not match.
 std::optional<std::string_view> unseal_line(std::string_view line);
 
 using RecordsByIndex = std::map<std::uint64_t, TrialRecord>;

@@ -1,5 +1,4 @@
-// Which trials of a campaign are done, and where they are: in committed shards, or in journals until their shard is
-// whole.
+// Which trials of a campaign are done, in committed shards and in journals of shards that are not whole yet.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -17,11 +16,11 @@ class Ledger {
   Ledger(std::filesystem::path folder, const std::vector<DesignPoint>& design, ShardPlan plan, Provenance provenance,
          std::string campaign, std::vector<std::uint64_t> shards);
 
-  /// Reads committed shards. One that cannot be read, or does not match its manifest, is set aside, which is said.
-  /// Throws InputError for trials at other points than the design's.
+  /// Reads committed shards. One that cannot be read, or does not match its manifest, is set aside with a line on
+  /// stderr. Throws InputError for trials at other points than the design's.
   void load_shards();
-  /// Takes rows of a journal; `repair` sets damaged lines aside, which is said, and needs the journal to be ours alone.
-  /// Throws as above.
+  /// Takes rows of a journal. `repair` sets damaged lines aside, with a line on stderr; no other process may use the
+  /// journal then. Throws as above.
   void load_journal(const std::filesystem::path& journal, bool repair);
 
   std::vector<const DesignPoint*> missing() const;
@@ -36,7 +35,7 @@ class Ledger {
   /// Commits shards that became whole by loading.
   void commit_whole();
 
-  /// Rows of journals that no committed shard holds, those beyond a design that got shorter included.
+  /// Rows of journals that no committed shard holds, including rows beyond the end of a shortened design.
   std::vector<TrialRecord> uncommitted() const;
 
  private:

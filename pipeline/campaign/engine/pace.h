@@ -1,4 +1,5 @@
-// How fast a campaign goes, told to other processes by small files beside it. No clock is compared with another one's.
+// Speed of a campaign, written for other processes into small files beside it. Each file has a span of its own clock,
+// so that clocks of two machines are never compared.
 #pragma once
 #include <chrono>
 #include <filesystem>
@@ -6,7 +7,7 @@
 
 namespace gonogo::campaign {
 
-/// One writer's file; removed when it is done. Trouble with it is nobody's trouble.
+/// One writer's file, removed at the end. Failures are ignored: the file serves `campaign status` alone.
 class PaceWriter {
  public:
   PaceWriter(const std::filesystem::path& folder, const std::string& writer);

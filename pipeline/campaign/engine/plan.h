@@ -16,11 +16,12 @@ using InputFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 /// Release and revision of this program, as provenance names it.
 std::string campaign_program();
 
-/// Everything of a CampaignRequest but `prepare`. Workers are this very program with "campaign worker <study>". Trials
-/// depend on the study's seed, its sections soil, trial and design (without the number of points, so that a campaign
-/// can grow), on the content of `inputs`, on `backend` ("cpu", or "cuda" and the device's name), and on contract,
-/// program and compiler; the rest of the study may change freely. Throws InputError for a bad design section or a
-/// missing file.
+/// A CampaignRequest without `prepare`. Workers are this program with "campaign worker <study>". Trials depend on
+///   - the study's seed and its sections soil, trial and design, without the number of points;
+///   - the content of `inputs`, and `backend` ("cpu", or "cuda" and the device's name);
+///   - contract, program and compiler.
+/// The rest of the study, and the number of points, may change between runs. Throws InputError for a bad design section
+/// or a missing file.
 CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& folder, int workers,
                               const InputFiles& inputs = {}, const std::string& backend = "cpu");
 

@@ -1,4 +1,4 @@
-// A trial of a dataset computed again, from what the dataset holds alone.
+// Repeats one trial of a dataset from the dataset alone.
 #pragma once
 #include <string>
 #include <vector>
@@ -13,9 +13,9 @@ struct Replay {
   bool same_program = true;                // as the one that made the dataset
 };
 
-/// Writes study, vehicle and soil as the dataset stores them to a folder of its own, settles the bed that the trial
-/// needs and computes the trial on the dataset's kind of device. Throws InputError for a trial that is not there, a
-/// dataset without the files its trials depend on (made before they were stored) and a device that is not here.
+/// Writes the stored study, vehicle and soil to a temporary folder, settles the bed and computes the trial on the
+/// dataset's kind of device. Throws InputError for a trial that is not there and for a device that this machine lacks.
+/// Datasets made before input files were stored cannot be replayed and throw InputError too.
 Replay replay_trial(const Dataset& dataset, std::uint64_t index, int threads);
 
 }  // namespace gonogo::campaign

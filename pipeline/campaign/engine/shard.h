@@ -1,11 +1,11 @@
 // Committed trials: a campaign is cut into shards of equal numbers of trials, in the order of the design.
 //
-//   <folder>/shards/shard-12.json      manifest: campaign, first trial, number, file, its bytes and hash, counts by
-//   verdict <folder>/shards/shard-12.256.h5    a dataset (pipeline/campaign/dataset/dataset.h) of these trials
+//   shards/shard-12.json    manifest: campaign, first trial, number, file with bytes and hash, counts by verdict
+//   shards/shard-12.256.h5  a dataset (pipeline/campaign/dataset/dataset.h) of these trials
 //
-// The file is written beside, flushed and renamed; then the manifest is, which commits it. Killed in between, the shard
-// is not committed and its trials are still in the journals. A shard that grows is another file, so that the manifest
-// never names half of a change.
+// The file is written beside, flushed and renamed. Writing the manifest in the same way then commits it. After a kill
+// in between, the shard is not committed and its trials are still in the journals. A shard that grows gets another
+// file, so that a manifest never names half of a change.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -51,11 +51,11 @@ std::filesystem::path shard_folder(const std::filesystem::path& folder);
 void commit_shard(const std::filesystem::path& folder, std::uint64_t shard, const std::vector<TrialRecord>& records,
                   const Provenance& provenance, const std::string& campaign);
 
-/// Nothing when the shard is not committed. Throws InputError for a manifest that cannot be read.
+/// Empty when the shard is not committed. Throws InputError for a manifest that cannot be read.
 std::optional<ShardManifest> read_manifest(const std::filesystem::path& folder, std::uint64_t shard);
 
-/// The shard's trials; nothing when it is not committed. Throws InputError when file and manifest do not agree in
-/// length, hash, number or place of the trials, and for a shard of another campaign.
+/// The shard's trials; empty when it is not committed. Throws InputError for a shard of another campaign, and when file
+/// and manifest differ in length, hash, number or place of the trials.
 std::optional<std::vector<TrialRecord>> read_shard(const std::filesystem::path& folder, std::uint64_t shard,
                                                    const std::string& campaign);
 

@@ -93,7 +93,7 @@ Submission submit_campaign(const CampaignRequest& campaign, const SlurmRequest& 
   write_file_atomically(result.script, script_text(campaign, slurm, tasks, count));
   const Answer answer = ask("sbatch --parsable " + quoted(result.script.string()));
   if (answer.status != 0)
-    throw DeviceError("sbatch did not take the job (" + (answer.text.empty() ? "no answer" : answer.text) +
+    throw DeviceError("sbatch refused the job (" + (answer.text.empty() ? "no answer" : answer.text) +
                       "); the script is " + result.script.string());
   result.job = answer.text.substr(0, answer.text.find(';'));
   std::ofstream(jobs_file(campaign.folder), std::ios::app) << result.job << "\n";

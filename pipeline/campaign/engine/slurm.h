@@ -10,7 +10,7 @@ namespace gonogo::campaign {
 
 struct SlurmRequest {
   int tasks = 0;                          // of the array at most; 0: one per shard, at most 1000
-  std::vector<std::string> task_command;  // computes task $SLURM_ARRAY_TASK_ID of the array; see task_words
+  std::vector<std::string> task_command;  // computes task $SLURM_ARRAY_TASK_ID of the array
   std::vector<std::string> options;       // further options of sbatch, "--time=2:00:00"
 };
 
@@ -20,14 +20,14 @@ struct Submission {
   std::filesystem::path script;
 };
 
-/// Words that the job script puts behind `task_command`: "--task <this one's number> --tasks <of how many>".
-/// Claims the folder, writes <folder>/slurm/job.sh and gives it to sbatch. Shards that are committed are left out, so
-/// that submitting again computes only what is missing. Throws InputError when tasks are at work there, DeviceError
-/// with Slurm's own words when sbatch refuses or is not there.
+/// Claims the folder, writes <folder>/slurm/job.sh and gives it to sbatch. The script calls `task_command` with "--task
+/// <this one's number> --tasks <of how many>". Committed shards are left out: submitting again computes what is
+/// missing. Throws InputError when tasks are at work there, DeviceError with Slurm's words when sbatch refuses or is
+/// not installed.
 Submission submit_campaign(const CampaignRequest& campaign, const SlurmRequest& slurm);
 
-/// "job 12: 3 running, 1 pending": what Slurm says of the jobs that were submitted from this folder and are not over;
-/// empty when there are none or when there is no Slurm here.
+/// "job 12: 3 running, 1 pending": Slurm's states of the unfinished jobs submitted from this folder. Empty when there
+/// are none, or no Slurm.
 std::string slurm_state(const std::filesystem::path& folder);
 
 }  // namespace gonogo::campaign

@@ -35,8 +35,8 @@ Finished committed(const fs::path& folder) {
 Dataset campaign_snapshot(const fs::path& folder) {
   Finished finished = committed(folder);
   if (!finished.provenance)
-    throw InputError(folder.string() + ": no shard is committed yet, so that nothing says what its trials depend on; " +
-                     "wait until the first " + std::to_string(read_claim(folder).trials_per_shard) + " are done");
+    throw InputError(folder.string() + ": no shard is committed yet; wait until the first " +
+                     std::to_string(read_claim(folder).trials_per_shard) + " trials are done");
   for (const fs::path& journal : journals_of(folder)) finished.records.merge(read_journal(journal).records);
   Dataset dataset{.records = {}, .provenance = *finished.provenance};
   for (auto& [index, record] : finished.records) {

@@ -1,4 +1,4 @@
-// What a campaign has computed so far, as a dataset: to learn from while the rest is still to come.
+// Finished trials of a running campaign as a dataset, to learn from before the campaign ends.
 #pragma once
 #include <filesystem>
 
@@ -6,9 +6,9 @@
 
 namespace gonogo::campaign {
 
-/// The trials before the first one that is missing. Not those behind it, although some are finished: trials that end
-/// early would be more than their share there. Touches nothing, and may be taken while the campaign runs. Throws
-/// InputError when there is no campaign or no committed shard, and for files that are damaged.
+/// The trials before the first missing one. Finished trials behind it are left out: trials that end early would be
+/// overrepresented. Changes nothing; may be called while the campaign runs. Throws InputError without a campaign or a
+/// committed shard, and for damaged files.
 Dataset campaign_snapshot(const std::filesystem::path& folder);
 
 }  // namespace gonogo::campaign

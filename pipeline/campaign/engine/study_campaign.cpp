@@ -36,10 +36,11 @@ class BatchEngine : public TrialEngine {
 void warn_of_other_numerics(const TrialSetup& setup) {
   const Json& made = setup.calibration.provenance;
   if (!made.find("step_s") || terrain::read_numerics(made) == setup.numerics) return;
-  log_line("soil", setup.calibration_file.string() + " was measured with " +
-                       terrain::description(terrain::read_numerics(made)) + ", the trials take " +
-                       terrain::description(setup.numerics) +
-                       ": their soil is not quite the table's (gonogo soil calibrate --step ... makes one that is)");
+  log_line(
+      "soil",
+      setup.calibration_file.string() + " was measured with " + terrain::description(terrain::read_numerics(made)) +
+          ", the trials take " + terrain::description(setup.numerics) +
+          ": their soil differs a little from the table's (gonogo soil calibrate --step ... makes a table for them)");
 }
 
 }  // namespace

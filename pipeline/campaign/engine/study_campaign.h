@@ -9,8 +9,8 @@
 
 namespace gonogo::campaign {
 
-/// plan_campaign() for real trials: checks vehicle, soil, trial and compute sections, lets results depend on the
-/// calibration file and the device, and settles the beds that missing trials need, on the host, before workers start.
+/// plan_campaign() for real trials. Checks the sections vehicle, soil, trial and compute. Results also depend on the
+/// calibration file and the device. `prepare` settles the beds of missing trials on the host before workers start.
 /// Throws InputError.
 CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder,
                                     const ComputeRequest& compute);
@@ -23,12 +23,12 @@ struct WorkerOptions {
   double checkpoint_every = 30;       // [s]
 };
 
-/// The worker's half: computes trials of the study until `line` ends, or standard input does. A trial of which a saved
-/// state is found goes on from there; a saved state that cannot be used is set aside.
+/// Computes trials of the study until `line`, or standard input, ends. A trial with a saved state goes on from there. A
+/// saved state that cannot be used is set aside.
 void run_study_worker(const std::filesystem::path& study_file, const WorkerOptions& options);
 void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine& line);
 
-/// Options of the `worker`-th worker of a campaign that has not the words of a command line to tell them.
+/// Options of the `worker`-th worker, for engines that pass no command line.
 WorkerOptions worker_options(const Study& study, const std::filesystem::path& folder, const ComputeRequest& compute,
                              int worker);
 

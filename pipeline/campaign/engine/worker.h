@@ -1,4 +1,4 @@
-// The worker's half of a campaign: points in, trials out, one sealed line each.
+// The worker's side of a campaign: points in, trials out, one sealed line each.
 #pragma once
 #include <functional>
 #include <optional>
@@ -9,19 +9,19 @@
 
 namespace gonogo::campaign {
 
-/// A trial is a pure function of the point: no matter in which process or how often it runs, it gives the same bits.
-/// It throws InputError or DeviceError only for trouble that every trial would meet; the campaign stops with that
-/// sentence. A failed simulation is a record with the verdict unknown.
+/// A trial is a pure function of its point: the same bits in any process, however often it runs. Throws InputError or
+/// DeviceError only for a fault that every trial would meet; the campaign stops with that sentence. A failed simulation
+/// is a record with the verdict unknown.
 using TrialFunction = std::function<TrialRecord(const DesignPoint&)>;
 
-/// Computes trials, some of them side by side. What it throws is as above; it is not called again then.
+/// Computes trials, some of them side by side. Throws as TrialFunction, and must not be called again then.
 class TrialEngine {
  public:
   virtual ~TrialEngine() = default;
   virtual bool has_room() const = 0;
   virtual bool is_running() const = 0;
   virtual void start(const DesignPoint& point) = 0;
-  /// Goes on with what is running for a moment; returns what ended.
+  /// Advances the running trials for a moment and returns those that ended.
   virtual std::vector<TrialRecord> advance() = 0;
 };
 
@@ -29,10 +29,10 @@ class TrialEngine {
 class WorkerLine {
  public:
   virtual ~WorkerLine() = default;
-  /// The next line, or nothing when there will be none; without `wait` also when none is there yet.
+  /// The next line; empty at the end of input, and without `wait` also when no line is there yet.
   virtual std::optional<std::string> next(bool wait) = 0;
   virtual void send(const std::string& line) = 0;
-  /// The coordinator has no use for what is still running.
+  /// True when the coordinator has cancelled the running trials.
   virtual bool is_cancelled() { return false; }
 };
 

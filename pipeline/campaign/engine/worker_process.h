@@ -19,7 +19,7 @@ class WorkerProcess {
   WorkerProcess& operator=(const WorkerProcess&) = delete;
 
   int fd() const { return fd_; }
-  /// A worker that is dead already shows that when it is read.
+  /// A dead worker is noticed by the next receive(), not here.
   void send(const std::string& line);
 
   /// Reads what has come; false when the worker is gone. Lines are then taken one by one.
@@ -41,7 +41,7 @@ class WorkerProcess {
 /// "was killed by signal 11 (Segmentation fault)", "left with exit status 2".
 std::string describe_end(int status);
 
-/// Whether somebody outside (a person, the kernel short of memory) ended it, rather than its own code.
+/// True when a person or a kernel short of memory ended it rather than its own code.
 bool killed_from_outside(int status);
 
 }  // namespace gonogo::campaign

@@ -1,5 +1,5 @@
-// The contract: every variable, measure, verdict and reason, read from configs/schema/variables.json, which is compiled
-// into the program. Nobody keeps a second list.
+// The contract: every variable, measure, verdict and reason. It is read from configs/schema/variables.json, the only
+// list of them, which is compiled into the program.
 #pragma once
 #include <string>
 #include <string_view>
@@ -17,7 +17,7 @@ struct EncoderSpec {
 struct Variable {
   std::string name, label, unit;
   double minimum = 0, maximum = 0;  // [unit]
-  std::string sets, source;         // what it sets in the simulator; which raster or table it comes from
+  std::string sets, source;         // target in the simulator; raster or table of its values
   std::string prior;                // "region", "uniform" or "fixed"
   EncoderSpec encoder;
 };
@@ -65,8 +65,8 @@ struct ReasonInfo {
   bool map_only = false;  // no trial ends with it
 };
 
-/// A (verdict, reason) pair that a valid trial can end with: one outcome unit of the learner each, in this order:
-/// go/none, slow_go/none, then no_go with each of its reasons. `unknown` is not an outcome: it is a failed measurement.
+/// A (verdict, reason) pair that a valid trial can end with, one outcome unit of the learner each. Order: go/none,
+/// slow_go/none, then no_go with each of its reasons. `unknown` is no outcome: it is a failed measurement.
 struct Outcome {
   Verdict verdict;
   Reason reason;
@@ -90,8 +90,8 @@ class Contract {
   const ReasonInfo& info(Reason reason) const;
 };
 
-/// Reads a schema; throws InputError when a key is unknown or missing, a name appears twice, or the verdicts and
-/// reasons differ from the enumerators above. `name` starts the message.
+/// Reads a schema. `name` starts the messages. Throws InputError when a key is unknown or missing, a name appears
+/// twice, or verdicts and reasons differ from the enumerators above.
 Contract parse_contract(std::string_view text, const std::string& name);
 
 /// The contract compiled into this program.

@@ -1,4 +1,4 @@
-// A study: one JSON file that says what to simulate, learn and map. Each section is read by the room that uses it.
+// A study: one JSON file that says what to simulate, learn and map. The folder that uses a section reads it.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -21,9 +21,9 @@ struct Study {
   Config section(const std::string& key) const { return config.object(key); }
 };
 
-/// Reads the frame of a study: name, seed, paths of vehicle and region, and no key but
-/// study, about, seed, vehicle, soil, trial, design, compute, learning, region, map. Throws InputError.
-/// Paths are relative to the study's folder. The sections' own keys are checked by the rooms that read them.
+/// Reads the frame of a study: name, seed, and the paths of vehicle and region, relative to the study's folder. Readers
+/// of sections check the keys inside. Throws InputError for top-level keys other than study, about, seed, vehicle,
+/// soil, trial, design, compute, learning, region and map.
 Study read_study(const std::filesystem::path& path);
 
 }  // namespace gonogo::campaign

@@ -1,5 +1,5 @@
-// Trials side by side in one batch of worlds. One that ends makes room for another while the rest go on; its record has
-// the bits that it has alone.
+// Trials side by side in one batch of worlds. When one ends, another takes its place while the rest go on. Each record
+// has the bits that the trial has alone.
 #pragma once
 #include <array>
 #include <memory>

@@ -1,4 +1,4 @@
-// What a design point asks of the simulation.
+// The conditions that a design point sets in the simulation.
 #pragma once
 #include "pipeline/campaign/trial/record.h"
 #include "pipeline/campaign/trial/setup.h"
@@ -22,7 +22,7 @@ terrain::BedSpec bed_spec_of(const TrialSetup& setup, const DesignPoint& point);
 /// The settled bed of the trial, from the cache or else settled now.
 terrain::Packing settled_bed(const TrialSetup& setup, const DesignPoint& point);
 
-/// Numerics of an attempt: 1, or 2 with half the step, and so twice the iterations in the same time.
+/// Numerics of an attempt: those of the setup for 1; for 2 half the step, so twice the iterations per simulated time.
 terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt);
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt);
 

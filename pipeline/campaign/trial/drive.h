@@ -1,4 +1,4 @@
-// The physical part of a trial: the worlds of its two phases, and what is measured and judged at their ends.
+// The worlds of a trial's two phases, and what is measured and judged at their ends.
 #pragma once
 #include "pipeline/campaign/trial/conditions.h"
 
@@ -8,7 +8,7 @@ namespace gonogo::campaign {
 struct DriveOutcome {
   Verdict verdict = Verdict::unknown;
   Reason reason = Reason::simulation_failed;
-  // 0 as long as nothing was driven; of a bed that failed by itself, NaN where 0 would be a statement.
+  // 0 before the driving began; NaN of a bed that failed by itself, except for distance, time and speed.
   double distance = 0, drive_time = 0, mean_speed = 0, slip = 0, sinkage = 0, drift = 0, mean_torque = 0,
          energy_per_metre = 0;
   double bed_creep = 0, worst_residual = 0, energy_error = 0;
@@ -17,10 +17,10 @@ struct DriveOutcome {
   std::vector<PullPoint> pull;      // of a drawbar sweep
 };
 
-/// Of the spring through which a carriage leads a wheel at a given slip: its stretch tells the pull, and is
-/// millimetres.
+/// Stiffness of the spring through which a carriage tows a wheel at a given slip. Its stretch measures the pull and
+/// stays within millimetres.
 inline constexpr double kCarriageStiffness = 2e6;  // [N/m]
-/// Half of critical for a wheel that moves this mass along [N s/m].
+/// Half of the critical damping of a wheel that moves this mass along [N s/m].
 double carriage_damping(double mass);
 
 /// First phase: the settled bed alone under the trial's gravity with its own laws.
@@ -38,16 +38,16 @@ struct TiltedBed {
 };
 TiltedBed tilted_bed(sim::Simulation& simulation, sim::WorldIndex world, const terrain::Packing& settled);
 
-/// The bed does not stand by itself, or its simulation went wrong.
+/// True when the bed creeps under its own weight or its simulation raised a flag.
 bool fails(const TrialSetup& setup, const TiltedBed& bed);
 DriveOutcome outcome_of_failed_bed(const TiltedBed& bed);
 
-/// Second phase: quarter or whole vehicle parked just above the tilted bed, with its driver and the monitor that ends
-/// the trial, which is the first.
+/// Second phase: quarter or whole vehicle parked just above the tilted bed, with its driver. The first monitor ends the
+/// trial.
 sim::SceneWorld vehicle_on_bed(const TrialSetup& setup, const terrain::Packing& settled, const TiltedBed& bed,
                                const TrialConditions& conditions);
 
-/// Means over the driven wheels now; sinkage over all.
+/// Means over the driven wheels after the latest step; sinkage is the mean over all that touch the ground.
 struct SeenWheels {
   double rolled = 0, sinkage = 0, torque = 0;  // [m], [m], [N m]
 };

@@ -61,7 +61,7 @@ void check_lanes(const TrialSetup& s) {
   throw InputError("on a folded bed of " + number_text(width, 4) + " m there are " +
                    number_text(std::max(0.0, gap), 4) + " m between the tyres of neighbouring lanes; at least " +
                    number_text(needed, 4) +
-                   " m are needed, so that none works in another's rut; leave trial.bed.width_m out, which gives " +
+                   " m are needed, so that no tyre runs in another's rut; leave trial.bed.width_m out, which gives " +
                    number_text(folded_width(*s.whole), 4) + " m, or trial.bed.folded");
 }
 

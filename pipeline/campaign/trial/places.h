@@ -1,5 +1,5 @@
-// The places of a batch of worlds, growing as larger worlds come. Which place a world has, how many others there are
-// and when the batch grew does not change its bits.
+// The places of a batch of worlds; the batch grows as larger worlds come. The bits of a world depend neither on its
+// place, nor on the other worlds, nor on when the batch grew.
 #pragma once
 #include <memory>
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace gonogo::campaign {
 
-/// A world on its way into a place, and what a batch needs of it.
+/// A world ready for its place, with its flat form.
 struct ReadyWorld {
   std::shared_ptr<const sim::SceneWorld> world;
   sim::FlatWorld flat;
@@ -22,11 +22,11 @@ class Places {
 
   /// A free place; there are more of them afterwards where none was left.
   sim::WorldIndex take();
-  /// The place is free again; what was in it is gone.
+  /// Frees the place and drops its world.
   void release(sim::WorldIndex place);
 
-  /// Work of the host alone; touches no place, so that any thread may do it. Throws InputError for a world that cannot
-  /// run.
+  /// Flattens a world on the host. Touches no place, so that any thread may call it. Throws InputError for a world that
+  /// cannot run.
   ReadyWorld ready(sim::WorldIndex place, sim::SceneWorld world) const;
 
   /// Puts a world into a place that was taken; with `from`, as it was when that snapshot was made. May rebuild the

@@ -1,4 +1,4 @@
-// What goes into a trial and what comes out: the row of the dataset.
+// Input and result of a trial: the row of the dataset.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace gonogo::campaign {
 
-/// Of a measure that a trial does not have.
+/// Value of a measure that a trial does not have.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// One point of a design. Its trial is a pure function of (study, point): same point, same bits.

@@ -1,5 +1,5 @@
-// A running trial on disk: which attempt it is and in which phase, its bed, its world and what its monitor has seen. A
-// trial that was killed goes on from there and ends with the bits of one that was not.
+// A running trial on disk: its attempt and phase, its bed, its world and the monitors' sums. A killed trial goes on
+// from there and ends with the bits of one that was never killed.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -9,12 +9,12 @@
 
 namespace gonogo::campaign {
 
-/// A trial now. `bed_scene` and `scene` are the hashes (sim/io/checkpoint.h) of the world of its first phase and of its
-/// present one; `bed` is that at the end of the first phase, null as long as that has not ended.
+/// A trial to be saved. The hashes (sim/io/checkpoint.h) are those of the world of its first phase and of its present
+/// world.
 struct RunState {
-  std::uint64_t attempt;
-  std::string bed_scene, scene;
-  const TiltedBed* bed;
+  std::uint64_t attempt = 1;
+  std::string bed_scene, scene;    // hashes
+  const TiltedBed* bed = nullptr;  // at the end of the first phase; null during it
   sim::Snapshot world;
 };
 

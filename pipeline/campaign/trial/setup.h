@@ -16,18 +16,18 @@
 
 namespace gonogo::campaign {
 
-/// When a run counts as what; see the verdict table of the contract. Speeds are relative to the commanded one.
+/// Limits of the verdicts; see the verdict table of the contract.
 struct Thresholds {
-  double go_speed_share = 0.6;   // mean speed over commanded speed, at least, for go [-]
-  double go_slip = 0.4;          // slip, at most, for go [-]
+  double go_speed_share = 0.6;   // min of mean speed over commanded speed for go [-]
+  double go_slip = 0.4;          // max slip for go [-]
   double immobile_speed = 0.05;  // below it for `immobile_time` the vehicle is stuck [m/s]
   double immobile_time = 1.0;    // [s]
   double slid_back_share = 0.5;  // of the vehicle's length [-]
   double tilt_deg = 60;          // roll or pitch against the bed: rolled over [deg]
   double creep_speed = 0.1;      // of the bed before the vehicle acts: the slope fails [m/s]
-  // Few updates, as the tables' numerics have them, leave more of both than a solver that goes on to its tolerance.
-  double residual = 0.2;      // largest root-mean-square residual of a valid trial [m/s]
-  double energy_error = 0.2;  // largest energy gain from nowhere over the energy exchanged, of a valid trial [-]
+  // The tables' numerics take few solver iterations, which leave larger errors than a solver run to its tolerance.
+  double residual = 0.2;      // max root-mean-square residual of a valid trial [m/s]
+  double energy_error = 0.2;  // max unexplained energy gain over the energy exchanged, of a valid trial [-]
 };
 
 struct TrialSetup {
@@ -40,9 +40,9 @@ struct TrialSetup {
   double bed_length = 4, bed_width = 0.8;  // [m]
   double grain_density = 2650;             // of the solid [kg/m^3]
   int tiles_along = 1, tiles_across = 1;   // copies of the settled bed side by side
-  bool moving_patch = false;               // ground that the vehicle has left is virgin ground ahead
+  bool moving_patch = false;               // ground left behind becomes undisturbed ground ahead
   bool folded = false;                     // a bed narrower than the vehicle, see pipeline/campaign/trial/lanes.h
-  bool compliant_tyres = false;            // contacts of tyres give way as the vehicle's file says
+  bool compliant_tyres = false;            // tyres have the contact stiffness of the vehicle's file
   double start = 0;                        // x where the vehicle starts; 0: as course() says [m]
   int packing_seeds = 2;                   // beds per packing level
   double deepest_bed = 0;                  // shallower beds are cut from packings of this depth; 0: each is settled [m]
@@ -53,48 +53,49 @@ struct TrialSetup {
   double test_distance = 2.4;              // to be covered after the run-in [m]
   double minimum_drive_time = 1.6;         // driven at least this long, once the ramp is over [s]
   double time_limit = 5;                   // of the driving, ramp included [s]
-  terrain::Numerics numerics{2e-3, 1, 200, 0.01};  // those of studies and vehicles are the table's, if not asked for
+  terrain::Numerics numerics{2e-3, 1, 200, 0.01};  // studies and vehicles take the soil table's
   Thresholds thresholds;
   std::filesystem::path packing_folder;         // cache of settled beds
   sim::Backend settled_on = sim::Backend::cpu;  // where beds are settled: on the trials' own device
   std::shared_ptr<const TrialTask> task = default_task();
 
-  /// That a drawbar pull is a share of [N].
+  /// Weight that drawbar pulls are divided by [N].
   double weight(double payload) const;
-  /// When the load of a drawbar sweep begins to grow: the vehicle has reached its speed [s].
+  /// Time at which the load of a drawbar sweep begins to grow, with the vehicle at its speed [s].
   double tow_start() const { return park_time + ramp_time + minimum_drive_time; }
 
-  /// Of a bed with this surface [m]: a quarter vehicle starts near its beginning, a whole one in its middle.
+  /// Course on a bed with this surface [m]. A quarter vehicle starts near the beginning of the bed, a whole one in its
+  /// middle.
   Course course(double surface) const;
   double vehicle_length() const { return whole ? whole->length : rig.vehicle_length; }  // [m]
   double clearance() const { return whole ? whole->clearance : rig.ground_clearance; }  // [m]
   terrain::MovingPatch patch() const;
 
-  /// Bed that a trial of these variables drives on: level of the packing and its seed.
+  /// Spec of a settled bed: its packing level and its seed.
   terrain::BedSpec bed_spec(double bed_depth, std::size_t packing, std::uint64_t seed) const;
 };
 
-/// $GONOGO_CACHE/beds, or gonogo/beds in the user's cache folder: settled beds are shared between runs.
+/// Folder of settled beds, shared between runs: $GONOGO_CACHE/beds, or gonogo/beds in the user's cache folder.
 std::filesystem::path default_packing_folder();
 
-/// A trial of the vehicle of a file on the soil of a calibration, without a study: a whole vehicle gets a bed of tiles
-/// that is wide and long enough, a moving patch, and two of its lengths or what the task asks for to cover. Numerics
-/// are the table's (terrain::numerics_by_table).
+/// Setup without a study: a vehicle's file and a calibration's. A whole vehicle gets tiles of bed that are wide and
+/// long enough, a moving patch, and two of its lengths or the task's obstacle to cover. Numerics are the table's
+/// (terrain::numerics_by_table) where `asked` sets none.
 TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::filesystem::path& calibration,
                                std::shared_ptr<const TrialTask> task = default_task(),
                                const terrain::AskedNumerics& asked = {},
                                const std::filesystem::path& packing_folder = default_packing_folder());
 
-/// Throws InputError where compliant tyres are asked of a vehicle whose file has none.
+/// Throws InputError when compliant tyres are asked of a vehicle whose file has no tyre stiffness.
 void check_tyres(const TrialSetup& s);
 
-/// Least share of tyre width in grain diameters for a label that may be published (the scale rule).
+/// Min tyre width in grain diameters for a label that may be published (the scale rule).
 inline constexpr double kGrainsPerTyre = 8;
 /// Tyre width over grain diameter.
 double grains_per_tyre(const TrialSetup& setup);
 
-/// Reads the study's vehicle and its sections "soil" and "trial"; throws InputError for anything out of range, also
-/// when the ranges of "design" leave what the calibration reaches. Packings are cached in `packing_folder`.
+/// Reads the study's vehicle and its sections "soil" and "trial". Packings are cached in `packing_folder`. Throws
+/// InputError for anything out of range, also when the ranges of "design" exceed the calibration's reach.
 TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& packing_folder = default_packing_folder(),
                             sim::Backend device = sim::Backend::cpu);
 

@@ -1,13 +1,13 @@
-// Types of trials behind one interface. A task changes the ground, adds what stands or pulls there, says how far the
-// vehicle has to go, and has the last word on the verdict. Everything else is the same for all of them.
+// Types of trials behind one interface. A task changes the ground, adds obstacles and loads, sets the distance to
+// drive, and decides the verdict last. All else is the same for all types.
 //
-//   climb       up or down a slope, as the point's slopes say; the default
-//   side_slope  along the contour: sliding sideways ends it
-//   drawbar     pulled back by a load that grows until the vehicle stands
+//   climb         up or down a slope, as the point's slopes say; the default
+//   side_slope    along the contour: sliding sideways ends it
+//   drawbar       pulled back by a load that grows until the vehicle stops
 //   single_wheel  a quarter vehicle's wheel towed at a given slip
-//   step        over a rigid sill across the way
-//   ditch       through a trench across the way
-//   crossing    through a strip of softer soil
+//   step          over a rigid sill across the way
+//   ditch         through a trench across the way
+//   crossing      through a strip of softer soil
 #pragma once
 #include <memory>
 #include <optional>
@@ -29,7 +29,7 @@ struct Course {
   double surface = 0;            // height of the undisturbed bed
 };
 
-/// What a task needs to know of a drive that is over.
+/// A finished drive, as a task judges it.
 struct DriveEnd {
   Verdict verdict;  // by the rules that all trials share
   Reason reason;
@@ -40,7 +40,7 @@ struct DriveEnd {
   const std::vector<PullPoint>& pull;
 };
 
-/// Load that pulls the vehicle back along the bed: grows from `start` on [s] to `share` of the weight in `ramp` [s].
+/// Load that pulls the vehicle back along the bed. It grows to `share` of the weight in `ramp` [s].
 struct TowPlan {
   double share = 0, ramp = 0;
 };
@@ -55,11 +55,11 @@ class TrialTask {
  public:
   virtual ~TrialTask() = default;
   virtual std::string name() const = 0;
-  /// From the vehicle's foremost tyre to the far side of what it has to cross; 0: nothing [m].
+  /// Distance from the vehicle's foremost tyre to the far side of the obstacle; 0 without one [m].
   virtual double obstacle_end() const { return 0; }
-  /// Takes grains out of the settled bed.
+  /// Removes grains from the settled bed.
   virtual void shape(const Course&, terrain::Packing&) const {}
-  /// What stands higher than the bed by this much [m].
+  /// Height of the obstacle above the bed [m].
   virtual double rise() const { return 0; }
   /// Adds fixed bodies that stay through both phases.
   virtual void furnish(const Course&, sim::SceneWorld&) const {}

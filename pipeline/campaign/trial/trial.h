@@ -44,9 +44,9 @@ struct TrialFrame {
   sim::BodyIndex wheel;          // -1 when the bed failed before there was one
 };
 
-/// Who looks at a trial. Watching changes nothing.
+/// Observers of a trial. Watching does not change its bits.
 struct TrialWatch {
-  std::function<void()> start;                   // before each attempt: forget what an earlier one showed
+  std::function<void()> start;                   // before each attempt: drop what an earlier one showed
   TrialObserver sample;                          // after every step
   std::function<void(const TrialFrame&)> frame;  // at the start, at intervals, and at the end
   double frame_interval = 0.02;                  // [s]
@@ -56,18 +56,18 @@ struct TrialWatch {
 struct TrialCheckpoint {
   std::filesystem::path path;  // empty: nowhere
   double every = 30;           // [s of the wall clock]
-  /// A file that cannot be used is set aside, which is said, and the trial starts from its beginning.
+  /// Sets a file that cannot be used aside, with a line on stderr, and starts the trial from its beginning.
   bool set_aside = false;
 };
 
-/// Where a trial runs; on one backend, its bits do not depend on the number of threads.
+/// Where a trial runs. On one backend its bits do not depend on the number of threads.
 struct TrialDevice {
   sim::Backend backend = sim::Backend::cpu;
   int threads = 1;  // of the cpu backend
 };
 
-/// Same trial, watched and saved: where `checkpoint` finds a file it goes on from there, to the same record. The file
-/// is removed when the trial is over. Ctrl-C saves and throws Cancelled. Throws InputError for a file of another trial.
+/// The same trial, watched and saved. Where `checkpoint` finds a file, the trial goes on from there to the same record.
+/// The file is removed at the end. Ctrl-C saves and throws Cancelled. Throws InputError for a file of another trial.
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
                       const TrialCheckpoint& checkpoint = {}, const TrialDevice& device = {});
 

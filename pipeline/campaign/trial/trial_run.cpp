@@ -246,14 +246,14 @@ void TrialRun::say_what_failed(std::uint64_t failed, const DriveOutcome& outcome
   const std::string numbers =
       "residual " + number_text(outcome.worst_residual) + " m/s, energy error " + number_text(outcome.energy_error);
   const std::string fault = sim::description(simulation().report(place_).fault, numerics_.step);
-  say("first attempt fails by " + names_of_checks(failed) + " (" + numbers + (fault.empty() ? "" : "; " + fault) +
-      "); a second one takes half the step");
+  say("the first attempt failed the checks " + names_of_checks(failed) + " (" + numbers +
+      (fault.empty() ? "" : "; " + fault) + "); the second one takes half the step");
 }
 
 void TrialRun::say_what_was_slowed() {
   const Index times = simulation().report(place_).slowed;
   if (times == 0) return;
-  say("grains about to cross more than a bin in a step are slowed to that, " + std::to_string(times) + " times");
+  say("grains were limited to one bin per step, " + std::to_string(times) + " times");
 }
 
 void TrialRun::say(const std::string& what) const { log_line("trial " + std::to_string(record_.point.index), what); }

@@ -1,6 +1,6 @@
-// One trial on its way through a place of a batch. Its bed settles alone; then the wheel is let down and drives until a
-// stop rule holds; an attempt that fails a check is followed by a second one with a smaller step. The batch takes the
-// steps: in which company and how many between two looks does not change the record.
+// One trial in a place of a batch. Its bed settles alone; then the vehicle is let down and drives until a stop rule
+// holds. An attempt that fails a check is followed by a second one with half the step. The batch takes the steps.
+// Neither the other trials nor the number of steps between two looks changes the record.
 #pragma once
 #include <chrono>
 #include <future>
@@ -25,14 +25,13 @@ class TrialRun {
   bool in_place() const { return places_ != nullptr; }
   sim::WorldIndex place() const { return place_; }
 
-  /// The host makes the world of the next phase while the batch goes on with others. Puts it into the place once it is
-  /// made, which `wait` waits for. May rebuild the batch.
+  /// Puts the next phase's world into the place once the host has made it. `wait`: waits for it. May rebuild the batch.
   void arrive(bool wait);
   bool is_coming() const { return phase_ == Phase::bed_coming || phase_ == Phase::drive_coming; }
 
   /// After at most this many steps the batch has to look; it may do so sooner.
   Index due() const;
-  /// Takes note of the `steps` taken since the last look. `stop` is that of its place.
+  /// Records the `steps` taken since the last look. `stop` is that of its place.
   void look(Index steps, const sim::WorldStop& stop);
   /// Has the world of the next phase made, or leaves the place.
   void move_on();
@@ -123,7 +122,7 @@ class TrialRun {
   sim::Snapshot before_;  // of the latest look
   Index replay_to_ = 0;   // step in which the world stops
 
-  std::future<ReadyWorld> coming_;  // the last member: it is waited for before what it reads goes
+  std::future<ReadyWorld> coming_;  // last member: destroyed, and so waited for, first
 };
 
 }  // namespace gonogo::campaign

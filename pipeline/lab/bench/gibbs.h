@@ -1,4 +1,4 @@
-// How fast block Gibbs sampling of a restricted Boltzmann machine is.
+// Speed of block Gibbs sampling of a restricted Boltzmann machine.
 #pragma once
 #include <cstddef>
 

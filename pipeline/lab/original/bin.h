@@ -1,5 +1,5 @@
-// The bin of the original study: 12 by 3.5 m, walls around it, grains of one size dropped in layers onto a rough floor.
-// x along the vehicle's way, y left, z up from the floor; the origin is in the middle of the floor.
+// The bin of the original study: 12 by 3.5 m between walls. Grains of one size are dropped in layers onto a rough
+// floor. x along the vehicle's way, y left, z up from the floor; the origin is in the middle of the floor.
 //
 // Numbers of test_VEH_gonogo_hmmwv.cpp (R. Serban's fork of Project Chrono, src/projects/vehicle/go_nogo, revision
 // 59e928cf).
@@ -14,18 +14,17 @@ namespace gonogo::lab {
 struct OriginalBin {
   double half_length = 6, half_width = 1.75, half_height = 0.5;  // inside the walls [m]
   double half_wall = 0.05;                                       // half thickness of the walls [m]
-  double depth = 0.1;  // that the layers are to fill, as far as their number allows [m]
+  double depth = 0.1;                                            // of the bed, within the number of layers [m]
   int min_layers = 4, max_layers = 8;
-  double spread = 1.01;   // grains are dropped as far apart as grains this much larger would be [-]
+  double spread = 1.01;   // of the dropped grains: their distance over that of touching ones [-]
   double base_pitch = 4;  // of the spheres of the rough floor, in grain radii [-]
 };
 
-/// Number of layers: as many grains over each other as fit into the depth, within the bin's bounds.
+/// Number of layers that fill the depth, within the bin's bounds.
 int layer_count(const OriginalBin& bin, double radius);
 
-/// Points of a rectangle about the origin, none closer to another than `apart`, and no place left for a further one
-/// that some 30 trials around every point find (Bridson, "Fast Poisson disk sampling in arbitrary dimensions", SIGGRAPH
-/// 2007).
+/// Poisson disk sample of a rectangle about the origin: no two points are closer than `apart`, and about 30 tries
+/// around each point find no free place (Bridson, "Fast Poisson disk sampling in arbitrary dimensions", SIGGRAPH 2007).
 std::vector<Vec3d> poisson_disk(double half_x, double half_y, double apart, std::uint64_t seed);
 
 /// Grains above the floor before they fall.

@@ -13,8 +13,8 @@ struct OriginalInput {
   double cohesion = 0;  // contact pressure p in the force pi r^2 p that holds a contact [Pa]
 };
 
-/// Line `line`, counted from 1. Throws InputError, naming file and line, for a line that is not there, that has other
-/// than five numbers, or whose numbers no run of that study could have.
+/// Line `line`, counted from 1. Throws InputError with file and line for a missing line, one without exactly five
+/// numbers, and numbers out of range.
 OriginalInput read_original_input(const std::filesystem::path& file, int line);
 
 }  // namespace gonogo::lab

@@ -1,5 +1,5 @@
-// One run of the original study: grains settle, the vehicle is dropped onto them, gravity tilts, the throttle opens,
-// and the reason why the run ends is its label.
+// One run of the original study. Grains settle, the vehicle is dropped onto them, gravity tilts and the throttle opens.
+// The label is the reason why the run ends.
 #pragma once
 #include <functional>
 #include <string>
@@ -53,8 +53,8 @@ struct OriginalRequest {
   std::function<void(const OriginalSample&)> watch;  // may be empty
 };
 
-/// `v` with smooth rigid tyres, without brakes, its chassis touching nothing, as in the original. Throws InputError for
-/// a vehicle that cannot be driven so.
+/// Drives `v` as the original does: smooth rigid tyres, no brakes, a chassis without contacts. Throws InputError for a
+/// vehicle that cannot be driven so.
 OriginalRecord run_original(const vehicle::Vehicle& v, const OriginalRequest& request);
 
 /// The original's output file: t throttle steering x y z vx vy vz every hundredth of a second, the reason at the end.

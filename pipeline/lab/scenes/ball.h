@@ -11,8 +11,8 @@ struct BallSpec {
   double floated = 3;             // [s]
 };
 
-/// A ball laid onto a tank of smooth spheres, which are as fluid as spheres can be. Measured: the volume of the
-/// ball below the mean surface over all of it; Archimedes says `relative_density`.
+/// A ball laid onto a tank of smooth spheres, which are as fluid as spheres can be. Measured: share of the ball's
+/// volume below the mean surface. Archimedes: `relative_density`.
 ManyScene ball_scene(const BallSpec& spec, const RunOn& on);
 
 }  // namespace gonogo::lab

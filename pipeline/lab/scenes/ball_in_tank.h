@@ -4,14 +4,14 @@
 
 namespace gonogo::lab {
 
-/// The tank without the spheres that the ball would overlap, the ball first among its bodies. Density [kg/m^3].
+/// The tank with the ball as its first body, without the spheres that the ball overlaps. Density [kg/m^3].
 sim::SceneWorld with_ball(const sim::SceneWorld& tank, const Vec3d& centre, double radius, double density);
 
 /// Middle of the tank's floor [m].
 Vec3d middle_of(const sim::SceneWorld& world);
 
-/// Mean height of the highest sphere's centre in columns two diameters wide; those that hold the ball and those beside
-/// are left out [m]. `bodies`: the ball first, the tank last.
+/// Mean height of the highest centre in columns two diameters wide [m]. Columns at and beside the ball are left out.
+/// `bodies`: the ball first, the tank last.
 double surface_of(const std::vector<sim::BodyState>& bodies, const TankSpec& tank, const sim::SceneWorld& world,
                   double ball_radius);
 

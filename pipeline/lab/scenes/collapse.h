@@ -14,11 +14,12 @@ struct CollapseSpec {
   double radius() const;  // of the column [m]
 };
 
-/// Settled at little friction inside of a smooth cylinder of 48 chords on a plane, which is then gone, and the spheres
-/// as rough as they are. Measured: height over radius of the
-/// column just before, as twice the height of its centre of mass; run-out (R - R_0) / R_0, where R is the radius of the
-/// outermost ring, a diameter wide, whose ground spheres cover to a half (the heap), and within which 99 in 100 of them
-/// lie (with most of those that roll on by themselves); height of the heap over R_0.
+/// The column settles at low friction inside a smooth cylinder of 48 chords on a plane. Then the cylinder goes and the
+/// spheres get their own friction. Measured, with R_0 the radius of the cylinder:
+///   aspect                 height over radius of the column just before: twice the height of its centre of mass
+///   run_out_covered        (R - R_0) / R_0 with R of the outermost ring, a diameter wide, half covered by spheres
+///   run_out_of_99_in_100   the same with 99 in 100 spheres within R, so with most that roll on by themselves
+///   height_over_radius     height of the heap over R_0
 ManyScene collapse_scene(const CollapseSpec& spec, const RunOn& on);
 
 }  // namespace gonogo::lab

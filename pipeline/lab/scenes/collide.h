@@ -18,7 +18,7 @@ struct CollideBenchResult {
   double ns_per_contact = 0;  // of the search
 };
 
-/// Finds the contacts of the tank at rest again and again: bins, pairs, gaps, normals and points. No step is taken.
+/// Finds the contacts of the tank at rest `repeats` times: bins, pairs, gaps, normals and points. Takes no step.
 CollideBenchResult bench_collide(const CollideBench& request);
 
 }  // namespace gonogo::lab

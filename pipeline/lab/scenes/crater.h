@@ -12,8 +12,8 @@ struct CraterSpec {
   double watched = 0.8;    // after it has touched the surface [s]
 };
 
-/// The ball starts at the surface with the speed of its fall. Measured: depth of its lowest point below the surface at
-/// the end, and H = drop height + depth, both in metres; experiments find depth ~ H^(1/3) (Uehara et al. 2003).
+/// The ball starts at the surface with the speed of its fall. Measured at the end [m]: depth of its lowest point below
+/// the surface, and H = drop height + depth. Experiments find depth ~ H^(1/3) (Uehara et al. 2003).
 ManyScene crater_scene(const CraterSpec& spec, const RunOn& on);
 
 }  // namespace gonogo::lab

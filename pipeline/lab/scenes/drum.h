@@ -13,14 +13,14 @@ struct DrumSpec {
   double froude = 0.05;  // angular speed squared times radius over g: rolling rather than cascading
 };
 
-/// Half full, smooth caps, the rim as rough as the second material; spheres with x < 0 are of the first material. The
-/// drum turns about the y axis. Measured: mixing index of Lacey (1954) over samples of about 30 spheres, 0 for what
-/// starts and 1 for a random mixture: at the end, and over the turns of the drum.
+/// Half full, smooth caps, the rim as rough as the second material. Spheres with x < 0 are of the first material. The
+/// drum turns about the y axis. Measured at the end and over the turns: mixing index of Lacey (1954) over samples of
+/// about 30 spheres, 0 at the start, 1 for a random mixture.
 ManyScene drum_scene(const DrumSpec& spec, const RunOn& on);
 
-/// (v_0 - v) / (v_0 - v_r) with the variance v of the share of the first kind over cubes of space, that of the
-/// separated kinds p (1 - p) and that of random samples p (1 - p) / n. Cubes with fewer than a third of `per_cube`
-/// spheres do not count.
+/// (v_0 - v) / (v_0 - v_r), where v is the variance of the share of the first kind over cubes of side `cube` [m]. Of
+/// separated kinds it is v_0 = p (1 - p), of random samples of n spheres v_r = p (1 - p) / n. Cubes with fewer than ten
+/// spheres are left out.
 double lacey_index(const std::vector<Vec3d>& position, const std::vector<bool>& is_first, double cube);
 
 }  // namespace gonogo::lab

@@ -12,8 +12,8 @@ struct NutSpec {
   double shaken = 10;       // [s]
 };
 
-/// One large sphere on the floor of a filled tank, which then moves up and down (watched from inside of it). Measured:
-/// heights of its centre over the depth of the fill at the start and at the end: it rises (Brazil nut).
+/// One large sphere on the floor of a filled tank, which then moves up and down, in the tank's frame. Measured: heights
+/// of its centre over the depth of the fill at the start and at the end. It rises (Brazil nut).
 ManyScene nut_scene(const NutSpec& spec, const RunOn& on);
 
 }  // namespace gonogo::lab

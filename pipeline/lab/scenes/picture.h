@@ -11,17 +11,18 @@ namespace gonogo::lab {
 /// Throws InputError in a build without pictures and, for a video, on a machine without ffmpeg.
 void require_pictures(bool video);
 
-/// Where it is seen from and what the colours stand for.
+/// Camera and colour bar.
 struct SnapshotView {
   report::Camera camera;
   double high_speed = 1;  // upper end of the colour bar [m/s]
 };
 
-/// Such that all of these states are in the picture and one body in twenty is faster than the bar in three of four.
+/// A view that holds all of these states. In three of four of them, one body in twenty is faster than the bar's upper
+/// end.
 SnapshotView view_of(const ManyScene& scene, const std::vector<const sim::Capture*>& states);
 
-/// Writes a PNG, spheres in the colours of their speed or material. Walls and floors, all that is fixed, are left out:
-/// they would hide what they hold.
+/// Writes a PNG with spheres in the colours of their speed or material. Fixed bodies, walls and floors, are left out:
+/// they would hide the rest.
 void draw_snapshot(const std::filesystem::path& path, const ManyScene& scene, const sim::Capture& state,
                    const SnapshotView& view, int threads);
 
@@ -29,8 +30,8 @@ void draw_snapshot(const std::filesystem::path& path, const ManyScene& scene, co
 void draw_watched(const std::filesystem::path& path, const ManyScene& scene,
                   const std::vector<std::vector<Measured>>& watched);
 
-/// Pictures per second at which `count` of them, `every` seconds apart, are shown: as fast as things went, or slower
-/// where that would be over in less than six seconds, but at least five.
+/// Pictures per second of a video of `count` states, `every` seconds apart: real time, or slower so that the video
+/// takes six seconds, but at least five pictures per second.
 double frame_rate(int count, double every);
 
 /// Writes an MP4 of states that are `every` seconds apart, at that rate.

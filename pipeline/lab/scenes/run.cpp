@@ -149,7 +149,7 @@ std::function<std::vector<Measured>(sim::Simulation&, double time)> over_time(
 ManyResult run_many(const ManyScene& scene, const ManyRun& run) {
   sim::require_backend(run.on.backend);
   if (!run.plot.empty() && !scene.watch)
-    throw InputError("--plot: the scene " + scene.name + " watches nothing over time; leave the option out");
+    throw InputError("--plot: the scene " + scene.name + " records nothing over time; leave the option out");
   if (!run.picture.empty() || !run.video.empty() || !run.plot.empty()) require_pictures(!run.video.empty());
   const double start = seconds();
   const auto simulation = sim::make_simulation(run.on.backend, {scene.world}, scene.settings, run.on.threads);

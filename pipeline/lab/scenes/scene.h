@@ -1,4 +1,4 @@
-// Scenes of many bodies: run for a while, shown where asked, measured, then timed stage by stage.
+// Scenes of many bodies: simulated, shown, measured, then timed stage by stage.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace gonogo::lab {
 
-/// Where a scene is settled and run, by what solver and how accurately.
+/// Backend and solver of a scene.
 struct RunOn {
   sim::Solver solver = sim::Solver::apgd;  // of the run; scenes are made by the default one whatever is timed
   int iterations = 50;                     // of the solver in a step
@@ -17,7 +17,7 @@ struct RunOn {
   int threads = 1;
 };
 
-/// What a scene itself tells.
+/// A number that a scene measures.
 struct Measured {
   std::string key;  // with its unit, as everywhere in JSON
   double value;
@@ -28,17 +28,17 @@ struct ManyScene {
   sim::SceneWorld world;
   sim::StepSettings settings;
   double duration = 0;  // simulated before anything is timed [s]
-  /// Called before the first step and then every kStepsPerDrive steps: sets what acts meanwhile. May be empty.
+  /// Called before the first step and then every kStepsPerDrive steps: sets loads, laws and bodies. May be empty.
   std::function<void(sim::Simulation&, double time)> drive;
   std::function<std::vector<Measured>(sim::Simulation&)> measure;  // after `duration`; may be empty
-  /// Looked at at the start, every `watch_every` seconds and at the end; the first number is what the others
-  /// are shown over. May be empty.
+  /// Called at the start, every `watch_every` seconds and at the end. Its first number is the abscissa of plots. May be
+  /// empty.
   std::function<std::vector<Measured>(sim::Simulation&, double time)> watch;
   double watch_every = 0.25;      // [s]
   bool show_by_material = false;  // in pictures spheres have the colours of their materials instead of their speeds
 };
 
-/// A watch that tells over the time what `measure` tells at the end.
+/// A watch with the time and then the numbers of `measure`.
 std::function<std::vector<Measured>(sim::Simulation&, double time)> over_time(
     std::function<std::vector<Measured>(sim::Simulation&)> measure);
 
@@ -72,8 +72,8 @@ struct ManyResult {
   std::vector<std::vector<Measured>> watched;  // [look] the same keys in each
 };
 
-/// Throws InputError for a picture or video that this build or machine cannot make, before time is spent; DeviceError
-/// when a body left the domain or worse.
+/// Throws InputError for a picture or video that this build or machine cannot make, before time is spent. Throws
+/// DeviceError when a world raises a flag.
 ManyResult run_many(const ManyScene& scene, const ManyRun& run);
 
 /// Median of each stage.

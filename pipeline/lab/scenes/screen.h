@@ -24,13 +24,12 @@ struct ScreenParts {
   double rod_length;  // pin to pin [m]
 };
 
-/// Large spheres, twice as wide as the small ones, and eight small ones in the place of each of the others, lie over
-/// the rear of a deck of bars that leave 1.4 small diameters between them. A crank, turned by a motor, moves a rod, and
-/// the rod the deck, which slides at 45 degrees upward and forward (linear-motion screen: B. A. Wills & J. Finch,
-/// Mineral Processing Technology, 8th ed., ch. 8). What falls through lies before a wall below the front edge, what
-/// travels over the deck behind it. Watched: shares of the small and of the large spheres that are through, share of
-/// the large ones that are over, and Newton's efficiency, the first less the second: 1 for a perfect screen, 0 for one
-/// that splits the feed without sorting.
+/// The feed lies over the rear of a deck of bars 1.4 small diameters apart. Large spheres are twice as wide as small
+/// ones. A motor turns a crank, whose rod moves the deck at 45 degrees upward and forward (linear-motion screen: B. A.
+/// Wills & J. Finch, Mineral Processing Technology, 8th ed., ch. 8). Spheres that fall through end before a wall below
+/// the front edge, the others behind it. Watched: shares of the small and of the large spheres that are through, share
+/// of the large ones that are over, and Newton's efficiency. That is the share of the small ones through less that of
+/// the large ones: 1 for a perfect screen, 0 for one that does not sort.
 ManyScene screen_scene(const ScreenSpec& spec, const RunOn& on);
 
 ScreenParts screen_parts(const ScreenSpec& spec);

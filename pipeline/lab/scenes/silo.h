@@ -9,19 +9,20 @@ struct SiloSpec {
   Spheres of;
   double slenderness = 3;        // height of the fill over the silo's diameter, about
   double orifice_diameters = 0;  // of the hole in the floor, in spheres; 0: a third of the silo's diameter
-  double rolling_friction = 0;   // from when the wall is moved; settling with it, spheres would stay as they were laid
+  double rolling_friction = 0;   // from the pull on; with it from the start, spheres would not settle
   double flow_time = 2;          // after the hole has been opened [s]
 
   double radius() const;          // of the silo [m]
   double orifice_radius() const;  // [m]
 };
 
-/// A cylinder with a flat floor, both meshes of 48 chords, filled from a lattice that falls onto floor and plug. For
-/// two seconds before the opening the wall is drawn upward by a tenth of a diameter a second, so that its friction
-/// carries what it can (Vanel & Clement 1999). Then the plug is gone; what flows out falls onto a plane far below.
-/// Measured over the second half of the pull: share of the weight that the floor carries, how far friction is mobilised
-/// on the wall, ratio of the pressure on the wall to the vertical stress; height of the fill over the silo's width; the
-/// mean flow between a quarter and all of the flow time. Watched: the first three.
+/// A cylinder with a flat floor, both meshes of 48 chords, filled from a lattice that falls onto floor and plug. Before
+/// the opening, the wall is drawn upward for two seconds at a tenth of a diameter per second, which mobilises its
+/// friction (Vanel & Clement 1999). Then the plug goes, and the flow falls onto a plane far below.
+///
+/// Measured over the second half of the pull, and watched: share of the weight on the floor, mobilised share of the
+/// wall's friction, ratio of the pressure on the wall to the vertical stress. Also measured: height of the fill over
+/// the silo's width; mean flow from a quarter of the flow time to its end.
 ManyScene silo_scene(const SiloSpec& spec, const RunOn& on);
 
 }  // namespace gonogo::lab

@@ -17,7 +17,7 @@ struct Spheres {
   std::uint64_t seed = 1;
 
   double largest_diameter() const { return diameter * (1 + size_spread); }
-  /// Columns of the lattice are so far apart that no two spheres overlap, wherever their draws put them [m].
+  /// Distance of the lattice's columns: no two spheres overlap, whatever their draws [m].
   double pitch() const { return 1.01 * largest_diameter(); }
 };
 
@@ -26,22 +26,22 @@ struct Sphere {
   double radius;  // [m]
 };
 
-/// Spheres of a cubic lattice, each a little aside so that columns buckle, from the lower corner upward, x fastest;
-/// only those whose place `inside` accepts, and no more than `max_count` of them.
+/// Spheres of a cubic lattice from the lower corner upward, x fastest, each shifted a little so that columns buckle.
+/// Only places that `inside` accepts are taken, at most `max_count` of them.
 std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Index nx, Index ny, Index nz,
                                   const std::function<bool(const Vec3d&)>& inside, std::size_t max_count);
 
-/// Numerical parameters for spheres of this diameter; step 2e-3 s. The envelope gives about 3.6 contacts a sphere, as
-/// the published tank has 3.55.
+/// Numerics for spheres of this diameter; step 2e-3 s. The envelope gives about 3.6 contacts per sphere; the published
+/// tank has 3.55.
 sim::StepSettings many_step_settings(const Spheres& spec, int iterations, sim::Solver solver = sim::Solver::apgd);
 
-/// A plane of a body through `at` that looks along the z axis turned by `turn`.
+/// Adds a plane to a body, through `at`, with its normal along the z axis turned by `turn`.
 void add_plane(sim::SceneWorld& world, sim::BodyIndex body, const Vec3d& at, const Quat& turn);
 
 /// Turns the z axis, along which a plane looks, into x, -x (axis 0), y or -y (axis 1).
 Quat towards(int axis, double sign);
 
-/// Time in which something falls so deep [s].
+/// Time of a fall from this height [s].
 double fall_time(double height);
 
 /// Height of the highest point [m].

@@ -11,35 +11,35 @@
 namespace gonogo::lab {
 namespace {
 
-/// A floor of `along` x `across` blocks, each of `side` x `side` columns of `layers` spheres.
-struct Blocks {
+/// A floor of `along` x `across` tiling, each of `side` x `side` columns of `layers` spheres.
+struct Tiling {
   int side = 0, along = 1, across = 1, layers = 1;
   std::int64_t columns() const { return std::int64_t(side) * side * along * across; }
 };
 
-/// A block is so many columns wide where the tank has that many: its periodic images do not notice each other, and
+/// A tile is so many columns wide where the tank has that many: its periodic images do not notice each other, and
 /// it settles in seconds.
 constexpr int kMinSide = 10, kMaxSide = 14;
 
-Blocks choose_blocks(const TankSpec& spec) {
-  Blocks b;
+Tiling choose_tiling(const TankSpec& spec) {
+  Tiling b;
   b.layers = std::min(spec.layers, std::max(2, int(std::lround(std::cbrt(double(spec.of.count))))));
   const double columns = std::ceil(double(spec.of.count) / b.layers);
   const int across = int(std::ceil(std::sqrt(columns / spec.length_over_width))),
             along = int(std::ceil(across * spec.length_over_width));
   const auto lay = [&](int side) {
-    return Blocks{side, (along + side - 1) / side, (across + side - 1) / side, b.layers};
+    return Tiling{side, (along + side - 1) / side, (across + side - 1) / side, b.layers};
   };
   if (across <= kMaxSide) return lay(std::max(across, 4));
   for (int side = kMinSide; side <= kMaxSide; ++side)
-    if (const Blocks other = lay(side); b.side == 0 || other.columns() < b.columns()) b = other;
+    if (const Tiling other = lay(side); b.side == 0 || other.columns() < b.columns()) b = other;
   return b;
 }
 
-std::vector<Sphere> loose_block(const TankSpec& spec, const Blocks& blocks) {
+std::vector<Sphere> loose_tile(const TankSpec& spec, const Tiling& tiling) {
   return loose_lattice(
-      spec.of, {}, blocks.side, blocks.side, blocks.layers, [](const Vec3d&) { return true; },
-      std::size_t(blocks.side) * std::size_t(blocks.side) * std::size_t(blocks.layers));
+      spec.of, {}, tiling.side, tiling.side, tiling.layers, [](const Vec3d&) { return true; },
+      std::size_t(tiling.side) * std::size_t(tiling.side) * std::size_t(tiling.layers));
 }
 
 /// Without walls.
@@ -58,9 +58,9 @@ sim::SceneWorld world_of(const TankSpec& spec, const std::vector<Sphere>& sphere
 constexpr double kSettlingFriction = 0.1;
 
 /// Falls and comes to rest: twice as long as the topmost sphere needs to fall through a third of the height.
-std::vector<Sphere> settled(const TankSpec& spec, const Blocks& blocks, const RunOn& on) {
-  std::vector<Sphere> spheres = loose_block(spec, blocks);
-  const double side = blocks.side * spec.of.pitch(), height = height_of(spheres);
+std::vector<Sphere> settled(const TankSpec& spec, const Tiling& tiling, const RunOn& on) {
+  std::vector<Sphere> spheres = loose_tile(spec, tiling);
+  const double side = tiling.side * spec.of.pitch(), height = height_of(spheres);
   sim::SceneWorld world = world_of(spec, spheres, side, side, height);
   world.periodic_x = world.periodic_y = true;
   world.set_law(0, 0, {Real(kSettlingFriction), 0, 0});
@@ -74,12 +74,12 @@ std::vector<Sphere> settled(const TankSpec& spec, const Blocks& blocks, const Ru
   return spheres;
 }
 
-std::vector<Sphere> laid_out(const std::vector<Sphere>& block, const Blocks& blocks, double side) {
+std::vector<Sphere> laid_out(const std::vector<Sphere>& tile, const Tiling& tiling, double side) {
   std::vector<Sphere> spheres;
-  spheres.reserve(block.size() * std::size_t(blocks.along) * std::size_t(blocks.across));
-  for (int y = 0; y < blocks.across; ++y)
-    for (int x = 0; x < blocks.along; ++x)
-      for (const Sphere& s : block) spheres.push_back({s.centre + Vec3d{x * side, y * side, 0}, s.radius});
+  spheres.reserve(tile.size() * std::size_t(tiling.along) * std::size_t(tiling.across));
+  for (int y = 0; y < tiling.across; ++y)
+    for (int x = 0; x < tiling.along; ++x)
+      for (const Sphere& s : tile) spheres.push_back({s.centre + Vec3d{x * side, y * side, 0}, s.radius});
   return spheres;
 }
 
@@ -105,11 +105,11 @@ double volume_between(double radius, double low, double high) {
 }  // namespace
 
 sim::SceneWorld tank_world(const TankSpec& spec, const RunOn& on) {
-  const Blocks blocks = choose_blocks(spec);
-  const double side = blocks.side * spec.of.pitch(), length = blocks.along * side, width = blocks.across * side;
-  log_line("bench", "settling " + std::to_string(blocks.side * blocks.side * blocks.layers) + " spheres, laid out " +
-                        std::to_string(blocks.along * blocks.across) + " times");
-  std::vector<Sphere> spheres = laid_out(settled(spec, blocks, on), blocks, side);
+  const Tiling tiling = choose_tiling(spec);
+  const double side = tiling.side * spec.of.pitch(), length = tiling.along * side, width = tiling.across * side;
+  log_line("bench", "settling " + std::to_string(tiling.side * tiling.side * tiling.layers) + " spheres, laid out " +
+                        std::to_string(tiling.along * tiling.across) + " times");
+  std::vector<Sphere> spheres = laid_out(settled(spec, tiling, on), tiling, side);
   keep_lowest(spheres, std::size_t(spec.of.count));
   sim::SceneWorld world = world_of(spec, spheres, length, width, height_of(spheres));
   const double room = spec.of.largest_diameter() / 2;  // centres lie anywhere between the periodic sides

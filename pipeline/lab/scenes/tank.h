@@ -1,5 +1,5 @@
-// A tank full of spheres, made in seconds for any number of them: a block of spheres is settled once between periodic
-// sides, many of it are laid side by side, and walls are put around them.
+// A tank full of any number of spheres, made in seconds. A tile of spheres is settled once between periodic sides.
+// Copies of it are laid side by side, and walls are put around them.
 #pragma once
 #include "pipeline/lab/scenes/scene.h"
 #include "pipeline/lab/scenes/spheres.h"
@@ -13,18 +13,16 @@ struct TankSpec {
   double seconds = 0.12;         // shaken before anything is timed: the spheres meet the walls [s]
 };
 
-/// Bodies 0 .. spheres - 1 are the spheres, the next one is the tank: a floor at z = 0 and four walls, planes of one
-/// fixed body. The surface is flat but for spheres taken off the top to leave the number that was asked for. Spheres
-/// beside a wall have up to a radius of room from it until the first steps have been taken. Settled where `on` says.
-/// Throws DeviceError when settling failed.
+/// Bodies 0 .. spheres - 1 are the spheres. The next body is the tank: a floor at z = 0 and four walls, planes of one
+/// fixed body. The surface is flat except where spheres were taken off for an exact count. Spheres beside a wall are up
+/// to a radius away from it until the first steps. Settled on the backend of `on`. Throws DeviceError when settling
+/// failed.
 sim::SceneWorld tank_world(const TankSpec& spec, const RunOn& on);
 
-/// Share of the tank that spheres fill between two spheres above the floor and two below the surface, away from the
-/// walls [-].
+/// Share of the volume that spheres fill, measured two spheres away from floor, surface and walls [-].
 double solid_fraction(const TankSpec& spec, const sim::SceneWorld& world);
 
-/// Shaken along x with half of gravity, two times a second. It is watched from inside of the tank, so gravity leans to
-/// and fro.
+/// Shaken along x with half of gravity at 2 Hz, in the tank's frame: gravity leans to and fro.
 ManyScene shaken_tank(const TankSpec& spec, const RunOn& on);
 
 }  // namespace gonogo::lab

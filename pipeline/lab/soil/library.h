@@ -12,8 +12,7 @@ struct SoilReport {
   std::string text;  // tables
 };
 
-/// A soil's file: the path itself, or a name in configs/soils here or beside the program's source tree. Throws
-/// InputError that lists the names there are.
+/// A soil's file: a path, or a name in configs/soils. Throws InputError with the known names.
 std::filesystem::path soil_file(const std::string& name);
 
 SoilReport list_soils();

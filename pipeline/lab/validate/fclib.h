@@ -15,8 +15,8 @@ struct FclibResult {
   double ms = 0;                            // solving, without reading
 };
 
-/// Files as they are; a folder stands for the .hdf5 and .dat files in it, by name. Throws InputError for a path that is
-/// neither and for a folder without any.
+/// Files as given; a folder stands for its .hdf5 and .dat files, by name. Throws InputError for a path that is neither
+/// and for a folder without such files.
 std::vector<std::filesystem::path> fclib_files(const std::vector<std::filesystem::path>& paths);
 
 /// Throws InputError for a malformed file; not reaching the tolerance is a result.

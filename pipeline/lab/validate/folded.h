@@ -1,5 +1,6 @@
-// A folded bed (pipeline/campaign/trial/lanes.h) against three of it side by side, on which every wheel stands on the
-// same grains and the lanes of left and right lie a whole track apart; and how far from its lane a wheel moves grains.
+// A folded bed (pipeline/campaign/trial/lanes.h) against three of it side by side. On the wide bed every wheel stands
+// on the same grains, and left and right lanes lie a whole track apart. Also measured: how far from its lane a wheel
+// moves grains.
 #pragma once
 #include "pipeline/lab/validate/two_beds.h"
 
@@ -11,7 +12,7 @@ struct FoldedReport {
   double tyre_width = 0;      // [m]
   double bin_width = 0;       // of the profile [m]
   std::vector<double> moved;  // by distance from the nearest lane's middle, on the wide bed: mean [m]
-  /// Distance from a lane's middle beyond which grains move less than a tenth of what those under the tyre do [m].
+  /// Distance from a lane's middle beyond which grains move less than a tenth as far as those under the tyre [m].
   double rut_half_width = 0;
 };
 

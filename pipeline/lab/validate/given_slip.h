@@ -1,7 +1,8 @@
-// One wheel of MGRU3 on GRC-3, led at given slips: the slope that its drawbar pull would climb, atan(pull / load),
-// against tests of a single wheel at NASA Glenn (TREC rig, nominal tests). Nothing is tuned on them. Measured points,
-// digitised: sjtumsd/crm_sim_nasa_exp_scripts, demos/single_wheel_vv_mode/slope_slip_wheel_vv_mode.py (arXiv
-// 2405.11001), which holds a wheel of 17.5 kg on three states of the simulant against them.
+// One wheel of MGRU3 on GRC-3, towed at given slips. Compared: the slope that its drawbar pull would climb, atan(pull /
+// load), with tests of a single wheel at NASA Glenn (TREC rig, nominal tests). Nothing is tuned on them.
+//
+// Measured points, digitised: sjtumsd/crm_sim_nasa_exp_scripts, demos/single_wheel_vv_mode/slope_slip_wheel_vv_mode.py
+// (arXiv 2405.11001). That work compares a wheel of 17.5 kg on three states of the simulant with them.
 #pragma once
 #include <vector>
 
@@ -18,7 +19,7 @@ struct GivenSlip {
   int trials = 0;                                       // that ended as they should
 };
 
-/// The tests' means as if they were a run of ours.
+/// The tests' means in the form of a run.
 std::vector<GivenSlip> measured_traction();
 
 std::vector<GivenSlip> run_given_slips(const SimulantRun& run);

@@ -1,6 +1,6 @@
 // Slopes that the quarter vehicle of a dataset climbs at its slips, beside the bands of semi-empirical formulas for the
-// same wheel, load and soil. On a slope the wheel pulls what the vehicle weighs along it: over the load on the ground
-// that is tan(slope_along), whatever the slope across, while it neither gains nor loses speed.
+// same wheel, load and soil. On a slope the wheel pulls the vehicle's weight along it. At constant speed, that pull
+// over the load on the ground is tan(slope_along), whatever the slope across.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -46,8 +46,8 @@ struct GradeReport {
   double go_band[2] = {};   // slopes at a slip of 0.4 on sand of 30 degrees by the formulas, no payload [deg]
 };
 
-/// Trials whose tyre grips the soil better than the soil itself (friction at least tan(friction angle)); the rest say
-/// nothing of the soil. Throws InputError for a dataset that cannot be read or has no such trial.
+/// Takes trials whose tyre friction is at least tan(friction angle). In the others the tyre slides on the soil, which
+/// says nothing of the soil. Throws InputError for a dataset that cannot be read or has no such trial.
 GradeReport grade_report(const GradeRequest& request);
 
 Json as_json(const GradeReport& r);

@@ -1,4 +1,4 @@
-// A moving patch against a fixed bed so long that the vehicle never leaves it.
+// A moving patch against a fixed bed that is long enough for the whole drive.
 #pragma once
 #include "pipeline/lab/validate/two_beds.h"
 

@@ -1,9 +1,9 @@
-// What semi-empirical formulas say of a wheel's pull on dry sand, least and most of them.
+// Pull of a wheel on dry sand by semi-empirical formulas: min and max over formulas and soils.
 #pragma once
 
 namespace gonogo::lab {
 
-/// What formulas say at one slip, least and most of them; shares of the load.
+/// Min and max of the formulas at one slip, as shares of the load.
 struct TractionBand {
   double slip = 0;
   double pull[2] = {}, resistance[2] = {};
@@ -16,8 +16,9 @@ struct WheelOnSand {
   double section_height = 0, deflection = 0;  // of the tyre [m]; without a height no resistance by cone index
 };
 
-/// Wong and Reece on the dry sands of Wong's table with this friction angle [deg] and none, their own or `cohesion`
-/// [Pa], sand_net_traction and, for tyres, sand_gross_traction over the cone indices of dry sand. Slip in (0, 1).
+/// Formulas: Wong and Reece on the dry sands of Wong's table, sand_net_traction over the cone indices of dry sand and,
+/// for tyres, sand_gross_traction. The sands get this friction angle [deg] and, in turn, no cohesion, their own, and
+/// `cohesion` [Pa]. Slip in (0, 1).
 TractionBand sand_band(const WheelOnSand& wheel, double friction_angle, double slip, double cohesion = 0);
 
 }  // namespace gonogo::lab

@@ -1,5 +1,5 @@
-// A wheel of MGRU3, or the rover, on a lunar simulant that is met through a calibration: what the validations against
-// tests at NASA Glenn have in common.
+// A wheel of MGRU3, or the rover, on a lunar simulant whose grains a calibration gives. Shared by the validations
+// against tests at NASA Glenn.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -18,8 +18,7 @@ struct SimulantRun {
   std::string vehicle = kSimulantWheel;  // or kSimulantRover
   std::filesystem::path calibration;     // of the grains
   std::string state;                     // of the simulant, in its soil file; empty: the first
-  double grain = 0;                      // diameter instead of the table's, if any: nothing that a
-                                         // triaxial test says depends on it [m]
+  double grain = 0;                      // diameter [m]; 0: the table's. Triaxial tests do not depend on it.
   int seeds = 2;                         // beds per point
   int threads = 1;                       // trials at a time
   bool gpu = false;                      // all trials as one batch
@@ -27,9 +26,9 @@ struct SimulantRun {
   double depth = 0.2;                    // of the bed [m]
   double length = 0;                     // of the bed; 0: 2 for the wheel, 3.5 for the rover [m]
   double width = 0;                      // of the bed; 0: 0.7 for the wheel, folded for the rover [m]
-  double time = 0;                       // driven; slip is that of the last half; 0: 8, for the rover 24 [s]
-  // Of grains on the wheel. No experiment tells: 0.8 is that of the published simulation (DEM-Engine, WheelSlopeSlip),
-  // 0.4 that of Project Chrono's VIPER.
+  double time = 0;  // of driving; slip is taken over the last half; 0: 8 for the wheel, 24 for the rover [s]
+  // Of grains on the wheel; no experiment gives it. The published simulation (DEM-Engine, WheelSlopeSlip) has 0.8,
+  // Project Chrono's VIPER 0.4.
   double wheel_friction = 0.8;
 };
 
@@ -40,7 +39,7 @@ terrain::MacroscopicSoil simulant_soil(const std::string& file, const std::strin
 /// Radius of a wheel without its grousers, and their height [m].
 struct Rim {
   double radius, grouser;
-  /// Slip counted from the circle over the grousers, as experiments do, of one counted from the rim, as trials do.
+  /// Slip at the circle over the grousers, as experiments give it, from slip at the rim, as trials give it.
   double slip_over_grousers(double slip) const { return 1 - (1 - slip) * radius / (radius + grouser); }
   double slip_of_rim(double slip_over_grousers) const {
     return 1 - (1 - slip_over_grousers) * (radius + grouser) / radius;

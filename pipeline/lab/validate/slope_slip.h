@@ -1,11 +1,13 @@
-// MGRU3 on GRC-1: slip over slope, measured at NASA Glenn's SLOPE laboratory, against trials on a bed that has the
-// soil's friction angle, cohesion and bulk density by a calibration. Nothing is tuned on the slips.
+// MGRU3 on GRC-1: slip over slope. Compared: tests at NASA Glenn's SLOPE laboratory with trials on a calibrated bed
+// that has the soil's friction angle, cohesion and bulk density. Nothing is tuned on the slips.
 //
-// MGRU3 is a rover of four wheels, and what was measured is the rover on a tilting bed, in 2021 and again in 2022: both
-// digitised in sjtumsd/crm_sim_nasa_exp_scripts, demos/viper_real_slope/figure7b.py (arXiv 2405.11001), which holds a
-// rover of 88 kg against them. Published simulations, the one by discrete elements of uwsbel/chrono-wisc
-// (feature/fsi-CRMAcc: python_scripts/viper_singleWheel_multidir_plotting.py) among them, also hold one wheel under its
-// share of the weight against the tests of 2021. Both can be run here.
+// MGRU3 is a rover of four wheels. The tests drove it on a tilting bed in 2021 and again in 2022. Both are digitised in
+// sjtumsd/crm_sim_nasa_exp_scripts, demos/viper_real_slope/figure7b.py (arXiv 2405.11001), beside a simulated rover of
+// 88 kg.
+//
+// Published simulations also compare one wheel under its share of the weight with the tests of 2021. One, by discrete
+// elements, is uwsbel/chrono-wisc (feature/fsi-CRMAcc), python_scripts/viper_singleWheel_multidir_plotting.py. Wheel
+// and rover can both be run here.
 #pragma once
 #include <vector>
 
@@ -23,7 +25,7 @@ struct SlopeSlip {
   std::vector<double> over_time = {};  // [second of driving] slip, mean over the beds
 };
 
-/// The published simulation as if it were a run of ours.
+/// The published simulation in the form of a run.
 std::vector<SlopeSlip> published_slope_slips();
 /// The same of the tests of 2022, interpolated to the slopes of 2021: how far the experiment repeats itself.
 std::vector<SlopeSlip> repeated_slope_slips();

@@ -18,10 +18,10 @@ struct SoilCheck {
 
 struct SoilFigure {
   std::string name;  // of its files
-  std::string csv;   // what it shows, in SI units
+  std::string csv;   // the numbers of the plot, in SI units
   report::LinePlot plot;
   std::vector<SoilCheck> check;
-  std::string over_time{};  // the same over time, if there is more to tell: <name>_over_time.csv
+  std::string over_time{};  // the same over time: <name>_over_time.csv; empty: none
 };
 
 /// Measured numbers by key, each with its bounds and whether it keeps them.

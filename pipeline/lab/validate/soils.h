@@ -1,5 +1,4 @@
-// Virtual soil tests against what soil mechanics says of them, and soils of configs/soils against the tests of the
-// grains that a calibration gives them.
+// Virtual soil tests against soil mechanics, and soils of configs/soils against tests of their calibrated grains.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -1,4 +1,4 @@
-// The same driving on the same virgin ground, on two beds: means over seeds and the differences of a seed's two trials.
+// The same drive on two undisturbed beds: means over seeds, and differences of the two trials of a seed.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -14,8 +14,8 @@ struct BedsRequest {
   double slope = 10, friction_angle = 0;  // 0: the middle of what the grains reach [deg]
   double speed = 1.5, distance = 8;       // [m/s], [m]
   int seeds = 4;
-  /// In the place of the table's. A tolerance is not used: it is a mean over the contacts of a world, which a larger
-  /// bed at rest meets sooner, so that beds of two sizes would be solved to two accuracies near the wheel.
+  /// Override the table's. A tolerance is ignored: it is a mean over a world's contacts, and a larger bed at rest meets
+  /// it sooner. Beds of two sizes would be solved to two accuracies near the wheel.
   terrain::AskedNumerics numerics;
   campaign::BatchSettings batch;
 };

@@ -1,4 +1,4 @@
-// Whole vehicles on hard ground against closed forms, with a figure and the numbers behind it for each kind of check.
+// Whole vehicles on hard ground against closed forms, with a figure and its numbers for each kind of check.
 #pragma once
 #include <filesystem>
 #include <string>

@@ -5,8 +5,8 @@
 
 namespace gonogo::lab {
 
-/// `name` is a file, or the name of one in configs/vehicles below the current folder or above the program. Throws
-/// InputError with the names that there are.
+/// `name`: a file, or the name of one in configs/vehicles below the current folder or beside the program. Throws
+/// InputError with the known names.
 std::filesystem::path vehicle_file(const std::string& name);
 
 }  // namespace gonogo::lab

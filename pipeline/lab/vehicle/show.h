@@ -1,4 +1,4 @@
-// `gonogo vehicle show`: what follows from a vehicle's file, for people and for programs.
+// `gonogo vehicle show`: quantities derived from a vehicle's file, as text and JSON.
 #pragma once
 #include <string>
 

@@ -1,5 +1,5 @@
-// The figure of two maps compared: where which of them passes, by how much P(go) differs, and whether that is more than
-// both leave open. Draws what it is given.
+// The figure of two maps compared: where each of them passes, the difference of P(go), and whether it exceeds the
+// uncertainty of both. Independent of models and contracts.
 #pragma once
 #include "pipeline/report/figure/figure.h"
 

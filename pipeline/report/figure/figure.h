@@ -1,5 +1,5 @@
-// The figure of a map at print quality: class map with relief, legend, scale bar, north arrow and coordinates; P(go);
-// reasons; and P(go) against slope for each soil. Knows nothing of models or contracts: it draws what it is given.
+// The figure of a map at print quality: class map with relief, legend, scale bar, north arrow and coordinates, then
+// P(go), reasons, and P(go) over slope for each soil. Independent of models and contracts.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -21,7 +21,7 @@ struct FigureStop {
   std::string colour;
 };
 
-/// P(go) of one soil over slope. A not-a-number breaks the line.
+/// P(go) of one soil over slope. NaN breaks the line.
 struct FigureCurve {
   std::string label;
   std::vector<double> slope_deg, p_go;

@@ -1,4 +1,4 @@
-// Curves, bands and points over one pair of axes, as PNG: the picture of a test. Knows nothing of what it draws.
+// Curves, bands and points over one pair of axes, as PNG.
 #pragma once
 #include <filesystem>
 #include <string>

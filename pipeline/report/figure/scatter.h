@@ -1,5 +1,4 @@
-// Rows of a table as points told apart by class: one pair of columns large, or every pair beside histograms. Knows
-// nothing of what it draws.
+// Rows of a table as points coloured by class: one pair of columns, or every pair beside histograms.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -9,7 +8,7 @@ namespace gonogo::report {
 
 struct ScatterColumn {
   std::string label;
-  std::vector<double> values;  // [rows]; rows with a not-a-number are left out
+  std::vector<double> values;  // [rows]; rows with NaN are left out
 };
 
 struct ScatterClass {

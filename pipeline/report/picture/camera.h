@@ -22,7 +22,7 @@ struct Margins {
 };
 
 /// Looks at a model from the right of its x axis, turned by `azimuth` towards its front and raised by `elevation`
-/// [rad], from as near as the margins allow. `aspect`: width over height.
+/// [rad]. The camera is as near as the margins allow. `aspect`: width over height.
 Camera frame_model(const Model& model, double azimuth, double elevation, double aspect, const Margins& margins);
 
 }  // namespace gonogo::report

@@ -1,6 +1,6 @@
-// Sun and sky. The model is drawn once from the sun and once from each of a few dozen directions of the sky, heights
-// only; a point is lit from a direction when nothing in that picture stands higher. The sky's sum gives the soft
-// darkness of gaps between grains and under the wheel without noise.
+// Sun and sky. The model is drawn as a height map from the sun and from a few dozen directions of the sky. A point is
+// lit from a direction when nothing in that map stands higher. The sum over the sky darkens gaps between grains and the
+// ground under the wheel softly and without noise.
 #pragma once
 #include "pipeline/report/picture/model.h"
 
@@ -11,8 +11,8 @@ class HeightMap {
  public:
   HeightMap(const Model& model, const Vec3& towards_light, const Vec3& middle, Real reach, int size);
 
-  /// Share of light from this direction at a point with a normal, between 0 and 1; averaged over `spread` pixels to
-  /// each side, so that edges of shadows are soft.
+  /// Share of light from this direction at a point with a normal, in [0, 1]. Averaged over `spread` pixels to each side
+  /// for soft edges of shadows.
   Real lit(const Vec3& point, const Vec3& normal, int spread) const;
   const Vec3& towards_light() const { return towards_; }
 

@@ -1,5 +1,5 @@
-// What is to be drawn. Grains stay spheres, everything else is triangles. All in the level frame: z against gravity, x
-// level and as far along the bed's x axis as that allows, so that a slope is seen as a slope.
+// The model of a picture: grains as spheres, all else as triangles. Everything is in the level frame: z against
+// gravity, x horizontal and as near to the bed's x axis as that allows. A slope is then seen as a slope.
 #pragma once
 #include <vector>
 
@@ -41,9 +41,9 @@ Light material_colour(int material);
 /// Colour of a share of the colour bar, 0 to 1.
 Light bar_colour(double share);
 
-/// Moving spheres in the colours of the bar or of their material, fixed ones as base, wheels in rubber with a rim, all
-/// else in steel. Under a periodic bed a block of ground fills the space down to the floor. Under a vehicle wider than
-/// its bed the bed is drawn as often as it takes.
+/// Moving spheres have the colours of the bar or of their material, fixed ones that of the base. Wheels are rubber with
+/// a rim, all else steel. Under a periodic bed a block of ground fills the space down to the floor. Under a vehicle
+/// wider than its bed, copies of the bed are drawn side by side.
 Model model_of(const sim::SceneWorld& world, const sim::Capture& frame, const ModelStyle& style);
 
 }  // namespace gonogo::report

@@ -1,5 +1,5 @@
-// A vehicle on a bed narrower than itself: its bodies lie folded into the bed's period, and are drawn where its joints
-// hold them.
+// A vehicle on a bed narrower than itself. The simulation folds its bodies into the bed's period; pictures show them
+// where joints hold them.
 #pragma once
 #include <vector>
 

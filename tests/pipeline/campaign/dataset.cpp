@@ -255,7 +255,7 @@ TEST_CASE("datasets of one study merge into the whole, overlapping or growing; o
   other.provenance.inputs[0].second = "changed";
   const std::string refused = input_error([&] { merge_datasets({second, other}, {"b", "a"}); });
   CHECK(
-      contains(refused, "b and a: their trials depend on different things (content of vehicle: abc against changed)"));
+      contains(refused, "b and a: their trials depend on different inputs (content of vehicle: abc against changed)"));
   other = first;
   other.records[15].measures[0] += 1;
   CHECK(contains(input_error([&] { merge_datasets({second, other}, {"b", "a"}); }), "a: trial 15 has another result"));

@@ -67,7 +67,7 @@ TEST_CASE("a snapshot of nothing is refused, saying what to wait for") {
   CHECK_THROWS_AS(campaign_snapshot(folder.path()), InputError);  // no campaign
   claim(folder.path());
   write_rows(folder.path(), trials(0, 3));
-  CHECK(contains(input_error([&] { campaign_snapshot(folder.path()); }), "the first 4 are done"));
+  CHECK(contains(input_error([&] { campaign_snapshot(folder.path()); }), "the first 4 trials are done"));
   commit_shard(folder.path(), 1, trials(4, 4), provenance(), "c");
   write_rows(folder.path(), trials(1, 3));
   CHECK(contains(input_error([&] { campaign_snapshot(folder.path()); }), "trial 0 is still missing"));

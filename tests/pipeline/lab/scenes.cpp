@@ -25,7 +25,7 @@ using namespace gonogo::report;
 using namespace gonogo::lab;
 using namespace gonogo::test;
 
-TEST_CASE("a tank laid out from blocks holds the spheres asked for, inside of its walls, and steps take time") {
+TEST_CASE("a tank laid out from tiles holds the spheres asked for, inside of its walls, and steps take time") {
   TankSpec spec;
   spec.of.count = 3100;
   spec.layers = 6;

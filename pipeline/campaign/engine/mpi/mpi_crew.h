@@ -7,8 +7,7 @@
 
 namespace gonogo::campaign {
 
-/// From MPI_Init to MPI_Finalize; one per process. Leaving it on rank 0 tells all workers to stop, whatever they are
-/// at.
+/// From MPI_Init to MPI_Finalize; one per process. Its destructor on rank 0 stops all workers at once.
 class MpiJob {
  public:
   MpiJob();
