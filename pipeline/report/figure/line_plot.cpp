@@ -158,8 +158,11 @@ void draw_line_plot(const std::filesystem::path& path, const LinePlot& plot) {
   double legend = 0;
   for (const PlotLine& line : plot.lines) legend = std::max(legend, canvas.text_width(line.label, 20));
   const double left = 150, top = 76, right = legend > 0 ? legend + 110 : 40;
-  const Axes axes = {
-      {left, top, kWidth - left - right, kPlotHeight - top - 100}, xs.front(), xs.back(), ys.front(), ys.back()};
+  const Axes axes = {.box = {left, top, kWidth - left - right, kPlotHeight - top - 100},
+                     .x_low = xs.front(),
+                     .x_high = xs.back(),
+                     .y_low = ys.front(),
+                     .y_high = ys.back()};
   draw_axes(canvas, axes, plot, xs, ys);
   for (std::size_t k = 0; k < plot.lines.size(); ++k) draw(canvas, axes, plot.lines[k], colour_of(plot, k));
   canvas.outline(axes.box, kFrame, 2);
