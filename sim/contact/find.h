@@ -214,14 +214,14 @@ struct CheckCapacity {
 };
 
 /// Bodies see two halves of every contact, counted by one Index.
-inline constexpr Index kMostContacts = std::numeric_limits<Index>::max() / 2;
+inline constexpr Index kMaxContacts = std::numeric_limits<Index>::max() / 2;
 
-/// Room to make when so many contacts have been found: half as many more. Throws InputError beyond kMostContacts.
+/// Room to make when so many contacts have been found: half as many more. Throws InputError beyond kMaxContacts.
 inline Index roomier(Index found) {
-  if (found < 0 || found > kMostContacts)
-    throw InputError("the worlds have more than " + std::to_string(kMostContacts) +
+  if (found < 0 || found > kMaxContacts)
+    throw InputError("the worlds have more than " + std::to_string(kMaxContacts) +
                      " contacts; use fewer or smaller worlds, or a smaller envelope");
-  return Index(std::min<std::int64_t>(std::int64_t(found) + found / 2, kMostContacts));
+  return Index(std::min<std::int64_t>(std::int64_t(found) + found / 2, kMaxContacts));
 }
 
 template <class Exec>

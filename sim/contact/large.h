@@ -95,12 +95,12 @@ GONOGO_HD inline void visit_large_near(const LargeGroups& groups, Index first, I
   }
 }
 
-/// Makes room for the boxes of all groups; `most`: large shapes of the world with most of them.
+/// Makes room for the boxes of all groups; `max_per_world`: the largest number of large shapes in one world.
 template <class Exec>
-void reserve_large_groups(State<Exec>& s, Index large, Index most) {
+void reserve_large_groups(State<Exec>& s, Index large, Index max_per_world) {
   s.large_groups = {};
   Index total = 0;
-  if (most >= kGroupedFrom)
+  if (max_per_world >= kGroupedFrom)
     for (Index count = large; count > 1; ++s.large_groups.levels) {
       s.large_groups.first[s.large_groups.levels] = total;
       count = (count + kLargeGroup - 1) / kLargeGroup;

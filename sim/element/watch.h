@@ -125,7 +125,10 @@ struct FinishStep {
     const Index more = slowed_now[w];
     measure(w);
     monitors(w);
-    if (more > 0) slowed[w] += more, slowed_now[w] = 0;
+    if (more > 0) {
+      slowed[w] += more;
+      slowed_now[w] = 0;
+    }
     ++steps[w];
     if (w == 0) ++progress[0].steps;
   }

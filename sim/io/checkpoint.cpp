@@ -50,12 +50,14 @@ void add(Bytes& b, const BodyMass& m) { b << m.inverse_mass << m.inverse_inertia
 void add(Bytes& b, const Attachment& a) { b << a.body << a.point_B << a.axis_B << a.side_B; }
 void add(Bytes& b, const Joint& j) {
   b << j.type << j.length;
-  add(b, j.a), add(b, j.b);
+  add(b, j.a);
+  add(b, j.b);
 }
 void add(Bytes& b, const SpringDamper& s) {
   b << s.kind << s.free_length << s.stiffness << s.damping << s.table.count;
   for (int i = 0; i < s.table.count; ++i) b << s.table.stretch[i] << s.table.force[i];
-  add(b, s.a), add(b, s.b);
+  add(b, s.a);
+  add(b, s.b);
 }
 void add(Bytes& b, const Motor& m) { b << m.kind << m.a << m.b << m.axis_B << m.target << m.max_torque; }
 /// Types keep the numbers that they had before ellipsoids came between them: scenes of older checkpoints are known
@@ -70,7 +72,7 @@ void add(Bytes& b, const Shape& s) {
 }
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
-    << s.solver << s.target << s.substeps << s.sort_every << s.most_slowed;
+    << s.solver << s.target << s.substeps << s.sort_every << s.max_slowed;
 }
 
 void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
@@ -93,7 +95,7 @@ void add(Bytes& b, const Controller& c) {
   add_all(b, c.command);
   add_all(b, c.limit);
   b << c.body << c.frame << c.axis << c.proportional << c.integral << c.feed_forward << c.top_speed << c.look_ahead
-    << c.most_angle << c.rate << c.pointer_a;
+    << c.max_angle << c.rate << c.pointer_a;
 }
 
 void add(Bytes& b, const Driveline& d) {
@@ -142,8 +144,16 @@ constexpr std::size_t kWorldNumbers = 12 + 6 * kMaxMaterials * kMaxMaterials, kW
 
 template <class Visit>
 void visit_numbers(WorldParameters& p, Visit&& visit) {
-  for (Vec3* v : {&p.gravity, &p.bin_size}) visit(v->x), visit(v->y), visit(v->z);
-  for (Vec3d* v : {&p.origin, &p.period}) visit(v->x), visit(v->y), visit(v->z);
+  for (Vec3* v : {&p.gravity, &p.bin_size}) {
+    visit(v->x);
+    visit(v->y);
+    visit(v->z);
+  }
+  for (Vec3d* v : {&p.origin, &p.period}) {
+    visit(v->x);
+    visit(v->y);
+    visit(v->z);
+  }
   for (auto& row : p.law)
     for (PairLaw& l : row)
       for (Real* x :
@@ -271,8 +281,16 @@ constexpr std::size_t kMotorIntegers = 5, kMotorNumbers = 5;
 
 template <class M, class VisitInteger, class VisitNumber>
 void visit_motor(M& m, VisitInteger&& integer, VisitNumber&& number) {
-  integer(m.kind), integer(m.a), integer(m.b), integer(m.slot_a), integer(m.slot_b);
-  number(m.axis_B.x), number(m.axis_B.y), number(m.axis_B.z), number(m.target), number(m.max_torque);
+  integer(m.kind);
+  integer(m.a);
+  integer(m.b);
+  integer(m.slot_a);
+  integer(m.slot_b);
+  number(m.axis_B.x);
+  number(m.axis_B.y);
+  number(m.axis_B.z);
+  number(m.target);
+  number(m.max_torque);
 }
 
 void store_motors(Store& store, const Snapshot& s) {

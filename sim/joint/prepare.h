@@ -106,7 +106,10 @@ struct PrepareMechanism {
     const double direction[6] = {linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
     double response[6];
     respond(at.body, direction, response);
-    for (int k = 0; k < 6; ++k) r.direction[side][k] = direction[k], r.response[side][k] = response[k];
+    for (int k = 0; k < 6; ++k) {
+      r.direction[side][k] = direction[k];
+      r.response[side][k] = response[k];
+    }
     if (at.slot >= 0) return dot6(direction, response);
     const Velocity& v = velocity[at.body];
     r.bias += dot(linear, static_cast<Vec3d>(v.linear)) + dot(angular, static_cast<Vec3d>(v.angular));
@@ -216,7 +219,10 @@ struct PrepareMechanism {
     const double turn[6] = {0, 0, 0, axis.x, axis.y, axis.z};
     double sum = 0, response[6];
     for (const BodyIndex b : {p.a, p.b})
-      if (b != kWorld) respond(b, turn, response), sum += dot6(turn, response);
+      if (b != kWorld) {
+        respond(b, turn, response);
+        sum += dot6(turn, response);
+      }
     return sum;
   }
 };

@@ -140,7 +140,7 @@ GONOGO_HD inline double spring_energy(const SpringDamper& s, double stretch) {
 /// Drift below this is left alone: it is the rounding of single-precision orientations at arms of some metres.
 inline constexpr double kDriftTolerance = 1e-6;  // [m] or [rad]
 /// Speed at which a joint that was pulled apart closes again.
-inline constexpr double kMostDriftSpeed = 2;  // [m/s] or [rad/s]
+inline constexpr double kMaxDriftSpeed = 2;  // [m/s] or [rad/s]
 /// A spring that resists its rate by less than this share of its mass per step counts as a force alone.
 inline constexpr double kWeakestSpring = 1e-9, kStiffestSpring = 1e9;
 
@@ -149,7 +149,7 @@ inline constexpr double kWeakestSpring = 1e-9, kStiffestSpring = 1e9;
 /// share would leave a drift of (w h)^2 r / (2 share).
 GONOGO_HD inline double drift_bias(double error, double step) {
   const double beyond = std::fmax(0.0, std::fabs(error) - kDriftTolerance);
-  return std::copysign(std::fmin(beyond / step, kMostDriftSpeed), error);
+  return std::copysign(std::fmin(beyond / step, kMaxDriftSpeed), error);
 }
 
 /// Bias of a hard row.
@@ -173,7 +173,10 @@ GONOGO_HD inline void normalise(Row& row, double inertia) {
   const double diagonal = inertia + row.softness;
   const double scale = diagonal > 0 ? 1 / std::sqrt(diagonal) : 0;
   for (int side = 0; side < 2; ++side)
-    for (int k = 0; k < 6; ++k) row.direction[side][k] *= scale, row.response[side][k] *= scale;
+    for (int k = 0; k < 6; ++k) {
+      row.direction[side][k] *= scale;
+      row.response[side][k] *= scale;
+    }
   row.bias *= scale;
   row.softness *= scale * scale;
 }

@@ -139,14 +139,14 @@ class SlipFollowing {
 
 LocalSolution solve_apgd(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kCheckEvery = 10;
-  const int most = settings.max_iterations > 0 ? settings.max_iterations : 100000;
+  const int max = settings.max_iterations > 0 ? settings.max_iterations : 100000;
   BestSoFar best(problem, settings.target);
   Accelerated method(problem);
   SlipFollowing slip(1e-4 * settings.tolerance);
   int k = 0;
-  while (k < most && best.best.error > settings.tolerance) {
+  while (k < max && best.best.error > settings.tolerance) {
     const double change = method.step();
-    if (++k % kCheckEvery == 0 || k == most) best.offer(method.impulses());
+    if (++k % kCheckEvery == 0 || k == max) best.offer(method.impulses());
     if (settings.target == Target::ccp || !slip.due(change)) continue;
     best.offer(method.impulses());
     slip.judge(best.best.error);

@@ -18,7 +18,10 @@ struct BestSoFar {
   /// The error of r.
   double offer(const std::vector<double>& r) {
     const double error = siconos_error(problem, r, target);
-    if (error < best.error) best.error = error, best.r = r;
+    if (error < best.error) {
+      best.error = error;
+      best.r = r;
+    }
     return error;
   }
 };

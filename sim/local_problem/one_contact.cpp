@@ -25,9 +25,13 @@ double root(const F& f, double low, double at_low, double high, double at_high, 
     const double at_x = f(x);
     const double shrink = 1 - at_x / (at_x > 0 ? at_low : at_high), factor = shrink > 0 ? shrink : 0.5;
     if (at_x > 0) {
-      low = x, at_low = at_x, at_high *= factor;
+      low = x;
+      at_low = at_x;
+      at_high *= factor;
     } else {
-      high = x, at_high = at_x, at_low *= factor;
+      high = x;
+      at_high = at_x;
+      at_low *= factor;
     }
   }
   return high;
@@ -38,7 +42,8 @@ template <class F>
 double root_above_zero(const F& f, double at_zero, double guess, double rounding) {
   double low = 0, at_low = at_zero, high = guess, at_high = f(high);
   for (int k = 0; k < 300 && at_high > 0; ++k) {
-    low = high, at_low = at_high;
+    low = high;
+    at_low = at_high;
     high *= 8;
     at_high = f(high);
   }
@@ -164,7 +169,7 @@ void root_over_normal(const LocalProblem& problem, Index contact, const double* 
 
 /// Newton on the cone function from the r given; whether it converged.
 bool newton(const LocalProblem& problem, Index contact, Target target, const double* a, const double* b, double* r) {
-  constexpr int kMostSteps = 15;
+  constexpr int kMaxSteps = 15;
   const int d = problem.dimension;
   const RowMajorBlock block(a, d, d);
   const Eigen::Map<const Eigen::VectorXd> at_rest(b, d);
@@ -173,7 +178,7 @@ bool newton(const LocalProblem& problem, Index contact, Target target, const dou
   Eigen::Map<Eigen::VectorXd> impulse(r, d);
   double f[5];
   ConeDerivative derivative;
-  for (int k = 0; k < kMostSteps; ++k) {
+  for (int k = 0; k < kMaxSteps; ++k) {
     const ContactVector u = block * impulse + at_rest;
     const bool opens = cone_function(problem, contact, target, weight, r, u.data(), f, &derivative);
     const Eigen::Map<const Eigen::VectorXd> rest(f, d);

@@ -17,7 +17,10 @@ class RegularisedProblem {
   RegularisedProblem(const LocalProblem& problem, Target target)
       : p_(problem), target_(target), weight_(diagonal_weight(problem)), f_(problem.q.size()) {}
 
-  void regularise(double alpha, const std::vector<double>& centre) { alpha_ = alpha, centre_ = centre; }
+  void regularise(double alpha, const std::vector<double>& centre) {
+    alpha_ = alpha;
+    centre_ = centre;
+  }
 
   /// F in the root of energy, |D^1/2 F|: comparable between contacts of unlike masses.
   double merit(const std::vector<double>& r) {
@@ -109,30 +112,33 @@ class RegularisedProblem {
 class Regularisation {
  public:
   double alpha() const { return alpha_; }
-  bool at_most() const { return alpha_ >= kMost; }
+  bool is_at_max() const { return alpha_ >= kMax; }
   void restart() { *this = {}; }
   void succeeded() {
     ++successes_;
-    if (alpha_ / kFactor > 1.01 * failed_ || successes_ >= 3) alpha_ /= kFactor, successes_ = 0;
+    if (alpha_ / kFactor > 1.01 * failed_ || successes_ >= 3) {
+      alpha_ /= kFactor;
+      successes_ = 0;
+    }
   }
   void failed() {
     failed_ = alpha_;
     successes_ = 0;
-    alpha_ = std::min(alpha_ * kFactor, kMost);
+    alpha_ = std::min(alpha_ * kFactor, kMax);
   }
 
  private:
-  static constexpr double kFactor = 3, kMost = 1;
+  static constexpr double kFactor = 3, kMax = 1;
   double alpha_ = 1e-2, failed_ = 0;
   int successes_ = 0;
 };
 
 /// Full steps only: where they fail within a dozen, more regularisation serves better than a line search does.
 bool newton(RegularisedProblem& f, std::vector<double>& r, int& steps) {
-  constexpr int kMostSteps = 12;
+  constexpr int kMaxSteps = 12;
   const double start = f.merit(r);
   double now = start;
-  for (int k = 0; k < kMostSteps && now > 1e-4 * start; ++k, ++steps) {
+  for (int k = 0; k < kMaxSteps && now > 1e-4 * start; ++k, ++steps) {
     if (!f.step(r)) return false;
     now = f.merit(r);
     if (!std::isfinite(now)) return false;
@@ -145,7 +151,7 @@ bool newton(RegularisedProblem& f, std::vector<double>& r, int& steps) {
 LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kSweeps = 200, kCheckEvery = 10;
   constexpr double kJump = 3;  // a growth of the error beyond this is another branch of solutions: refused
-  const int most = settings.max_iterations > 0 ? settings.max_iterations : 4000;
+  const int max = settings.max_iterations > 0 ? settings.max_iterations : 4000;
   BestSoFar best(problem, settings.target);
   std::vector<double> r = best.best.r;
   double error = best.best.error;
@@ -159,7 +165,7 @@ LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& s
   RegularisedProblem f(problem, settings.target);
   Regularisation regularisation;
   int steps = 0;
-  while (steps < most && best.best.error > settings.tolerance) {
+  while (steps < max && best.best.error > settings.tolerance) {
     f.regularise(regularisation.alpha(), r);
     std::vector<double> next = r;
     const int before = steps;
@@ -167,9 +173,10 @@ LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& s
     if (steps == before) break;  // r solves the regularised problem within rounding: nothing is left to gain
     const double next_error = converged ? best.offer(next) : 0;
     if (converged && next_error < kJump * error) {
-      r = next, error = next_error;
+      r = next;
+      error = next_error;
       regularisation.succeeded();
-    } else if (regularisation.at_most()) {
+    } else if (regularisation.is_at_max()) {
       sweeps();
       regularisation.restart();
     } else {

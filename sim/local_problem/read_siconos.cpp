@@ -4,7 +4,7 @@
 namespace gonogo::sim {
 namespace {
 
-constexpr int kMostRows = 10'000'000, kMostEntries = 2'000'000'000;
+constexpr int kMaxRows = 10'000'000, kMaxEntries = 2'000'000'000;
 
 void read_dense(Words& in, TripletMatrix& a) {
   in.integer("the number of rows, again,", a.rows, a.rows);
@@ -48,7 +48,7 @@ void read_block(Words& in, TripletMatrix& a, int row, int rows, int column, int 
 /// Blocks, block lines and columns, their ends; where each line starts among the blocks; column of each block; then the
 /// blocks, each behind its number, by columns.
 void read_sparse_blocks(Words& in, TripletMatrix& a) {
-  const int blocks = in.integer("the number of blocks", 1, kMostRows);
+  const int blocks = in.integer("the number of blocks", 1, kMaxRows);
   const int lines = in.integer("the number of block rows", 1, a.rows);
   const int block_columns = in.integer("the number of block columns", 1, a.columns);
   const auto row_end = block_ends(in, "block row ends", lines, a.rows);
@@ -105,10 +105,10 @@ void read_sparse(Words& in, TripletMatrix& a) {
             std::to_string(a.columns) + ", was announced");
   if (!triplets && kind == kByRows) in.fail("sparse matrices by rows have no text form; write triplets or columns");
   in.expect("nzmax:");
-  in.integer("nzmax", 0, kMostEntries);
+  in.integer("nzmax", 0, kMaxEntries);
   in.expect("nnz:");
   in.drop_comma();
-  const int count = in.integer("the number of entries", 0, kMostEntries);
+  const int count = in.integer("the number of entries", 0, kMaxEntries);
   if (triplets) {
     for (int k = 0; k < count; ++k) read_entry(in, a, -1);
   } else {
@@ -120,8 +120,8 @@ void read_sparse(Words& in, TripletMatrix& a) {
 TripletMatrix read_matrix(Words& in) {
   const int storage = in.integer("the storage of the matrix (0 dense, 1 blocks, 2 sparse)", 0, 2);
   TripletMatrix a;
-  a.rows = in.integer("the number of rows", 1, kMostRows);
-  a.columns = in.integer("the number of columns", 1, kMostRows);
+  a.rows = in.integer("the number of rows", 1, kMaxRows);
+  a.columns = in.integer("the number of columns", 1, kMaxRows);
   if (storage == 0) read_dense(in, a);
   if (storage == 1) read_sparse_blocks(in, a);
   if (storage == 2) read_sparse(in, a);
@@ -140,7 +140,7 @@ LocalProblem read_siconos_text(const std::filesystem::path& path) {
   Words in(path);
   const int dimension = in.integer("the dimension", 2, 5);
   if (dimension == 4) in.fail("the dimension is 4; 2, 3 or 5 is needed");
-  const int contacts = in.integer("the number of contacts", 1, kMostRows / 5), rows = dimension * contacts;
+  const int contacts = in.integer("the number of contacts", 1, kMaxRows / 5), rows = dimension * contacts;
   GlobalProblem problem;
   problem.dimension = dimension;
   problem.m = read_matrix(in);

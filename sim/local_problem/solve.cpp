@@ -55,13 +55,13 @@ void sweep(const LocalProblem& problem, Target target, std::vector<double>& r) {
 
 LocalSolution solve_nsgs(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kCheckEvery = 10;  // sweeps; an error costs as much as a sweep
-  const int most = settings.max_iterations > 0 ? settings.max_iterations : 20000;
+  const int max = settings.max_iterations > 0 ? settings.max_iterations : 20000;
   BestSoFar best(problem, settings.target);
   std::vector<double> r = best.best.r;
   int k = 0;
-  while (k < most && best.best.error > settings.tolerance) {
+  while (k < max && best.best.error > settings.tolerance) {
     sweep(problem, settings.target, r);
-    if (++k % kCheckEvery == 0 || k == most) best.offer(r);
+    if (++k % kCheckEvery == 0 || k == max) best.offer(r);
   }
   best.best.iterations = k;
   return best.best;

@@ -159,9 +159,9 @@ Motor speed_motor(const Joint& revolute, double speed, double max_torque) {
 Motor torque_motor(const Joint& revolute, double torque) { return motor_on(revolute, MotorKind::torque, torque, 0); }
 
 ForceTable force_table(const std::vector<std::pair<double, double>>& points) {
-  if (points.size() < 2 || points.size() > std::size_t(kMostTablePoints))
+  if (points.size() < 2 || points.size() > std::size_t(kMaxTablePoints))
     throw InputError("a spring's force table has " + std::to_string(points.size()) + " points; give 2 to " +
-                     std::to_string(kMostTablePoints));
+                     std::to_string(kMaxTablePoints));
   ForceTable t;
   t.count = std::int32_t(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

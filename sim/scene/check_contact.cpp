@@ -38,7 +38,10 @@ State<Cpu> state_of(const FlatWorld& flat) {
   }
   std::vector<Vec3d> position;
   std::vector<Quat> orientation;
-  for (const BodyState& b : flat.body) position.push_back(b.position), orientation.push_back(b.orientation);
+  for (const BodyState& b : flat.body) {
+    position.push_back(b.position);
+    orientation.push_back(b.orientation);
+  }
   s.surfaces.upload(library);
   s.position.upload(position);
   s.orientation.upload(orientation);

@@ -21,10 +21,18 @@ class Checker {
   Checker(const SceneWorld& world, const std::string& where) : world_(world), where_(where) {}
 
   void check() {
-    for (std::size_t i = 0; i < world_.joint.size(); ++i) name_ = "joint " + std::to_string(i), check(world_.joint[i]);
-    for (std::size_t i = 0; i < world_.spring.size(); ++i)
-      name_ = "spring " + std::to_string(i), check(world_.spring[i]);
-    for (std::size_t i = 0; i < world_.motor.size(); ++i) name_ = "motor " + std::to_string(i), check(world_.motor[i]);
+    for (std::size_t i = 0; i < world_.joint.size(); ++i) {
+      name_ = "joint " + std::to_string(i);
+      check(world_.joint[i]);
+    }
+    for (std::size_t i = 0; i < world_.spring.size(); ++i) {
+      name_ = "spring " + std::to_string(i);
+      check(world_.spring[i]);
+    }
+    for (std::size_t i = 0; i < world_.motor.size(); ++i) {
+      name_ = "motor " + std::to_string(i);
+      check(world_.motor[i]);
+    }
   }
 
  private:
@@ -76,7 +84,7 @@ class Checker {
     require(!holds_side || dot(l.a.side, l.b.side) > 0, "the sides of its bodies point in opposite directions");
     for (Index k = 0; k < row_count(j.type); ++k) {
       const RowGeometry g = joint_row(j.type, l, j.length, k);
-      require(std::fabs(g.error) <= kMostStartError,
+      require(std::fabs(g.error) <= kMaxStartError,
               "its bodies disagree by " + number(std::fabs(g.error)) +
                   (length(g.linear) > 0 ? " m at the start" : " rad at the start") +
                   "; at most 0.001 is allowed, place them where the joint holds them");
@@ -91,8 +99,8 @@ class Checker {
             "its damping is " + number(s.damping) + "; it must be at least 0");
     require(std::isfinite(s.free_length), "its free length is not a number");
     const ForceTable& t = s.table;
-    require(t.count == 0 || (t.count >= 2 && t.count <= kMostTablePoints),
-            "its table has " + std::to_string(t.count) + " points; give 2 to " + std::to_string(kMostTablePoints));
+    require(t.count == 0 || (t.count >= 2 && t.count <= kMaxTablePoints),
+            "its table has " + std::to_string(t.count) + " points; give 2 to " + std::to_string(kMaxTablePoints));
     for (int k = 1; k < t.count; ++k)
       require(t.stretch[k] > t.stretch[k - 1] && t.force[k] >= t.force[k - 1],
               "its table must ascend in stretch and never fall in force, as it does at point " + std::to_string(k));

@@ -7,7 +7,7 @@
 namespace gonogo::sim {
 
 /// A joint's points may be this far apart and its directions turned this much at the start [m, rad].
-inline constexpr double kMostStartError = 1e-3;
+inline constexpr double kMaxStartError = 1e-3;
 
 /// Throws InputError, beginning with `where`.
 void check_mechanisms(const SceneWorld& world, const std::string& where);

@@ -98,8 +98,8 @@ void check_settings(const StepSettings& s) {
   require(s.substeps >= 1, "the substeps are " + std::to_string(s.substeps) + "; at least one is needed");
   require(s.sort_every >= 1,
           "bodies are sorted every " + std::to_string(s.sort_every) + " steps; at least one is needed");
-  require(s.most_slowed >= 0,
-          "bodies may be slowed " + std::to_string(s.most_slowed) + " times; the number must be at least 0");
+  require(s.max_slowed >= 0,
+          "bodies may be slowed " + std::to_string(s.max_slowed) + " times; the number must be at least 0");
   const std::pair<const char*, Real> parts[] = {{"tolerance", s.tolerance},
                                                 {"envelope", s.envelope},
                                                 {"recovery speed", s.recovery_speed},

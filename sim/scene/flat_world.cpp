@@ -185,7 +185,8 @@ Snapshot rearranged(const Snapshot& snapshot, const FlatWorld& from, const FlatW
   p.orientation = permuted(snapshot.orientation, bodies);
   p.velocity = permuted(snapshot.velocity, bodies);
   p.motor = to.mechanisms.motor;
-  p.key.clear(), p.impulse.clear();
+  p.key.clear();
+  p.impulse.clear();
   const std::vector<Index> begin = permuted(snapshot.contact_begin, shapes),
                            end = permuted(snapshot.contact_end, shapes);
   for (std::size_t i = 0; i < shapes.size(); ++i) {

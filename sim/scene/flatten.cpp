@@ -17,7 +17,8 @@ class Components {
     return b;
   }
   void join(BodyIndex a, BodyIndex b) {
-    a = of(a), b = of(b);
+    a = of(a);
+    b = of(b);
     parent_[std::max(a, b)] = std::min(a, b);
   }
 
@@ -129,7 +130,8 @@ class Flattener {
     for (std::size_t i = 0; i < flat_.motor.size(); ++i) {
       Motor& m = flat_.motor[i];
       if (slot(m.a) < 0 && slot(m.b) < 0) continue;
-      m.slot_a = slot(m.a), m.slot_b = slot(m.b);
+      m.slot_a = slot(m.a);
+      m.slot_b = slot(m.b);
       flat_.element.push_back({ElementKind::motor, Index(i), 0});
       ++mechanism_.motor_count;
     }
@@ -162,15 +164,16 @@ class Flattener {
   /// Whether a pair belongs to the mechanism at hand.
   bool place(Attachment& a, Attachment& b) const {
     if (slot(a.body) < 0 && slot(b.body) < 0) return false;
-    a.slot = slot(a.body), b.slot = slot(b.body);
+    a.slot = slot(a.body);
+    b.slot = slot(b.body);
     return true;
   }
 
   void check_capacity() const {
-    if (mechanism_.body_count <= kMostMechanismBodies && mechanism_.row_count <= kMostMechanismRows) return;
+    if (mechanism_.body_count <= kMaxMechanismBodies && mechanism_.row_count <= kMaxMechanismRows) return;
     throw InputError(where_ + "a mechanism of " + std::to_string(mechanism_.body_count) + " bodies and " +
                      std::to_string(mechanism_.row_count) + " equations is too large; the engine holds " +
-                     std::to_string(kMostMechanismBodies) + " bodies and " + std::to_string(kMostMechanismRows) +
+                     std::to_string(kMaxMechanismBodies) + " bodies and " + std::to_string(kMaxMechanismRows) +
                      " equations that are joined together");
   }
 
@@ -234,9 +237,9 @@ MechanismSize operator+(const MechanismSize& a, const MechanismSize& b) {
 }
 
 MechanismSize larger(const MechanismSize& a, const MechanismSize& b) {
-  MechanismSize most;
-  for (const auto& part : MechanismSize::parts()) most.*part.count = std::max(a.*part.count, b.*part.count);
-  return most;
+  MechanismSize max;
+  for (const auto& part : MechanismSize::parts()) max.*part.count = std::max(a.*part.count, b.*part.count);
+  return max;
 }
 
 MechanismSize FlatMechanisms::size() const {
@@ -260,21 +263,33 @@ FlatMechanisms flatten_mechanisms(const SceneWorld& world, const std::string& wh
 FlatMechanisms moved(FlatMechanisms flat, const MechanismSize& begin, WorldIndex world, BodyIndex first_body) {
   for (Mechanism& m : flat.mechanism) {
     m.world = world;
-    m.first_body += begin.bodies, m.first_element += begin.elements, m.first_row += begin.rows;
-    m.system += begin.system, m.projection += begin.projection;
+    m.first_body += begin.bodies;
+    m.first_element += begin.elements;
+    m.first_row += begin.rows;
+    m.system += begin.system;
+    m.projection += begin.projection;
   }
   for (MechanismBody& b : flat.body) {
-    b.body += first_body, b.mechanism += begin.mechanisms;
-    b.first_row_entry += begin.row_entries, b.end_row_entry += begin.row_entries;
-    b.first_motor_entry += begin.motor_entries, b.end_motor_entry += begin.motor_entries;
+    b.body += first_body;
+    b.mechanism += begin.mechanisms;
+    b.first_row_entry += begin.row_entries;
+    b.end_row_entry += begin.row_entries;
+    b.first_motor_entry += begin.motor_entries;
+    b.end_motor_entry += begin.motor_entries;
   }
   for (Index& entry : flat.motor_entry) entry += 2 * begin.motors;
   for (Element& e : flat.element)
     e.index += e.kind == ElementKind::joint    ? begin.joints
                : e.kind == ElementKind::spring ? begin.springs
                                                : begin.motors;
-  for (Joint& j : flat.joint) j.a.body += first_body, j.b.body += first_body;
-  for (SpringDamper& s : flat.spring) s.a.body += first_body, s.b.body += first_body;
+  for (Joint& j : flat.joint) {
+    j.a.body += first_body;
+    j.b.body += first_body;
+  }
+  for (SpringDamper& s : flat.spring) {
+    s.a.body += first_body;
+    s.b.body += first_body;
+  }
   for (Motor& m : flat.motor) {
     m.a += first_body;
     if (m.b != kWorld) m.b += first_body;

@@ -45,8 +45,14 @@ struct FlatMechanisms {
 /// f(body index) for every body that a joint, spring or motor names.
 template <class F>
 void for_each_jointed(SceneWorld& world, const F& f) {
-  for (Joint& j : world.joint) f(j.a.body), f(j.b.body);
-  for (SpringDamper& s : world.spring) f(s.a.body), f(s.b.body);
+  for (Joint& j : world.joint) {
+    f(j.a.body);
+    f(j.b.body);
+  }
+  for (SpringDamper& s : world.spring) {
+    f(s.a.body);
+    f(s.b.body);
+  }
   for (Motor& m : world.motor) {
     f(m.a);
     if (m.b != kWorld) f(m.b);

@@ -55,18 +55,18 @@ void find_spans(const SceneWorld& world, Real radius, Span (&span)[3]) {
 }
 
 /// The whole domain where that takes few bins, otherwise the region of the shapes; fewer where even that is too much.
-void choose_counts(const SceneWorld& world, double width, Real radius, double most, Index (&bins)[3]) {
+void choose_counts(const SceneWorld& world, double width, Real radius, double max_bins, Index (&bins)[3]) {
   const double size[3] = {world.size.x, world.size.y, world.size.z};
   const bool periodic[3] = {world.periodic_x, world.periodic_y, false};
   double count[3];
   for (int k = 0; k < 3; ++k) count[k] = std::max(3.0, std::floor(size[k] / width) + (periodic[k] ? 0 : 1));
-  if (count[0] * count[1] * count[2] > most) {
+  if (count[0] * count[1] * count[2] > max_bins) {
     Span span[3];
     find_spans(world, radius, span);
     for (int k = 0; k < 3; ++k)
       count[k] = std::min(count[k], std::max(3.0, std::ceil((span[k].high - span[k].low) / width) + 4));
   }
-  while (count[0] * count[1] * count[2] > most) {
+  while (count[0] * count[1] * count[2] > max_bins) {
     double& largest = *std::max_element(count, count + 3);
     largest = std::max(3.0, std::floor(0.8 * largest));
   }

@@ -52,15 +52,15 @@ void check_table(const std::vector<TablePoint>& table, const char* name, double 
 }
 
 void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) {
-  constexpr double most = 1e9;  // of any command or torque
+  constexpr double max = 1e9;  // of any command or torque
   refuse.unless(c.motor >= 0 && c.motor < Index(world.motor.size()),
                 "drives motor " + std::to_string(c.motor) + ", not one of the " + std::to_string(world.motor.size()) +
                     " motors of the world");
   refuse.unless(world.motor[c.motor].kind == MotorKind::speed,
                 "drives motor " + std::to_string(c.motor) + ", a torque motor; controllers drive speed motors");
-  const double command = c.type == ControllerType::throttle ? 1 : most;
+  const double command = c.type == ControllerType::throttle ? 1 : max;
   check_table(c.command, "command", -command, command, refuse);
-  check_table(c.limit, "torque limit", 0, most, refuse);
+  check_table(c.limit, "torque limit", 0, max, refuse);
   if (c.type == ControllerType::throttle)
     refuse.unless(c.limit.front().at >= 0 && c.limit.back().at > 0, "has a torque curve over negative speeds alone");
   if (!follows_body(c)) return;
@@ -74,7 +74,7 @@ void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) 
   if (c.type != ControllerType::steering) return;
   refuse.unless(c.frame == ReferenceFrame::body && world.motor[c.motor].b == c.body,
                 "steers body " + std::to_string(c.body) + " by a motor that does not turn against it");
-  refuse.unless(is_positive(c.rate) && is_positive(c.most_angle) && std::isfinite(c.look_ahead),
+  refuse.unless(is_positive(c.rate) && is_positive(c.max_angle) && std::isfinite(c.look_ahead),
                 "needs a rate and a largest angle above zero and a distance to look ahead");
   refuse.unless(is_finite(c.pointer_a) && length(c.pointer_a) > 0, "has a pointer without direction");
 }
@@ -90,14 +90,14 @@ std::vector<Index> motors_of(const Driveline& d) {
 }
 
 void check_tables(const Driveline& d, const Refusal& refuse) {
-  constexpr double most = 1e9;
-  check_table(d.torque, "torque", -most, most, refuse);
+  constexpr double max = 1e9;
+  check_table(d.torque, "torque", -max, max, refuse);
   check_table(d.throttle, "throttle", 0, 1, refuse);
   check_table(d.braking, "braking", 0, 1, refuse);
-  if (!d.speed.empty()) check_table(d.speed, "speed", -most, most, refuse);
+  if (!d.speed.empty()) check_table(d.speed, "speed", -max, max, refuse);
   if (d.coupling != Coupling::converter) return;
   check_table(d.torque_ratio, "torque ratio", 0, 10, refuse);
-  check_table(d.capacity, "capacity", 0, most, refuse);
+  check_table(d.capacity, "capacity", 0, max, refuse);
 }
 
 void check_axles(const Driveline& d, const Refusal& refuse) {
@@ -116,13 +116,13 @@ void check_axles(const Driveline& d, const Refusal& refuse) {
 }
 
 void check(const SceneWorld& world, const Driveline& d, const Refusal& refuse) {
-  refuse.unless(d.axle_count >= 1 && d.axle_count <= kMostDrivenAxles,
-                "has " + std::to_string(d.axle_count) + " axles; allowed are 1 to " + std::to_string(kMostDrivenAxles));
-  refuse.unless(d.gear_count >= 1 && d.gear_count <= kMostGears && d.first_gear >= 0 && d.first_gear < d.gear_count,
-                "has " + std::to_string(d.gear_count) + " gears; allowed are 1 to " + std::to_string(kMostGears) +
+  refuse.unless(d.axle_count >= 1 && d.axle_count <= kMaxDrivenAxles,
+                "has " + std::to_string(d.axle_count) + " axles; allowed are 1 to " + std::to_string(kMaxDrivenAxles));
+  refuse.unless(d.gear_count >= 1 && d.gear_count <= kMaxGears && d.first_gear >= 0 && d.first_gear < d.gear_count,
+                "has " + std::to_string(d.gear_count) + " gears; allowed are 1 to " + std::to_string(kMaxGears) +
                     ", the first one among them");
-  refuse.unless(d.brake_count >= 0 && d.brake_count <= kMostBrakes,
-                "has " + std::to_string(d.brake_count) + " brakes; the most is " + std::to_string(kMostBrakes));
+  refuse.unless(d.brake_count >= 0 && d.brake_count <= kMaxBrakes,
+                "has " + std::to_string(d.brake_count) + " brakes; the most is " + std::to_string(kMaxBrakes));
   for (Index g = 0; g < d.gear_count; ++g)
     refuse.unless(is_positive(d.ratio[g]) && (g == 0 || d.ratio[g] < d.ratio[g - 1]),
                   "has gears whose ratios do not fall from above zero");
@@ -179,7 +179,10 @@ ControllerPlan plan(const Controller& c, FlatElements& flat) {
   ControllerPlan p;
   p.type = c.type;
   p.motor = c.motor;
-  if (follows_body(c)) p.body = c.body, p.axis = c.axis * (1 / length(c.axis));
+  if (follows_body(c)) {
+    p.body = c.body;
+    p.axis = c.axis * (1 / length(c.axis));
+  }
   p.frame = c.frame;
   p.command = append_table(c.command, flat);
   p.limit = append_table(c.limit, flat);
@@ -188,7 +191,7 @@ ControllerPlan plan(const Controller& c, FlatElements& flat) {
   p.feed_forward = c.feed_forward;
   p.top_speed = c.top_speed;
   p.look_ahead = c.look_ahead;
-  p.most_angle = c.most_angle;
+  p.max_angle = c.max_angle;
   p.rate = c.rate;
   p.pointer_a = c.pointer_a;
   return p;

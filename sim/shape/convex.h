@@ -35,8 +35,8 @@ GONOGO_HD inline Real extent(const Convex& c, const Vec3& direction) {
 /// Radius of the largest sphere inside [m].
 GONOGO_HD inline Real least_half(const Convex& c) {
   if (c.type == ShapeType::capsule) return c.size.x;
-  const Real least = std::fmin(c.size.x, c.size.y);
-  return c.type == ShapeType::box || c.type == ShapeType::ellipsoid ? std::fmin(least, c.size.z) : least;
+  const Real smallest = std::fmin(c.size.x, c.size.y);
+  return c.type == ShapeType::box || c.type == ShapeType::ellipsoid ? std::fmin(smallest, c.size.z) : smallest;
 }
 
 /// Whether the body touches another convex one in a single point, wherever that is.
@@ -44,7 +44,7 @@ GONOGO_HD inline bool is_strictly_convex(const Convex& c) { return c.type == Sha
 
 GONOGO_HD inline Real clamped(Real x, Real limit) { return std::fmin(std::fmax(x, -limit), limit); }
 
-/// Point nearest to `p` of a body made smaller by `share` of its least half, an ellipsoid of each of its half axes;
+/// Point nearest to `p` of a body made smaller by `share` of its smallest half, an ellipsoid of each of its half axes;
 /// a capsule is made a line. Bodies that overlap by less than what is taken off are apart.
 GONOGO_HD inline Vec3 nearest_in_core(const Convex& c, const Vec3& p, Real share) {
   if (c.type == ShapeType::ellipsoid) {
@@ -65,11 +65,11 @@ GONOGO_HD inline Vec3 nearest_in_core(const Convex& c, const Vec3& p, Real share
 }
 
 /// A corner, an edge or a flat face: its points in order around it and their numbers, which name them on the body.
-inline constexpr int kMostCorners = 8;
+inline constexpr int kMaxCorners = 8;
 struct Facet {
   int count = 0;
-  Vec3 point[kMostCorners];
-  int id[kMostCorners];
+  Vec3 point[kMaxCorners];
+  int id[kMaxCorners];
   Vec3 normal;  // of a face, outward
 
   GONOGO_HD void add(const Vec3& p, int name) {
@@ -85,10 +85,10 @@ inline constexpr Real kSquare = Real(0.985), kLevel = Real(0.174);
 GONOGO_HD inline Facet box_facet(const Convex& c, const Vec3& direction) {
   const Vec3 v = c.into(direction);
   const Real n[3] = {v.x, v.y, v.z}, half[3] = {c.size.x, c.size.y, c.size.z};
-  int most = 0, least = 0;
+  int largest = 0, smallest = 0;
   for (int k = 1; k < 3; ++k) {
-    if (std::fabs(n[k]) > std::fabs(n[most])) most = k;
-    if (std::fabs(n[k]) < std::fabs(n[least])) least = k;
+    if (std::fabs(n[k]) > std::fabs(n[largest])) largest = k;
+    if (std::fabs(n[k]) < std::fabs(n[smallest])) smallest = k;
   }
   const int toward = (n[0] > 0 ? 1 : 0) | (n[1] > 0 ? 2 : 0) | (n[2] > 0 ? 4 : 0);
   Facet f;
@@ -97,13 +97,13 @@ GONOGO_HD inline Facet box_facet(const Convex& c, const Vec3& direction) {
               c.axis[2] * (corner & 4 ? half[2] : -half[2]),
           corner);
   };
-  if (std::fabs(n[most]) > kSquare) {
-    const int u = 1 << ((most + 1) % 3), w = 1 << ((most + 2) % 3), side = toward & (1 << most);
+  if (std::fabs(n[largest]) > kSquare) {
+    const int u = 1 << ((largest + 1) % 3), w = 1 << ((largest + 2) % 3), side = toward & (1 << largest);
     for (const int corner : {side, side | u, side | u | w, side | w}) add(corner);
-    f.normal = c.axis[most] * (n[most] > 0 ? Real(1) : Real(-1));
-  } else if (std::fabs(n[least]) < kLevel) {
-    add(toward & ~(1 << least));
-    add(toward | (1 << least));
+    f.normal = c.axis[largest] * (n[largest] > 0 ? Real(1) : Real(-1));
+  } else if (std::fabs(n[smallest]) < kLevel) {
+    add(toward & ~(1 << smallest));
+    add(toward | (1 << smallest));
   } else {
     add(toward);
   }
@@ -138,7 +138,7 @@ GONOGO_HD inline Facet facet(const Convex& c, const Vec3& direction) {
   Facet f;
   f.normal = along > 0 ? c.axis[1] : -c.axis[1];
   const Vec3 centre = c.centre + f.normal * c.size.y, second = cross(c.axis[1], out);
-  for (int k = 0; k < kMostCorners; ++k) {
+  for (int k = 0; k < kMaxCorners; ++k) {
     const Real angle = Real(k) * Real(0.7853981633974483);
     f.add(centre + out * std::cos(angle) + second * std::sin(angle), (along > 0 ? 16 : 0) + k);
   }

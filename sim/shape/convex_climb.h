@@ -36,10 +36,16 @@ GONOGO_HD inline Real reach_curvature(const Convex& c, const Vec3& n, const Vec3
   if (c.type == ShapeType::box) return 0;
   if (c.type == ShapeType::capsule) return c.size.x * dot(u, v);
   Vec3 own = c.into(n), p = c.into(u), q = c.into(v);
-  if (c.type == ShapeType::cylinder)
-    own.y = p.y = q.y = 0, own = own * c.size.x, p = p * c.size.x, q = q * c.size.x;
-  else
-    own = scale(c.size, own), p = scale(c.size, p), q = scale(c.size, q);
+  if (c.type == ShapeType::cylinder) {
+    own.y = p.y = q.y = 0;
+    own = own * c.size.x;
+    p = p * c.size.x;
+    q = q * c.size.x;
+  } else {
+    own = scale(c.size, own);
+    p = scale(c.size, p);
+    q = scale(c.size, q);
+  }
   const Real size = length(own);
   if (!(size > 0)) return 0;
   const Vec3 unit = own * (1 / size);

@@ -103,7 +103,10 @@ struct SeparationSearch {
       const Real distance = length(apart), before = best.gap;
       if (distance < Real(2e-3) * scale) break;
       const Real gap = consider(apart * (1 / distance), by_nearest ? Real(0) : handicap);
-      if (gap > before - Real(0.1) * handicap || share == Real(0.1)) near_a = p, near_b = q;
+      if (gap > before - Real(0.1) * handicap || share == Real(0.1)) {
+        near_a = p;
+        near_b = q;
+      }
       by_nearest = by_nearest || best.gap > before;
     }
   }
@@ -131,7 +134,7 @@ struct FacetPair {
   Visit& visit;
   Real least = Real(1e30);  // gap found
   int count = 0;
-  Vec3 seen[2 * kMostCorners + 8]{};
+  Vec3 seen[2 * kMaxCorners + 8]{};
 
   /// Corners that lie on an edge of the other facet would be met twice.
   GONOGO_HD void add(int feature, Real gap, const Vec3& middle) {
@@ -139,7 +142,7 @@ struct FacetPair {
       const Vec3 apart = middle - seen[k];
       if (dot(apart, apart) < Real(1e-6) * scale * scale) return;
     }
-    if (count < 2 * kMostCorners + 8) seen[count++] = middle;
+    if (count < 2 * kMaxCorners + 8) seen[count++] = middle;
     least = std::fmin(least, gap);
     visit(feature, gap, middle);
   }

@@ -58,11 +58,13 @@ struct EllipsoidOnMesh {
       const Real slope = slope_at(x);
       if (std::fabs(slope) < Real(1e-5) * length(ridge.along) || high - low < Real(1e-6)) return x;
       if (slope < 0) {
-        low = x, at_low = slope;
+        low = x;
+        at_low = slope;
         if (stayed > 0) at_high *= Real(0.5);
         stayed = 1;
       } else {
-        high = x, at_high = slope;
+        high = x;
+        at_high = slope;
         if (stayed < 0) at_low *= Real(0.5);
         stayed = -1;
       }

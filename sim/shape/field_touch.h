@@ -62,9 +62,17 @@ GONOGO_HD inline void visit_ridge_touches(const FieldSurface& field, const OnFie
   Real low = 0, high = 1, a = high - section, b = low + section, gap_a = gap_at(a), gap_b = gap_at(b);
   for (int i = 0; i < 24; ++i) {
     if (gap_a < gap_b) {
-      high = b, b = a, gap_b = gap_a, a = high - section * (high - low), gap_a = gap_at(a);
+      high = b;
+      b = a;
+      gap_b = gap_a;
+      a = high - section * (high - low);
+      gap_a = gap_at(a);
     } else {
-      low = a, a = b, gap_a = gap_b, b = low + section * (high - low), gap_b = gap_at(b);
+      low = a;
+      a = b;
+      gap_a = gap_b;
+      b = low + section * (high - low);
+      gap_b = gap_at(b);
     }
   }
   const Vec3 point = start + edge * ((low + high) / 2);

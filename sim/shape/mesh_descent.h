@@ -131,8 +131,8 @@ class Facing {
   }
 
   /// Whether a direction of length sqrt(square), `along` an axis, misses it and its opposite by more than `most`.
-  GONOGO_HD static bool is_aside(const Angle& most, Real along, Real square) {
-    const Real least = most.cosine - Real(1e-3);
+  GONOGO_HD static bool is_aside(const Angle& max, Real along, Real square) {
+    const Real least = max.cosine - Real(1e-3);
     return least > 0 && along * along < least * least * square;
   }
 };

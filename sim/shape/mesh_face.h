@@ -60,6 +60,23 @@ GONOGO_HD inline bool goes_before(Real other, Real gap, Real slack, Supports&& s
   return supports(other > Real(0.7) * gap ? kLean : kStrict);
 }
 
+/// The triangle of a mesh that is nearest to a point, of those offered.
+struct NearestTriangle {
+  Index t = -1;
+  OnTriangle on{};
+  Real distance = Real(1e30);
+
+  GONOGO_HD void offer(const MeshFrom& from, const Vec3& p, Index triangle) {
+    const Vec3 a = from.corner(triangle, 0) - p, b = from.corner(triangle, 1) - p, c = from.corner(triangle, 2) - p;
+    const OnTriangle here = nearest_on_triangle(a, b, c);
+    const Real apart = length(here.point);
+    if (!(apart < distance)) return;
+    distance = apart;
+    t = triangle;
+    on = here;
+  }
+};
+
 /// Whether the point leaves the solid there: it is inside, no other face beside a convex edge lets it out sooner, and
 /// of a flat face this is the first triangle. supports(n, lean): whether the other body may be pressed by its point
 /// along n.
@@ -75,17 +92,10 @@ GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const T
   // Above a flat face its triangles are told apart by the foot: the point itself may be an envelope away from all.
   const Vec3 at = way.t >= 0 && !deep ? way.p - from.normal(way.t) * way.gap : way.p;
   bool out = true;
-  Index nearest = -1;
-  OnTriangle on{};
-  Real least = Real(1e30);
+  NearestTriangle nearest;
   from.surface.visit_near(at - box, at + box, [&](Index t) {
     if (!out) return;
-    if (deep) {
-      const Vec3 a = from.corner(t, 0) - way.p, b = from.corner(t, 1) - way.p, c = from.corner(t, 2) - way.p;
-      const OnTriangle here = nearest_on_triangle(a, b, c);
-      const Real distance = length(here.point);
-      if (distance < least) least = distance, nearest = t, on = here;
-    }
+    if (deep) nearest.offer(from, way.p, t);
     if (t == way.t) return;
     const bool same_face = way.t >= 0 && from.surface.name(t) == from.surface.name(way.t);
     if (same_face ? t > way.t : !deep) return;
@@ -100,7 +110,8 @@ GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const T
       out = !is_over(from, t, n, way.p, wide, wide);
   });
   if (!out || !deep) return out;
-  return nearest >= 0 && (least < beside || dot(on.point, from.outward(nearest, on.feature)) > 0);
+  return nearest.t >= 0 &&
+         (nearest.distance < beside || dot(nearest.on.point, from.outward(nearest.t, nearest.on.feature)) > 0);
 }
 
 /// Whether a ridge of a mesh, which its point `p` presses along `n` into a box or cylinder by `-gap`, would leave it

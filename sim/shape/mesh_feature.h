@@ -51,7 +51,8 @@ struct PlacedMesh {
   GONOGO_HD void own_box(const Vec3& low, const Vec3& high, Vec3& own_low, Vec3& own_high) const {
     const Vec3 half = turned_half(conjugate(q), (high - low) * Real(0.5));
     const Vec3 middle = static_cast<Vec3>(in_frame(q, static_cast<Vec3d>((low + high) * Real(0.5)) - centre));
-    own_low = middle - half, own_high = middle + half;
+    own_low = middle - half;
+    own_high = middle + half;
   }
 
   /// The box around all of it.
@@ -59,7 +60,8 @@ struct PlacedMesh {
     const MeshRange& r = mesh.range;
     const Vec3 half = turned_half(q, (r.high - r.low) * Real(0.5));
     const Vec3 middle = static_cast<Vec3>(in_frame(conjugate(q), static_cast<Vec3d>(r.low + r.high) * 0.5) + centre);
-    low = middle - half, high = middle + half;
+    low = middle - half;
+    high = middle + half;
   }
 };
 

@@ -80,11 +80,11 @@ GONOGO_HD inline void visit_parts(const Shape& s, const Vec3& centre, const Quat
   visit(0, convex(core_type(s.type), s.size, centre, q));
   if (s.type != ShapeType::wheel) return;
   const Vec3 half = lug_half(s);
-  const Real most = length(half) + reach;
+  const Real max = length(half) + reach;
   for (int lug = 0; lug < s.lug_count; ++lug) {
     const LugFrame frame = lug_frame(s, lug);
     const Vec3 middle = centre + rotate(q, frame.out_of({s.size.x, 0, 0})), apart = middle - near;
-    if (dot(apart, apart) >= most * most) continue;
+    if (dot(apart, apart) >= max * max) continue;
     Convex box{ShapeType::box, half, middle, {}};
     box.axis[0] = rotate(q, frame.out_of({1, 0, 0}));
     box.axis[1] = rotate(q, {0, 1, 0});

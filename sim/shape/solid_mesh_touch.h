@@ -66,12 +66,16 @@ struct SolidOnMesh {
       if (sides.gap[i] > tol.slack) apart += sides.normal[i] * sides.gap[i];
     }
     if (const Real distance = length(apart); distance > 0) {
-      gap = distance, out = apart * (1 / distance);
+      gap = distance;
+      out = apart * (1 / distance);
       found = gap < tol.envelope && from.supports(t, k, -out, kLean);
     } else {
       for (int i = 0; i < sides.count; ++i)
-        if (sides.gap[i] > gap && from.supports(t, k, -sides.normal[i], kLean))
-          gap = sides.gap[i], out = sides.normal[i], found = true;
+        if (sides.gap[i] > gap && from.supports(t, k, -sides.normal[i], kLean)) {
+          gap = sides.gap[i];
+          out = sides.normal[i];
+          found = true;
+        }
     }
     if (found) emit(corner, 0, int(from.surface.vertex(t, k)), gap, -out, p - out * (gap / 2));
   }
@@ -99,7 +103,8 @@ struct SolidOnMesh {
     const int u = i / 4, v = (u + 1) % 3, w = (u + 2) % 3;
     const Real half[3] = {solid.size.x, solid.size.y, solid.size.z};
     Real side[3] = {};
-    side[v] = i & 1 ? Real(1) : Real(-1), side[w] = i & 2 ? Real(1) : Real(-1);
+    side[v] = i & 1 ? Real(1) : Real(-1);
+    side[w] = i & 2 ? Real(1) : Real(-1);
     const Real reach = Real(0.5) * length(ridge.along) + std::fmax(tol.envelope, tol.limit);
     if (!is_near(middle, {side[0], side[1], side[2]}, reach)) return;
     const Vec3 along = solid.axis[u] * half[u], out_v = solid.axis[v] * side[v], out_w = solid.axis[w] * side[w];
@@ -116,8 +121,8 @@ struct SolidOnMesh {
     const Real at = dot(p - ridge.start, ridge.along) / dot(ridge.along, ridge.along);
     if (at <= 0 || at >= 1) return;
     const Vec3 d = p - (ridge.start + ridge.along * at);
-    const Real gap = length(d), most = Real(1e-4) * gap;
-    if (gap <= tol.slack || gap >= tol.envelope || dot(d, ridge.inward) > most || dot(d, ridge.beyond) > most) return;
+    const Real gap = length(d), max = Real(1e-4) * gap;
+    if (gap <= tol.slack || gap >= tol.envelope || dot(d, ridge.inward) > max || dot(d, ridge.beyond) > max) return;
     const Vec3 n = d * (1 / gap);
     if (pressed(p, -n, kLean)) emit(beside, i, of_mesh, gap, n, p - d * Real(0.5));
   }

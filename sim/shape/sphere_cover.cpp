@@ -82,7 +82,9 @@ Grid grid_over(const TriangleMesh& mesh, int cells) {
   Grid grid;
   grid.cell = std::max({size.x, size.y, size.z}) / cells;
   const auto count = [&](double length) { return std::max(1, int(std::ceil(length / grid.cell - 1e-6))); };
-  grid.count[0] = count(size.x), grid.count[1] = count(size.y), grid.count[2] = count(size.z);
+  grid.count[0] = count(size.x);
+  grid.count[1] = count(size.y);
+  grid.count[2] = count(size.z);
   const Vec3d whole{double(grid.count[0]), double(grid.count[1]), double(grid.count[2])};
   grid.low = (low + high) * 0.5 - whole * (grid.cell / 2);
   return grid;
@@ -129,7 +131,10 @@ class Greedy {
         queue_.push({gain, top.sphere});
         continue;
       }
-      for_each_new(top.sphere, [&](std::size_t i) { held_[i] = true, ++held_count_; });
+      for_each_new(top.sphere, [&](std::size_t i) {
+        held_[i] = true;
+        ++held_count_;
+      });
       return &candidates_[top.sphere];
     }
     return nullptr;

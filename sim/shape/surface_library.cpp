@@ -163,7 +163,8 @@ Index SurfaceLibrary::add(const std::shared_ptr<const TriangleMesh>& source) {
   std::iota(order.begin(), order.end(), 0);
   TreeBuilder{box, order, node, node.size()}.build(0, Index(order.size()));
   range.node_count = Index(node.size()) - range.node;
-  range.low = node[range.node].low, range.high = node[range.node].high;
+  range.low = node[range.node].low;
+  range.high = node[range.node].high;
   std::vector<MeshTriangle> own;
   for (const Index t : order) {
     const auto& c = source->triangle[t];

@@ -162,7 +162,11 @@ GONOGO_HD inline Index nearest_triangle(const SurfaceFrom<Surface>& from, Real r
   from.surface.visit_near(p - box, p + box, [&](Index t) {
     const OnTriangle on = from.nearest(t);
     const Real distance = length(on.point);
-    if (distance < least) least = distance, best = t, nearest = on;
+    if (distance < least) {
+      least = distance;
+      best = t;
+      nearest = on;
+    }
   });
   return best;
 }

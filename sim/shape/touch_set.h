@@ -9,7 +9,7 @@
 
 namespace gonogo::sim {
 
-inline constexpr int kMostTouches = 64;
+inline constexpr int kMaxTouches = 64;
 
 /// Takes the contacts of a pair up to three times: to count them, to choose, and to hand on the chosen ones.
 class TouchChooser {
@@ -24,7 +24,7 @@ class TouchChooser {
 
   /// Whether the contacts are wanted once more.
   GONOGO_HD bool next_pass() {
-    if (pass_ == 2 || count_ <= kMostTouches) return false;
+    if (pass_ == 2 || count_ <= kMaxTouches) return false;
     ++pass_;
     count_ = window_.total = 0;
     if (pass_ == 1)

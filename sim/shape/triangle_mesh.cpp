@@ -12,7 +12,7 @@ namespace gonogo::sim {
 namespace {
 
 /// Names of contacts hold 8 features of a triangle, and capsules 4 of those.
-constexpr std::size_t kMostTriangles = std::size_t(1) << 25;
+constexpr std::size_t kMaxTriangles = std::size_t(1) << 25;
 
 std::string text(const Vec3& p) {
   char line[96];
@@ -82,9 +82,9 @@ double six_volumes(const TriangleMesh& mesh) {
 
 void check_mesh(const TriangleMesh& mesh) {
   if (mesh.vertex.empty() || mesh.triangle.empty()) refuse(mesh, "it is empty");
-  if (mesh.triangle.size() > kMostTriangles)
+  if (mesh.triangle.size() > kMaxTriangles)
     refuse(mesh, "it has " + std::to_string(mesh.triangle.size()) + " triangles, at most " +
-                     std::to_string(kMostTriangles) + " are possible");
+                     std::to_string(kMaxTriangles) + " are possible");
   for (std::size_t v = 0; v < mesh.vertex.size(); ++v)
     if (!is_finite(mesh.vertex[v])) refuse(mesh, "vertex " + std::to_string(v) + " is not finite");
   for (std::size_t t = 0; t < mesh.triangle.size(); ++t) check_triangle(mesh, t);
@@ -100,10 +100,10 @@ void check_heightfield(const Heightfield& field) {
                      " heights; at least 2 by 2 are needed");
   if (!(field.spacing_x > 0 && field.spacing_y > 0)) throw InputError(which + "its spacing must be above zero");
   const std::size_t count = std::size_t(field.nx) * std::size_t(field.ny);
-  if (field.height.size() != count || count > kMostTriangles / 2)
+  if (field.height.size() != count || count > kMaxTriangles / 2)
     throw InputError(which + "it has " + std::to_string(field.height.size()) + " heights, its " +
                      std::to_string(field.nx) + " by " + std::to_string(field.ny) + " grid needs " +
-                     std::to_string(count) + ", and at most " + std::to_string(kMostTriangles / 2) + " are possible");
+                     std::to_string(count) + ", and at most " + std::to_string(kMaxTriangles / 2) + " are possible");
   for (std::size_t i = 0; i < count; ++i)
     if (!std::isfinite(field.height[i])) throw InputError(which + "height " + std::to_string(i) + " is not finite");
 }

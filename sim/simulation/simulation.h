@@ -26,7 +26,7 @@ struct [[nodiscard]] StepReport {
   Index iterations = 0;  // that the solver took
   Index flags = 0;       // StepFlag bits raised so far
   Fault fault;           // the first of them
-  Index slowed = 0;      // times that a body was slowed so far, see StepSettings::most_slowed
+  Index slowed = 0;      // times that a body was slowed so far, see StepSettings::max_slowed
 };
 
 /// "body 12 in step 340 (0.34 s): left the domain" for people; empty where nothing went wrong.

@@ -62,12 +62,12 @@ struct Integrate {
     const WorldParameters& p = world[w];
     const Velocity &last = velocity[b], &earlier = earlier_velocity[b];
     Vec3 path = last.linear + earlier.linear, turn = last.angular + earlier.angular;
-    const Real speed = square_of_speed(last), most = p.bin_size.x / settings.step;
+    const Real speed = square_of_speed(last), max_speed = p.bin_size.x / settings.step;
     Index raised = 0;
-    if (!(speed < most * most)) {
+    if (!(speed < max_speed * max_speed)) {
       raised = flags_of_fast(b, w, speed);
       if (raised == 0 && mass[b].inverse_mass.x > 0) {
-        const Real kept = kSlowedTo * most / std::sqrt(speed);
+        const Real kept = kSlowedTo * max_speed / std::sqrt(speed);
         path = path * kept;
         turn = turn * kept;
         slow(b, w, kept);
@@ -87,7 +87,7 @@ struct Integrate {
   GONOGO_HD Index flags_of_fast(BodyIndex b, WorldIndex w, Real speed) const {
     if (mass[b].inverse_mass.x == 0) return speed < kAnySpeedSquare ? 0 : flag_not_finite;
     if (!(speed < kAnySpeedSquare)) return flag_not_finite | flag_too_fast;
-    return mass[b].slot >= 0 || slowed[w] >= settings.most_slowed ? flag_too_fast : 0;
+    return mass[b].slot >= 0 || slowed[w] >= settings.max_slowed ? flag_too_fast : 0;
   }
 
   GONOGO_HD void slow(BodyIndex b, WorldIndex w, Real kept) const {

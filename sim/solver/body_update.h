@@ -35,12 +35,12 @@ GONOGO_HD_INLINED Velocity begin_body(const Velocity& v, const Velocity& change,
 
 /// A body has moved with `v` through a part of the step and another follows: `free` goes on to that, `part` keeps `v`
 /// for the gaps and `earlier` for the way. Returns by how much the velocity goes on.
-GONOGO_HD_INLINED Velocity carry_body(const Velocity& v, const Velocity& change, Velocity& free, Velocity& part,
-                                      Velocity& earlier) {
+GONOGO_HD_INLINED Velocity carry_body(const Velocity& v, const Velocity& change, Velocity& free,
+                                      Velocity& substep_velocity, Velocity& earlier) {
   const Velocity next = sum(v, change), more = difference(next, free);
   earlier.linear += v.linear;
   earlier.angular += v.angular;
-  part = v;
+  substep_velocity = v;
   free = next;
   return more;
 }

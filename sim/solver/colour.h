@@ -10,14 +10,14 @@ namespace gonogo::sim {
 
 /// Bodies with more contacts are left out of a sweep. Two such bodies leave a contact 62 neighbours, and 64 colours
 /// always do.
-inline constexpr Index kMostSweptContacts = 32;
+inline constexpr Index kMaxSweptContacts = 32;
 inline constexpr Index kNoColour = -1;
 
 /// Whether a sweep changes the body's velocity contact by contact.
 GONOGO_HD inline bool is_swept(BodyIndex b, const BodyMass& mass, const Incidence& incidence) {
   if (is_fixed(mass) || mass.slot >= 0) return false;
   const Index owned = incidence.owned_end(b) - incidence.owned_begin(b);
-  return owned + incidence.first_second[b + 1] - incidence.first_second[b] <= kMostSweptContacts;
+  return owned + incidence.first_second[b + 1] - incidence.first_second[b] <= kMaxSweptContacts;
 }
 
 /// A shuffle of the whole numbers below 2^32 (the finaliser of MurmurHash3, public domain).

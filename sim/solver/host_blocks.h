@@ -190,7 +190,7 @@ struct AdvanceTile {
   Tiles tiles;
   View<Contact> contact;
   View<ContactBlock> block;
-  View<const Velocity> part_velocity;
+  View<const Velocity> substep_velocity;
   View<const Momentum> momentum;
   StepSettings settings;
 
@@ -201,7 +201,7 @@ struct AdvanceTile {
       const Index in_tile = i - range.begin, lane = in_tile % kPackWidth;
       ContactBlock& b = block[tile * kBlocksPerTile + in_tile / kPackWidth];
       Contact& c = contact[i];
-      advance_gap(c, part_velocity[c.body_a], part_velocity[c.body_b], settings);
+      advance_gap(c, substep_velocity[c.body_a], substep_velocity[c.body_b], settings);
       b.numbers.bias[lane] = b.gap_bias[lane] = c.bias;
     }
   }

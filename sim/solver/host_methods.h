@@ -23,8 +23,12 @@ inline Impulse lane_of(const ImpulseT<Pack>& p, Index lane) {
 }
 
 inline void set_lane(ImpulseT<Pack>& p, Index lane, const Impulse& to) {
-  p.linear.x[lane] = to.linear.x, p.linear.y[lane] = to.linear.y, p.linear.z[lane] = to.linear.z;
-  p.angular.x[lane] = to.angular.x, p.angular.y[lane] = to.angular.y, p.angular.z[lane] = to.angular.z;
+  p.linear.x[lane] = to.linear.x;
+  p.linear.y[lane] = to.linear.y;
+  p.linear.z[lane] = to.linear.z;
+  p.angular.x[lane] = to.angular.x;
+  p.angular.y[lane] = to.angular.y;
+  p.angular.z[lane] = to.angular.z;
 }
 
 /// The contacts of one colour in a tile. What they do to bodies counts at once.

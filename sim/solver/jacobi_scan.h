@@ -62,7 +62,7 @@ class ScanIteration {
 
   /// Into the next part of the step, where a world has one.
   void carry() {
-    if (rules_.parts == 1) return;
+    if (rules_.substeps == 1) return;
     for_each_index(exec_, s.body_count, body_carry(s));
     project(false, true);
   }
@@ -116,7 +116,7 @@ class ScanIteration {
                      UpdateByScan<turning>{.contact = s.contact.view(),
                                            .impulse = s.store[s.parity].impulse.view(),
                                            .velocity = s.extrapolated_velocity.view(),
-                                           .part_velocity = s.part_velocity.view(),
+                                           .substep_velocity = s.substep_velocity.view(),
                                            .momentum = s.momentum.view(),
                                            .slots = slots(),
                                            .residual_square_of = own.residual_square.view(),
@@ -178,8 +178,8 @@ void solve_by_scan(Exec exec, State<Exec>& s, ScanStorage<Exec>& own, const Step
   ScanIteration<Exec> iteration(exec, s, own, settings);
   iteration.begin();
   iteration.move(true);
-  const std::int64_t most = std::int64_t(settings.substeps) * settings.iterations;
-  for (std::int64_t k = 0; k < most && !seen_to_end(s); ++k) {
+  const std::int64_t max = std::int64_t(settings.substeps) * settings.iterations;
+  for (std::int64_t k = 0; k < max && !seen_to_end(s); ++k) {
     iteration.update();
     iteration.move(false);
     iteration.carry();

@@ -101,7 +101,7 @@ template <bool turning>
 struct UpdateByScan {
   View<Contact> contact;
   View<Impulse> impulse;
-  View<const Velocity> velocity, part_velocity;
+  View<const Velocity> velocity, substep_velocity;
   View<const Momentum> momentum;
   WrenchSlots slots;
   View<Real> residual_square_of;  // [contact]
@@ -111,7 +111,7 @@ struct UpdateByScan {
     Contact& c = contact[i];
     const Momentum& m = momentum[c.world];
     if (m.done) return;
-    if (m.begins) advance_gap(c, part_velocity[c.body_a], part_velocity[c.body_b], settings);
+    if (m.begins) advance_gap(c, substep_velocity[c.body_a], substep_velocity[c.body_b], settings);
     const Velocity a = velocity[c.body_a], b = velocity[c.body_b];
     if (m.renew_slip) c.bias = c.gap_bias + opening_speed<turning, Real>(c, a, b);
     const ContactNumbers<Real> numbers = c;

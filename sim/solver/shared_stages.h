@@ -25,11 +25,12 @@ struct CarryBody {
   View<const Velocity> change;
   View<const WorldIndex> world_of_body;
   View<const Momentum> momentum;
-  View<Velocity> free_velocity, velocity, extrapolated_velocity, part_velocity, earlier_velocity, gathered;
+  View<Velocity> free_velocity, velocity, extrapolated_velocity, substep_velocity, earlier_velocity, gathered;
 
   GONOGO_HD void operator()(BodyIndex b) const {
     if (!momentum[world_of_body[b]].ends) return;
-    const Velocity more = carry_body(velocity[b], change[b], free_velocity[b], part_velocity[b], earlier_velocity[b]);
+    const Velocity more =
+        carry_body(velocity[b], change[b], free_velocity[b], substep_velocity[b], earlier_velocity[b]);
     if (const Index slot = mass[b].slot; slot >= 0) {
       gathered[slot] = sum(gathered[slot], more);
       return;
@@ -125,7 +126,7 @@ CarryBody body_carry(State<Exec>& s) {
           .free_velocity = s.free_velocity.view(),
           .velocity = s.velocity.view(),
           .extrapolated_velocity = s.extrapolated_velocity.view(),
-          .part_velocity = s.part_velocity.view(),
+          .substep_velocity = s.substep_velocity.view(),
           .earlier_velocity = s.earlier_velocity.view(),
           .gathered = s.mechanisms.gathered.view()};
 }

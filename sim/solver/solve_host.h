@@ -167,7 +167,7 @@ inline void advance_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Inde
                           const StepSettings& settings) {
   for_each_index(
       exec, tile_count,
-      AdvanceTile{tiles(s), s.contact.view(), own.block.view(), s.part_velocity.view(), s.momentum.view(), settings},
+      AdvanceTile{tiles(s), s.contact.view(), own.block.view(), s.substep_velocity.view(), s.momentum.view(), settings},
       kTilesInParallel);
 }
 

@@ -57,7 +57,7 @@ GONOGO_HD inline void decide_next_length(SpectralStep& step, const SpectralSums&
     step.length = std::fmin(std::fmax(sums.change_square / sums.curvature, 1.0), kLongestStep);
   }
   // A test measures the unscaled step, and the last update leaves no overshoot behind.
-  const bool last = next.iterations + 1 >= rules.most_iterations;
+  const bool last = next.iterations + 1 >= rules.max_iterations;
   if (rose || last || next.test != 0 || !(step.length >= 1)) step.length = 1;
 }
 

@@ -38,10 +38,10 @@ struct Controller {
   double top_speed = 0;                         // [rad/s]
 
   // steering: of a straight line along the world's x through where the body started. A point `look_ahead` before the
-  // body along `axis` is y beside that line; the wish for the motor's angle is -p y within +-most_angle, and the motor
+  // body along `axis` is y beside that line; the wish for the motor's angle is -p y within +-max_angle, and the motor
   // turns at `rate` times what is missing, at most at top_speed. p: [rad/m]; `command` is a factor of the wish.
   double look_ahead = 0;    // [m]
-  double most_angle = 0;    // [rad]
+  double max_angle = 0;     // [rad]
   double rate = 0;          // [1/s]
   Vec3 pointer_a{1, 0, 0};  // in the frame of the motor's body a: along `axis` of its body b at angle zero
 };
@@ -62,7 +62,7 @@ struct ControllerPlan {
   Vec3 axis;  // unit
   Table command, limit;
   double proportional = 0, integral = 0, feed_forward = 0, top_speed = 0;
-  double look_ahead = 0, most_angle = 0, rate = 0;
+  double look_ahead = 0, max_angle = 0, rate = 0;
   Vec3 pointer_a;
 };
 
@@ -111,8 +111,8 @@ GONOGO_HD inline double proportional_integral(const ControllerPlan& c, double co
 }
 
 /// Angle that a driver steers who looks at a point ahead: `beside` is how far it is left of the line [rad].
-GONOGO_HD inline double steering_wish(double gain, double most_angle, double beside) {
-  return clamped(-gain * beside, most_angle);
+GONOGO_HD inline double steering_wish(double gain, double max_angle, double beside) {
+  return clamped(-gain * beside, max_angle);
 }
 
 /// `forward`, `up`: unit vectors of the motor's body b; `pointer`: of its body a; all in the world. `sideways`:
@@ -122,7 +122,7 @@ GONOGO_HD inline MotorCommand steering_command(View<const TablePoint> points, co
                                                double sideways, double step, ControllerState& state) {
   state.error_integral += sideways * step;
   const double wish = interpolate(points, c.command, time) *
-                      steering_wish(c.proportional, c.most_angle, state.error_integral + c.look_ahead * forward.y);
+                      steering_wish(c.proportional, c.max_angle, state.error_integral + c.look_ahead * forward.y);
   const double angle = std::atan2(double(dot(up, cross(forward, pointer))), double(dot(forward, pointer)));
   return {clamped(c.rate * (wish - angle), c.top_speed), interpolate(points, c.limit, time)};
 }

@@ -12,7 +12,7 @@
 
 namespace gonogo::sim {
 
-inline constexpr int kMostDrivenAxles = 4, kMostGears = 12, kMostBrakes = 8;
+inline constexpr int kMaxDrivenAxles = 4, kMaxGears = 12, kMaxBrakes = 8;
 
 enum class Coupling : std::int32_t { direct, converter, clutch };
 
@@ -33,9 +33,9 @@ struct Brake {
 struct DrivelineNumbers {
   Coupling coupling = Coupling::direct;
   Index axle_count = 0, gear_count = 0, brake_count = 0;
-  DrivenAxle axle[kMostDrivenAxles];
-  double ratio[kMostGears]{};  // engine speed over wheel speed, lowest gear first: ratios fall
-  Brake brake[kMostBrakes];
+  DrivenAxle axle[kMaxDrivenAxles];
+  double ratio[kMaxGears]{};  // engine speed over wheel speed, lowest gear first: ratios fall
+  Brake brake[kMaxBrakes];
   Index first_gear = 0;
   double up_speed = 0;    // engine speed above which it shifts up; 0: never [rad/s]
   double down_speed = 0;  // below which it shifts down [rad/s]
@@ -142,10 +142,10 @@ GONOGO_HD inline double clutch_torque(View<const TablePoint> points, const Drive
                                       double throttle, double shaft_speed, double step, DrivelineState& state) {
   const double engine = std::fmax(state.engine_speed, d.idle_speed);
   const double closed = (engine - d.idle_speed) / std::fmax(1e-6, d.engaged_speed - d.idle_speed);
-  const double most = d.clutch_torque * std::fmin(1.0, std::fmax(0.0, closed));
+  const double max = d.clutch_torque * std::fmin(1.0, std::fmax(0.0, closed));
   const double free = engine + step / d.engine_inertia * engine_torque(points, d, throttle, engine);
   const double yielding = 1 / d.engine_inertia + ratio * ratio / std::fmax(d.wheel_inertia, 1e-9);
-  const double passed = clamped((free - shaft_speed * ratio) / (step * yielding), most);
+  const double passed = clamped((free - shaft_speed * ratio) / (step * yielding), max);
   state.engine_speed = std::fmax(free - step / d.engine_inertia * passed, d.idle_speed);
   return d.efficiency * ratio * passed;
 }

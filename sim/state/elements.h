@@ -122,7 +122,11 @@ inline DrivelinePlan placed(DrivelinePlan d, const ElementPlace& at) {
 /// The same elements with the indices of the batch; the rest of the place holds none.
 inline FlatElements placed(FlatElements f, const ElementPlace& at) {
   for (ForceElement& e : f.force) e.body += at.body;
-  for (LoadedBody& l : f.loaded) l.body += at.body, l.first += at.first.forces, l.end += at.first.forces;
+  for (LoadedBody& l : f.loaded) {
+    l.body += at.body;
+    l.first += at.first.forces;
+    l.end += at.first.forces;
+  }
   f.loaded.resize(at.room.loaded);
   for (ControllerPlan& c : f.controller) {
     c.world = at.world;

@@ -8,7 +8,7 @@ namespace gonogo::sim {
 /// Bits of the flag word of a world.
 enum StepFlag : Index {
   flag_not_finite = 1,   // a velocity or place is not a number: smaller step or more iterations
-  flag_too_fast = 2,     // a body moves more than a bin in a step, see StepSettings::most_slowed: smaller step
+  flag_too_fast = 2,     // a body moves more than a bin in a step, see StepSettings::max_slowed: smaller step
   flag_left_domain = 4,  // a body fell out of the domain: deeper domain or rougher base
 };
 

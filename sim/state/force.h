@@ -80,7 +80,10 @@ GONOGO_HD inline ForceAndTorque load_of(const ForceElement& f, const LoadedMotio
   }
   const auto share = Real(ramp_share(time, f.start, f.ramp));
   Vec3 force = f.force * share, torque = f.torque * share;
-  if (f.frame == ReferenceFrame::body) force = rotate(m.orientation, force), torque = rotate(m.orientation, torque);
+  if (f.frame == ReferenceFrame::body) {
+    force = rotate(m.orientation, force);
+    torque = rotate(m.orientation, torque);
+  }
   return {force, torque + cross(arm, force)};
 }
 

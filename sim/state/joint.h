@@ -59,13 +59,13 @@ GONOGO_HD inline Index row_count(JointType type) {
 /// from b's side to a's side, in (-pi, pi].
 enum class SpringKind : std::int32_t { linear, axial, torsional };
 
-inline constexpr int kMostTablePoints = 32;  // a nonlinear spring and its stops
+inline constexpr int kMaxTablePoints = 32;  // a nonlinear spring and its stops
 
 /// Force over stretch, linear between the points and beyond the ends; stretches ascend, forces never fall.
 struct ForceTable {
-  std::int32_t count = 0;            // 0: no table
-  Real stretch[kMostTablePoints]{};  // [m] or [rad]
-  Real force[kMostTablePoints]{};    // [N] or [N m]
+  std::int32_t count = 0;           // 0: no table
+  Real stretch[kMaxTablePoints]{};  // [m] or [rad]
+  Real force[kMaxTablePoints]{};    // [N] or [N m]
 };
 
 /// Spring and damper, implicit in the step: pulls back with stiffness * stretch + damping * rate, or with the table's

@@ -15,7 +15,7 @@ namespace gonogo::sim {
 
 /// A vehicle with its suspensions, or the belt of a track, which is one of its own: contacts hold it on its wheels. The
 /// map is dense: its cost per update grows with the square of the number of bodies.
-inline constexpr Index kMostMechanismBodies = 96, kMostMechanismRows = 480;
+inline constexpr Index kMaxMechanismBodies = 96, kMaxMechanismRows = 480;
 
 /// Sizes are rounded up to this, so that eight columns can be worked on at once.
 inline constexpr Index kColumnBlock = 8;

@@ -14,9 +14,9 @@ enum class Solver : std::int32_t { apgd, jacobi, gauss_seidel, bb, jacobi_scan }
 struct IterationRules {
   Solver solver;
   Target target;
-  Index most_iterations;
+  Index max_iterations;
   Real tolerance;  // of the root-mean-square residual [m/s]; 0: never stop early
-  Index parts;     // of a step
+  Index substeps;  // of a step
 };
 
 /// State of a world's iteration in one step.
@@ -25,7 +25,7 @@ struct alignas(16) Momentum {
   Real beta = 0;         // the present velocities were extrapolated by this share of their last change
   Real next_beta = 0;    // and the next ones will be by this
   Index updates = 0;     // so far
-  Index part = 0;        // of the step, counted from 0
+  Index substep = 0;     // of the step, counted from 0
   Index iterations = 0;  // updates in this part so far
   std::int32_t done = 0;
   std::int32_t begins = 0;      // the present update is the first of a part that follows another
@@ -66,12 +66,14 @@ GONOGO_HD inline void plan_update(Momentum& m, const IterationRules& rules) {
   m.renew_slip = rules.target == Target::coulomb && (fifth || m.iterations == 0);
 }
 
-GONOGO_HD inline bool is_last_part(const Momentum& m, const IterationRules& rules) { return m.part + 1 == rules.parts; }
+GONOGO_HD inline bool is_last_substep(const Momentum& m, const IterationRules& rules) {
+  return m.substep + 1 == rules.substeps;
+}
 
 GONOGO_HD inline Momentum first_momentum(const IterationRules& rules) {
   Momentum m;
   m.t = kFirstMomentum;
-  m.ends = rules.most_iterations == 1 && !is_last_part(m, rules);
+  m.ends = rules.max_iterations == 1 && !is_last_substep(m, rules);
   extend_momentum(m, rules);
   plan_update(m, rules);
   return m;
@@ -79,11 +81,15 @@ GONOGO_HD inline Momentum first_momentum(const IterationRules& rules) {
 
 /// Which part of the step the next update belongs to, and whether it ends that part. Bodies must know beforehand which
 /// update is the last of a part that another follows; a world that has converged makes one more.
-GONOGO_HD inline void plan_part(Momentum& m, bool converged, const IterationRules& rules) {
+GONOGO_HD inline void plan_substep(Momentum& m, bool converged, const IterationRules& rules) {
   m.begins = m.ends;
-  if (m.ends) ++m.part, m.iterations = 0, converged = false;
-  m.ends = !is_last_part(m, rules) && (converged || m.iterations + 1 >= rules.most_iterations);
-  m.done = is_last_part(m, rules) && (converged || m.iterations >= rules.most_iterations);
+  if (m.ends) {
+    ++m.substep;
+    m.iterations = 0;
+    converged = false;
+  }
+  m.ends = !is_last_substep(m, rules) && (converged || m.iterations + 1 >= rules.max_iterations);
+  m.done = is_last_substep(m, rules) && (converged || m.iterations >= rules.max_iterations);
 }
 
 /// From the sums of the present update to the state of the next. An update that went uphill ends the momentum of the
@@ -93,7 +99,7 @@ GONOGO_HD inline void decide_next_update(Momentum& m, const UpdateSums& sums, In
   const double limit = double(rules.tolerance) * rules.tolerance * contacts;
   ++m.updates;
   ++m.iterations;
-  plan_part(m, m.test != 0 && sums.residual_square <= limit, rules);
+  plan_substep(m, m.test != 0 && sums.residual_square <= limit, rules);
   m.beta = m.next_beta;
   if (sums.uphill > 0) m.t = 1;
   if (m.begins) m.t = std::fmin(m.t, kCarriedMomentum);

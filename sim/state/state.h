@@ -37,7 +37,7 @@ struct StepSettings {
   /// So often in a world's run a body that nothing is jointed to and that would cross more than a bin in a step is
   /// slowed to that; once more, and flag_too_fast stops the world. A grain pinched between two rigid bodies jumps away
   /// like a cherry stone, however short the step.
-  Index most_slowed = 0;
+  Index max_slowed = 0;
 
   /// Length of a part [s]; forces and impulses are those of the last one.
   GONOGO_HD Real substep() const { return step / Real(substeps); }
@@ -131,13 +131,13 @@ struct LargeShape {
 inline constexpr int kLargeGroupBits = 3, kLargeGroup = 1 << kLargeGroupBits;
 /// Worlds with fewer large shapes test them all.
 inline constexpr Index kGroupedFrom = 64;
-inline constexpr int kMostLargeLevels = 11;  // 8^11 exceeds what an Index counts
+inline constexpr int kMaxLargeLevels = 11;  // 8^11 exceeds what an Index counts
 
 /// Boxes around groups of large shapes, level after level; group g of level k holds the large shapes from 8^(k + 1) g
 /// on.
 struct LargeGroups {
   View<const LargeShape> box;
-  Index first[kMostLargeLevels + 1] = {};  // [level + 1] in `box`
+  Index first[kMaxLargeLevels + 1] = {};  // [level + 1] in `box`
   int levels = 0;
 };
 
@@ -216,7 +216,7 @@ struct State {
   Buffer<Tile, Exec> tile;
   Buffer<Velocity, Exec> velocity_change;                       // [body] by gravity, spin and forces in a substep
   Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;  // [body]
-  Buffer<Velocity, Exec> part_velocity;                         // [body] of the substep before
+  Buffer<Velocity, Exec> substep_velocity;                      // [body] of the substep before
   Buffer<Velocity, Exec> earlier_velocity;                      // [body] sum over all substeps before the last one
   Buffer<Momentum, Exec> momentum;                              // [world]
   Buffer<WorldSums, Exec> world_sums;

@@ -65,7 +65,8 @@ Graph random_graph(std::uint64_t seed, Index bodies) {
     for (const BodyIndex b : others[a]) {
       second[b].push_back(Index(g.contact.size()));
       Contact c{};
-      c.body_a = a, c.body_b = b;
+      c.body_a = a;
+      c.body_b = b;
       g.contact.push_back(c);
     }
   }
@@ -127,6 +128,6 @@ TEST_CASE("fixed and jointed bodies and bodies with many contacts take no part i
   for (BodyIndex b = 0; b < g.bodies; ++b) {
     const auto touches = [b](const Contact& c) { return c.body_a == b || c.body_b == b; };
     const auto contacts = std::count_if(g.contact.begin(), g.contact.end(), touches);
-    CHECK(is_swept(b, g.mass[b], g.incidence()) == (b > 1 && contacts <= kMostSweptContacts));
+    CHECK(is_swept(b, g.mass[b], g.incidence()) == (b > 1 && contacts <= kMaxSweptContacts));
   }
 }

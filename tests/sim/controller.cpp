@@ -203,7 +203,7 @@ TEST_CASE(
     c.limit = {{0, 1e5}};
     c.proportional = 0.2;
     c.look_ahead = 4;
-    c.most_angle = 0.3;
+    c.max_angle = 0.3;
     c.rate = 20;
     c.top_speed = 1;
     c.pointer_a = {Real(std::cos(0.1)), Real(std::sin(0.1)), 0};
@@ -266,10 +266,22 @@ TEST_CASE("a controller without tables, out of order, with a second on its motor
   refused([&] { simulate(Backend::cpu, torque, {}); }, "a torque motor");
   refused(with([](Controller& c) { c.limit = {{1, 2}, {1, 3}}; }), "not in ascending order");
   refused(with([](Controller& c) { c.limit = {{0, -2}}; }), "torque limit of -2");
-  refused(with([](Controller& c) { c.type = ControllerType::throttle, c.command = {{0, 1.5}}; }), "command of 1.5");
+  refused(with([](Controller& c) {
+            c.type = ControllerType::throttle;
+            c.command = {{0, 1.5}};
+          }),
+          "command of 1.5");
   refused(with([](Controller& c) { c.type = ControllerType::velocity_by_speed; }), "top speed");
-  refused(with([](Controller& c) { c.type = ControllerType::velocity_by_torque, c.axis = {}; }), "axis");
-  refused(with([](Controller& c) { c.type = ControllerType::velocity_by_torque, c.body = 9; }), "follows body 9");
+  refused(with([](Controller& c) {
+            c.type = ControllerType::velocity_by_torque;
+            c.axis = {};
+          }),
+          "axis");
+  refused(with([](Controller& c) {
+            c.type = ControllerType::velocity_by_torque;
+            c.body = 9;
+          }),
+          "follows body 9");
   SceneWorld twice = flywheel(good);
   twice.controller.push_back(good);
   refused([&] { simulate(Backend::cpu, twice, {}); }, "controller 1 drives motor 0, which has a controller");

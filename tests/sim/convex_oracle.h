@@ -109,11 +109,32 @@ inline double separation_around(const Body& a, const Body& b, const Vec3d& u) {
     for (double k = -samples; k <= samples; ++k) {
       const double angle = middle + half * k / samples;
       const double at = separation(a, b, v * std::cos(angle) + w * std::sin(angle));
-      if (at > best) best = at, centre = angle;
+      if (at > best) {
+        best = at;
+        centre = angle;
+      }
     }
     half *= level == 0 ? 1.0 / 90 : 1.0 / 3;
   }
   return best;
+}
+
+/// Largest separation near the direction n: random steps that shrink.
+inline double climbed(const Body& a, const Body& b, double value, Vec3d n, Draw& draw) {
+  for (double step = 0.05; step > 1e-7;) {
+    bool better = false;
+    for (int k = 0; k < 12; ++k) {
+      const Vec3d moved = n + draw.direction() * step, unit = moved * (1 / length(moved));
+      const double at = separation(a, b, unit);
+      if (at > value) {
+        value = at;
+        n = unit;
+        better = true;
+      }
+    }
+    if (!better) step *= 0.6;
+  }
+  return value;
 }
 
 /// Largest separation over all directions.
@@ -138,19 +159,8 @@ inline double signed_distance(const Body& a, const Body& b) {
   std::sort(found.begin(), found.end(), [](const auto& p, const auto& q) { return p.first > q.first; });
   Draw draw(77);
   double best = found[0].first;
-  for (int start = 0; start < 12; ++start) {
-    auto [value, n] = found[std::size_t(start)];
-    for (double step = 0.05; step > 1e-7;) {
-      bool better = false;
-      for (int k = 0; k < 12; ++k) {
-        const Vec3d moved = n + draw.direction() * step, unit = moved * (1 / length(moved));
-        const double at = separation(a, b, unit);
-        if (at > value) value = at, n = unit, better = true;
-      }
-      if (!better) step *= 0.6;
-    }
-    best = std::max(best, value);
-  }
+  for (std::size_t start = 0; start < 12; ++start)
+    best = std::max(best, climbed(a, b, found[start].first, found[start].second, draw));
   for (const Body* body : {&a, &b})
     for (const Vec3d& u : {body->axes.x, body->axes.y, body->axes.z}) best = std::max(best, separation_around(a, b, u));
   return best;

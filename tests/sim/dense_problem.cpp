@@ -154,7 +154,7 @@ DenseProblem dense_problem(const sim::SceneWorld& world, const std::vector<sim::
   return p;
 }
 
-DenseSolution solve(const DenseProblem& problem, double tolerance, int most_iterations) {
+DenseSolution solve(const DenseProblem& problem, double tolerance, int max_iterations) {
   const Scaled q(problem);
   const Eigen::Index rows = problem.bias.size();
   const MatrixXd identity = MatrixXd::Identity(rows, rows);
@@ -162,7 +162,7 @@ DenseSolution solve(const DenseProblem& problem, double tolerance, int most_iter
   Eigen::LDLT<MatrixXd> factor(q.hessian + penalty * identity);
   VectorXd z = VectorXd::Zero(rows), u = z;
   DenseSolution s;
-  for (s.iterations = 0; s.iterations < most_iterations; ++s.iterations) {
+  for (s.iterations = 0; s.iterations < max_iterations; ++s.iterations) {
     const VectorXd g = factor.solve(penalty * (z - u) - q.gradient);
     const VectorXd relaxed = 1.6 * g - 0.6 * z, last = z;
     z = q.projected(relaxed + u);

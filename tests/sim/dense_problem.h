@@ -33,6 +33,6 @@ struct DenseSolution {
 };
 
 /// ADMM with adapted penalty (Boyd et al. 2011, sections 3.3 and 3.4.1) to a natural-map residual below `tolerance`.
-DenseSolution solve(const DenseProblem& problem, double tolerance, int most_iterations);
+DenseSolution solve(const DenseProblem& problem, double tolerance, int max_iterations);
 
 }  // namespace gonogo::test

@@ -99,7 +99,9 @@ TEST_CASE("a slipping clutch passes its own torque, a closed one the engine's, a
 TEST_CASE("gears change at their speeds and not sooner than the shift time after one another") {
   DrivelinePlan d;
   d.gear_count = 3;
-  d.up_speed = 200, d.down_speed = 90, d.shift_time = 1;
+  d.up_speed = 200;
+  d.down_speed = 90;
+  d.shift_time = 1;
   DrivelineState s{0, 250, 0, 0};
   shift(d, 5, s);
   CHECK(s.gear == 1);

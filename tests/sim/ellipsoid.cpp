@@ -19,8 +19,8 @@ using namespace gonogo::test;
 
 namespace {
 
-Vec3 random_half(Draw& draw, double least, double most) {
-  return {Real(draw.between(least, most)), Real(draw.between(least, most)), Real(draw.between(least, most))};
+Vec3 random_half(Draw& draw, double min, double max) {
+  return {Real(draw.between(min, max)), Real(draw.between(min, max)), Real(draw.between(min, max))};
 }
 
 Shape shape_of(ShapeType type, const Vec3& size) {
@@ -44,8 +44,8 @@ TEST_CASE("a sphere's gap to an ellipsoid is the distance of a Lagrange solve in
   Draw draw(41);
   double worst = 0, off = 0;
   for (int i = 0; i < 20000; ++i) {
-    const double least = i % 2 == 0 ? 0.1 : 0.004;  // aspect ratios up to 4 and to 100
-    const Vec3 half = random_half(draw, least, 0.4);
+    const double min = i % 2 == 0 ? 0.1 : 0.004;  // aspect ratios up to 4 and to 100
+    const Vec3 half = random_half(draw, min, 0.4);
     Vec3 p{Real(draw.between(-0.6, 0.6)), Real(draw.between(-0.6, 0.6)), Real(draw.between(-0.6, 0.6))};
     if (i % 7 == 0) p.x = 0;
     if (i % 11 == 0) p.z = 0;
@@ -139,7 +139,9 @@ TEST_CASE("mass and moments of inertia of an ellipsoid are those of the small cu
         if (x * x + y * y + z * z > 1) continue;
         const double m = density * 8.0 * half.x * half.y * half.z / (double(cells) * cells * cells);
         mass += m;
-        xx += m * x * x * half.x * half.x, yy += m * y * y * half.y * half.y, zz += m * z * z * half.z * half.z;
+        xx += m * x * x * half.x * half.x;
+        yy += m * y * y * half.y * half.y;
+        zz += m * z * z * half.z * half.z;
       }
   const BodyMass& found = w.mass[std::size_t(b)];
   CHECK(1 / found.inverse_mass.x == Approx(mass).epsilon(2e-3));

@@ -29,9 +29,14 @@ double distance_to(const Patch& patch, const Vec3d& p) {
         const double at_u = std::clamp(u + half * (2.0 * i / cells - 1), 0.0, 1.0);
         const double at_v = std::clamp(v + half * (2.0 * k / cells - 1), 0.0, 1.0);
         const double d = length(p - patch(at_u, at_v));
-        if (d < best) best = d, best_u = at_u, best_v = at_v;
+        if (d < best) {
+          best = d;
+          best_u = at_u;
+          best_v = at_v;
+        }
       }
-    u = best_u, v = best_v;
+    u = best_u;
+    v = best_v;
     half *= level == 0 ? 0.05 : 0.3;
   }
   return best;
@@ -181,7 +186,8 @@ TEST_CASE("a small sphere meets every feature of a wheel that it touches, and ea
         const double z = (draw.below(2) ? 0.5 : -0.5) * wheel.lug_thickness;
         p = Vec3d{std::cos(a) * x - std::sin(a) * z, p.y, std::sin(a) * x + std::cos(a) * z};
         const double out = (radius + 0.9 * envelope) / std::hypot(p.x, p.z);
-        p.x *= 1 + out, p.z *= 1 + out;
+        p.x *= 1 + out;
+        p.z *= 1 + out;
       }
       std::vector<int> met;
       visit_wheel_gaps(static_cast<Vec3>(p), wheel, Real(radius), Real(envelope), [&](int feature, const Gap& g) {

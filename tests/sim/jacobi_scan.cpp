@@ -51,9 +51,9 @@ StepSettings settings_of(Solver solver, Target target, Index substeps, Index ite
 }
 
 double largest(const std::vector<Impulse>& p) {
-  double most = 0;
-  for (const Impulse& i : p) most = std::max(most, length(static_cast<Vec3d>(i.linear)));
-  return most;
+  double max = 0;
+  for (const Impulse& i : p) max = std::max(max, length(static_cast<Vec3d>(i.linear)));
+  return max;
 }
 
 void check_impulses(const std::vector<Impulse>& a, const std::vector<Impulse>& b, double tolerance) {
@@ -112,7 +112,8 @@ TEST_CASE("a segmented scan in runs adds up segments of any length") {
   }
   const std::vector<std::int64_t> given = value;
   const Index slots = Index(given.size()), room = slots + 100;
-  key.resize(std::size_t(room), 399), value.resize(std::size_t(room), 12345);
+  key.resize(std::size_t(room), 399);
+  value.resize(std::size_t(room), 12345);
   const ScanRun<std::int64_t, KeyOf> scan{{{key.data(), room}}, {value.data(), room}, &slots};
   for_each_index(Cpu{2}, scan_runs(room), scan);
   Index longest = 0, empty = 0;

@@ -109,13 +109,11 @@ struct DenseStep {
   std::vector<VectorXd> joint_impulse;  // J' p of each joint
 };
 
-/// min 1/2 |v - v_free|_M^2 + 1/2 (h k + c) h u^2 + h f u  over all v with J v = 0.
-DenseStep dense_step(const SceneWorld& w, double h) {
-  std::vector<Pose> pose;
-  for (const BodyState& s : w.body) pose.push_back(pose_of(s));
+/// Mass matrix, and in `free` the velocities at the end of the step without forces of joints and springs.
+MatrixXd mass_matrix(const SceneWorld& w, const std::vector<Pose>& pose, double h, VectorXd& free) {
   const Eigen::Index n = Eigen::Index(6 * pose.size());
   MatrixXd mass = MatrixXd::Identity(n, n);
-  VectorXd target = VectorXd::Zero(n);
+  free = VectorXd::Zero(n);
   for (std::size_t b = 1; b < pose.size(); ++b) {
     const Eigen::Index at = Eigen::Index(6 * b);
     const Vec3 i = w.mass[b].inverse_inertia_B;
@@ -128,9 +126,19 @@ DenseStep dense_step(const SceneWorld& w, double h) {
     mass.block<3, 3>(at + 3, at + 3) =
         r * Eigen::Vector3d(1.0 / i.x, 1.0 / i.y, 1.0 / i.z).asDiagonal() * r.transpose();
     const Vec3 &v = w.body[b].velocity, &spin = w.body[b].angular_velocity;
-    target.segment<6>(at) << v.x, v.y, v.z + h * w.gravity.z, spin.x, spin.y, spin.z;
+    free.segment<6>(at) << v.x, v.y, v.z + h * w.gravity.z, spin.x, spin.y, spin.z;
   }
-  VectorXd force = mass * target;
+  return mass;
+}
+
+/// min 1/2 |v - v_free|_M^2 + 1/2 (h k + c) h u^2 + h f u  over all v with J v = 0.
+DenseStep dense_step(const SceneWorld& w, double h) {
+  std::vector<Pose> pose;
+  for (const BodyState& s : w.body) pose.push_back(pose_of(s));
+  const Eigen::Index n = Eigen::Index(6 * pose.size());
+  VectorXd free;
+  MatrixXd mass = mass_matrix(w, pose, h, free);
+  VectorXd force = mass * free;
   for (const SpringDamper& s : w.spring) {
     const auto f = [&](const Pose& a, const Pose& b) { return std::vector<double>{measured(s, a, b)}; };
     const VectorXd j = derivative(f, pose, s.a.body, s.b.body).row(0);
@@ -147,7 +155,10 @@ DenseStep dense_step(const SceneWorld& w, double h) {
   }
   MatrixXd all(rows, n);
   Eigen::Index next = 0;
-  for (const MatrixXd& j : of_joint) all.middleRows(next, j.rows()) = j, next += j.rows();
+  for (const MatrixXd& j : of_joint) {
+    all.middleRows(next, j.rows()) = j;
+    next += j.rows();
+  }
   MatrixXd kkt = MatrixXd::Zero(n + rows, n + rows);
   kkt << mass, -all.transpose(), all, MatrixXd::Zero(rows, rows);
   VectorXd right = VectorXd::Zero(n + rows);

@@ -211,7 +211,7 @@ TEST_CASE("a mechanism above the stated capacity is refused with its size") {
   SceneWorld w;
   w.size = {100, 100, 100};
   BodyIndex last = w.add_body({}, fixed_body());
-  for (int k = 0; k <= kMostMechanismBodies; ++k) {
+  for (int k = 0; k <= kMaxMechanismBodies; ++k) {
     const BodyIndex next = w.add_body({{double(k), 0, 0}, {}, {}, {}}, solid(1, {1, 1, 1}));
     w.joint.push_back(spherical(w, next, last, {double(k), 0, 0}));
     last = next;

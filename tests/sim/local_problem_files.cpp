@@ -33,12 +33,19 @@ void put_matrix(Hdf5Writer& out, const std::string& group, int rows, int columns
   std::vector<std::int32_t> p, i;
   std::vector<double> x;
   if (kind >= 0) {
-    for (const Triplet& t : entries) p.push_back(t.column), i.push_back(t.row), x.push_back(t.value);
+    for (const Triplet& t : entries) {
+      p.push_back(t.column);
+      i.push_back(t.row);
+      x.push_back(t.value);
+    }
   } else {
     for (int line = 0; line < (kind == -1 ? columns : rows); ++line) {
       p.push_back(int(x.size()));
       for (const Triplet& t : entries)
-        if ((kind == -1 ? t.column : t.row) == line) i.push_back(kind == -1 ? t.row : t.column), x.push_back(t.value);
+        if ((kind == -1 ? t.column : t.row) == line) {
+          i.push_back(kind == -1 ? t.row : t.column);
+          x.push_back(t.value);
+        }
     }
     p.push_back(int(x.size()));
   }
@@ -191,7 +198,10 @@ TEST_CASE("every problem by others reads as h5dump and a plain parser read it") 
     double trace = 0, weighted_q = 0, square_q = 0, mu = 0, mu_roll = 0;
     for (Index i = 0; i < p.contact_count(); ++i)
       for (int a = 0; a < p.dimension; ++a) trace += p.diagonal_block(i)[a * (p.dimension + 1)];
-    for (std::size_t i = 0; i < p.q.size(); ++i) weighted_q += double(i + 1) * p.q[i], square_q += p.q[i] * p.q[i];
+    for (std::size_t i = 0; i < p.q.size(); ++i) {
+      weighted_q += double(i + 1) * p.q[i];
+      square_q += p.q[i] * p.q[i];
+    }
     for (const double x : p.mu) mu += x;
     for (const double x : p.mu_roll) mu_roll += x;
     CHECK(trace == Approx(sums.at("trace_w").number()).epsilon(1e-10));

@@ -193,7 +193,10 @@ TEST_CASE("a sphere's least gap to a mesh is its distance from all triangles, ne
     for (int i = 0; i < 400; ++i) {
       const auto& t = source.triangle[std::size_t(draw.below(int(source.triangle.size())))];
       double u = draw.unit(), v = draw.unit();
-      if (u + v > 1) u = 1 - u, v = 1 - v;
+      if (u + v > 1) {
+        u = 1 - u;
+        v = 1 - v;
+      }
       const Vec3d a = static_cast<Vec3d>(source.vertex[t[0]]), b = static_cast<Vec3d>(source.vertex[t[1]]),
                   c = static_cast<Vec3d>(source.vertex[t[2]]);
       const double radius = draw.between(0.01, 0.05);
@@ -308,7 +311,7 @@ TEST_CASE("a mesh on a plane has the gaps of its vertices, each once; the deepes
       continue;
     }
     CHECK(least == Approx(*std::min_element(expected.begin(), expected.end())).margin(1e-6));
-    if (expected.size() > std::size_t(kMostTouches)) {
+    if (expected.size() > std::size_t(kMaxTouches)) {
       ++chosen;
       CHECK((found.size() >= 3 && found.size() <= 9));
       continue;

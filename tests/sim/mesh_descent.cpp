@@ -40,7 +40,8 @@ struct Meshes {
     without_cones.cone.assign(library.cone.size(), NormalCone{});
     everywhere.node.clear();
     for (MeshRange& range : everywhere.mesh) {
-      range.node = Index(everywhere.node.size()), range.node_count = 1;
+      range.node = Index(everywhere.node.size());
+      range.node_count = 1;
       const Real far = 1e6f;
       everywhere.node.push_back(
           {{-far, -far, -far}, 0, {far, far, far}, Index(source[everywhere.node.size()]->triangle.size()), 1});
@@ -105,21 +106,26 @@ struct Boxes {
   double separation(const Vec3d& d, Vec3d& way) const {
     const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     Vec3d a[3], b[3];
-    for (int k = 0; k < 3; ++k)
-      a[k] = static_cast<Vec3d>(rotate(qa, unit[k])), b[k] = static_cast<Vec3d>(rotate(qb, unit[k]));
+    for (int k = 0; k < 3; ++k) {
+      a[k] = static_cast<Vec3d>(rotate(qa, unit[k]));
+      b[k] = static_cast<Vec3d>(rotate(qb, unit[k]));
+    }
     std::vector<Vec3d> axes(a, a + 3);
     axes.insert(axes.end(), b, b + 3);
     for (const Vec3d& p : a)
       for (const Vec3d& q : b)
         if (const Vec3d c = cross(p, q); length(c) > 1e-3) axes.push_back(c * (1 / length(c)));
     const double ha[3] = {half_a.x, half_a.y, half_a.z}, hb[3] = {half_b.x, half_b.y, half_b.z};
-    double most = -1e30;
+    double max = -1e30;
     for (const Vec3d& n : axes) {
       double gap = std::abs(dot(d, n));
       for (int k = 0; k < 3; ++k) gap -= ha[k] * std::abs(dot(a[k], n)) + hb[k] * std::abs(dot(b[k], n));
-      if (gap > most) most = gap, way = dot(d, n) > 0 ? n : n * -1.0;
+      if (gap > max) {
+        max = gap;
+        way = dot(d, n) > 0 ? n : n * -1.0;
+      }
     }
-    return most;
+    return max;
   }
 
   /// So far along a direction the boxes are `-separation` deep in each other.
@@ -243,7 +249,9 @@ TEST_CASE("meshes of two boxes that overlap have a contact along their least sep
         nearest = std::min(nearest, off + std::abs(double(f.touch.gap) + depth));
         only = only && off < 0.2;
       }
-      ++cases, other_way += !only, missed += nearest > 1e-4;
+      ++cases;
+      other_way += !only;
+      missed += nearest > 1e-4;
       if (nearest < 1e-4) worst = std::max(worst, nearest);
     }
   std::printf(

@@ -145,7 +145,7 @@ void check_pair(const char* name, const Kind& kind_a, const Kind& kind_b, int ca
     INFO(name << ", case " << i << ": " << found.size() << " contacts, distance " << expected << ", least gap "
               << least_gap(found));
     REQUIRE(!found.empty());
-    REQUIRE(found.size() <= std::size_t(kMostTouches));
+    REQUIRE(found.size() <= std::size_t(kMaxTouches));
     const double gap = range.low < kNear.low ? gap_near(found, expected) : least_gap(found);
     worst = std::max(worst, std::abs(gap - expected));
     REQUIRE(std::abs(gap - expected) < tolerance);

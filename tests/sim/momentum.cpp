@@ -68,14 +68,14 @@ TEST_CASE("free spheres that collide keep their momentum and gain no energy") {
     const auto simulation = simulate(backend, w, settings);
     const Momenta before = momenta(w, simulation->bodies(0));
     double last = before.kinetic, largest_gain = 0;
-    Index most_contacts = 0;
+    Index max_contacts = 0;
     const int steps = 300;
     for (int i = 0; i < steps; ++i) {
       simulation->advance(1);
       const double kinetic = momenta(w, simulation->bodies(0)).kinetic;
       REQUIRE(simulation->report(0).kinetic_energy == Approx(kinetic).epsilon(1e-6));
       largest_gain = std::max(largest_gain, kinetic - last);
-      most_contacts = std::max(most_contacts, simulation->report(0).contact_count);
+      max_contacts = std::max(max_contacts, simulation->report(0).contact_count);
       last = kinetic;
     }
     const Momenta after = momenta(w, simulation->bodies(0));
@@ -83,14 +83,14 @@ TEST_CASE("free spheres that collide keep their momentum and gain no energy") {
     const double turn_drift = length(after.angular - before.angular) / before.angular_size;
     INFO(name_of(backend) << ": momentum drift " << drift << ", angular " << turn_drift << ", kinetic energy "
                           << before.kinetic << " J to " << after.kinetic << " J, largest gain in a step "
-                          << largest_gain << " J, most contacts " << most_contacts);
+                          << largest_gain << " J, most contacts " << max_contacts);
     // Every step rounds each velocity once (6e-8); 300 of them add up at worst.
     CHECK(drift < steps * 6e-8);
     CHECK(turn_drift < steps * 6e-8);
     // The exact solution never gains; an unfinished iteration may by its residual's share.
     CHECK(largest_gain < 1e-4 * before.kinetic);
     CHECK(after.kinetic < 0.5 * before.kinetic);
-    CHECK(most_contacts > 100);
+    CHECK(max_contacts > 100);
     WARN(name_of(backend) << ": momentum drift " << drift << ", angular " << turn_drift << ", largest gain "
                           << largest_gain / before.kinetic << " of the kinetic energy");
   }
@@ -127,7 +127,8 @@ TEST_CASE("a box and spheres sliding freely on a plane only lose energy") {
       simulation->advance(1);
       const double now = simulation->report(0).kinetic_energy, height = potential();
       largest_gain = std::max(largest_gain, now + height - energy - level);
-      energy = now, level = height;
+      energy = now;
+      level = height;
     }
     INFO(name_of(backend) << ": " << start << " J to " << energy << " J, largest gain in a step " << largest_gain);
     CHECK(largest_gain < 1e-4 * start);

@@ -39,8 +39,8 @@ Monitor watch(double time_limit) {
 }
 
 /// Steps until the world stops; fails the test when it does not.
-WorldStop run(Simulation& simulation, Index most = 5000) {
-  for (Index n = 0; n < most; n += 7) {
+WorldStop run(Simulation& simulation, Index max = 5000) {
+  for (Index n = 0; n < max; n += 7) {
     simulation.advance(7);
     if (simulation.stop(0).cause != StopCause::none) break;
   }

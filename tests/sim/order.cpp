@@ -62,7 +62,8 @@ TEST_CASE("bodies that have mixed are sorted anew, and every answer stays with i
     const auto after = simulation->bodies(0);
     for (std::size_t b = 0; b < after.size(); ++b) {
       Vec3d way = after[b].position - before[b].position;
-      way.x -= 0.8 * std::round(way.x / 0.8), way.y -= 0.8 * std::round(way.y / 0.8);
+      way.x -= 0.8 * std::round(way.x / 0.8);
+      way.y -= 0.8 * std::round(way.y / 0.8);
       CHECK(length(way) < 0.02);  // 4 m/s, at most doubled by impacts, in 1e-3 s
     }
     CHECK(simulation->report(0).flags == 0);
@@ -87,7 +88,8 @@ TEST_CASE("the joint and the motor of sorted bodies go on") {
       const BodyState a = simulation->body(0, kBalls + 2), b = simulation->body(0, kBalls + 3);
       const Vec3 end = rotate(a.orientation, {0.1f, 0, 0}), start = rotate(b.orientation, {-0.1f, 0, 0});
       Vec3d gap = a.position + static_cast<Vec3d>(end) - b.position - static_cast<Vec3d>(start);
-      gap.x -= 0.8 * std::round(gap.x / 0.8), gap.y -= 0.8 * std::round(gap.y / 0.8);
+      gap.x -= 0.8 * std::round(gap.x / 0.8);
+      gap.y -= 0.8 * std::round(gap.y / 0.8);
       CHECK(length(gap) < 1e-3);
     }
     CHECK(std::abs(simulation->motor_torque(0, 0)) <= 2.001);

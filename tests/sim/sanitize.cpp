@@ -123,6 +123,27 @@ Controller controller(ControllerType type, Index motor, BodyIndex body) {
   return c;
 }
 
+/// Five bodies that hang from each other by joints of every type; the last one.
+BodyIndex add_chain(SceneWorld& w, BodyIndex ground) {
+  BodyIndex last = ground;
+  for (int k = 0; k < 5; ++k) {
+    const Vec3d here{-1.5 + 0.2 * k, 1.5, 1}, next = here + Vec3d{0.2, 0, 0};
+    const BodyIndex link = w.add_body({here + Vec3d{0.1, 0, 0}, {}, {}, {}}, solid(1, {0.01f, 0.02f, 0.03f}));
+    if (k == 0) w.joint.push_back(universal(w, link, last, here, {0, 1, 0}, {0, 0, 1}));
+    if (k == 1) w.joint.push_back(spherical(w, link, last, here));
+    if (k == 2) w.joint.push_back(fixed(w, link, last, here));
+    if (k == 3) w.joint.push_back(distance(w, link, last, here, here - Vec3d{0.1, 0, 0}));
+    if (k == 4) w.joint.push_back(revolute(w, link, last, here, {0, 1, 0}));
+    if (k == 4) {
+      w.spring.push_back(spring_about(w.joint.back(), 0.1, 5, 0.1));
+      w.motor.push_back(torque_motor(w.joint.back(), 0.2));
+    }
+    w.spring.push_back(spring_between(w, link, ground, next, next + Vec3d{0, 0, 0.5}, 200, 5));
+    last = link;
+  }
+  return last;
+}
+
 /// A cart on four wheels and a chain of all joints: springs, motors, controllers, forces and monitors.
 SceneWorld machine() {
   SceneWorld w = empty_world({Real(0.8), Real(0.01), 0});
@@ -145,21 +166,7 @@ SceneWorld machine() {
     w.motor.push_back(speed_motor(w.joint.back(), 3, 15));
     w.controller.push_back(controller(ControllerType(k), k, frame));
   }
-  BodyIndex last = ground;
-  for (int k = 0; k < 5; ++k) {
-    const Vec3d here{-1.5 + 0.2 * k, 1.5, 1}, next = here + Vec3d{0.2, 0, 0};
-    const BodyIndex link = w.add_body({here + Vec3d{0.1, 0, 0}, {}, {}, {}}, solid(1, {0.01f, 0.02f, 0.03f}));
-    if (k == 0) w.joint.push_back(universal(w, link, last, here, {0, 1, 0}, {0, 0, 1}));
-    if (k == 1) w.joint.push_back(spherical(w, link, last, here));
-    if (k == 2) w.joint.push_back(fixed(w, link, last, here));
-    if (k == 3) w.joint.push_back(distance(w, link, last, here, here - Vec3d{0.1, 0, 0}));
-    if (k == 4) w.joint.push_back(revolute(w, link, last, here, {0, 1, 0}));
-    if (k == 4)
-      w.spring.push_back(spring_about(w.joint.back(), 0.1, 5, 0.1)),
-          w.motor.push_back(torque_motor(w.joint.back(), 0.2));
-    w.spring.push_back(spring_between(w, link, ground, next, next + Vec3d{0, 0, 0.5}, 200, 5));
-    last = link;
-  }
+  const BodyIndex last = add_chain(w, ground);
   w.spring.back().table = force_table({{-0.1, -50}, {0, 0}, {0.1, 20}});
   w.force = {aerodynamic_drag(frame, 1.2, 1, 0.5, {0, 0, 0.1f}), tow_load(last, ReferenceFrame::body, {1, 0, 0}, 3)};
   Monitor m;
@@ -196,10 +203,10 @@ bool same_bits(const Bodies& a, const Bodies& b) {
 }
 
 double furthest_apart(const Bodies& a, const Bodies& b) {
-  double most = 0;
+  double max = 0;
   for (std::size_t w = 0; w < a.size(); ++w)
-    for (std::size_t i = 0; i < a[w].size(); ++i) most = std::max(most, length(a[w][i].position - b[w][i].position));
-  return most;
+    for (std::size_t i = 0; i < a[w].size(); ++i) max = std::max(max, length(a[w][i].position - b[w][i].position));
+  return max;
 }
 
 /// Steps, and everything that may be asked for or changed between them; where all bodies are at the end.

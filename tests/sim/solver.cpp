@@ -156,7 +156,7 @@ Comparison compare(Backend backend, const SceneWorld& w, const StepSettings& set
 /// `tolerance`: of a velocity, in parts of the largest kick.
 void check_velocities(Backend backend, Kind kind, const StepSettings& settings, const char* solver, double tolerance) {
   double worst = 0;
-  std::size_t fewest = 1000, most = 0;
+  std::size_t min_count = 1000, max_count = 0;
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     const Comparison c = compare(backend, random_scene(kind, seed, kind != Kind::wheel_on_rails), settings);
     INFO(name_of(backend) << ", " << solver << ", " << kNames[int(kind)] << ", seed " << seed << ": " << c.contacts
@@ -168,11 +168,12 @@ void check_velocities(Backend backend, Kind kind, const StepSettings& settings, 
     // some tens of times.
     CHECK(c.error < tolerance * c.kick);
     worst = std::max(worst, c.error);
-    fewest = std::min(fewest, c.contacts), most = std::max(most, c.contacts);
+    min_count = std::min(min_count, c.contacts);
+    max_count = std::max(max_count, c.contacts);
   }
   WARN(name_of(backend) << ", " << solver << ", " << kNames[int(kind)] << ": largest velocity error " << worst
-                        << " m/s over 8 scenes of " << fewest << " to " << most << " contacts");
-  CHECK(fewest >= 10);
+                        << " m/s over 8 scenes of " << min_count << " to " << max_count << " contacts");
+  CHECK(min_count >= 10);
 }
 
 }  // namespace

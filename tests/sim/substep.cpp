@@ -15,7 +15,7 @@ double norm(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 double norm(const Vec3& v) { return norm(static_cast<Vec3d>(v)); }
 
 constexpr Real kSmall = 1.0f / 4096;  // [s], so that parts of a step have the same bits
-constexpr Index kParts = 5;
+constexpr Index kSubsteps = 5;
 
 StepSettings small_steps() {
   StepSettings s;
@@ -24,10 +24,10 @@ StepSettings small_steps() {
   return s;
 }
 
-StepSettings steps_in_parts() {
+StepSettings in_substeps() {
   StepSettings s = small_steps();
-  s.step = kParts * kSmall;
-  s.substeps = kParts;
+  s.step = kSubsteps * kSmall;
+  s.substeps = kSubsteps;
   return s;
 }
 
@@ -56,14 +56,14 @@ void check_same(const BodyState& a, const BodyState& b, double length, double sp
 
 TEST_CASE("a body in the air moves in parts of a step as in small steps") {
   for (const Backend backend : backends()) {
-    const auto parts = simulate(backend, two_balls({0.5f}), steps_in_parts());
+    const auto substeps = simulate(backend, two_balls({0.5f}), in_substeps());
     const auto small = simulate(backend, two_balls({0.5f}), small_steps());
-    parts->advance(20);
-    small->advance(20 * kParts);
-    const BodyState a = parts->body(0, 2), b = small->body(0, 2);
+    substeps->advance(20);
+    small->advance(20 * kSubsteps);
+    const BodyState a = substeps->body(0, 2), b = small->body(0, 2);
     CHECK(norm(a.position - b.position) < 1e-7);
     CHECK(norm(a.velocity - b.velocity) == 0);
-    CHECK(parts->report(0).time == small->report(0).time);
+    CHECK(substeps->report(0).time == small->report(0).time);
   }
 }
 
@@ -73,12 +73,12 @@ TEST_CASE("sliding, rolling and compliant contacts in parts of a step follow sma
   soft.damping = 100;
   for (const Backend backend : backends())
     for (const PairLaw& law : {PairLaw{0.3f}, rolling, soft}) {
-      const auto parts = simulate(backend, two_balls(law), steps_in_parts());
+      const auto substeps = simulate(backend, two_balls(law), in_substeps());
       const auto small = simulate(backend, two_balls(law), small_steps());
-      parts->advance(100);
-      small->advance(100 * kParts);
-      check_same(parts->body(0, 1), small->body(0, 1), 1e-4, 1e-3);
-      CHECK(parts->contact_force(0, 1).z == Approx(small->contact_force(0, 1).z).epsilon(0.02));
+      substeps->advance(100);
+      small->advance(100 * kSubsteps);
+      check_same(substeps->body(0, 1), small->body(0, 1), 1e-4, 1e-3);
+      CHECK(substeps->contact_force(0, 1).z == Approx(small->contact_force(0, 1).z).epsilon(0.02));
     }
 }
 
@@ -91,13 +91,13 @@ TEST_CASE("motors give the same torque in parts of a step as in small steps") {
   w.joint.push_back(revolute(w, disc, stand, {0, 0, 0}, {0, 0, 1}));
   w.motor.push_back(speed_motor(w.joint.back(), 10, 0.5));
   for (const Backend backend : backends()) {
-    const auto parts = simulate(backend, w, steps_in_parts());
+    const auto substeps = simulate(backend, w, in_substeps());
     const auto small = simulate(backend, w, small_steps());
-    parts->advance(40);
-    small->advance(40 * kParts);
-    CHECK(parts->motor_torque(0, 0) == Approx(0.5).epsilon(1e-4));
-    CHECK(parts->body(0, disc).angular_velocity.z == Approx(0.5 / 0.04 * 40 * kParts * kSmall).epsilon(1e-4));
-    CHECK(parts->body(0, disc).angular_velocity.z == Approx(small->body(0, disc).angular_velocity.z).epsilon(1e-5));
+    substeps->advance(40);
+    small->advance(40 * kSubsteps);
+    CHECK(substeps->motor_torque(0, 0) == Approx(0.5).epsilon(1e-4));
+    CHECK(substeps->body(0, disc).angular_velocity.z == Approx(0.5 / 0.04 * 40 * kSubsteps * kSmall).epsilon(1e-4));
+    CHECK(substeps->body(0, disc).angular_velocity.z == Approx(small->body(0, disc).angular_velocity.z).epsilon(1e-5));
   }
 }
 
@@ -109,7 +109,7 @@ TEST_CASE("contacts that close within a step are closed by its parts") {
   const BodyIndex ball = w.add_sphere({0, 0, 0.101}, 0.1f, 2000, 0);
   w.body[ball].velocity = {0, 0, -1.5f};
   for (const Backend backend : backends()) {
-    const auto simulation = simulate(backend, w, steps_in_parts());
+    const auto simulation = simulate(backend, w, in_substeps());
     simulation->advance(3);
     CHECK(simulation->body(0, ball).position.z == Approx(0.1).margin(2e-5));
     CHECK(std::abs(simulation->body(0, ball).velocity.z) < 1e-3);
@@ -134,27 +134,27 @@ SceneWorld driven_and_sliding() {
 TEST_CASE("a part of a step with few sweeps does what a small step with as few does") {
   for (const Backend backend : backends())
     for (const Index iterations : {1, 2, 3}) {
-      StepSettings in_parts = steps_in_parts(), in_steps = small_steps();
-      in_parts.iterations = in_steps.iterations = iterations;
-      in_parts.solver = in_steps.solver = Solver::gauss_seidel;
-      const auto parts = simulate(backend, driven_and_sliding(), in_parts);
-      const auto small = simulate(backend, driven_and_sliding(), in_steps);
-      parts->advance(20);
-      small->advance(20 * kParts);
+      StepSettings with_substeps = in_substeps(), with_steps = small_steps();
+      with_substeps.iterations = with_steps.iterations = iterations;
+      with_substeps.solver = with_steps.solver = Solver::gauss_seidel;
+      const auto substeps = simulate(backend, driven_and_sliding(), with_substeps);
+      const auto small = simulate(backend, driven_and_sliding(), with_steps);
+      substeps->advance(20);
+      small->advance(20 * kSubsteps);
       INFO(iterations << " iterations");
-      CHECK(parts->report(0).iterations == kParts * iterations);
-      for (const BodyIndex b : {1, 2}) check_same(parts->body(0, b), small->body(0, b), 2e-5, 2e-4);
+      CHECK(substeps->report(0).iterations == kSubsteps * iterations);
+      for (const BodyIndex b : {1, 2}) check_same(substeps->body(0, b), small->body(0, b), 2e-5, 2e-4);
     }
 }
 
 TEST_CASE("momentum that goes on from part to part leads to the same motion") {
   for (const Backend backend : backends()) {
-    StepSettings in_parts = steps_in_parts(), in_steps = small_steps();
-    in_parts.iterations = in_steps.iterations = 10;
-    const auto parts = simulate(backend, driven_and_sliding(), in_parts);
-    const auto small = simulate(backend, driven_and_sliding(), in_steps);
-    parts->advance(100);
-    small->advance(100 * kParts);
-    for (const BodyIndex b : {1, 2}) check_same(parts->body(0, b), small->body(0, b), 2e-4, 1e-3);
+    StepSettings with_substeps = in_substeps(), with_steps = small_steps();
+    with_substeps.iterations = with_steps.iterations = 10;
+    const auto substeps = simulate(backend, driven_and_sliding(), with_substeps);
+    const auto small = simulate(backend, driven_and_sliding(), with_steps);
+    substeps->advance(100);
+    small->advance(100 * kSubsteps);
+    for (const BodyIndex b : {1, 2}) check_same(substeps->body(0, b), small->body(0, b), 2e-4, 1e-3);
   }
 }

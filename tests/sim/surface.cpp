@@ -117,8 +117,10 @@ TEST_CASE("meshes and heightfields are drawn where contacts meet them") {
   Draw draw(71);
   Heightfield field;
   field.name = "rough";
-  field.nx = 6, field.ny = 5;
-  field.spacing_x = 0.3f, field.spacing_y = 0.2f;
+  field.nx = 6;
+  field.ny = 5;
+  field.spacing_x = 0.3f;
+  field.spacing_y = 0.2f;
   for (int k = 0; k < field.nx * field.ny; ++k) field.height.push_back(Real(draw.between(-0.05, 0.05)));
   for (const ShapeType type : {ShapeType::mesh, ShapeType::heightfield}) {
     SceneWorld w;

@@ -81,7 +81,7 @@ TEST_CASE("a body that crosses more than a bin in a step is flagged") {
 TEST_CASE("as often as asked for a body that crosses more than a bin in a step is slowed to that instead") {
   for (const Backend backend : backends()) {
     StepSettings settings;
-    settings.most_slowed = 2;
+    settings.max_slowed = 2;
     const auto simulation = make_simulation(backend, two_worlds(), settings, 1);
     const auto throw_up = [&](double speed) {
       BodyState s = simulation->body(0, 1);
@@ -116,7 +116,7 @@ TEST_CASE("as often as asked for a body that crosses more than a bin in a step i
 TEST_CASE("a body of a mechanism and one without a number are never slowed") {
   for (const Backend backend : backends()) {
     StepSettings settings;
-    settings.most_slowed = 1000;
+    settings.max_slowed = 1000;
     Scene scene = two_worlds();
     scene[0].joint.push_back(spherical(scene[0], 1, 2, {0.45, 0.5, 0.05}));
     const auto simulation = make_simulation(backend, scene, settings, 1);

@@ -20,10 +20,15 @@ inline void md5_block(const unsigned char* block, std::uint32_t (&state)[4]) {
     const auto constant = std::uint32_t(std::floor(std::abs(std::sin(double(i + 1))) * 0x1p32));
     const std::uint32_t sum = a + mix[i / 16] + constant + word[index[i / 16]];
     const int s = shift[i / 16][i % 4];
-    a = d, d = c, c = b;
+    a = d;
+    d = c;
+    c = b;
     b += sum << s | sum >> (32 - s);
   }
-  state[0] += a, state[1] += b, state[2] += c, state[3] += d;
+  state[0] += a;
+  state[1] += b;
+  state[2] += c;
+  state[3] += d;
 }
 
 /// 32 hexadecimal digits.

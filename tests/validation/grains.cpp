@@ -159,18 +159,18 @@ TEST_CASE("a lugged wheel drives over fixed grains within its torque and reaches
     w.add_shape(s);
     w.motor.push_back(speed_motor(w, s.body, kWorld, {0, 1, 0}, speed, limit));
     const auto simulation = simulate(backend, w, settings_with(1e-3, 40));
-    double most_torque = 0, mean_speed = 0, load = 0, travelled = 0;
+    double max_torque = 0, mean_speed = 0, load = 0, travelled = 0;
     const int steps = 3000, last = 1500;
     for (int i = 0; i < steps; ++i) {
       simulation->advance(1);
-      most_torque = std::max(most_torque, std::abs(simulation->motor_torque(0, 0)));
+      max_torque = std::max(max_torque, std::abs(simulation->motor_torque(0, 0)));
       if (i < steps - last) continue;
       const BodyState now = simulation->body(0, s.body);
       mean_speed += now.angular_velocity.y / last;
       travelled += now.velocity.x * 1e-3;
       load += simulation->contact_force(0, s.body).z / last;
     }
-    CHECK(agrees("wheel, largest torque over its limit [-]", 1, most_torque / limit, 1e-5));
+    CHECK(agrees("wheel, largest torque over its limit [-]", 1, max_torque / limit, 1e-5));
     CHECK(agrees("wheel, mean speed [rad/s]", speed, mean_speed, 0.02 * speed));
     CHECK(agrees("wheel, mean load [N]", weight, load, 0.03 * weight));
     // Rolling radius between the rim and the lugs' tips.

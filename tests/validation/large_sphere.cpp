@@ -21,12 +21,17 @@ TEST_CASE("a ball that falls onto spheres sinks in with the third root of its fa
     spec.tank.layers = 14;
     spec.drop_height = height;
     const ManyResult r = run_on_one_core(crater_scene(spec, {.iterations = 30}));
-    depth.push_back(std::log(value_of(r, "depth_m"))), fall.push_back(std::log(value_of(r, "total_fall_m")));
+    depth.push_back(std::log(value_of(r, "depth_m")));
+    fall.push_back(std::log(value_of(r, "total_fall_m")));
     std::printf("crater, dropped from %.1f m: depth %.4f m\n", height, std::exp(depth.back()));
   }
   double x = 0, y = 0, xx = 0, xy = 0;
-  for (std::size_t k = 0; k < fall.size(); ++k)
-    x += fall[k] / 3, y += depth[k] / 3, xx += fall[k] * fall[k] / 3, xy += fall[k] * depth[k] / 3;
+  for (std::size_t k = 0; k < fall.size(); ++k) {
+    x += fall[k] / 3;
+    y += depth[k] / 3;
+    xx += fall[k] * fall[k] / 3;
+    xy += fall[k] * depth[k] / 3;
+  }
   // Uehara et al. (2003).
   CHECK(agrees("crater, exponent of the depth over the fall [-]", 1.0 / 3, (xy - x * y) / (xx - x * x), 0.05));
 }
@@ -35,7 +40,8 @@ TEST_CASE("a large sphere rises through small ones that are shaken, and stays in
   NutSpec spec;
   spec.tank.of.count = 1000;
   const ManyResult shaken = run_on_one_core(nut_scene(spec, {.iterations = 25}));
-  spec.acceleration = 0, spec.shaken = 1;
+  spec.acceleration = 0;
+  spec.shaken = 1;
   const ManyResult still = run_on_one_core(nut_scene(spec, {.iterations = 25}));
   const double start = value_of(shaken, "height_over_depth_start");
   // The fill sinks a little into the room of the spheres that the large one replaced.

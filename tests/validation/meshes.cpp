@@ -153,7 +153,8 @@ TEST_CASE("a lugged wheel and a tyre of triangles roll over mesh ground as the w
         sum -= simulation->contact_force(0, 0).z / 400;
       }
       const BodyState s = simulation->body(0, 1);
-      travelled[way] = s.position.x + 1, load[way] = sum;
+      travelled[way] = s.position.x + 1;
+      load[way] = sum;
       CHECK(std::abs(s.position.y) < 1e-3);
       CHECK(simulation->report(0).flags == 0);
     }

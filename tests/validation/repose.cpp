@@ -64,7 +64,11 @@ double angle_of(const std::vector<BodyState>& bodies, const std::vector<BodyMass
   for (std::size_t i = 0; i < top.size(); ++i) {
     if (top[i] < 0.2 * summit || top[i] > 0.8 * summit) continue;
     const double at = (double(i) + 0.5) * width;
-    n += 1, x += at, z += top[i], xx += at * at, xz += at * top[i];
+    n += 1;
+    x += at;
+    z += top[i];
+    xx += at * at;
+    xz += at * top[i];
   }
   return to_degrees(-std::atan((n * xz - x * z) / (n * xx - x * x)));
 }

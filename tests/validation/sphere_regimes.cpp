@@ -79,8 +79,10 @@ TEST_CASE("a sphere released on an incline rests, rolls, slides or does both whe
   std::vector<Cell> cells;
   Scene scene;
   for (double angle = 1; angle <= 60; angle += 3.1)
-    for (double rolling = 0; rolling <= 0.305; rolling += 0.05)
-      cells.push_back({angle, rolling}), scene.push_back(sphere_on_slope(to_radians(angle), mu, rolling, radius, mass));
+    for (double rolling = 0; rolling <= 0.305; rolling += 0.05) {
+      cells.push_back({angle, rolling});
+      scene.push_back(sphere_on_slope(to_radians(angle), mu, rolling, radius, mass));
+    }
   const StepSettings settings = settings_with(step, 60);
   for (const Backend backend : backends()) {
     const auto simulation = make_simulation(backend, scene, settings, 1);
@@ -95,7 +97,8 @@ TEST_CASE("a sphere released on an incline rests, rolls, slides or does both whe
                    scale = kGravity * std::sin(angle) * time;
       worst = std::max({worst, std::fabs(speed - expected.speed) / scale, std::fabs(rim - expected.rim) / scale});
       if (expected.margin < 0.005) continue;
-      ++counted, ++of[int(expected.regime)];
+      ++counted;
+      ++of[int(expected.regime)];
       right += seen(speed, rim, 0.006 * scale) == expected.regime;
     }
     const std::string label = std::string(", ") + name_of(backend);
@@ -117,10 +120,10 @@ TEST_CASE("three spheres that lean on each other stand up to the mass that stati
   Scene scene;
   for (const double gap : {0.2, 0.3, 0.4})
     for (double rolling = 0.025; rolling <= 0.31; rolling += 0.025) {
-      const double most = largest_top_mass(gap, mu, rolling);
-      if (most < unlimited) {
-        cells.push_back({gap, rolling, most * (1 - beside), true});
-        cells.push_back({gap, rolling, most * (1 + beside), false});
+      const double max = largest_top_mass(gap, mu, rolling);
+      if (max < unlimited) {
+        cells.push_back({gap, rolling, max * (1 - beside), true});
+        cells.push_back({gap, rolling, max * (1 + beside), false});
       } else {
         cells.push_back({gap, rolling, unlimited, true});
       }

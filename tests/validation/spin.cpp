@@ -58,7 +58,10 @@ TEST_CASE("a tumbling body turns over and over and keeps its energy and angular 
         energy_error = std::max(energy_error, std::fabs(now.energy / first.energy - 1));
         momentum_error = std::max(momentum_error, length(now.momentum - first.momentum) / length(first.momentum));
         const double upright = dot(pose_of(s).y, first.momentum) / length(first.momentum);
-        if (std::fabs(upright) > 0.9 && upright * last < 0) ++turns, last = upright;
+        if (std::fabs(upright) > 0.9 && upright * last < 0) {
+          ++turns;
+          last = upright;
+        }
       }
       // Rounding of single precision over up to 20,000 steps; the scheme itself keeps both exactly.
       const std::string name = "tumbling, h " + short_text(c.step) + " s, " + short_text(c.spin) + " rad/s, ";

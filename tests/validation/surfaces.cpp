@@ -17,7 +17,8 @@ namespace {
 Heightfield level_field(Index nx, Index ny, double spacing, double slope = 0) {
   Heightfield f;
   f.name = "level";
-  f.nx = nx, f.ny = ny;
+  f.nx = nx;
+  f.ny = ny;
   f.spacing_x = f.spacing_y = Real(spacing);
   for (Index j = 0; j < ny; ++j)
     for (Index i = 0; i < nx; ++i) f.height.push_back(Real(slope * spacing * (i - 0.5 * (nx - 1))));

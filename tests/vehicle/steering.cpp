@@ -53,7 +53,7 @@ TEST_CASE("steered wheels turn as far as their arms, and the vehicle to that sid
   orders.speed = 2;
   HardGround d = steered(v, orders, 2);
   const double angle = 0.1;
-  for (sim::Controller& c : d.world.controller) c.most_angle = angle;
+  for (sim::Controller& c : d.world.controller) c.max_angle = angle;
   const auto s = started(d);
   shift_line(*s, 1000);  // full lock to the left
   advance_for(*s, 1.5);

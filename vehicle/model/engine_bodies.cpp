@@ -41,7 +41,7 @@ std::vector<double> corners(const Spring& s) {
 /// Pull of a spring over its stretch beyond `free`: all corners of its push, or those around the length it has now.
 sim::ForceTable stretch_table(const Spring& s, double now, double free) {
   const std::vector<double> at = corners(s);
-  const int count = std::min<int>(int(at.size()), sim::kMostTablePoints);
+  const int count = std::min<int>(int(at.size()), sim::kMaxTablePoints);
   const int above = int(std::upper_bound(at.begin(), at.end(), now) - at.begin());
   const int first = std::clamp(above - count / 2, 0, int(at.size()) - count);
   std::vector<std::pair<double, double>> points;

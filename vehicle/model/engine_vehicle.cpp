@@ -132,9 +132,9 @@ void set_coupling(const Vehicle& v, sim::Driveline& d) {
 void set_gears(const Vehicle& v, int gear, sim::Driveline& d) {
   std::vector<double> output = v.driveline.gears;
   std::sort(output.begin(), output.end());
-  if (int(output.size()) > sim::kMostGears || gear > int(output.size()))
+  if (int(output.size()) > sim::kMaxGears || gear > int(output.size()))
     throw InputError("vehicle " + v.name + " has " + std::to_string(output.size()) + " gears; at most " +
-                     std::to_string(sim::kMostGears) + " can be driven, and a gear to stay in must be one of them");
+                     std::to_string(sim::kMaxGears) + " can be driven, and a gear to stay in must be one of them");
   for (const double g : output) d.ratio[d.gear_count++] = 1 / (g * v.driveline.final_drive);
   d.first_gear = gear > 0 ? gear - 1 : 0;
   if (gear > 0) return;
@@ -178,8 +178,8 @@ void add_engine(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e
   set_gears(v, orders.gear, d);
   for (std::size_t a = 0; a < v.axle.size(); ++a) {
     if (!v.axle[a].driven) continue;
-    if (d.axle_count == sim::kMostDrivenAxles)
-      throw InputError("vehicle " + v.name + ": at most " + std::to_string(sim::kMostDrivenAxles) +
+    if (d.axle_count == sim::kMaxDrivenAxles)
+      throw InputError("vehicle " + v.name + ": at most " + std::to_string(sim::kMaxDrivenAxles) +
                        " axles can be driven");
     d.axle[d.axle_count++] = driven_axle(world, v.axle[a], e, wheels_of(e, int(a)));
   }
@@ -271,7 +271,7 @@ void add_steering_arm(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e
   c.limit = {{0, torque}};
   c.proportional = v.driver.steering_gain;
   c.look_ahead = v.driver.look_ahead;
-  c.most_angle = v.max_steering_angle;
+  c.max_angle = v.max_steering_angle;
   c.rate = rate;
   c.top_speed = top_speed;
   world.controller.push_back(c);

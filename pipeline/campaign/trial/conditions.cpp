@@ -77,7 +77,7 @@ terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attemp
 
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt) {
   sim::StepSettings s = terrain::step_settings(setup.calibration.grain_diameter, attempt_numerics(setup, attempt));
-  s.most_slowed = kMaxSlowed;
+  s.max_slowed = kMaxSlowed;
   return s;
 }
 

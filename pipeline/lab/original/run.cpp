@@ -97,7 +97,7 @@ OriginalSample sample_of(const sim::BodyState& chassis, const Dropped& d, const 
   if (d.hand.command.empty()) return s;
   const Vec3 forward = rotate(chassis.orientation, d.hand.axis);
   const double beside = chassis.position.y + d.hand.look_ahead * forward.y;
-  s.steering = sim::steering_wish(d.hand.proportional, d.hand.most_angle, beside) / d.hand.most_angle;
+  s.steering = sim::steering_wish(d.hand.proportional, d.hand.max_angle, beside) / d.hand.max_angle;
   return s;
 }
 

@@ -202,7 +202,7 @@ struct BatchArrays {
 
   void allocate() {
     for (auto* of_body : {&state.velocity, &state.velocity_change, &state.free_velocity, &state.extrapolated_velocity,
-                          &state.part_velocity, &state.earlier_velocity})
+                          &state.substep_velocity, &state.earlier_velocity})
       of_body->fill_zero(state.body_count);
     state.position.fill_zero(state.body_count);
     state.orientation.fill_zero(state.body_count);
@@ -244,9 +244,9 @@ struct BatchArrays {
     state.centre.fill_zero(state.shape_count);
     state.bin_of_shape.fill_zero(state.shape_count);
     state.large.fill_zero(large_total_);
-    Index most_large = 0;
-    for (const Place& p : place) most_large = std::max(most_large, p.size.large_shapes);
-    reserve_large_groups(state, large_total_, most_large);
+    Index max_large = 0;
+    for (const Place& p : place) max_large = std::max(max_large, p.size.large_shapes);
+    reserve_large_groups(state, large_total_, max_large);
     state.contacts_of_part.fill_zero(state.shape_count * kSearchParts);
     state.first_of_part.fill_zero(state.shape_count * kSearchParts + 1);
     state.noted.fill_zero(state.shape_count * kNeighbourRows * kNotedPairs);

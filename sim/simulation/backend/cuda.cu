@@ -25,7 +25,7 @@ class StepQueue<Cuda> {
   void advance(State<Cuda>& s, const StepSettings& settings, Index count) {
     exec_.halted = &s.progress.data()->halted;
     for (Index done = 0; done < count;) {
-      const Index queued = std::min(count - done, kMostQueued), parity = s.parity;
+      const Index queued = std::min(count - done, kMaxQueued), parity = s.parity;
       for (Index i = 0; i < queued; ++i) {
         launch(s, settings);
         s.parity = 1 - s.parity;
@@ -73,7 +73,7 @@ class StepQueue<Cuda> {
   }
 
  private:
-  static constexpr Index kMostQueued = 64, kSideStreams = 2;
+  static constexpr Index kMaxQueued = 64, kSideStreams = 2;
 
   /// Stages one after the other in one stream, again where there was no room for the contacts.
   template <class Stages>

@@ -268,7 +268,8 @@ class SimulationOn final : public Simulation, public StepByStage {
 
   void count_steps(Index count) {
     for (Index& steps : steps_) steps += count;
-    restored_contacts_ = 0, stepped_.assign(stepped_.size(), true);
+    restored_contacts_ = 0;
+    stepped_.assign(stepped_.size(), true);
   }
 
   /// `place`: of a body in its world's arrays.

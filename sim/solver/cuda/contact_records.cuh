@@ -6,7 +6,7 @@
 namespace gonogo::sim {
 
 /// `turning`, `resident`, `parts`: see SolveKernel. A resident contact's own records are those of the calling thread.
-template <bool turning, bool resident, bool parts>
+template <bool turning, bool resident, bool in_substeps>
 class ContactRecords {
  public:
   GONOGO_DEVICE explicit ContactRecords(const SolveViews& views) : s(views) {}
@@ -22,7 +22,7 @@ class ContactRecords {
     cone(i) = {c.step.n, c.step.t, c.mu, c.cohesion};
     if (turning) turn(i) = {c.rho, c.sigma, c.step.r, c.softness};
     pair(i) = {c.body_a, c.body_b};
-    if (parts) s.gap[i] = {c.gap, c.gap_rate};
+    if (in_substeps) s.gap[i] = {c.gap, c.gap_rate};
     CentralArms along;
     const bool central_a = is_central(c.arm_a, c.normal, c.body_a, along.a);
     const bool central_b = is_central(c.arm_b, c.normal, c.body_b, along.b);
@@ -57,7 +57,10 @@ class ContactRecords {
     c.rho = c.sigma = c.softness = 0;
     if (turning) {
       const TurnRecord t = turn(i);
-      c.rho = t.rho, c.sigma = t.sigma, c.step.r = t.step_r, c.softness = t.softness;
+      c.rho = t.rho;
+      c.sigma = t.sigma;
+      c.step.r = t.step_r;
+      c.softness = t.softness;
     }
     return c;
   }

@@ -11,7 +11,7 @@ inline constexpr Index kHubContacts = 48;
 
 /// `turning`: some contact resists rolling or spinning; `resident`: see residence.cuh; `parts`: a step may have
 /// several; `method`: `apgd` stands for `jacobi` too, whose momentum is zero.
-template <bool turning, bool resident, bool parts, Solver method>
+template <bool turning, bool resident, bool in_substeps, Solver method>
 class SolveKernel {
   static constexpr bool sweeps = method == Solver::gauss_seidel, spectral = method == Solver::bb;
   static_assert(!resident || method == Solver::apgd);
@@ -130,7 +130,7 @@ class SolveKernel {
     const bool several = s.projection.mechanism.size > team_.count;
     for (Index m = team_.count - 1 - team_.index; m < s.projection.mechanism.size; m += team_.count) {
       if (k < 0 || several) mover.load(m, held);
-      mover.template move<parts>(k, held);
+      mover.template move<in_substeps>(k, held);
     }
   }
 
@@ -185,10 +185,11 @@ class SolveKernel {
     Velocity a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
     if (m.done) return;
     Real gap_bias = 0;
-    if (parts && m.begins && mine) {
+    if (in_substeps && m.begins && mine) {
       gap_bias = advance_contact(i, bodies, m);
       // Again, so that nothing keeps them meanwhile.
-      a = extrapolated_velocity(bodies.a), b = extrapolated_velocity(bodies.b);
+      a = extrapolated_velocity(bodies.a);
+      b = extrapolated_velocity(bodies.b);
     }
     UpdateSums sums;
     if constexpr (spectral) {
@@ -213,7 +214,7 @@ class SolveKernel {
     double residual = 0;
     if (mine) {
       const PairRecord bodies = contact_.pair(i);
-      const Real gap_bias = parts && m.begins ? advance_contact(i, bodies, m) : Real(0);
+      const Real gap_bias = in_substeps && m.begins ? advance_contact(i, bodies, m) : Real(0);
       const Impulse before = contact_.own_impulse(k & 1, i);
       residual =
           update_contact(i, s.extrapolated_velocity[bodies.a], s.extrapolated_velocity[bodies.b], gap_bias, m, k & 1)
@@ -239,24 +240,28 @@ class SolveKernel {
   GONOGO_DEVICE Real advance_contact(ContactIndex i, const PairRecord& bodies, const Momentum& m) {
     const ContactNumbers<Real> c = contact_.unpack(i);
     GapRecord own = s.gap[i];
-    own.gap = advanced_gap(own.gap, c, s.part_velocity[bodies.a], s.part_velocity[bodies.b], s.settings.substep());
+    own.gap =
+        advanced_gap(own.gap, c, s.substep_velocity[bodies.a], s.substep_velocity[bodies.b], s.settings.substep());
     const Real bias = bias_of_gap(own.gap, own.rate, c.softness, s.settings);
     s.gap[i].gap = own.gap;
     if (!m.renew_slip) contact_.frame(i).bias = bias;
-    if (is_last_part(m, s.rules)) s.contact[i].gap = own.gap, s.contact[i].gap_bias = bias;
+    if (is_last_substep(m, s.rules)) {
+      s.contact[i].gap = own.gap;
+      s.contact[i].gap_bias = bias;
+    }
     return bias;
   }
 
   /// The bias of `target_bias` from the sliding speed of now; `gap_bias`: of a gap that has just advanced.
   GONOGO_DEVICE void renew_slip(ContactIndex i, const Velocity& a, const Velocity& b, Real gap_bias, const Momentum& m,
                                 ContactNumbers<Real>& c) {
-    if (!(parts && m.begins)) gap_bias = standing_gap_bias(i, c);
+    if (!(in_substeps && m.begins)) gap_bias = standing_gap_bias(i, c);
     c.bias = gap_bias + opening_speed<turning, Real>(c, a, b);
     contact_.frame(i).bias = c.bias;
   }
 
   GONOGO_DEVICE Real standing_gap_bias(ContactIndex i, const ContactNumbers<Real>& c) const {
-    if constexpr (!parts) return s.contact[i].gap_bias;
+    if constexpr (!in_substeps) return s.contact[i].gap_bias;
     const GapRecord own = s.gap[i];
     return bias_of_gap(own.gap, own.rate, c.softness, s.settings);
   }
@@ -357,9 +362,10 @@ class SolveKernel {
     if (spectral) s.velocity_before[b] = before;
     now = driven(s, b, free, mass, linear, angular);
     Velocity ahead = k < 0 ? now : extrapolated<Real>(now, before, m.next_beta);
-    if (parts && k >= 0 && m.ends) {
+    if (in_substeps && k >= 0 && m.ends) {
       const Velocity more = carry_body(s, b, now, free);
-      now = sum(now, more), ahead = sum(ahead, more);
+      now = sum(now, more);
+      ahead = sum(ahead, more);
     }
     s.velocity[b] = now;
     s.extrapolated_velocity[b] = ahead;
@@ -393,7 +399,7 @@ class SolveKernel {
   }
 
   const SolveViews& s;
-  ContactRecords<turning, resident, parts> contact_;
+  ContactRecords<turning, resident, in_substeps> contact_;
   const Team& team_;
   MechanismWork& work_;
 };

@@ -10,10 +10,10 @@
 namespace gonogo::sim {
 
 /// All iterations of a step.
-template <bool turning, bool resident, bool parts, Solver method>
+template <bool turning, bool resident, bool in_substeps, Solver method>
 GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismWork& work) {
   GridBarrier grid(views.barrier);
-  SolveKernel<turning, resident, parts, method> kernel(views, team, work);
+  SolveKernel<turning, resident, in_substeps, method> kernel(views, team, work);
   kernel.prepare();
   grid.wait();
   kernel.hold_bodies();
@@ -38,7 +38,7 @@ GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismW
 
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step. `may_reside`:
 /// the blocks have been given the memory for it.
-template <bool turning, bool parts, Solver method>
+template <bool turning, bool in_substeps, Solver method>
 __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant__ SolveViews views, bool may_reside) {
   __shared__ double scratch[kTeamsPerBlock][kTileSize / 32];
   __shared__ __align__(16) std::uint8_t work_bytes[kTeamsPerBlock][sizeof(MechanismWork)];
@@ -50,9 +50,9 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
   const bool all_fit = views.tiles.count() <= team.count && kLanesPerBody * views.mass.size <= team.count * kTileSize &&
                        views.projection.mechanism.size <= Index(gridDim.x);
   if constexpr (method == Solver::apgd) {
-    if (may_reside && all_fit) return iterate<turning, true, parts, method>(views, team, work);
+    if (may_reside && all_fit) return iterate<turning, true, in_substeps, method>(views, team, work);
   }
-  iterate<turning, false, parts, method>(views, team, work);
+  iterate<turning, false, in_substeps, method>(views, team, work);
 }
 
 inline bool is_accelerated(Solver solver) { return solver == Solver::apgd || solver == Solver::jacobi; }
@@ -112,9 +112,9 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& ow
           method_views(own)};
 }
 
-template <bool turning, bool parts, Solver method = Solver::apgd>
+template <bool turning, bool in_substeps, Solver method = Solver::apgd>
 void launch_solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
-  const auto kernel = solve_kernel<turning, parts, method>;
+  const auto kernel = solve_kernel<turning, in_substeps, method>;
   SolveViews views = solve_views(exec, s, own, settings);
   constexpr std::size_t room = sizeof(Residence);
   const std::size_t offered = device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);

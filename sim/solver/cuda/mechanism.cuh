@@ -6,7 +6,7 @@
 
 namespace gonogo::sim {
 
-static_assert(kMostMechanismBodies <= kTileSize);  // a thread for every body
+static_assert(kMaxMechanismBodies <= kTileSize);  // a thread for every body
 /// Bodies of a mechanism that a team has room for in shared memory: a vehicle with suspension and steering has 19.
 /// Larger ones, belts, are worked on in global memory. More room would be taken from the cache, in which all other
 /// contacts are.
@@ -53,7 +53,7 @@ class MechanismMover {
   }
 
   /// After update number `k`; -1: of the warm start.
-  template <bool parts>
+  template <bool in_substeps>
   GONOGO_DEVICE void move(Index k, const Real* held) {
     const Mechanism& m = work_.mechanism;
     if (m.body_count == 0) return;
@@ -86,7 +86,7 @@ class MechanismMover {
       if (s.velocity_before.size > 0) component(s.velocity_before[body_of(c)], c % 6) = before;
       work_.slot[c / 6].ahead[c % 6] = ahead;
     }
-    if (parts && k >= 0 && now.ends) carry(m, map, free);
+    if (in_substeps && k >= 0 && now.ends) carry(m, map, free);
   }
 
  private:
@@ -104,13 +104,22 @@ class MechanismMover {
     linear = sum_of_lanes<32>(linear);
     angular = sum_of_lanes<32>(angular);
     if (many) {
-      if (lane == 0) work_.partial[0][warp] = linear, work_.partial[1][warp] = angular;
+      if (lane == 0) {
+        work_.partial[0][warp] = linear;
+        work_.partial[1][warp] = angular;
+      }
       team_.sync();
       linear = angular = {};
-      for (Index w = 0; w < kTileSize / 32; ++w) linear += work_.partial[0][w], angular += work_.partial[1][w];
+      for (Index w = 0; w < kTileSize / 32; ++w) {
+        linear += work_.partial[0][w];
+        angular += work_.partial[1][w];
+      }
       team_.sync();
     }
-    if (many ? team_.rank == 0 : lane == 0) work_.slot[slot].linear = linear, work_.slot[slot].angular = angular;
+    if (many ? team_.rank == 0 : lane == 0) {
+      work_.slot[slot].linear = linear;
+      work_.slot[slot].angular = angular;
+    }
   }
 
   GONOGO_DEVICE void gather(const Mechanism& m, Index slot, const Velocity& free, const BodyMass& mass,

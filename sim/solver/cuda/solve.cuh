@@ -7,13 +7,14 @@ namespace gonogo::sim {
 inline void solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
   if (settings.solver == Solver::jacobi_scan) return solve_with_scans(exec, s, own.scan, settings);
   clear(exec, own.counter.view());
-  const bool parts = settings.substeps > 1;
+  const bool in_substeps = settings.substeps > 1;
   if (!is_accelerated(settings.solver))
     solve_otherwise(exec, s, own, settings);
   else if (s.turning)
-    parts ? launch_solve<true, true>(exec, s, own, settings) : launch_solve<true, false>(exec, s, own, settings);
+    in_substeps ? launch_solve<true, true>(exec, s, own, settings) : launch_solve<true, false>(exec, s, own, settings);
   else
-    parts ? launch_solve<false, true>(exec, s, own, settings) : launch_solve<false, false>(exec, s, own, settings);
+    in_substeps ? launch_solve<false, true>(exec, s, own, settings)
+                : launch_solve<false, false>(exec, s, own, settings);
 }
 
 }  // namespace gonogo::sim

@@ -33,7 +33,7 @@ struct Team {
   GONOGO_DEVICE double sum(double value) const {
     return reduce(value, [](double a, double b) { return a + b; });
   }
-  GONOGO_DEVICE double most(double value) const {
+  GONOGO_DEVICE double max(double value) const {
     return reduce(value, [](double a, double b) { return std::fmax(a, b); });
   }
   GONOGO_DEVICE SpectralSums sum(const SpectralSums& value) const {
@@ -44,7 +44,7 @@ struct Team {
     total.kinetic = sum(value.kinetic);
     total.gravity_power = sum(value.gravity_power);
     total.residual_square = sum(value.residual_square);
-    total.residual_max = most(value.residual_max);
+    total.residual_max = max(value.residual_max);
     return total;
   }
 };

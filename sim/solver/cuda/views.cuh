@@ -30,7 +30,7 @@ struct StateViews {
   View<const Velocity> velocity_change;
   View<const WorldIndex> world_of_body, world_of_body_tile;
   View<const Index> first_body_tile;
-  View<Velocity> free_velocity, velocity, extrapolated_velocity, part_velocity, earlier_velocity;
+  View<Velocity> free_velocity, velocity, extrapolated_velocity, substep_velocity, earlier_velocity;
   View<Impulse> impulse;  // warm start, and the result
   View<WorldSums> world_sums;
 };
@@ -105,7 +105,7 @@ inline StateViews state_views(State<Cuda>& s) {
           .free_velocity = s.free_velocity.view(),
           .velocity = s.velocity.view(),
           .extrapolated_velocity = s.extrapolated_velocity.view(),
-          .part_velocity = s.part_velocity.view(),
+          .substep_velocity = s.substep_velocity.view(),
           .earlier_velocity = s.earlier_velocity.view(),
           .impulse = s.store[s.parity].impulse.view(),
           .world_sums = s.world_sums.view()};
@@ -163,7 +163,7 @@ GONOGO_DEVICE Velocity begin_body(const SolveViews& s, BodyIndex b) {
 
 /// Body b has moved with `v`; `free`: at hand, and goes on. See carry_body in body_update.h.
 GONOGO_DEVICE Velocity carry_body(const SolveViews& s, BodyIndex b, const Velocity& v, Velocity& free) {
-  const Velocity more = carry_body(v, s.velocity_change[b], free, s.part_velocity[b], s.earlier_velocity[b]);
+  const Velocity more = carry_body(v, s.velocity_change[b], free, s.substep_velocity[b], s.earlier_velocity[b]);
   s.free_velocity[b] = free;
   return more;
 }
