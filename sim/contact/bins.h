@@ -1,10 +1,10 @@
-// Broad phase: shapes sorted into bins at least as wide as the largest of them plus the envelope, so that touching
-// shapes lie in the same or in adjacent bins. Each pair is met once: the owner looks at half of its neighbour bins.
-// The bins tile all space: bin coordinates are counted modulo the number of bins along each axis (at least three), so a
-// few bins serve a large domain and shapes outside of the domain cost no more than others. Shapes that share a bin from
-// afar are told apart by their distance.
-// Large shapes (ground, wheels, hulls) are not binned (see layout.h); every shape tests those of its world, of many the
-// ones near it (see large.h).
+// Broad phase: shapes sorted into bins. A bin is at least as wide as the largest binned shape plus the envelope, so
+// touching shapes lie in the same or in adjacent bins. Each shape searches half of its neighbour bins, which meets
+// every pair once.
+// Bin coordinates count modulo the number of bins along each axis (at least three). So a few bins serve a large domain,
+// and shapes outside of the domain cost no more than others. A test of distance drops pairs that share a bin from afar.
+// Large shapes (ground, wheels, hulls) are not binned, see layout.h. Every shape tests those of its world, or the ones
+// near it where there are many, see large.h.
 #pragma once
 #include "sim/contact/large.h"
 #include "sim/state/period.h"
@@ -18,7 +18,7 @@ struct BinCoordinates {
 GONOGO_HD inline Index bin_along(double offset, Real size, Index count) {
   const double bin = std::floor(offset / double(size));
   const double inside = bin >= 0 && bin < count ? bin : bin - count * std::floor(bin / count);
-  return inside >= 0 && inside < count ? Index(inside) : 0;  // not a number: bin 0, so that a flagged world goes on
+  return inside >= 0 && inside < count ? Index(inside) : 0;  // NaN: bin 0, so that a flagged world goes on
 }
 
 GONOGO_HD inline BinCoordinates bin_of(const WorldParameters& world, const Vec3d& centre) {
@@ -47,11 +47,11 @@ GONOGO_HD inline void visit_row(const WorldParameters& world, const BinCoordinat
   if (high >= count) visit(row + high - count, row + high - count + 1, false);
 }
 
-/// Rows in which the half of the 27 bins around a shape lies that it looks at.
+/// Rows that hold the half of the 27 bins around a shape that it searches.
 inline constexpr Index kNeighbourRows = 5;
 
-/// Calls visit(first, last, shared) for ranges of consecutive bins of one of these rows, `last` excluded; `shared`
-/// tells the range that starts with the shape's own bin.
+/// Calls visit(first, last, shared) for ranges of consecutive bins of one of these rows, `last` excluded. `shared`: the
+/// range starts with the shape's own bin.
 template <class Visit>
 GONOGO_HD inline void visit_neighbour_row(const WorldParameters& world, const BinCoordinates& b, Index row,
                                           Visit&& visit) {
@@ -113,7 +113,7 @@ struct CopyBinnedShape {
   }
 };
 
-/// Restores ascending order inside each segment: the threads filled it in any order.
+/// Sorts the items of a segment, which threads filled in any order.
 struct SortSegment {
   View<const Index> first;
   View<Index> item;

@@ -1,5 +1,5 @@
-// Contacts in the order of their owning shape, counted, then written. The count notes down most pairs of spheres; the
-// others are found a second time by the same code.
+// The search for contacts: counts those of each owning shape, then writes them in that order. The count notes most
+// pairs of spheres; the same code finds the others a second time.
 #pragma once
 #include <limits>
 
@@ -11,15 +11,15 @@
 
 namespace gonogo::sim {
 
-/// A shape's contacts come in parts: those of two spheres by rows of bins, then all others. Each part is counted and
-/// written by a thread of its own where there are many.
+/// Parts of a shape's contacts: those of two spheres for each row of bins, then all others. Where there are many, a
+/// thread of its own counts and writes each part.
 inline constexpr Index kSearchParts = kNeighbourRows + 1;
 
-/// Many threads hide how long memory takes; where there are many anyway, they only repeat work.
+/// Rows that one thread searches. More threads hide the latency of memory, but with many shapes they only repeat work.
 inline constexpr Index rows_per_thread(Cpu, Index) { return kNeighbourRows; }
 inline constexpr Index rows_per_thread(Cuda, Index shapes) { return shapes < 100'000 ? 1 : kNeighbourRows; }
 
-/// Pairs of a part that the count notes down, so that they need not be searched for again.
+/// Pairs of a part that the count notes, so that they need no second search.
 inline constexpr Index kNotedPairs = 3;
 
 /// Calls work(shape, row) for the rows of thread `t`; neighbouring threads have neighbouring shapes.
@@ -59,7 +59,7 @@ struct CountOtherContacts {
   }
 };
 
-/// Writes what was counted.
+/// Writes a contact, with its warm start, and adds it to the sums of its bodies.
 struct ContactWriter {
   ContactFinder find;
   StepSettings settings;
@@ -82,7 +82,7 @@ struct ContactWriter {
     count(c, start);
   }
 
-  /// Fixed bodies get no list of contacts: nothing moves them, and a floor under a whole bed would have thousands.
+  /// Fixed bodies get no list of contacts: they do not move, and a floor under a bed would have thousands.
   GONOGO_HD void count(const Contact& c, const Impulse& start) const {
     const Index own = contact_weight(c, start);
     if (!is_fixed(find.mass[c.body_a])) atomic_add(contact_weight_of_body[c.body_a], own);
@@ -115,7 +115,7 @@ struct ContactWriter {
     c.normal = t.normal;
     c.gap = t.gap;
     set_stiffness(c, law);
-    // The contact point lies half-way between the two surfaces.
+    // The contact point is midway between the two surfaces.
     c.arm_a = static_cast<Vec3>(find.centre[i] - position[si.body]) + t.point;
     c.arm_b = static_cast<Vec3>(find.centre[j] - position[sj.body] + d) + t.point;
     c.mu = law.friction;
@@ -130,8 +130,8 @@ struct ContactWriter {
     return c;
   }
 
-  /// Last step's impulse of the same contact. Two shapes in different bins may have changed owners since: then the
-  /// other one holds it, with the opposite sign.
+  /// Last step's impulse of the same contact. The other shape may have owned it then; its impulse has the opposite
+  /// sign.
   GONOGO_HD Impulse warm_start(ShapeIndex i, ShapeIndex j, int feature) const {
     Impulse start;
     if (const ContactIndex own = old_contact(i, pair_key(j, feature)); own >= 0) {
@@ -150,7 +150,7 @@ struct ContactWriter {
   }
 };
 
-/// The search only names the pairs of spheres; their contacts are then written by a thread each.
+/// Names the pairs of spheres; WriteSphereContact then writes each contact by a thread of its own.
 struct ListSpherePairs {
   ContactFinder find;
   View<const Index> first_of_part;
@@ -171,7 +171,7 @@ struct ListSpherePairs {
   }
 };
 
-/// And where each shape's contacts lie.
+/// Writes the contacts that are not of two spheres, and each shape's range of contacts.
 struct WriteOtherContacts {
   ContactWriter writer;
   View<ContactPair> pair;
@@ -201,8 +201,7 @@ struct WriteSphereContact {
   }
 };
 
-/// Makes room for the contacts just counted. On the host at once; on the device the step is given up and the buffers
-/// are enlarged before it is taken again (see Progress).
+/// Halts the step when the contacts just counted exceed the buffers, see Progress.
 struct CheckCapacity {
   View<const Index> first_of_part;
   View<Progress> progress;
@@ -216,7 +215,7 @@ struct CheckCapacity {
 /// Bodies see two halves of every contact, counted by one Index.
 inline constexpr Index kMaxContacts = std::numeric_limits<Index>::max() / 2;
 
-/// Room to make when so many contacts have been found: half as many more. Throws InputError beyond kMaxContacts.
+/// New capacity when `found` contacts exceed the old one: half as many more. Throws InputError beyond kMaxContacts.
 inline Index roomier(Index found) {
   if (found < 0 || found > kMaxContacts)
     throw InputError("the worlds have more than " + std::to_string(kMaxContacts) +
@@ -239,7 +238,7 @@ void reserve_contacts(State<Exec>& s, Index count) {
   }
 }
 
-/// On the host the buffers are enlarged in the middle of the step that needs it.
+/// On the host the buffers grow within the step that needs them.
 inline void make_room_for_contacts(Cpu, State<Cpu>& s) {
   Progress progress = s.progress.read(0);
   if (progress.halted == 0) return;
@@ -248,7 +247,7 @@ inline void make_room_for_contacts(Cpu, State<Cpu>& s) {
   s.progress.write(0, progress);
 }
 
-/// On the GPU the step is given up; the host enlarges the buffers before it is taken again, see Progress.
+/// On the GPU the step is abandoned; the host enlarges the buffers and repeats it, see Progress.
 inline void make_room_for_contacts(Cuda, State<Cuda>&) {}
 
 template <class Exec>
@@ -270,7 +269,7 @@ ContactFinder contact_finder(State<Exec>& s, const StepSettings& settings) {
           .solids_binned = s.solids_binned};
 }
 
-/// Warm starts come from the store of the step before.
+/// Reads warm starts from the store of the step before.
 template <class Exec>
 ContactWriter contact_writer(State<Exec>& s, const ContactFinder& finder, const StepSettings& settings) {
   ContactStore<Exec>&now = s.store[s.parity], &old = s.store[1 - s.parity];

@@ -1,18 +1,18 @@
-// Narrow phase: which contacts a shape owns. Every pair is met by one of its shapes, the owner.
+// Narrow phase: the contacts that a shape owns. One shape of every pair, the owner, finds its contacts.
 #pragma once
 #include "sim/contact/bins.h"
 #include "sim/shape/pairs.h"
 
 namespace gonogo::sim {
 
-/// Order of the pair inside the owner's list and its name across steps.
+/// Name of a contact inside its owner's list, the same in every step.
 GONOGO_HD inline std::uint64_t pair_key(ShapeIndex other, int feature) {
   return (std::uint64_t(std::uint32_t(other)) << 32) | std::uint64_t(std::uint32_t(feature));
 }
 
 inline ShapeIndex other_shape(std::uint64_t key) { return ShapeIndex(key >> 32); }
 
-/// The same name when the other shape's index changes by `shapes`.
+/// The same name after the other shape's index has changed by `shapes`.
 inline std::uint64_t shifted_key(std::uint64_t key, ShapeIndex shapes) {
   return pair_key(other_shape(key) + shapes, int(std::uint32_t(key)));
 }
@@ -50,7 +50,7 @@ struct ContactFinder {
     visit_others(i, visit);
   }
 
-  /// Those of two binned spheres, in one row of bins.
+  /// Calls visit for the contacts with other spheres in one row of bins.
   template <class Visit>
   GONOGO_HD void visit_spheres(ShapeIndex i, Index row, Visit&& visit) const {
     if (bin_of_shape[i] < 0 || shape[i].type != ShapeType::sphere) return;
@@ -70,13 +70,13 @@ struct ContactFinder {
     return {folded(c.x, w.origin.x, w.period.x), folded(c.y, w.origin.y, w.period.y), c.z};
   }
 
-  /// From the centre of j to that of i, both binned: the same bits as in the search.
+  /// From the centre of j to that of i, both binned, with the bits of the search.
   GONOGO_HD Vec3d between_binned(ShapeIndex i, ShapeIndex j) const {
     const WorldParameters& w = world[world_of_body[shape[i].body]];
     return nearest_image(folded_centre(centre[i], w) - folded_centre(centre[j], w), w.period);
   }
 
-  /// All others: long code, apart from the spheres so that it costs those no registers.
+  /// Calls visit for all other contacts. Apart from the spheres, because its code needs more registers.
   template <class Visit>
   GONOGO_HD void visit_others(ShapeIndex i, Visit&& visit) const {
     const Shape& own = shape[i];
@@ -116,7 +116,7 @@ struct ContactFinder {
     });
   }
 
-  /// Binned shapes own their contacts with large ones; of two large ones the one that moves, then the first.
+  /// Whether i owns its contacts with the large shape j: i is binned, or it alone moves, or it comes first.
   GONOGO_HD bool owns(ShapeIndex i, ShapeIndex j) const {
     if (bin_of_shape[i] >= 0) return true;
     const bool moves_i = !is_fixed(mass[shape[i].body]), moves_j = !is_fixed(mass[shape[j].body]);

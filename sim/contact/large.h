@@ -1,7 +1,7 @@
-// Shapes that are not binned: where each of them reaches, so that nearly every other shape is told by a few comparisons
-// that it is elsewhere. Where a world has many, they are the second level of the search: eight that follow each other
-// in the list, which is in the order of their places, share a box, eight boxes a larger one, and so on. A shape passes
-// over all that lies in a box which it does not reach. The list is gone through in its order, so boxes change no bit.
+// Bounding boxes of the shapes that are not binned, which rule out nearly every pair by a few comparisons. In a world
+// with many of them, groups of eight share a box, eight such groups a larger one, and so on; the list follows a
+// space-filling curve, so groups are compact. A search skips the boxes that it does not reach. It keeps the list's
+// order, so boxes change no bits.
 #pragma once
 #include "sim/shape/convex.h"
 #include "sim/shape/surface.h"
@@ -9,7 +9,7 @@
 
 namespace gonogo::sim {
 
-/// Large shape l -> its box along the world's axes, or the half space below a plane.
+/// Computes the box of large shape l along the world's axes, or the half space below a plane.
 struct BoundLargeShape {
   View<const Shape> shape;
   View<const Vec3d> centre;
@@ -33,14 +33,14 @@ struct BoundLargeShape {
     if (s.type == ShapeType::heightfield) {
       const FieldRange& f = surfaces.field[s.surface];
       const Real x = Real(f.nx - 1) * f.spacing_x / 2, y = Real(f.ny - 1) * f.spacing_y / 2;
-      place(box, q, {-x, -y, f.low - (x + y)}, {x, y, f.high});  // so deep below the ground shapes are pushed out of it
+      place(box, q, {-x, -y, f.low - (x + y)}, {x, y, f.high});  // shapes are pushed out from this depth on
       return;
     }
     box.half = half_extents(s, q);
     if (s.type == ShapeType::plane) box.up = rotate(q, {0, 0, 1});
   }
 
-  /// The box around a box with sides along the axes of `q`.
+  /// Sets the box around one with sides along the axes of `q`.
   GONOGO_HD static void place(LargeShape& box, const Quat& q, const Vec3& low, const Vec3& high) {
     const Vec3 half = (high - low) * Real(0.5);
     const Convex c = convex(ShapeType::box, half, {}, q);
@@ -58,7 +58,7 @@ struct BoundLargeShape {
   }
 };
 
-/// Groups of one level -> the box around eight groups of the level below, or around eight large shapes.
+/// Computes the box of group g around eight groups of the level below, or around eight large shapes.
 struct BoundLargeGroup {
   View<const LargeShape> below;
   View<LargeShape> group;
@@ -75,11 +75,11 @@ struct BoundLargeGroup {
     group[g].half = static_cast<Vec3>((high - low) * (0.5 * kRoomy));
   }
 
-  static constexpr double kRoomy = 1.00001;  // more than rounding to float takes
+  static constexpr double kRoomy = 1.00001;  // covers rounding to float
 };
 
-/// Calls visit(l) for the large shapes first .. last - 1 but those in a group that reaches(box) says is elsewhere.
-/// Groups may hold shapes of other worlds too: they only are larger for it.
+/// Calls visit(l) for the large shapes first .. last - 1, except those in a group whose box fails reaches(box). A group
+/// may also hold shapes of other worlds, which only makes its box larger.
 template <class Reaches, class Visit>
 GONOGO_HD inline void visit_large_near(const LargeGroups& groups, Index first, Index last, Reaches&& reaches,
                                        Visit&& visit) {

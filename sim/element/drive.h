@@ -1,4 +1,4 @@
-// Stages of a step that act on bodies: controllers set motors, force elements push bodies.
+// Stages of a step: controllers and drivelines set motors, force elements push bodies.
 #pragma once
 #include "sim/state/motor.h"
 #include "sim/state/state.h"
@@ -37,7 +37,7 @@ struct ApplyController {
   }
 };
 
-/// Sets the motors that a driveline drives and brakes.
+/// Sets the motors of a driveline.
 struct ApplyDriveline {
   View<const DrivelinePlan> driveline;
   View<const TablePoint> table;
@@ -75,7 +75,8 @@ struct ApplyDriveline {
     return motor_speed(motor[m], motor_axis(motor[m], orientation), velocity);
   }
 
-  /// Of an axle: the mean of its wheels. Behind the gearbox: in the shares in which torque is given, as power demands.
+  /// Speed behind the gearbox [rad/s]: the axles' speeds weighted by their shares of torque, so that power is
+  /// conserved. An axle's speed is the mean of its wheels'.
   GONOGO_HD double shaft_speed(const DrivelinePlan& d) const {
     double sum = 0;
     for (Index a = 0; a < d.axle_count; ++a) {
@@ -126,7 +127,7 @@ struct ApplyForces {
     velocity_change[l.body].angular += substep * (motion.inverse_inertia_W * sum.torque);
   }
 
-  /// A body whose moments of inertia are equal has no inertia in the world frame stored.
+  /// inverse_inertia_W holds nothing for bodies with equal moments of inertia.
   GONOGO_HD LoadedMotion motion_of(BodyIndex b) const {
     const BodyMass& m = mass[b];
     const Real same = m.inverse_inertia_B.x;
@@ -135,8 +136,8 @@ struct ApplyForces {
   }
 };
 
-/// Controllers and drivelines set the motors for the step that begins. Call when the step is sure to be completed:
-/// integrals go on.
+/// Sets the motors for the step that begins. Call once it is certain that the step will be completed, because integrals
+/// move on.
 template <class Exec>
 void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;
@@ -160,8 +161,7 @@ void apply_controllers(Exec exec, State<Exec>& s, const StepSettings& settings) 
                                 .step = settings.step});
 }
 
-/// Forces are those of the step's start, implicit where they resist. Call when the change by gravity and the inertia of
-/// the step are known.
+/// Adds forces at the step's start to velocity_change; resistance is implicit. Call after prepare_motion().
 template <class Exec>
 void apply_force_elements(Exec exec, State<Exec>& s, const StepSettings& settings) {
   ElementState<Exec>& e = s.element;

@@ -1,4 +1,4 @@
-// The last stage of a step: energy of every world, its monitors and stop rules.
+// The last stage of a step: energies, monitors and stop rules of every world.
 #pragma once
 #include "sim/joint/row.h"
 #include "sim/state/motor.h"
@@ -6,8 +6,8 @@
 
 namespace gonogo::sim {
 
-/// Energy that springs hold and power that motors and forces gave in the (last part of the) step just taken. Fixed
-/// order: same bits for any number of threads.
+/// Energy of the springs, and power of motors and forces in the last substep. The order is fixed, so any number of
+/// threads gives the same bits.
 struct MeasureElements {
   View<const WorldElements> world;
   View<const WorldParameters> parameters;
@@ -41,7 +41,7 @@ struct MeasureElements {
   }
 };
 
-/// A stopped world's monitors rest, whatever its bodies still do.
+/// Adds the step to the monitors of a world that has not stopped, and applies their stop rules.
 struct UpdateMonitors {
   View<const WorldElements> element;
   View<const WorldParameters> world;
@@ -90,7 +90,7 @@ struct UpdateMonitors {
     return s;
   }
 
-  /// Adds what this monitor watches and remembers the body's position.
+  /// Adds the monitor's body and motor to `s`, and stores the body's position.
   GONOGO_HD WatchedStep watched(Index i, WorldIndex w, WatchedStep s) const {
     const MonitorPlan& p = monitor[i];
     const Vec3d x = position[p.body], moved = x - state[i].position;
@@ -106,7 +106,7 @@ struct UpdateMonitors {
     return s;
   }
 
-  /// The time limit stops the world before the record is full.
+  /// The record cannot overflow: the time limit stops the world first.
   GONOGO_HD void record(const MonitorPlan& p, MonitorState& m) const {
     if (m.now.step % p.stride != 0 || m.sample_count >= p.capacity) return;
     sample[p.first_sample + m.sample_count] = m.now;
@@ -114,7 +114,7 @@ struct UpdateMonitors {
   }
 };
 
-/// What a world's elements and monitors do at the end of a step; then its clock goes on.
+/// Ends the step of a world: elements, monitors, then its clock.
 struct FinishStep {
   MeasureElements measure;
   UpdateMonitors monitors;
@@ -177,7 +177,7 @@ UpdateMonitors monitor_update(State<Exec>& s, const StepSettings& settings) {
           .substep = settings.substep()};
 }
 
-/// Call after integrate.
+/// Call after the positions have been integrated.
 template <class Exec>
 void finish_step(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(exec, s.world_count,

@@ -1,4 +1,4 @@
-// What one world looks like at one moment: bodies and contacts copied to the host, for files and pictures.
+// A world at one moment: bodies and contacts copied to the host, for files and pictures.
 #pragma once
 #include <vector>
 
@@ -6,9 +6,9 @@
 
 namespace gonogo::sim {
 
-/// A contact of the latest step with what it did in it.
+/// A contact of the latest step and its impulse.
 struct CapturedContact {
-  Vec3d point;     // between the two surfaces, carried along with body a to the end of the step [m]
+  Vec3d point;     // midway between the surfaces, moved with body a to the end of the step [m]
   Vec3 normal;     // unit, from b to a
   Vec3 impulse;    // on body a [N s]
   Real gap;        // at the start of the step, negative: overlap [m]

@@ -1,6 +1,6 @@
-// Checkpoint files: the Snapshot of a world on disk, exact to the bit. HDF5, so that h5py and h5dump can look into one.
-// A file holds the hash of the scene and the numerics it belongs to and a hash of its own arrays; one that is
-// truncated, altered, of another version or of another scene is refused with InputError and never half taken over.
+// Checkpoint files: the Snapshot of a world in HDF5, exact to the bit. A file holds a hash of its scene and numerics
+// and a hash of its own arrays. A file that is truncated, altered, of another version or of another scene is refused as
+// a whole with InputError.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -10,17 +10,17 @@
 
 namespace gonogo::sim {
 
-/// Names a world at its start together with the settings of its steps: two that could go on differently from the same
-/// snapshot have different hashes. 32 hexadecimal digits.
+/// Hash of a world at its start and the settings of its steps, 32 hexadecimal digits. Two that could continue
+/// differently from the same snapshot have different hashes.
 std::string scene_hash(const SceneWorld& world, const StepSettings& settings);
 
 /// Writes a checkpoint, whole or not at all. Throws DeviceError when the disk refuses.
 void save_checkpoint(const std::filesystem::path& path, const Snapshot& snapshot, const std::string& scene);
 
-/// Reads a checkpoint of this scene.
+/// Reads a checkpoint of this scene; throws InputError as said above.
 Snapshot load_checkpoint(const std::filesystem::path& path, const std::string& scene);
 
-/// The same inside a file that holds more, such as the measures of a trial.
+/// The same as part of a file that holds more.
 void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string& scene);
 Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene);
 

@@ -1,4 +1,4 @@
-// Triangles of a shape, for people who look: VTK files and pictures draw every shape from here. Contacts never use it.
+// Triangles of a shape for VTK files and pictures. Contacts never use them.
 #pragma once
 #include <array>
 #include <vector>
@@ -7,22 +7,21 @@
 
 namespace gonogo::sim {
 
-/// Triangles in the frame of the shape: its centre at the origin, its own axes. Corners run counterclockwise seen
-/// from outside. Points are repeated along sharp edges, so that each has the normal of its own side.
+/// Triangles in the axes of the shape, its centre at the origin. Corners run counterclockwise seen from outside. Points
+/// are repeated along sharp edges, so that each has the normal of its own side.
 struct Surface {
   std::vector<Vec3> point;   // [m]
   std::vector<Vec3> normal;  // [point], unit, outward
   std::vector<std::array<Index, 3>> triangle;
 };
 
-/// How finely round shapes are cut, and how much is drawn of a shape without end.
+/// Resolution of round shapes, and size of the drawn part of a plane.
 struct SurfaceDetail {
   int segments = 48;    // around a full turn, at least 3
   Real plane_half = 1;  // half edge of the square drawn of a plane [m]
 };
 
-/// The surface of any shape but those that refer to their world. A new ShapeType gets its own case here; the compiler
-/// names the missing one.
+/// The surface of any shape other than meshes and heightfields.
 Surface surface_of(const Shape& shape, const SurfaceDetail& detail = {});
 
 /// The surface of any shape of a world, its meshes and heightfields included.

@@ -3,8 +3,8 @@
 //                 (representation "Point Gaussian" or filter "Glyph", scaled by twice the radius)
 //   surfaces.pvd  all other shapes as triangles: Normals, velocity, body, material
 //   contacts.pvd  one point per contact: normal, impulse [N s], gap [m], body_a, body_b
-// Units are SI; the frame is the world's. Files of frame k end in _k.vtp. Each file is whole or absent and a .pvd names
-// only frames that are complete, so that a killed run leaves a series that opens.
+// Units are SI; the frame is the world's. Files of frame k end in _k.vtp. Each file is whole or absent, and a .pvd
+// names only complete frames, so that the series of a killed run opens.
 #pragma once
 #include <array>
 #include <filesystem>
@@ -17,8 +17,7 @@ namespace gonogo::sim {
 
 class VtkSeries {
  public:
-  /// Frames of `world` go to `folder`, which is created; files of an earlier series there are replaced, and what is
-  /// left of it is no longer named by a .pvd.
+  /// Writes frames of `world` to `folder`, which is created. Replaces the .pvd files of an earlier series there.
   VtkSeries(std::filesystem::path folder, const SceneWorld& world);
 
   /// Adds a frame. Throws DeviceError when a file cannot be written.

@@ -1,7 +1,8 @@
-// Dense symmetric elimination of a mechanism's rows by a team. [A | J | b] becomes [. | A^-1 J | A^-1 b]: one pass down
-// (A = L D L^T, applied to the right-hand sides at once) and one up. Rows of bodies that are not connected directly
-// meet as zeros and cost nothing. Rows are scaled to A_ii = 1, so pivots are between 0 and 1; a row that repeats rows
-// before it (a planar four-bar has three such) has a pivot of rounding size and is left out: it gets no impulse.
+// Dense symmetric elimination of a mechanism's rows by a team of threads: [A | J | b] becomes [. | A^-1 J | A^-1 b].
+// One pass down factors A = L D L^T and applies it to the right-hand sides, one pass goes up. Zeros between rows of
+// bodies that are not connected cost nothing. Rows are scaled to A_ii = 1, so pivots lie between 0 and 1. A row that
+// depends on rows before it (a planar four-bar has three such) has a pivot of rounding size; it is left out and gets no
+// impulse.
 #pragma once
 #include "base/team.h"
 #include "sim/state/mechanism.h"
@@ -21,7 +22,7 @@ GONOGO_HD_INLINED void subtract(double* __restrict target, const double* __restr
   for (Index c = first; c < end; ++c) target[c] -= share * source[c];
 }
 
-/// Columns that a team works on side by side: a warp of the GPU.
+/// Columns that a team computes at once: a warp of the GPU.
 inline constexpr Index kColumnsAtOnce = 32;
 
 /// Row i -= share(i) * row k for the rows of a range, in the columns from `first_column` on.
@@ -32,8 +33,8 @@ GONOGO_HD void subtract_row(const Team& team, const LinearSystem& s, Index k, In
     for (Index i = first_row + team.rank(); i < end_row; i += team.size())
       if (const double x = share(i); x != 0) subtract(s.row(i), s.row(k), x, first_column, s.stride);
   } else {
-    // Threads side by side take neighbouring columns of one row, so that a row whose share is zero, as most are, costs
-    // them one look at it.
+    // Neighbouring threads take neighbouring columns of one row, so a row whose share is zero, as most are, costs one
+    // read.
     const Index side_by_side = team.size() < kColumnsAtOnce ? team.size() : kColumnsAtOnce;
     const Index group = team.rank() / side_by_side, groups = team.size() / side_by_side;
     if (group >= groups) return;
@@ -48,11 +49,11 @@ GONOGO_HD void subtract_row(const Team& team, const LinearSystem& s, Index k, In
   }
 }
 
-/// Square of the smallest angle between a row and those before it [rad^2]. Axes that should be parallel are so to about
-/// 1e-6; a link of a millionth of its neighbours' mass still counts.
+/// Rows with smaller pivots are left out. A pivot is the square of the angle between a row and those before it [rad^2].
+/// Axes meant to be parallel agree to about 1e-6; a link of a millionth of its neighbours' mass still counts.
 inline constexpr double kRedundantPivot = 1e-10;
 
-/// Takes row k out of the system: its part of the solution becomes zero.
+/// Removes row k from the system, so that its part of the solution is zero.
 template <class Team>
 GONOGO_HD void leave_out(const Team& team, const LinearSystem& s, Index k) {
   team.sync();  // all have seen the pivot

@@ -1,5 +1,5 @@
 // Start of a step: the rows of every mechanism at the present positions, their elimination, the affine map of its
-// bodies' velocities and the steps of its motors. One team per mechanism.
+// bodies' velocities and the step sizes of its motors. One team of threads per mechanism.
 #pragma once
 #include "sim/joint/factor.h"
 #include "sim/joint/row.h"
@@ -74,7 +74,7 @@ struct PrepareMechanism {
   GONOGO_HD void place_spring(const Mechanism& m, const SpringDamper& s, Index index, Index at) const {
     const RowGeometry g = spring_row(s, link(m, s.a, s.b));
     const double inertia = write_row(row[at], index, s.a, s.b, g);
-    // The substeps meet, in the mean, the stretch half-way between the first one's start and the last one's.
+    // Over the substeps the mean stretch is the one midway between the first one's start and the last one's.
     const double stretch = g.error + 0.5 * (double(step) - substep) * rate(row[at], s.a.body, s.b.body);
     soften(row[at], spring_force(s, stretch), s.damping, inertia, substep);
     normalise(row[at], inertia);
@@ -91,8 +91,8 @@ struct PrepareMechanism {
     return sum;
   }
 
-  /// Directions and responses, and as bias the prescribed motion of a partner outside the mechanism. Returns
-  /// J M^-1 J^T of the row.
+  /// Directions and responses; the prescribed motion of a fixed partner becomes the bias. Returns J M^-1 J^T of the
+  /// row.
   GONOGO_HD double write_row(Row& r, Index index, const Attachment& a, const Attachment& b,
                              const RowGeometry& g) const {
     r.mechanism = index;
@@ -169,7 +169,7 @@ struct PrepareMechanism {
     }
   }
 
-  /// Entry of a' P M^-1 a for the axes of two motors of a mechanism: the speed that one gives the other.
+  /// Entry of a' P M^-1 a for the axes of two motors: the speed that a unit impulse of one gives the other.
   GONOGO_HD double motor_coupling(const Mechanism& m, Index i, Index j) const {
     const Motor &p = motor[i], &q = motor[j];
     double sum = 0;
@@ -197,9 +197,8 @@ struct PrepareMechanism {
     return sum;
   }
 
-  /// The motors of a mechanism take half of its masses, its contacts the rest; among each other the motors' steps
-  /// follow from the sums of the rows of their coupling (Gershgorin). A motor whose joint is blocked still runs into
-  /// its limit.
+  /// The motors of a mechanism get half of its masses, its contacts the rest. The motors' step sizes follow from the
+  /// row sums of their coupling (Gershgorin). The lower bound lets a motor with a blocked joint reach its limit.
   template <class Team>
   GONOGO_HD void size_motor_steps(const Team& team, const Mechanism& m) const {
     const Index first = m.first_element + m.element_count - m.motor_count;
@@ -227,7 +226,7 @@ struct PrepareMechanism {
   }
 };
 
-/// Call when the bodies' positions and velocities are those of the step's start.
+/// Call while positions and velocities are those of the step's start.
 template <class Exec>
 void prepare_mechanisms(Exec exec, State<Exec>& s, const StepSettings& settings) {
   MechanismStore<Exec>& m = s.mechanisms;

@@ -1,23 +1,23 @@
-// Inside the iteration: velocities of a mechanism's bodies from their gathered ones.
+// Velocities of a mechanism's bodies from the gathered ones, inside the iteration; see mechanism.h.
 #pragma once
 #include "sim/state/mechanism.h"
 
 namespace gonogo::sim {
 
-/// v = P v_gathered + c. The same sums in the same order for a whole body or for one number of it.
+/// v = P v_gathered + c. Whole bodies and single numbers are summed in the same order.
 struct Projection {
   View<const Mechanism> mechanism;
   View<const MechanismBody> body;
   View<const Real> projection;
   View<const Velocity> gathered;  // [mechanism body]
 
-  /// Whether k is part of an empty place in a batch.
+  /// Whether mechanism body k belongs to an empty place in a batch.
   GONOGO_HD bool is_empty(Index k) const {
     const Mechanism& m = mechanism[body[k].mechanism];
     return k - m.first_body >= m.body_count;
   }
 
-  /// All of `bodies` bodies of a mechanism from body k of the mechanisms on; for the host.
+  /// Velocities of `bodies` mechanism bodies from k on, all of one mechanism; for the host.
   template <int bodies>
   GONOGO_HD void velocities(Index k, Velocity (&v)[bodies]) const {
     Real sum[6 * bodies];
@@ -30,7 +30,7 @@ struct Projection {
     }
   }
 
-  /// `from`: the map's first column at the first number asked for; `gathered`: of the mechanism's first body.
+  /// `from`: the map's first column at the first number wanted; `gathered`: of the mechanism's first body.
   template <int kCount>
   GONOGO_HD static void add_columns(const Mechanism& m, const Real* from, const Velocity* gathered,
                                     Real (&sum)[kCount]) {

@@ -1,5 +1,5 @@
-// Equations of joints and springs: directions, errors and forces. All formulas are in the world frame and in double, so
-// that drift is measured to the precision of the positions.
+// Equations of joints and springs: directions, errors and forces, in the world frame. In double, so that drift is
+// measured to the precision of the positions.
 #pragma once
 #include "sim/state/mechanism.h"
 #include "sim/state/period.h"
@@ -27,24 +27,24 @@ GONOGO_HD inline Link link_between(const Attachment& a, const Attachment& b, Vie
                                    View<const Quat> orientation, const Vec3d& period) {
   Link l{placed(a, orientation[a.body]), placed(b, orientation[b.body]), {}};
   const Vec3d centres = nearest_image(position[a.body] - position[b.body], period);
-  // Of the points, too: on a side shorter than the vehicle is wide, arms reach beyond half a period.
+  // The offset too: where a period is shorter than the vehicle is wide, arms reach beyond half of it.
   l.offset = nearest_image(centres + l.a.arm - l.b.arm, period);
   return l;
 }
 
-/// Row of J, and the amount by which what it holds is off. The linear part acts on a and oppositely on b, both along
-/// the line through a's point, so that no joint makes angular momentum out of its drift.
+/// Row of J and its constraint's error. The linear part acts on a and oppositely on b, along one line through a's
+/// point, so that drift never creates angular momentum.
 struct RowGeometry {
   Vec3d linear, angular_a, angular_b;
   double error = 0;  // [m] or [rad]
 };
 
-/// Rate of (p_a - p_b) . u for a direction u that turns with b.
+/// Row of the rate of (p_a - p_b) . u, for a direction u that turns with b.
 GONOGO_HD inline RowGeometry point_row(const Link& link, const Vec3d& u) {
   return {u, cross(link.a.arm, u), -cross(link.b.arm + link.offset, u), dot(link.offset, u)};
 }
 
-/// Relative turning rate about u; `angle` is the vector of the small rotation of a relative to b.
+/// Row of the relative turning rate about u; `angle`: vector of the small rotation of a relative to b.
 GONOGO_HD inline RowGeometry angle_row(const Vec3d& u, const Vec3d& angle) { return {{}, u, -u, dot(angle, u)}; }
 
 GONOGO_HD inline Vec3d unit_or(const Vec3d& v, const Vec3d& otherwise) {
@@ -52,12 +52,12 @@ GONOGO_HD inline Vec3d unit_or(const Vec3d& v, const Vec3d& otherwise) {
   return size > 1e-12 ? v * (1 / size) : otherwise;
 }
 
-/// k-th of the three directions of b: axis, side, and the one at right angles to both.
+/// k-th direction of an attachment: axis, side, and the one at right angles to both.
 GONOGO_HD inline Vec3d direction_of(const PlacedAttachment& at, Index k) {
   return k == 0 ? at.axis : k == 1 ? at.side : cross(at.axis, at.side);
 }
 
-/// Small rotation that takes the directions of b to those of a: half the sum of e_b x e_a.
+/// Small rotation from the directions of b to those of a: half the sum of e_b x e_a.
 GONOGO_HD inline Vec3d small_rotation(const Link& link) {
   Vec3d sum;
   for (Index k = 0; k < 3; ++k) sum += cross(direction_of(link.b, k), direction_of(link.a, k));
@@ -108,7 +108,7 @@ GONOGO_HD inline RowGeometry spring_row(const SpringDamper& s, const Link& link)
   return row;
 }
 
-/// Pull of a spring at rest [N, N m] and its tangent stiffness.
+/// Force of a spring at rest [N, N m] and its tangent stiffness.
 struct SpringForce {
   double force, stiffness;
 };
@@ -122,7 +122,7 @@ GONOGO_HD inline SpringForce spring_force(const SpringDamper& s, double stretch)
   return {double(t.force[k]) + slope * (stretch - t.stretch[k]), slope};
 }
 
-/// Energy that a spring holds beyond that at no stretch [J].
+/// Energy of a spring beyond that at zero stretch [J].
 GONOGO_HD inline double spring_energy(const SpringDamper& s, double stretch) {
   const ForceTable& t = s.table;
   if (t.count == 0) return 0.5 * s.stiffness * stretch * stretch;
@@ -137,22 +137,22 @@ GONOGO_HD inline double spring_energy(const SpringDamper& s, double stretch) {
   return work(stretch) - work(0);
 }
 
-/// Drift below this is left alone: it is the rounding of single-precision orientations at arms of some metres.
+/// Smaller drift is not corrected: it is the rounding of single-precision orientations at arms of some metres.
 inline constexpr double kDriftTolerance = 1e-6;  // [m] or [rad]
-/// Speed at which a joint that was pulled apart closes again.
+/// Max speed at which a joint removes drift.
 inline constexpr double kMaxDriftSpeed = 2;  // [m/s] or [rad/s]
-/// A spring that resists its rate by less than this share of its mass per step counts as a force alone.
+/// Bounds on a spring's resistance times its inverse mass; below the first it acts as a force alone.
 inline constexpr double kWeakestSpring = 1e-9, kStiffestSpring = 1e9;
 
-/// Speed that removes the whole drift in one step: positions then follow the constraint as in SHAKE (Ryckaert,
-/// Ciccotti, Berendsen 1977) with one Newton step, which keeps the energy of a swinging mechanism; correcting only a
-/// share would leave a drift of (w h)^2 r / (2 share).
+/// Speed that removes the whole drift in one step, as one Newton step of SHAKE does (Ryckaert, Ciccotti, Berendsen
+/// 1977). That keeps the energy of a swinging mechanism. Correcting only a share would leave a drift of
+/// (w h)^2 r / (2 share).
 GONOGO_HD inline double drift_bias(double error, double step) {
   const double beyond = std::fmax(0.0, std::fabs(error) - kDriftTolerance);
   return std::copysign(std::fmin(beyond / step, kMaxDriftSpeed), error);
 }
 
-/// Bias of a hard row.
+/// Bias of a row without softness.
 GONOGO_HD inline void harden(Row& row, double error, double step) {
   row.bias += drift_bias(error, step);
   row.softness = 0;
@@ -167,8 +167,8 @@ GONOGO_HD inline void soften(Row& row, const SpringForce& spring, double damping
   row.bias += spring.force * step * row.softness;
 }
 
-/// Scales a row so that its diagonal entry of A is one: then a pivot tells how far the row is from depending on the
-/// rows before it. A row that can move nothing stays zero.
+/// Scales a row to A_ii = 1, so that a pivot measures how far the row is from depending on rows before it. A row that
+/// can move nothing stays zero.
 GONOGO_HD inline void normalise(Row& row, double inertia) {
   const double diagonal = inertia + row.softness;
   const double scale = diagonal > 0 ? 1 / std::sqrt(diagonal) : 0;

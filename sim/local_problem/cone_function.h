@@ -1,4 +1,4 @@
-// Inside sim/local_problem: functions whose zero is the solution of one contact, and their derivatives, for Newton.
+// Functions whose zero is the solution of one contact, and their derivatives, for Newton. Inside sim/local_problem.
 #pragma once
 #include <Eigen/Dense>
 

@@ -1,10 +1,10 @@
-// Inside sim/local_problem: the methods behind solve().
+// The methods behind solve(). Inside sim/local_problem.
 #pragma once
 #include "sim/local_problem/solve.h"
 
 namespace gonogo::sim {
 
-/// Keeps the best impulses met.
+/// Keeps the best impulses offered.
 struct BestSoFar {
   const LocalProblem& problem;
   Target target;
@@ -15,7 +15,7 @@ struct BestSoFar {
     best.error = siconos_error(p, best.r, t);
   }
 
-  /// The error of r.
+  /// Returns the error of r.
   double offer(const std::vector<double>& r) {
     const double error = siconos_error(problem, r, target);
     if (error < best.error) {

@@ -51,9 +51,9 @@ struct LocalProblem {
   std::vector<std::size_t> diagonal;  // block number of each contact's diagonal block [contact_count]
 };
 
-/// Puts a problem together from the entries of W (equal positions are summed) and checks it. Throws InputError, which
-/// starts with `name`, for a dimension other than 2, 3 or 5, lengths that disagree, positions outside the matrix,
-/// values that are not finite, negative friction, and a contact whose W_nn is not positive (nothing there can move).
+/// Assembles a problem from the entries of W (equal positions are summed) and checks it. Throws InputError, starting
+/// with `name`, for a dimension other than 2, 3 or 5, lengths that disagree and positions outside the matrix. Refuses
+/// values that are not finite, negative friction, and a contact whose W_nn is not positive.
 LocalProblem make_problem(const std::string& name, int dimension, const std::vector<Triplet>& w, std::vector<double> q,
                           std::vector<double> mu, std::vector<double> mu_roll = {});
 

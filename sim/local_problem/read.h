@@ -29,7 +29,7 @@ struct GlobalProblem {
   std::vector<double> mu, mu_roll;  // [contact_count]
 };
 
-/// Reads any of these, told apart by content. Throws InputError "file: place: value; expectation".
+/// Reads any of these formats, recognised by content. Throws InputError "file: place: value; expectation".
 LocalProblem read_problem(const std::filesystem::path& path);
 
 LocalProblem read_fclib(const std::filesystem::path& path);

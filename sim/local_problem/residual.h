@@ -1,4 +1,4 @@
-// How far impulses r are from solving a LocalProblem; the measure of every solver here.
+// Error of impulses r as a solution of a LocalProblem; the measure of every solver here.
 #pragma once
 #include "sim/local_problem/problem.h"
 #include "sim/state/target.h"

@@ -1,11 +1,11 @@
 // Accurate solvers of LocalProblem, in double precision on the host: the reference of the engine's own solvers.
 //
-//   nsgs  block Gauss-Seidel: contact after contact solved exactly with the rest held (Jean & Moreau; one_contact.h)
-//   apgd  accelerated projected gradients with restart (Mazhar et al. 2015) on the convex program; for `coulomb` its
-//         normal velocities are shifted by De Saxce's term, which follows the solution from outside (Cadoux 2009)
-//   ppa   proximal points around a semismooth Newton method: (W + alpha D) r + q - alpha D r_k is solved for r_{k+1} on
+//   nsgs  block Gauss-Seidel: each contact is solved exactly with the others held (Jean & Moreau; one_contact.h)
+//   apgd  accelerated projected gradients with restart (Mazhar et al. 2015) on the convex program. For `coulomb` an
+//         outer iteration shifts the normal velocities by De Saxce's term (Cadoux 2009).
+//   ppa   proximal points around a semismooth Newton method. (W + alpha D) r + q - alpha D r_k is solved for r_{k+1} on
 //         the function of Alart & Curnier (1991) with sparse LU; alpha falls as long as Newton converges. The most
-//         accurate one: reaches 1e-8 where the others stall, at the price of factorisations.
+//         accurate and most expensive method: it reaches 1e-8 where the others stall.
 #pragma once
 #include <string>
 
@@ -23,7 +23,7 @@ struct LocalSolveSettings {
 };
 
 struct LocalSolution {
-  std::vector<double> r;  // impulses: the best met
+  std::vector<double> r;  // the best impulses found
   double error = 0;       // siconos_error for the target; may exceed the tolerance when the iterations ran out
   int iterations = 0;     // of the solver's own kind
 };

@@ -1,4 +1,4 @@
-// Inside sim/local_problem: a text file word by word, with sentences that name file, line, value and expectation.
+// A text file word by word, with errors that name file, line, value and expectation. Inside sim/local_problem.
 #pragma once
 #include <charconv>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace gonogo::sim {
 
-/// The words of a text file, with the line each stands on.
+/// The words of a text file and their lines.
 class Words {
  public:
   explicit Words(const std::filesystem::path& path) : name_(path.string()), content_(read_file(path)) {

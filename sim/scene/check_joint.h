@@ -1,4 +1,4 @@
-// Refusal of joints, springs and motors that cannot work.
+// Checks joints, springs and motors. Host only.
 #pragma once
 #include <string>
 
@@ -6,10 +6,10 @@
 
 namespace gonogo::sim {
 
-/// A joint's points may be this far apart and its directions turned this much at the start [m, rad].
+/// Max error of a joint at the start: distance of its points, angle between its directions [m, rad].
 inline constexpr double kMaxStartError = 1e-3;
 
-/// Throws InputError, beginning with `where`.
+/// Throws InputError, beginning with `where`, for numbers out of range and for bodies that a joint cannot hold.
 void check_mechanisms(const SceneWorld& world, const std::string& where);
 
 }  // namespace gonogo::sim

@@ -1,4 +1,4 @@
-// What a scene may not ask of its shapes. Host only.
+// Checks shapes. Host only.
 #pragma once
 #include <cstddef>
 
@@ -9,11 +9,11 @@ namespace gonogo::sim {
 const char* name_of(ShapeType type);
 
 /// Throws InputError, naming world `w`, the shape and the number, for materials, sizes, lugs and orientations out of
-/// range and for meshes and heightfields that are missing.
+/// range. Refuses missing meshes and heightfields too.
 void check_shapes(const SceneWorld& world, std::size_t w);
 
-/// Sets the sizes of the shapes that are meshes (distance of the furthest vertex, half of the smallest side of the box
-/// around) and heightfields (distance of the furthest point). After check_shapes.
+/// Sets Shape::size of meshes to (reach_of, least_half_of, -) and of heightfields to (reach_of, -, -). Call after
+/// check_shapes().
 void set_surface_sizes(SceneWorld& world);
 
 }  // namespace gonogo::sim

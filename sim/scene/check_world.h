@@ -1,4 +1,4 @@
-// What a scene may not ask of its bodies and laws, and a run of its numerics. Host only.
+// Checks bodies, laws and settings. Host only.
 #pragma once
 #include <cstddef>
 
@@ -6,8 +6,8 @@
 
 namespace gonogo::sim {
 
-/// Throws InputError, naming world `w`, the body or materials and the number, for masses, places, orientations,
-/// velocities, gravity and pair laws that are out of range or not finite.
+/// Throws InputError, naming world `w` and the number, for masses, positions, orientations, velocities, gravity and
+/// laws that are out of range or not finite.
 void check_bodies(const SceneWorld& world, std::size_t w);
 
 /// Throws InputError, naming the number, for a step, iterations or tolerances out of range.

@@ -5,9 +5,9 @@
 
 namespace gonogo::sim {
 
-/// Adds a body with the mass properties of the mesh as a solid of this density [kg/m^3] and the spheres of the cover as
-/// its shapes. `at`: where the mesh's axes are, and the velocity of its centre of mass; the body's own axes become its
-/// principal axes of inertia. Returns the body's index.
+/// Adds a body with the mass properties of the mesh as a solid of this density [kg/m^3], and the spheres of the cover
+/// as its shapes. `at`: position and orientation of the mesh's axes, and velocity of its centre of mass. The body's
+/// axes are its principal axes of inertia. Returns the body's index.
 BodyIndex add_compound(SceneWorld& world, const BodyState& at, const TriangleMesh& mesh, const SphereCover& cover,
                        double density, int material);
 

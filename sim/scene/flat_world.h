@@ -8,7 +8,7 @@
 
 namespace gonogo::sim {
 
-/// How much of everything a world's place in a batch holds.
+/// Sizes of a world, or of its place in a batch.
 struct WorldSize {
   Index bodies = 0, shapes = 0, bins = 0, large_shapes = 0;
   MechanismSize mechanisms;
@@ -39,7 +39,7 @@ struct FlatWorld {
 };
 FlatWorld flatten(const SceneWorld& world, WorldIndex w, const StepSettings& settings);
 
-/// Everything a world needs to go on with the same bits, in this batch or another.
+/// State from which a world continues with the same bits, in this batch or another.
 struct Snapshot {
   WorldParameters world;
   Index steps = 0, flags = 0, slowed = 0;
@@ -56,7 +56,7 @@ struct Snapshot {
   ElementSnapshot element;
 };
 
-/// The same world with its bodies in another order in memory; laws, gravity and motors as they are now.
+/// The same world with its bodies in another order in memory, and its present laws, gravity and motors.
 FlatWorld rearranged(const FlatWorld& world, std::vector<BodyIndex> place_of_body, const StepSettings& settings);
 
 /// A snapshot of `from` for the same world in another order.

@@ -1,4 +1,4 @@
-// From a world's joints, springs and motors to the arrays of its mechanisms.
+// Flattens a world's joints, springs and motors into the arrays of its mechanisms.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace gonogo::sim {
 
-/// Numbers of everything; also where something begins in the arrays of a batch.
+/// Sizes of a world's mechanisms, or where they begin in the arrays of a batch.
 struct MechanismSize {
   Index mechanisms = 0, bodies = 0, row_entries = 0, motor_entries = 0, elements = 0;
   Index joints = 0, springs = 0, motors = 0, rows = 0, system = 0, projection = 0;
@@ -42,7 +42,7 @@ struct FlatMechanisms {
   MechanismSize size() const;
 };
 
-/// f(body index) for every body that a joint, spring or motor names.
+/// Calls f(body index) for every body that a joint, spring or motor names.
 template <class F>
 void for_each_jointed(SceneWorld& world, const F& f) {
   for (Joint& j : world.joint) {
@@ -59,11 +59,10 @@ void for_each_jointed(SceneWorld& world, const F& f) {
   }
 }
 
-/// Throws InputError, beginning with `where`, for a mechanism that is larger than the engine can hold.
+/// Throws InputError, beginning with `where`, for a mechanism beyond kMaxMechanismBodies or kMaxMechanismRows.
 FlatMechanisms flatten_mechanisms(const SceneWorld& world, const std::string& where);
 
-/// The same with its indices moved to where the world's parts begin in a batch; slot_of_body and the rows of joints and
-/// springs are moved too.
+/// The same with indices into a batch, where the world's parts begin at `begin` and `first_body`.
 FlatMechanisms moved(FlatMechanisms flat, const MechanismSize& begin, WorldIndex world, BodyIndex first_body);
 
 }  // namespace gonogo::sim

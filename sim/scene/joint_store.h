@@ -1,4 +1,4 @@
-// Uploading mechanisms into the arrays of a batch.
+// Uploads mechanisms into the arrays of a batch.
 #pragma once
 #include "sim/scene/flatten.h"
 
@@ -23,7 +23,7 @@ void allocate(MechanismStore<Exec>& s, const MechanismSize& total) {
   s.projection.fill_zero(total.projection);
 }
 
-/// Writes a world's mechanisms, already moved, to where its place begins; the rest of the place becomes empty.
+/// Writes a world's mechanisms, already moved(), into its place and empties the rest of it.
 template <class Exec>
 void write_mechanisms(MechanismStore<Exec>& s, FlatMechanisms flat, const MechanismSize& begin,
                       const MechanismSize& room) {

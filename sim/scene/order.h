@@ -1,5 +1,5 @@
-// The order of bodies in memory: along a space-filling curve, so that neighbours in space are neighbours in memory.
-// What the solver gathers for a contact then mostly lies together.
+// The order of bodies in memory: along a space-filling curve, so that neighbours in space, which the solver reads
+// together, are neighbours in memory.
 #pragma once
 #include <vector>
 
@@ -11,14 +11,14 @@ namespace gonogo::sim {
 /// order.
 std::vector<BodyIndex> spatial_order(const std::vector<Vec3d>& position, const WorldParameters& world);
 
-/// The same along the curve through 1023 cells a side of the cube around all of them.
+/// The same with 1023 cells a side of the cube around all positions instead of bins.
 std::vector<Index> order_along_curve(const std::vector<Vec3d>& position);
 
-/// Whether sorting pays. `place`: what spatial_order() returns. Counted are the bodies whose successor in memory lies
-/// in the same bin or in one beside it.
+/// Whether sorting pays: compares, before and after, how many bodies have their successor in memory in the same or an
+/// adjacent bin. `place`: from spatial_order().
 bool have_mixed(const std::vector<Vec3d>& position, const std::vector<BodyIndex>& place, const WorldParameters& world);
 
-/// One order after another.
+/// Order `first`, then order `second`.
 std::vector<BodyIndex> composed(const std::vector<BodyIndex>& first, const std::vector<BodyIndex>& second);
 
 }  // namespace gonogo::sim

@@ -1,13 +1,13 @@
-// Host-side preparation of a world's elements: checks, times in steps.
+// Checks a world's elements and flattens them. Host only.
 #pragma once
 #include "sim/scene/scene.h"
 
 namespace gonogo::sim {
 
-/// Throws InputError for an element that cannot run; `w` is the world's name in the message.
+/// Throws InputError, naming world `w`, for an element with numbers out of range or indices outside of the world.
 void check_elements(const SceneWorld& world, std::size_t w, const StepSettings& settings);
 
-/// Elements of a checked world.
+/// Elements of a checked world, with times rounded to steps.
 FlatElements flat_elements(const SceneWorld& world, const StepSettings& settings);
 
 }  // namespace gonogo::sim

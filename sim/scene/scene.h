@@ -1,4 +1,4 @@
-// Host description of a batch of worlds, before it goes to a backend.
+// Description of a batch of worlds, from which a simulation is made.
 #pragma once
 #include <memory>
 #include <vector>
@@ -24,8 +24,7 @@ struct SceneWorld {
   Vec3d origin, size{1, 1, 1};          // [m]
   bool periodic_x = false, periodic_y = false;
   PairLaw law[kMaxMaterials][kMaxMaterials];
-  /// Shapes that overlap at the start by more than this share of the smaller one's least half are refused; 0: not
-  /// checked.
+  /// Max overlap of two shapes at the start, as a share of the smaller one's smallest half extent; 0: not checked.
   Real overlap_limit = 0;
 
   std::vector<BodyState> body;

@@ -1,4 +1,4 @@
-// Capsules on surfaces of triangles: their ends as spheres, and between them the ridges and peaks that the axis passes.
+// Capsules on surfaces of triangles: the two ends as spheres, and the ridges and peaks between them.
 #pragma once
 #include "sim/shape/surface_touch.h"
 
@@ -12,7 +12,7 @@ struct Segment {
   }
 };
 
-/// Parameter along the segment where it is nearest to an edge, and along the edge (0 .. 1). Ericson (2005), 5.1.9.
+/// Where segment and edge are nearest: s along the segment (-1 .. 1), t along the edge (0 .. 1). Ericson (2005), 5.1.9.
 GONOGO_HD inline void nearest_parameters(const Segment& segment, const Vec3& from, const Vec3& edge, Real& s, Real& t) {
   const Vec3& u = segment.half;
   const Real a = dot(u, u), e = dot(edge, edge), b = dot(u, edge), c = -dot(u, from), f = -dot(edge, from);
@@ -22,7 +22,7 @@ GONOGO_HD inline void nearest_parameters(const Segment& segment, const Vec3& fro
   s = segment.nearest(from + edge * t);
 }
 
-/// What the middle part of a capsule about the origin of `from` touches.
+/// Contacts of the middle part of a capsule whose centre is the origin of `from`.
 template <class Surface, class Visit>
 struct CapsuleMiddle {
   const SurfaceFrom<Surface>& from;
@@ -39,7 +39,7 @@ struct CapsuleMiddle {
     visit(from.name(t, feature), Touch{gap, normal, on_axis - normal * (radius + gap / 2)});
   }
 
-  /// Only ridges: a flat or hollow edge leaves the ends to carry the capsule.
+  /// Ridges only: on a flat or hollow edge the ends carry the capsule.
   GONOGO_HD void edge(Index t, int k) {
     const Index other = from.surface.neighbour(t, k);
     if (other >= 0 && other < t) return;
@@ -63,8 +63,9 @@ struct CapsuleMiddle {
   }
 };
 
-/// Calls visit(feature, touch) in the surface's axes. `p`, `half`: the capsule's centre and half its axis there;
-/// sphere(p, visit) serves one end. Features: 4 times that of a sphere, plus 0 or 1 for the ends, 2 between them.
+/// Calls visit(feature, touch) in the surface's axes. `p`, `half`: the capsule's centre and half its axis there.
+/// sphere(p, visit) visits the contacts of one end. Features: 4 times that of a sphere, plus 0 or 1 for the ends, 2
+/// between them.
 template <class Surface, class Sphere, class Visit>
 GONOGO_HD inline void visit_capsule_touches(const Surface& surface, const Vec3d& p, const Vec3& half, Real radius,
                                             Real envelope, Sphere&& sphere, Visit&& visit) {

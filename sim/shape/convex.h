@@ -1,5 +1,5 @@
-// Capsules, ellipsoids, cylinders and boxes seen as convex bodies: how far they reach, where they are nearest, and
-// which corner, edge or face they turn towards a direction. All in world axes.
+// Capsules, ellipsoids, cylinders and boxes as convex bodies: reach, nearest point, and the corner, edge or face that
+// is furthest in a direction. All in world axes.
 #pragma once
 #include <initializer_list>
 
@@ -39,13 +39,13 @@ GONOGO_HD inline Real least_half(const Convex& c) {
   return c.type == ShapeType::box || c.type == ShapeType::ellipsoid ? std::fmin(smallest, c.size.z) : smallest;
 }
 
-/// Whether the body touches another convex one in a single point, wherever that is.
+/// Whether the body touches any other convex one in a single point.
 GONOGO_HD inline bool is_strictly_convex(const Convex& c) { return c.type == ShapeType::ellipsoid; }
 
 GONOGO_HD inline Real clamped(Real x, Real limit) { return std::fmin(std::fmax(x, -limit), limit); }
 
-/// Point nearest to `p` of a body made smaller by `share` of its smallest half, an ellipsoid of each of its half axes;
-/// a capsule is made a line. Bodies that overlap by less than what is taken off are apart.
+/// Point nearest to `p` of the body's core. The core is smaller by `share` of the smallest half extent, an ellipsoid's
+/// by `share` of each half axis; a capsule's is its axis. Cores of bodies with less overlap are apart.
 GONOGO_HD inline Vec3 nearest_in_core(const Convex& c, const Vec3& p, Real share) {
   if (c.type == ShapeType::ellipsoid) {
     const Vec3 half = c.size * (1 - share), q = c.into(p - c.centre);
@@ -64,7 +64,7 @@ GONOGO_HD inline Vec3 nearest_in_core(const Convex& c, const Vec3& p, Real share
   return c.centre + c.out_of(q);
 }
 
-/// A corner, an edge or a flat face: its points in order around it and their numbers, which name them on the body.
+/// A corner, edge or flat face: its points, in order around it, and their numbers on the body.
 inline constexpr int kMaxCorners = 8;
 struct Facet {
   int count = 0;
@@ -78,8 +78,8 @@ struct Facet {
   }
 };
 
-// A face (or edge) is taken whole while it lies within ten degrees of square to the direction; each of its points then
-// gets its own gap.
+// The whole face (or edge) is the facet while it is within ten degrees of square to the direction. Each of its points
+// then gets its own gap. Cosine and sine of these angles.
 inline constexpr Real kSquare = Real(0.985), kLevel = Real(0.174);
 
 GONOGO_HD inline Facet box_facet(const Convex& c, const Vec3& direction) {
@@ -110,7 +110,7 @@ GONOGO_HD inline Facet box_facet(const Convex& c, const Vec3& direction) {
   return f;
 }
 
-/// Ends of the line along the side of a capsule or cylinder that lies furthest in a direction, or the one end.
+/// The line along the side of a capsule or cylinder that is furthest in a direction: both ends, or the further one.
 GONOGO_HD inline Facet side_facet(const Convex& c, const Vec3& direction, const Vec3& out) {
   const Real along = dot(c.axis[1], direction);
   Facet f;
@@ -120,7 +120,7 @@ GONOGO_HD inline Facet side_facet(const Convex& c, const Vec3& direction, const 
   return f;
 }
 
-/// What a body turns towards a unit direction.
+/// The corner, edge or face of a body that is furthest in a unit direction.
 GONOGO_HD inline Facet facet(const Convex& c, const Vec3& direction) {
   if (c.type == ShapeType::box) return box_facet(c, direction);
   if (c.type == ShapeType::ellipsoid) {

@@ -1,8 +1,7 @@
-// The direction in which two convex bodies are furthest apart, one of them at least an ellipsoid: Newton's method on
-// the unit sphere for  f(n) = n.d - reach_a(n) - reach_b(n)  (bodies symmetric about their centres; d: from b's centre
-// to a's). The gradient of a reach is the point that is furthest out, its Hessian that point's rate of turning. Against
-// flat faces, edges and sides f has a crease where n is square to an axis of the body: there the best direction is
-// sought along the crease.
+// The direction in which two convex bodies are furthest apart, at least one of them an ellipsoid. Newton's method on
+// the unit sphere maximises  f(n) = n.d - reach_a(n) - reach_b(n),  d from b's centre to a's, for bodies symmetric
+// about their centres. The gradient of a reach is the furthest point, its Hessian the derivative of that point. Flat
+// faces, edges and sides give f creases where n is square to an axis of the body; there the search follows the crease.
 #pragma once
 #include "sim/shape/convex.h"
 
@@ -18,7 +17,7 @@ GONOGO_HD inline bool runs_along(const Convex& c, int k) {
   return c.type == ShapeType::box || (k == 1 && c.type != ShapeType::ellipsoid);
 }
 
-/// Point furthest out along a unit direction, from the centre; the middle of an edge or side square to it.
+/// Furthest point along a unit direction, from the centre; the middle of an edge or side square to it.
 GONOGO_HD inline Vec3 furthest(const Convex& c, const Vec3& direction) {
   const Vec3 n = c.into(direction);
   const auto end = [](Real toward, Real half) {
@@ -64,7 +63,7 @@ struct Climb {
     return reach_curvature(a, n, u, v) + reach_curvature(b, n, u, v) + gap * dot(u, v);
   }
 
-  /// Newton's step from n; `crease`: unit, square to n, along which the step has no part, or zero.
+  /// Newton's step from n. `crease`: zero, or a unit vector square to n to which the step stays square.
   GONOGO_HD Vec3 step(const Separation& s, const Vec3& crease) const {
     const Vec3& n = s.normal;
     const bool bound = dot(crease, crease) > 0;
@@ -97,7 +96,7 @@ struct Climb {
     return s;
   }
 
-  /// From the nearest direction square to axis k of a body.
+  /// Climbs along the crease of axis k of a body, from its direction nearest to s.
   GONOGO_HD void along_crease(const Convex& c, int k, const Separation& from, Separation& best) const {
     const Real lean = dot(from.normal, c.axis[k]);
     if (!runs_along(c, k) || std::fabs(lean) > Real(0.3)) return;
@@ -107,7 +106,7 @@ struct Climb {
   }
 };
 
-/// The best direction near a good one. Every direction gives a lower bound of the gap, so the result is no worse.
+/// The best direction near a good one. Every direction gives a lower bound of the gap, so the result is never worse.
 GONOGO_HD_OUTLINED Separation highest_separation(const Convex& a, const Convex& b, const Separation& from) {
   const Climb climb{a, b};
   Separation best = climb.along(from, {});

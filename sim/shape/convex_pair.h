@@ -1,10 +1,10 @@
-// Contacts of two convex bodies (capsule, ellipsoid, cylinder, box).
-// For convex bodies the signed distance is the largest separation over all directions,
+// Contacts of two convex bodies (capsule, ellipsoid, cylinder, box). Their signed distance is the largest separation
+// over all directions,
 //   max over |n| = 1 of  n.d - reach_a(-n) - reach_b(n),   d: from b's centre to a's,
-// positive when they are apart. Faces, caps and pairs of edges give a few directions that are exact where they touch;
-// the line between the nearest points of slightly smaller bodies (found by projecting to and fro) gives the others. The
-// contacts are then the corners and crossings of the two facets that face each other (see facet). Beside an ellipsoid
-// the best direction is improved by Newton's method (see convex_climb.h), and its own furthest point is the contact.
+// positive when they are apart. Where faces, caps or pairs of edges touch, their own directions are exact. Otherwise
+// the direction is the line between the nearest points of the cores (alternating projections). The contacts are the
+// corners and crossings of the two facets that face each other. For an ellipsoid Newton's method improves the best
+// direction (convex_climb.h), and its furthest point is the contact.
 #pragma once
 #include <initializer_list>
 
@@ -16,9 +16,9 @@ struct SeparationSearch {
   const Convex &a, &b;
   Separation best{Real(-1e30), {0, 0, 1}};
   Vec3 near_a{}, near_b{};  // nearest points of the cores
-  bool by_nearest = false;  // the best direction is that between them
+  bool by_nearest = false;  // the best direction is the line between them
 
-  /// Takes a unit direction when it separates better than the best so far, by more than the handicap. Returns its gap.
+  /// Keeps a unit direction if it separates better than the best so far by more than the handicap. Returns its gap.
   GONOGO_HD Real consider(Vec3 n, Real handicap) {
     const Vec3 d = a.centre - b.centre;
     if (dot(n, d) < 0) n = -n;
@@ -27,7 +27,7 @@ struct SeparationSearch {
     return gap;
   }
 
-  /// Midway between the nearest points, moved out to the surfaces.
+  /// Midway between the surfaces, on the line through the nearest points.
   GONOGO_HD Vec3 middle() const {
     const Vec3& n = best.normal;
     const Real out_a = dot(n, near_a - a.centre) + extent(a, n), out_b = extent(b, n) - dot(n, near_b - b.centre);
@@ -42,15 +42,15 @@ struct SeparationSearch {
     if (c.type == ShapeType::cylinder || c.type == ShapeType::box) consider(c.axis[1], handicap);
   }
 
-  /// The line between the centres: most pairs that are apart are told so by it.
+  /// The line between the centres, which proves most distant pairs apart.
   GONOGO_HD void consider_centres() {
     const Vec3 d = a.centre - b.centre;
     const Real distance = length(d);
     if (distance > 0) consider(d * (1 / distance), 0);
   }
 
-  /// From the best direction and from that between the nearest points: a flat face may be the best one so far, and no
-  /// way leads from its crease.
+  /// Climbs from the best direction and from the line between the nearest points: the best may be a flat face, and the
+  /// climb cannot leave its crease.
   GONOGO_HD void climb() {
     const Separation from = best;
     best = highest_separation(a, b, from);
@@ -73,9 +73,9 @@ struct SeparationSearch {
       }
   }
 
-  /// Projections to and fro between two convex sets end at their nearest points (Cheney & Goldstein 1959). They are
-  /// gradient steps on the squared distance to a, so they take momentum, which is dropped when it points uphill (see
-  /// sim/solver): bodies that lie nearly along each other would need thousands of plain steps.
+  /// Alternating projections between two convex sets converge to their nearest points (Cheney & Goldstein 1959). They
+  /// are gradient steps on the squared distance to a, so they take momentum with restart as in state/momentum.h. Nearly
+  /// parallel bodies would need thousands of steps without.
   GONOGO_HD void improve_nearest(Real share, Real scale, Vec3& p, Vec3& q) const {
     Vec3 from = q;
     Real t = 1;
@@ -93,8 +93,8 @@ struct SeparationSearch {
   }
 
   /// From small cores, whose nearest points are found fast, to the whole bodies, whose nearest points are exact while
-  /// they are well apart: every direction is a lower bound, so the best one is kept, and the points of the last as
-  /// good.
+  /// they are well apart. Every direction is a lower bound, so the best one is kept, with the points of the last one
+  /// that is as good.
   GONOGO_HD void consider_nearest(Real scale, Real handicap) {
     Vec3 p = a.centre, q = b.centre;
     for (const Real share : {Real(0.1), Real(0.02), Real(0)}) {
@@ -124,8 +124,8 @@ GONOGO_HD inline bool in_facet(const Facet& f, const Vec3& p, const Vec3& n, Rea
   return low >= -tolerance || high <= tolerance;
 }
 
-/// Contacts of two facets seen along the normal. Features name corners and edges of the bodies, whichever of them is
-/// the face at the moment: 256 + corner of a, 512 + corner of b, 2^20 + 1024 edge of a + edge of b.
+/// Contacts of two facets seen along the normal. Features name corners and edges of the bodies, so they do not depend
+/// on which body has the face: 256 + corner of a, 512 + corner of b, 2^20 + 1024 edge of a + edge of b.
 template <class Visit>
 struct FacetPair {
   const Facet &a, &b;
@@ -136,7 +136,7 @@ struct FacetPair {
   int count = 0;
   Vec3 seen[2 * kMaxCorners + 8]{};
 
-  /// Corners that lie on an edge of the other facet would be met twice.
+  /// Skips points already visited: a corner on an edge of the other facet would be met twice.
   GONOGO_HD void add(int feature, Real gap, const Vec3& middle) {
     for (int k = 0; k < count; ++k) {
       const Vec3 apart = middle - seen[k];
@@ -172,7 +172,7 @@ struct FacetPair {
     add((1 << 20) + (edge_name(a, i) << 10) + edge_name(b, k), dot(n, on_a - on_b), (on_a + on_b) * Real(0.5));
   }
 
-  /// Ends of one edge beside the other, parallel one.
+  /// Ends of one edge beside the other, which is parallel.
   GONOGO_HD void ends(const Facet& of, const Facet& beside, int name, Real sign) {
     const Vec3 v = beside.point[1] - beside.point[0];
     for (int k = 0; k < 2; ++k) {
@@ -232,7 +232,7 @@ GONOGO_HD inline void visit_convex_touches(const Convex& a, const Convex& b, Rea
   } else {
     FacetPair<decltype(emit)> pair{fa, fb, s.normal, scale, emit};
     pair.run();
-    // The nearest points lie elsewhere: the end of an edge beside another body, or facets that lean.
+    // The facets miss the nearest points: the end of an edge beside another body, or facets at an angle.
     if (pair.least > s.gap + handicap) emit(0, s.gap, search.middle());
   }
 }

@@ -1,11 +1,11 @@
-// Ellipsoids. With half axes e and A = diag(e) in their own axes: reach along a unit direction n is |A n|, the point
-// that is furthest out is A^2 n / |A n|, and the outward normal at a point x of the surface is along A^-2 x.
+// Ellipsoids. With half axes e and A = diag(e), in their own axes: the reach along a unit direction n is |A n|, the
+// furthest point A^2 n / |A n|. The outward normal at a point x of the surface is along A^-2 x.
 #pragma once
 #include "sim/shape/gap.h"
 
 namespace gonogo::sim {
 
-/// Point that is furthest out along a direction, which need not be of unit length; own axes [m].
+/// Furthest point along a direction of any length; own axes [m].
 GONOGO_HD inline Vec3 ellipsoid_support(const Vec3& half, const Vec3& direction) {
   const Vec3 stretched = scale(half, direction);
   return scale(half, stretched) * (1 / length(stretched));
@@ -17,11 +17,11 @@ GONOGO_HD inline Vec3 ellipsoid_normal(const Vec3& half, const Vec3& x) {
   return n * (1 / length(n));
 }
 
-/// Point of the surface that is nearest to `p`, inside or outside: x_k = e_k^2 p_k / (s + e_k^2 - m^2), m the least
-/// half axis, where s > 0 makes sum (x_k / e_k)^2 one (Eberly, Distance from a Point to an Ellipse, an Ellipsoid, or a
-/// Hyperellipsoid, 2013). The sum falls with s and is convex; Newton's method comes from the left and does not pass the
-/// root. In lengths of m, in which a point nearer to the plane of symmetry than a millionth is taken to lie there: then
-/// two points may be equally near, and one of them is found.
+/// Point of the surface nearest to `p`, inside or outside: x_k = e_k^2 p_k / (s + e_k^2 - m^2), m the smallest half
+/// axis, with s > 0 such that sum (x_k / e_k)^2 = 1 (Eberly, Distance from a Point to an Ellipse, an Ellipsoid, or a
+/// Hyperellipsoid, 2013). The sum falls with s and is convex, so Newton's method from the left does not pass the root.
+/// Lengths are in units of m. A point within a millionth of the plane of symmetry counts as in it; of two points that
+/// are then equally near, one is returned.
 GONOGO_HD_OUTLINED Vec3 nearest_on_ellipsoid(const Vec3& half, const Vec3& p) {
   const Real least = std::fmin(half.x, std::fmin(half.y, half.z));
   const Real e[3] = {half.x / least, half.y / least, half.z / least}, at[3] = {p.x / least, p.y / least, p.z / least};
@@ -52,8 +52,8 @@ GONOGO_HD_OUTLINED Vec3 nearest_on_ellipsoid(const Vec3& half, const Vec3& p) {
   return {half.x * x[0] * onto, half.y * x[1] * onto, half.z * x[2] * onto};
 }
 
-/// A sphere against an ellipsoid; `p`: the sphere's centre in the ellipsoid's axes. Signed: inside, the normal leads
-/// out through the nearest point.
+/// A sphere against an ellipsoid. `p`: the sphere's centre in the ellipsoid's axes. Inside, the normal leads out
+/// through the nearest point.
 GONOGO_HD inline Gap sphere_ellipsoid_gap(const Vec3& p, const Vec3& half, Real radius) {
   const Vec3 x = nearest_on_ellipsoid(half, p), n = ellipsoid_normal(half, x);
   return {dot(p - x, n) - radius, n};

@@ -1,6 +1,6 @@
-// Ellipsoids on meshes: the furthest point on faces, corners of the mesh, and its ridges. An ellipsoid turns one point
-// towards every direction, so a flat face has one contact, however finely it is cut; edges inside of a face have none.
-// For the limits see solid_mesh_touch.h.
+// Ellipsoids on meshes: the furthest point on faces, corners of the mesh, and its ridges. An ellipsoid has one furthest
+// point in each direction, so a flat face has one contact for any triangulation, and edges inside of it have none. For
+// the limits see solid_mesh_touch.h.
 #pragma once
 #include "sim/shape/mesh_face.h"
 
@@ -45,9 +45,9 @@ struct EllipsoidOnMesh {
     emit(corner, int(from.surface.vertex(t, k)), g.gap, -g.normal, p - g.normal * (g.gap / 2));
   }
 
-  /// Point of the ridge that is nearest to the body or deepest in it, 0 .. 1 between the ends, or -1 where that is an
-  /// end. The distance to a convex body is convex along the ridge, so its slope, the part of the normal along the
-  /// ridge, crosses zero once: false position, in which an end that stays twice counts half (the Illinois rule).
+  /// Point of the ridge nearest to the body or deepest in it, 0 .. 1 between the ends; -1: that is an end. The distance
+  /// to a convex body is convex along the ridge, so its slope, the normal's component along the ridge, has one root. It
+  /// is found by false position with the Illinois rule.
   GONOGO_HD_OUTLINED Real nearest_along(const Edge& ridge) const {
     const auto slope_at = [&](Real x) { return dot(gap_of(ridge.start + ridge.along * x).normal, ridge.along); };
     Real low = 0, high = 1, at_low = slope_at(0), at_high = slope_at(1), x = -1;
@@ -99,7 +99,7 @@ struct EllipsoidOnMesh {
   }
 };
 
-/// Calls visit(feature, touch) for the contacts of an ellipsoid; the touch is owned by it and its point counts from the
+/// Calls visit(feature, touch) for the contacts of an ellipsoid. It owns the touch, whose point is relative to the
 /// origin of `from`.
 template <class Visit>
 GONOGO_HD inline void visit_ellipsoid_mesh_touches(const MeshFrom& from, const Convex& body, const Tolerance& tol,

@@ -12,8 +12,8 @@ struct OnField {
   const Vec3d& p;
   Real envelope;
 
-  /// Names of contacts: the low point's in 12 bits, its triangle's above them, modulo 2^18; so far from each other no
-  /// two triangles touch one shape. Ridges and peaks set the highest bits.
+  /// Names of contacts: the low point's in 12 bits, above them its triangle's modulo 2^18. Triangles with equal names
+  /// are too far apart to touch one shape. Ridges and peaks set the highest bits.
   GONOGO_HD static int low_name(Index triangle, int feature) {
     return ((triangle & 0x3FFFF) << 12) | (feature & 0xFFF);
   }
@@ -32,14 +32,14 @@ GONOGO_HD inline void visit_low_touches(const FieldSurface& field, const OnField
   });
 }
 
-/// Distance of a point to an ellipsoid or box, or to a cylinder or the one inside a wheel's lugs; `p` in the shape's
-/// axes.
+/// Distance of a point to an ellipsoid, box or cylinder; a wheel counts as the cylinder inside its lugs. `p`: in the
+/// shape's axes.
 GONOGO_HD inline Gap point_solid_gap(const Shape& s, const Vec3& p) {
   if (s.type == ShapeType::ellipsoid) return sphere_ellipsoid_gap(p, s.size, 0);
   return s.type == ShapeType::box ? sphere_box_gap(p, s.size, 0) : sphere_cylinder_gap(p, s.size.x, s.size.y, 0);
 }
 
-/// A ridge or peak that stands into the shape: `point` from the shape's centre, `outward` from the shape, field axes.
+/// A ridge or peak inside the shape. `point`: from the shape's centre; `outward`: out of the shape; field axes.
 template <class Visit>
 GONOGO_HD inline void emit_ridge(const OnField& on, int name, const Gap& g, const Vec3& point, Visit&& visit) {
   const Vec3 normal = -rotate(on.q, g.normal);
@@ -47,8 +47,8 @@ GONOGO_HD inline void emit_ridge(const OnField& on, int name, const Gap& g, cons
     visit(OnField::kRidge | name, Touch{g.gap, normal, point + normal * (g.gap / 2)});
 }
 
-/// Edge k of a triangle where it is a ridge, at its point deepest in the shape: distance to a convex shape is convex
-/// along a line, so the golden section finds it. Where ridges meet in a peak, each of them gives the same contact.
+/// Edge k of a triangle, if it is a ridge, at its point deepest in the shape. The distance to a convex shape is convex
+/// along a line, so a golden-section search finds it. Ridges that meet in a peak all give the peak's contact.
 template <class Visit>
 GONOGO_HD inline void visit_ridge_touches(const FieldSurface& field, const OnField& on, Index t, int k, Visit&& visit) {
   const Index other = field.neighbour(t, k);
@@ -92,7 +92,7 @@ GONOGO_HD inline void visit_solid_field_touches(const FieldSurface& field, const
   });
 }
 
-/// Calls visit(vertex, position) for the vertices of a mesh, all but those in boxes that may_skip(middle, half).
+/// Calls visit(vertex, position) for the vertices of a mesh, except in boxes for which may_skip(middle, half).
 template <class Skip, class Visit>
 GONOGO_HD inline void visit_mesh_vertices(const MeshSurface& mesh, Skip&& may_skip, Visit&& visit) {
   for (Index n = 0; n < mesh.range.node_count;) {

@@ -71,7 +71,7 @@ GONOGO_HD inline Gap sphere_lug_gap(const Vec3& p, const Shape& wheel, int k, Re
   return {g.gap, frame.out_of(g.normal)};
 }
 
-/// Calls visit(k) for the two lugs nearest to an angle about the axle [rad from x towards z]; one where there is one.
+/// Calls visit(k) for the (at most) two lugs nearest to an angle about the axle [rad from x towards z].
 template <class Visit>
 GONOGO_HD inline void visit_nearest_lugs(const Shape& wheel, Real angle, Visit&& visit) {
   if (wheel.lug_count == 0) return;

@@ -1,4 +1,4 @@
-// Points of a shape that may touch ground below it: what planes and heightfields look at.
+// Points of a shape that may touch a plane or heightfield below it.
 #pragma once
 #include "sim/shape/ellipsoid.h"
 #include "sim/shape/touch.h"
@@ -8,9 +8,9 @@ namespace gonogo::sim {
 /// Features of visit_low_points below this number are points of rims, corners or ends; lug corners follow.
 inline constexpr int kFirstLugFeature = 32;
 
-/// Rims of a cylinder about the y axis of `q`: the lowest point of either rim, and where a cap lies flat eight points
-/// around it. Directions are taken from the lowest point, or from the x axis while the cap is level to 1e-3: the lowest
-/// point then is noise, and would wander from step to step.
+/// Rims of a cylinder about the y axis of `q`: the lowest point of each rim, or eight points around a flat cap. The
+/// eight start at the lowest point, or at the x axis while the cap is level to 1e-3, because the lowest point is then
+/// noise.
 template <class Visit>
 GONOGO_HD inline void visit_rim_points(Real radius, Real half_length, const Quat& q, const Vec3& up, Visit&& visit) {
   const Vec3 axis = rotate(q, {0, 1, 0});
@@ -49,8 +49,8 @@ GONOGO_HD inline Vec3 box_corner(const Vec3& half, const Quat& q, int corner) {
   return rotate(q, {corner & 1 ? half.x : -half.x, corner & 2 ? half.y : -half.y, corner & 4 ? half.z : -half.z});
 }
 
-/// Calls visit(feature, point) for the points of a shape that could be the lowest against the direction `up` [unit];
-/// points are relative to the shape's centre, in world axes like `q` and `up`. Meshes have lists of vertices instead.
+/// Calls visit(feature, point) for the points of a shape that may be lowest against the unit direction `up`. Points are
+/// relative to the shape's centre, in world axes like `q` and `up`. For meshes see field_touch.h.
 template <class Visit>
 GONOGO_HD inline void visit_low_points(const Shape& s, const Quat& q, const Vec3& up, Visit&& visit) {
   switch (s.type) {

@@ -1,14 +1,15 @@
-// Where two meshes may touch: one tree of boxes against the other. Boxes lie along the axes of their mesh, so those of
-// one mesh are oriented boxes for the other (Gottschalk, Lin, Manocha 1996). Nothing is left out that could touch.
+// Where two meshes may touch: one tree of boxes against the other. Boxes are aligned with the axes of their mesh, so
+// those of one mesh are oriented boxes for the other (Gottschalk, Lin, Manocha 1996). No touching triangles are left
+// out.
 #pragma once
 #include "sim/shape/mesh_feature.h"
 
 namespace gonogo::sim {
 
-/// Boxes of one mesh as the other's boxes, grown, meet them.
+/// Tests boxes of one mesh against the other's boxes, grown by the reach.
 class MeshDescent {
  public:
-  /// `reach`: things further apart do not matter [m].
+  /// `reach`: max distance of interest [m].
   GONOGO_HD MeshDescent(const PlacedMesh& own, const PlacedMesh& other, Real reach)
       : other_(other.mesh), grown_(PlacedMesh::turned_half(conjugate(other.q), {reach, reach, reach})) {
     const Vec3 unit[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -16,8 +17,7 @@ class MeshDescent {
     shift_ = static_cast<Vec3>(in_frame(other.q, own.centre - other.centre));
   }
 
-  /// Whether a box of the own mesh, along its axes, comes within reach of a box of the other that is as small or a
-  /// leaf.
+  /// Whether a box of the own mesh, along its axes, is within reach of a box of the other that is as small or a leaf.
   GONOGO_HD bool meets(const Vec3& low, const Vec3& high) const {
     const Vec3 half = (high - low) * Real(0.5), middle = (low + high) * Real(0.5);
     const Vec3 at = axis_[0] * middle.x + axis_[1] * middle.y + axis_[2] * middle.z + shift_;
@@ -37,16 +37,17 @@ class MeshDescent {
 
  private:
   const MeshSurface& other_;
-  Vec3 grown_;    // half edges that boxes of the other mesh are grown by
+  Vec3 grown_;    // by which half edges of the other mesh's boxes grow
   Vec3 axis_[3];  // of the own mesh, in the axes of the other
   Vec3 shift_;    // of the own origin, there
 
   GONOGO_HD static Real largest(const Vec3& v) { return std::fmax(v.x, std::fmax(v.y, v.z)); }
 
-  /// Whether one of the 15 directions parts a box of the own mesh from a box of the other; `d`: between their middles.
+  /// Whether one of the 15 directions separates a box of the own mesh from one of the other. `d`: between their
+  /// middles.
   GONOGO_HD bool are_apart(const Vec3& d, const Vec3& own, const Vec3& its) const {
     const Real h[3] = {own.x, own.y, own.z}, g[3] = {its.x, its.y, its.z}, at[3] = {d.x, d.y, d.z};
-    // Rounding of the axes; where two are parallel their cross product tells nothing, and must not.
+    // Rounding of the axes; where two are parallel, their cross product must not separate.
     constexpr Real more = Real(1e-5);
     const Real r[3][3] = {{axis_[0].x, axis_[1].x, axis_[2].x},
                           {axis_[0].y, axis_[1].y, axis_[2].y},
@@ -82,26 +83,26 @@ struct Angle {
   }
 };
 
-/// Nodes of a mesh that may hold what a corner or an edge of another one lies above or below: a face or ridge is met
-/// along one of its normals, which may miss by kLean, so what lies aside of all of them is not met there (normal cones:
-/// Johnson & Cohen 2001).
+/// Selects the nodes of a mesh that a corner or edge of another one may touch. A face or ridge touches along one of its
+/// normals, which may miss by kLean, so a node whose normals all point elsewhere is left out (normal cones: Johnson &
+/// Cohen 2001).
 class Facing {
  public:
-  /// Of a corner, in world axes as all of `from`; within `near` of it everything is wanted [m]. Beside a valley it may
-  /// lie on a face that it is not above (may_be_on).
+  /// Of a corner, in world axes like all of `from`. Nodes within `near` [m] are always selected. Beside a valley the
+  /// corner may lie on a face that it is not above (may_be_on).
   GONOGO_HD Facing(const MeshFrom& from, const Vec3& corner, Real near)
       : mesh_(from.surface.mesh), at_(place(from, corner)), near_(near) {}
 
-  /// Of an edge, whose own normals must lead to the other, too.
+  /// Of an edge, whose own normals must point to the other mesh too.
   GONOGO_HD Facing(const MeshFrom& from, const Edge& edge, Real near)
       : mesh_(from.surface.mesh),
         at_(place(from, edge.start + edge.along * Real(0.5))),
         near_(near + length(edge.along) * Real(0.5)),
         is_edge_(true) {
-    // Square to the edge, away from both faces: between their normals. These lie 90 degrees from the faces.
+    // Square to the edge and away from both faces: between their normals, which are 90 degrees from the faces.
     const Vec3 out = -(edge.inward + edge.beyond);
     const Real size = length(out);
-    if (size < Real(1e-3)) return;  // flat, or a slit: the sum does not tell
+    if (size < Real(1e-3)) return;  // flat, or a slit: the sum has no direction
     out_ = rotate_back(from.surface.q, out * (1 / size));
     own_ = Angle::of_sine(std::fmin(Real(1), dot(out, -edge.inward) / size)) + Angle::of_sine(kLean);
   }
@@ -130,7 +131,7 @@ class Facing {
     return static_cast<Vec3>(in_frame(from.surface.q, static_cast<Vec3d>(p) + from.origin - from.surface.centre));
   }
 
-  /// Whether a direction of length sqrt(square), `along` an axis, misses it and its opposite by more than `most`.
+  /// Whether a direction of length sqrt(square), `along` an axis, misses it and its opposite by more than `max`.
   GONOGO_HD static bool is_aside(const Angle& max, Real along, Real square) {
     const Real least = max.cosine - Real(1e-3);
     return least > 0 && along * along < least * least * square;

@@ -1,23 +1,23 @@
-// Where a point of another body leaves a mesh: through the faces below it that the body presses upon. Beside a convex
-// edge that is the face which it has sunk into least; in a hollow it is every face.
+// Where a point of another body leaves a mesh: through the faces below it that the body presses on. Beside a convex
+// edge that is the face with the smallest overlap; in a hollow it is every face.
 #pragma once
 #include "sim/shape/mesh_feature.h"
 
 namespace gonogo::sim {
 
-/// What contacts of meshes are judged by [m].
+/// Tolerances of contacts with meshes [m].
 struct Tolerance {
   Real envelope;  // contacts are found up to this gap
-  Real slack;     // ten thousandth of the smaller body: lengths below it may be rounding
-  Real limit;     // deeper than that, a point is not looked at
+  Real slack;     // 1e-4 of the smaller body: shorter lengths may be rounding
+  Real limit;     // deeper points are ignored
 };
 
-/// `half`: half of the smallest side of the smaller body; `share`: of it, the limit.
+/// `half`: half of the smallest side of the smaller body; `share`: limit / half.
 GONOGO_HD inline Tolerance tolerance_for(Real half, Real share, Real envelope) {
   return {envelope, Real(1e-4) * half, std::fmax(share * half, envelope)};
 }
 
-/// Whether the foot of a point lies in triangle t, whose normal is `n`; beyond edges of valleys by up to `hollow`.
+/// Whether the foot of a point lies in triangle t, whose normal is `n`, or beyond a valley's edge by up to `hollow`.
 GONOGO_HD inline bool is_over(const MeshFrom& from, Index t, const Vec3& n, const Vec3& p, Real slack, Real hollow) {
   for (int k = 0; k < 3; ++k) {
     const Vec3 start = from.corner(t, k), edge = from.corner(t, (k + 1) % 3) - start;
@@ -27,7 +27,7 @@ GONOGO_HD inline bool is_over(const MeshFrom& from, Index t, const Vec3& n, cons
   return true;
 }
 
-/// The same for a point that may be a few envelopes deep in the other wall of a hollow, or as deep as in this one.
+/// The same for a point that may lie a few envelopes, or as deep as in this face, in the other wall of a hollow.
 GONOGO_HD inline bool may_be_on(const MeshFrom& from, Index t, const Vec3& n, const Vec3& p, Real gap,
                                 const Tolerance& tol) {
   if (gap >= tol.envelope || gap < -tol.limit) return false;
@@ -38,13 +38,13 @@ GONOGO_HD inline Vec3 centroid(const MeshFrom& from, Index t) {
   return (from.corner(t, 0) + from.corner(t, 1) + from.corner(t, 2)) * Real(1.0 / 3);
 }
 
-/// How far a point of a body that leans may lie outside of what it is `-gap` deep in.
+/// Distance [m] by which a point of a leaning body may lie outside of a face in which it is `-gap` deep.
 GONOGO_HD inline Real off_surface(Real gap, Real slack) {
   return slack + std::fmin(-kLean * std::fmin(gap, Real(0)), 50 * slack);
 }
 
-/// A point that may have gone into a mesh by `-gap` through a feature with the given middle: triangle `t`, or, where t
-/// is below zero, a ridge.
+/// A point that may have entered a mesh by `-gap` through a feature with the given middle: triangle `t`, or a ridge if
+/// t is negative.
 struct WayOut {
   Index t;
   Vec3 middle;
@@ -52,8 +52,8 @@ struct WayOut {
   Real gap;
 };
 
-/// Whether another way out goes before one that is `gap` long: it is shorter, and well so where the body only leans
-/// upon it.
+/// Whether another way out is preferred to one of length `gap`: it is shorter, and clearly shorter where the body only
+/// leans on it.
 template <class Supports>
 GONOGO_HD inline bool goes_before(Real other, Real gap, Real slack, Supports&& supports) {
   if (other < gap + slack) return false;
@@ -77,19 +77,18 @@ struct NearestTriangle {
   }
 };
 
-/// Whether the point leaves the solid there: it is inside, no other face beside a convex edge lets it out sooner, and
-/// of a flat face this is the first triangle. supports(n, lean): whether the other body may be pressed by its point
-/// along n.
+/// Whether the point leaves the solid there: it is inside, no other face beside a convex edge is a shorter way out, and
+/// this is the first triangle of a flat face. supports(n, lean): whether the other body's point may press along n.
 template <class Supports>
 GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const Tolerance& tol, Supports&& supports) {
   const bool deep = way.gap < -tol.slack;
   const Real reach = (deep ? -way.gap : Real(0)) + 2 * tol.slack;
   const Real beside = off_surface(way.gap, tol.slack);
-  // A ridge lies in both of its own faces, which are no other way out.
+  // A ridge lies in both of its faces, so they are no other way out.
   const Real below = way.t >= 0 ? Real(0) : -tol.slack;
-  const Real wide = 10 * tol.slack;  // beyond an acute corner a point is further from a triangle than from its edges
+  const Real wide = 10 * tol.slack;  // at acute corners a point is further from a triangle than from its edges
   const Vec3 box{reach, reach, reach};
-  // Above a flat face its triangles are told apart by the foot: the point itself may be an envelope away from all.
+  // Above a flat face the foot selects the triangle: the point itself may be an envelope away from all of them.
   const Vec3 at = way.t >= 0 && !deep ? way.p - from.normal(way.t) * way.gap : way.p;
   bool out = true;
   NearestTriangle nearest;
@@ -114,8 +113,8 @@ GONOGO_HD inline bool leads_out(const MeshFrom& from, const WayOut& way, const T
          (nearest.distance < beside || dot(nearest.on.point, from.outward(nearest.t, nearest.on.feature)) > 0);
 }
 
-/// Whether a ridge of a mesh, which its point `p` presses along `n` into a box or cylinder by `-gap`, would leave it
-/// sooner through one of its sides.
+/// Whether a ridge of a mesh, whose point `p` is `-gap` deep in a box or cylinder, would leave it sooner through one of
+/// its sides.
 GONOGO_HD inline bool leaves_sooner(const Convex& solid, const Edge& ridge, const Vec3& p, Real gap, Real slack) {
   const Sides sides = sides_at(solid, p);
   bool sooner = false;
@@ -133,8 +132,8 @@ struct Crossing {
   Real gap;
 };
 
-/// Where the lines of two edges cross; false where they lie along each other within 2 degrees. `s`, `t`: along a and b,
-/// 0 .. 1 between the ends.
+/// Where the lines of two edges cross; false if they are parallel within 2 degrees. `s`, `t`: along a and b, 0 .. 1
+/// between the ends.
 GONOGO_HD inline bool lines_cross(const Edge& a, const Edge& b, Crossing& c, Real& s, Real& t) {
   const Vec3 square = cross(a.along, b.along);
   const Real size = length(square);
@@ -150,7 +149,7 @@ GONOGO_HD inline bool lines_cross(const Edge& a, const Edge& b, Crossing& c, Rea
   return true;
 }
 
-/// Whether two edges that cross there face each other, near enough to touch.
+/// Whether two crossing edges face each other and are near enough to touch.
 GONOGO_HD inline bool may_touch(const Edge& a, const Edge& b, const Crossing& c, const Tolerance& tol) {
   return c.gap < tol.envelope && c.gap > -tol.limit && b.is_outer(c.normal, kLean) && a.is_outer(-c.normal, kLean);
 }

@@ -1,9 +1,9 @@
-// Corners, edges and faces of meshes and convex bodies as contacts see them: in world axes about the centre of the
-// pair's first shape.
+// Corners, edges and faces of meshes and convex bodies for contacts, in world axes about the centre of the pair's first
+// shape.
 //
-// A corner, edge or face touches another one along a direction in which both are furthest out: that is what `supports`
-// asks. A body that leans by less than kLean still touches with the whole face or edge, each point with its own gap.
-// `lean`: sine of the angle by which the direction may miss.
+// Two features touch along a direction in which both are furthest; `supports` tests that. A body that leans by less
+// than kLean still touches with its whole face or edge, each point with its own gap. `lean`: sine of the angle by which
+// the direction may miss.
 #pragma once
 #include "sim/shape/convex.h"
 #include "sim/shape/surface_touch.h"
@@ -39,7 +39,7 @@ struct PlacedMesh {
     mesh.visit_near(own_low, own_high, visit);
   }
 
-  /// The same, without what `facing` does not want.
+  /// The same, without the nodes that `facing` rules out.
   template <class Facing, class Visit>
   GONOGO_HD void visit_facing(const Vec3& low, const Vec3& high, const Facing& facing, Visit&& visit) const {
     Vec3 own_low, own_high;
@@ -65,8 +65,8 @@ struct PlacedMesh {
   }
 };
 
-/// A placed mesh seen from the origin. Directions are made in the mesh's own axes: there is no place to be lost in
-/// them.
+/// A placed mesh seen from the origin. Directions are computed in the mesh's own axes, because they need no
+/// position.
 struct MeshFrom : SurfaceFrom<PlacedMesh> {
   GONOGO_HD const Vec3& own_corner(Index t, int k) const { return surface.mesh.corner[surface.vertex(t, k)]; }
 
@@ -100,7 +100,7 @@ struct Edge {
   }
 };
 
-/// A ridge; beside a rim the solid goes straight down.
+/// A ridge or rim; beyond a rim the solid is taken to continue straight down.
 GONOGO_HD inline Edge mesh_edge(const MeshFrom& from, Index t, int k) {
   const Vec3 start = from.corner(t, k), along = from.corner(t, (k + 1) % 3) - start;
   const Vec3 n = from.normal(t), inward = cross(n, along);
@@ -123,7 +123,7 @@ GONOGO_HD inline bool point_supports(const Convex& c, const Vec3& p, const Vec3&
   return x.x * n.x + x.z * n.z >= -lean * r && std::fabs(x.x * n.z - x.z * n.x) <= lean * r;
 }
 
-/// Sides of a box or cylinder that a point is nearest to: outward normals, and how far the point lies outside.
+/// Sides of a box or cylinder nearest to a point: outward normals, and distances outside of them.
 struct Sides {
   int count = 0;
   Vec3 normal[3];
@@ -151,7 +151,7 @@ GONOGO_HD inline Sides sides_at(const Convex& c, const Vec3& p) {
   return s;
 }
 
-/// Name of a contact inside a pair: 31 bits that two numbers of features are mixed into.
+/// Name of a contact inside a pair: a 31-bit hash of two features.
 GONOGO_HD inline int feature_name(std::uint32_t kind, std::uint32_t of_a, std::uint32_t of_b) {
   std::uint32_t h = (kind + 1) * 0x9E3779B9u;
   for (const std::uint32_t x : {of_a, of_b}) {

@@ -6,10 +6,9 @@
 
 namespace gonogo::sim {
 
-/// Reads a mesh by the ending of its name: .stl (binary or text) or .obj (vertices and faces; other lines are passed
-/// over). Equal positions become one vertex; faces with more than three corners become fans. `scale` turns the file's
-/// unit into metres. Throws InputError, naming the file and the line or byte, for what cannot be read and for meshes
-/// that check_mesh refuses.
+/// Reads a mesh from .stl (binary or text) or .obj (vertices and faces; other lines are skipped). Equal positions
+/// become one vertex, and faces with more than three corners become fans. `scale`: metres per unit of the file. Throws
+/// InputError, naming the file and the line or byte, for unreadable files and for meshes that check_mesh refuses.
 TriangleMesh read_mesh(const std::filesystem::path& path, double scale = 1, bool open = false);
 
 /// Writes a mesh as binary STL, whole or not at all.

@@ -1,6 +1,6 @@
-// Two meshes: corners of either on faces, edges and corners of the other, and crossings of ridges. The same for both,
-// so that the pair has the same contacts whichever mesh comes first. For the limits see solid_mesh_touch.h; here
-// a point is pushed out from a quarter of the smaller mesh's smallest half extent.
+// Two meshes: corners of either on faces, edges and corners of the other, and crossings of ridges. Both meshes are
+// treated alike, so the order of the pair changes no contact. For the limits see solid_mesh_touch.h; here a point is
+// pushed out from a depth of up to a quarter of the smaller mesh's smallest half extent.
 #pragma once
 #include "sim/shape/mesh_descent.h"
 #include "sim/shape/mesh_face.h"

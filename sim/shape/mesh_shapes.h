@@ -1,4 +1,4 @@
-// Meshes of simple solids, from their numbers. Host only.
+// Meshes of simple solids. Host only.
 #pragma once
 #include <utility>
 

@@ -10,8 +10,8 @@
 
 namespace gonogo::sim {
 
-/// Whether two types of shape can meet, whichever comes first: all but two of the ground. Scenes in which others may
-/// meet are refused.
+/// Whether a routine handles two types of shape, in any order: all but two types of ground. check_pairs refuses scenes
+/// in which others may touch.
 GONOGO_HD constexpr bool have_routine(ShapeType a, ShapeType b) { return a < ShapeType::plane || b < ShapeType::plane; }
 
 /// The two shapes of a pair with their axes in the world; `a` comes before `b` in the order of types. `d`: from b's
@@ -24,7 +24,7 @@ struct ShapePair {
   const SurfaceView& surfaces;
 };
 
-/// A sphere against one of the shapes that a formula of gap.h serves.
+/// A sphere against a shape with a formula in gap.h.
 template <class Visit>
 GONOGO_HD inline void visit_sphere_touches(const ShapePair& pair, Visit&& visit) {
   const Real radius = pair.a.size.x;
@@ -72,8 +72,8 @@ GONOGO_HD inline void visit_plane_touches(const ShapePair& pair, Visit&& visit) 
 
 GONOGO_HD inline ShapeType core_type(ShapeType type) { return type == ShapeType::wheel ? ShapeType::cylinder : type; }
 
-/// Calls visit(part, convex body) for the cylinder inside a wheel's lugs (0) and those lugs (1 + k) that may come as
-/// near as `reach` to a point; other solids are part 0. `centre`: of the shape.
+/// Calls visit(part, convex body) for the cylinder inside a wheel's lugs (part 0) and for the lugs (parts 1 + k) that
+/// may be within `reach` of the point `near`. Other solids are part 0. `centre`: of the shape.
 template <class Visit>
 GONOGO_HD inline void visit_parts(const Shape& s, const Vec3& centre, const Quat& q, const Vec3& near, Real reach,
                                   Visit&& visit) {
@@ -123,11 +123,11 @@ GONOGO_HD inline void visit_round_touches(const ShapePair& pair, const Surface& 
   visit_capsule_touches(surface, p, half, pair.a.size.x, pair.envelope, sphere, visit);
 }
 
-/// Shares of the smaller body's smallest half extent down to which points are pushed out of meshes. Searching deeper
-/// costs time where two meshes meet.
+/// Depths, as shares of the smaller body's smallest half extent, from which points are pushed out of meshes. A deeper
+/// search of two meshes costs time.
 inline constexpr Real kSolidLimit = Real(0.5), kMeshLimit = Real(0.25);
 
-/// Two meshes; ground that is open has no thickness to be judged by.
+/// Visits the contacts of two meshes. Open ground has no thickness and sets no tolerance.
 template <class Visit>
 GONOGO_HD inline void visit_two_meshes(const ShapePair& pair, const MeshFrom& other, Visit&& visit) {
   const PlacedMesh placed{pair.surfaces.mesh_at(pair.a.surface), pair.qa, {}};
@@ -184,7 +184,7 @@ GONOGO_HD inline void visit_field_touches(const ShapePair& pair, Visit&& visit) 
   }
 }
 
-/// Apart from find_touches, so that it costs the pairs of simple shapes no registers.
+/// Not inlined into find_touches, so that pairs of simple shapes need fewer registers.
 GONOGO_HD_OUTLINED void find_mesh_touches(const ShapePair& pair, TouchWindow& found) {
   TouchChooser chooser(found);
   do {
@@ -204,8 +204,7 @@ GONOGO_HD_OUTLINED void find_solid_touches(const ShapePair& pair, TouchWindow& f
 }
 
 /// Finds the contacts of the pair with gaps below the envelope, owned by `a`. A feature names the contact inside the
-/// pair and keeps its name while the bodies move. All pairs of shapes in one function that is compiled once: they would
-/// fill every loop over pairs with their code.
+/// pair and stays the same while the bodies move. One function for all pairs, not inlined, because its code is large.
 GONOGO_HD_OUTLINED void find_touches(const ShapePair& pair, TouchWindow& found) {
   found.total = 0;
   if (pair.a.type == ShapeType::mesh || pair.b.type == ShapeType::mesh || pair.b.type == ShapeType::heightfield)
@@ -218,7 +217,7 @@ GONOGO_HD_OUTLINED void find_touches(const ShapePair& pair, TouchWindow& found) 
     find_solid_touches(pair, found);
 }
 
-/// Calls visit(feature, touch) for every contact of the pair; surfaces may have more than a window holds.
+/// Calls visit(feature, touch) for every contact of the pair, in as many windows as needed.
 template <class Visit>
 GONOGO_HD inline void visit_touches(const ShapePair& pair, Visit&& visit) {
   TouchWindow found;

@@ -1,4 +1,4 @@
-// Shapes that touch. A shape belongs to a body; a body may carry several (a compound).
+// Shapes of bodies, which touch each other. A body may have several (a compound).
 #pragma once
 #include "base/view.h"
 
@@ -8,8 +8,8 @@ using BodyIndex = Index;
 using ShapeIndex = Index;
 using WorldIndex = Index;
 
-/// In the order in which a pair is looked at: the earlier of the two types comes first.
-/// none: an empty place in a batch; it touches nothing.
+/// The first shape of a pair is the one whose type comes first here. none: an empty place in a batch, which touches
+/// nothing.
 enum class ShapeType : std::int32_t {
   sphere,
   capsule,
@@ -24,14 +24,14 @@ enum class ShapeType : std::int32_t {
 };
 inline constexpr int kShapeTypes = 9;
 
-/// Number of materials a world can tell apart.
+/// Max materials of a world.
 inline constexpr int kMaxMaterials = 4;
 
 struct Shape {
   ShapeType type = ShapeType::sphere;
   BodyIndex body = 0;
   std::int32_t material = 0;  // < kMaxMaterials
-  std::int32_t group = 0;     // shapes of one group other than 0 never touch: the parts of a vehicle
+  std::int32_t group = 0;     // shapes of one group other than 0 never touch, such as parts of a vehicle
   std::int32_t lug_count = 0;
   std::int32_t surface =
       -1;         // mesh, heightfield: index in the world's list of them; set by flatten to the batch's list
@@ -55,7 +55,7 @@ GONOGO_HD inline Real lug_edge_radius(const Shape& wheel) {
   return std::sqrt(tip * tip + half * half);
 }
 
-/// Radius of the sphere about the shape's centre that holds it [m]; 0 for planes, which nothing holds.
+/// Radius of the bounding sphere about the shape's centre [m]; 0 for planes.
 GONOGO_HD inline Real bounding_radius(const Shape& s) {
   switch (s.type) {
     case ShapeType::sphere:
@@ -81,18 +81,18 @@ GONOGO_HD inline Real bounding_radius(const Shape& s) {
   return 0;
 }
 
-/// Radius of a shape that is equally round all over; 0 for the others [m].
+/// Radius of a sphere or capsule; 0 for other shapes [m].
 GONOGO_HD inline Real round_radius(const Shape& s) {
   return s.type == ShapeType::sphere || s.type == ShapeType::capsule ? s.size.x : Real(0);
 }
 
-/// Radius that laws of contact give a shape that has no corner: an ellipsoid the mean of its half axes [m].
+/// Radius of a shape without corners in the contact laws, of an ellipsoid the mean of its half axes; 0 for others [m].
 GONOGO_HD inline Real mean_radius(const Shape& s) {
   return s.type == ShapeType::ellipsoid ? (s.size.x + s.size.y + s.size.z) / 3 : round_radius(s);
 }
 
-/// Radius that rolling resistance acts on [m]. Two round shapes: r1 r2 / (r1 + r2); one: its radius. Without a round
-/// one, that of a rolling cylinder or wheel; boxes and meshes do not roll.
+/// Radius in the law of rolling resistance [m]. Two round shapes: r1 r2 / (r1 + r2). One: its radius. None: that of a
+/// cylinder or wheel, or 0 for boxes and meshes.
 GONOGO_HD inline Real rolling_radius(const Shape& a, const Shape& b) {
   const Real ra = mean_radius(a), rb = mean_radius(b);
   if (ra > 0 && rb > 0) return ra * rb / (ra + rb);
@@ -101,13 +101,13 @@ GONOGO_HD inline Real rolling_radius(const Shape& a, const Shape& b) {
   return rolls(a) ? a.size.x : rolls(b) ? b.size.x : Real(0);
 }
 
-/// Radius whose circle cohesion pulls on: the smaller round one; 0 for pairs without one [m].
+/// Radius of the circle on which cohesion acts: the smaller round one; 0 for pairs without one [m].
 GONOGO_HD inline Real cohesion_radius(const Shape& a, const Shape& b) {
   const Real ra = mean_radius(a), rb = mean_radius(b);
   return ra > 0 && rb > 0 ? std::fmin(ra, rb) : std::fmax(ra, rb);
 }
 
-/// Half of the smallest extent of a shape [m]; 0 for planes and heightfields. Overlaps are judged by it.
+/// Half of the smallest extent of a shape [m]; 0 for planes and heightfields. Limits of overlaps refer to it.
 GONOGO_HD inline Real smallest_half(const Shape& s) {
   switch (s.type) {
     case ShapeType::box:

@@ -2,11 +2,11 @@
 //   - corners, ends of sides and rims of the solid on faces of the mesh (its facets: see convex.h),
 //   - corners of the mesh on the solid, by the solid's signed distance,
 //   - crossings of the mesh's ridges with edges, rims and sides of the solid.
-// Together they span the polygon that a convex body and a face of the mesh share; on a mesh of a convex body they are
-// the contacts of the two bodies.
-// Limits: edges that lie along each other within 2 degrees, neither of them on a face of the other body, have no
-// contact until a corner has one; a point deeper than half of the solid's smallest half extent is not pushed out;
-// a body that has gone through a wall thinner than its own depth in it may be pushed out on the other side.
+// Together they span the polygon that a convex body and a face of the mesh share. On a mesh of a convex body they are
+// the contacts of the two bodies. Limits:
+//   - Edges parallel within 2 degrees, neither on a face of the other body, have no contact until a corner has one.
+//   - A point deeper than half of the solid's smallest half extent is not pushed out.
+//   - A body that is deeper in a wall than the wall is thick may be pushed out on the other side.
 #pragma once
 #include "sim/shape/mesh_face.h"
 
@@ -17,7 +17,7 @@ struct SolidOnMesh {
   const MeshFrom& from;
   const Convex& solid;
   int part;     // of a wheel, whose centre is the origin
-  Real hidden;  // of a lug, what is nearer to the axle than this lies inside the wheel [m]
+  Real hidden;  // points of a lug nearer to the axle than this lie inside the wheel [m]
   Tolerance tol;
   Visit& visit;
 
@@ -53,8 +53,7 @@ struct SolidOnMesh {
     }
   }
 
-  /// A corner of the mesh. Near the solid's surface, and inside, it leaves by the side that is nearest among those that
-  /// it presses upon.
+  /// A corner of the mesh. Near the solid's surface and inside of it, it leaves by the nearest side that it presses on.
   GONOGO_HD void on_solid(Index t, int k) {
     const Vec3 p = from.corner(t, k);
     const Sides sides = sides_at(solid, p);
@@ -90,8 +89,8 @@ struct SolidOnMesh {
     emit(edge, of_solid, of_mesh, c.gap, c.normal, (c.on_a + c.on_b) * Real(0.5));
   }
 
-  /// Whether a point of the box with these coordinates (in its axes) may be within `reach` of an edge or corner that
-  /// lies at `side` times its half edges; a side of 0 runs along.
+  /// Whether a point with these coordinates (in the box's axes) may be within `reach` of an edge or corner at `side`
+  /// times the half edges. A side of 0: the edge runs along that axis.
   GONOGO_HD bool is_near(const Vec3& x, const Vec3& side, Real reach) const {
     const auto near = [&](Real at, Real half, Real s) {
       return s == 0 ? std::fabs(at) <= half + reach : std::fabs(at - s * half) <= reach;
@@ -113,7 +112,7 @@ struct SolidOnMesh {
     if (edges_cross(own, ridge, tol, c)) crossing(own, ridge, c, i, of_mesh);
   }
 
-  /// A corner of a box apart from a ridge, to which it is nearest between the ridge's ends.
+  /// A corner of a box apart from a ridge, nearest to it between the ridge's ends.
   GONOGO_HD void beside_ridge(const Edge& ridge, const Vec3& middle, int i, int of_mesh) {
     const Vec3 side{i & 1 ? Real(1) : Real(-1), i & 2 ? Real(1) : Real(-1), i & 4 ? Real(1) : Real(-1)};
     if (!is_near(middle, side, Real(0.5) * length(ridge.along) + tol.envelope)) return;
@@ -148,9 +147,8 @@ struct SolidOnMesh {
     return {solid.centre + out * solid.size.x + top * solid.size.y, cross(top, out) * solid.size.x, -out, -top};
   }
 
-  /// A ridge crosses a rim where it crosses the tangent there; `at`: first guess along the ridge, a point that is level
-  /// with the rim or as far from the axis. Of two guesses that end at one place, the one is taken that suits the
-  /// normal.
+  /// A ridge crosses a rim where it crosses the rim's tangent. `at`: first guess along the ridge, a point level with
+  /// the rim or at its distance from the axis. If two guesses lead to one place, the one that suits the normal counts.
   GONOGO_HD void at_rim(const Edge& ridge, Real at, int cap, bool level, int of_solid, int of_mesh) {
     if (!(at >= Real(-0.5) && at <= Real(1.5))) return;
     Crossing c;
@@ -204,8 +202,8 @@ struct SolidOnMesh {
   }
 };
 
-/// Calls visit(feature, touch) for the contacts of a part of a solid; the touch is owned by the solid and its point
-/// counts from the origin of `from`.
+/// Calls visit(feature, touch) for the contacts of a part of a solid. The solid owns the touch, whose point is relative
+/// to the origin of `from`.
 template <class Visit>
 GONOGO_HD inline void visit_solid_mesh_touches(const MeshFrom& from, const Convex& solid, int part, Real hidden,
                                                const Tolerance& tol, Visit&& visit) {

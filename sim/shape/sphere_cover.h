@@ -1,4 +1,4 @@
-// A solid mesh as a handful of spheres, which the engine's fast path takes: a compound. Host only.
+// Approximates a solid mesh by spheres, for a compound on the engine's fast path. Host only.
 #pragma once
 #include <vector>
 
@@ -12,25 +12,25 @@ struct CoverSphere {
 };
 
 struct CoverSettings {
-  int count = 20;         // most spheres
-  double share = 1;       // of the volume, as the grid sees it, at which to stop [-]
-  double protrusion = 0;  // spheres may stick out of the surface so far [m]
-  int cells = 24;         // of the grid along the longest side of the box around the mesh
+  int count = 20;         // max spheres
+  double share = 1;       // covered share of the volume, on the grid, at which to stop [-]
+  double protrusion = 0;  // max distance of spheres beyond the surface [m]
+  int cells = 24;         // of the grid along the longest side of the mesh's bounding box
 };
 
 struct SphereCover {
-  std::vector<CoverSphere> sphere;  // by what each adds to those before it
-  double volume_share = 0;          // of the solid that lies in some sphere, by a finer grid [-]
+  std::vector<CoverSphere> sphere;  // in the order in which they were chosen
+  double volume_share = 0;          // share of the solid inside the spheres, on a finer grid [-]
 };
 
-/// Distance of a point from the nearest triangle [m], negative outside of the solid: by all triangles, with the sign of
-/// the winding number (Van Oosterom & Strackee 1983).
+/// Distance of a point from the nearest triangle [m], negative outside of the solid. The sign follows from the winding
+/// number (Van Oosterom & Strackee 1983).
 double depth_inside(const TriangleMesh& mesh, const Vec3d& point);
 
-/// The greedy cover: corners and middles of the cells of a cubic grid are candidates, each with the largest sphere
-/// about it that stays inside (but for `protrusion`); the one that holds most middles not yet held comes next. It holds
-/// at least 1 - 1/e of what the best choice of as many candidates would (Nemhauser et al. 1978). Throws InputError,
-/// naming the mesh, for open meshes, those that check_mesh refuses, settings out of range and solids too thin for the
+/// A greedy cover. Candidates are the corners and middles of the cells of a cubic grid, each with the largest sphere
+/// that stays inside, apart from `protrusion`. The next sphere is the one that covers most middles not yet covered. The
+/// cover holds at least 1 - 1/e of the best choice of as many candidates (Nemhauser et al. 1978). Throws InputError,
+/// naming the mesh, for open meshes, meshes that check_mesh refuses, settings out of range and solids too thin for the
 /// grid.
 SphereCover cover_by_spheres(const TriangleMesh& mesh, const CoverSettings& settings);
 

@@ -1,4 +1,4 @@
-// Surfaces of triangles: meshes and heightfields as kernels see them. Both offer
+// Surfaces of triangles for kernels: meshes and heightfields. Both offer
 //   vertex(t, k), neighbour(t, k): corners of triangle t, and the triangle across the edge from corner k to the next
 //   (-1 at a rim); place(v): where a vertex is [m, the shape's axes]; name(t): a number shared by coplanar neighbours,
 //   so that a contact keeps its name while it crosses the edges of a flat face; visit_near(low, high, visit).
@@ -15,8 +15,8 @@ struct MeshTriangle {
   Index marks;  // of corners and edges k = 0, 1, 2: see MeshMark
 };
 
-/// Bits of MeshTriangle::marks for corner or edge 0; shifted by k for the others. What lies flat, or in the middle of a
-/// straight edge, touches nothing that the corners and edges around it do not touch.
+/// Bits of MeshTriangle::marks for corner or edge 0; shifted by k for the others. Vertices in a flat face or on a
+/// straight edge are not sharp: the corners and edges around them make their contacts.
 struct MeshMark {
   static constexpr Index first = 1;     // this is the first triangle that has the vertex
   static constexpr Index sharp = 8;     // first, and the vertex lies neither in a flat face nor on a straight edge
@@ -24,8 +24,8 @@ struct MeshMark {
   static constexpr Index valley = 512;  // the solid is hollow along the edge
 };
 
-/// Node of a tree of boxes, stored depth first: a walk goes on with the next node, or with `skip` when the box is of no
-/// interest. No stack is needed, so the depth is not limited.
+/// Node of a tree of boxes, stored depth first. A walk continues with the next node, or with `skip` to leave the box
+/// out. It needs no stack, so the depth is not limited.
 struct MeshNode {
   Vec3 low;
   Index first = 0;  // triangles of a leaf
@@ -38,11 +38,11 @@ struct MeshNode {
   }
 };
 
-/// Directions of the outward normals of a node's triangles and of their neighbours: all within a half angle below 90
-/// degrees of the axis, or any, where the cosine is zero; there may be a rim.
+/// Cone around the outward normals of a node's triangles and of their neighbours. Its half angle is below 90 degrees; a
+/// cosine of zero means any direction, and there may be a rim.
 struct alignas(16) NormalCone {
   Vec3 axis;        // unit, in the mesh's axes
-  Real cosine = 0;  // of the half angle; below zero, its opposite is, and there is a valley among them
+  Real cosine = 0;  // of the half angle; negative: -cosine is, and there is a valley among the triangles
 };
 
 /// One mesh in the arrays of a batch; indices inside a mesh count from its own beginning.
@@ -73,7 +73,7 @@ struct MeshSurface {
   GONOGO_HD Index name(Index t) const { return triangle[t].name; }
   GONOGO_HD bool has(Index mark, Index t, int k) const { return (triangle[t].marks & (mark << k)) != 0; }
 
-  /// Calls visit(t) for the triangles of the leaves that `wanted`, as the nodes above them.
+  /// Calls visit(t) for the triangles of the leaves for which, and for whose parents, `wanted`(node).
   template <class Wanted, class Visit>
   GONOGO_HD void visit_where(Wanted&& wanted, Visit&& visit) const {
     for (Index n = 0; n < range.node_count;) {

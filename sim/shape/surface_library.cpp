@@ -12,7 +12,7 @@
 namespace gonogo::sim {
 namespace {
 
-constexpr Index kLeaf = 4;  // most triangles of a leaf
+constexpr Index kLeaf = 4;  // max triangles of a leaf
 
 struct Box {
   Vec3 low, high;

@@ -1,5 +1,5 @@
 // Meshes and heightfields of a batch as flat arrays for kernels: neighbours, trees of boxes, names of coplanar faces.
-// One that several worlds share is stored once. Host only.
+// Surfaces shared by several worlds are stored once. Host only.
 #pragma once
 #include <memory>
 #include <vector>
@@ -11,7 +11,7 @@ namespace gonogo::sim {
 
 class SurfaceLibrary {
  public:
-  /// Index in the batch; a mesh that is there already is not added again. The mesh must have passed check_mesh.
+  /// Adds a mesh, unless it is there already; returns its index in the batch. It must have passed check_mesh.
   Index add(const std::shared_ptr<const TriangleMesh>& mesh);
   Index add(const std::shared_ptr<const Heightfield>& field);
 

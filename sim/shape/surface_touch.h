@@ -1,6 +1,6 @@
-// Spheres and capsules on surfaces of triangles. A surface counts once: a triangle's nearest point is a contact only
-// when no neighbour has a nearer one, that is where the distance to the whole surface has a local minimum. So a sphere
-// that rolls over the edges of a flat floor has one contact, as on a plane, and on a ridge one with the ridge.
+// Spheres and capsules on surfaces of triangles. A triangle's nearest point is a contact only where the distance to the
+// whole surface has a local minimum, that is where no neighbour has a nearer point. So a sphere on a flat floor has one
+// contact for any triangulation, and on a ridge one with the ridge.
 #pragma once
 #include "sim/shape/surface.h"
 #include "sim/shape/touch.h"
@@ -32,7 +32,7 @@ GONOGO_HD inline OnTriangle nearest_on_triangle(const Vec3& a, const Vec3& b, co
   return {n * (dot(a, n) / dot(n, n)), 0};  // foot of the perpendicular: exact where weights of corners would cancel
 }
 
-/// A surface seen from a point: positions are relative to it, so that float keeps the gap.
+/// A surface seen from a point: positions are relative to it, so that a float resolves the gap.
 template <class Surface>
 struct SurfaceFrom {
   const Surface& surface;
@@ -62,7 +62,7 @@ struct SurfaceFrom {
     return in - edge * (dot(in, edge) / dot(edge, edge));
   }
 
-  /// Sum of the normals beside the edge: tells its outer side.
+  /// Sum of the normals beside the edge, which points outward.
   GONOGO_HD Vec3 edge_normal(Index t, int k) const {
     const Index other = surface.neighbour(t, k);
     return other < 0 ? normal(t) : normal(t) + normal(other);
@@ -77,7 +77,7 @@ struct SurfaceFrom {
   GONOGO_HD void visit_ring(Index t, int k, Visit&& visit) const {
     const Index vertex = surface.vertex(t, k);
     visit(t, k);
-    for (int way = 0; way < 2; ++way) {  // one way round, and back from the start where a rim stops it
+    for (int way = 0; way < 2; ++way) {  // one way round; at a rim also the other way from the start
       Index now = t;
       for (int steps = 0; steps < 1000; ++steps) {
         const int c = corner_of(now, vertex);
@@ -89,8 +89,8 @@ struct SurfaceFrom {
     }
   }
 
-  /// Sum of the normals around a corner, weighted by their angles: its sign tells inside from outside (Baerentzen &
-  /// Aanaes 2005).
+  /// Sum of the normals around a corner, weighted by their angles, which decides inside or outside (Baerentzen & Aanaes
+  /// 2005).
   GONOGO_HD Vec3 corner_normal(Index t, int k) const {
     Vec3 sum;
     visit_ring(t, k, [&](Index r, int c) {
@@ -146,7 +146,7 @@ GONOGO_HD inline void visit_outer_touches(const SurfaceFrom<Surface>& from, Real
     if (distance >= reach || !from.is_local_minimum(t, on.feature, d)) return;
     const Vec3 out = from.outward(t, on.feature);
     if (dot(d, out) < 0) return;
-    const bool flat = on.feature == 0 || distance < Real(1e-3) * radius;  // a face's own normal is the more exact one
+    const bool flat = on.feature == 0 || distance < Real(1e-3) * radius;  // a face's own normal is more exact
     const Vec3 normal = flat ? out * (1 / length(out)) : d * (1 / distance);
     visit(from.name(t, on.feature), Touch{distance - radius, normal, normal * -(radius + (distance - radius) / 2)});
   });
@@ -171,8 +171,8 @@ GONOGO_HD inline Index nearest_triangle(const SurfaceFrom<Surface>& from, Real r
   return best;
 }
 
-/// A sphere on a mesh; `p`: its centre in the mesh's axes. A centre that has gone inside, by no more than the sphere's
-/// reach, is pushed out through the nearest face.
+/// A sphere on a mesh. `p`: its centre in the mesh's axes. A centre inside the mesh, within the sphere's reach of the
+/// surface, is pushed out through the nearest face.
 template <class Visit>
 GONOGO_HD inline void visit_sphere_mesh_touches(const MeshSurface& mesh, const Vec3d& p, Real radius, Real envelope,
                                                 Visit&& visit) {
@@ -200,7 +200,7 @@ GONOGO_HD inline bool height_above(const FieldSurface& field, const Vec3d& p, In
   return true;
 }
 
-/// A sphere on a heightfield; below the ground, however deep, it is pushed out along the normal of its column's
+/// A sphere on a heightfield. Below the ground, at any depth, it is pushed out along the normal of its column's
 /// triangle.
 template <class Visit>
 GONOGO_HD inline void visit_sphere_field_touches(const FieldSurface& field, const Vec3d& p, Real radius, Real envelope,

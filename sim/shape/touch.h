@@ -1,4 +1,4 @@
-// Where two shapes touch or nearly do, and the frames in which pairs are looked at.
+// Contacts of a pair of shapes, and changes between the frames in which they are computed.
 #pragma once
 #include "sim/shape/shape.h"
 
@@ -11,7 +11,7 @@ struct Touch {
   Vec3 point;   // midway between the surfaces, from the owner's centre [m]
 };
 
-/// Some of the contacts of a pair: those from number `first` on, as many as there is room for.
+/// Up to kRoom contacts of a pair, from number `first` on.
 struct TouchWindow {
   static constexpr int kRoom = 16;
   int first = 0, total = 0;  // total: contacts of the pair
@@ -36,8 +36,8 @@ GONOGO_HD inline Touch turned_to_world(const Quat& q, const Touch& t) {
   return {t.gap, rotate(q, t.normal), rotate(q, t.point)};
 }
 
-/// A world vector in the axes of orientation `q`, in double precision: 50 m from a terrain's origin a float resolves
-/// 4e-6 m, which a step of 1e-3 s turns into a noise of 4 mm/s.
+/// A world vector in the axes of orientation `q`, in double precision. 50 m from a terrain's origin a float resolves
+/// 4e-6 m, and a step of 1e-3 s would turn that into a noise of 4 mm/s.
 GONOGO_HD inline Vec3d in_frame(const Quat& q, const Vec3d& v) {
   const Vec3d u{-double(q.x), -double(q.y), -double(q.z)};
   const Vec3d t = 2.0 * cross(u, v);

@@ -1,9 +1,8 @@
-// At most so many contacts for a pair, however finely its surfaces are cut.
+// Limits the contacts of a pair to kMaxTouches, for any triangulation of its surfaces.
 //
-// Where there are more, they are sorted by the side of a cube that their normals point to. Of each side those are kept
-// that lie furthest out in eight directions along it, and the deepest: bodies rest on the corners of what they share,
-// and a point between them that goes deeper becomes the deepest. A gap counts as if it lay further in, because an open
-// contact far out carries nothing.
+// More contacts are sorted by the side of a cube to which their normals point. Each side keeps the contacts furthest
+// out in eight directions along it, and the deepest: bodies rest on the corners of their common area, or on a deeper
+// point between them. A gap counts against a contact, because an open contact far out carries no load.
 #pragma once
 #include "sim/shape/touch.h"
 
@@ -11,7 +10,7 @@ namespace gonogo::sim {
 
 inline constexpr int kMaxTouches = 64;
 
-/// Takes the contacts of a pair up to three times: to count them, to choose, and to hand on the chosen ones.
+/// Receives the contacts of a pair up to three times: to count them, to choose, and to pass on the chosen ones.
 class TouchChooser {
  public:
   GONOGO_HD explicit TouchChooser(TouchWindow& window) : window_(window) {}
@@ -22,7 +21,7 @@ class TouchChooser {
     if (pass_ == 1) rate(number, t);
   }
 
-  /// Whether the contacts are wanted once more.
+  /// Whether the contacts must be visited once more.
   GONOGO_HD bool next_pass() {
     if (pass_ == 2 || count_ <= kMaxTouches) return false;
     ++pass_;

@@ -1,4 +1,4 @@
-// Triangle meshes and heightfields as a scene holds them: shared by all worlds that point to them. Host only.
+// Triangle meshes and heightfields of a scene, which worlds share by pointers. Host only.
 #pragma once
 #include <array>
 #include <string>
@@ -25,12 +25,12 @@ struct Heightfield {
   std::vector<Real> height;           // [nx * ny], along the shape's z axis [m]
 };
 
-/// Throws InputError, naming the mesh and the triangle, edge or number, for meshes that are empty, not finite or have
-/// degenerate triangles, edges of more than two triangles, neighbours wound against each other, a rim (unless open) or
-/// their inside out.
+/// Throws InputError, naming the mesh and the triangle, edge or number. Refuses meshes that are empty, not finite or
+/// inside out. Refuses degenerate triangles, edges of more than two triangles, neighbours wound against each other, and
+/// a rim unless the mesh is open.
 void check_mesh(const TriangleMesh& mesh);
 
-/// Throws InputError for less than two heights a side, spacings not above zero, missing or infinite heights.
+/// Throws InputError for fewer than two heights a side, spacings not above zero, and missing or infinite heights.
 void check_heightfield(const Heightfield& field);
 
 /// Largest distance of a vertex from the origin [m].

@@ -1,4 +1,4 @@
-// Vertices of a mesh that is put together from loose triangles.
+// Vertices of a mesh that is assembled from separate triangles.
 #pragma once
 #include <map>
 #include <tuple>
@@ -7,7 +7,7 @@
 
 namespace gonogo::sim {
 
-/// Adds vertices once, by their exact place.
+/// Adds each vertex once, by its exact position.
 class Welder {
  public:
   explicit Welder(TriangleMesh& mesh) : mesh_(mesh) {}

@@ -1,4 +1,4 @@
-// What joints and springs carried in the latest step.
+// Loads of joints and springs in the latest step.
 #pragma once
 #include "sim/joint/row.h"
 
@@ -10,7 +10,7 @@ struct JointLoad {
   Vec3d moment;  // [N m]
 };
 
-/// p = -A^-1 (J v_gathered + b), from the solved system that the step's start left behind.
+/// p = -A^-1 (J v_gathered + b), from the system that prepare_mechanisms() solved at the step's start.
 struct RecoverImpulse {
   View<const Mechanism> mechanism;
   View<const Row> row;
@@ -36,7 +36,7 @@ struct RecoverImpulse {
   }
 };
 
-/// Adds one row's share. Rows push at a's point or turn, never both, so a push has no moment about that point.
+/// Adds one row. A row is either a force at a's point, without moment about it, or a moment.
 inline void add_row(JointLoad& load, const Row& row, double impulse, double step) {
   const double(&d)[6] = row.direction[0];
   const bool pushes = d[0] != 0 || d[1] != 0 || d[2] != 0;

@@ -1,4 +1,4 @@
-// Bodies put where the host says, wherever the world's arrays are: what is written goes there, the rest stays.
+// Sets states of bodies where the arrays are, so that only what changes is sent.
 #pragma once
 #include "sim/state/state.h"
 
@@ -19,7 +19,7 @@ struct PlaceBody {
   }
 };
 
-/// Room for what is sent; kept between calls.
+/// Buffers of what is sent, kept between calls.
 template <class Exec>
 struct BodyPlaces {
   Buffer<BodyIndex, Exec> body;

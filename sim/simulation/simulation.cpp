@@ -13,8 +13,8 @@
 namespace gonogo::sim {
 namespace {
 
-/// Bodies, shapes and bins of all worlds are each counted by one Index, and so are the pairs that the search notes
-/// down: the most of all, and so many more than the contacts made room for at first.
+/// One Index counts all bodies, all bins, and all pairs that the search notes. The pairs are more than the shapes, and
+/// more than the contacts that get room at first.
 void check_totals(const std::vector<FlatWorld>& worlds, const WorldSize& room) {
   double bodies = 0, pairs = 0, bins = 0;
   for (const FlatWorld& world : worlds) {

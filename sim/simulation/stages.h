@@ -1,11 +1,10 @@
-// Where the time of a step goes, and the search for contacts by itself: for measurements, apart from what users of a
-// simulation need.
+// Measurements of a simulation: the time of each stage of a step, and the search for contacts by itself.
 #pragma once
 #include "sim/simulation/simulation.h"
 
 namespace gonogo::sim {
 
-/// Of a step, in this order; see sim/simulation/step.h. Lists: which contacts act on a body, and tiles of contacts.
+/// Stages of a step, in order; see step.h. `lists`: the contacts of each body, and tiles of contacts.
 enum class Stage { bins, contacts, lists, motion, forces, solve, integrate };
 inline constexpr int kStageCount = 7;
 inline constexpr const char* kStageNames[kStageCount] = {"bins",   "contacts", "lists",    "motion",
@@ -27,21 +26,20 @@ class StepByStage {
  public:
   virtual ~StepByStage() = default;
 
-  /// Takes one step of all worlds and waits for the device behind every stage; the same bits as advance(1).
+  /// Takes one step of all worlds and waits for the device after every stage. The same bits as advance(1).
   virtual StageTimes timed_step() = 0;
-  /// Finds all contacts where the bodies are now and writes their gaps, normals and points, but takes no step.
-  /// contacts(), impulses() and contact_force() are empty until the next one.
+  /// Finds all contacts at the bodies' present positions, but takes no step. contacts(), impulses() and contact_force()
+  /// are empty until the next step.
   virtual SearchReport timed_search() = 0;
-  /// Bytes that one update of the latest step's contacts and of their bodies moves to and from memory when every record
-  /// that it needs is moved once. Caches hold records of few bodies between two updates and spare the memory.
+  /// Bytes that one update of the latest step's contacts and bodies moves, if every record is moved once. Caches may
+  /// move fewer to and from memory.
   virtual double solver_traffic() = 0;
 };
 
-/// The same simulation, seen stage by stage.
+/// The same object, as StepByStage.
 StepByStage& by_stage(Simulation& simulation);
 
-/// Bytes per second read and written while a large array is copied: a yardstick of the device's memory. Throws as
-/// require_backend does.
+/// Bytes per second read and written while a large array is copied. Throws as require_backend does.
 double copy_bandwidth(Backend backend, int threads);
 double cpu_copy_bandwidth(int threads);
 double cuda_copy_bandwidth();

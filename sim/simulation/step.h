@@ -1,7 +1,6 @@
-// One time step of a batch: the half-implicit scheme of Stewart & Trinkle. Reads like the algorithm; formulas live in
-// the kernels it calls. Where asked, the solver goes through a step in substeps: they converge faster than as many
-// iterations on the whole step (Macklin et al. 2019). Gaps follow the velocities from part to part; normals, arms, the
-// map of a mechanism and the forces are those of the step's start.
+// One time step of a batch: the half-implicit scheme of Stewart & Trinkle. The solver may divide a step into substeps,
+// which converge faster than as many iterations on the whole step (Macklin et al. 2019). Gaps follow the velocities
+// from substep to substep. Normals, arms, the maps of mechanisms and the forces are those of the step's start.
 #pragma once
 #include "base/beside.h"
 #include "sim/contact/find.h"
@@ -15,8 +14,7 @@
 
 namespace gonogo::sim {
 
-/// What gravity and free rotation (spin.h) add to a velocity in a substep, and the inertia of this step in the world
-/// frame.
+/// Change of a velocity by gravity and free rotation (spin.h) in a substep, and the body's inertia in the world frame.
 struct FreeMotion {
   View<const WorldParameters> world;
   View<const WorldIndex> world_of_body;
@@ -83,7 +81,7 @@ struct Integrate {
     if (turn.x != 0 || turn.y != 0 || turn.z != 0) orientation[b] = turned(orientation[b], turn, substep);
   }
 
-  /// Of a body that would cross more than a bin in a step, where it must not be slowed.
+  /// Flags of a body that would cross more than a bin in a step; 0: it may be slowed.
   GONOGO_HD Index flags_of_fast(BodyIndex b, WorldIndex w, Real speed) const {
     if (mass[b].inverse_mass.x == 0) return speed < kAnySpeedSquare ? 0 : flag_not_finite;
     if (!(speed < kAnySpeedSquare)) return flag_not_finite | flag_too_fast;
@@ -101,16 +99,16 @@ struct Integrate {
     atomic_least(fault[w], packed(Fault{raised, steps[w] + 1, b - world[w].first_body}));
   }
 
-  static constexpr Real kAnySpeedSquare = Real(1e12);  // [m^2/s^2] beyond any that means something
-  static constexpr Real kSlowedTo = Real(0.99);        // of the highest speed
+  static constexpr Real kAnySpeedSquare = Real(1e12);  // above any physical speed [m^2/s^2]
+  static constexpr Real kSlowedTo = Real(0.99);        // share of the max speed
 
-  /// [m^2/s^2] A rad/s counts as a centimetre per second.
+  /// [m^2/s^2]; 1 rad/s counts as 0.01 m/s.
   GONOGO_HD static Real square_of_speed(const Velocity& v) {
     return dot(v.linear, v.linear) + dot(v.angular, v.angular) * Real(1e-4);
   }
 };
 
-/// What is known of the bodies' motion before the contacts are.
+/// The motion without contacts.
 template <class Exec>
 void prepare_motion(Exec exec, State<Exec>& s, const StepSettings& settings) {
   for_each_index(exec, s.body_count,
@@ -125,7 +123,7 @@ void prepare_motion(Exec exec, State<Exec>& s, const StepSettings& settings) {
   prepare_mechanisms(exec, s, settings);
 }
 
-/// What the solver needs to know of the contacts besides themselves.
+/// The contacts of each body, and tiles of contacts.
 template <class Exec>
 void list_contacts(Exec exec, State<Exec>& s) {
   beside(
@@ -164,7 +162,7 @@ void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
   finish_step(exec, s, settings);
 }
 
-/// `own`: what the solver keeps for itself.
+/// `own`: see SolverStorage.
 template <class Exec>
 void step(Exec exec, State<Exec>& s, SolverStorage<Exec>& own, const StepSettings& settings) {
   beside(
@@ -175,7 +173,7 @@ void step(Exec exec, State<Exec>& s, SolverStorage<Exec>& own, const StepSetting
   integrate(exec, s, settings);
 }
 
-/// The same step, one stage after the other: calls timed(stage, work) for each.
+/// The same step, one stage after the other. Calls timed(stage, work) for each.
 template <class Exec, class Timed>
 void step_by_stage(Exec exec, State<Exec>& s, SolverStorage<Exec>& own, const StepSettings& settings,
                    const Timed& timed) {

@@ -13,7 +13,7 @@ GONOGO_HD_INLINED Velocity driven_velocity(const Velocity& free, const BodyMass&
   return v;
 }
 
-/// What a contact's change of impulse does at once to a body that the sweep moves.
+/// Applies changes of contact impulses at once to the bodies that a Gauss-Seidel sweep moves.
 struct SweptBodies {
   Incidence incidence;
   View<const BodyMass> mass;
@@ -27,14 +27,16 @@ struct SweptBodies {
   }
 };
 
-/// What a body has without impulses in the first part of a step. `change`: by gravity, spin and forces in a part.
+/// Starts a body: returns and stores its velocity without impulses in the first substep. `change`: by gravity, spin and
+/// forces in a substep.
 GONOGO_HD_INLINED Velocity begin_body(const Velocity& v, const Velocity& change, Velocity& free, Velocity& earlier) {
   earlier.linear = earlier.angular = {};
   return free = sum(v, change);
 }
 
-/// A body has moved with `v` through a part of the step and another follows: `free` goes on to that, `part` keeps `v`
-/// for the gaps and `earlier` for the way. Returns by how much the velocity goes on.
+/// Carries a body, which has moved with `v` through a substep, into the next one. `free` becomes the velocity without
+/// impulses there; `substep_velocity` keeps `v` for the gaps, `earlier` adds it for the path. Returns the change of
+/// `free`.
 GONOGO_HD_INLINED Velocity carry_body(const Velocity& v, const Velocity& change, Velocity& free,
                                       Velocity& substep_velocity, Velocity& earlier) {
   const Velocity next = sum(v, change), more = difference(next, free);
@@ -45,7 +47,7 @@ GONOGO_HD_INLINED Velocity carry_body(const Velocity& v, const Velocity& change,
   return more;
 }
 
-/// Energy of a body and gravity's power on it; velocities are those of the end of the step.
+/// Energy of a body and gravity's power on it, at the velocity of the step's end.
 GONOGO_HD inline WorldSums energy_of_body(const BodyMass& m, const Quat& orientation, const Velocity& velocity,
                                           const Vec3& g) {
   const auto over = [](Real x, Real inverse) { return inverse > 0 ? double(x) / inverse : 0; };

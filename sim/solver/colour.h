@@ -1,15 +1,15 @@
-// Colours for block Gauss-Seidel: contacts of one colour share no body whose velocity the sweep changes, so they can be
-// updated at once. A wheel with hundreds of contacts would need hundreds of colours; such bodies, and those of
-// mechanisms, keep their velocity through a sweep and share out their mass instead (split.h), which still never
-// overshoots. Colours are those of the greedy rule in the order of a hash (Jones & Plassmann 1993): each contact waits
-// for its neighbours that come before it, so any number of threads finds the same ones.
+// Colours for Gauss-Seidel: contacts of one colour share no body whose velocity the sweep changes, so they are updated
+// at once. A wheel with hundreds of contacts would need hundreds of colours. Such bodies, and those of mechanisms, keep
+// their velocity through a sweep and split their mass instead (split.h), which never overshoots either. Colours follow
+// the greedy rule in the order of a hash (Jones & Plassmann 1993). Each contact waits for its neighbours that come
+// before it, so any number of threads finds the same colours.
 #pragma once
 #include "sim/state/incidence.h"
 
 namespace gonogo::sim {
 
-/// Bodies with more contacts are left out of a sweep. Two such bodies leave a contact 62 neighbours, and 64 colours
-/// always do.
+/// Bodies with more contacts are not swept. A contact of two swept bodies has at most 62 neighbours, so 64 colours
+/// suffice.
 inline constexpr Index kMaxSweptContacts = 32;
 inline constexpr Index kNoColour = -1;
 
@@ -20,7 +20,7 @@ GONOGO_HD inline bool is_swept(BodyIndex b, const BodyMass& mass, const Incidenc
   return owned + incidence.first_second[b + 1] - incidence.first_second[b] <= kMaxSweptContacts;
 }
 
-/// A shuffle of the whole numbers below 2^32 (the finaliser of MurmurHash3, public domain).
+/// A permutation of the integers below 2^32: the finaliser of MurmurHash3 (public domain).
 GONOGO_HD inline std::uint32_t shuffled(std::uint32_t i) {
   i = (i ^ (i >> 16)) * 0x85ebca6bu;
   i = (i ^ (i >> 13)) * 0xc2b2ae35u;
@@ -34,8 +34,8 @@ struct Colouring {
   View<const Contact> contact;
   View<Index> colour;  // [contact]
 
-  /// Colours the contact if all neighbours before it have theirs. Safe beside others that do the same. Returns whether
-  /// it has a colour now.
+  /// Colours the contact if all neighbours before it have colours. Returns whether it has one now. Many threads may
+  /// call this at once.
   GONOGO_HD bool try_colour(ContactIndex i) const {
     if (load_relaxed(colour[i]) != kNoColour) return true;
     const Contact& c = contact[i];
@@ -49,7 +49,7 @@ struct Colouring {
   }
 
  private:
-  /// Marks the colours of a body's contacts that come before `i`; false where one has none yet.
+  /// Marks the colours of a body's contacts that come before `i`; false if one has none yet.
   GONOGO_HD bool mark_before(ContactIndex i, ContactIndex first, BodyIndex b, std::uint64_t& taken) const {
     if (!is_swept(b, mass[b], incidence)) return true;
     for (ContactIndex k = incidence.owned_begin(b); k < incidence.owned_end(b); ++k)

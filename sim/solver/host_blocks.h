@@ -1,4 +1,4 @@
-// Contacts as the host updates them: eight at once, field by field, each tile starting a new block.
+// Blocks: the host updates eight contacts at once, stored field by field. Each tile starts a new block.
 #pragma once
 #include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
@@ -10,25 +10,25 @@ namespace gonogo::sim {
 
 inline constexpr Index kBlocksPerTile = kTileSize / kPackWidth;
 
-/// Eight consecutive contacts of one tile. Lanes past the tile's end hold a contact without normal, friction and
-/// impulse, which stays without impulse and adds nothing to any sum.
+/// Eight consecutive contacts of one tile. Lanes past the tile's end have zero normal, friction and impulse; their
+/// impulse stays zero and adds nothing to any sum.
 struct alignas(32) ContactBlock {
   ContactNumbers<Pack> numbers;
   Pack gap_bias;
-  ImpulseT<Pack> impulse[2];  // of the latest two updates, taking turns
+  ImpulseT<Pack> impulse[2];  // of the latest two updates, alternating
   BodyIndex body_a[kPackWidth], body_b[kPackWidth];
-  Index slot_b[kPackWidth];  // where the wrench on body b goes; the last slot is nobody's
+  Index slot_b[kPackWidth];  // of the wrench on body b; the last slot is unused by bodies
 };
 
 template <>
 struct SolverStorage<Cpu> {
-  Buffer<ContactBlock, Cpu> block;         // [tile * kBlocksPerTile]
-  Buffer<Wrench, Cpu> wrench_a, wrench_b;  // [contact]; [slot], with the sign of body b; the last slot is nobody's
-  Buffer<UpdateSums, Cpu> tile_sums;       // [tile]
-  Buffer<WorldSums, Cpu> tile_measures;    // [tile]
-  Buffer<Real, Cpu> motor_before;          // [motor] impulses of the update before [N m s]
-  Buffer<Index, Cpu> colour;               // [contact] for Gauss-Seidel, as many as `colours`
-  Index colours = 0;
+  Buffer<ContactBlock, Cpu> block;          // [tile * kBlocksPerTile]
+  Buffer<Wrench, Cpu> wrench_a, wrench_b;   // [contact] on body a; [slot] on body b
+  Buffer<UpdateSums, Cpu> tile_sums;        // [tile]
+  Buffer<WorldSums, Cpu> tile_measures;     // [tile]
+  Buffer<Real, Cpu> motor_before;           // [motor] impulses of the update before [N m s]
+  Buffer<Index, Cpu> colour;                // [contact] for Gauss-Seidel
+  Index colours = 0;                        // number of colours
   Buffer<Velocity, Cpu> velocity_before;    // [body] of the update before, for spectral gradients
   Buffer<SpectralStep, Cpu> length;         // [world]
   Buffer<Momentum, Cpu> momentum_before;    // [world]
@@ -59,7 +59,7 @@ inline void load_velocities(View<const Velocity> velocity, const BodyIndex (&bod
   v = {{m[0], m[1], m[2]}, m[3], {m[4], m[5], m[6]}, m[7]};
 }
 
-/// From the contacts and their warm start to the blocks of one tile.
+/// Fills the blocks of one tile from its contacts and their warm start.
 struct FillTile {
   Tiles tiles;
   View<const Contact> contact;
@@ -117,7 +117,7 @@ inline void store_wrenches(const Vec3T<Pack>& linear, const Vec3T<Pack>& angular
   transpose(row);
 }
 
-/// Writes the wrenches of a block's impulses for the bodies to sum.
+/// Writes the wrenches of a block's impulses, which the bodies then sum.
 inline void scatter_wrenches(const ContactBlock& b, const ImpulseT<Pack>& p, ContactIndex first, Index count,
                              View<Wrench> wrench_a, View<Wrench> wrench_b) {
   Pack row[kPackWidth];
@@ -127,7 +127,7 @@ inline void scatter_wrenches(const ContactBlock& b, const ImpulseT<Pack>& p, Con
   for (Index lane = 0; lane < count; ++lane) *reinterpret_cast<PackInMemory*>(&wrench_b[b.slot_b[lane]]) = row[lane];
 }
 
-/// Wrenches of a tile's impulses.
+/// The same for the blocks of a tile.
 inline void scatter_tile(const Tiles& tiles, View<const ContactBlock> block, Index tile, Index parity,
                          View<Wrench> wrench_a, View<Wrench> wrench_b) {
   const ContactRange range = tiles.contacts(tile);
@@ -137,7 +137,7 @@ inline void scatter_tile(const Tiles& tiles, View<const ContactBlock> block, Ind
   }
 }
 
-/// Of the warm start.
+/// Writes the wrenches of the warm start.
 struct ScatterTile {
   Tiles tiles;
   View<const ContactBlock> block;
@@ -185,7 +185,7 @@ struct UpdateTile {
   }
 };
 
-/// Gaps of a tile where its world begins a part of the step.
+/// Moves the gaps of a tile on, if its world begins another substep.
 struct AdvanceTile {
   Tiles tiles;
   View<Contact> contact;
@@ -207,7 +207,7 @@ struct AdvanceTile {
   }
 };
 
-/// Impulses at the end of the step, back in the order of the contacts.
+/// Stores the impulses at the end of the step.
 struct StoreImpulses {
   Tiles tiles;
   View<const ContactBlock> block;

@@ -31,7 +31,7 @@ inline void set_lane(ImpulseT<Pack>& p, Index lane, const Impulse& to) {
   p.angular.z[lane] = to.angular.z;
 }
 
-/// The contacts of one colour in a tile. What they do to bodies counts at once.
+/// Updates the contacts of one colour in a tile, and their bodies at once.
 template <bool turning>
 struct SweepTile {
   Tiles tiles;
@@ -40,7 +40,7 @@ struct SweepTile {
   SweptBodies bodies;
   View<const Momentum> momentum;
   View<UpdateSums> sums;  // [tile] over all colours
-  Index parity, present;  // colour
+  Index parity, present;  // present: the colour
 
   void operator()(Index tile) const {
     const Momentum& m = momentum[tiles.tile[tile].world];
@@ -69,7 +69,7 @@ struct SweepTile {
   }
 };
 
-/// Wrenches of the latest impulses.
+/// Writes the wrenches of the latest impulses.
 struct ScatterSweep {
   Tiles tiles;
   View<const ContactBlock> block;
@@ -126,7 +126,7 @@ struct SpectralTile {
   }
 };
 
-/// Adds a world's tiles in order and decides the length of its next step, once its next update is decided.
+/// Decides the length of a world's next step from the sums of its tiles. Call after DecideNextUpdate.
 struct DecideNextLength {
   View<const Index> first_tile;
   View<const SpectralSums> sums;

@@ -1,10 +1,9 @@
-// `jacobi_scan`: the baseline that the fast iterations are held against. The steps are those of `jacobi`; the impulses
-// reach the bodies as in the first solvers of this family on GPUs (Tasora & Negrut 2009; Negrut et al. 2012): every
-// contact writes what it does to its two bodies at places sorted by body, which are found once a step, a segmented scan
-// adds up what lies side by side for one body, and then all bodies move. (In Chrono's code of 2012,
-// src/unit_PARALLEL/ChLcpSolverGPU.cu, a thread for each body adds its stretch.) They wrote changes of velocities that
-// were added to the velocities; here it is the whole impulses, so that rounding does not add up. Each stage is a loop
-// by itself, on either backend.
+// `jacobi_scan`: the baseline to which the fast iterations are compared. It takes the steps of `jacobi`, but impulses
+// reach the bodies as in the first solvers of this family on GPUs (Tasora & Negrut 2009; Negrut et al. 2012). Every
+// contact writes its two wrenches into slots sorted by body, a segmented scan sums the slots of each body, then all
+// bodies move. (In Chrono's code of 2012, src/unit_PARALLEL/ChLcpSolverGPU.cu, one thread per body sums its slots.)
+// Those solvers added changes of velocity; here slots hold whole impulses, so that rounding does not accumulate. Each
+// stage is a loop of its own, on either backend.
 #pragma once
 #include <type_traits>
 
@@ -40,7 +39,7 @@ class ScanIteration {
     for_each_index(exec_, s.mechanisms.motor.size(), motor_update(s, own.motor_before.view(), settings_));
   }
 
-  /// The bodies follow the impulses of now.
+  /// Moves the bodies by the present impulses. `first`: those of the warm start.
   void move(bool first) {
     for_each_index(
         exec_, scan_runs(own.wrench.size()),
@@ -60,7 +59,7 @@ class ScanIteration {
     project(first, false);
   }
 
-  /// Into the next part of the step, where a world has one.
+  /// Carries bodies into the next substep, in worlds where one follows.
   void carry() {
     if (rules_.substeps == 1) return;
     for_each_index(exec_, s.body_count, body_carry(s));
@@ -139,7 +138,7 @@ class ScanIteration {
   IterationRules rules_;
 };
 
-/// Whether all worlds have ended, where the host can see it; on the GPU the queue goes on, and ended worlds do nothing.
+/// Whether all worlds have ended, if the host can see it. On the GPU the queue continues, and ended worlds do nothing.
 template <class Exec>
 bool seen_to_end(const State<Exec>& s) {
   if constexpr (std::is_same_v<Exec, Cpu>) {
@@ -188,9 +187,8 @@ void solve_by_scan(Exec exec, State<Exec>& s, ScanStorage<Exec>& own, const Step
   iteration.measure();
 }
 
-/// Bytes that an update moves when each record is moved once: of a contact its own record and its impulse, two wrenches
-/// written and, by the scan, read and written once more; of a body its mass, range of slots and last wrench, velocities
-/// without impulses and of now, and those of now and ahead written; what is ahead is read again by the contacts.
+/// Bytes of an update if each record is moved once. A contact: its record, its impulse read and written, and two
+/// wrenches written, then read and written by the scan. A body: mass, range of slots, last wrench and four velocities.
 template <class Exec>
 double scan_traffic(const State<Exec>& s, Index contacts) {
   constexpr double of_contact =

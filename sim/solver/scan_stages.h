@@ -19,7 +19,7 @@ struct BodyOfSlot {
   GONOGO_HD Index operator()(Index slot) const { return body[slot]; }
 };
 
-/// Where the slots of a body are. `shift` of its world: from places counted without the rest of worlds' last runs.
+/// Slots of a body. `shift`: of its world, from places counted without the unused slots of the worlds' last runs.
 struct SlotsOfBody {
   Incidence incidence;
   View<const Index> shift;
@@ -27,7 +27,7 @@ struct SlotsOfBody {
   GONOGO_HD Index begin(BodyIndex b, WorldIndex w) const {
     return incidence.owned_begin(b) + incidence.first_second[b] + shift[w];
   }
-  /// Behind those that it owns.
+  /// Behind the slots of the contacts it owns.
   GONOGO_HD Index middle(BodyIndex b, WorldIndex w) const {
     return incidence.owned_end(b) + incidence.first_second[b] + shift[w];
   }
@@ -60,7 +60,7 @@ struct ShiftSlots {
   }
 };
 
-/// What a contact does to its bodies, at their slots.
+/// Writes the wrenches of a contact into the slots of its bodies.
 struct WrenchSlots {
   View<const SlotPair> slot;
   View<Wrench> wrench;
@@ -72,7 +72,7 @@ struct WrenchSlots {
   }
 };
 
-/// A contact at the beginning of the step: its step sizes, its slots, and its warm start in them.
+/// Starts a contact: its step sizes, its slots, and its warm start in them.
 struct EnterContact {
   SplitMasses split;
   SlotsOfBody place;
@@ -141,7 +141,7 @@ struct MoveByScan {
     if (momentum[w].done) return;
     const BodyMass m = mass[b];
     Wrench sum;
-    if (!is_fixed(m)) sum = segment_sum(scanned, place.begin(b, w), place.end(b, w));  // nothing moves a fixed body
+    if (!is_fixed(m)) sum = segment_sum(scanned, place.begin(b, w), place.end(b, w));
     if (m.slot >= 0) sum.angular += motor_moment(m.slot);
     const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : inverse_inertia_W[b];
     const Velocity next = driven_velocity(free_velocity[b], m, inverse_inertia, sum.linear, sum.angular);
@@ -169,7 +169,7 @@ struct SumTileResiduals {
   }
 };
 
-/// The next update of a world. Plain steps need no sums but the residual's.
+/// Decides the next update of a world. Steps without momentum need only the residual's sum.
 struct DecideByScan {
   Tiles tiles;
   View<const double> residual_of_lane;

@@ -1,23 +1,23 @@
-// What the iteration that reduces by scans keeps for itself; see jacobi_scan.h.
+// Storage of jacobi_scan; see jacobi_scan.h.
 #pragma once
 #include "sim/state/state.h"
 
 namespace gonogo::sim {
 
-/// Where the wrenches of a contact on its bodies go; -1: nothing moves body b.
+/// Slots of a contact's two wrenches; b is -1 for a fixed body b.
 struct alignas(8) SlotPair {
   Index a, b;
 };
 
-/// Slots lie in the order of the bodies: of each those that it owns, then those where it is body b. Every world's begin
-/// with a run of the scan, so that its sums do not depend on its company.
+/// Slots are in the order of the bodies: for each the contacts it owns, then those where it is body b. Each world
+/// starts a new run of the scan, so that its sums do not depend on the other worlds.
 template <class Exec>
 struct ScanStorage {
   Buffer<SlotPair, Exec> slot;                     // [contact]
   Buffer<BodyIndex, Exec> body;                    // [slot]
   Buffer<Wrench, Exec> wrench;                     // [slot] then scanned
   Buffer<Index, Exec> slots_of_world, first_slot;  // [world] whole runs, [world + 1]
-  Buffer<Index, Exec> shift;                       // [world] see SlotOfBody
+  Buffer<Index, Exec> shift;                       // [world] see SlotsOfBody
   ScanScratch<Exec> scratch;
   Buffer<Real, Exec> residual_square;                         // [contact] of an update that tests [m^2/s^2]
   Buffer<double, Exec> tile_residual, residual_of_lane;       // [tile], [world * kSumLanes]

@@ -1,8 +1,7 @@
-// Sums over the segments of an array by a segmented scan (Sengupta, Harris, Zhang, Owens 2007), with a fixed tree: runs
-// of neighbouring slots are scanned by one thread each, and a segment adds up the last of its slots in every run that
-// it reaches into. Which numbers are added to which follows from their places alone, so sums have the same bits for any
-// number of threads; the library's scans on the GPU let their timing decide that. And sums over long stretches, by a
-// few lanes that take turns.
+// Sums over the segments of an array by a segmented scan (Sengupta, Harris, Zhang, Owens 2007) with a fixed tree. One
+// thread scans each run of neighbouring slots; a segment then adds its last slot in every run it reaches into. The
+// order of additions follows from the slots' places alone, so any number of threads gives the same bits. In the GPU
+// library's scans it depends on timing. Also: sums over long stretches by a fixed number of lanes.
 #pragma once
 #include "base/view.h"
 
@@ -17,8 +16,8 @@ inline constexpr Index kSumLanes = 64;
 /// How many runs hold `slots` slots.
 GONOGO_HD inline Index scan_runs(Index slots) { return (slots + kScanRun - 1) / kScanRun; }
 
-/// Inclusive scan of run number `run`, in place: afterwards a slot holds the sum of the slots of its segment from the
-/// first one in the run up to itself. `segment(slot)` names the segment; those of one segment follow each other.
+/// Inclusive scan of run number `run`, in place: each slot becomes the sum of its segment's slots from the run's start
+/// up to itself. `segment(slot)`: the slot's segment; the slots of a segment are contiguous.
 template <class T, class SegmentOf>
 struct ScanRun {
   SegmentOf segment;
@@ -40,7 +39,7 @@ struct ScanRun {
   }
 };
 
-/// Sum over the slots of a segment, from `begin` to `end`, once all runs have been scanned.
+/// Sum over the slots of a segment from `begin` to `end` - 1, after all runs have been scanned.
 template <class T>
 GONOGO_HD T segment_sum(View<const T> scanned, Index begin, Index end) {
   T sum{};
@@ -52,8 +51,8 @@ GONOGO_HD T segment_sum(View<const T> scanned, Index begin, Index end) {
   return sum;
 }
 
-/// Part of the sums over stretches of an array: lane l of a stretch takes every kSumLanes-th value from its l-th on. So
-/// a stretch has the same bits wherever in the array it lies.
+/// Partial sums over stretches of an array: lane l of a stretch adds every kSumLanes-th value from the l-th on. A
+/// stretch has the same bits anywhere in the array.
 template <class T>
 struct SumByLanes {
   View<const Index> first;  // [stretch + 1]
@@ -68,7 +67,7 @@ struct SumByLanes {
   }
 };
 
-/// The sum over a stretch from those of its lanes.
+/// Sum over a stretch from its lanes' sums.
 template <class T>
 GONOGO_HD T sum_over_lanes(View<const T> partial, Index stretch) {
   T sum{};

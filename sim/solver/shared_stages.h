@@ -1,4 +1,4 @@
-// Stages around the update of the contacts, for the host's iteration and for the one that reduces by scans on either.
+// Stages around the update of the contacts, shared by the host's iteration and by jacobi_scan on either backend.
 #pragma once
 #include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
@@ -8,7 +8,7 @@
 
 namespace gonogo::sim {
 
-/// A body at the beginning of the step.
+/// Starts a body.
 struct BeginBody {
   View<const Velocity> velocity, change;
   View<Velocity> free_velocity, earlier_velocity;
@@ -18,8 +18,8 @@ struct BeginBody {
   }
 };
 
-/// A body that has moved through a part of the step, in worlds where another part follows. The velocities of jointed
-/// ones follow from ProjectMechanism.
+/// Carries a body into the next substep, in worlds where one follows. The velocities of jointed bodies follow from
+/// ProjectMechanism.
 struct CarryBody {
   View<const BodyMass> mass;
   View<const Velocity> change;
@@ -40,18 +40,18 @@ struct CarryBody {
   }
 };
 
-/// Bodies of a mechanism whose velocities are added up side by side: the map is read in long runs.
+/// Bodies of a mechanism whose velocities are summed together, so that the map is read in long runs.
 inline constexpr int kProjectedTogether = 8;
 
-/// Velocities of the jointed bodies from all that their mechanism gathered.
+/// Velocities of the jointed bodies from the gathered ones.
 struct ProjectMechanism {
   Projection projection;
   View<const WorldIndex> world_of_body;
   View<const Momentum> momentum;
   View<Velocity> velocity, extrapolated_velocity;
-  bool first, carried;  // after CarryBody
+  bool first, carried;  // after the warm start; after CarryBody
 
-  /// The first of some bodies sees to all of them.
+  /// The first of kProjectedTogether bodies projects all of them.
   GONOGO_HD void operator()(Index k) const {
     if (projection.is_empty(k)) return;
     const Momentum& m = momentum[world_of_body[projection.body[k].body]];

@@ -6,12 +6,12 @@
 
 namespace gonogo::sim {
 
-/// Loops over tiles and chunks of bodies share out hundreds of contacts at a time.
+/// Min number of tiles for which a loop uses several threads; a tile has hundreds of contacts.
 inline constexpr Index kTilesInParallel = 4;
-/// A body of a mechanism costs as much as some tens of contacts.
+/// The same of a mechanism's bodies, each of which costs as much as some tens of contacts.
 inline constexpr Index kBodiesInParallel = 64;
 
-/// Sums the wrenches on a body and, from the second time on, extrapolates.
+/// Velocity of a body from the sum of its wrenches; extrapolated, except after the warm start.
 struct GatherVelocity {
   Incidence incidence;
   View<const Wrench> wrench_a, wrench_b;
@@ -23,8 +23,8 @@ struct GatherVelocity {
   View<const Momentum> momentum;
   View<Velocity> velocity, extrapolated_velocity;
   View<Velocity> gathered;  // [mechanism body]; their velocities follow from ProjectMechanism
-  View<Velocity> before;    // of all bodies, or empty where the method needs none
-  bool first;
+  View<Velocity> before;    // [body], or empty for methods that do not need it
+  bool first;               // after the warm start
 
   void operator()(BodyIndex b) const {
     const Momentum& m = momentum[world_of_body[b]];
@@ -50,8 +50,8 @@ struct GatherVelocity {
     velocity[b] = next;
   }
 
-  /// driven_velocity() and extrapolated() of a free body whose inertia is the same about all axes, on the eight numbers
-  /// of a velocity side by side: taken apart, they would be put together again in memory.
+  /// driven_velocity() and extrapolated() of a free isotropic body, on all eight numbers of a velocity at once.
+  /// Separate vectors would have to be reassembled in memory.
   void set_velocity(BodyIndex b, const Pack& wrench, Real beta) const {
     const Vec3& m = mass[b].inverse_mass;
     const Real i = mass[b].inverse_inertia_B.x;
@@ -65,7 +65,7 @@ struct GatherVelocity {
   static Pack in_pack(const Velocity& v) { return *reinterpret_cast<const PackInMemory*>(&v); }
 };
 
-/// Adds a world's tiles in order and decides its next update.
+/// Decides a world's next update from the sums of its tiles, added in order.
 struct DecideNextUpdate {
   View<const Index> first_tile;
   View<const UpdateSums> tile_sums;
@@ -157,7 +157,7 @@ inline void gather(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, bool first)
   project_mechanisms(exec, s, first, false);
 }
 
-/// Into the next part of the step, where a world has one.
+/// Carries the bodies of worlds that begin another substep into it.
 inline void carry_bodies(Cpu exec, State<Cpu>& s) {
   for_each_index(exec, s.body_count, body_carry(s));
   project_mechanisms(exec, s, false, true);
@@ -260,7 +260,7 @@ inline void prepare_method(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Ind
   own.length.upload(std::vector<SpectralStep>(std::size_t(s.world_count)));
 }
 
-/// What the next update will do.
+/// Decides the next update of every world.
 inline void decide(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const IterationRules& rules) {
   if (rules.solver == Solver::bb) own.momentum_before.upload(s.momentum.download());
   for_each_index(exec, s.world_count,

@@ -1,9 +1,9 @@
-// The spectral projected gradient method (`bb`): projected steps of a length taken from how the gradient changed along
-// the step before (Barzilai & Borwein 1988; projected: Birgin, Martinez, Raydan 2000). Lengths count in steps of mass
-// splitting, of which one never overshoots, so there is no line search: when the objective has risen above its running
-// mean (Zhang & Hager 2004), steps of length one follow until it is below. A length serves one update late, because its
-// sums come at the end of an update (gradient method with retards, Friedlander et al. 1999). Without a line search it
-// must be capped: see kLongestStep.
+// The spectral projected gradient method (`bb`). The length of a step follows from the change of the gradient along the
+// step before (Barzilai & Borwein 1988; projected: Birgin, Martinez, Raydan 2000). The unit of length is the step of
+// mass splitting, which never overshoots, so there is no line search. When the objective rises above its running mean
+// (Zhang & Hager 2004), steps have length one until it is below. A length serves one update late, because its sums are
+// known at the end of an update (gradient method with retards, Friedlander et al. 1999). Lengths are capped, see
+// kLongestStep.
 #pragma once
 #include "sim/state/contact.h"
 #include "sim/state/momentum.h"
@@ -13,11 +13,11 @@ namespace gonogo::sim {
 /// Longest step, in steps of mass splitting. With 10, impacts between grains end up to seventeen times above the
 /// residual that they reach with 4; with 30 they blow up.
 inline constexpr double kLongestStep = 4;
-/// Weight of the past in the mean that the objective is held against.
+/// Weight of the past in the objective's running mean.
 inline constexpr double kMemory = 0.85;
 
-/// How an iterate differs from the one before, summed over the contacts of a world. s: change of the impulses, y: of
-/// the gradient, S: step sizes of mass splitting.
+/// Differences between an iterate and the one before, summed over the contacts of a world. s: change of the impulses;
+/// y: change of the gradient; S: step sizes of mass splitting.
 template <class T>
 struct SpectralSumsT {
   T change_square{};  // s . S^-1 s [J]
@@ -39,11 +39,11 @@ struct alignas(16) SpectralStep {
   double objective = 0, mean = 0, weight = 1;
 };
 
-/// From the sums of update number `m.updates` to the length of the next. `m`: before the update is counted; `next`:
+/// Length of the next update from the sums of update number `m.updates`. `m`: before the update is counted; `next`:
 /// after.
 GONOGO_HD inline void decide_next_length(SpectralStep& step, const SpectralSums& sums, const Momentum& m,
                                          const Momentum& next, const IterationRules& rules) {
-  const bool first = m.iterations == 0;  // of a part: the iterate before belongs to another objective
+  const bool first = m.iterations == 0;  // of a substep: the iterate before belongs to another objective
   if (first) {
     step.objective = step.mean = 0;
     step.weight = 1;
@@ -56,12 +56,12 @@ GONOGO_HD inline void decide_next_length(SpectralStep& step, const SpectralSums&
     step.weight = kMemory * step.weight + 1;
     step.length = std::fmin(std::fmax(sums.change_square / sums.curvature, 1.0), kLongestStep);
   }
-  // A test measures the unscaled step, and the last update leaves no overshoot behind.
+  // A test measures the step of length one, and so does the last update, so that it leaves no overshoot.
   const bool last = next.iterations + 1 >= rules.max_iterations;
   if (rose || last || next.test != 0 || !(step.length >= 1)) step.length = 1;
 }
 
-/// One update and what it tells of the iterate it starts from. `a0`, `b0`: velocities of the iterate before.
+/// One update, and the sums of the iterate that it starts from.
 template <class T>
 struct SpectralUpdate {
   ContactUpdate<T> update;

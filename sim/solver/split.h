@@ -1,28 +1,28 @@
 // Step sizes of the iterations on the cone complementarity problem
 //     min 1/2 g' N g + r' g,  g in the product of contact cones,  N = D' M^-1 D + E        (Anitescu & Tasora 2010)
-// by mass splitting (Tonge, Benevolenski, Voroshilov 2012): each body shares its mass among its contacts,
-// S_c^-1 = d_a A_a + d_b A_b + E with 1 / d the contact's share of a body and A a bound on that body's part of the
-// contact's inverse mass. Then S^-1 >= N as quadratic forms, so g - S grad never overshoots and no line search is
-// needed. A wheel a thousand times heavier than a grain adds little to S^-1 although it has hundreds of contacts: it
-// slows nobody down.
+// by mass splitting (Tonge, Benevolenski, Voroshilov 2012). Each body shares its mass among its contacts:
+//     S_c^-1 = d_a A_a + d_b A_b + E
+// with 1 / d the contact's share of a body and A a bound on the body's part of the contact's inverse mass. Then
+// S^-1 >= N as quadratic forms, so g - S grad never overshoots and needs no line search. A heavy wheel on light grains
+// adds little to S^-1, although it has hundreds of contacts, and so does not slow the iteration.
 #pragma once
 #include "sim/solver/colour.h"
 
 namespace gonogo::sim {
 
-/// Of the bound on rolling and spinning against sliding; see inverse_mass_bound.
+/// Share s of rolling and spinning in the bound of inverse_mass_bound.
 inline constexpr Real kTurningShare = 0.5f;
 
-/// Steps of the iteration over those that never overshoot, S, where a step has parts of few updates: the residual of a
-/// driven wheel is an eighth lower. Plain gradient steps converge below 2, steps with Nesterov's momentum below 4/3
-/// (the roots of z^2 - (1 + beta)(1 - a) z + beta (1 - a) stay inside the unit circle for every beta < 1 while the
-/// stretched eigenvalue a < 4/3). With the high momentum of many updates that is too close: a = 1.3 and beta = 0.95
-/// leave z = -0.9, and the wheels of a vehicle at rest would stay 1 % off their loads.
+/// Step sizes over the safe ones S, where a step has substeps of few updates; it lowers the residual of a driven wheel
+/// by an eighth. Gradient steps converge below 2, with Nesterov's momentum below 4/3: while the stretched eigenvalue a
+/// is below 4/3, the roots of z^2 - (1 + beta)(1 - a) z + beta (1 - a) stay inside the unit circle for every beta < 1.
+/// With the high momentum of many updates 1.3 is too close to it: beta = 0.95 leaves z = -0.9, and the wheels of a
+/// vehicle at rest would stay 1 % off their loads.
 inline constexpr Real kStretch = 1.3f;
 
 /// Bound on how far a unit impulse at the end of an arm moves that end by turning the body: the largest eigenvalue of
-/// [r]' J^-1 [r] [1/kg]. Its trace is the better bound where a body turns easily about its arm only, as a slender rod
-/// touched at its tip does.
+/// [r]' J^-1 [r] [1/kg]. Its trace is the better bound for a body that turns easily only about its arm, such as a
+/// slender rod touched at its tip.
 GONOGO_HD inline Real turning_bound(const Vec3& arm, const BodyMass& mass, const Quat& orientation) {
   const Vec3& i = mass.inverse_inertia_B;
   const Real largest = std::fmax(i.x, std::fmax(i.y, i.z)) * dot(arm, arm);
@@ -39,10 +39,10 @@ GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal
   const Real linear = std::fmax(mass.inverse_mass.x, std::fmax(mass.inverse_mass.y, mass.inverse_mass.z));
   const Vec3& i = mass.inverse_inertia_B;
   const Vec3 off_centre = cross(arm, normal);
-  // A body that can only turn keeps its spin even there: the bound of a contact must stay above zero.
+  // Not for a body that can only turn: its bound must stay above zero.
   const bool central = linear > 0 && dot(off_centre, off_centre) < Real(1e-6) * dot(arm, arm);
-  // Normal and friction share one angular velocity when the arm is not along the normal; rolling shares it always:
-  // (x + y)^2 <= (1 + s) x^2 + (1 + 1/s) y^2, with s small because sliding is what matters more.
+  // Normal and friction share one angular velocity when the arm is not along the normal; rolling always shares it.
+  // (x + y)^2 <= (1 + s) x^2 + (1 + 1/s) y^2, with a small s because sliding matters more.
   const bool isotropic = mass.inverse_mass.x == mass.inverse_mass.y && mass.inverse_mass.y == mass.inverse_mass.z;
   const Real spin = (turning ? 1 + kTurningShare : Real(1)) * turning_bound(arm, mass, orientation);
   const Real n = isotropic ? normal_share.x + normal_share.y + normal_share.z : linear;
@@ -50,7 +50,7 @@ GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal
           (turning ? 1 + 1 / kTurningShare : Real(1)) * std::fmax(i.x, std::fmax(i.y, i.z))};
 }
 
-/// The gap's bias, and for the `coulomb` target what makes up for the opening of a contact that moves [m/s].
+/// The gap's bias, plus De Saxce's term for the `coulomb` target [m/s].
 GONOGO_HD_INLINED Real target_bias(const Contact& c, const Velocity& a, const Velocity& b, Target target) {
   return target == Target::coulomb ? c.gap_bias + opening_speed<true, Real>(c, a, b) : c.gap_bias;
 }
@@ -65,10 +65,10 @@ struct SplitMasses {
   View<Contact> contact;
   Incidence incidence;
   Target target;
-  bool sweeps;   // Gauss-Seidel: a contact has all of a body that is updated contact by contact
-  Real stretch;  // of the steps, see kStretch; spectral steps find their own length, sweeps need none
+  bool sweeps;   // Gauss-Seidel: a contact gets the whole mass of a swept body
+  Real stretch;  // kStretch or 1
 
-  /// The motors of a mechanism take half of its bodies' masses, the contacts share the rest.
+  /// Number of shares over the contact's own. The motors of a mechanism get half of its bodies' masses.
   GONOGO_HD Real share(BodyIndex b, Real own) const {
     if (sweeps && is_swept(b, mass[b], incidence)) return 1;
     const bool driven = mass[b].slot >= 0 && jointed[mass[b].slot].driven != 0;
@@ -92,8 +92,7 @@ struct SplitMasses {
   }
 };
 
-/// A gap after the bodies have moved with these velocities through a part of the step: normals and arms stay as they
-/// were found.
+/// A gap after the bodies have moved with these velocities through a substep, with the normal and arms of the step.
 GONOGO_HD_INLINED Real advanced_gap(Real gap, const ContactNumbers<Real>& c, const Velocity& a, const Velocity& b,
                                     Real substep) {
   return gap + substep * dot(c.normal, contact_velocity<Real>(c, a, b));
@@ -105,9 +104,9 @@ GONOGO_HD_INLINED void advance_gap(Contact& c, const Velocity& a, const Velocity
   c.bias = c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
 }
 
-/// Scaled natural map per contact [m/s]: the change that one unsplit projected gradient step would still make, divided
-/// by that step, so that light grains count as much as wheels. Zero exactly at the solution; for the `coulomb` target
-/// the sliding speed at the end of the step counts, so that it is Coulomb's law that is measured.
+/// Scaled natural map of a contact [m/s]: the change by one more projected-gradient step without mass splitting,
+/// divided by that step, so that light grains count as much as wheels. It is zero exactly at the solution of the
+/// target's law; `coulomb` uses the sliding speed at the end of the step.
 GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, const Velocity& b, const Impulse& from,
                                         Target target) {
   ContactNumbers<Real> numbers = c;

@@ -38,10 +38,10 @@ GONOGO_HD_INLINED T magnitude(const T& x) {
   return select(x < constant<T>(0), -x, x);
 }
 
-/// For a given n every friction part is clipped to its radius, so the minimum is that of a convex, piecewise quadratic
-/// function of n alone. Its derivative is concave and rises, so Newton's method climbs from n0 to the root without
-/// passing it and reaches it after as many passes as there are parts that clip. Free of branches, so that eight
-/// contacts can take different pieces. `turning`: whether rolling and spinning parts exist at all.
+/// Nearest point of K. For a given n every friction part is clipped to its radius, so what is left is to minimise a
+/// convex, piecewise quadratic function of n. Its derivative rises and is concave: Newton's method climbs from n0 to
+/// the root without passing it, in at most one pass per clipped part. There are no branches, so that the eight contacts
+/// of a Pack may lie on different pieces. `turning`: rolling and spinning parts exist.
 template <bool turning, class T>
 GONOGO_HD_INLINED ConeImpulseT<T> project_onto_cone(const ConeImpulseT<T>& p, const ConeShapeT<T>& cone,
                                                     const ConeStepT<T>& step) {

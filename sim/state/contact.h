@@ -1,4 +1,4 @@
-// One contact as the solvers see it, and the formulas of one update.
+// One contact as the solvers see it, and the formulas of one projected-gradient update.
 #pragma once
 #include "sim/shape/shape.h"
 #include "sim/state/cone.h"
@@ -7,11 +7,11 @@ namespace gonogo::sim {
 
 using ContactIndex = Index;
 
-/// Numbers of a contact, or of eight (T = Pack). All vectors are in the world frame.
+/// Numbers of one contact (T = Real) or of a block of eight (T = Pack). Vectors are in the world frame.
 template <class T>
 struct ContactNumbers {
   Vec3T<T> normal;    // unit, from b to a
-  T bias;             // [m/s]: gap / step, or a slower push-out where overlapping; the normal speed stays above -bias
+  T bias;             // [m/s]; the normal speed stays above -bias, see bias_of_gap
   Vec3T<T> arm_a;     // from the centre of mass of a to the contact point [m]
   T mu;               // sliding friction [-]
   Vec3T<T> arm_b;     // [m]
@@ -19,17 +19,17 @@ struct ContactNumbers {
   ConeStepT<T> step;  // metric of the iteration, mass splitting included [kg, kg, kg m^2]
   T cohesion;         // largest tensile impulse in one step [N s]
   T sigma;            // spinning resistance: coefficient times radius [m]
-  T softness;         // speed that a unit of normal impulse leaves behind: 0 for a rigid contact [1/kg]
+  T softness;         // normal speed per normal impulse that a compliant contact gives way by; 0: rigid [1/kg]
 };
 
 /// Body a carries the shape that found the contact.
 struct alignas(16) Contact : ContactNumbers<Real> {
   BodyIndex body_a, body_b;
-  Real unsplit;   // step times this is the metric without mass splitting, in which the residual is measured [-]
-  Real gap_bias;  // bias without the correction of the `coulomb` target [m/s]
+  Real unsplit;   // step * unsplit: the metric without mass splitting, in which the residual is measured [-]
+  Real gap_bias;  // bias without the term of the `coulomb` target [m/s]
   WorldIndex world;
   Real gap;       // at the start of the substep [m]
-  Real gap_rate;  // bias for each metre of a gap ahead, or of the gap of a compliant contact [1/s]
+  Real gap_rate;  // bias per metre of an open gap, or of any gap of a compliant contact [1/s]
 };
 
 /// Impulse of a contact on body a (body b gets the opposite); padded to 32 bytes so that loads are aligned.
@@ -53,7 +53,7 @@ struct alignas(8 * sizeof(T)) VelocityT {
 using Impulse = ImpulseT<Real>;
 using Velocity = VelocityT<Real>;
 
-/// A contact's weight when a body shares out its mass (see split.h): those that carry something get more of it.
+/// A contact's weight when a body shares its mass among its contacts (split.h): loaded contacts get more.
 GONOGO_HD inline Index contact_weight(const Contact& c, const Impulse& start) {
   return dot(start.linear, c.normal) > 0 || c.gap < 0 ? 4 : 1;
 }
@@ -95,8 +95,8 @@ GONOGO_HD_INLINED T slip_speed(const ContactNumbers<T>& c, const VelocityT<T>& a
   return square_root(dot(tangential, tangential));
 }
 
-/// Normal speed at which the convex relaxation lets a contact open that slides, rolls or spins [m/s]: De Saxce's term
-/// with the radii of all parts of the cone, mu |u_t| + rho |w_t| + sigma |w_n|.
+/// De Saxce's term mu |u_t| + rho |w_t| + sigma |w_n| [m/s]: the normal speed at which the convex relaxation lets a
+/// sliding, rolling or spinning contact open.
 template <bool turning, class T>
 GONOGO_HD_INLINED T opening_speed(const ContactNumbers<T>& c, const VelocityT<T>& a, const VelocityT<T>& b) {
   T speed = c.mu * slip_speed(c, a, b);
@@ -122,8 +122,8 @@ GONOGO_HD_INLINED ContactGradient<T> contact_gradient(const ContactNumbers<T>& c
   return {multiply_add(c.normal, resting, contact_velocity(c, a, b)), a.angular - b.angular};
 }
 
-/// gamma - S g, projected onto the contact's cone: one projected-gradient update with step sizes S. `turning`: the
-/// contact may resist rolling and spinning.
+/// P_K(gamma - S g): one projected-gradient update with step sizes S. `turning`: some contact resists rolling or
+/// spinning.
 template <bool turning, class T>
 GONOGO_HD_INLINED ImpulseT<T> projected_step(const ContactNumbers<T>& c, const ImpulseT<T>& from,
                                              const ContactGradient<T>& g, const ConeStepT<T>& step) {
@@ -144,8 +144,8 @@ GONOGO_HD_INLINED ImpulseT<T> projected_step(const ContactNumbers<T>& c, const I
   return result;
 }
 
-/// Square of a projected step divided by its step sizes: the speed that is still wrong at this contact [m^2/s^2]. A
-/// turning speed becomes a speed through the lever sqrt(step.r / step.t), about the radius of the lighter grain.
+/// Square of a projected step divided by its step sizes: the square of the speed that is still wrong [m^2/s^2].
+/// Turning speeds are converted by the lever sqrt(step.r / step.t), about the radius of the lighter grain.
 template <bool turning, class T>
 GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ImpulseT<T>& next, const ImpulseT<T>& from,
                                     const ConeStepT<T>& step) {
@@ -161,11 +161,11 @@ GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ImpulseT<T
   return sum;
 }
 
-/// One accelerated update of a contact: the projected step from the extrapolated impulse and the gradient along the
-/// change, whose sum over a world tells when to restart.
+/// One accelerated update of a contact: the projected step from the extrapolated impulse, and the gradient along the
+/// change. The sum of the latter over a world tells when to restart momentum.
 template <class T>
 struct ContactUpdate {
-  ImpulseT<T> from, impulse;  // extrapolated, and projected
+  ImpulseT<T> from, impulse;  // extrapolated; projected
   T uphill;                   // gradient times change [J]
 };
 
@@ -183,13 +183,13 @@ GONOGO_HD_INLINED ContactUpdate<T> accelerated_update(const ContactNumbers<T>& c
   return u;
 }
 
-/// Square of the speed that the update has still corrected [m^2/s^2].
+/// Square of the speed that this update corrected [m^2/s^2].
 template <bool turning, class T>
 GONOGO_HD_INLINED T residual_square(const ContactNumbers<T>& c, const ContactUpdate<T>& u) {
   return residual_square<turning>(c, u.impulse, u.from, c.step);
 }
 
-/// What a contact does to a body: impulse and its moment about the centre of mass.
+/// Impulse of a contact on a body and its moment about the centre of mass.
 struct alignas(32) Wrench {
   Vec3 linear;  // [N s]
   Real pad0 = 0;

@@ -1,5 +1,5 @@
-// What drives a motor: the target of its speed and its torque limit, set at the beginning of every step from the time
-// and the state there.
+// Controllers set a motor's target speed and torque limit at the beginning of every step, from the time and the state
+// then.
 #pragma once
 #include <vector>
 
@@ -10,21 +10,21 @@ namespace gonogo::sim {
 
 enum class ControllerType : std::int32_t {
   schedule,            // speed and torque limit over time
-  throttle,            // share of a torque curve over time
+  throttle,            // fraction of a torque curve over time
   velocity_by_torque,  // proportional-integral: velocity of a body -> torque
   velocity_by_speed,   // proportional-integral: velocity of a body -> motor speed
-  steering             // keeps a body on a straight line along x: a point ahead of it -> angle of the motor
+  steering             // keeps a body on a straight line along x: offset of a point ahead -> angle of the motor
 };
 
-/// One per motor at most. Tables are ascending in `at` and hold their outer values beyond their ends.
+/// At most one per motor. Tables ascend in `at`; their outer values hold beyond their ends.
 struct Controller {
   ControllerType type = ControllerType::schedule;
   Index motor = 0;  // in its world
 
   /// Over time [s]. schedule: motor speed [rad/s]. throttle: [-1, 1], negative drives backwards. velocity: [m/s].
   std::vector<TablePoint> command;
-  /// Torque limit [N m] over time [s]; throttle: the torque curve at full throttle over the size of the motor's speed
-  /// [rad/s], whose last point is the speed that the motor does not exceed by itself.
+  /// Torque limit [N m] over time [s]. throttle: torque at full throttle over the magnitude of the motor's speed
+  /// [rad/s]; the last point is the speed that the motor does not exceed by itself.
   std::vector<TablePoint> limit;
 
   // velocity: u = p e + i (integral of e) + f c with command c and error e = c - velocity along the axis. u is a
@@ -37,16 +37,16 @@ struct Controller {
   double feed_forward = 0;                      // f: [N m s/m] or [rad/m]
   double top_speed = 0;                         // [rad/s]
 
-  // steering: of a straight line along the world's x through where the body started. A point `look_ahead` before the
-  // body along `axis` is y beside that line; the wish for the motor's angle is -p y within +-max_angle, and the motor
-  // turns at `rate` times what is missing, at most at top_speed. p: [rad/m]; `command` is a factor of the wish.
+  // steering: the line runs along the world's x through the body's start. y is the offset from it of a point
+  // `look_ahead` ahead of the body along `axis`. The wanted angle of the motor is `command` times -p y, limited to
+  // +-max_angle. The motor turns at `rate` times the missing angle, at most at top_speed. p: [rad/m].
   double look_ahead = 0;    // [m]
   double max_angle = 0;     // [rad]
   double rate = 0;          // [1/s]
   Vec3 pointer_a{1, 0, 0};  // in the frame of the motor's body a: along `axis` of its body b at angle zero
 };
 
-/// Whether it needs a body.
+/// Whether it reads a body's motion.
 inline bool follows_body(const Controller& c) {
   return c.type == ControllerType::velocity_by_torque || c.type == ControllerType::velocity_by_speed ||
          c.type == ControllerType::steering;
@@ -75,7 +75,7 @@ struct MotorCommand {
   double max_torque = 0;  // [N m]
 };
 
-/// Faster than any motor turns: asked for this speed, a motor gives its whole torque limit [rad/s].
+/// Faster than any motor turns: with this target a motor gives its full torque limit [rad/s].
 inline constexpr double kOutOfReach = 1e9;
 
 GONOGO_HD inline MotorCommand torque_command(double torque) {
@@ -96,8 +96,8 @@ GONOGO_HD inline MotorCommand throttle_command(View<const TablePoint> points, co
 
 GONOGO_HD inline double clamped(double x, double limit) { return std::fmin(limit, std::fmax(-limit, x)); }
 
-/// Proportional-integral law. The integral rests while the output is at its limit and the error would push it further
-/// (conditional integration: Astrom & Hagglund, PID Controllers, section 3.5), so that it does not wind up.
+/// Proportional-integral law. The integral stops while the output is at its limit and the error would push it further
+/// (conditional integration: Astrom & Hagglund, PID Controllers, section 3.5).
 GONOGO_HD inline double proportional_integral(const ControllerPlan& c, double command, double velocity, double limit,
                                               double step, ControllerState& state) {
   const double error = command - velocity;
@@ -110,7 +110,7 @@ GONOGO_HD inline double proportional_integral(const ControllerPlan& c, double co
   return clamped(wish, limit);
 }
 
-/// Angle that a driver steers who looks at a point ahead: `beside` is how far it is left of the line [rad].
+/// Steering angle [rad] when a point ahead is `beside` [m] left of the line.
 GONOGO_HD inline double steering_wish(double gain, double max_angle, double beside) {
   return clamped(-gain * beside, max_angle);
 }

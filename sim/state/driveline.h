@@ -1,12 +1,12 @@
-// An engine that drives wheels through a gearbox and differentials, and the driver who works its throttle and brakes:
-// sets the motors of the wheels at the beginning of every step from the time and the state there.
+// An engine that drives wheels through a gearbox and differentials, and its driver. It sets the motors of the wheels at
+// the beginning of every step, from the time and the state then.
 //
-//   driver:        throttle and brake over time; with a speed to hold, a proportional-integral law in front of them
-//   coupling:      direct (the engine turns with the gearbox), torque converter, clutch
-//   gearbox:       shifts up and down at engine speeds
-//   differentials: an open centre gives every axle its share; wheels of an axle get equal torques, and what a
-//                  limited-slip or locked differential passes between them is a motor from wheel to wheel that holds
-//                  them at equal speeds with limited torque, implicit like every motor
+//   driver:        throttle and brake over time, or a proportional-integral law that holds a speed
+//   coupling:      direct (the engine turns with the gearbox), torque converter or clutch
+//   gearbox:       shifts up and down at given engine speeds
+//   differentials: an open centre gives every axle its share, and both wheels of an axle get equal torques. A
+//                  limited-slip or locked differential is a motor from wheel to wheel, which holds them at equal
+//                  speeds with limited torque and is implicit like every motor.
 #pragma once
 #include "sim/state/controller.h"
 
@@ -17,19 +17,19 @@ inline constexpr int kMaxDrivenAxles = 4, kMaxGears = 12, kMaxBrakes = 8;
 enum class Coupling : std::int32_t { direct, converter, clutch };
 
 struct DrivenAxle {
-  Index wheel[2] = {-1, -1};  // motors of its wheels against what carries them; one wheel alone: second is -1
+  Index wheel[2] = {-1, -1};  // motors between its wheels and their carriers; -1: no second wheel
   Index lock = -1;            // motor from its left to its right wheel; -1: an open differential
   double share = 1;           // of the torque behind the gearbox
   double bias = 1;            // limited slip: largest ratio of the two torques
-  double lock_torque = 0;     // locked: passed over at most [N m]; limited slip: 0
+  double lock_torque = 0;     // locked: max torque from wheel to wheel [N m]; limited slip: 0
 };
 
 struct Brake {
-  Index motor = -1;   // of its own: a wheel against what carries it
+  Index motor = -1;   // its own, between a wheel and its carrier
   double torque = 0;  // fully applied [N m]
 };
 
-/// Numbers of a driveline that are the same in a scene and in a batch, but for indices of motors and bodies.
+/// Numbers of a driveline. Indices of motors and bodies count in the world of a scene, or through a batch.
 struct DrivelineNumbers {
   Coupling coupling = Coupling::direct;
   Index axle_count = 0, gear_count = 0, brake_count = 0;
@@ -43,29 +43,29 @@ struct DrivelineNumbers {
   double efficiency = 1;
   double wheel_inertia = 0;   // of all driven wheels about their axles: stabilises a falling torque curve [kg m^2]
   double engine_inertia = 0;  // converter and clutch [kg m^2]
-  double idle_speed = 0;      // that the engine does not fall below with converter or clutch [rad/s]
-  double clutch_torque = 0;   // passed over at most when it is engaged [N m]
+  double idle_speed = 0;      // min engine speed with converter or clutch [rad/s]
+  double clutch_torque = 0;   // max torque of the engaged clutch [N m]
   double engaged_speed = 0;   // engine speed at which the clutch is engaged; open at the idle speed [rad/s]
 
-  // Driver who holds a speed: u = p e + i (integral of e) of e = command - speed; u in [-1, 1] is throttle, below zero
-  // the brake. The speed is what the speedometer shows, which counts the turns of the shaft behind the gearbox: a
-  // driver who gave full throttle until the body moves would race spinning wheels through all gears.
-  double way_per_radian = 0;  // of that shaft; 0: the driver sees the speed of the body instead [m]
+  // A driver who holds a speed: u = p e + i (integral of e) with e = command - speed, u in [-1, 1]; above zero
+  // throttle, below zero brake. The speed is the speedometer's, from the shaft behind the gearbox: a driver who watched
+  // the body would race spinning wheels through all gears.
+  double way_per_radian = 0;  // of that shaft [m]; 0: the driver reads the speed of the body instead
   BodyIndex body = 0;
   Vec3 axis_B{1, 0, 0};     // unit: forward in the body's frame
   double proportional = 0;  // [s/m]
   double integral = 0;      // [1/m]
 };
 
-/// One engine. Tables are ascending in `at` and hold their outer values beyond their ends.
+/// One engine. Tables ascend in `at`; their outer values hold beyond their ends.
 struct Driveline : DrivelineNumbers {
-  std::vector<TablePoint> torque;        // at full throttle over engine speed [N m, rad/s]; below zero: at any throttle
+  std::vector<TablePoint> torque;        // at full throttle over engine speed [N m, rad/s]; negative: at any throttle
   std::vector<TablePoint> torque_ratio;  // of a converter over its speed ratio [-]
   std::vector<TablePoint> capacity;      // of a converter: its input torque over the square of the engine's speed
                                          // [N m s^2], over its speed ratio
-  std::vector<TablePoint> throttle;      // [0, 1] over time [s]; the most that a driver with a speed to hold gives
-  std::vector<TablePoint> braking;       // [0, 1] over time [s]; the least that such a driver gives
-  std::vector<TablePoint> speed;         // to hold over time [m/s]; empty: throttle and braking as they are
+  std::vector<TablePoint> throttle;      // [0, 1] over time [s]; with a speed to hold, its max
+  std::vector<TablePoint> braking;       // [0, 1] over time [s]; with a speed to hold, its min
+  std::vector<TablePoint> speed;         // to hold, over time [m/s]; empty: throttle and braking as they are
 };
 
 /// A driveline with the batch's indices.
@@ -77,7 +77,7 @@ struct DrivelinePlan : DrivelineNumbers {
 struct DrivelineState {
   double error_integral = 0;  // of the driver's speed error [m]
   double engine_speed = 0;    // [rad/s]
-  double next_shift = 0;      // no sooner than then [s]
+  double next_shift = 0;      // earliest time of the next shift [s]
   double gear = 0;            // whole, 0 the lowest
 };
 
@@ -85,7 +85,7 @@ struct Pedals {
   double throttle = 0, brake = 0;  // [0, 1]
 };
 
-/// Proportional-integral law with conditional integration, as that of the controllers.
+/// Proportional-integral law with conditional integration, as in controller.h.
 GONOGO_HD inline Pedals pedals(View<const TablePoint> points, const DrivelinePlan& d, double time, double speed,
                                double step, DrivelineState& state) {
   Pedals p{interpolate(points, d.throttle, time), interpolate(points, d.braking, time)};
@@ -100,15 +100,15 @@ GONOGO_HD inline Pedals pedals(View<const TablePoint> points, const DrivelinePla
   return p;
 }
 
-/// Torque of the engine. Where the curve is below zero it brakes, whatever the throttle.
+/// Torque of the engine [N m]. Where the curve is negative it brakes at any throttle.
 GONOGO_HD inline double engine_torque(View<const TablePoint> points, const DrivelinePlan& d, double throttle,
                                       double speed) {
   const double full = interpolate(points, d.torque, speed);
   return full > 0 ? throttle * full : full;
 }
 
-/// Torque t(w) on an inertia that turns at w, at the end of a step in which nothing else acts: its tangent implicit
-/// where it falls, so that it cannot turn the motion back, however long the step.
+/// Torque t(w) on an inertia that turns at w, at the end of a step in which nothing else acts. A falling curve is
+/// implicit by its tangent, so the torque never reverses the motion.
 GONOGO_HD inline double tangent_implicit(double torque, double slope, double inertia, double step) {
   return slope < 0 && inertia > 0 ? torque / (1 - slope * step / inertia) : torque;
 }
@@ -116,7 +116,7 @@ GONOGO_HD inline double tangent_implicit(double torque, double slope, double ine
 /// Behind the gearbox, of an engine that turns with it [N m].
 GONOGO_HD inline double direct_torque(View<const TablePoint> points, const DrivelinePlan& d, double ratio,
                                       double throttle, double shaft_speed, double step, DrivelineState& state) {
-  constexpr double apart = 0.5;  // over which the slope is taken [rad/s]
+  constexpr double apart = 0.5;  // step of the slope's difference quotient [rad/s]
   const double speed = shaft_speed * ratio;
   state.engine_speed = speed;
   const double now = engine_torque(points, d, throttle, speed);
@@ -136,8 +136,8 @@ GONOGO_HD inline double converter_torque(View<const TablePoint> points, const Dr
   return d.efficiency * ratio * interpolate(points, d.torque_ratio, n) * capacity * state.engine_speed * engine;
 }
 
-/// Behind the gearbox with a dry clutch that closes between idle and engaged speed: Coulomb friction, which sticks by
-/// the torque that makes both sides equally fast at the step's end.
+/// Behind the gearbox with a dry clutch that closes between idle and engaged speed. Coulomb friction: the clutch sticks
+/// when its max torque suffices to make both sides equally fast at the step's end.
 GONOGO_HD inline double clutch_torque(View<const TablePoint> points, const DrivelinePlan& d, double ratio,
                                       double throttle, double shaft_speed, double step, DrivelineState& state) {
   const double engine = std::fmax(state.engine_speed, d.idle_speed);
@@ -173,8 +173,8 @@ GONOGO_HD inline double gearbox_torque(View<const TablePoint> points, const Driv
   return direct_torque(points, d, ratio, throttle, shaft_speed, step, state);
 }
 
-/// What a differential passes from the faster wheel to the slower one at most, when its axle gets `torque` [N m]: with
-/// T/2 + c and T/2 - c in the ratio of the bias, c = T/2 (bias - 1) / (bias + 1).
+/// Max torque [N m] from the faster to the slower wheel when their axle gets `torque` T. With T/2 + c and T/2 - c in
+/// the ratio of the bias, c = T/2 (bias - 1) / (bias + 1).
 GONOGO_HD inline double lock_limit(const DrivenAxle& a, double torque) {
   return a.lock_torque + 0.5 * std::fabs(torque) * (a.bias - 1) / (a.bias + 1);
 }

@@ -1,4 +1,4 @@
-// Arrays of the elements of a batch: forces, controllers, drivelines, monitors. Worlds have places, as their bodies do.
+// Elements of a batch: force elements, controllers, drivelines and monitors. Each world has its place in the arrays.
 #pragma once
 #include "base/buffer.h"
 #include "sim/state/driveline.h"
@@ -6,7 +6,7 @@
 
 namespace gonogo::sim {
 
-/// Which elements, motors and springs are a world's.
+/// Ranges of a world's elements, motors and springs.
 struct WorldElements {
   Index first_motor = 0, motor_end = 0;
   Index first_spring = 0, spring_end = 0;
@@ -34,7 +34,7 @@ inline ElementSize larger(const ElementSize& a, const ElementSize& b) {
           .drivelines = std::max(a.drivelines, b.drivelines)};
 }
 
-/// Where the elements behind these begin. Throws InputError when the samples are too many to count.
+/// Where the elements begin that follow these. Throws InputError when the samples of the batch exceed an Index.
 inline ElementSize after(const ElementSize& first, const ElementSize& size) {
   if (size.samples > std::numeric_limits<Index>::max() - first.samples)
     throw InputError("the monitors of the batch record more than 2^31 samples; use a larger stride or fewer worlds");
@@ -91,7 +91,7 @@ struct ElementPlace {
   ElementSize first, room;
 };
 
-/// What the elements of a world remember from step to step.
+/// State of a world's elements between steps.
 struct ElementSnapshot {
   WorldStop stop;
   std::vector<ControllerState> controller;
@@ -148,18 +148,25 @@ inline FlatElements placed(FlatElements f, const ElementPlace& at) {
 
 template <class Exec>
 struct ElementState {
+  // Set by the host when worlds enter the batch.
   Buffer<WorldElements, Exec> world;
-  Buffer<WorldStop, Exec> stop;      // [world]
-  Buffer<WorldEnergy, Exec> energy;  // [world] of the latest step
   Buffer<TablePoint, Exec> table;
   Buffer<ForceElement, Exec> force;  // by body
   Buffer<LoadedBody, Exec> loaded;
-  Buffer<ForceAndTorque, Exec> applied;  // [loaded] in the latest step
   Buffer<ControllerPlan, Exec> controller;
-  Buffer<ControllerState, Exec> controller_state;
   Buffer<DrivelinePlan, Exec> driveline;
-  Buffer<DrivelineState, Exec> driveline_state;
   Buffer<MonitorPlan, Exec> monitor;
+
+  // Computed by apply_controllers().
+  Buffer<ControllerState, Exec> controller_state;
+  Buffer<DrivelineState, Exec> driveline_state;
+
+  // Computed by apply_force_elements().
+  Buffer<ForceAndTorque, Exec> applied;  // [loaded] in the latest step
+
+  // Computed by finish_step().
+  Buffer<WorldEnergy, Exec> energy;  // [world] of the latest step
+  Buffer<WorldStop, Exec> stop;      // [world]
   Buffer<MonitorState, Exec> monitor_state;
   Buffer<MonitorSample, Exec> sample;  // by monitor: samples 0 .. sample_count - 1 of its capacity are recorded
 
@@ -180,7 +187,7 @@ struct ElementState {
     sample.fill_zero(total.samples);
   }
 
-  /// Puts the elements of a world into its place, as they are before its first step.
+  /// Writes the elements of a world into its place, in their state before the first step.
   void write(const FlatElements& elements, const ElementPlace& at) {
     const ElementSize size = elements.size(), first = at.first;
     const FlatElements f = placed(elements, at);

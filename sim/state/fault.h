@@ -1,5 +1,5 @@
-// What went wrong first in a world: the body with the lowest index in the first step that raised a flag, whatever the
-// order in which threads find out.
+// The first fault of a world: of the step that raised the first flag, the body with the lowest index. The order of the
+// threads does not matter.
 #pragma once
 #include "base/for_each.h"
 
@@ -7,7 +7,7 @@ namespace gonogo::sim {
 
 /// Bits of the flag word of a world.
 enum StepFlag : Index {
-  flag_not_finite = 1,   // a velocity or place is not a number: smaller step or more iterations
+  flag_not_finite = 1,   // a velocity or position is NaN or infinite: smaller step or more iterations
   flag_too_fast = 2,     // a body moves more than a bin in a step, see StepSettings::max_slowed: smaller step
   flag_left_domain = 4,  // a body fell out of the domain: deeper domain or rougher base
 };

@@ -1,5 +1,5 @@
-// Explicit forces on bodies, computed at the beginning of a step from the state there: loads that are constant or
-// ramped, and aerodynamic drag. Springs and dampers are implicit and not here.
+// Explicit forces on bodies, computed at the beginning of a step: constant or ramped loads, and aerodynamic drag.
+// Springs and dampers are implicit, see joint.h.
 #pragma once
 #include "sim/state/contact.h"
 
@@ -27,7 +27,7 @@ struct ForceElement {
   Vec3 wind;      // velocity of the air, world frame [m/s]
 };
 
-/// Drawbar load: `pull` [N] against `direction`, whatever its length. In the body's frame the load turns with the body.
+/// Drawbar load: `pull` [N] against `direction` (any length). With `frame` body the load turns with the body.
 ForceElement tow_load(BodyIndex body, ReferenceFrame frame, const Vec3& direction, double pull,
                       const Vec3& point_B = {});
 
@@ -41,7 +41,7 @@ struct ForceAndTorque {
   Vec3 torque;  // [N m]
 };
 
-/// What a force needs to know of its body.
+/// Motion and mass of the body that a force acts on.
 struct LoadedMotion {
   Quat orientation;
   Velocity velocity;
@@ -61,9 +61,8 @@ GONOGO_HD inline Real inverse_mass_along(const LoadedMotion& m, const Vec3& arm,
   return dot(d, scale(m.inverse_mass, d)) + dot(turning, m.inverse_inertia_W * turning);
 }
 
-/// Mean force over a step of F = -1/2 c v^2: for a point of mass m that moves straight it is exact, because
-/// v' = -c v^2 / (2 m) has the solution v / (1 + c v t / (2 m)); for any motion it cannot turn the motion back, however
-/// long the step.
+/// Mean force over a step of F = -1/2 c v^2. It is exact for a point mass m that moves straight, because
+/// v' = -c v^2 / (2 m) has the solution v / (1 + c v t / (2 m)). It never reverses the motion, for any step.
 GONOGO_HD inline Vec3 drag_force(const ForceElement& f, const LoadedMotion& m, const Vec3& arm, Real step) {
   const Vec3 through_air = m.velocity.linear + cross(m.velocity.angular, arm) - f.wind;
   const Real speed = length(through_air);
@@ -87,8 +86,8 @@ GONOGO_HD inline ForceAndTorque load_of(const ForceElement& f, const LoadedMotio
   return {force, torque + cross(arm, force)};
 }
 
-/// A body with forces, and which: they are stored by body, in the order in which the world lists them. None: an empty
-/// place in a batch.
+/// A body and its range of forces, in the order in which the world lists them. An empty range: an empty place in a
+/// batch.
 struct LoadedBody {
   BodyIndex body = 0;
   Index first = 0, end = 0;  // forces

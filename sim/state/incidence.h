@@ -1,11 +1,11 @@
-// Which contacts act on a body. As body a it owns a contiguous run of contacts (its shapes' runs follow each other); as
-// body b it has a list. Both are walked in ascending order, so sums have the same bits for any number of threads.
+// Which contacts act on a body. Where it is body a, its contacts are one contiguous run; where it is body b, a list
+// names them. Both are read in ascending order, so sums have the same bits for any number of threads.
 #pragma once
 #include "sim/state/state.h"
 
 namespace gonogo::sim {
 
-/// Writes the lists in whatever order the threads come.
+/// Writes the lists, in any order.
 struct FillSecond {
   View<const Contact> contact;
   View<const BodyMass> mass;
@@ -19,8 +19,8 @@ struct FillSecond {
   }
 };
 
-/// Puts each contact where it belongs in ascending order: after those of the same body that are smaller. One contact
-/// per thread, so that a wheel with hundreds of contacts is sorted by hundreds of threads.
+/// Sorts the lists: each contact counts the smaller ones of the same body. One contact per thread, so that hundreds of
+/// threads sort the hundreds of contacts of a wheel.
 struct RankSecond {
   View<const Contact> contact;
   View<const BodyMass> mass;
@@ -40,7 +40,7 @@ struct RankSecond {
   }
 };
 
-/// Contacts of a body, in ascending order: owned ones, then those where it is body b and can move.
+/// Contacts of a body, in ascending order: those it owns, then those where it is body b and can move.
 struct Incidence {
   View<const Index> first_shape, first_contact;  // body -> shapes -> contacts
   View<const Index> first_second, second;        // body -> contacts where it is body b
@@ -54,7 +54,7 @@ Incidence incidence(State<Exec>& s) {
   return {s.first_shape.view(), s.first_contact.view(), s.first_second.view(), s.second_contact.view()};
 }
 
-/// Call when the contacts have been written and counted by their bodies.
+/// Call after find_contacts().
 template <class Exec>
 void build_incidence(Exec exec, State<Exec>& s) {
   const Counted contacts = contact_count(s);

@@ -1,5 +1,5 @@
-// Joints, springs and motors as a scene describes them. Between two bodies a and b; positions, angles and speeds are
-// those of a relative to b. sim/scene/build_joint.h makes them from points and axes in the world.
+// Joints, springs and motors between two bodies a and b. Positions, angles and speeds are those of a relative to b.
+// sim/scene/build_joint.h makes them from points and axes in the world.
 #pragma once
 #include "sim/shape/shape.h"
 
@@ -11,21 +11,20 @@ inline constexpr BodyIndex kWorld = -1;
 /// Where a joint or spring holds a body.
 struct Attachment {
   BodyIndex body = 0;
-  Index slot = -1;       // of the body in its mechanism, -1 for a body that nothing moves; set by flatten
+  Index slot = -1;       // of the body in its mechanism; -1: a fixed body; set by flatten
   Vec3 point_B;          // [m]
   Vec3 axis_B{0, 0, 1};  // unit
   Vec3 side_B{1, 0, 0};  // unit, at right angles to the axis
 };
 
-/// What a joint holds (the points coincide unless said otherwise; the axis is the attachment's):
-///   revolute   the axes are parallel
-///   spherical  nothing else
-///   prismatic  all directions are equal; a's point may move along b's axis
-///   fixed      all directions are equal
-///   distance   only the distance of the points
-///   universal  the axes are at right angles
-///   in_line    a's point may move along b's axis, and nothing else: the last pin of a belt whose other pins, all
-///              parallel, leave it no other freedom
+/// What a joint holds. The axis is the attachment's.
+///   revolute   the points coincide and the axes are parallel
+///   spherical  the points coincide
+///   prismatic  all directions are equal and a's point stays on b's axis
+///   fixed      the points coincide and all directions are equal
+///   distance   the distance of the points
+///   universal  the points coincide and the axes are at right angles
+///   in_line    a's point stays on b's axis: the last pin of a belt, whose other pins hold the directions
 enum class JointType : std::int32_t { revolute, spherical, prismatic, fixed, distance, universal, in_line };
 
 struct Joint {
@@ -55,8 +54,10 @@ GONOGO_HD inline Index row_count(JointType type) {
   return 0;
 }
 
-/// What a spring measures: the distance of the points; the way of a's point along b's axis; the angle about b's axis
-/// from b's side to a's side, in (-pi, pi].
+/// What a spring measures.
+///   linear     distance of the points
+///   axial      position of a's point along b's axis
+///   torsional  angle about b's axis from b's side to a's side, in (-pi, pi]
 enum class SpringKind : std::int32_t { linear, axial, torsional };
 
 inline constexpr int kMaxTablePoints = 32;  // a nonlinear spring and its stops
@@ -68,12 +69,12 @@ struct ForceTable {
   Real force[kMaxTablePoints]{};    // [N] or [N m]
 };
 
-/// Spring and damper, implicit in the step: pulls back with stiffness * stretch + damping * rate, or with the table's
-/// force at the stretch + damping * rate, its tangent taken at the step's start.
+/// Spring and damper, implicit in the step. The force is stiffness * stretch + damping * rate; with a table its force
+/// at the stretch, with the tangent at the step's start, replaces the first term.
 struct SpringDamper {
   SpringKind kind = SpringKind::linear;
   Attachment a, b;
-  double free_length = 0;  // what it measures when it is unloaded [m] or [rad]
+  double free_length = 0;  // measured when unloaded [m] or [rad]
   Real stiffness = 0;      // [N/m] or [N m/rad]; unused with a table
   Real damping = 0;        // [N s/m] or [N m s/rad]
   ForceTable table;
@@ -81,7 +82,7 @@ struct SpringDamper {
 
 enum class MotorKind : std::int32_t { speed, torque };
 
-/// Turns body a about an axis fixed in b or in the world, and b the other way round.
+/// Torque on body a about an axis fixed in b or in the world, and the opposite torque on b.
 struct Motor {
   MotorKind kind = MotorKind::speed;
   BodyIndex a = 0, b = kWorld;

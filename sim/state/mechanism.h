@@ -1,11 +1,10 @@
-// A mechanism: bodies that joints, springs and motors connect (fixed bodies do not connect). In each step its joints
-// and implicit springs are rows
+// A mechanism: bodies that joints, springs and motors connect; fixed bodies do not connect. In each step its joints and
+// implicit springs are rows
 //     J v + b = -E p,   v = v_gathered + M^-1 J^T p
-// with p their impulses, E the softness of springs and b what pulls drift back. Eliminating p
-// gives the end-of-step velocities of its bodies as one affine map of the gathered ones (free motion, contacts,
-// motors):
+// with p their impulses, E the softness of springs and b the bias that removes drift. v_gathered: velocities by free
+// motion, contacts and motors. Eliminating p gives the end-of-step velocities as an affine map of the gathered ones:
 //     v = P v_gathered + c,   P = I - M^-1 J^T A^-1 J,   c = -M^-1 J^T A^-1 b,   A = J M^-1 J^T + E.
-// P M^-1 = M^-1 - M^-1 J^T A^-1 J M^-1 <= M^-1, so step sizes of contacts that were bounded with M^-1 stay valid.
+// P M^-1 = M^-1 - M^-1 J^T A^-1 J M^-1 <= M^-1, so contacts' step sizes bounded with M^-1 stay valid.
 #pragma once
 #include "base/buffer.h"
 #include "sim/state/contact.h"
@@ -13,11 +12,11 @@
 
 namespace gonogo::sim {
 
-/// A vehicle with its suspensions, or the belt of a track, which is one of its own: contacts hold it on its wheels. The
-/// map is dense: its cost per update grows with the square of the number of bodies.
+/// Enough for a vehicle with its suspensions, or for the belt of a track, which is a mechanism of its own. The map is
+/// dense: its cost per update grows with the square of the number of bodies.
 inline constexpr Index kMaxMechanismBodies = 96, kMaxMechanismRows = 480;
 
-/// Sizes are rounded up to this, so that eight columns can be worked on at once.
+/// Sizes are rounded up to a multiple of this, so that eight columns can be computed at once.
 inline constexpr Index kColumnBlock = 8;
 GONOGO_HD inline Index padded(Index n) { return (n + kColumnBlock - 1) / kColumnBlock * kColumnBlock; }
 
@@ -40,8 +39,8 @@ struct Mechanism {
   GONOGO_HD Index projection_size() const { return (unknowns() + 1) * column_stride(); }
 };
 
-/// A body of a mechanism, with what acts on it: entries 2 k + side of row k of the mechanism, or of motor k of the
-/// batch, side 0 being body a.
+/// A body of a mechanism and the entries of the rows and motors that act on it. An entry is 2 k + side: k a row of the
+/// mechanism or a motor of the batch, side 0 body a.
 struct MechanismBody {
   BodyIndex body = 0;
   Index mechanism = 0;
@@ -59,7 +58,7 @@ struct Element {
   Index row = 0;
 };
 
-/// One equation. Side 0 is body a; the two parts of a 6-vector are linear and angular, in world axes.
+/// One equation. Side 0 is body a; a 6-vector is linear, then angular, in world axes.
 struct Row {
   Index mechanism = 0;
   Index slot[2] = {-1, -1};
@@ -75,9 +74,10 @@ struct MotorDrive {
   Real step = 0;  // metric of its projected-gradient update [kg m^2]
 };
 
-/// Arrays of all mechanisms of a batch; empty ones have no bodies, rows and elements.
+/// Arrays of all mechanisms of a batch; empty places have no bodies, rows and elements.
 template <class Exec>
 struct MechanismStore {
+  // Set by the host when worlds enter the batch; the motors' targets also by set_motor() and apply_controllers().
   Buffer<Mechanism, Exec> mechanism;
   Buffer<MechanismBody, Exec> body;
   Buffer<Index, Exec> row_entry, motor_entry;  // see MechanismBody
@@ -85,14 +85,18 @@ struct MechanismStore {
   Buffer<Joint, Exec> joint;
   Buffer<SpringDamper, Exec> spring;
   Buffer<Motor, Exec> motor;
-  Buffer<Real, Exec> motor_impulse;  // [motor], also the warm start [N m s]
 
-  // Of this step.
+  // Computed by prepare_mechanisms().
   Buffer<Row, Exec> row;
   Buffer<double, Exec> system;
   Buffer<Real, Exec> projection;
-  Buffer<MotorDrive, Exec> drive;    // [motor]
+  Buffer<MotorDrive, Exec> drive;  // [motor]
+
+  // Computed by solve().
   Buffer<Velocity, Exec> gathered;   // [mechanism body] before the projection
+  Buffer<Real, Exec> motor_impulse;  // [motor], also the next step's warm start [N m s]
+
+  // Computed by recover_impulses(), when somebody asks for loads.
   Buffer<double, Exec> row_impulse;  // [row] p, of the scaled row
 };
 

@@ -1,14 +1,16 @@
-// What an iteration decides for one world: how far to extrapolate, when to start again, when to stop. Momentum and its
-// restart follow Nesterov 1983 and O'Donoghue & Candes 2015 (gradient scheme, eq. 13).
+// Control of one world's iteration: how far to extrapolate, when to restart, when to stop. Momentum follows Nesterov
+// (1983), its restart O'Donoghue & Candes (2015, gradient scheme, eq. 13).
 #pragma once
 #include "base/view.h"
 #include "sim/state/target.h"
 
 namespace gonogo::sim {
 
-/// `apgd`: accelerated projected gradients; `jacobi`: plain ones; `gauss_seidel`: contact by contact, in colours
-/// (colour.h); `bb`: projected gradients of spectral length (spectral.h); `jacobi_scan`: the steps of `jacobi`, added
-/// up by segmented scans as the first solvers on GPUs did (jacobi_scan.h).
+/// apgd          accelerated projected gradients
+/// jacobi        projected gradients without momentum
+/// gauss_seidel  contact by contact, in colours (colour.h)
+/// bb            projected gradients of spectral length (spectral.h)
+/// jacobi_scan   the steps of jacobi, summed by segmented scans as in the first GPU solvers (jacobi_scan.h)
 enum class Solver : std::int32_t { apgd, jacobi, gauss_seidel, bb, jacobi_scan };
 
 struct IterationRules {
@@ -22,16 +24,17 @@ struct IterationRules {
 /// State of a world's iteration in one step.
 struct alignas(16) Momentum {
   Real t = 1;            // Nesterov's sequence
-  Real beta = 0;         // the present velocities were extrapolated by this share of their last change
-  Real next_beta = 0;    // and the next ones will be by this
+  Real beta = 0;         // share of their last change by which the present velocities are extrapolated
+  Real next_beta = 0;    // the same of the next velocities
   Index updates = 0;     // so far
   Index substep = 0;     // of the step, counted from 0
-  Index iterations = 0;  // updates in this part so far
+  Index iterations = 0;  // updates in this substep so far
   std::int32_t done = 0;
-  std::int32_t begins = 0;      // the present update is the first of a part that follows another
-  std::int32_t ends = 0;        // the present update is the last of a part that another follows
-  std::int32_t test = 0;        // the present update sums its residual
-  std::int32_t renew_slip = 0;  // the present update takes the sliding speeds anew (target `coulomb`)
+  // Of the present update:
+  std::int32_t begins = 0;      // it is the first of a substep other than the first
+  std::int32_t ends = 0;        // it is the last of a substep other than the last
+  std::int32_t test = 0;        // it sums its residual
+  std::int32_t renew_slip = 0;  // it renews the sliding speeds (target `coulomb`)
 };
 
 /// Sums of one update over the contacts of a world.
@@ -40,17 +43,16 @@ struct UpdateSums {
   double residual_square = 0;  // [m^2/s^2], where the update tests
 };
 
-/// The warm start is close to the solution, so momentum starts as it would stand after a few iterations; the restart
-/// takes it back where that is too bold. Measured on a driven wheel at 10 iterations: a third less residual than from t
-/// = 1.
+/// Nesterov's t at the first update. A warm start is close to the solution, so momentum starts as after a few
+/// iterations; the restart corrects it if that is too much. On a driven wheel at 10 iterations the residual is a third
+/// lower than from t = 1.
 inline constexpr Real kFirstMomentum = 4;
 
-/// At most so much momentum goes on from a part of a step to the next: the impulses of a driven wheel keep changing the
-/// same way for many parts, but with few updates in each nothing would hold momentum back.
+/// Max t that a substep takes over from the one before. The impulses of a driven wheel keep changing the same way for
+/// many substeps, and a few updates in each give the restart no chance to limit momentum.
 inline constexpr Real kCarriedMomentum = 3;
 
-/// Updates that sum their residual, and updates that renew the sliding speeds of the `coulomb` target, come after so
-/// many others.
+/// Every so many updates one sums its residual and renews the sliding speeds of the `coulomb` target.
 inline constexpr Index kTestEvery = 5;
 
 GONOGO_HD inline void extend_momentum(Momentum& m, const IterationRules& rules) {
@@ -59,7 +61,7 @@ GONOGO_HD inline void extend_momentum(Momentum& m, const IterationRules& rules) 
   m.t = next;
 }
 
-/// What the update before the next one does; the update just made is number m.iterations, counted from 0.
+/// Plans the update that follows number m.iterations, counted from 0.
 GONOGO_HD inline void plan_update(Momentum& m, const IterationRules& rules) {
   const bool fifth = m.iterations % kTestEvery == kTestEvery - 1;
   m.test = rules.tolerance > 0 && fifth;
@@ -79,8 +81,8 @@ GONOGO_HD inline Momentum first_momentum(const IterationRules& rules) {
   return m;
 }
 
-/// Which part of the step the next update belongs to, and whether it ends that part. Bodies must know beforehand which
-/// update is the last of a part that another follows; a world that has converged makes one more.
+/// Which substep the next update belongs to, and whether it ends it. Bodies must know beforehand which update ends a
+/// substep that another follows, so a world that has converged makes one more update.
 GONOGO_HD inline void plan_substep(Momentum& m, bool converged, const IterationRules& rules) {
   m.begins = m.ends;
   if (m.ends) {
@@ -92,8 +94,8 @@ GONOGO_HD inline void plan_substep(Momentum& m, bool converged, const IterationR
   m.done = is_last_substep(m, rules) && (converged || m.iterations >= rules.max_iterations);
 }
 
-/// From the sums of the present update to the state of the next. An update that went uphill ends the momentum of the
-/// velocities after the next: its sums come too late for those in between.
+/// Moves on to the next update. An update that went uphill resets momentum one update late, because its sums are known
+/// only after the next velocities.
 GONOGO_HD inline void decide_next_update(Momentum& m, const UpdateSums& sums, Index contacts,
                                          const IterationRules& rules) {
   const double limit = double(rules.tolerance) * rules.tolerance * contacts;

@@ -1,6 +1,6 @@
-// Watches a world on the device: travel of a body, turning and torque of a motor, energy, residual, flags, and the
-// rules that stop the world. Sums are kept in double and recorded at a fixed stride, so that means over any part of a
-// run are differences of two samples.
+// Monitors measure a world where it is simulated: travel of a body, turning and torque of a motor, energy, residual and
+// flags. Their rules stop the world. Sums are recorded at a fixed stride, so that the mean over any part of a run
+// follows from the difference of two samples.
 #pragma once
 #include <limits>
 
@@ -11,24 +11,24 @@ namespace gonogo::sim {
 /// Why a world stopped. Where several rules hold in the same step, the first of this list is the cause.
 enum class StopCause : std::int32_t { none, flags, overturned, slid_back, distance, immobile, time_limit };
 
-/// Times are rounded to whole steps. x and y are travelled from the first step on, through periodic sides.
+/// Times are rounded to whole steps. Travel along x and y counts from the first step, across periodic sides.
 struct Monitor {
   BodyIndex body = 0;  // watched
   Index motor = -1;    // whose turning, torque and work are summed, or -1
   double height = 0;   // z from which the body's drop is counted [m]
-  double start = 0;    // of the part of the run that counts: stop rules but `flags` begin here [s]
+  double start = 0;    // of the stop rules other than `flags` [s]
   Index stride = 1;    // steps between recorded samples
 
   // Stop rules; times are counted from `start`. A flag raised in the world always stops it.
-  double time_limit = 0;  // above zero: it also bounds the memory of the record [s]
-  double earliest = 0;    // distance and immobile stop the world no sooner, unless the time limit comes first [s]
+  double time_limit = 0;  // above zero, because it bounds the memory of the record [s]
+  double earliest = 0;    // earliest stop by distance or immobile [s]
   double distance = std::numeric_limits<double>::infinity();   // travelled along x [m]
-  double slid_back = std::numeric_limits<double>::infinity();  // travelled along -x, more than this [m]
-  double immobile_window = 0;  // mean speed along x over this time below `immobile_speed`; 0: no such rule [s]
-  double immobile_from = 0;    // where the first such window begins [s]
-  double immobile_speed = 0;   // [m/s]
-  Vec3 up{0, 0, 1};            // unit vector of the world at the start, which turns with the body
-  double least_up = -2;        // z that this vector may fall to: cosine of the largest roll or pitch
+  double slid_back = std::numeric_limits<double>::infinity();  // travelled along -x [m]
+  double immobile_window = 0;  // time over which the mean speed along x is taken; 0: no such rule [s]
+  double immobile_from = 0;    // start of the first window [s]
+  double immobile_speed = 0;   // the rule holds below this mean speed [m/s]
+  Vec3 up{0, 0, 1};            // unit vector, in the world at the start, that turns with the body
+  double least_up = -2;        // min z of this vector: cosine of the max roll or pitch
 };
 
 /// A monitor with the batch's indices; times in steps of the world.
@@ -44,7 +44,7 @@ struct MonitorPlan {
   double least_up = -2;
 };
 
-/// A world after one step, with sums since its beginning.
+/// A world after one step; sums count from its first step.
 struct MonitorSample {
   double x = 0, y = 0;    // travelled [m]
   double turned = 0;      // by the motor [rad]
@@ -59,34 +59,33 @@ struct MonitorSample {
   Index contact_count = 0, iterations = 0, flags = 0;
 };
 
-/// What a monitor knows. It does not change any more once its world has stopped.
+/// State of a monitor. It no longer changes once its world has stopped.
 struct MonitorState {
   MonitorSample now;          // after the latest step
   Vec3d position;             // of the body, inside the period [m]
   double energy = 0;          // kinetic and of springs [J]
-  double energy_gained = 0;   // beyond what gravity, motors and forces supplied, over steps that gained [J]
-  double exchanged = 0;       // what gravity, motors and forces gave or took, each without its sign [J]
+  double energy_gained = 0;   // beyond the supply by gravity, motors and forces, summed over steps that gained [J]
+  double exchanged = 0;       // sum of the magnitudes of the energies by gravity, motors and forces [J]
   double worst_residual = 0;  // largest root-mean-square residual of a step [m/s]
   Index sample_count = 0;     // recorded
   Index started = 0;          // a step was watched
 };
 
-/// When and why a world stopped; `monitor` is the one whose rule held first, in its world.
+/// When and why a world stopped. `monitor`: the one, in its world, whose rule held first.
 struct WorldStop {
   StopCause cause = StopCause::none;
   Index monitor = 0;
   Index step = 0;  // of the world
 };
 
-/// Energy and its supply in one step of a world beside what WorldSums holds; velocities and positions are those of the
-/// end of the step.
+/// Energy and its supply in one step beside those of WorldSums, at the velocities and positions of the step's end.
 struct WorldEnergy {
   double spring = 0;       // [J]
   double motor_power = 0;  // [W]
   double force_power = 0;  // of force elements [W]
 };
 
-/// Numbers of the step just taken that a monitor adds up.
+/// What a monitor reads of one step.
 struct WatchedStep {
   Vec3d moved;             // of the body, nearest image [m]
   double drop = 0;         // [m]
@@ -94,16 +93,15 @@ struct WatchedStep {
   double torque = 0;       // [N m]
   double energy = 0;       // kinetic and of springs [J]
   double supplied = 0;     // by gravity, motors and forces [J]
-  double exchanged = 0;    // the same, each of the three without its sign [J]
+  double exchanged = 0;    // sum of the magnitudes of the three [J]
   Real speed = 0;          // along x [m/s]
   double up = 1;           // z of the body's upward vector
   double residual = 0;     // [m/s]
   Index step = 0, contact_count = 0, iterations = 0, flags = 0;
 };
 
-/// What the world gains beyond its supply is an error of the time stepping: contacts can only take energy away. What
-/// it is to be compared with is the energy that went through the world in either direction: uphill that of the motors,
-/// downhill that of gravity, which brakes take away again.
+/// Energy gained beyond the supply is an error of the time stepping, because contacts can only remove energy. Compare
+/// it with the energy exchanged: uphill that of the motors, downhill that of gravity, which the brakes remove.
 GONOGO_HD inline void add_energy(MonitorState& m, const WatchedStep& s) {
   if (m.started != 0) m.energy_gained += std::fmax(0.0, s.energy - m.energy - s.supplied);
   m.exchanged += s.exchanged;

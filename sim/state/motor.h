@@ -1,13 +1,13 @@
 // Motors inside the iteration. A speed motor is a bilateral row with bounded impulse,
 //     |p| <= h T,   p < h T => axis . (w_a - w_b) >= speed,   p > -h T => axis . (w_a - w_b) <= speed,
-// and takes projected-gradient steps beside the contacts; a torque motor's impulse is h T from the start.
+// and takes projected-gradient steps beside the contacts. A torque motor's impulse is h T from the start.
 #pragma once
 #include "sim/state/mechanism.h"
 #include "sim/state/momentum.h"
 
 namespace gonogo::sim {
 
-/// The motor's axis at the orientations of now.
+/// The motor's axis in the world.
 GONOGO_HD inline Vec3 motor_axis(const Motor& m, View<const Quat> orientation) {
   return m.b == kWorld ? m.axis_B : rotate(orientation[m.b], m.axis_B);
 }
@@ -19,14 +19,14 @@ GONOGO_HD inline Real motor_speed(const Motor& m, const Vec3& axis_W, View<const
   return dot(w, axis_W);
 }
 
-/// Next impulse on a about the axis from the (extrapolated) impulse and the speed there [N m s].
+/// Next impulse on a about the axis [N m s]; `impulse`, `speed`: extrapolated.
 GONOGO_HD inline Real updated_motor(const Motor& m, const MotorDrive& drive, Real impulse, Real speed, Real step) {
   if (m.kind == MotorKind::torque) return m.target * step;
   const Real limit = m.max_torque * step;
   return std::fmin(limit, std::fmax(-limit, impulse - drive.step * (speed - m.target)));
 }
 
-/// One accelerated update beside those of the contacts.
+/// One accelerated update of a motor.
 struct UpdateMotor {
   View<const Motor> motor;
   View<const MotorDrive> drive;

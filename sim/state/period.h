@@ -1,4 +1,4 @@
-// Periodic axes: positions folded into the period, differences between nearest images. A period of 0: not periodic.
+// Periodic axes: positions folded into the period, and differences between nearest images. Period 0: not periodic.
 #pragma once
 #include <cmath>
 
@@ -12,7 +12,7 @@ GONOGO_HD inline double folded(double x, double origin, double period) {
   return x - period * std::floor((x - origin) / period);
 }
 
-/// Shortest of all periodic images of a difference between two points that lie less than 1.5 periods apart.
+/// Shortest periodic image of the difference between two points that lie less than 1.5 periods apart.
 GONOGO_HD inline double nearest_image(double d, double period) {
   const double half = period / 2;
   return period <= 0 || (d <= half && d >= -half) ? d : d > 0 ? d - period : d + period;

@@ -1,5 +1,5 @@
-// Arrays of a batch of worlds. Bodies and shapes of one world are contiguous and in the same order, so that a world's
-// result does not depend on its company. A world is a box, periodic along x and y when asked.
+// Arrays of a batch of worlds. A world is a box, periodic along x and y if asked. Its bodies and shapes are contiguous
+// and always in the same order, so that its result does not depend on the other worlds of the batch.
 #pragma once
 #include "base/for_each.h"
 #include "sim/state/contact.h"
@@ -24,7 +24,7 @@ struct PairLaw {
 /// Numerical parameters of a step, the same for all worlds of a batch.
 struct StepSettings {
   Real step = 1e-3f;              // [s]
-  Index iterations = 100;         // most iterations of the solver in a substep
+  Index iterations = 100;         // max iterations of the solver in a substep
   Real tolerance = 0;             // root-mean-square residual at which a world stops iterating [m/s]; 0: never
   Real envelope = 2e-3f;          // contacts are found up to this gap [m]
   Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
@@ -32,21 +32,21 @@ struct StepSettings {
   Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
   Solver solver = Solver::apgd;
   Target target = Target::ccp;
-  Index substeps = 1;       // the solver goes through a step in so many parts; see step.h
-  Index sort_every = 2000;  // steps of a world after which its bodies are sorted anew in memory, where they have mixed
-  /// So often in a world's run a body that nothing is jointed to and that would cross more than a bin in a step is
-  /// slowed to that; once more, and flag_too_fast stops the world. A grain pinched between two rigid bodies jumps away
-  /// like a cherry stone, however short the step.
+  Index substeps = 1;       // into which the solver divides a step; see step.h
+  Index sort_every = 2000;  // steps of a world after which its bodies are sorted in memory, if they have mixed
+  /// How often a world may slow a free body (one without joints) to one bin per step before flag_too_fast stops it. A
+  /// grain pinched between two rigid bodies can leave at more than 30 m/s at any step size.
   Index max_slowed = 0;
 
-  /// Length of a part [s]; forces and impulses are those of the last one.
+  /// Length of a substep [s]; reported forces and impulses are those of the last substep.
   GONOGO_HD Real substep() const { return step / Real(substeps); }
 
   GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance, substeps}; }
 };
 
-/// Speed at which the contact may close (gap ahead) or must open (overlap), negated by the solver's sign convention;
-/// for a compliant contact the resting speed of its spring and damper. `rate`, `softness`: see Contact.
+/// Bias of a contact [m/s]; the solver keeps the normal speed above its negative. A gap may close in this substep, an
+/// overlap opens at a limited speed; a compliant contact gets the resting speed of its spring and damper. `rate`,
+/// `softness`: see Contact.
 GONOGO_HD inline Real bias_of_gap(Real gap, Real rate, Real softness, const StepSettings& settings) {
   const Real bias = rate * gap;
   if (softness > 0 || gap >= 0) return bias;
@@ -107,19 +107,19 @@ GONOGO_HD inline double rms_residual(const WorldSums& sums) {
   return sums.contact_count > 0 ? std::sqrt(sums.residual_square / sums.contact_count) : 0;
 }
 
-/// A binned shape, copied into the order of the bins so that neighbours are read from consecutive memory.
+/// A binned shape in the order of the bins, so that neighbours are read from consecutive memory.
 struct BinnedShape {
   Vec3d centre;  // folded into the period [m]
   Real radius;   // of the sphere around it [m]
   ShapeIndex shape;
 };
 
-/// A shape that is not binned and the region it is in, found anew in every step.
+/// A shape that is not binned, and its bounding box of this step.
 struct LargeShape {
   ShapeIndex shape = 0;
   Vec3d middle;  // of the box around it [m]
   Vec3 half;     // half edges of that box along the world's axes [m]
-  Vec3 up;       // of a plane: everything it can touch lies below; zero for others
+  Vec3 up;       // of a plane: unit normal; what is further above it than its radius is out of reach. Others: zero
 
   /// Whether a sphere about `d` [m, from the middle] may touch it.
   GONOGO_HD bool reaches(const Vec3& d, Real radius) const {
@@ -133,20 +133,20 @@ inline constexpr int kLargeGroupBits = 3, kLargeGroup = 1 << kLargeGroupBits;
 inline constexpr Index kGroupedFrom = 64;
 inline constexpr int kMaxLargeLevels = 11;  // 8^11 exceeds what an Index counts
 
-/// Boxes around groups of large shapes, level after level; group g of level k holds the large shapes from 8^(k + 1) g
-/// on.
+/// Boxes around groups of large shapes, level after level. Group g of level k holds large shapes 8^(k + 1) g to
+/// 8^(k + 1) (g + 1) - 1.
 struct LargeGroups {
   View<const LargeShape> box;
   Index first[kMaxLargeLevels + 1] = {};  // [level + 1] in `box`
   int levels = 0;
 };
 
-/// Contacts of one step, in the order of the shapes that own them; a step writes one store and reads the other for its
+/// Contacts of one step, in the order of the shapes that own them. A step writes one store and reads the other for its
 /// warm start.
 template <class Exec>
 struct ContactStore {
-  Buffer<Index, Exec> begin, end;   // [shape] its contacts in the arrays below
-  Buffer<std::uint64_t, Exec> key;  // [contact] other shape and feature; with the owner it names the pair
+  Buffer<Index, Exec> begin, end;   // [shape] into the arrays below
+  Buffer<std::uint64_t, Exec> key;  // [contact] other shape and feature: with the owner, the contact's name
   Buffer<Impulse, Exec> impulse;    // [contact] at the end of the step
 };
 
@@ -166,71 +166,99 @@ struct alignas(16) Tile {
   Index first;  // 1: the first of its world
 };
 
-/// What became of the steps that were asked for. When a buffer is too small, the step that found out and all steps
-/// queued behind it do nothing; the host enlarges the buffer and goes on with that step.
+/// How far the queued steps came. A step that finds more contacts than the buffers hold does nothing, nor do the steps
+/// queued behind it; the host enlarges the buffers and repeats from there.
 struct Progress {
-  Index halted = 0;         // 1: contact_total is more than the buffers hold
-  Index contact_total = 0;  // that the latest step found
+  Index halted = 0;         // 1: the buffers hold fewer than contact_total
+  Index contact_total = 0;  // found by the latest step
   Index steps = 0;          // completed since the host last looked
 };
 
+/// Arrays grouped by who writes them, in the order of a step. In brackets: what an array is indexed by; worlds, bodies
+/// and shapes are counted through the batch.
 template <class Exec>
 struct State {
+  // Set by the host when worlds enter the batch.
   Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0;
-  Index contact_capacity = 0;
-  Index parity = 0;            // store that the next step writes
-  bool solids_binned = false;  // some binned shape has been no sphere
-  bool turning = false;        // some pair of materials has resisted rolling or spinning, or has been compliant
-
-  Buffer<WorldParameters, Exec> world;
-  Buffer<Vec3d, Exec> position;             // [body] centres of mass, inside the period [m]
-  Buffer<Quat, Exec> orientation;           // [body]
-  Buffer<Velocity, Exec> velocity;          // [body]
-  Buffer<BodyMass, Exec> mass;              // [body]
-  Buffer<SymMat3, Exec> inverse_inertia_W;  // [body]
-  Buffer<WorldIndex, Exec> world_of_body;   // [body]
-  Buffer<Shape, Exec> shape;                // [shape], ordered by body
-  Buffer<Index, Exec> first_shape;          // [body + 1]
-  Buffer<LargeShape, Exec> large;           // shapes that are not binned, by world
-  Buffer<LargeShape, Exec> large_group;     // boxes around them, see large.h
-  LargeGroups large_groups;                 // the same as the search sees them
+  bool solids_binned = false;                               // some binned shape has been no sphere
+  bool turning = false;                                     // some law resists rolling or spinning, or is compliant
+  Buffer<WorldParameters, Exec> world;                      // [world], also when gravity or a law changes
+  Buffer<WorldIndex, Exec> world_of_body;                   // [body]
+  Buffer<BodyMass, Exec> mass;                              // [body]
+  Buffer<Shape, Exec> shape;                                // [shape], ordered by body
+  Buffer<Index, Exec> first_shape;                          // [body + 1]
+  Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // [world + 1], [body tile]: runs of kTileSize bodies
   SurfaceStore<Exec> surfaces;
+
+  // Set by the host when it needs more room or has queued a step.
+  Index contact_capacity = 0;
+  Index parity = 0;  // number of the contact store that the next step writes
+
+  // State of the bodies: set by the host, moved on by solve() and integrate().
+  Buffer<Vec3d, Exec> position;     // [body] centres of mass, inside the period [m]
+  Buffer<Quat, Exec> orientation;   // [body]
+  Buffer<Velocity, Exec> velocity;  // [body]
+
+  // Written by several stages; see the stores.
   MechanismStore<Exec> mechanisms;
   ElementState<Exec> element;
-  Buffer<Index, Exec> steps;                                // [world] taken so far
-  Buffer<Index, Exec> first_body_tile, world_of_body_tile;  // bodies in runs of kTileSize, by world
+  ContactStore<Exec> store[2];      // by find_contacts(); the impulses by solve()
+  Buffer<Progress, Exec> progress;  // one; by find_contacts() and finish_step()
 
-  // Rebuilt every step.
-  Buffer<Vec3d, Exec> centre;  // [shape] in the world [m]
-  Buffer<Index, Exec> bin_of_shape, first_in_bin, bin_cursor, shape_in_bin;
-  Buffer<BinnedShape, Exec> shape_by_bin;
-  Buffer<Index, Exec> contacts_of_part, first_of_part;  // see find.h
-  Buffer<ShapeIndex, Exec> noted;                       // see find.h
-  Buffer<Index, Exec> contact_weight;                   // [body] see split.h
-  Buffer<Index, Exec> first_contact;                    // [shape + 1]
+  // Computed by sort_into_bins().
+  Buffer<Vec3d, Exec> centre;              // [shape] in the world [m]
+  Buffer<Index, Exec> bin_of_shape;        // [shape]; -1: a large one, set by the host
+  Buffer<Index, Exec> first_in_bin;        // [bin + 1] into the next two
+  Buffer<ShapeIndex, Exec> shape_in_bin;   // by bin
+  Buffer<BinnedShape, Exec> shape_by_bin;  // by bin
+  Buffer<Index, Exec> bin_cursor;          // [bin] while the bins are filled
+  Buffer<LargeShape, Exec> large;          // by world; which shapes: set by the host
+  Buffer<LargeShape, Exec> large_group;    // boxes around them, see large.h
+  LargeGroups large_groups;                // the same as the search sees them
+
+  // Computed by find_contacts(); see find.h.
+  Buffer<Index, Exec> contacts_of_part, first_of_part;  // [shape * kSearchParts]
+  Buffer<ShapeIndex, Exec> noted;                       // [shape * kNeighbourRows * kNotedPairs]
   Buffer<ContactPair, Exec> pair;                       // [contact]
-  Buffer<Contact, Exec> contact;
-  Buffer<Index, Exec> second_count, first_second, second_cursor, second_found, second_contact,
-      second_slot;                                 // see incidence.h
-  Buffer<Index, Exec> tiles_of_world, first_tile;  // see tiles.h
+  Buffer<Contact, Exec> contact;                        // [contact]; step sizes, biases and gaps also by solve()
+  Buffer<Index, Exec> first_contact;                    // [shape + 1]
+  Buffer<Index, Exec> contact_weight;                   // [body] see split.h
+  Buffer<Index, Exec> second_count;                     // [body] contacts where it is body b and can move
+
+  // Computed by list_contacts(); see incidence.h and tiles.h.
+  Buffer<Index, Exec> first_second;                         // [body + 1] into the next two
+  Buffer<ContactIndex, Exec> second_found, second_contact;  // in any order; in ascending order
+  Buffer<Index, Exec> second_cursor;                        // [body] while the lists are filled
+  Buffer<Index, Exec> second_slot;                          // [contact] place in the list of body b, or -1
+  Buffer<Index, Exec> tiles_of_world, first_tile;           // [world], [world + 1]
   Buffer<Tile, Exec> tile;
-  Buffer<Velocity, Exec> velocity_change;                       // [body] by gravity, spin and forces in a substep
-  Buffer<Velocity, Exec> free_velocity, extrapolated_velocity;  // [body]
-  Buffer<Velocity, Exec> substep_velocity;                      // [body] of the substep before
-  Buffer<Velocity, Exec> earlier_velocity;                      // [body] sum over all substeps before the last one
-  Buffer<Momentum, Exec> momentum;                              // [world]
-  Buffer<WorldSums, Exec> world_sums;
+
+  // Computed by prepare_motion(); apply_force_elements() adds to the change.
+  Buffer<SymMat3, Exec> inverse_inertia_W;  // [body], where the moments of inertia differ
+  Buffer<Velocity, Exec> velocity_change;   // [body] by gravity, spin and forces in a substep
+
+  // Computed by solve().
+  Buffer<Momentum, Exec> momentum;               // [world]
+  Buffer<Velocity, Exec> free_velocity;          // [body] without impulses
+  Buffer<Velocity, Exec> extrapolated_velocity;  // [body]
+  Buffer<Velocity, Exec> substep_velocity;       // [body] of the substep before
+  Buffer<Velocity, Exec> earlier_velocity;       // [body] sum over all substeps before the last one
+  Buffer<WorldSums, Exec> world_sums;            // [world]
+
+  // Computed by integrate().
   Buffer<Index, Exec> flags;        // [world] StepFlag bits, sticky
   Buffer<PackedFault, Exec> fault;  // [world] the first one
-  Buffer<Index, Exec> slowed;       // [world] times that a body was slowed, up to the last step
-  Buffer<Index, Exec> slowed_now;   // [world] and in the present one
-  Buffer<Progress, Exec> progress;  // one
-  ScanScratch<Exec> scratch, tile_scratch;
+  Buffer<Index, Exec> slowed_now;   // [world] times that a body was slowed in this step
 
-  ContactStore<Exec> store[2];
+  // Computed by finish_step().
+  Buffer<Index, Exec> steps;   // [world] taken so far
+  Buffer<Index, Exec> slowed;  // [world] times that a body was slowed so far
+
+  // Memory of scans.
+  ScanScratch<Exec> scratch, tile_scratch;
 };
 
-/// How many contacts the step has found; on the device nobody else knows.
+/// The number of contacts of this step, which only the execution space knows.
 template <class Exec>
 Counted contact_count(State<Exec>& s) {
   return {s.contact_capacity, &s.progress.data()->contact_total};

@@ -1,4 +1,4 @@
-// Meshes and heightfields of a batch where the kernels run. See surface.h.
+// Meshes and heightfields of a batch in the memory of an execution space; see surface.h.
 #pragma once
 #include "base/buffer.h"
 #include "sim/shape/surface_library.h"

@@ -1,5 +1,5 @@
 // Tiles: runs of contacts of one world, counted from the world's first contact. Sums over a world add its tiles in
-// order, so that they have the same bits in any company and for any number of threads.
+// order, so they have the same bits in any batch and for any number of threads.
 #pragma once
 #include "sim/state/state.h"
 

@@ -143,7 +143,7 @@ TEST_CASE("jacobi_scan takes the steps of jacobi") {
           const auto scanned = simulate(backend, w, settings_of(Solver::jacobi_scan, target, substeps, iterations));
           fast->advance(2);  // the second starts warm
           scanned->advance(2);
-          INFO(name_of(backend) << ", target " << int(target) << ", " << substeps << " parts of " << iterations);
+          INFO(name_of(backend) << ", target " << int(target) << ", " << substeps << " substeps of " << iterations);
           CHECK(scanned->report(0).iterations == substeps * iterations);
           CHECK(scanned->report(0).contact_count == fast->report(0).contact_count);
           // Sums in another order. Rounding of 6e-8 in velocities whose parts cancel; friction may amplify it.

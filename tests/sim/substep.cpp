@@ -1,4 +1,4 @@
-// A step taken in parts against as many small steps.
+// A step of several substeps against as many small steps.
 #include "sim/scene/build_joint.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -14,7 +14,7 @@ namespace {
 double norm(const Vec3d& v) { return std::sqrt(dot(v, v)); }
 double norm(const Vec3& v) { return norm(static_cast<Vec3d>(v)); }
 
-constexpr Real kSmall = 1.0f / 4096;  // [s], so that parts of a step have the same bits
+constexpr Real kSmall = 1.0f / 4096;  // [s], so that substeps have the same bits
 constexpr Index kSubsteps = 5;
 
 StepSettings small_steps() {
@@ -54,7 +54,7 @@ void check_same(const BodyState& a, const BodyState& b, double length, double sp
 
 }  // namespace
 
-TEST_CASE("a body in the air moves in parts of a step as in small steps") {
+TEST_CASE("a body in the air moves in substeps as in small steps") {
   for (const Backend backend : backends()) {
     const auto substeps = simulate(backend, two_balls({0.5f}), in_substeps());
     const auto small = simulate(backend, two_balls({0.5f}), small_steps());
@@ -67,7 +67,7 @@ TEST_CASE("a body in the air moves in parts of a step as in small steps") {
   }
 }
 
-TEST_CASE("sliding, rolling and compliant contacts in parts of a step follow small steps") {
+TEST_CASE("sliding, rolling and compliant contacts in substeps follow small steps") {
   PairLaw rolling{0.3f, 0.05f}, soft{0.3f};
   soft.stiffness = 2e5f;
   soft.damping = 100;
@@ -82,7 +82,7 @@ TEST_CASE("sliding, rolling and compliant contacts in parts of a step follow sma
     }
 }
 
-TEST_CASE("motors give the same torque in parts of a step as in small steps") {
+TEST_CASE("motors give the same torque in substeps as in small steps") {
   SceneWorld w;
   w.origin = {-1, -1, -1};
   w.size = {2, 2, 2};
@@ -131,7 +131,7 @@ SceneWorld driven_and_sliding() {
   return w;
 }
 
-TEST_CASE("a part of a step with few sweeps does what a small step with as few does") {
+TEST_CASE("a substep with few sweeps does what a small step with as few does") {
   for (const Backend backend : backends())
     for (const Index iterations : {1, 2, 3}) {
       StepSettings with_substeps = in_substeps(), with_steps = small_steps();
@@ -147,7 +147,7 @@ TEST_CASE("a part of a step with few sweeps does what a small step with as few d
     }
 }
 
-TEST_CASE("momentum that goes on from part to part leads to the same motion") {
+TEST_CASE("momentum that goes on from substep to substep leads to the same motion") {
   for (const Backend backend : backends()) {
     StepSettings with_substeps = in_substeps(), with_steps = small_steps();
     with_substeps.iterations = with_steps.iterations = 10;

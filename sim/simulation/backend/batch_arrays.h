@@ -1,5 +1,4 @@
-// The arrays of a batch: where the parts of every world lie, and what is written when a world enters or its laws
-// change.
+// The arrays of a batch: lays out the places of its worlds, and writes a world when it enters or its laws change.
 #pragma once
 #include <utility>
 
@@ -9,7 +8,7 @@
 
 namespace gonogo::sim {
 
-/// Where a world's parts lie in the arrays of the batch.
+/// Where a world's parts begin in the arrays of the batch, and how much its place holds.
 struct Place {
   BodyIndex body = 0;
   ShapeIndex shape = 0;
@@ -22,9 +21,9 @@ struct Place {
 template <class Exec>
 struct BatchArrays {
   State<Exec> state;
-  std::vector<FlatWorld> flat;  // as they entered, but with the laws, gravity and motors of now
+  std::vector<FlatWorld> flat;  // as they entered, with the present laws, gravity and motors
   std::vector<Place> place;     // [world]
-  bool changed = false;         // buffers have moved, or other kernels are needed than before
+  bool changed = false;         // buffers have moved or other kernels are needed: recorded steps are invalid
 
   BatchArrays(std::vector<FlatWorld> worlds, const WorldSize& room) : flat(std::move(worlds)) {
     lay_out(room);
@@ -139,7 +138,7 @@ struct BatchArrays {
     state.world_sums.write(w, WorldSums{});
   }
 
-  /// The rest of the place is filled with bodies that nothing moves and that carry no shape.
+  /// Fills the rest of the place with fixed bodies without shapes.
   void write_bodies(WorldIndex w) {
     const Place& at = place[w];
     std::vector<Vec3d> position(at.size.bodies, flat[w].world.origin);

@@ -1,12 +1,12 @@
-// The engine on a GPU: the same stages, queued as graphs.
+// The engine on a GPU: steps are recorded as CUDA graphs and queued.
 #include "sim/simulation/backend/simulation_on.h"
 #include "sim/solver/cuda/solve.cuh"
 #include "sim/solver/cuda/traffic.cuh"
 
 namespace gonogo::sim {
 
-/// Steps are recorded once as graphs, one for each contact store that a step may write, and replayed many at a time;
-/// the host looks only now and then how far they came.
+/// Records a step as two graphs, one for each contact store that it may write, and replays up to kMaxQueued of them
+/// before the host reads their progress.
 template <>
 class StepQueue<Cuda> {
  public:
@@ -51,7 +51,7 @@ class StepQueue<Cuda> {
     return timed(s, [&](Cuda exec, const auto& clock) { search_by_stage(exec, s, settings, clock); });
   }
 
-  /// Outside of steps.
+  /// Runs work between steps.
   template <class Stage>
   void run(const Stage& stage) {
     stage(Cuda{exec_.stream});
@@ -63,7 +63,7 @@ class StepQueue<Cuda> {
     return double(contacts) * bytes_per_contact(s.turning) + double(s.body_count) * bytes_per_body();
   }
 
-  /// After buffers have moved or kernels have to be chosen anew.
+  /// Call after buffers have moved or other kernels are needed.
   void forget() {
     for (cudaGraphExec_t& graph : graph_) {
       if (graph != nullptr) cudaGraphExecDestroy(graph);
@@ -75,7 +75,7 @@ class StepQueue<Cuda> {
  private:
   static constexpr Index kMaxQueued = 64, kSideStreams = 2;
 
-  /// Stages one after the other in one stream, again where there was no room for the contacts.
+  /// Runs stages one after the other in one stream, again after an overflow of the contact buffers.
   template <class Stages>
   StageTimes timed(State<Cuda>& s, const Stages& stages) {
     for (;;) {
@@ -88,7 +88,7 @@ class StepQueue<Cuda> {
     }
   }
 
-  /// What became of the steps since the last look.
+  /// Progress since the last call.
   static Progress collected(State<Cuda>& s) {
     const Progress progress = s.progress.read(0);
     s.progress.write(0, Progress{0, progress.contact_total, 0});
@@ -101,7 +101,7 @@ class StepQueue<Cuda> {
   }
 
   void launch(State<Cuda>& s, const StepSettings& settings) {
-    if (!prepared_) {  // taken step by step: scratch memory is allocated on the way
+    if (!prepared_) {  // the first step is not recorded, because it allocates scratch memory
       reserve_solver(s, solver_, settings);
       step(exec_, s, solver_, settings);
       prepared_ = true;

@@ -1,4 +1,4 @@
-// Simulation on an execution space: uploads, steps, downloads. Instantiated once in cpu.cpp and once in cuda.cu.
+// Simulation on an execution space: uploads, steps, downloads. Instantiated by cpu.cpp and cuda.cu.
 #pragma once
 #include <algorithm>
 
@@ -10,7 +10,7 @@
 
 namespace gonogo::sim {
 
-/// Takes steps and holds what the solver keeps for itself; each backend has its own way of queueing steps.
+/// Takes steps and owns the SolverStorage. Specialised by each backend.
 template <class Exec>
 class StepQueue;
 
@@ -278,7 +278,7 @@ class SimulationOn final : public Simulation, public StepByStage {
     return BodyIndex(std::find(places.begin(), places.end(), place) - places.begin());
   }
 
-  /// Sorts what is due. Returns how many steps follow until the next world is.
+  /// Sorts the worlds that are due. Returns the number of steps until the next one is.
   Index sort_worlds() {
     Index until_next = settings_.sort_every;
     for (WorldIndex w = 0; w < batch_.state.world_count; ++w) {

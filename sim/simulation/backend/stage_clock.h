@@ -1,4 +1,4 @@
-// Measures stages by the wall clock.
+// Wall-clock times of stages.
 #pragma once
 #include <chrono>
 
@@ -6,7 +6,7 @@
 
 namespace gonogo::sim {
 
-/// `Wait` returns when the device has done all that it was given.
+/// `Wait` returns when the device has finished all queued work.
 template <class Wait>
 class StageClock {
  public:

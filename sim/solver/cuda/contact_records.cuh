@@ -1,11 +1,11 @@
-// Where the records of a contact are, and how they come from what the narrow phase found.
+// The records of a contact: where they are, and how they are packed from the narrow phase's Contact.
 #pragma once
 #include "sim/solver/cuda/residence.cuh"
 #include "sim/solver/cuda/views.cuh"
 
 namespace gonogo::sim {
 
-/// `turning`, `resident`, `parts`: see SolveKernel. A resident contact's own records are those of the calling thread.
+/// `turning`, `resident`, `in_substeps`: see SolveKernel. A resident contact's records are those of the calling thread.
 template <bool turning, bool resident, bool in_substeps>
 class ContactRecords {
  public:
@@ -98,7 +98,7 @@ class ContactRecords {
   }
 
  private:
-  /// Whether only the part along the normal matters: the rest is rounding, or the body is fixed and at rest.
+  /// Whether only the arm along the normal counts: the rest is rounding, or the body is fixed and at rest.
   GONOGO_DEVICE bool is_central(const Vec3& arm, const Vec3& normal, BodyIndex b, Real& along) const {
     const Velocity& v = s.velocity[b];
     along = dot(arm, normal);

@@ -1,5 +1,5 @@
-// The stages of an iteration as seen by a team. Sums have the same order, and so the same bits, whether contacts are
-// resident or not.
+// The stages of an iteration, as one team takes them; see launch.cuh for their order. Sums have the same order, and so
+// the same bits, whether contacts are resident or not.
 #pragma once
 #include "sim/solver/cuda/measures.cuh"
 #include "sim/solver/cuda/mechanism.cuh"
@@ -9,8 +9,8 @@ namespace gonogo::sim {
 /// Bodies with more contacts than this are summed by a warp.
 inline constexpr Index kHubContacts = 48;
 
-/// `turning`: some contact resists rolling or spinning; `resident`: see residence.cuh; `parts`: a step may have
-/// several; `method`: `apgd` stands for `jacobi` too, whose momentum is zero.
+/// `turning`: some contact resists rolling or spinning. `resident`: see residence.cuh. `in_substeps`: a step may have
+/// several. `method`: `apgd` includes `jacobi`, whose momentum is zero.
 template <bool turning, bool resident, bool in_substeps, Solver method>
 class SolveKernel {
   static constexpr bool sweeps = method == Solver::gauss_seidel, spectral = method == Solver::bb;
@@ -27,7 +27,7 @@ class SolveKernel {
     team.sync();
   }
 
-  /// Contacts from the narrow phase's records, impulses from the warm start.
+  /// Packs the records of contacts, with impulses from the warm start, and starts bodies, worlds and motors.
   GONOGO_DEVICE void prepare() {
     if constexpr (resident) {
       const ContactRange own = tile().contacts;
@@ -43,7 +43,7 @@ class SolveKernel {
     for (Index m = first_index(); m < s.motor.size; m += stride()) s.motor_before[m] = s.motor_impulse[m];
   }
 
-  /// Once all blocks have prepared.
+  /// Copies the resident half contacts of bodies. Call when all blocks have prepared.
   GONOGO_DEVICE void hold_bodies() {
     if constexpr (resident) {
       if (threadIdx.x == 0) residence().hub_count = *s.hub_count;
@@ -61,7 +61,8 @@ class SolveKernel {
     }
   }
 
-  /// Once all blocks have prepared: each contact waits for those before it, all blocks being at work. See Colouring.
+  /// Colours the contacts; each waits for those before it, so all blocks must be running. Call when all blocks have
+  /// prepared. See Colouring.
   GONOGO_DEVICE void colour_contacts() {
     if constexpr (sweeps) {
       const Colouring all{s.incidence, s.mass, s.tiles.world, s.contact, s.colour};
@@ -89,7 +90,7 @@ class SolveKernel {
     }
   }
 
-  /// The last threads begin, which have no contacts.
+  /// Starts from the last threads, which have the fewest contacts.
   GONOGO_DEVICE void update_motors(Index k) {
     const UpdateMotor update{.motor = s.motor,
                              .drive = s.drive,
@@ -102,7 +103,7 @@ class SolveKernel {
     for (Index i = stride() - 1 - first_index(); i < s.motor.size; i += stride()) update(i);
   }
 
-  /// Velocities after update number `k`; -1: of the warm start.
+  /// Velocities after update number `k`; -1: after the warm start.
   GONOGO_DEVICE void move_bodies(Index k) {
     const View<Momentum> momentum = s.momentum[k < 0 ? 0 : k & 1];
     if constexpr (resident) {
@@ -119,8 +120,8 @@ class SolveKernel {
     for (Index h = first_index() / 32; h < hubs; h += stride() / 32) move_hub(s.hub[h], momentum, k);
   }
 
-  /// Velocities of the jointed bodies from all that their mechanism gathers. The last teams begin, which have fewest
-  /// bodies.
+  /// Velocities of the jointed bodies from those that their mechanism gathers. Starts from the last teams, which have
+  /// the fewest bodies.
   GONOGO_DEVICE void move_mechanisms(Index k) {
     const auto add = [&](const HalfRange& c, Index from, Index step, Vec3& linear, Vec3& angular) {
       add_contacts({c.begin + from, c.end}, (k + 1) & 1, step, linear, angular);
@@ -134,22 +135,22 @@ class SolveKernel {
     }
   }
 
-  /// What update `k + 1` will do: a team adds a world's tiles in order.
+  /// Plans update `k + 1` of each world from the sums of its tiles.
   GONOGO_DEVICE void decide(Index k) {
-    const Index behind = s.projection.mechanism.size;  // teams with a mechanism are busy
+    const Index behind = s.projection.mechanism.size;  // skips the teams with a mechanism, which are busy
     for (WorldIndex w = (team_.count - 1 - team_.index + team_.count - behind % team_.count) % team_.count;
          w < s.momentum[0].size; w += team_.count)
       decide(w, k);
   }
 
-  /// After `k` updates: impulses back into the order of the contacts, residuals and energies, by tile.
+  /// After `k` updates: impulses into the contact store; residuals and energies by tile.
   GONOGO_DEVICE void measure(Index k) {
     Measures<turning> measures(s, team_);
     for (Index tile = team_.index; tile < s.tiles.count(); tile += team_.count) measures.measure_tile(tile, k);
     for (Index tile = team_.index; tile < s.world_of_body_tile.size; tile += team_.count) measures.measure_bodies(tile);
   }
 
-  /// And by world.
+  /// Residuals and energies by world.
   GONOGO_DEVICE void add_measures(Index k) {
     Measures<turning> measures(s, team_);
     for (WorldIndex w = team_.index; w < s.world_sums.size; w += team_.count) measures.add_measures(w, k);
@@ -167,7 +168,7 @@ class SolveKernel {
   }
 
   GONOGO_DEVICE void prepare_body(BodyIndex b) {
-    HalfRange c{};  // nothing moves a fixed body
+    HalfRange c{};  // a fixed body sums no contacts
     if (!is_fixed(s.mass[b]))
       c = {s.incidence.owned_begin(b) + s.incidence.first_second[b],
            s.incidence.owned_end(b) + s.incidence.first_second[b + 1]};
@@ -187,7 +188,7 @@ class SolveKernel {
     Real gap_bias = 0;
     if (in_substeps && m.begins && mine) {
       gap_bias = advance_contact(i, bodies, m);
-      // Again, so that nothing keeps them meanwhile.
+      // Loaded again, so that they need no registers meanwhile.
       a = extrapolated_velocity(bodies.a);
       b = extrapolated_velocity(bodies.b);
     }
@@ -205,7 +206,7 @@ class SolveKernel {
     if (team_.rank == 0) s.tile_sums[tile] = sums;
   }
 
-  /// The contacts of one colour. What they do to bodies counts at once.
+  /// Updates the contacts of one colour, and their bodies at once.
   GONOGO_DEVICE void sweep_tile(const Tile& t, Index tile, Index k, Index colour) {
     const Momentum m = s.momentum[k & 1][t.world];
     if (m.done) return;
@@ -236,7 +237,8 @@ class SolveKernel {
     return resident ? loaded_early(s.extrapolated_velocity[b]) : s.extrapolated_velocity[b];
   }
 
-  /// The gap after a part of the step; returns its bias. The contact itself learns of the last one, for the residual.
+  /// Moves the gap on to this substep and returns its bias. In the last substep the contact itself is updated, for the
+  /// residual.
   GONOGO_DEVICE Real advance_contact(ContactIndex i, const PairRecord& bodies, const Momentum& m) {
     const ContactNumbers<Real> c = contact_.unpack(i);
     GapRecord own = s.gap[i];
@@ -252,7 +254,7 @@ class SolveKernel {
     return bias;
   }
 
-  /// The bias of `target_bias` from the sliding speed of now; `gap_bias`: of a gap that has just advanced.
+  /// Renews the bias as target_bias does. `gap_bias`: from advance_contact, where this update has called it.
   GONOGO_DEVICE void renew_slip(ContactIndex i, const Velocity& a, const Velocity& b, Real gap_bias, const Momentum& m,
                                 ContactNumbers<Real>& c) {
     if (!(in_substeps && m.begins)) gap_bias = standing_gap_bias(i, c);
@@ -271,7 +273,7 @@ class SolveKernel {
                                           const Momentum& m, Index now) {
     ContactNumbers<Real> c = contact_.unpack(i);
     if (m.renew_slip) renew_slip(i, a, b, gap_bias, m, c);
-    // A sweep has no momentum, and its velocities move on under way.
+    // A sweep has no momentum: its velocities change within the update.
     const ContactUpdate<Real> u = accelerated_update<turning, Real>(
         c, a, b, contact_.own_impulse(now, i), contact_.own_impulse(1 - now, i), sweeps ? Real(0) : m.beta);
     contact_.store_impulse(1 - now, i, u.impulse);
@@ -306,7 +308,7 @@ class SolveKernel {
     for (Index k = c.begin; k < c.end; k += step) add_contact(s.half[k], store, linear, angular);
   }
 
-  /// Those of a body that fall to one of its lanes.
+  /// Every kLanesPerBody-th contact of a body, from the calling lane on.
   GONOGO_DEVICE void add_own_contacts(const HalfRange& c, Index store, Vec3& linear, Vec3& angular) const {
     HalfRange rest{c.begin + lane(), c.end};
     if constexpr (resident) {
@@ -316,7 +318,7 @@ class SolveKernel {
     add_contacts(rest, store, kLanesPerBody, linear, angular);
   }
 
-  /// What a body's few threads need to know. Hubs and jointed bodies are left to others.
+  /// What the lanes of a body need. Hubs and jointed bodies have no contacts here and world -1.
   struct Load {
     HalfRange contacts{0, 0};
     WorldIndex world = -1;
@@ -340,7 +342,7 @@ class SolveKernel {
     if (lane() == 0 && !m.done) set_velocity(b, mass, linear, angular, m, k, free, now);
   }
 
-  /// One warp.
+  /// By one warp.
   GONOGO_DEVICE void move_hub(BodyIndex b, View<const Momentum> momentum, Index k) {
     const Momentum m = momentum[s.world_of_body[b]];
     if (m.done) return;
@@ -354,7 +356,7 @@ class SolveKernel {
     set_velocity(b, s.mass[b], linear, angular, m, k, free, now);
   }
 
-  /// `free`, `now`: velocities without impulses and of the update before; both go on.
+  /// `free`, `now`: in: velocities without impulses and of the update before; out: the new ones.
   GONOGO_DEVICE void set_velocity(BodyIndex b, const BodyMass& mass, const Vec3& linear, const Vec3& angular,
                                   const Momentum& m, Index k, Velocity& free, Velocity& now) {
     if (k < 0) free = begin_body(s, b);

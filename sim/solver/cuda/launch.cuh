@@ -1,7 +1,33 @@
-// The iteration on the GPU: all updates of a step in one cooperative kernel, so that nothing waits for launches or for
-// the host. One block per multiprocessor keeps the grid-wide barriers cheap, which stand where the stages of
-// solve_host.h end; its threads work in teams of one tile each. Where all contacts have threads of their own, they stay
-// on the multiprocessors (residence.cuh).
+// The iteration on the GPU: one cooperative kernel takes all updates of a step, so that nothing waits for launches or
+// for the host. Barriers across the grid stand where the stages of solve_host.h end; one block per multiprocessor keeps
+// them cheap. A block is four teams of 256 threads, and a team works on one tile of contacts at a time. With B blocks
+// and time running downward:
+//
+//            block 0                       block 1                             block B-1
+//          +-----+-----+-----+-----+     +-----+------+------+------+         +-----+------+------+------+
+//   teams  |  0  |  B  | 2B  | 3B  |     |  1  | B+1  | 2B+1 | 3B+1 |   ...   | B-1 | 2B-1 | 3B-1 | 4B-1 |
+//          +-----+-----+-----+-----+     +-----+------+------+------+         +-----+------+------+------+
+//
+//     stage      unit of work                       reads -> writes
+//     prepare    a contact, body, world: a thread   contacts, warm start -> records, impulses
+//   ================================================== grid barrier ==================================
+//     start      as `move`; Gauss-Seidel colours    impulses -> velocities
+//   ================================================== grid barrier ==================================
+//   +>update     a tile: a team, t takes t + 4B n   velocities of both bodies -> impulse, sums of the tile
+//   |            a contact: a thread of the team    (Gauss-Seidel: once for each colour, barriers between)
+//   |            a motor: a thread, last ones first
+//   | ================================================ grid barrier ==================================
+//   | move       a mechanism: a team, last first    impulses of all contacts -> velocities
+//   |            a body: 4 threads; a hub: a warp
+//   | decide     a world: a team                    sums of its tiles -> its next update
+//   | ================================================ grid barrier, which counts the ended worlds ===
+//   +-until all worlds have ended
+//     measure    a tile of contacts or bodies       impulses, velocities -> contact store, sums of the tile
+//   ================================================== grid barrier ==================================
+//     add        a world: a team                    sums of its tiles -> WorldSums
+//
+// Where each tile has a team and each body its threads, a block keeps their records in shared memory through all
+// updates (residence.cuh); otherwise teams and threads take several, one after the other.
 #pragma once
 #include "base/device.h"
 #include "sim/solver/cuda/kernel.cuh"
@@ -37,7 +63,7 @@ GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismW
 }
 
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step. `may_reside`:
-/// the blocks have been given the memory for it.
+/// the launch has given each block the shared memory of a Residence.
 template <bool turning, bool in_substeps, Solver method>
 __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant__ SolveViews views, bool may_reside) {
   __shared__ double scratch[kTeamsPerBlock][kTileSize / 32];
@@ -57,6 +83,7 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
 
 inline bool is_accelerated(Solver solver) { return solver == Solver::apgd || solver == Solver::jacobi; }
 
+/// Sizes the buffers for the present capacity. Call before the first step and after buffers have grown.
 inline void reserve_solver(const State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
   if (settings.solver == Solver::jacobi_scan) return reserve_scan(s, own.scan, settings);
   own.frame.resize(s.contact_capacity);
@@ -88,17 +115,16 @@ inline void reserve_solver(const State<Cuda>& s, SolverStorage<Cuda>& own, const
   own.spectral_sums.resize(tile_capacity(s));
 }
 
-/// One block per multiprocessor, and no more than there is work for: a barrier costs less with fewer.
+/// One block per multiprocessor, or fewer where there is less work: fewer blocks make a barrier cheaper.
 inline Index grid_size(const State<Cuda>& s) {
   const Index work = std::max(tile_capacity(s), (s.body_count + kTileSize - 1) / kTileSize);
   return std::min<Index>(work, device_attribute(cudaDevAttrMultiProcessorCount));
 }
 
-/// The mechanism of a whole vehicle takes its team about as long as moving a million bodies takes all teams. Where such
-/// teams are few they leave the bodies to the others, which would wait for them else. Nought where mechanisms are
-/// small.
+/// Teams that move only their mechanism. The mechanism of a whole vehicle takes its team about as long as a million
+/// bodies take all teams. If few teams have such mechanisms, the others move the bodies. 0 where mechanisms are small.
 inline Index mechanism_teams(const State<Cuda>& s) {
-  constexpr Index large = 6, few = 8;  // bodies; one team of so many
+  constexpr Index large = 6, few = 8;  // bodies of a mechanism; teams per mechanism
   const Index count = s.mechanisms.mechanism.size();
   return s.mechanisms.body.size() >= large * count && few * count <= kTeamsPerBlock * grid_size(s) ? count : 0;
 }
@@ -118,7 +144,7 @@ void launch_solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const Ste
   SolveViews views = solve_views(exec, s, own, settings);
   constexpr std::size_t room = sizeof(Residence);
   const std::size_t offered = device_attribute(cudaDevAttrMaxSharedMemoryPerBlockOptin);
-  // Whether the contacts fit too is known on the device only.
+  // Whether the contacts fit too only the device knows.
   bool may_reside = is_accelerated(method) && kLanesPerBody * s.body_count <= kBlockSize * grid_size(s) &&
                     offered >= room + kTeamsPerBlock * sizeof(MechanismWork) + 1024;
   if (may_reside)
@@ -130,9 +156,9 @@ void launch_solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const Ste
              "solver launch");
 }
 
-/// By Gauss-Seidel or spectral gradients; compiled apart, in methods.cu.
+/// Gauss-Seidel or spectral gradients. In methods.cu, so that it compiles beside the others.
 void solve_otherwise(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings);
-/// `jacobi_scan`; compiled apart, in scan.cu.
+/// `jacobi_scan`. In scan.cu, for the same reason.
 void solve_with_scans(Cuda exec, State<Cuda>& s, ScanStorage<Cuda>& own, const StepSettings& settings);
 
 }  // namespace gonogo::sim

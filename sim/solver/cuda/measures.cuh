@@ -1,4 +1,4 @@
-// What a step reports, summed by tile and then by world: residuals of its contacts and energies of its bodies.
+// Sums that a step reports, by tile and then by world: residuals of contacts and energies of bodies.
 #pragma once
 #include "sim/solver/cuda/contact_records.cuh"
 
@@ -9,7 +9,7 @@ class Measures {
  public:
   GONOGO_DEVICE Measures(const SolveViews& views, const Team& team) : s(views), team_(team) {}
 
-  /// Impulses back into the order of the contacts, and their residuals, after `k` updates.
+  /// Stores the impulses after `k` updates and sums the residuals.
   GONOGO_DEVICE void measure_tile(Index tile, Index k) {
     const Tile t = s.tiles.tile[tile];
     const ContactIndex i = t.contacts.begin + team_.rank;

@@ -1,5 +1,5 @@
-// A team moves a mechanism: the sums of its contacts and their projection onto its joints, without a barrier across the
-// grid. What a thread will need comes from memory while others still add.
+// A team moves a mechanism: it sums the bodies' contacts and projects the velocities onto the joints, without a barrier
+// across the grid. Threads load what they will need while others still sum.
 #pragma once
 #include "sim/solver/cuda/residence.cuh"
 #include "sim/solver/cuda/views.cuh"
@@ -7,13 +7,12 @@
 namespace gonogo::sim {
 
 static_assert(kMaxMechanismBodies <= kTileSize);  // a thread for every body
-/// Bodies of a mechanism that a team has room for in shared memory: a vehicle with suspension and steering has 19.
-/// Larger ones, belts, are worked on in global memory. More room would be taken from the cache, in which all other
-/// contacts are.
+/// Max bodies of a mechanism in a team's shared memory; a vehicle with suspension and steering has 19. Larger ones,
+/// belts, use global memory. More room here would be taken from the cache, which holds all other contacts.
 inline constexpr Index kHeldMechanismBodies = 20;
 static_assert(6 * kHeldMechanismBodies <= kTileSize);  // and a thread for every number
 
-/// What a team has at hand while it works on a mechanism, in shared memory.
+/// Shared memory of a team that moves a mechanism.
 struct MechanismWork {
   Mechanism mechanism;
   MechanismSlot* slot;  // [body of the mechanism]: held_slot, or in global memory
@@ -90,10 +89,10 @@ class MechanismMover {
   }
 
  private:
-  /// To which a number of the mechanism's velocities belongs.
+  /// The body to which a number of the mechanism's velocities belongs.
   GONOGO_DEVICE BodyIndex body_of(Index number) const { return work_.slot[number / 6].body; }
 
-  /// By a warp, or by the whole team where there are many.
+  /// By a warp, or by the whole team for many contacts.
   GONOGO_DEVICE void sum_contacts(Index slot) {
     const HalfRange c = work_.slot[slot].contacts;
     const Index warp = team_.rank / 32, lane = team_.rank % 32;
@@ -129,7 +128,7 @@ class MechanismMover {
     s.gathered[m.first_body + slot] = work_.gathered[slot];  // for the joints' loads
   }
 
-  /// Into the next part of the step.
+  /// Carries the bodies into the next substep.
   GONOGO_DEVICE void carry(const Mechanism& m, const Real* map, Velocity& free) {
     const Index slot = team_.rank;
     team_.sync();

@@ -1,4 +1,4 @@
-// The methods that are there for comparison on the GPU: one kernel each, for contacts of every kind and steps in parts.
+// The methods for comparison on the GPU: one kernel each, for turning contacts and substeps.
 #include "sim/solver/cuda/launch.cuh"
 
 namespace gonogo::sim {

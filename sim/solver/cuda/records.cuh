@@ -1,4 +1,4 @@
-// What the solver keeps on the GPU. Records are packed for bandwidth: an arm along the normal (two spheres, a sphere on
+// Storage of the solver on the GPU. Records are packed for bandwidth: an arm along the normal (two spheres, a sphere on
 // a fixed floor) is one number.
 #pragma once
 #include "sim/solver/scan_storage.h"
@@ -17,7 +17,7 @@ struct alignas(16) ConeRecord {
 struct alignas(16) TurnRecord {
   Real rho, sigma, step_r, softness;
 };
-/// Arms along the normal [m]; not a number in `a` where they are not: then ArmsRecord holds them.
+/// Arms along the normal [m]. `a` is NaN where they are not along it: then ArmsRecord holds them.
 struct alignas(8) CentralArms {
   Real a, b;
 };
@@ -30,21 +30,21 @@ struct alignas(8) GapRecord {
 struct alignas(8) PairRecord {
   BodyIndex a, b;
 };
-/// A contact as one of its bodies sees it; those of a body follow each other, owned ones first.
+/// A contact as one of its bodies sees it. Those of a body are contiguous, owned ones first.
 struct alignas(16) HalfContact {
   Vec3 arm;
-  Index contact;  // its complement where the impulse acts backwards
+  Index contact;  // ~contact where the opposite impulse acts
 };
 struct alignas(8) HalfRange {
   Index begin, end;
 };
 
-/// A body of a mechanism while its velocity is worked out.
+/// A body of a mechanism while its velocity is computed.
 struct MechanismSlot {
   BodyIndex body;
   HalfRange contacts;
   Vec3 linear, angular;  // sums over contacts
-  Real ahead[6];         // by which its velocities were extrapolated last
+  Real ahead[6];         // last extrapolation of its velocities
 };
 
 template <>
@@ -55,18 +55,18 @@ struct SolverStorage<Cuda> {
   Buffer<CentralArms, Cuda> central;
   Buffer<ArmsRecord, Cuda> arms;
   Buffer<PairRecord, Cuda> pair;
-  Buffer<GapRecord, Cuda> gap;               // where a step has parts
-  Buffer<Vec3, Cuda> linear[2], angular[2];  // impulses of the latest two updates, taking turns
+  Buffer<GapRecord, Cuda> gap;               // where a step has substeps
+  Buffer<Vec3, Cuda> linear[2], angular[2];  // impulses of the latest two updates, alternating
   Buffer<HalfContact, Cuda> half;            // [contact * 2]
   Buffer<HalfRange, Cuda> of_body;           // into half
-  Buffer<BodyIndex, Cuda> hub;               // bodies with so many contacts that a warp sums them
+  Buffer<BodyIndex, Cuda> hub;               // bodies with more than kHubContacts contacts
   Buffer<unsigned long long, Cuda> counter;  // of the barrier, of hubs and of colours
   Buffer<UpdateSums, Cuda> tile_sums;
   Buffer<WorldSums, Cuda> tile_measures, body_tile_measures;
   Buffer<Momentum, Cuda> other_momentum;  // [world]
   Buffer<Real, Cuda> motor_before;
   Buffer<MechanismSlot, Cuda> mechanism_slot;  // [mechanism body], as is the next
-  Buffer<Velocity, Cuda> mechanism_gathered;   // with the free motion of the next part
+  Buffer<Velocity, Cuda> mechanism_gathered;   // with the free motion of the next substep
   Buffer<Index, Cuda> colour;                  // [contact] for Gauss-Seidel
   Buffer<Velocity, Cuda> velocity_before;      // [body] of the update before, for spectral gradients
   Buffer<SpectralStep, Cuda> length;           // [world]

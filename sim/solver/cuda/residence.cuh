@@ -1,6 +1,6 @@
-// What a block holds on its multiprocessor through all iterations of a step, where every tile has a team and every body
-// its threads: then an iteration reads little more than velocities and impulses from memory. What is not here is left
-// to the cache, which shares the memory of the multiprocessor.
+// Records that a block holds in shared memory through all iterations of a step. Used where every tile has a team and
+// every body its threads; then an iteration reads little more than velocities and impulses from memory. The rest is
+// left to the cache, which shares the multiprocessor's memory.
 #pragma once
 #include "sim/solver/cuda/records.cuh"
 #include "sim/solver/cuda/team.cuh"
@@ -9,14 +9,14 @@ namespace gonogo::sim {
 
 /// Threads that share a body's contacts.
 inline constexpr Index kLanesPerBody = 4;
-/// Half contacts of a body that a thread holds; it reads the others again in every iteration.
+/// Half contacts of a body that a thread holds; it reads the others from memory in every iteration.
 inline constexpr Index kHeldHalves = 2;
 
-/// Numbers of a mechanism's affine map that a team holds: of nine bodies, a truck with its wheels and axles.
+/// Numbers of a mechanism's affine map that a team holds: enough for nine bodies, a truck with its wheels and axles.
 inline constexpr Index kHeldProjection = 55 * 56;
 
-/// One of everything per thread, what its few threads need to know of a body (-1: others see to it), and the map of a
-/// mechanism, which the block's last team moves.
+/// Records of one contact and of half contacts per thread, the bodies of the lanes (world -1: other threads move the
+/// body), and the map of one mechanism, which the block's last team moves.
 struct Residence {
   FrameRecord frame[kBlockSize];
   ConeRecord cone[kBlockSize];

@@ -1,4 +1,4 @@
-// The iteration on the GPU: which kernel takes a step.
+// The iteration on the GPU: the choice of the kernel.
 #pragma once
 #include "sim/solver/cuda/launch.cuh"
 

@@ -1,4 +1,4 @@
-// Threads that work on one tile.
+// Teams of threads that work on one tile, and barriers across the grid.
 #pragma once
 #include "base/words.h"
 #include "sim/solver/spectral.h"
@@ -18,7 +18,7 @@ struct Team {
 
   GONOGO_DEVICE void sync() const { asm volatile("bar.sync %0, %1;" ::"r"(in_block + 1), "n"(kTileSize) : "memory"); }
 
-  /// The same bits whatever else runs; valid in the thread of rank 0.
+  /// Combines in a fixed order. The result is valid in the thread of rank 0.
   template <class Combine>
   GONOGO_DEVICE double reduce(double value, Combine combine) const {
     for (int offset = 16; offset > 0; offset /= 2) value = combine(value, __shfl_down_sync(0xFFFFFFFF, value, offset));
@@ -49,16 +49,16 @@ struct Team {
   }
 };
 
-/// All blocks of a cooperative launch wait for each other, and see what the others wrote before. One counter, zero at
-/// the start: blocks that have arrived, and above kWorldDone worlds that have ended. Nobody waits for an answer when it
-/// arrives.
+/// All blocks of a cooperative launch wait for each other and then see what the others wrote before. One counter, zero
+/// at the start, holds the blocks that have arrived plus kWorldDone times the worlds that have ended. Arriving is a
+/// reduction, which waits for no answer.
 class GridBarrier {
  public:
   static constexpr unsigned long long kWorldDone = 1ull << 40;
 
   GONOGO_DEVICE explicit GridBarrier(unsigned long long* counter) : counter_(counter) {}
 
-  /// Whether that many worlds have ended; the same answer for all threads.
+  /// Waits. Returns whether that many worlds have ended, the same for all threads.
   GONOGO_DEVICE bool wait(Index worlds = 0) {
     arrivals_ += gridDim.x;
     __syncthreads();
@@ -80,7 +80,7 @@ class GridBarrier {
   unsigned long long arrivals_ = 0;
 };
 
-/// Loaded at once, even where a branch ahead may not need it.
+/// Loads here, even if a later branch may not need the value.
 GONOGO_DEVICE float4 loaded_early(const float4* from) {
   float4 v;
   asm volatile("ld.global.v4.f32 {%0, %1, %2, %3}, [%4];" : "=f"(v.x), "=f"(v.y), "=f"(v.z), "=f"(v.w) : "l"(from));
@@ -92,7 +92,7 @@ GONOGO_DEVICE Velocity loaded_early(const Velocity& from) {
   return {{linear.x, linear.y, linear.z}, 0, {angular.x, angular.y, angular.z}, 0};
 }
 
-/// Of neighbouring threads of a warp; all of them get it.
+/// Sum over kLanes neighbouring threads of a warp; each of them gets it.
 template <int kLanes>
 GONOGO_DEVICE Vec3 sum_of_lanes(Vec3 v) {
   const unsigned mask = kLanes == 32 ? 0xFFFFFFFFu : ((1u << kLanes) - 1) << (threadIdx.x % 32 / kLanes * kLanes);

@@ -1,4 +1,4 @@
-// What the solver's kernel works on: views of the State's arrays and of the solver's own, one group after the other.
+// Views of the State's and the solver's arrays that the solver's kernel gets, in groups.
 #pragma once
 #include "sim/joint/project.h"
 #include "sim/solver/body_update.h"
@@ -38,7 +38,7 @@ struct StateViews {
 struct MechanismViews {
   Projection projection;
   MotorMoment motor_moment;
-  Index mechanism_teams;               // the last ones; they see to nothing but their mechanism while bodies move
+  Index mechanism_teams;               // the last ones, which move no other bodies than their mechanism's
   View<Velocity> gathered;             // [mechanism body], as are the next two
   View<MechanismSlot> mechanism_slot;  // of mechanisms too large for shared memory
   View<Velocity> mechanism_gathered;
@@ -66,12 +66,12 @@ struct RecordViews {
 struct IterationViews {
   unsigned long long* barrier;
   Index* hub_count;
-  View<Momentum> momentum[2];  // [world] of the present update and of the next, taking turns
+  View<Momentum> momentum[2];  // [world] of the present update and of the next, alternating
   View<UpdateSums> tile_sums;
   View<WorldSums> tile_measures, body_tile_measures;
 };
 
-/// Of the methods that use them; empty otherwise.
+/// Arrays of single methods; empty for the others.
 struct MethodViews {
   View<Index> colour;
   Index* colours;  // how many
@@ -156,19 +156,19 @@ inline MethodViews method_views(SolverStorage<Cuda>& own) {
           .spectral_sums = own.spectral_sums.view()};
 }
 
-/// Body b at the beginning of the step: its velocity without impulses.
+/// Starts body b and returns its velocity without impulses.
 GONOGO_DEVICE Velocity begin_body(const SolveViews& s, BodyIndex b) {
   return begin_body(s.velocity[b], s.velocity_change[b], s.free_velocity[b], s.earlier_velocity[b]);
 }
 
-/// Body b has moved with `v`; `free`: at hand, and goes on. See carry_body in body_update.h.
+/// Carries body b, which has moved with `v`, into the next substep. `free`: in and out. See body_update.h.
 GONOGO_DEVICE Velocity carry_body(const SolveViews& s, BodyIndex b, const Velocity& v, Velocity& free) {
   const Velocity more = carry_body(v, s.velocity_change[b], free, s.substep_velocity[b], s.earlier_velocity[b]);
   s.free_velocity[b] = free;
   return more;
 }
 
-/// `free`, `m`: of body b, loaded early.
+/// Velocity of body b by these sums of impulses. `free`, `m`: of body b, already loaded.
 GONOGO_DEVICE Velocity driven(const SolveViews& s, BodyIndex b, const Velocity& free, const BodyMass& m,
                               const Vec3& linear, const Vec3& angular) {
   const SymMat3 inverse_inertia = m.isotropic ? SymMat3{} : s.inverse_inertia_W[b];
