@@ -35,7 +35,7 @@ Json evaluation_checks(const Json& report) {
   }
   const double above = model.at("calibration_error").number() - model.at("floor_calibration_error_mean").number();
   checks.push_back(
-      check("calibration error above its floor", above <= kMostCalibrationError, above, kMostCalibrationError));
+      check("calibration error above its floor", above <= kMaxCalibrationError, above, kMaxCalibrationError));
   for (const Json& point : report.at("missing").items()) {
     if (point.at("hidden").integer() != kHiddenInputs) continue;
     for (const auto& [baseline, scores] : point.at("difference").members()) {

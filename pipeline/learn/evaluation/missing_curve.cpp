@@ -76,12 +76,12 @@ Json missing_curve(const std::vector<Forecaster>& forecasters, const learning::T
                    std::span<const int> happened, const std::vector<std::size_t>& hideable,
                    const MissingSettings& settings) {
   std::vector<std::size_t> rows = learning::permutation(table.row_count(), settings.seed, 0x726f);
-  rows.resize(std::min(rows.size(), settings.most_rows));
+  rows.resize(std::min(rows.size(), settings.max_rows));
   std::vector<int> label;
   for (std::size_t n : rows) label.push_back(happened[n]);
   Json curve = Json::array();
   for (std::size_t hidden = 0; hidden <= hideable.size(); ++hidden) {
-    const std::size_t most = hidden > 3 ? settings.most_large : settings.most_subsets;
+    const std::size_t most = hidden > 3 ? settings.max_large_subsets : settings.max_subsets;
     const auto subsets = subsets_of(hideable, hidden, most, settings.seed);
     Json point, brier = Json::object(), loss = Json::object(), difference = Json::object();
     std::vector<MeanTerms> terms;

@@ -17,9 +17,9 @@ struct Forecaster {
 };
 
 struct MissingSettings {
-  std::size_t most_rows = 1000;   // of the table, drawn by the seed
-  std::size_t most_subsets = 36;  // of every size, drawn by the seed when there are more: all pairs of nine
-  std::size_t most_large = 6;     // the same of sizes above three, whose answers take long
+  std::size_t max_rows = 1000;        // of the table, drawn by the seed
+  std::size_t max_subsets = 36;       // of every size, drawn by the seed when there are more: all pairs of nine
+  std::size_t max_large_subsets = 6;  // the same of sizes above three, whose answers take long
   std::uint64_t seed = 1;
 };
 

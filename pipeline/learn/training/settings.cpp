@@ -74,10 +74,10 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
 }
 
 learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed) {
-  constexpr std::size_t kMostBatches = 32;  // of an epoch
+  constexpr std::size_t kMaxBatches = 32;  // of an epoch
   learning::TrainingSettings training = settings.training;
   training.seed = seed;
-  if (!settings.batch_given) training.batch = std::max(training.batch, trials / kMostBatches);
+  if (!settings.batch_given) training.batch = std::max(training.batch, trials / kMaxBatches);
   return training;
 }
 

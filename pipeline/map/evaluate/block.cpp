@@ -18,7 +18,7 @@ namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 
-/// Codes, water contents, land cover and cone indices of a block, as far as the region has them.
+/// Codes, water contents, land cover and cone indices of a tile, as far as the region has them.
 struct Readings {
   std::optional<Tile> soil, moisture, land, cone_index;
 };
@@ -218,8 +218,8 @@ SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const
   return table;
 }
 
-BlockLayers evaluate_block(const MapSources& sources, const Region& region, const SoilTable& table,
-                           const std::vector<MapLayer>& layers, const MapRules& rules, Window window) {
+TileLayers evaluate_tile(const MapSources& sources, const Region& region, const SoilTable& table,
+                         const std::vector<MapLayer>& layers, const MapRules& rules, Window window) {
   const MapGrid& grid = sources.elevation.grid();
   const Tile bordered =
       sources.elevation.read({window.column - 1, window.row - 1, window.columns + 2, window.rows + 2});
@@ -230,27 +230,27 @@ BlockLayers evaluate_block(const MapSources& sources, const Region& region, cons
   const std::vector<LandRule> land = land_rules(region);
   const terrain::CellSize cell = {grid.cell_width_m(), grid.cell_height_m()};
   const Tile empty(window.columns, window.rows, kNoData);
-  BlockLayers block{.window = window,
-                    .elevation = empty,
-                    .slope = terrain::slope_degrees(bordered, cell, 1),
-                    .aspect = terrain::aspect_degrees(bordered, cell, 1),
-                    .shade = terrain::hillshade(bordered, cell, 315, 45, 1),
-                    .soil = empty,
-                    .rule = Tile(window.columns, window.rows, 0),
-                    .layer = std::vector<Tile>(layers.size(), empty)};
+  TileLayers tile{.window = window,
+                  .elevation = empty,
+                  .slope = terrain::slope_degrees(bordered, cell, 1),
+                  .aspect = terrain::aspect_degrees(bordered, cell, 1),
+                  .shade = terrain::hillshade(bordered, cell, 315, 45, 1),
+                  .soil = empty,
+                  .rule = Tile(window.columns, window.rows, 0),
+                  .layer = std::vector<Tile>(layers.size(), empty)};
   for (int row = 0; row < window.rows; ++row)
     for (int column = 0; column < window.columns; ++column) {
-      block.elevation.at(column, row) = bordered.at(column + 1, row + 1);
-      const float slope = block.slope.at(column, row);
+      tile.elevation.at(column, row) = bordered.at(column + 1, row + 1);
+      const float slope = tile.slope.at(column, row);
       if (std::isnan(slope)) continue;
       const std::size_t i = std::size_t(row) * std::size_t(window.columns) + std::size_t(column);
       const Decision decision = decide(region, rules, table, readings, i);
-      block.soil.value[i] = float(decision.soil);
-      block.rule.value[i] = float(decision.rule);
-      const CellState state = state_of(table, land, rules, decision, slope, block.aspect.value[i]);
-      for (std::size_t l = 0; l < layers.size(); ++l) block.layer[l].value[i] = layers[l].value(state);
+      tile.soil.value[i] = float(decision.soil);
+      tile.rule.value[i] = float(decision.rule);
+      const CellState state = state_of(table, land, rules, decision, slope, tile.aspect.value[i]);
+      for (std::size_t l = 0; l < layers.size(); ++l) tile.layer[l].value[i] = layers[l].value(state);
     }
-  return block;
+  return tile;
 }
 
 }  // namespace gonogo::map

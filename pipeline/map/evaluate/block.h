@@ -1,5 +1,17 @@
-// One block of a map: slope and aspect from elevation, soil, moisture and land cover from their rasters, every layer
-// from the soil's tables.
+// Evaluates one tile of a map: every layer of every cell, from the region's rasters and the model's tables.
+//
+// P(go) of a cell comes about in these steps:
+//
+//   1. evaluate_tile() reads the rasters and computes slope and aspect of the cell (terrain/raster/slope.h).
+//   2. A land rule (water, buildings, a cone index that is too low) decides first. The cell then has no P(go).
+//   3. Otherwise SoilTable::find() turns soil code and moisture into the SoilResponse of that soil.
+//   4. SoilResponse::at(slope).p_go is P(go) uphill. at(slope, psi).p_go is P(go) in any other heading.
+//      Both are look-ups in tables that make_soil_table() computes before the first tile.
+//   5. SoilPoints::at() computes an entry of these tables. It asks the trained model about every point that the soil
+//      may be, at the entry's slopes, and takes the mean. Prospect::p_go() adds up go and slow_go.
+//   6. classify() in pipeline/map/region/rules.h turns the result into class and reason.
+//
+// The model itself is OutcomeModel::probabilities, which map_request.h makes from Predictor::outcome_probabilities().
 #pragma once
 #include <optional>
 
@@ -13,35 +25,40 @@ struct MapSources {
   terrain::RasterSource elevation;
   std::optional<terrain::RasterSource> soil_class, land_cover, moisture, cone_index;
 
-  /// The same with handles of its own, for another thread.
+  /// Opens the same rasters again, for use by another thread.
   MapSources again() const;
 };
 
+/// Opens the region's rasters on the grid of its elevation. Throws InputError for files that cannot be read and for a
+/// map of fewer than 3 x 3 cells.
 MapSources open_sources(const Region& region);
 
-/// All tiles of the window's size.
-struct BlockLayers {
+/// Inputs and layers of the cells in `window`. Every terrain::Tile has the window's size.
+struct TileLayers {
   terrain::Window window;
-  terrain::Tile elevation, slope, aspect, shade;
-  terrain::Tile soil;                // position in the soil table, -1 unknown; not-a-number without a slope
-  terrain::Tile rule;                // 0: the soil decides; 1 + position in land_rules()
-  std::vector<terrain::Tile> layer;  // as map_layers() lists them
+  terrain::Tile elevation;           // [m]; all of it, also where the slope is NaN
+  terrain::Tile slope, aspect;       // [deg]; aspect points downhill, clockwise from grid north
+  terrain::Tile shade;               // relief for the figure
+  terrain::Tile soil;                // position in the soil table; -1: unknown; NaN: no slope
+  terrain::Tile rule;                // 0: the soil decides; else 1 + position in land_rules()
+  std::vector<terrain::Tile> layer;  // in the order of map_layers()
   const terrain::Tile& verdict() const { return layer[0]; }
   const terrain::Tile& p_go() const { return layer[1]; }
   const terrain::Tile& reason() const { return layer[2]; }
 };
 
-/// Standard error of the rise per metre of Horn's gradient, from the elevation's error e and the correlation r between
-/// neighbouring cells: e sqrt(1 - r) sqrt(12) / (8 cell), the weights 1 2 1 of both sides squared and added.
+/// Standard error of Horn's gradient [rise per metre]: e sqrt(1 - r) sqrt(12) / (8 cell). e is the elevation's standard
+/// error [m], r its correlation between neighbouring cells. 12 is the sum of the squared weights 1 2 1 of both sides.
 double gradient_error(const RegionRaster& elevation, const terrain::MapGrid& grid);
 
-/// Throws InputError for a moisture that the region does not tell.
+/// Tabulates the model for every soil of the region and every moisture state that the map needs. `gradient_error`
+/// [rise per metre] widens the interval on P(go). Throws InputError for a moisture that the region does not define.
 SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
                           double gradient_error);
 
-/// Cells depend on nothing but their own inputs, so threads and blocks cannot change a bit. One thread at a time for
-/// the same sources.
-BlockLayers evaluate_block(const MapSources& sources, const Region& region, const SoilTable& table,
-                           const std::vector<MapLayer>& layers, const MapRules& rules, terrain::Window window);
+/// Every layer of the cells in `window`. A cell depends on its own inputs only, so the split into windows changes no
+/// bit. Threads must not share `sources`; see MapSources::again().
+TileLayers evaluate_tile(const MapSources& sources, const Region& region, const SoilTable& table,
+                         const std::vector<MapLayer>& layers, const MapRules& rules, terrain::Window window);
 
 }  // namespace gonogo::map

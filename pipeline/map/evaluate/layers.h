@@ -1,4 +1,4 @@
-// The layers of a map, their legends derived from the contract, and the value of each in a cell.
+// The layers of a map: file, legend, and value in a cell. Legends follow the contract's classes and reasons.
 #pragma once
 #include <functional>
 #include <string>
@@ -13,20 +13,20 @@ namespace gonogo::map {
 
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
-/// Everything a map says about one cell.
+/// What a map says about one cell. MapLayer::value reads it.
 struct CellState {
-  CellClass result;                    // in the heading of the map
-  float p_go = 0;                      // likewise
-  const CellAnswer* answer = nullptr;  // null where the soil is not known or a rule of the land decides
+  CellClass result;                    // class and reason in the heading of the map
+  float p_go = 0;                      // P(go) in the heading of the map; NaN: not known
+  const CellAnswer* answer = nullptr;  // null where the soil is unknown or a land rule decides
 };
 
 struct MapLayer {
   std::string file;  // without extension
   terrain::LayerInfo info;
-  std::function<float(const CellState&)> value;  // not-a-number: nodata
+  std::function<float(const CellState&)> value;  // NaN: nodata
 };
 
-/// In the order of the files; class, P(go), reason and outside_share come first.
+/// All layers of a map. go, p_go, reason and outside_share are the first four (TileLayers relies on it).
 std::vector<MapLayer> map_layers(const MapRules& rules, bool has_measures, bool has_novelty, bool colour_blind_safe,
                                  const Metadata& metadata);
 

@@ -1,4 +1,4 @@
-// What a map needs of a trained model. pipeline/map/model_source.h makes one from a model file; tests make their own.
+// What a map needs from a trained model. read_map_request() makes one from a model file; tests make their own.
 #pragma once
 #include <functional>
 #include <optional>
@@ -11,30 +11,30 @@
 
 namespace gonogo::map {
 
-/// Cone indices that a vehicle needs in fine-grained soil (vehicle/semi_empirical/mobility_index.h).
+/// Min cone indices of fine-grained soil for a vehicle (vehicle/semi_empirical/mobility_index.h).
 struct ConeIndexNeed {
   std::string vehicle;
-  double one_pass = 0, fifty_passes = 0;  // VCI1, VCI50 [Pa]
+  double one_pass = 0, fifty_passes = 0;  // VCI1, VCI50: for one and for fifty passes [Pa]
 };
 
 struct OutcomeModel {
-  /// Probabilities of the outcomes of contract() for many points at once; a not-a-number marks an unknown variable.
-  /// points: [point count x variable count] row by row, result: [point count x outcome count]. Each row sums to 1 and
-  /// does not depend on the others.
+  /// Probabilities of the outcomes of contract() for many points at once. NaN marks an unknown variable.
+  /// points: [point count x variable count], row by row. result: [point count x outcome count]. Each row of the result
+  /// sums to 1 and depends on its own point only.
   std::function<void(std::span<const double> points, std::span<double> result)> probabilities;
-  /// The same of models that might as well have come of the trials (pipeline/learn/training/train_members.h); their
-  /// answers widen the interval on P(go). Empty: the spread of the model is not known.
+  /// The same for bootstrap members of the model (pipeline/learn/training/train_members.h). Their answers widen the
+  /// interval on P(go). Empty: the uncertainty of the model is left out of the interval.
   std::vector<std::function<void(std::span<const double> points, std::span<double> result)>> members;
-  /// Box in which trials were simulated, [variable count]; a variable held fixed has equal ends.
+  /// Box in which trials were simulated [variable count]. A variable that was held fixed has equal ends.
   std::vector<Range> sampled;
-  /// How far a point is from the trials (Predictor::novelty); empty when the model does not tell.
+  /// Distance of a point from the trials, as Predictor::novelty(). Empty: the map gets no novelty layer.
   std::function<double(std::span<const double> point)> novelty;
-  std::vector<MeasureFit> measures;  // of trials that passed; empty when no dataset was given
+  std::vector<MeasureFit> measures;  // fitted to trials that passed; empty without a dataset
   std::vector<std::string> member_hashes;
-  std::string dataset_hash;                 // of the file that they come from
+  std::string dataset_hash;                 // of the file that `measures` come from; empty without one
   std::string hash;                         // of the model's file
   std::string vehicle;                      // name for titles, may be empty
-  std::optional<ConeIndexNeed> cone_index;  // of the vehicle; nothing: not known, fine-grained soil is then unknown
+  std::optional<ConeIndexNeed> cone_index;  // of the vehicle; none: fine-grained soil is unknown
 };
 
 }  // namespace gonogo::map

@@ -25,7 +25,7 @@ double estimated_index(const std::vector<double>& point) {
 
 std::string texture_text(const Region& region, const Soil& soil) {
   const std::string& texture = soil.texture.empty() ? region.texture : soil.texture;
-  return texture.empty() ? line("a friction angle below %g degrees", kLeastAngleOfSand) : texture;
+  return texture.empty() ? line("a friction angle below %g degrees", kMinAngleOfSand) : texture;
 }
 
 /// What the soft points of a soil are told from.
@@ -82,7 +82,7 @@ SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector
   SoftPoints soft{std::vector<char>(points.size(), 0), {}};
   Weakness found;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!fine.value_or(points[i][angle] < kLeastAngleOfSand)) continue;
+    if (!fine.value_or(points[i][angle] < kMinAngleOfSand)) continue;
     const std::optional<double> measured = soil.samples.empty() ? std::nullopt : soil.samples[i / draws].cone_index;
     const double index = measured ? *measured : estimated_index(points[i]);
     if (need && index >= need->fifty_passes) continue;

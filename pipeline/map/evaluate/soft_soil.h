@@ -1,6 +1,6 @@
-// Fine-grained soil that is too weak for a vehicle: the trials' grains have no water that could be squeezed out of the
-// way, so that what they say of soft wet clay is not trusted. A point of a soil counts as soft where its cone index is
-// below the vehicle's VCI50, or where either is not known.
+// Fine-grained soil that is too weak for a vehicle. The grains of a trial hold no pore water, so trials say nothing
+// reliable about soft wet clay. A point of a soil is soft if its cone index is below the vehicle's VCI50. It is also
+// soft if either of the two is not known.
 #pragma once
 #include <optional>
 #include <string>
@@ -11,21 +11,21 @@
 
 namespace gonogo::map {
 
-/// A soil whose texture is not given counts as fine-grained below this friction angle: no sand of configs/soils has
-/// less.
-inline constexpr double kLeastAngleOfSand = 20;  // [deg]
+/// A soil without a texture counts as fine-grained below this friction angle. No sand in configs/soils has a
+/// smaller one.
+inline constexpr double kMinAngleOfSand = 20;  // [deg]
 
 struct SoftPoints {
-  std::vector<char> is_soft;         // [points]; empty: none
-  std::vector<std::string> because;  // one sentence for each cause
+  std::vector<char> is_soft;         // [points] 1: soft; empty: none is
+  std::vector<std::string> because;  // one sentence per cause, for the map's remarks
 };
 
-/// `points` are those of soil_points() for this soil. The index is the sample's own measurement, otherwise that of
-/// cohesion and friction angle (terrain/soil/strength.h).
+/// Which of the `points` from soil_points() are too soft. The cone index of a point is measured on its sample, or else
+/// estimated from cohesion and friction angle (terrain/soil/strength.h).
 SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector<std::vector<double>>& points,
                        const std::optional<ConeIndexNeed>& need);
 
-/// True, false, or nothing where neither the soil nor the region says.
+/// Nothing if neither the soil nor the region gives a texture.
 std::optional<bool> is_fine_grained(const Region& region, const Soil& soil);
 
 }  // namespace gonogo::map

@@ -1,5 +1,6 @@
-// What one soil may be: points over the variables of the contract, those that trials sampled and that are not too soft
-// kept for the model and the others counted.
+// What one soil may be, as equally likely points over the variables of the contract, and the model's mean answer.
+// SoilPoints::at() is where P(go) of a cell is computed: the mean of the model over these points.
+// Points outside the sampled box and points that are too soft are not put to the model. They count as not answered.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,30 +11,31 @@
 
 namespace gonogo::map {
 
-/// Room for the last digit of a range that went through a file.
+/// Whether `value` lies in `sampled`, with a tolerance for ranges that were rounded in a file.
 bool contains(Range sampled, double value);
 
 class SoilPoints {
  public:
-  /// `points` are those of soil_points(): equally likely, slopes not-a-number; `soft` those of soft_points().
+  /// `points`: from soil_points(), equally likely, slopes NaN. `soft`: from soft_points() for the same points.
   SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft = {});
 
-  /// Mean over the sampled points at these slopes [deg]; slopes outside the sampled box give a prospect without any.
+  /// Mean outcome probabilities over the sampled points at these slopes [deg]; Prospect::p_go() is P(go).
+  /// For slopes outside the sampled box outside_share is 1 and every probability 0.
   Prospect at(const OutcomeModel& model, double slope_along, double slope_across) const;
-  /// The same, and P(go) of every sampled point by the model and then by each of its members.
+  /// The same. Also appends P(go) of every sampled point to `p_go_of_each`: by the model, then by each of its members.
   Prospect at(const OutcomeModel& model, double slope_along, double slope_across,
               std::vector<double>& p_go_of_each) const;
-  /// Mean of the model's novelty over all points.
+  /// Mean of the model's novelty over all points, sampled or not. The model must have one.
   double novelty(const OutcomeModel& model, double slope_along, double slope_across) const;
 
   std::size_t sampled_count() const { return inside_count_; }
   /// Share of the points that are too soft, sampled or not.
   double soft_share() const { return soft_share_; }
-  /// Why nothing is said about slopes outside the sampled box.
+  /// Reason of an unknown cell whose slopes lie outside the sampled box.
   campaign::Reason reason_outside() const;
   /// Every point, sampled or not.
   const std::vector<std::vector<double>>& all() const { return all_; }
-  /// "cohesion 6.1 kPa is outside 0 to 5 kPa" for each variable that keeps points of this soil out.
+  /// "cohesion 6.1 kPa is outside 0 to 5 kPa", one for each variable that puts points outside the sampled box.
   const std::vector<std::string>& outside_because() const { return outside_because_; }
   const std::vector<std::string>& soft_because() const { return soft_.because; }
 

@@ -81,9 +81,8 @@ CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& ru
   return answer;
 }
 
-/// Between what the soil, the slope and the model may be: every sampled point at nine equally likely slopes, by the
-/// model and each of its members. What was
-/// not sampled counts as 0 for the low end and as 1 for the high one.
+/// Interval on P(go) from the spread of soil, slope and model: every sampled point, at nine equally likely slopes, by
+/// the model and each of its members. A point that was not sampled counts as 0 in the low end and as 1 in the high end.
 void SoilResponse::add_interval(double gradient_error, std::size_t models) {
 #pragma omp parallel for schedule(static)
   for (int i = 0; i <= kLastStep; ++i) {

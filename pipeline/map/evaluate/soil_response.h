@@ -1,5 +1,5 @@
-// How P(go) and the class of one soil depend on slope: the model folded into a table, so that a map costs little more
-// than reading and writing its rasters, however large it is.
+// P(go) and class of one soil as a function of slope, tabulated once from the model. A map then costs little more than
+// reading and writing its rasters. SoilResponse::at() gives P(go) of a cell; SoilPoints::at() computes the entries.
 #pragma once
 #include <map>
 #include <string>
@@ -12,49 +12,48 @@
 
 namespace gonogo::map {
 
-/// Slopes are rounded to this before the model is asked: 1/64 degree, far less than what the elevation's own error
-/// does. The map's P(go) is the model's own value at the rounded slope.
+/// Slopes are rounded to 1/64 degree, far less than the error of slopes from elevation. P(go) uphill is the model's
+/// value at the rounded slope.
 inline constexpr double kSlopeSteps = 64;  // per degree
 double rounded_slope(double slope_deg);
 
-/// Everything a map says about a cell whatever its aspect.
+/// What a map says about a cell that does not depend on its aspect.
 struct CellAnswer {
   CellClass result;                        // uphill heading
-  float p_go = 0;                          // not-a-number where nothing sampled is near, or only steeper than sampled
-  float p_slow = 0;                        // of it slow_go
-  float outside_share = 1;                 // share of what the soil may be, at this slope, that was never sampled
+  float p_go = 0;                          // uphill; NaN: no point of the soil was sampled, or the slope is too steep
+  float p_slow = 0;                        // the part of p_go that is slow_go
+  float outside_share = 1;                 // share of the soil's points that no trial answers for, at this slope
   float p_low = 0, p_high = 0;             // 5 % and 95 % points of P(go), uphill heading
-  float novelty = 0;                       // of the inputs, uphill heading; not-a-number when the model does not tell
-  float speed = 0, slip = 0, sinkage = 0;  // expected, uphill heading; not-a-number when the model does not tell
+  float novelty = 0;                       // uphill heading; NaN: the model gives none
+  float speed = 0, slip = 0, sinkage = 0;  // [m/s], [-], [m] expected, uphill; NaN: not given
   HeadingRange headings;
 };
 
 class SoilResponse {
  public:
-  /// `points` are those of soil_points(), `soft` those of soft_points(). The heading is uphill (slope_along = slope,
-  /// slope_across = 0) where nothing else is said. `gradient_error`: standard error of the rise per metre that follows
-  /// from the elevation's error.
+  /// `points`: from soil_points(). `soft`: from soft_points(). `gradient_error`: standard error of the slope that
+  /// follows from the elevation's error [rise per metre]; it widens p_low and p_high.
   SoilResponse(const OutcomeModel& model, const MapRules& rules, std::vector<std::vector<double>> points,
                double gradient_error = 0, SoftPoints soft = {});
 
-  /// For a slope in [0, 90] degrees. Steeper than what was sampled a cell is no_go if the steepest sampled slope is,
-  /// with its reason, and unknown otherwise.
+  /// Straight uphill (slope_along = slope_deg, slope_across = 0), slope_deg in [0, 90]. A cell steeper than sampled is
+  /// no_go if the steepest sampled slope is no_go, with its reason. Otherwise it is unknown.
   const CellAnswer& at(double slope_deg) const;
-  /// Any heading; psi as in bed_slopes().
+  /// In any heading; psi [rad] as in bed_slopes().
   const HeadingAnswer& at(double slope_deg, double psi) const {
     return headings_.at(bed_slopes(rounded_slope(slope_deg), psi));
   }
 
-  /// Probability of outcome `o` at slope step i (uphill); 0 where nothing was sampled.
+  /// Probability of outcome `o` uphill at slope i / kSlopeSteps [deg]; 0 where nothing was sampled.
   double uphill_outcome(std::size_t i, std::size_t o) const {
     return uphill_outcomes_[i].empty() ? 0.0 : uphill_outcomes_[i][o];
   }
 
-  /// Steepest and gentlest sampled slope [deg].
+  /// Sampled range of slope_along [deg].
   Range sampled_slope() const { return sampled_slope_; }
   const SoilPoints& points() const { return points_; }
   const HeadingTable& headings() const { return headings_; }
-  /// Expected measures of trials that pass, by name; empty when the model does not tell.
+  /// Expected measures of trials that pass, by name. Empty without a dataset.
   const std::map<std::string, SlopeMeasure>& measures() const { return measures_; }
   const std::vector<std::string>& outside_because() const { return points_.outside_because(); }
 
@@ -68,9 +67,9 @@ class SoilResponse {
   HeadingTable headings_;
   std::map<std::string, SlopeMeasure> measures_;
   Range sampled_slope_;
-  std::vector<CellAnswer> table_;                     // by slope x kSlopeSteps, to 90 degrees
+  std::vector<CellAnswer> table_;                     // [round(slope x kSlopeSteps)], 0 to 90 degrees
   std::vector<std::vector<double>> uphill_outcomes_;  // [step][outcome]; empty where nothing was sampled
-  std::vector<std::vector<double>> p_each_;           // [step][sampled point], only while the tables are made
+  std::vector<std::vector<double>> p_each_;           // [step][sampled point]; freed after construction
 };
 
 }  // namespace gonogo::map

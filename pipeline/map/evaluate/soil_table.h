@@ -1,5 +1,5 @@
-// The soils of a region with their tabulated answers, looked up by the code of the soil raster and the state of the
-// moisture, and of fine-grained soils also by whether their cone index was measured and is high enough.
+// The soils of a region with their tabulated answers. The key is the soil code of the raster and the moisture state.
+// Fine-grained soils have a second entry for cells whose measured cone index is high enough.
 #pragma once
 #include <cstdint>
 #include <unordered_map>
@@ -13,17 +13,17 @@ namespace gonogo::map {
 struct SoilTable {
   static constexpr int kUnknown = -1;
 
-  std::vector<Soil> soils;                   // with "wet" and the like in the name where moisture is told apart
+  std::vector<Soil> soils;                   // the name includes the moisture state, if there is one
   std::vector<SoilResponse> responses;       // [soils]
-  std::vector<int> moisture;                 // [soils] state, 0: any; k: the region's k-th
-  std::vector<char> may_be_soft;             // [soils] not known to be coarse: a measured cone index counts
-  ConeIndexNeed need;                        // what it is compared with
-  std::vector<std::uint64_t> cells;          // [soils], cells with a slope, counted while the map is made
-  std::vector<std::string> without_samples;  // "wet loam": soils that no sample tells anything of
+  std::vector<int> moisture;                 // [soils] 0: any state; k: the region's k-th state
+  std::vector<char> may_be_soft;             // [soils] 1: may be fine-grained, a measured cone index counts
+  ConeIndexNeed need;                        // the measured cone index is compared with it
+  std::vector<std::uint64_t> cells;          // [soils] cells with a slope; counted while the map is made
+  std::vector<std::string> without_samples;  // "wet loam": soils without a sample in that state
 
-  /// Position in `soils`; kUnknown for a code that the table does not list, or without samples in this state.
+  /// Position in `soils`. kUnknown if the table does not list the code or has no sample in this state.
   int find(int code, int state) const { return find(key(code, state, false)); }
-  /// The same soil where a cone found it firm enough.
+  /// The entry for cells whose measured cone index is high enough.
   int find_firm(int code, int state) const { return find(key(code, state, true)); }
 
   void add(Soil soil, int state, bool soft_allowed, bool firm, SoilResponse response) {

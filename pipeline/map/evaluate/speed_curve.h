@@ -1,5 +1,5 @@
-// Speed made good over the region: how much of the known area can be crossed how fast. Cells that cannot be passed
-// count with speed 0; unknown cells are left out and counted apart.
+// Speed curve of a region: which share of the known area can be crossed at which speed. Impassable cells count with
+// speed 0. Unknown cells are counted separately.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -10,16 +10,16 @@ namespace gonogo::map {
 class SpeedCurve {
  public:
   static constexpr double kStep = 0.01;  // [m/s] width of a class of speeds
-  static constexpr int kSteps = 4096;    // faster counts as the fastest class
-  /// Position of a speed [m/s] among the classes; 0 only for cells that cannot be passed.
+  static constexpr int kSteps = 4096;    // number of classes; faster cells count in the last one
+  /// Class of a speed [m/s]. Class 0 is for impassable cells only.
   static int step_of(double speed);
 
   void add(int step, std::uint64_t cells) { cells_[std::size_t(step)] += cells; }
   void add_unknown(std::uint64_t cells) { unknown_ += cells; }
 
-  /// Columns percent_of_known_area (1 to 100), slowest_m_s: speed that the best so many percent reach at least,
-  /// mean_m_s: their mean along a way with as much of every cell (harmonic), the V50 of mobility studies at 50. A last
-  /// line tells the share of unknown cells.
+  /// One line for each percent_of_known_area p from 1 to 100, fastest cells first. slowest_m_s is the min speed of the
+  /// fastest p percent. mean_m_s is their harmonic mean, called V50 at p = 50 in mobility studies. The last line gives
+  /// the share of unknown cells.
   std::string csv() const;
 
  private:

@@ -1,4 +1,4 @@
-// One self-contained HTML file: the page of this folder with what it shows.
+// Puts one self-contained HTML file together: the page in this folder, and the data that it shows.
 #pragma once
 #include <string>
 #include <vector>
@@ -8,11 +8,11 @@
 
 namespace gonogo::map {
 
-/// `meta` is what data.js calls meta. Any text in it is shown as text: nothing of it can end the script or become
-/// markup.
+/// The HTML of a page. `meta` becomes the constant of that name in data.js. Text in it is escaped, so it cannot end the
+/// script or become markup.
 std::string page_file(const Json& meta, const std::vector<Blob>& blobs);
 
-/// JSON that can stand inside a <script> element.
+/// JSON escaped for use inside a <script> element.
 std::string script_safe(const Json& json);
 
 }  // namespace gonogo::map

@@ -1,5 +1,4 @@
-// The parts of the page as they stand in this folder; {{css}}, {{js}}, {{meta}} and {{blobs}} in the HTML are filled
-// in.
+// The sources of the page as compiled into the program. page_file() fills {{css}}, {{js}}, {{meta}} and {{blobs}} in.
 #pragma once
 #include <string>
 

@@ -102,7 +102,7 @@ class Heap {
 
 /// Totals along a path: length, climb, and time, risk and energy where the model tells them.
 function totals_of(path) {
-  const sum = { length: 0, time: 0, risk: 0, energy: 0, climb: 0, least_p: 1 };
+  const sum = { length: 0, time: 0, risk: 0, energy: 0, climb: 0, min_p: 1 };
   for (let i = 1; i < path.length; ++i) {
     const dx = path[i] % cells.columns - path[i - 1] % cells.columns;
     const dy = Math.floor(path[i] / cells.columns) - Math.floor(path[i - 1] / cells.columns);
@@ -110,7 +110,7 @@ function totals_of(path) {
     for (const cell of [path[i - 1], path[i]]) {
       const h = half_step(cell, k);
       for (const name of ['length', 'time', 'risk', 'energy']) sum[name] += h[name];
-      sum.least_p = Math.min(sum.least_p, h.p);
+      sum.min_p = Math.min(sum.min_p, h.p);
     }
     sum.climb += Math.max(0, height_of(path[i]) - height_of(path[i - 1]));
   }

@@ -1,4 +1,4 @@
-// How much of the region is what: cells counted by class and reason.
+// Number of cells of a region by class and reason.
 #pragma once
 #include <cstdint>
 #include <map>
@@ -19,11 +19,12 @@ class AreaCount {
   std::uint64_t total() const;
   std::uint64_t cells(campaign::Verdict verdict) const;
   std::uint64_t cells(campaign::Verdict verdict, campaign::Reason reason) const;
-  /// Share of all cells that have elevation [0, 1]; 0 when there are none.
+  /// Share of all counted cells [0, 1]; 0 if none were counted. A map counts the cells that have a slope.
   double share(campaign::Verdict verdict) const;
   double share(campaign::Verdict verdict, campaign::Reason reason) const;
 
-  /// Columns class, reason, cells, area_km2, share; every class in the contract's order, then its reasons that occur.
+  /// Columns class, reason, cells, area_km2, share. Classes in the contract's order, each followed by its reasons that
+  /// occur.
   std::string csv(double cell_area_m2) const;
   Json to_json() const;
   static AreaCount from_json(const Json& json);

@@ -1,4 +1,4 @@
-// What is known of a variable at a place: a value, a range in which every value is as likely, or nothing.
+// What is known about a variable: a value, a range with a uniform distribution, or nothing.
 #pragma once
 #include <map>
 #include <string>
@@ -16,16 +16,16 @@ struct Spread {
   std::string source;        // where the number comes from, or why there is none
 };
 
-/// By name of the variable. Variables that are not listed are unknown: the model sums them out.
+/// By name of the variable. A variable that is not listed is unknown, and the model sums it out.
 using Spreads = std::map<std::string, Spread>;
 
-/// An object of {"fixed": x, "source": ...}, {"range": [low, high], "source": ...} or {"unknown": why} by variable.
-/// Throws InputError for other variables, values outside the contract's range, or numbers without a source.
-/// Slopes come from the elevation raster and are refused here.
+/// Reads an object that gives {"fixed": x, "source": ...}, {"range": [low, high], "source": ...} or {"unknown": why}
+/// for each variable. Throws InputError for other variables, slopes, values outside the contract's range, and numbers
+/// without a source. Slopes are refused because the elevation raster gives them.
 Spreads read_spreads(const Config& config);
 
-/// Equally weighted points over all variables of the contract, not-a-number where unknown: the Hammersley set of
-/// `draws` points over the ranges (one point when there is no range), so always the same points. Slopes stay unknown.
+/// Equally likely points over all variables of the contract [points][variable count]; NaN where unknown, as slopes are.
+/// They are the Hammersley set of `draws` points over the ranges, or one point without a range. No random numbers.
 /// Hammersley 1960, "Monte Carlo methods for solving multivariable problems".
 std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws);
 

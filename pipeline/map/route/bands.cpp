@@ -61,11 +61,11 @@ CostBands cost_bands(RouteCost cost, const std::vector<float>& least, double int
   CostBands bands;
   bands.interval = interval > 0 ? interval : round_interval(cost, most / kWantedBands);
   const double count = std::floor(most / bands.interval) + 1;
-  if (count > kMostBands)
+  if (count > kMaxBands)
     throw InputError(
         line("route: --interval %g makes %.0f bands up to the largest cost of %.4g (%s); allowed are %d, "
              "so give at least %.3g",
-             interval, count, most, kMeaning[std::size_t(cost)], kMostBands, most / (kMostBands - 1)));
+             interval, count, most, kMeaning[std::size_t(cost)], kMaxBands, most / (kMaxBands - 1)));
   const Scale scale = scale_of(cost, bands.interval);
   for (int b = 0; b < int(count); ++b)
     bands.label.push_back(label_of(cost, b * bands.interval, (b + 1) * bands.interval, scale));
@@ -86,7 +86,7 @@ LargestRegions largest_regions(const std::vector<std::int32_t>& region) {
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return result.cells[a] > result.cells[b]; });
   std::vector<std::uint8_t> rank(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k) rank[order[k]] = std::uint8_t(std::min(k, kLargestRegions));
+  for (std::size_t k = 0; k < order.size(); ++k) rank[order[k]] = std::uint8_t(std::min(k, kMaxRegions));
   for (const std::int32_t r : region) result.rank.push_back(r < 0 ? kNoBand : rank[std::size_t(r)]);
   std::sort(result.cells.begin(), result.cells.end(), std::greater<>());
   return result;

@@ -1,4 +1,4 @@
-// What can be reached, in few numbers: bands of equal cost (isochrones) and the largest connected regions.
+// Summaries of what can be reached: bands of equal cost (isochrones) and the largest connected regions.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -9,27 +9,29 @@
 namespace gonogo::map {
 
 inline constexpr std::uint8_t kNoBand = 255;
-inline constexpr int kMostBands = 250;
+inline constexpr int kMaxBands = 250;
 
-/// Bands of equal cost, `interval` [unit_of(cost)] wide: band b holds b interval <= cost < (b + 1) interval.
+/// Bands of equal cost. Band b holds the cells with b interval <= cost < (b + 1) interval.
 struct CostBands {
-  double interval = 0;
+  double interval = 0;             // width of a band [unit_of(cost)]
   std::vector<std::string> label;  // [band] "10 to 20 min"
-  std::vector<std::uint8_t> band;  // [cell]; kNoBand where there is no way
+  std::vector<std::uint8_t> band;  // [cell]; kNoBand: cannot be reached
 };
 
-/// An interval of 0 becomes the least round one that gives at most eight bands. Throws InputError where it is negative,
-/// not finite, or gives more than kMostBands.
+/// `least`: cost of the cheapest way to each cell; infinity where there is none. An interval of 0 becomes the smallest
+/// round one that gives at most eight bands. Throws InputError for an interval that is negative or not finite, or that
+/// gives more than kMaxBands bands.
 CostBands cost_bands(RouteCost cost, const std::vector<float>& least, double interval);
 
-inline constexpr std::size_t kLargestRegions = 20;
+/// Regions that are ranked one by one.
+inline constexpr std::size_t kMaxRegions = 20;
 
 struct LargestRegions {
-  std::vector<std::uint8_t> rank;    // [cell] 0 in the largest region; kLargestRegions in smaller ones; kNoBand outside
-  std::vector<std::uint64_t> cells;  // of every region, the largest first
+  std::vector<std::uint8_t> rank;    // [cell] 0: largest region; kMaxRegions: all smaller ones; kNoBand: none
+  std::vector<std::uint64_t> cells;  // [region] largest first
 };
 
-/// From what connected_regions gives; of equally large regions the one with the first cell comes first.
+/// Ranks the result of connected_regions(). Of equally large regions the one with the lower first cell comes first.
 LargestRegions largest_regions(const std::vector<std::int32_t>& region);
 
 }  // namespace gonogo::map

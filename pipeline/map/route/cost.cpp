@@ -24,7 +24,7 @@ double cost_per_metre(const SoilResponse& soil, const HeadingAnswer& answer, Bed
   const double length = 1 / std::cos(slopes.along * kDegree);
   switch (cost) {
     case RouteCost::time:
-      return length / std::max(kSlowestSpeed, require_measure(soil, "mean_speed").at(slopes));
+      return length / std::max(kMinSpeed, require_measure(soil, "mean_speed").at(slopes));
     case RouteCost::risk:
       return -std::log(std::min(1.0, double(answer.p_go))) * length / correlation_length;
     case RouteCost::energy:

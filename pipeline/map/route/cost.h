@@ -1,16 +1,15 @@
-// What a step of a route costs.
+// Cost of a step of a route.
 //
-// A step goes to one of the eight neighbours; half of it lies in each of its two cells. In a cell the heading gives a
-// node of the soil's heading table (slopes along and across rounded to 1/kHeadingSteps degree), and the node a cost per
-// metre of map distance:
+// A step goes to one of the eight neighbours. Half of it lies in each of its two cells. In a cell the heading selects a
+// node of the soil's heading table (heading_table.h). The node gives the cost per metre of map distance:
 //
 //   length   1 / cos(along)                          [m]     on the ground
 //   time     length / expected speed made good       [s]
-//   risk     -ln P(go) length / correlation length   [-]     minus the log of the chance to get through
+//   risk     -ln P(go) length / correlation length   [-]     -ln of the chance to get through
 //   energy   length x energy per metre               [J]     of one wheel
 //
-// The chances of passing are the same within the correlation length and independent beyond it, so that the risk of a
-// way does not depend on the size of the cells. A node that is not go or slow-go cannot be passed in that heading.
+// The chances of passing are equal within the correlation length and independent beyond it. The risk of a way therefore
+// does not depend on the cell size. A node that is neither go nor slow_go is impassable in that heading.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -25,19 +24,19 @@ namespace gonogo::map {
 enum class RouteCost { length, time, risk, energy };
 inline constexpr std::array<RouteCost, 4> kRouteCosts = {RouteCost::length, RouteCost::time, RouteCost::risk,
                                                          RouteCost::energy};
-/// "shortest", "fastest", "safest", "least-energy"; throws InputError for other names.
+/// "shortest", "fastest", "safest" or "least-energy". Throws InputError for other names.
 RouteCost route_cost_named(const std::string& name);
 std::string name_of(RouteCost cost);
 /// "m", "s", "1" or "J".
 const char* unit_of(RouteCost cost);
 
-/// Inputs of all cells of a map, row by row from the north.
+/// Inputs of all cells of a map [cell], row by row from the north.
 struct RouteCells {
   int columns = 0, rows = 0;
   double cell_width = 1, cell_height = 1;  // [m]
   std::vector<std::uint16_t> slope;        // [1 / kSlopeSteps deg]
-  std::vector<std::uint16_t> aspect;       // whole degrees, downslope
-  std::vector<std::uint8_t> soil;  // position in the soil table; kNowhere: no elevation, soil not known, water, ...
+  std::vector<std::uint16_t> aspect;       // whole degrees [0, 360), downhill, clockwise from grid north
+  std::vector<std::uint8_t> soil;  // position in the soil table; kNowhere: no slope, unknown soil, or a land rule
   static constexpr std::uint8_t kNowhere = 255;
 };
 
@@ -45,11 +44,12 @@ struct RouteCells {
 struct RouteStep {
   int column = 0, row = 0;
   int heading = 0;    // [deg clockwise from grid north], rounded to whole degrees
-  double length = 0;  // of the whole step on the map [m]
+  double length = 0;  // map distance of the whole step [m]
 };
 std::array<RouteStep, 8> route_steps(double cell_width, double cell_height);
 
-/// Node of the heading table by slope and by psi in whole degrees; kNoNode outside what was sampled.
+/// Node of the heading table by slope step (1 / kSlopeSteps deg) and psi [0, 360) in whole degrees. kNoNode outside the
+/// sampled box.
 class HeadingNodes {
  public:
   explicit HeadingNodes(const HeadingTable& table);
@@ -59,16 +59,16 @@ class HeadingNodes {
   static constexpr std::size_t kNoNode = 65535;
 
  private:
-  std::vector<std::uint16_t> node_;  // [90 kSlopeSteps + 1][360]; small, since every step of a search looks here
+  std::vector<std::uint16_t> node_;  // [90 kSlopeSteps + 1][360]; 16 bits keep it in cache for the search
 };
 
-/// Costs of all soils of a map. The table outlives it.
+/// Costs per metre for all soils of a map. `table` is read in the constructor only.
 class RouteCosts {
  public:
-  /// Throws InputError when time or energy is asked for and the model does not tell speeds.
+  /// correlation_length [m] > 0. Throws InputError for time or energy if the soils have no such measure.
   RouteCosts(const SoilTable& table, RouteCost cost, double correlation_length);
 
-  /// Per metre of map distance in this cell, heading `heading` [whole degrees]; infinity where it cannot be passed.
+  /// Cost per metre of map distance in `cell`. heading: whole degrees [0, 360). kImpassable if it cannot be passed.
   float per_metre(const RouteCells& cells, std::size_t cell, int heading) const {
     const std::uint8_t soil = cells.soil[cell];
     if (soil == RouteCells::kNowhere) return kImpassable;
@@ -77,7 +77,7 @@ class RouteCosts {
     const std::size_t node = nodes_.node(cells.slope[cell], psi);
     return node == HeadingNodes::kNoNode ? kImpassable : factor_[soil][node];
   }
-  /// Some heading can be passed.
+  /// Whether some heading of the cell can be passed.
   bool ever_passable(const RouteCells& cells, std::size_t cell) const {
     const std::uint8_t soil = cells.soil[cell];
     return soil != RouteCells::kNowhere && best_[soil][cells.slope[cell]];

@@ -1,5 +1,5 @@
-// The cells of a map as a graph of the Boost Graph Library: vertices are cells, edges the steps to the neighbours that
-// can be passed. Nothing is stored but the cells.
+// The cells of a map as a graph of the Boost Graph Library. Vertices are cells; edges are the steps to passable
+// neighbours. Edges are computed on demand; one byte per cell says which of the eight steps are open.
 #pragma once
 #include <bit>
 #include <boost/graph/graph_traits.hpp>
@@ -33,15 +33,15 @@ class StepGraph {
 
   Vertex size() const { return cells_->soil.size(); }
   Vertex target(Vertex from, int step) const { return Vertex(std::ptrdiff_t(from) + offset_[std::size_t(step)]); }
-  /// Bit s: step s stays on the map, ends in a cell that some heading passes, and, if diagonal, touches no cell that
-  /// none does.
+  /// Bit s is set if step s stays on the map and ends in a cell that some heading passes. A diagonal step also needs
+  /// that both cells beside it are such.
   unsigned open_steps(Vertex from) const { return open_[from]; }
-  /// Costs found so far: steps to cells that are no farther than the one they start from cannot shorten any way, and
-  /// are left out from now on. Half of all steps are such.
+  /// Gives the costs found so far [cell]; they must outlive the search. A step to a cell whose cost is not larger
+  /// cannot shorten any way. Such steps, half of all, are left out from now on.
   void leave_out_steps_back(const std::vector<float>& cost) { known_ = cost.data(); }
   bool leads_back(Vertex from, int step) const { return known_ && known_[target(from, step)] <= known_[from]; }
-  /// Infinity where one of the two cells cannot be passed in this heading. Backwards: of the step from target to
-  /// source.
+  /// Cost of the step; infinity if one of its two cells cannot be passed in this heading. In a backwards graph: of the
+  /// step from target to source.
   float cost(Vertex from, int step) const {
     const auto s = std::size_t(step);
     return half_length_[s] * (costs_->per_metre(*cells_, from, heading_[s]) +
@@ -81,7 +81,7 @@ class StepGraph {
   std::vector<std::uint8_t> open_;
 };
 
-/// The steps from a cell whose cost is finite.
+/// Iterates over the steps from a cell that have a finite cost.
 class StepIterator
     : public boost::iterator_facade<StepIterator, StepGraph::Edge, boost::forward_traversal_tag, StepGraph::Edge> {
  public:
@@ -113,7 +113,7 @@ class StepIterator
 
   const StepGraph* graph_ = nullptr;
   StepGraph::Edge edge_;
-  unsigned left_ = 0;  // bit s: step s is still to come, the lowest one is here
+  unsigned left_ = 0;  // bit s: step s is not yet visited; the lowest bit is the current step
 };
 
 inline std::pair<StepIterator, StepIterator> out_edges(StepGraph::Vertex v, const StepGraph& g) {

@@ -12,15 +12,15 @@
 namespace gonogo::map {
 namespace {
 
-constexpr int kBlockRows = 128;
+constexpr int kBandRows = 128;
 
-void take(const BlockLayers& block, RouteCells& cells) {
-  for (int row = 0; row < block.window.rows; ++row)
-    for (int column = 0; column < block.window.columns; ++column) {
-      const float slope = block.slope.at(column, row), aspect = block.aspect.at(column, row);
-      const float soil = block.soil.at(column, row);
-      if (std::isnan(soil) || soil < 0 || block.rule.at(column, row) > 0) continue;
-      const std::size_t i = std::size_t(block.window.row + row) * std::size_t(cells.columns) + std::size_t(column);
+void take(const TileLayers& tile, RouteCells& cells) {
+  for (int row = 0; row < tile.window.rows; ++row)
+    for (int column = 0; column < tile.window.columns; ++column) {
+      const float slope = tile.slope.at(column, row), aspect = tile.aspect.at(column, row);
+      const float soil = tile.soil.at(column, row);
+      if (std::isnan(soil) || soil < 0 || tile.rule.at(column, row) > 0) continue;
+      const std::size_t i = std::size_t(tile.window.row + row) * std::size_t(cells.columns) + std::size_t(column);
       cells.slope[i] = std::uint16_t(std::lround(slope * kSlopeSteps));
       cells.aspect[i] = std::isnan(aspect) ? 0 : std::uint16_t(rounded_aspect(aspect));
       cells.soil[i] = std::uint8_t(soil);
@@ -44,7 +44,7 @@ RouteCells read_route_cells(const MapSources& sources, const Region& region, con
   cells.slope.assign(count, 0);
   cells.aspect.assign(count, 0);
   cells.soil.assign(count, RouteCells::kNowhere);
-  const int bands = (grid.rows + kBlockRows - 1) / kBlockRows;
+  const int bands = (grid.rows + kBandRows - 1) / kBandRows;
   FirstError error;
 #pragma omp parallel num_threads(threads > 0 ? threads : omp_get_max_threads())
   {
@@ -54,10 +54,10 @@ RouteCells read_route_cells(const MapSources& sources, const Region& region, con
       error.guard([&] {
         stop_if_cancelled();
         if (!own) own = sources.again();
-        const int row = band * kBlockRows;
-        take(evaluate_block(*own, region, table, {}, rules,
-                            {0, row, grid.columns, std::min(kBlockRows, grid.rows - row)}),
-             cells);
+        const int row = band * kBandRows;
+        take(
+            evaluate_tile(*own, region, table, {}, rules, {0, row, grid.columns, std::min(kBandRows, grid.rows - row)}),
+            cells);
       });
   }
   error.rethrow();

@@ -1,4 +1,4 @@
-// The queue of Dijkstra's search: cells by their least cost found so far.
+// The priority queue of Dijkstra's search: cells by the smallest cost found so far.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -8,8 +8,8 @@
 
 namespace gonogo::map {
 
-/// A buffer of boost::breadth_first_visit. A cell whose cost has fallen is entered once more; its older entries are
-/// dropped when they come up, so that nothing needs to be found inside of the heap. Equal costs: the lower cell first.
+/// A buffer for boost::breadth_first_visit. A cell whose cost falls is pushed again; its older entries are dropped when
+/// they reach the top. So no entry must be found inside the heap. Of equal costs the lower cell number comes first.
 class NearestFirst {
  public:
   explicit NearestFirst(const std::vector<float>& cost) : cost_(cost) {}
@@ -29,7 +29,7 @@ class NearestFirst {
   }
 
  private:
-  /// Costs are not negative, so that their bits are in their own order.
+  /// Bits of non-negative floats sort as the floats do, so cost and cell fit one integer.
   std::uint64_t key(std::size_t cell) const {
     return std::uint64_t(std::bit_cast<std::uint32_t>(cost_[cell])) << 32 | std::uint32_t(cell);
   }

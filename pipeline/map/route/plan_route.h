@@ -1,4 +1,4 @@
-// A route over a region from what the user names: two places and a cost.
+// Plans routes over a region between two places, and what can be reached from one.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -15,23 +15,23 @@ struct Place {
   double x = 0, y = 0;  // in the region's coordinate system
 };
 
-/// "218000,4370000"; throws InputError, `where` first.
+/// Reads "218000,4370000". Throws InputError for other forms, with `where` first.
 Place parse_place(const std::string& text, const std::string& where);
 
 struct RouteRequest {
-  MapRequest map;  // model, region, rules; its folder is not used
+  MapRequest map;  // model, region and rules; `out` is ignored
   std::optional<Place> from, to;
-  std::vector<RouteCost> costs;      // one line each; what can be reached goes by the first
+  std::vector<RouteCost> costs;      // a route for each; reach and isochrones use the first
   std::filesystem::path lines;       // .gpkg, .geojson or .gpx; empty: none
-  std::filesystem::path reach;       // .tif of the least cost from `from`; empty: none
-  std::filesystem::path isochrones;  // .gpkg of bands of it; empty: none
-  double interval = 0;               // width of a band, in the cost's unit; 0: a round one
+  std::filesystem::path reach;       // .tif of the min cost from `from`; empty: none
+  std::filesystem::path isochrones;  // .gpkg of bands of that cost; empty: none
+  double interval = 0;               // width of a band [unit_of(cost)]; 0: a round one
   std::filesystem::path regions;     // .gpkg of the connected regions; empty: none
 };
 
-/// { crs, cells, routes: [{ cost, found, length_m, chance, time_s, energy_j }], regions, files }: time and energy where
-/// the model tells, regions where they are asked for. Throws InputError where a place is missing or nothing is asked
-/// for.
+/// Writes the files asked for and returns { crs, cells, routes: [{ cost, found, length_m, chance, time_s, energy_j }],
+/// regions, files }. time_s and energy_j need a model with measures; regions is there if asked for. Throws InputError
+/// if a place is missing or nothing is asked for.
 Json plan_route(const RouteRequest& request);
 std::string route_text(const Json& result);
 

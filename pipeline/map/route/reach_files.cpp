@@ -75,10 +75,10 @@ Json write_regions(const fs::path& path, const terrain::MapGrid& grid, const std
   const LargestRegions regions = largest_regions(region);
   const double cell_km2 = grid.cell_area_m2() * 1e-6;
   std::vector<terrain::LegendEntry> legend;
-  for (std::size_t k = 0; k < std::min(regions.cells.size(), kLargestRegions); ++k)
+  for (std::size_t k = 0; k < std::min(regions.cells.size(), kMaxRegions); ++k)
     legend.push_back({double(k), line("region %zu: %.4g km2", k + 1, double(regions.cells[k]) * cell_km2),
                       kRegionColours[k % kRegionColours.size()]});
-  if (regions.cells.size() > kLargestRegions) legend.push_back({double(kLargestRegions), "smaller regions", "#bdbdbd"});
+  if (regions.cells.size() > kMaxRegions) legend.push_back({double(kMaxRegions), "smaller regions", "#bdbdbd"});
   terrain::write_cell_polygons(path, "regions", grid, regions.rank, legend);
   Json json = Json::object();
   json["count"] = std::uint64_t(regions.cells.size());

@@ -1,4 +1,4 @@
-// Cheapest ways over the cells of a map.
+// Cheapest ways over the cells of a map, by Dijkstra's algorithm (1959).
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -13,15 +13,16 @@ struct FoundRoute {
   std::vector<std::uint32_t> cell;  // from start to end, neighbours of each other
 };
 
-/// Dijkstra 1959; nothing when no way is known to be passable. Equal costs: the cell found first, always the same.
+/// The cheapest way from `start` to `end`; nothing if there is none. Ties are broken by cell number, so the result is
+/// always the same.
 std::optional<FoundRoute> find_route(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
                                      std::uint32_t end);
 
-/// Least cost from `start` to every cell, or with `backwards` from every cell to it; infinity where there is no way.
+/// Min cost from `start` to every cell [cell]; with `backwards`, from every cell to `start`. No way: infinity.
 std::vector<float> reach(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start, bool backwards = false);
 
-/// Connected regions: number of the region of each cell, -1 where no heading passes. Two cells are connected when steps
-/// between them exist in both directions under `costs`. Regions are numbered by their first cell.
+/// Number of the connected region of each cell [cell]; -1 if no heading passes. Two neighbours are connected if `costs`
+/// allows the steps in both directions. Regions are numbered in the order of their first cell.
 std::vector<std::int32_t> connected_regions(const RouteCells& cells, const RouteCosts& costs);
 
 }  // namespace gonogo::map

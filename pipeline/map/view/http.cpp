@@ -19,7 +19,7 @@
 namespace gonogo::map {
 namespace {
 
-constexpr std::size_t kLongestRequest = 16384;
+constexpr std::size_t kMaxRequest = 16384;
 constexpr int kLookMs = 200;  // how often the server looks whether it should stop
 
 const char* reason_of(int status) {
@@ -43,7 +43,7 @@ const char* reason_of(int status) {
 std::string read_request(int connection) {
   std::string text;
   char part[4096];
-  while (text.find("\r\n\r\n") == std::string::npos && text.size() < kLongestRequest) {
+  while (text.find("\r\n\r\n") == std::string::npos && text.size() < kMaxRequest) {
     const ssize_t got = ::recv(connection, part, sizeof part, 0);
     if (got <= 0) return "";
     text.append(part, std::size_t(got));

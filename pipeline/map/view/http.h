@@ -1,4 +1,4 @@
-// Just enough of HTTP/1.1 (RFC 9110, 9112) to show files and answers to a browser on the same machine.
+// A minimal HTTP/1.1 server (RFC 9110, 9112) that shows a map to a browser on the same machine.
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -14,17 +14,17 @@ struct HttpAnswer {
 
 class HttpServer {
  public:
-  /// Listens on `address` (an IPv4 address) and `port`, 0 for any free one. Throws DeviceError when that is refused,
-  /// InputError for what is no address.
+  /// Listens on an IPv4 `address` and `port`; port 0 takes any free one. Throws InputError for a text that is no
+  /// address and DeviceError if the system refuses to listen.
   HttpServer(const std::string& address, std::uint16_t port);
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
   ~HttpServer();
 
   std::uint16_t port() const { return port_; }
-  /// Answers GET and HEAD by `answer(path)`, path without query and with %xx decoded, one request after the other,
-  /// until cancel_requested() or stop(). Exceptions of `answer` become status 500. Requests whose Host is neither the
-  /// address nor localhost are refused, so that no page of another site can read the map by a name of its own.
+  /// Answers GET and HEAD requests by `answer(path)`, one after the other, until cancel_requested() or stop(). `path`
+  /// has no query and %xx is decoded. Exceptions of `answer` become status 500. The request's Host must be the address
+  /// or localhost. Otherwise a page of another site could read the map through a host name of its own (DNS rebinding).
   void run(const std::function<HttpAnswer(const std::string& path)>& answer);
   void stop() { stopped_ = true; }
 
@@ -38,7 +38,7 @@ class HttpServer {
   std::atomic<bool> stopped_ = false;
 };
 
-/// %xx decoded; nothing but the path: query and fragment are cut off.
+/// The path of a request target: %xx decoded, query and fragment cut off.
 std::string decoded_path(const std::string& target);
 
 }  // namespace gonogo::map

@@ -1,4 +1,4 @@
-// A map folder for a browser: the page, and from the GeoTIFFs, read on demand, tiles and the values of single cells.
+// Serves a map folder to a browser: the page, its files, and tiles and cell values read from the GeoTIFFs on demand.
 //
 //   /                              index.html
 //   /files/<name>                  a file that map.json lists
@@ -18,9 +18,9 @@ namespace gonogo::map {
 
 class MapView {
  public:
-  /// Throws InputError when the folder holds no whole map.
+  /// Throws InputError if the folder holds no finished map.
   explicit MapView(std::filesystem::path folder);
-  /// Never leaves the folder: only files of map.json are named.
+  /// Answers one path of the list above; anything else is status 404. Only files listed in map.json can be read.
   HttpAnswer answer(const std::string& path) const;
 
  private:

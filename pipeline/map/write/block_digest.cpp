@@ -14,7 +14,7 @@ using terrain::Tile;
 using terrain::Window;
 namespace {
 
-/// A cell of a reduced copy, and the cell of the block that it shows.
+/// A cell of a reduced copy, and the cell of the tile that it shows.
 struct Pick {
   int to = 0, from = 0;
 };
@@ -56,7 +56,7 @@ class Reader {
   T get() {
     T value{};
     if (at_ + sizeof value > bytes_.size())
-      throw DeviceError(where_ + ": a block of the unfinished map is damaged; remove the file and start again");
+      throw DeviceError(where_ + ": a tile of the unfinished map is damaged; remove the file and start again");
     std::memcpy(&value, bytes_.data() + at_, sizeof value);
     at_ += sizeof value;
     return value;
@@ -68,17 +68,17 @@ class Reader {
 };
 
 /// Cells by class of speed, the last entry unknown ones; only what occurs, as (position, cells).
-std::map<std::uint32_t, std::uint64_t> speeds_of(const BlockLayers& block, const std::vector<MapLayer>& layers) {
+std::map<std::uint32_t, std::uint64_t> speeds_of(const TileLayers& tile, const std::vector<MapLayer>& layers) {
   std::map<std::uint32_t, std::uint64_t> cells;
   std::size_t speed = 0;
   while (speed < layers.size() && layers[speed].file != "speed") ++speed;
   if (speed == layers.size()) return cells;
-  for (std::size_t i = 0; i < block.verdict().value.size(); ++i) {
-    const float verdict = block.verdict().value[i];
+  for (std::size_t i = 0; i < tile.verdict().value.size(); ++i) {
+    const float verdict = tile.verdict().value[i];
     if (std::isnan(verdict)) continue;
     const auto v = campaign::Verdict(int(verdict));
     const bool passed = campaign::passes(v);
-    const float metres = block.layer[speed].value[i];
+    const float metres = tile.layer[speed].value[i];
     if (v == campaign::Verdict::unknown || (passed && std::isnan(metres)))
       ++cells[SpeedCurve::kSteps];
     else
@@ -89,33 +89,33 @@ std::map<std::uint32_t, std::uint64_t> speeds_of(const BlockLayers& block, const
 
 }  // namespace
 
-std::string digest_of(const BlockLayers& block, const SoilTable& table, const MapGrid& grid, const MapDigest& shape,
+std::string digest_of(const TileLayers& tile, const SoilTable& table, const MapGrid& grid, const MapDigest& shape,
                       const std::vector<MapLayer>& layers) {
   const std::size_t reasons = campaign::contract().reasons.size(), verdicts = campaign::contract().verdicts.size();
   std::vector<std::uint64_t> area((verdicts + 1) * reasons, 0), soils(table.soils.size(), 0);
-  for (std::size_t i = 0; i < block.verdict().value.size(); ++i) {
-    if (std::isnan(block.verdict().value[i])) continue;
-    ++area[std::size_t(block.verdict().value[i]) * reasons + std::size_t(block.reason().value[i])];
-    if (block.soil.value[i] >= 0) ++soils[std::size_t(block.soil.value[i])];
+  for (std::size_t i = 0; i < tile.verdict().value.size(); ++i) {
+    if (std::isnan(tile.verdict().value[i])) continue;
+    ++area[std::size_t(tile.verdict().value[i]) * reasons + std::size_t(tile.reason().value[i])];
+    if (tile.soil.value[i] >= 0) ++soils[std::size_t(tile.soil.value[i])];
   }
   std::string bytes;
   for (const auto count : area) put(bytes, count);
   for (const auto count : soils) put(bytes, count);
-  const auto speeds = speeds_of(block, layers);
+  const auto speeds = speeds_of(tile, layers);
   put(bytes, std::uint32_t(speeds.size()));
   for (const auto& [step, count] : speeds) {
     put(bytes, step);
     put(bytes, count);
   }
-  const Picks figure = picture_picks(shape.picture, grid, block.window), page = page_picks(shape.page, block.window);
+  const Picks figure = picture_picks(shape.picture, grid, tile.window), page = page_picks(shape.page, tile.window);
   for (const Pick row : figure.rows)
     for (const Pick column : figure.columns)
-      for (const Tile* tile : {&block.shade, &block.verdict(), &block.reason(), &block.p_go()})
-        put(bytes, tile->at(column.from, row.from));
+      for (const Tile* values : {&tile.shade, &tile.verdict(), &tile.reason(), &tile.p_go()})
+        put(bytes, values->at(column.from, row.from));
   for (const Pick row : page.rows)
     for (const Pick column : page.columns)
-      for (const Tile* tile : {&block.slope, &block.aspect, &block.elevation, &block.soil, &block.rule})
-        put(bytes, tile->at(column.from, row.from));
+      for (const Tile* values : {&tile.slope, &tile.aspect, &tile.elevation, &tile.soil, &tile.rule})
+        put(bytes, values->at(column.from, row.from));
   return bytes;
 }
 
@@ -139,8 +139,8 @@ void add_digest(const std::string& bytes, Window window, const MapGrid& grid, So
   const Picks figure = picture_picks(picture, grid, window), page = page_picks(digest.page, window);
   for (const Pick row : figure.rows)
     for (const Pick column : figure.columns)
-      for (Tile* tile : {&picture.shade, &picture.verdict, &picture.reason, &picture.p_go})
-        tile->at(column.to, row.to) = reader.get<float>();
+      for (Tile* values : {&picture.shade, &picture.verdict, &picture.reason, &picture.p_go})
+        values->at(column.to, row.to) = reader.get<float>();
   PageCells& cells = digest.page;
   for (const Pick row : page.rows)
     for (const Pick column : page.columns) {

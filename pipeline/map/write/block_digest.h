@@ -1,5 +1,5 @@
-// What stays of a block when its layers are written: counts, and the cells that figure and page show. Kept in a file,
-// so that an interrupted map goes on with the next block.
+// What is kept of a map tile once its layers are written: counts, and the cells that figure and page show. Digests are
+// kept in a file, so an interrupted map continues with the next tile.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -13,7 +13,7 @@
 
 namespace gonogo::map {
 
-/// The things that digests of all blocks add up to.
+/// The sum of the digests of all tiles.
 struct MapDigest {
   AreaCount area;
   Picture picture;
@@ -21,10 +21,12 @@ struct MapDigest {
   SpeedCurve speeds{};
 };
 
-std::string digest_of(const BlockLayers& block, const SoilTable& table, const terrain::MapGrid& grid,
+/// Digest of a tile as bytes. `shape` gives the sizes of picture and page; its contents are ignored.
+std::string digest_of(const TileLayers& tile, const SoilTable& table, const terrain::MapGrid& grid,
                       const MapDigest& shape, const std::vector<MapLayer>& layers);
 
-/// Adds the digest of the block at `window`. Throws DeviceError, `where` first, when it is not one of this map.
+/// Adds the digest of the tile at `window` to `digest` and to the cell counts of `table`. Throws DeviceError for
+/// damaged bytes, with `where` first.
 void add_digest(const std::string& bytes, terrain::Window window, const terrain::MapGrid& grid, SoilTable& table,
                 MapDigest& digest, const std::string& where);
 

@@ -33,7 +33,7 @@ void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& po
     remarks.push_back(where +
                       "its texture is not given, so that it is held to the vehicle's cone index only where its "
                       "friction angle is below " +
-                      line("%g degrees", kLeastAngleOfSand));
+                      line("%g degrees", kMinAngleOfSand));
   const auto& because = points.outside_because();
   if (because.empty()) return;
   const std::string more = std::to_string(because.size() - 1);
@@ -61,7 +61,7 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const Region& reg
   return remarks;
 }
 
-/// What belongs to the map as a whole, once every block is there.
+/// What belongs to the map as a whole, once every tile is there.
 void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable& table, const Metadata& metadata,
                 const std::vector<MapLayer>& layers, const MapDigest& digest, MapSummary& summary) {
   write_file_atomically(request.out / "area.csv", summary.area.csv(grid.cell_area_m2()));
@@ -73,11 +73,11 @@ void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable&
 }
 
 /// Bad input leaves nothing behind; anything else leaves what the next run can use.
-void evaluate_or_forget(MapBlocks& blocks, const MapSources& sources, const SoilTable& table, const MapDigest& shape) {
+void evaluate_or_forget(MapTiles& tiles, const MapSources& sources, const SoilTable& table, const MapDigest& shape) {
   try {
-    blocks.evaluate(sources, table, shape);
+    tiles.evaluate(sources, table, shape);
   } catch (const InputError&) {
-    blocks.forget();
+    tiles.forget();
     throw;
   }
 }
@@ -93,24 +93,24 @@ MapSummary make_map(const MapRequest& request) {
       make_soil_table(request.model, request.region, request.rules, gradient_error(request.region.elevation, grid));
   create_folder(request.out);
   const Metadata metadata = map_metadata(request, origin);
-  MapBlocks blocks(request, grid,
-                   map_layers(request.rules, !request.model.measures.empty(), bool(request.model.novelty),
-                              request.colour_blind_safe, metadata),
-                   origin.dump());
+  MapTiles tiles(request, grid,
+                 map_layers(request.rules, !request.model.measures.empty(), bool(request.model.novelty),
+                            request.colour_blind_safe, metadata),
+                 origin.dump());
   MapDigest digest{{}, Picture(grid, kPictureCells), PageCells(grid)};
-  evaluate_or_forget(blocks, sources, table, digest);
-  blocks.collect(table, digest);
+  evaluate_or_forget(tiles, sources, table, digest);
+  tiles.collect(table, digest);
   MapSummary summary;
   summary.area = digest.area;
   summary.area_km2 = double(summary.area.total()) * grid.cell_area_m2() * 1e-6;
   summary.remarks = remarks_on(summary, request.region, table);
   if (!sources.elevation.how_warped().empty()) summary.remarks.push_back(sources.elevation.how_warped());
-  summary.blocks_found = blocks.found();
-  summary.files = blocks.finish();
-  finish_map(request, grid, table, metadata, blocks.layers(), digest, summary);
+  summary.tiles_found = tiles.found();
+  summary.files = tiles.finish();
+  finish_map(request, grid, table, metadata, tiles.layers(), digest, summary);
   write_map_record(request, origin, summary);
   summary.files.push_back(request.out / "map.json");
-  blocks.forget();
+  tiles.forget();
   return summary;
 }
 

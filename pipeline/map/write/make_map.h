@@ -1,7 +1,8 @@
-// The map of a region: slope from the elevation raster, soil from the soil raster and the region's table, P(go) from
-// the model, class and reason by the rules; written as GeoTIFF layers, a figure, a page and an area table. Works block
-// by block in threads: memory does not grow with the raster, a killed run goes on where it was, and neither threads nor
-// block size change a bit of the result.
+// Makes the map of a region: slope from the elevation raster, soil from the soil raster, P(go) from the model, class
+// and reason from the rules. The outputs are GeoTIFF layers, a figure, a page and an area table.
+//
+// Threads work tile by tile, so memory does not grow with the raster. A run that was killed continues with the first
+// unfinished tile. Neither the number of threads nor strip_rows changes a bit of the result.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -21,22 +22,21 @@ struct MapRequest {
   std::filesystem::path out;  // folder
   bool colour_blind_safe = false;
   int threads = 0;       // 0: all cores
-  int block_rows = 512;  // rows of a tile evaluated at a time
+  int strip_rows = 512;  // a tile is evaluated in strips of so many rows
 };
 
 struct MapSummary {
   AreaCount area;
-  double area_km2 = 0;
-  std::vector<std::filesystem::path>
-      files;                         // go.tif, p_go.tif, reason.tif, outside_share.tif, map.png, area.csv, map.json
-  std::vector<std::string> remarks;  // one sentence each, about what the map cannot say and why
-  std::size_t blocks_found = 0;      // that an interrupted run had finished
-  bool reused = false;               // the folder already held this very map
+  double area_km2 = 0;                       // of the cells that have a slope
+  std::vector<std::filesystem::path> files;  // all that were written; map.json is the last
+  std::vector<std::string> remarks;          // one sentence each: what the map cannot say, and why
+  std::size_t tiles_found = 0;               // tiles that an interrupted run had finished
+  bool reused = false;                       // the folder already held this map; nothing was written
 };
 
-/// Writes the map unless the folder already holds the one of the same model, region, rasters, rules and program
-/// version, with untouched files. Throws InputError for unusable rasters, DeviceError when writing fails; earlier files
-/// are then as they were.
+/// Writes the map. Does nothing if the folder holds the map of the same model, region, rasters, rules and program
+/// version, with all files unchanged. Throws InputError for unusable rasters and DeviceError if writing fails. In both
+/// cases earlier files stay as they were.
 MapSummary make_map(const MapRequest& request);
 
 }  // namespace gonogo::map

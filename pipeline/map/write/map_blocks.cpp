@@ -22,37 +22,36 @@ void copy_rows(const Tile& from, int row, Tile& to) {
   std::copy(from.value.begin(), from.value.end(), to.value.begin() + std::ptrdiff_t(row) * to.columns);
 }
 
-void copy_rows(const BlockLayers& from, int row, BlockLayers& to) {
-  for (Tile BlockLayers::*tile : {&BlockLayers::elevation, &BlockLayers::slope, &BlockLayers::aspect,
-                                  &BlockLayers::shade, &BlockLayers::soil, &BlockLayers::rule})
-    copy_rows(from.*tile, row, to.*tile);
+void copy_rows(const TileLayers& from, int row, TileLayers& to) {
+  for (Tile TileLayers::*values : {&TileLayers::elevation, &TileLayers::slope, &TileLayers::aspect, &TileLayers::shade,
+                                   &TileLayers::soil, &TileLayers::rule})
+    copy_rows(from.*values, row, to.*values);
   for (std::size_t l = 0; l < from.layer.size(); ++l) copy_rows(from.layer[l], row, to.layer[l]);
 }
 
 /// The window by strips of `rows` rows.
-BlockLayers evaluate_strips(const MapSources& sources, const MapRequest& request, const SoilTable& table,
-                            const std::vector<MapLayer>& layers, Window window, int rows) {
-  if (rows >= window.rows) return evaluate_block(sources, request.region, table, layers, request.rules, window);
+TileLayers evaluate_strips(const MapSources& sources, const MapRequest& request, const SoilTable& table,
+                           const std::vector<MapLayer>& layers, Window window, int rows) {
+  if (rows >= window.rows) return evaluate_tile(sources, request.region, table, layers, request.rules, window);
   const Tile empty(window.columns, window.rows, 0);
-  BlockLayers whole{.window = window,
-                    .elevation = empty,
-                    .slope = empty,
-                    .aspect = empty,
-                    .shade = empty,
-                    .soil = empty,
-                    .rule = empty,
-                    .layer = std::vector<Tile>(layers.size(), empty)};
+  TileLayers whole{.window = window,
+                   .elevation = empty,
+                   .slope = empty,
+                   .aspect = empty,
+                   .shade = empty,
+                   .soil = empty,
+                   .rule = empty,
+                   .layer = std::vector<Tile>(layers.size(), empty)};
   for (int row = 0; row < window.rows; row += rows) {
     const Window strip = {window.column, window.row + row, window.columns, std::min(rows, window.rows - row)};
-    copy_rows(evaluate_block(sources, request.region, table, layers, request.rules, strip), row, whole);
+    copy_rows(evaluate_tile(sources, request.region, table, layers, request.rules, strip), row, whole);
   }
   return whole;
 }
 
 }  // namespace
 
-MapBlocks::MapBlocks(const MapRequest& request, const MapGrid& grid, std::vector<MapLayer> layers,
-                     const std::string& key)
+MapTiles::MapTiles(const MapRequest& request, const MapGrid& grid, std::vector<MapLayer> layers, const std::string& key)
     : request_(request), grid_(grid), layers_(std::move(layers)), digests_(request.out / ".blocks.scratch", key) {
   for (const MapLayer& layer : layers_) {
     files_.push_back(request.out / (layer.file + ".tif"));
@@ -60,7 +59,7 @@ MapBlocks::MapBlocks(const MapRequest& request, const MapGrid& grid, std::vector
   }
 }
 
-std::vector<Window> MapBlocks::windows() const {
+std::vector<Window> MapTiles::windows() const {
   std::vector<Window> list;
   for (int row = 0; row < grid_.rows; row += kTileCells)
     for (int column = 0; column < grid_.columns; column += kTileCells)
@@ -69,19 +68,19 @@ std::vector<Window> MapBlocks::windows() const {
   return list;
 }
 
-bool MapBlocks::is_done(std::uint32_t block, Window window) const {
-  return digests_.has(block) && std::all_of(writers_.begin(), writers_.end(), [&](const auto& writer) {
+bool MapTiles::is_done(std::uint32_t tile, Window window) const {
+  return digests_.has(tile) && std::all_of(writers_.begin(), writers_.end(), [&](const auto& writer) {
            return writer->has_tile(window.column, window.row);
          });
 }
 
-void MapBlocks::evaluate(const MapSources& sources, const SoilTable& table, const MapDigest& shape) {
-  const std::vector<Window> blocks = windows();
+void MapTiles::evaluate(const MapSources& sources, const SoilTable& table, const MapDigest& shape) {
+  const std::vector<Window> tiles = windows();
   std::vector<std::uint32_t> missing;
-  for (std::uint32_t b = 0; b < blocks.size(); ++b)
-    if (!is_done(b, blocks[b])) missing.push_back(b);
-  found_ = blocks.size() - missing.size();
-  Progress progress("map", "blocks", blocks.size());
+  for (std::uint32_t b = 0; b < tiles.size(); ++b)
+    if (!is_done(b, tiles[b])) missing.push_back(b);
+  found_ = tiles.size() - missing.size();
+  Progress progress("map", "tiles", tiles.size());
   std::size_t done = found_;
   FirstError error;
   const int threads = std::min(request_.threads > 0 ? request_.threads : omp_get_max_threads(), int(missing.size()));
@@ -93,10 +92,10 @@ void MapBlocks::evaluate(const MapSources& sources, const SoilTable& table, cons
       error.guard([&] {
         stop_if_cancelled();
         if (!own) own = sources.again();
-        const Window window = blocks[missing[i]];
-        const BlockLayers block = evaluate_strips(*own, request_, table, layers_, window, request_.block_rows);
-        for (std::size_t l = 0; l < writers_.size(); ++l) writers_[l]->write(window, block.layer[l]);
-        digests_.append(missing[i], digest_of(block, table, grid_, shape, layers_));
+        const Window window = tiles[missing[i]];
+        const TileLayers tile = evaluate_strips(*own, request_, table, layers_, window, request_.strip_rows);
+        for (std::size_t l = 0; l < writers_.size(); ++l) writers_[l]->write(window, tile.layer[l]);
+        digests_.append(missing[i], digest_of(tile, table, grid_, shape, layers_));
 #pragma omp critical(gonogo_map_progress)
         progress.update(++done, "", found_);
       });
@@ -105,13 +104,13 @@ void MapBlocks::evaluate(const MapSources& sources, const SoilTable& table, cons
   progress.finish();
 }
 
-void MapBlocks::collect(SoilTable& table, MapDigest& digest) const {
-  const std::vector<Window> blocks = windows();
-  for (std::uint32_t b = 0; b < blocks.size(); ++b)
-    add_digest(digests_.read(b), blocks[b], grid_, table, digest, digests_.path().string());
+void MapTiles::collect(SoilTable& table, MapDigest& digest) const {
+  const std::vector<Window> tiles = windows();
+  for (std::uint32_t b = 0; b < tiles.size(); ++b)
+    add_digest(digests_.read(b), tiles[b], grid_, table, digest, digests_.path().string());
 }
 
-std::vector<fs::path> MapBlocks::finish() {
+std::vector<fs::path> MapTiles::finish() {
   FirstError error;
   Progress progress("map", "layers", writers_.size());
   std::size_t done = 0;
@@ -129,7 +128,7 @@ std::vector<fs::path> MapBlocks::finish() {
   return files_;
 }
 
-void MapBlocks::forget() {
+void MapTiles::forget() {
   for (const auto& writer : writers_) writer->forget();
   digests_.remove();
 }

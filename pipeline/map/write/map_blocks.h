@@ -1,5 +1,5 @@
-// A map made block by block, in threads: a block is a tile of the GeoTIFFs. What a killed run finished is kept beside
-// the map and taken up by the next run of the same inputs.
+// Evaluates a map tile by tile, in threads. A map tile is a tile of the GeoTIFFs. Finished tiles are kept in scratch
+// files beside the map, and the next run with the same inputs uses them.
 #pragma once
 #include <filesystem>
 #include <memory>
@@ -13,26 +13,26 @@
 
 namespace gonogo::map {
 
-class MapBlocks {
+class MapTiles {
  public:
-  /// `key` tells maps of different inputs apart.
-  MapBlocks(const MapRequest& request, const terrain::MapGrid& grid, std::vector<MapLayer> layers,
-            const std::string& key);
+  /// Opens the scratch files. `key` identifies the inputs; tiles of another key are discarded.
+  MapTiles(const MapRequest& request, const terrain::MapGrid& grid, std::vector<MapLayer> layers,
+           const std::string& key);
 
-  /// Evaluates the blocks that are missing; InputError, DeviceError or Cancelled leave the others for the next run.
+  /// Evaluates the missing tiles. InputError, DeviceError and Cancelled keep the finished ones for the next run.
   void evaluate(const MapSources& sources, const SoilTable& table, const MapDigest& shape);
-  /// Adds up what the blocks say.
+  /// Adds the digests of all tiles to `digest`, and their cell counts to `table`.
   void collect(SoilTable& table, MapDigest& digest) const;
-  /// Puts the GeoTIFFs in place and returns their names.
+  /// Writes the GeoTIFFs from the scratch files and returns their paths.
   std::vector<std::filesystem::path> finish();
-  /// Removes what is kept for the next run.
+  /// Removes the scratch files.
   void forget();
   const std::vector<MapLayer>& layers() const { return layers_; }
   std::size_t found() const { return found_; }
 
  private:
   std::vector<terrain::Window> windows() const;
-  bool is_done(std::uint32_t block, terrain::Window window) const;
+  bool is_done(std::uint32_t tile, terrain::Window window) const;
 
   const MapRequest& request_;
   terrain::MapGrid grid_;
@@ -40,7 +40,7 @@ class MapBlocks {
   std::vector<std::filesystem::path> files_;
   std::vector<std::unique_ptr<terrain::GeoTiffWriter>> writers_;
   RecordLog digests_;
-  std::size_t found_ = 0;  // blocks of an earlier run
+  std::size_t found_ = 0;  // tiles that an earlier run had finished
 };
 
 }  // namespace gonogo::map

@@ -1,4 +1,4 @@
-// The map for other programs: polygons, an overlay for globes, a catalogue entry, the curve of speeds.
+// Exports a map for other programs: polygons, an overlay for globes, a STAC catalogue entry, the speed curve.
 #pragma once
 #include <filesystem>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace gonogo::map {
 
-/// classes.gpkg, overlay.png, overlay.kml, stac.json and, where speeds are told, speed_curve.csv; go.tif and the other
-/// layers of `summary` are in place. Returns the names written.
+/// Writes classes.gpkg, overlay.png, overlay.kml and stac.json, and speed_curve.csv if there is a speed layer. The
+/// layers in `summary` must already be in the folder. Returns the paths written.
 std::vector<std::filesystem::path> write_map_exports(const MapRequest& request, const terrain::MapGrid& grid,
                                                      const std::vector<MapLayer>& layers, const MapSummary& summary,
                                                      const SpeedCurve& speeds);

@@ -1,4 +1,4 @@
-// What the figure of a map says: titles, legend shares, curves and notes, put together for pipeline/report.
+// The figure of a map: titles, legend with shares, curves and notes. pipeline/report draws it.
 #pragma once
 #include <filesystem>
 
@@ -8,6 +8,7 @@
 
 namespace gonogo::map {
 
+/// Writes the figure to `path` as PNG.
 void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path);
 

@@ -1,5 +1,5 @@
-// What the page of a map holds: the cells' slope, aspect, elevation and soil, and each soil's tables, from which the
-// page works out every layer, heading and threshold by itself. The page is pipeline/page.
+// The data in the page of a map: slope, aspect, elevation and soil of every cell, and the tables of every soil. From
+// these the page computes every layer for any heading and threshold. Its code is in pipeline/map/page.
 #pragma once
 #include <filesystem>
 
@@ -9,18 +9,20 @@
 
 namespace gonogo::map {
 
-/// Most cells of a page; of a larger map every step-th cell in both directions is taken, and the page says so.
+/// Max cells in a page. From a larger map every step-th cell in both directions is taken, and the page says so.
 inline constexpr int kPageCells = 1'100'000;
 
 /// Inputs of the page's cells.
 struct PageCells {
   int step = 1, columns = 0, rows = 0;
-  std::vector<float> slope, aspect, elevation, soil;  // [columns * rows]; not-a-number where there is no slope
-  std::vector<float> rule;                            // 0, or 1 + position in land_rules()
+  std::vector<float> slope, aspect, elevation, soil;  // [columns * rows]; NaN: no slope
+  std::vector<float> rule;                            // [columns * rows] 0, or 1 + position in land_rules()
 
+  /// Sizes for a page of this grid; the arrays are filled by add_digest().
   explicit PageCells(const terrain::MapGrid& grid);
 };
 
+/// Writes the page to `path` as one HTML file.
 void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
                     const MapSummary& summary, const PageCells& cells, const Metadata& metadata,
                     const std::filesystem::path& path);

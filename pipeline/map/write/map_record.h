@@ -1,4 +1,4 @@
-// map.json: what a map was made from and what it found; by it a later run sees that the map already exists.
+// map.json: the inputs and the results of a map. A later run reads it to see that the map already exists.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace gonogo::map {
 
-/// Hash of every raster of a region by its role; of a VRT or of tiles over all files that it reads.
+/// Pairs (role, hash) for every raster of a region. A raster of several files, or a VRT, is hashed over all of them.
 std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region);
 
 /// The rules of section "map", as map.json and the page hold them.
@@ -17,13 +17,13 @@ Json rules_json(const MapRules& rules);
 /// Everything the result depends on: program version, hashes of model, region and rasters, rules, palette.
 Json map_inputs(const MapRequest& request);
 
-/// The same, short, for the metadata of the layers.
+/// A short form of map_inputs() for the metadata of the layers.
 Metadata map_metadata(const MapRequest& request, const Json& inputs);
 
-/// The summary of the map in `request.out` if it was made from the same inputs and its files are untouched.
+/// The summary of the map in `request.out`, if it was made from the same inputs and its files are unchanged.
 std::optional<MapSummary> find_finished_map(const MapRequest& request, const Json& inputs);
 
-/// Written last: a folder with this file holds a whole map.
+/// Writes map.json. It is written last, so a folder with this file holds a finished map.
 void write_map_record(const MapRequest& request, const Json& inputs, const MapSummary& summary);
 
 }  // namespace gonogo::map

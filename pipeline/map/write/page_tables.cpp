@@ -9,7 +9,7 @@ namespace gonogo::map {
 namespace {
 
 constexpr std::uint16_t kNone = 65535;
-constexpr double kLeastShown = 0.002;  // a reason whose probability never reaches this is left out
+constexpr double kMinShown = 0.002;  // a reason whose probability never reaches this is left out
 
 std::uint16_t stored(double p) {
   return std::isnan(p) ? kNone : std::uint16_t(std::lround(std::clamp(p, 0.0, 1.0) * 65534));
@@ -82,7 +82,7 @@ void add_reasons(const std::string& table, int index, std::size_t count, std::si
       most = std::max(most, p);
       blob.value.push_back(std::uint16_t(std::lround(std::clamp(p, 0.0, 1.0) * 255)));
     }
-    if (most >= kLeastShown) blobs.push_back(std::move(blob));
+    if (most >= kMinShown) blobs.push_back(std::move(blob));
   }
 }
 

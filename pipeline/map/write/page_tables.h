@@ -1,4 +1,4 @@
-// The tables of one soil as the page gets them.
+// The tables of one soil in the form that the page reads.
 #pragma once
 #include <vector>
 
@@ -8,10 +8,11 @@
 
 namespace gonogo::map {
 
-/// Name, samples, what is not known, sizes of the tables, measures.
+/// Name, samples, unknown variables, table sizes and measures of a soil.
 Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& response);
 
-/// Probabilities in steps of 1/65534 (65535: none), of single no-go reasons in steps of 1/255; `index` ends the names.
+/// Appends the tables as blobs whose names end with `index`. P(go) is in steps of 1/65534 (65535: none). The
+/// probability of each no-go reason is in steps of 1/255.
 void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs);
 
 }  // namespace gonogo::map

@@ -1,4 +1,4 @@
-// A reduced copy of the layers for the figure: memory does not grow with the raster.
+// A reduced copy of the layers for the figure. Its size does not grow with the raster.
 #pragma once
 #include <vector>
 
@@ -6,11 +6,11 @@
 
 namespace gonogo::map {
 
-/// Every cell the map's cell under its middle.
+/// Every cell shows the map's cell under its centre.
 struct Picture {
   terrain::Tile shade, verdict, reason, p_go;
 
-  /// At most `longest` cells along the longer side; never more than the grid has.
+  /// Sized for `grid`, with at most `longest` cells along the longer side.
   Picture(const terrain::MapGrid& grid, int longest);
 };
 

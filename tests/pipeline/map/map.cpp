@@ -143,18 +143,18 @@ TEST_CASE("nothing outside what was sampled is ever go") {
   CHECK(contains(summary.remarks[0], "friction_angle 28 deg is outside 10 to 27 deg"));
 }
 
-TEST_CASE("a map has the same bytes for any number of threads and any block size") {
+TEST_CASE("a map has the same bytes for any number of threads and any tile size") {
   const TemporaryFolder folder;
   MapRequest request = small_request(folder, "one");
   request.threads = 1;
   make_map(request);
   request.out = folder / "two";
   request.threads = 2;
-  request.block_rows = 7;
+  request.strip_rows = 7;
   make_map(request);
   request.out = folder / "seven";
   request.threads = 7;
-  request.block_rows = 1;
+  request.strip_rows = 1;
   make_map(request);
   for (const char* name :
        {"go.tif", "p_go.tif", "reason.tif", "outside_share.tif", "go_worst.tif", "p_go_best.tif", "p_go_low.tif",

@@ -1,4 +1,4 @@
-// A map killed at once, at any moment, goes on with the next block and ends with the bytes of an undisturbed one.
+// A map killed at once, at any moment, goes on with the next tile and ends with the bytes of an undisturbed one.
 // Alone in its program: the child is forked before any thread runs.
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@ using namespace gonogo::map;
 
 namespace {
 
-constexpr int kSide = 1200;  // 9 blocks
+constexpr int kSide = 1200;  // 9 tiles
 
 MapRequest request_in(const TemporaryFolder& folder, const char* out) {
   MapRequest request = test::request_of_region(folder, out);
@@ -27,18 +27,18 @@ MapRequest request_in(const TemporaryFolder& folder, const char* out) {
 
 void make_region(const TemporaryFolder& folder) { test::make_wavy_region(folder, "waves", {kSide, 60, 37, 53}); }
 
-/// Makes the map in a child that is killed as soon as the file of finished blocks is larger than `bytes`.
+/// Makes the map in a child that is killed as soon as the file of finished tiles is larger than `bytes`.
 bool killed_after(const TemporaryFolder& folder, std::uintmax_t bytes) {
   const pid_t child = fork();
   if (child == 0) {
     make_map(request_in(folder, "killed"));
     _exit(0);
   }
-  const auto blocks = folder / "killed/.blocks.scratch";
+  const auto tiles = folder / "killed/.blocks.scratch";
   std::error_code none;
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
-    if (const auto size = std::filesystem::file_size(blocks, none); !none && size > bytes) kill(child, SIGKILL);
+    if (const auto size = std::filesystem::file_size(tiles, none); !none && size > bytes) kill(child, SIGKILL);
     usleep(500);
   }
   return WIFSIGNALED(status);
@@ -53,8 +53,8 @@ TEST_CASE("a killed map goes on where it was and has the same bytes") {
   REQUIRE(killed_after(folder, 300));  // in the middle of a record
   REQUIRE(killed_after(folder, 14'000'000));
   const MapSummary resumed = make_map(request_in(folder, "killed"));
-  CHECK(resumed.blocks_found >= 2);
-  CHECK(resumed.blocks_found < 9);
+  CHECK(resumed.tiles_found >= 2);
+  CHECK(resumed.tiles_found < 9);
   make_map(request_in(folder, "whole"));
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder / "whole")) {

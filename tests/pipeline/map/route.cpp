@@ -240,7 +240,7 @@ TEST_CASE("regions are ranked by their size, and those beyond the largest are co
   for (std::int32_t r = 4; r < 40; ++r) region.push_back(r);
   const LargestRegions many = largest_regions(region);
   CHECK(many.cells.size() == 40);
-  CHECK(many.rank.back() == kLargestRegions);
+  CHECK(many.rank.back() == kMaxRegions);
   CHECK(many.rank[8] == 3);
   CHECK(largest_regions({-1, -1}).cells.empty());
 }
