@@ -7,11 +7,11 @@
 
 namespace gonogo::learn {
 
-/// Number of points in the table; 0 when it does not exist. Throws InputError for a table that cannot be read.
+/// Number of points in the table; 0 if the file does not exist. Throws InputError for a table that cannot be read.
 std::uint64_t listed_points(const std::filesystem::path& file, const campaign::DesignSpec& spec);
 
-/// Appends points to the table (columns: the sampled variables and proposal_density), every number exact; the file is
-/// replaced whole. Written anew where it does not exist.
+/// Appends points to the table, or starts a new one. Columns: the sampled variables and proposal_density. Numbers read
+/// back exactly. The file is replaced as a whole, so it is never half written.
 void append_points(const std::filesystem::path& file, const campaign::DesignSpec& spec,
                    const std::vector<campaign::DesignPoint>& points);
 

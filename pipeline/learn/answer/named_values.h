@@ -1,4 +1,4 @@
-// "slope_along=12" on the command line.
+// Values of variables as the command line gives them: "slope_along=12".
 #pragma once
 #include <map>
 #include <string>
@@ -6,11 +6,11 @@
 
 namespace gonogo::learn {
 
-/// name=number pairs. Throws InputError for texts of another form, unknown variables (with the nearest valid name),
-/// numbers outside the contract's range, and variables given twice.
+/// Parses name=number pairs. Throws InputError for texts of another form, numbers outside the contract's range, and
+/// variables given twice. For an unknown variable the error suggests the nearest valid name.
 std::map<std::string, double> parse_named_values(const std::vector<std::string>& texts);
 
-/// In the order of the contract; not-a-number where nothing was given.
+/// The values in the order of the contract [variable count]; NaN where none was given.
 std::vector<double> to_variables(const std::map<std::string, double>& values);
 
 }  // namespace gonogo::learn

@@ -1,4 +1,4 @@
-// A model against trials it was not trained on.
+// Evaluates a model on a held-out set: trials that it was not trained on.
 #pragma once
 #include <filesystem>
 
@@ -6,14 +6,14 @@
 
 namespace gonogo::learn {
 
-/// Scores of P(go) on the valid trials of `dataset` whose point was not trained on, beside logistic regression, a
-/// neural network and the base rate of the model's own training trials, and how all of them get worse when variables
-/// are hidden: { "trials", "left_out_unknown", "left_out_trained_on", "outcome_log_loss_nat", "scores": {...},
-/// "missing": [...],
-/// "checks": [...] (evaluation_checks.h) }. Throws InputError when no trial is left to score.
+/// Scores P(go) on the valid trials of `dataset` whose point was not trained on. Logistic regression, a neural network
+/// and the base rate are trained on the model's own training trials and scored beside it. "missing" says how the scores
+/// worsen when variables are hidden (missing_curve.h); "checks" are those of evaluation_checks.h:
+/// { "trials", "left_out_unknown", "left_out_trained_on", "outcome_log_loss_nat", "scores": {...}, "missing": [...],
+///   "checks": [...] }. Throws InputError if no trial is left to score.
 Json evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset);
 
-/// Table of the missing-variable curve for people: model, baselines, and the model minus each of them.
+/// The missing-variable curve as a table for people: model, baselines, and the model minus each baseline.
 std::string missing_text(const Json& curve);
 
 /// evaluation.json, reliability.csv, missing.csv (where the report has a curve) and, in a build with pictures,

@@ -1,4 +1,4 @@
-// What a model has to hold against its baselines, read off an evaluation.
+// Pass criteria for a model against its baselines.
 #pragma once
 #include <string>
 
@@ -6,18 +6,20 @@
 
 namespace gonogo::learn {
 
-/// Calibration error that a model may have above that of a perfectly calibrated forecaster with its forecasts.
+/// Max calibration error above the floor. The floor is the error that a perfectly calibrated forecaster with the same
+/// forecasts would show.
 inline constexpr double kMaxCalibrationError = 0.02;
-/// Inputs that are hidden when the model is compared with mean imputation.
+/// Number of inputs that are hidden to compare the model with mean imputation.
 inline constexpr std::int64_t kHiddenInputs = 2;
 
-/// Of a report of evaluate_model: { "what", "holds", "value", "limit", "low", "high" } for
-///   Brier score and log loss    minus those of the baseline that is best by them, at most 0 within the interval
-///   calibration error           minus its floor, at most kMaxCalibrationError
-///   two inputs hidden           Brier score minus that of each baseline with mean imputation, below 0; "low" and
-///   "high"
-///                               say how surely. Left out where fewer inputs vary.
-/// low and high are null where there is no interval.
+/// Checks a report of evaluate_model(). One entry { "what", "holds", "value", "limit", "low", "high" } for each of
+///
+///   Brier score, log loss   difference to the best baseline by that score; holds if the interval reaches 0 or below
+///   calibration error       above its floor; holds up to kMaxCalibrationError
+///   two inputs hidden       Brier score minus that of each baseline with mean imputation; holds below 0
+///
+/// "low" and "high" bound the 95 % interval, or are null without one. The last check is left out if too few inputs
+/// vary.
 Json evaluation_checks(const Json& report);
 std::string checks_text(const Json& checks);
 

@@ -1,4 +1,4 @@
-// Which inputs matter: from any function of them, and from how much worse its answers get without one.
+// How much each input of a function matters: Sobol' indices, and the loss of accuracy when an input is shuffled.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -7,7 +7,7 @@
 
 namespace gonogo::learn {
 
-/// points [count x dimensions], row by row -> [count]
+/// Evaluates a function. points: [count x dimensions], row by row. values: [count].
 using ManyValues = std::function<void(std::span<const double> points, std::span<double> values)>;
 
 struct InputBox {
@@ -16,18 +16,20 @@ struct InputBox {
 
 struct TotalIndices {
   double variance = 0;        // of the function over the box
-  std::vector<double> total;  // [dimensions] share of the variance that is gone when all other inputs are known,
-                              // interactions included; 0 where the variance is
+  std::vector<double> total;  // [dimensions] share of the variance that involves the input, with its
+                              // interactions; 0 if the variance is 0
 };
 
-/// Sobol' total indices over a box in which every point is as likely: M. J. W. Jansen, "Analysis of variance designs
-/// for model output" (1999), S_T,j = mean (f(A) - f(A with column j of B))^2 / (2 variance), with A and B the first and
-/// last columns of a scrambled Sobol' sequence of `samples` points. Needs 2 dimensions <= 21; throws InputError beyond.
+/// Sobol' total indices under the uniform distribution over the box, by Jansen's estimator:
+///   S_T,j = mean (f(A) - f(A with column j of B))^2 / (2 variance)
+/// A and B are the first and the last columns of a scrambled Sobol' sequence of `samples` points. Throws InputError if
+/// 2 dimensions > 21. M. J. W. Jansen, "Analysis of variance designs for model output" (1999).
 TotalIndices sobol_total_indices(const ManyValues& function, const InputBox& box, std::uint32_t samples,
                                  std::uint64_t seed);
 
-/// Increase of the mean squared error of `function` at `points` [count x dimensions] against `truth` [count] when
-/// one column is shuffled, mean over `repeats` shuffles (L. Breiman, "Random forests", 2001, section 10). [dimensions]
+/// Increase of the mean squared error of `function` when one column of `points` is shuffled [dimensions], as a mean
+/// over `repeats` shuffles. points: [count x dimensions], truth: [count]. L. Breiman, "Random forests" (2001),
+/// section 10.
 std::vector<double> permutation_importance(const ManyValues& function, std::span<const double> points,
                                            std::size_t dimensions, std::span<const double> truth, int repeats,
                                            std::uint64_t seed);

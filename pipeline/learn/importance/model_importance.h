@@ -1,4 +1,4 @@
-// Which variables decide about go, by a trained model.
+// Importance of the variables for P(go) of a trained model.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,10 +12,10 @@ namespace gonogo::learn {
 struct VariableImportance {
   std::string name;
   double total_index = 0;  // Sobol' total index of P(go) over the box that trials sampled
-  double permutation = 0;  // increase of the Brier score of P(go) on the dataset's valid trials when shuffled
+  double permutation = 0;  // increase of the Brier score on the dataset's valid trials when shuffled
 };
 
-/// Of the variables that the trials vary, most important first.
+/// Importance of every variable that the trials vary, most important first.
 std::vector<VariableImportance> model_importance(const Predictor& predictor, const campaign::Dataset& dataset,
                                                  std::uint64_t seed = 1);
 

@@ -1,4 +1,4 @@
-// Problem files laid onto qubits, and rows of such problems brought back.
+// Embeds problem files onto the qubits of an annealer, and unembeds the rows of its answers.
 #pragma once
 #include <optional>
 
@@ -9,11 +9,12 @@
 namespace gonogo::learn {
 
 struct GraphChoice {
-  std::string name = "chimera:12";  // unless a solver definition is given
+  std::string name = "chimera:12";  // topology:size; ignored if `solver` is given
   std::filesystem::path solver;     // SAPI solver definition with properties.topology
-  double dead_share = 0;            // of the named graph's qubits, drawn by dead_seed
+  double dead_share = 0;            // share of dead qubits of the named graph [0, 1), drawn from dead_seed
   std::uint64_t dead_seed = 1;
 };
+/// Throws InputError for an unknown name and for a solver file that cannot be used.
 learning::HardwareGraph chosen_graph(const GraphChoice& choice);
 
 struct EmbedRequest {
@@ -21,10 +22,10 @@ struct EmbedRequest {
   FileChoice from, to;
   GraphChoice graph;
   std::string method = "auto";
-  std::optional<double> chain_strength;  // default: torque compensation
-  std::optional<std::uint64_t> gauge;    // seed of a random gauge; default: none
-  bool auto_scale = false;               // scale to the full range of a D-Wave 2X; the sidecar keeps the factor
-  std::uint64_t seed = 1;                // of the heuristic
+  std::optional<double> chain_strength;  // none: torque compensation
+  std::optional<std::uint64_t> gauge;    // seed of a random gauge; none: no gauge
+  bool auto_scale = false;               // scale to the range of a D-Wave 2X; the sidecar keeps the factor
+  std::uint64_t seed = 1;                // of the embedding heuristic
 };
 
 struct EmbedResult {
@@ -33,20 +34,21 @@ struct EmbedResult {
   double chain_strength = 0, scale = 1;
 };
 
-/// Writes the problem over qubits with a sidecar that holds embedding, gauge, scale and the embedded problem, so that
-/// an answer can be imported with these two files alone.
+/// Writes the problem over qubits and its sidecar. The sidecar holds embedding, gauge, scale and the embedded problem,
+/// so an answer can be imported from these two files alone. Throws InputError if the problem does not fit on the graph.
 EmbedResult embed_problem_file(const EmbedRequest& request);
 
-/// Rows over qubits to rows over the embedded variables: gauge undone, chains decided by `policy`. `answer` has passed
-/// check_answer(). `report` gets the policy and the break rates.
+/// Turns rows over qubits into rows over the embedded variables: undoes the gauge and resolves broken chains by
+/// `policy`. `answer` must have passed check_answer(). Adds the policy and the break rates to `report`.
 learning::SampleSet unembed_answer(const learning::SampleSet& answer, const Sidecar& sidecar,
                                    learning::BrokenChains policy, std::uint64_t seed, Json& report);
 
-/// All samplers of learning/, and "emulator": a D-Wave 2X with the dead qubits of `graph` (chimera:12).
+/// Graph and temperature of the sampler "emulator".
 struct DeviceChoice {
   GraphChoice graph;
-  double temperature = 0.2;
+  double temperature = 0.2;  // in units of the fields h
 };
+/// Makes any sampler of learning/, or "emulator": a D-Wave 2X with the dead qubits of `graph` (chimera:12).
 std::unique_ptr<learning::Sampler> make_any_sampler(const std::string& name, const learning::SamplerSettings& settings,
                                                     const DeviceChoice& device);
 

@@ -1,8 +1,8 @@
-// A model's machine as an annealing problem, and answers to it read back.
+// Exports a model's machine as an annealing problem, and imports the answers.
 //
-// An export is two files: the problem, in any format of learning/qubo/format.h, for any tool, and
-// <problem>.sidecar.json, which says what the numbers mean (learning/qubo/sidecar.h) and, for a problem made from a
-// model, the model's hash, the clamped variables and the layout of its units.
+// An export is two files. The problem has any format of learning/qubo/format.h, for any tool. <problem>.sidecar.json
+// says what its numbers mean (learning/qubo/sidecar.h). For a problem made from a model it also holds the model's hash,
+// the clamped variables and the layout of the units.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -22,45 +22,45 @@ namespace gonogo::learn {
 struct Sidecar : learning::ProblemSidecar {
   std::string model_hash;                 // empty: the problem was not exported from a model
   std::map<std::string, double> clamped;  // variable -> value [unit of the variable]
-  double code_penalty = 0;                // energy of words that are no code words (learning/encoding/code_penalty.h)
+  double code_penalty = 0;                // energy added to words that are no code words (code_penalty.h)
   learning::VisibleLayout layout;
   bool of_model() const { return !model_hash.empty(); }
 };
 
-/// How a file is read or written: a format's name ("" goes by the file's extension), the solver of SAPI bodies, the
-/// vartype of coordinate text without a header.
+/// How a problem file is read or written.
 struct FileChoice {
-  std::string format;
-  std::filesystem::path solver;
-  std::string vartype;
+  std::string format;            // name of a format; empty: by the file's extension
+  std::filesystem::path solver;  // SAPI solver definition, for SAPI bodies
+  std::string vartype;           // of coordinate text without a header
 };
 
 struct Exported {
   Sidecar sidecar;
-  std::vector<std::string> notes;  // what was converted, and what the problem file cannot hold
+  std::vector<std::string> notes;  // one sentence each: what was converted, and what the format cannot hold
 };
 
-/// Writes problem and sidecar. `clamped` variables are taken out of the problem by their smooth code, the others get
-/// `code_penalty`. Throws InputError for variables that are not in the model or not finite and for a penalty below 0.
+/// Writes problem and sidecar. `clamped` variables are fixed to their smooth code and leave the problem; the others get
+/// `code_penalty`. Throws InputError for variables that are not in the model or not finite, and for a negative penalty.
 Exported export_problem(const std::filesystem::path& model, const std::filesystem::path& problem,
                         const std::map<std::string, double>& clamped, learning::Vartype vartype,
                         const FileChoice& choice = {}, double code_penalty = 0);
 
 struct LoadedProblem {
   learning::Problem problem;
-  std::optional<Sidecar> sidecar;  // the one beside the file, if there is one
+  std::optional<Sidecar> sidecar;  // the one beside the file; none: there is no sidecar
 };
 
-/// Reads a problem of any format; with a sidecar beside it, labels, order and offset are restored and the hash checked.
+/// Reads a problem of any format. A sidecar beside it restores labels, order and offset. Throws InputError for a file
+/// that cannot be read, and for a sidecar whose hash does not match.
 LoadedProblem load_problem(const std::filesystem::path& path, const FileChoice& choice = {});
 
-/// Writes a problem and its sidecar in another format; what the old sidecar said about model and embedding is kept.
+/// Writes a problem and its sidecar in another format. The new sidecar keeps model and embedding of the old one.
 Exported convert_problem(const LoadedProblem& loaded, const std::filesystem::path& path, const FileChoice& choice);
 
-/// Reads and checks; throws InputError for a sidecar that does not belong to `problem`.
+/// Reads and checks a sidecar. Throws InputError for one that cannot be used.
 Sidecar read_sidecar(const std::filesystem::path& path);
 
-/// Samples a problem file and writes the answer in dimod's form, with the problem's hash in its info.
+/// Samples a problem file and writes the answer in dimod's JSON form, with the problem's hash in its info.
 Json sample_problem(const std::filesystem::path& problem, const std::filesystem::path& answer,
                     const learning::Sampler& sampler, const learning::SampleRequest& request,
                     const FileChoice& choice = {});
@@ -69,16 +69,16 @@ struct ImportRequest {
   std::filesystem::path problem, answer;
   FileChoice problem_file;
   std::string answer_format = "dimod_json";
-  std::filesystem::path model;  // not empty: the problem must be of this model (hash of its file)
-  std::filesystem::path rows;   // not empty: one line of CSV for each valid row
+  std::filesystem::path model;  // if given: the problem must come from this model file (by hash)
+  std::filesystem::path rows;   // if given: CSV file for the valid rows
   learning::DecodeRule rule = learning::DecodeRule::discard;
   std::string chains = "weighted_random";  // policy for broken chains of an embedded problem
   std::uint64_t seed = 1;                  // of that policy
 };
 
-/// Reads an answer back: verifies labels, hash and energies; for an embedded problem undoes gauge and embedding. For a
-/// problem made from a model also decodes every row: counts of valid rows, outcome frequencies with standard errors,
-/// mean and spread of the variables over valid rows.
+/// Imports an answer: verifies labels, hash and energies, and undoes gauge and embedding of an embedded problem. For a
+/// problem made from a model it also decodes the rows and adds summary_json(). Throws InputError for an answer that
+/// does not belong to the problem.
 Json import_answer(const ImportRequest& request);
 
 }  // namespace gonogo::learn

@@ -1,32 +1,41 @@
 // The "learning" section of a study:
 //
-//   sampler        "block_gibbs" (default), "anneal", "tempering", "population", "exact", "command" or "emulator" (a
-//                  D-Wave 2X, see annealer_training.h): where the negative phase comes from
-//   gpu            "auto" (default): block_gibbs samples on a GPU where one answers and an update is large enough to
-//                  gain by it; "never"
-//   gradients      "cpu" (default) or "cuda": where LibTorch computes; a machine of tens of units is quicker on one
-//   core command        of the sampler "command": list of program and arguments with {problem} {answer} {reads} {seed}
-//   stand_in       sampler that takes over when "command" fails (default "block_gibbs"); log, model and report say so
-//   hidden         hidden units                                     epochs         most passes over the trials
-//   batch          trials of a minibatch (default 32, or a 32nd of the trials where that is more)
-//   learning_rate  of Adam
-//   weight_decay   strength of the Gaussian prior on weights [nat]  generative     share of the joint likelihood
-//   chains, sweeps persistent chains and their sweeps per update    folds          of the cross-validation
-//   optimizer      "adam" (default) or "sgd"                        momentum       of sgd
+//   sampler         source of the negative phase: "block_gibbs" (default), "anneal", "tempering", "population",
+//   "exact",
+//                   "command", or "emulator" (a D-Wave 2X, see annealer_training.h)
+//   gpu             "auto" (default): block_gibbs samples on a GPU if there is one and an update is large enough to
+//   gain
+//                   by it; "never"
+//   gradients       "cpu" (default) or "cuda": where LibTorch computes; one core is faster for tens of units
+//   command         of the sampler "command": list of program and arguments with {problem} {answer} {reads} {seed}
+//   stand_in        sampler that takes over if "command" fails (default "block_gibbs"); log, model and report say so
+//   hidden          number of hidden units
+//   epochs          max passes over the trials
+//   batch           trials of a minibatch (default 32, or a 32nd of the trials if that is more)
+//   learning_rate   of the optimizer
+//   weight_decay    strength of the Gaussian prior on weights [nat]
+//   generative      share of the joint likelihood
+//   discriminative  share of the conditional likelihood (default 1)
+//   chains          number of persistent chains
+//   sweeps          of every chain per update
+//   folds           of the cross-validation
+//   optimizer       "adam" (default) or "sgd"
+//   momentum        of sgd
 //   final_learning_rate  share of the learning rate at the last epoch (default 1)
-//   discriminative share of the conditional likelihood (default 1)
-//   centred        gradients in centred units (default no)
-//   negative       "persistent" (default), "contrastive", "tempering" or "trajectory": how the chains of the negative
-//                  phase start; the last two have "rungs" machines on a ladder
-//   importance     power in [0, 1] to which trials' weights prior / proposal density are raised (default 1)
-//   calibrate      whether a power that the held-out folds choose sharpens or blunts all probabilities (default no)
-//   unknown_inputs "prior" (default): answers sum unknown variables out over the design's distribution, uniform over
-//                  the sampled box; "machine": over the machine's own joint distribution
-//   bins           "range" (default) or "quantile"
-//   encoders       { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }; in place of "bits"
-//                  "edges", the inner edges of the bins [unit of the variable], increasing; default: the contract's
+//   centred         gradients in centred units (default no)
+//   negative        how the chains of the negative phase start: "persistent" (default), "contrastive", "tempering" or
+//                   "trajectory"; the last two have "rungs" machines on a ladder
+//   importance      power in [0, 1] of the trials' weights prior / proposal density (default 1)
+//   calibrate       whether to sharpen or blunt all probabilities by a power that the held-out folds choose (default
+//   no) unknown_inputs  "prior" (default): answers sum unknown variables out over the design's distribution, uniform
+//   over
+//                   the sampled box; "machine": over the machine's joint distribution
+//   bins            "range" (default) or "quantile"
+//   encoders        { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }; default: the
+//   contract's.
+//                   "edges" in place of "bits" gives the inner edges of the bins [unit of the variable], increasing
 //
-// Defaults are those of learning::TrainingSettings; docs/learning.md shows the experiments behind them.
+// Other defaults are those of learning::TrainingSettings. docs/learning.md shows the experiments behind them.
 #pragma once
 #include <map>
 #include <optional>
@@ -42,25 +51,26 @@ namespace gonogo::learn {
 
 struct LearningSettings {
   std::string sampler = "block_gibbs";
-  bool gpu = true;          // where it gains
-  EmulatorChoice emulator;  // of the sampler "emulator"
+  bool gpu = true;          // "auto"
+  EmulatorChoice emulator;  // for the sampler "emulator"
   std::size_t folds = 5;
-  learning::TrainingSettings training;  // seed and minibatch are set when training: training_settings()
+  learning::TrainingSettings training;  // training_settings() sets seed and minibatch
   bool batch_given = false;
   bool quantile_bins = false;
   bool calibrate = false;
   double importance = 1;                                  // see temper_weights() in training_data.h
-  bool uniform_inputs = true;                             // of answers with unknown variables; false: the machine's own
-  std::vector<std::string> command;                       // of the sampler "command"
-  std::string stand_in = "block_gibbs";                   // for a sampler that cannot be reached
-  std::map<std::string, campaign::EncoderSpec> encoders;  // by variable, where the study overrides the contract
-  std::map<std::string, std::vector<double>> edges;       // of bins, for those of `encoders` that give them [unit]
+  bool uniform_inputs = true;                             // unknown_inputs is "prior"
+  std::vector<std::string> command;                       // for the sampler "command"
+  std::string stand_in = "block_gibbs";                   // for a sampler that fails
+  std::map<std::string, campaign::EncoderSpec> encoders;  // by variable, if the study gives one
+  std::map<std::string, std::vector<double>> edges;       // by variable, if its encoder gives edges [unit]
 };
 
-/// Without a section: the defaults. Throws InputError for unknown keys, values out of range and unknown variables.
+/// Reads the section; without one the defaults hold. Throws InputError for unknown keys, values out of range and
+/// unknown variables.
 LearningSettings read_learning_settings(const std::optional<Config>& section);
 
-/// Those of a training on so many trials: an epoch has 32 minibatches at most where the study names no size.
+/// Settings for training on so many trials. Unless the study gives `batch`, an epoch has at most 32 minibatches.
 learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed);
 
 Json to_json(const LearningSettings& settings);

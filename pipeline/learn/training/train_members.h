@@ -1,8 +1,8 @@
-// Models that might as well have come of the trials: the spread of what they say is how much the trials leave open.
+// Trains bootstrap members of a model. The spread of their answers measures the uncertainty that the trials leave.
 //
 // Bayesian bootstrap (Rubin 1981, Annals of Statistics 9, 130-134): every group of trials at one point gets a weight
-// drawn from the exponential distribution of mean 1, and the machine is trained again, for as many epochs and with the
-// same calibration as the model itself.
+// drawn from the exponential distribution of mean 1. The machine is then trained again, with the same number of epochs
+// and the same calibration as the model.
 #pragma once
 #include <filesystem>
 #include <vector>
@@ -11,8 +11,8 @@
 
 namespace gonogo::learn {
 
-/// Trains `count` members beside the model of `request`, which must have been trained on the same dataset:
-/// <model's stem>.member1.h5, ... Returns their names. Same dataset, seed and settings: same bytes.
+/// Trains `count` members and writes <model's stem>.member1.h5, ... beside the model. The model must have been trained
+/// with the same request. Returns the paths. The same dataset, seed and settings give the same bytes.
 std::vector<std::filesystem::path> train_members(const TrainRequest& request, int count);
 
 }  // namespace gonogo::learn

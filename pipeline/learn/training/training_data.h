@@ -1,4 +1,4 @@
-// Trials -> what a model is trained on.
+// Turns trials into the table that a model is trained on.
 #pragma once
 #include <optional>
 #include <string>
@@ -12,31 +12,32 @@
 namespace gonogo::learn {
 
 struct TrainingData {
-  learning::TrainingTable table;           // valid trials; weight = prior / proposal, mean 1; replicates in one group
-  std::size_t trials = 0, failed = 0;      // all; those that ended unknown and are left out
+  learning::TrainingTable table;           // valid trials; weight = prior / proposal, mean 1; a group holds replicates
+  std::size_t trials = 0, failed = 0;      // number of all; of those that ended unknown, which are left out
   std::vector<double> failed_variables;    // [failed x variable count]
   std::vector<double> lower, upper;        // [variable count]: sampled box
-  std::vector<std::size_t> outcome_count;  // [outcome]: rows that ended so
+  std::vector<std::size_t> outcome_count;  // [outcome] number of rows
 };
 
-/// The prior is uniform over the sampled box, so that a row's weight is 1 / proposal density.
-/// `design` is the study's section, whose "ranges" widen the box beyond the outermost trials; without it the box is
-/// what the trials span. Throws InputError when no valid trial is left.
+/// The prior is uniform over the sampled box, so a row's weight is proportional to 1 / proposal density. The box is
+/// what the trials span; "ranges" of the study's section `design` widen it. Throws InputError if no trial is valid or a
+/// proposal density is not positive.
 TrainingData make_training_data(const std::vector<campaign::TrialRecord>& records, const std::optional<Config>& design);
 
-/// Raises the weights to a power in [0, 1] and makes their mean 1 again. 1: forecasts suit the whole box, at the price
-/// of few trials that count where a design put many; 0: every trial counts alike, which is better where the machine can
-/// follow the outcomes anyway (Shimodaira, J. Statist. Plann. Inference 90:227, 2000).
+/// Raises the weights to the power `importance` in [0, 1] and scales their mean to 1. With 1, forecasts fit the whole
+/// box, but regions with many trials count little. With 0, all trials count alike. That is better if the machine can
+/// represent the outcomes everywhere (Shimodaira, J. Statist. Plann. Inference 90:227, 2000).
 void temper_weights(TrainingData& data, double importance);
 
-/// Takes at least `count` valid trials out of the table, whole groups of replicates, drawn from the seed; returns them.
-/// Throws InputError when fewer than two groups would be left to train on.
+/// Moves at least `count` valid trials from the table to the held-out set, which it returns. Groups of replicates stay
+/// together; the seed draws them. Throws InputError if fewer than two groups would be left.
 learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed);
 
-/// Encoders by study or contract over the sampled box; a variable that was held fixed gets no units.
+/// Units of the machine. Encoders come from the study or the contract, over the sampled box. A variable that was held
+/// fixed gets no units.
 learning::VisibleLayout make_layout(const TrainingData& data, const LearningSettings& settings);
 
-/// 1 for outcomes that are go or slow_go, in the order of contract().outcomes.
+/// 1 for go and slow_go, 0 for no_go, in the order of contract().outcomes [outcome count].
 std::vector<int> passable_outcomes();
 
 }  // namespace gonogo::learn

@@ -1,5 +1,5 @@
-// Where the negative phase of a study's training comes from: the sampler that its settings name, on a GPU where that
-// gains, with a stand-in where it may be out of reach, or an emulated annealer whose scale follows its temperature.
+// The sampler for the negative phase of training, as the settings choose it. It runs on a GPU if that is faster. A
+// sampler that may fail has a stand-in. For an emulated annealer it also follows the temperature.
 #pragma once
 #include <memory>
 
@@ -11,14 +11,15 @@ namespace gonogo::learn {
 
 class TrainingSampler {
  public:
-  /// Takes what the sampler asks for into `training`: masked weights, a look at every epoch.
+  /// Also sets what the sampler needs in `training`: masked weights, and a report after every epoch.
   TrainingSampler(const LearningSettings& settings, const learning::VisibleLayout& layout,
                   learning::TrainingSettings& training);
   const learning::Sampler& sampler() const { return annealer_ ? annealer_->sampler() : *sampler_; }
-  /// To be called with every machine of a run, and between runs.
+  /// Hook for learning::train(), to be called after every epoch. Empty if the sampler needs none.
   learning::EpochHook watch();
+  /// To be called before every training run.
   void begin();
-  /// Which sampler the rows came from in the end, why not from the one that was asked for, and what an annealer was.
+  /// Adds to `report`: the sampler that drew the rows, why a stand-in drew them, and the annealer's report.
   void report(Json& report) const;
 
  private:
