@@ -12,7 +12,7 @@ inline constexpr Index kBlocksPerTile = kTileSize / kPackWidth;
 
 /// Eight consecutive contacts of one tile. Lanes past the tile's end have zero normal, friction and impulse; their
 /// impulse stays zero and adds nothing to any sum.
-struct alignas(32) ContactBlock {
+struct ContactBlock {
   ContactNumbers<Pack> numbers;
   Pack gap_bias;
   ImpulseT<Pack> impulse[2];  // of the latest two updates, alternating
