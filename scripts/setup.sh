@@ -1,6 +1,9 @@
 #!/usr/bin/env bash
 # Installs what the build needs and is missing, on Debian 12 or Ubuntu 24.04, as root or with sudo.
-#   scripts/setup.sh [--tests]      with --tests also what only tests use: Slurm and MPI on this machine
+#   scripts/setup.sh [--tests] [--clang] [--no-torch]
+#     --tests     also what only tests use: Slurm and MPI on this machine, clang-format
+#     --clang     also Clang with its OpenMP, for the preset cpu-tsan, and clang-tidy
+#     --no-torch  without LibTorch, for builds with -DGONOGO_TORCH=OFF
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -12,9 +15,15 @@ packages=(
   catch2 hdf5-tools python3                                    # tests
 )
 
-if [[ ${1:-} == --tests ]]; then
-  packages+=(slurm-wlm munge openmpi-bin libopenmpi-dev)  # engines of campaigns
-fi
+torch=true
+for option in "$@"; do
+  case $option in
+    --tests) packages+=(slurm-wlm munge openmpi-bin libopenmpi-dev clang-format-14) ;;  # engines of campaigns; format.sh
+    --clang) packages+=(clang libomp-dev llvm clang-tidy-14) ;;  # cpu-tsan, its symbolizer; tidy.sh
+    --no-torch) torch=false ;;
+    *) fail "no option '$option'; there are --tests, --clang and --no-torch" ;;
+  esac
+done
 
 is_installed() { [[ $(dpkg-query -W -f='${Status}' "$1" 2>/dev/null) == "install ok installed" ]]; }
 has_candidate() { [[ $(LC_ALL=C apt-cache policy "$1" 2>/dev/null) == *"Candidate: "[0-9]* ]]; }
@@ -117,6 +126,6 @@ if ((${#missing[@]} > 0)); then
   for package in "${missing[@]}"; do has_candidate "$package" || apt_update; done
   apt_install "${missing[@]}"
 fi
-provide_torch
+if $torch; then provide_torch; fi
 provide_browser
 say "everything the build needs is installed"
