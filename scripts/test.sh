@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what is missing, builds everything and runs every test; fails when one fails, is missing or was skipped.
-#   scripts/test.sh
+#   scripts/test.sh [cmake arguments...]      -DGONOGO_WERROR=ON: warnings are errors
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -16,7 +16,7 @@ if [[ -e .cache/no_browser ]]; then
   browser_tests=OFF
   say "the page is not tested: no package of Chromium on this system"
 fi
-configure cpu-release -DGONOGO_BROWSER_TESTS=$browser_tests -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON -DGONOGO_MPI=ON
+configure cpu-release -DGONOGO_BROWSER_TESTS=$browser_tests -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON -DGONOGO_MPI=ON "$@"
 build cpu-release
 registered=$(ctest --test-dir "$folder" -N | sed -n 's/^Total Tests: //p')
 ((registered > 0)) || fail "no test is registered"
