@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kCandidates = 128;  // of each point that is chosen
+constexpr std::uint64_t kCandidates = 128;  // candidates for each point that is chosen
 constexpr const char* kPointFile = "points.csv";
 
 ModelAnswers answers_of(const Predictor& predictor) {
@@ -61,7 +61,8 @@ Json design_of_table(const campaign::DesignSpec& box, const Config& section) {
 campaign::Study study_of_table(const ActiveRequest& request, const campaign::DesignSpec& box) {
   Json json = request.study.config.json();
   json["design"] = design_of_table(box, request.study.section("design"));
-  // Points crowd where the verdict changes: weighed back to the box, just these would hardly count (docs/campaigns.md).
+  // Points crowd where the verdict changes. Weights prior / proposal would make just these count little
+  // (docs/campaigns.md).
   Json& learning = json["learning"];
   if (learning.is_null() || !learning.find("importance")) learning["importance"] = 0;
   if (!request.study.vehicle.empty()) json["vehicle"] = fs::absolute(request.study.vehicle).string();

@@ -10,8 +10,8 @@
 namespace gonogo::learn {
 namespace {
 
-constexpr double kNovel = 2;                                // novelty above which a point counts as never seen
-constexpr std::uint64_t kStartStream = 0x6163740000000000;  // where systematic sampling starts
+constexpr double kNovel = 2;                                // novelty above which a point counts as far from all trials
+constexpr std::uint64_t kStartStream = 0x6163740000000000;  // random stream for the start of systematic sampling
 
 /// Points of the scrambled Sobol' sequence in the sampled box: [count x variable count].
 std::vector<double> candidates_of(const campaign::DesignSpec& spec, std::uint64_t first, std::uint64_t count) {
@@ -49,15 +49,15 @@ std::vector<double> densities(const ModelAnswers& model, std::span<const double>
 
 std::vector<campaign::DesignPoint> choose_batch(const campaign::DesignSpec& spec, const ModelAnswers& model,
                                                 const BatchRequest& request) {
-  if (spec.ranges.empty()) throw InputError("the design samples no variable, so that there is nothing to choose");
+  if (spec.ranges.empty()) throw InputError("the design samples no variable; give the range of at least one");
   const std::size_t width = spec.fixed.size();
   const std::uint64_t count = std::max(request.candidates, 4 * request.count);
   const std::vector<double> points = candidates_of(spec, request.skip, count);
   const std::vector<double> density = densities(model, points, width, request.space_filling);
   double sum = 0;
   for (const double d : density) sum += d;
-  // One point in each of `request.count` equal parts of the running sum: a candidate is taken as often as its density
-  // says, and neighbours in the sequence are never taken together unless it is far above the mean.
+  // Takes one point in each of `request.count` equal parts of the running sum, so a candidate is taken as often as its
+  // density says. Neighbours in the sequence are taken together only where the density is far above the mean.
   const double part = sum / double(request.count);
   double next = part * random_unit(spec.seed, kStartStream, request.skip), running = 0;
   std::vector<campaign::DesignPoint> batch;

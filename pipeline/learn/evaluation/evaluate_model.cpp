@@ -35,7 +35,7 @@ std::vector<double> comparable(std::span<const double> point) {
   return key;
 }
 
-/// A hundred thousand answers with many unknowns are asked for: sums stay short, draws and chains few.
+/// Settings for about 100,000 answers with many unknown variables: short sums, few draws and Markov chains.
 constexpr learning::MarginalOptions kQuickMarginal = {
     .most_terms = 2000, .chains = 20, .sweeps = 100, .burn_in = 20, .rungs = 1};
 

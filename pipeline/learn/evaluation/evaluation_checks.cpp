@@ -51,7 +51,7 @@ Json evaluation_checks(const Json& report) {
 }
 
 std::string checks_text(const Json& checks) {
-  std::string text = "what the model has to hold:\n";
+  std::string text = "checks of the model:\n";
   for (const Json& c : checks.items()) {
     text += line("  %-6s %-84s %+.4f", c.at("holds").boolean() ? "holds" : "misses", c.at("what").string().c_str(),
                  c.at("value").number());

@@ -46,7 +46,7 @@ std::vector<double> forecasts(const Forecaster& forecaster, const learning::Trai
   return p;
 }
 
-/// Of every row, means over the subsets.
+/// Scores of every row, as means over the subsets.
 struct MeanTerms {
   std::vector<double> brier, log_loss;
 };

@@ -41,7 +41,7 @@ std::vector<VariableImportance> model_importance(const Predictor& predictor, con
     for (const std::size_t i : varied) points.push_back(record.point.variables[i]);
     truth.push_back(campaign::is_passable(record.verdict) ? 1 : 0);
   }
-  if (truth.empty()) throw InputError("the dataset has no valid trial, so that nothing can be said of its variables");
+  if (truth.empty()) throw InputError("the dataset has no valid trial; importance needs at least one");
   const TotalIndices indices = sobol_total_indices(p_go, box, kSamples, seed);
   const std::vector<double> permutation = permutation_importance(p_go, points, dimensions, truth, kShuffles, seed);
   std::vector<VariableImportance> result;

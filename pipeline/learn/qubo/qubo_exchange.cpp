@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr double kFree = std::numeric_limits<double>::quiet_NaN();
 
-/// Values of the units of clamped variables, not-a-number for all others.
+/// Values of the units of clamped variables, NaN for all others.
 std::vector<double> unit_values(const learning::Model& model, const std::map<std::string, double>& clamped) {
   std::vector<double> values(model.weights.visible_count + model.weights.hidden_count, kFree);
   for (const auto& [name, value] : clamped) {

@@ -54,7 +54,7 @@ Json cross_validation_scores(const TrainingData& data, const learning::CrossVali
   return score_forecasts(forecasts, seed);
 }
 
-/// The power that calibrates best on rows that their machines did not see; nothing is known about fold `without` then.
+/// The power that calibrates held-out rows best. Leaves out the rows of fold `without`.
 double fitted_power(const TrainingData& data, const std::vector<double>& probability,
                     const std::vector<std::size_t>& fold, std::size_t without) {
   const std::size_t outcomes = probability.size() / fold.size();

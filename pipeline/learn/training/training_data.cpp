@@ -21,7 +21,7 @@ void extend_box(TrainingData& data, const Config& ranges) {
   for (const auto& [name, value] : ranges.json().members()) {
     const std::size_t v = campaign::contract().variable_index(name);
     const std::vector<double> ends = ranges.numbers(name);
-    if (ends.size() != 2 || ends[0] > ends[1]) ranges.fail(name, "expected [lowest, highest]");
+    if (ends.size() != 2 || ends[0] > ends[1]) ranges.fail(name, "expected [low, high]");
     data.lower[v] = std::min(data.lower[v], ends[0]);
     data.upper[v] = std::max(data.upper[v], ends[1]);
   }

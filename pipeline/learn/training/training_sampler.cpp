@@ -7,7 +7,7 @@
 namespace gonogo::learn {
 namespace {
 
-/// Unit updates between two updates of the weights from which on a GPU gains by it: below, starting it takes longer.
+/// Min number of unit updates per update of the weights for which a GPU is faster. Below it, launching takes longer.
 constexpr double kGpuGains = 1e6;
 
 bool gpu_gains(const LearningSettings& settings, std::size_t visible) {

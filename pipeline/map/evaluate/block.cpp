@@ -65,8 +65,8 @@ struct Decision {
   int soil = SoilTable::kUnknown, rule = 0;
 };
 
-/// A measured cone index decides over fine-grained soil where it is too low, and where it is not, over what cohesion
-/// and friction angle would make of it.
+/// In fine-grained soil a measured cone index decides: too low is a rule, high enough is the firm entry of the table.
+/// Without a measurement cohesion and friction angle decide.
 Decision decide(const Region& region, const MapRules& rules, const SoilTable& table, const Readings& readings,
                 std::size_t cell) {
   const int state = moisture_state(region, rules, readings, cell);
@@ -100,7 +100,7 @@ CellState in_heading(const SoilResponse& soil, const MapRules& rules, float slop
   }
 }
 
-/// Everything that a cell says: a rule of the land wins over the soil.
+/// What the map says about a cell. A land rule wins over the soil.
 CellState state_of(const SoilTable& table, const std::vector<LandRule>& land, const MapRules& rules, Decision decision,
                    float slope, float aspect) {
   if (decision.rule > 0) {
@@ -111,7 +111,7 @@ CellState state_of(const SoilTable& table, const std::vector<LandRule>& land, co
   return in_heading(table.responses[std::size_t(decision.soil)], rules, slope, aspect);
 }
 
-/// A soil in one state of moisture; nothing when no sample tells of it.
+/// A soil in one moisture state; nothing if it has no sample in that state.
 std::optional<Soil> soil_in(const Soil& soil, const MoistureState& state) {
   Soil part = soil;
   part.name = soil.name + ", " + state.name;
@@ -120,8 +120,8 @@ std::optional<Soil> soil_in(const Soil& soil, const MoistureState& state) {
   return part;
 }
 
-/// A soil by what cohesion and friction angle say, and where cones were pushed into it, once more for where they met
-/// enough resistance.
+/// Adds a soil with softness by cohesion and friction angle. If the region has measured cone indices, adds it once more
+/// for cells whose index is high enough.
 void add_soil(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
               const Soil& soil, int state, SoilTable& table) {
   const auto points = soil_points(region, soil, rules.values, rules.draws);

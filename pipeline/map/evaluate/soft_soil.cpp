@@ -20,7 +20,7 @@ std::string in_psi(double pascal) { return line("%.0f psi", pascal / kPsi); }
 double estimated_index(const std::vector<double>& point) {
   const double cohesion = point[campaign::contract().variable_index("cohesion")];
   const double angle = point[campaign::contract().variable_index("friction_angle")];
-  return terrain::cone_index(cohesion * 1e3, angle);  // not-a-number where one of them is not known
+  return terrain::cone_index(cohesion * 1e3, angle);  // NaN if one of them is not known
 }
 
 std::string texture_text(const Region& region, const Soil& soil) {
@@ -28,7 +28,7 @@ std::string texture_text(const Region& region, const Soil& soil) {
   return texture.empty() ? line("a friction angle below %g degrees", kMinAngleOfSand) : texture;
 }
 
-/// What the soft points of a soil are told from.
+/// Cone indices of the soft points of a soil.
 struct Weakness {
   double least = std::numeric_limits<double>::infinity(), most = 0;  // index of soft points [Pa]
   std::size_t weak = 0, unclear = 0;                                 // points
@@ -47,11 +47,10 @@ struct Weakness {
 std::vector<std::string> sentences(const Weakness& found, std::size_t points, const std::string& texture,
                                    const std::optional<ConeIndexNeed>& need) {
   const auto of_all = [&](std::size_t count) {
-    return count == points ? std::string()
-                           : line(", %.0f %% of what it may be", 100.0 * double(count) / double(points));
+    return count == points ? std::string() : line(", %.0f %% of its points", 100.0 * double(count) / double(points));
   };
   if (!need && found.weak + found.unclear > 0)
-    return {"fine-grained (" + texture + "), and no vehicle is named whose cone index it must reach" +
+    return {"fine-grained (" + texture + "), and no vehicle is given to compare its cone index with" +
             of_all(found.weak + found.unclear)};
   std::vector<std::string> because;
   if (found.weak > 0) {
@@ -61,7 +60,7 @@ std::vector<std::string> sentences(const Weakness& found, std::size_t points, co
                       in_psi(need->fifty_passes) + " (VCI50)" + of_all(found.weak));
   }
   if (found.unclear > 0)
-    because.push_back("fine-grained (" + texture + ") with a cohesion or friction angle that is not known" +
+    because.push_back("fine-grained (" + texture + ") with a unknown cohesion or friction angle" +
                       of_all(found.unclear));
   return because;
 }

@@ -1,4 +1,4 @@
-// What the model says about a cell: the tables of each soil looked up by slope and heading, with the rules of
+// P(go), class and reason of a cell: looks up the tables of its soil by slope and heading, with the rules of
 // pipeline/map/region/rules.cpp and heading_table.cpp.
 const GO = 1, SLOW_GO = 2, NO_GO = 3, UNKNOWN = 4;
 const DEGREE = Math.PI / 180;
@@ -11,7 +11,7 @@ for (const r of meta.reasons) reason_code[r.name] = r.code;
 const cells = meta.cells;  // {columns, rows, step}
 const cell_w = meta.grid.cell_width_m * cells.step, cell_h = meta.grid.cell_height_m * cells.step;  // [m]
 
-/// Exactly lround: half away from zero.
+/// As C's lround: half away from zero.
 const rounded = (x) => (x < 0 ? -Math.floor(-x + 0.5) : Math.floor(x + 0.5));
 
 function bed_slopes(slope, psi) {
@@ -21,8 +21,8 @@ function bed_slopes(slope, psi) {
 /// psi in whole degrees, 0 to 359; headings and aspects are whole degrees.
 const fall_line_angle = (heading, aspect) => (heading - aspect + 540) % 360;
 
-/// Where slope and psi lead in the heading tables: node, or -1 outside, or -2 - j steeper uphill than sampled. The
-/// sampled box is the model's, the same for every soil.
+/// Node of the heading tables for slope and psi. -1: outside the sampled box. -2 - j: steeper uphill than sampled, at
+/// slope j across. The box is the same for every soil.
 let places = null;
 function make_places() {
   const box = meta.soils[0], steps = 90 * meta.slope_steps + 1;
@@ -46,7 +46,7 @@ function verdict_at(p, slow_is_likelier) {
   return p < state.go || slow_is_likelier ? SLOW_GO : GO;
 }
 
-/// Class of one entry of a table: interval over what was not sampled or is too soft.
+/// Class of one entry of a table, as classify() in pipeline/map/region/rules.cpp.
 function classify(p, p_slow, outside, soft) {
   if (Number.isNaN(p)) return UNKNOWN;
   const not_sampled = outside - soft, u = soft + (not_sampled > meta.rules.tolerated_outside_share ? not_sampled : 0);
@@ -64,10 +64,10 @@ function likeliest_reason(soil, table, index) {
   return reason;
 }
 
-/// Why a cell is unknown where this share is not answered for.
+/// Reason of an unknown cell, from the share of its points that were not sampled or are too soft.
 const reason_of_unknown = (outside, soft) => (soft > 0 && 2 * soft >= outside ? reason_code.soft_soil : reason_code.outside_sampled);
 
-/// Tables of one soil: p, verdict and reason for every node, made anew when a threshold changes.
+/// Tables of one soil: p, verdict and reason of every node. Rebuilt when a threshold changes.
 class Soil {
   constructor(info, index) {
     Object.assign(this, info);

@@ -1,4 +1,4 @@
-// What the map command embedded: one JSON object and deflated arrays, each filtered by a predictor over its rows.
+// Reads the data that the map command embedded: one JSON object, and deflated arrays with a filter each.
 const $ = (id) => document.getElementById(id);
 const meta = JSON.parse($('meta').textContent);
 const NONE16 = 65535, NO_DATA = 255, NO_SOIL = 254;
@@ -15,7 +15,7 @@ async function inflate(bytes) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
-/// Undoes the filter of pipeline/map/page/blob.cpp: each value was written as its difference from what its neighbours say.
+/// Undoes the filter of pipeline/map/page/blob.cpp, which stores the difference of each value from its prediction.
 function unfilter(value, width, filter) {
   const mask = value instanceof Uint8Array ? 255 : 65535;
   for (let i = 0; i < value.length; ++i) {

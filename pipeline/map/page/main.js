@@ -1,4 +1,4 @@
-// Wiring: what changes what.
+// Connects the controls to the view.
 let painting = 0;
 function refresh(counts = true) {
   cancelAnimationFrame(painting);

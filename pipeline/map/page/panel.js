@@ -51,7 +51,7 @@ function count_classes() {
   return { count, total };
 }
 
-/// With one decimal; a little that there is never reads as nothing.
+/// A number with one decimal. It reads "< 0.1" if it would round to 0 though cells were counted.
 const small = (x, count, unit) => (count > 0 && x < 0.05 ? `< 0.1${unit}` : `${x.toFixed(1)}${unit}`);
 
 function show_shares() {
@@ -141,7 +141,7 @@ function show_cell() {
   if (known(answer)) show_inputs(box, answer.soil);
 }
 
-/// The contract's words for a reason, without its remark that only maps give it.
+/// The contract's text for a reason, without the remark that only maps give it.
 function reason_text(code) {
   const text = reason_info(code).about.replace(/^map only: /, '');
   return text[0].toUpperCase() + text.slice(1);
@@ -226,7 +226,7 @@ function profile_of(path) {
   return svg;
 }
 
-/// What stands below a printed map: what is drawn, the shares, where it comes from.
+/// Text below a printed map: the layer, the shares of the classes, the sources.
 function show_print_note() {
   const { count, total } = count_classes(), km2 = cell_w * cell_h * 1e-6, box = $('print-note');
   const shares = meta.verdicts.map((v) => `${v.label} ${small(total ? 100 * count.get(v.code) / total : 0, count.get(v.code), ' %')}, ${small(count.get(v.code) * km2, count.get(v.code), ' km²')}`);

@@ -6,7 +6,7 @@ const step_heading = STEPS.map(([dx, dy]) => (Math.round(Math.atan2(dx * cell_w,
 const step_length = STEPS.map(([dx, dy]) => Math.hypot(dx * cell_w, dy * cell_h));
 const usable_costs = () => COSTS.filter(([id]) => (id === 'time' ? soils.some((s) => s.measures.mean_speed) : id === 'energy' ? soils.some((s) => s.measures.energy_per_metre) : true));
 
-/// Per metre of map distance at a node of a soil's heading table; null where it cannot be passed.
+/// Costs per metre of map distance at a node of a soil's heading table; null if it cannot be passed.
 function per_metre(soil, node) {
   const verdict = soil.node_class[node];
   if (verdict !== GO && verdict !== SLOW_GO) return null;
@@ -22,7 +22,7 @@ function per_metre(soil, node) {
 const blocked = (cell) => blob.soil[cell] >= NO_SOIL || (blob.rule && blob.rule[cell] !== 0);
 const node_of = (cell, k) => places[blob.slope[cell] * 360 + fall_line_angle(step_heading[k], blob.aspect[cell])];
 
-/// What half a step in direction k costs inside a cell, or null.
+/// Cost of half a step in direction k inside a cell, or null if it cannot be passed.
 function half_step(cell, k) {
   const node = blocked(cell) ? -1 : node_of(cell, k), cost = node >= 0 ? per_metre(soils[blob.soil[cell]], node) : null;
   if (!cost) return null;
@@ -100,7 +100,7 @@ class Heap {
   }
 }
 
-/// Totals along a path: length, climb, and time, risk and energy where the model tells them.
+/// Totals along a path: length and climb; time, risk and energy if the model has measures.
 function totals_of(path) {
   const sum = { length: 0, time: 0, risk: 0, energy: 0, climb: 0, min_p: 1 };
   for (let i = 1; i < path.length; ++i) {

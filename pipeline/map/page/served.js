@@ -1,10 +1,10 @@
-// Where `gonogo view` serves the page of a map that is too large for one page: zoomed in, tiles of the GeoTIFFs are drawn
-// over the thinned picture, and a click reads the very cell. A page from disk asks for nothing.
+// Full resolution for a page served by `gonogo view`. When zoomed in it draws tiles of the GeoTIFFs over the thinned
+// picture, and a click reads the exact cell. A page opened from disk sends no requests.
 const served = location.protocol.startsWith('http') && meta.cells.step > 1;
 const tiles = new Map();
 const TILE = 512, MOST_TILES = 200;
 
-/// The GeoTIFF that shows what the page shows, or null when there is none: thresholds moved, another heading.
+/// The GeoTIFF of the layer that the page shows. null if thresholds or heading differ from those of the map.
 function served_layer() {
   const study = state.go === meta.rules.go && state.no_go === meta.rules.no_go && !state.safe_colours;
   const mode = state.mode === 'worst' || state.mode === 'best' ? `_${state.mode}` : '';
@@ -45,7 +45,7 @@ function draw_served() {
   context.globalAlpha = 1;
 }
 
-/// Every layer's value in the very cell under a place [m from the map's corner].
+/// Values of all layers in the cell under a place [m from the map's corner].
 async function show_served_cell([x, y]) {
   if (!served) return;
   const column = Math.floor(x / meta.grid.cell_width_m), row = Math.floor(y / meta.grid.cell_height_m);

@@ -120,7 +120,7 @@ void read_moisture(const Config& config, Region& region) {
     for (const char* name : {"dry", "moist", "wet"}) {
       if (!states->has(name)) continue;
       const std::vector<double> range = states->numbers(name, {0, 1000});
-      if (range.size() != 2 || !(range[0] < range[1])) states->fail(name, "expected [least, most] percent of water");
+      if (range.size() != 2 || !(range[0] < range[1])) states->fail(name, "expected [min, max] percent of water");
       region.moistures.push_back({name, range[0], range[1]});
     }
     states->finish();

@@ -21,7 +21,7 @@ Spread read_spread(const Config& config, const campaign::Variable& variable) {
     spread.source = config.text("source");
   } else {
     const std::vector<double> range = config.numbers("range", allowed);
-    if (range.size() != 2 || !(range[0] < range[1])) config.fail("range", "expected [smallest, largest]");
+    if (range.size() != 2 || !(range[0] < range[1])) config.fail("range", "expected [low, high]");
     spread = {Spread::Kind::range, range[0], range[1], config.text("source")};
   }
   config.finish();
@@ -53,7 +53,7 @@ std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws
   int ranges = 0;
   for (const auto& [name, spread] : spreads) ranges += spread.kind == Spread::Kind::range;
   if (ranges > int(kPrimes.size()) + 1)
-    throw InputError("more ranges than the map can draw from; give some fixed values");
+    throw InputError("more ranges than the map can sample; fix some of these variables");
   std::vector<std::vector<double>> points(
       std::size_t(ranges > 0 ? draws : 1),
       std::vector<double>(variables.size(), std::numeric_limits<double>::quiet_NaN()));

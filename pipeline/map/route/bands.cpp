@@ -14,8 +14,8 @@ namespace {
 constexpr double kWantedBands = 8;
 constexpr std::array<const char*, 4> kMeaning = {"metres", "seconds", "-ln of the chance to get through", "joules"};
 
-/// The least round number that is not below `least`: of minutes and hours for seconds, else 1, 2 or 5 times a power of
-/// ten.
+/// The smallest round number that is at least `least`. Seconds are rounded to minutes and hours, other units to 1, 2 or
+/// 5 times a power of ten.
 double round_interval(RouteCost cost, double least) {
   if (!(least > 0)) return 1;
   if (cost == RouteCost::time)
@@ -57,7 +57,7 @@ CostBands cost_bands(RouteCost cost, const std::vector<float>& least, double int
   for (const float c : least)
     if (std::isfinite(c)) most = std::max(most, double(c));
   if (!(interval >= 0) || !std::isfinite(interval))
-    throw InputError(line("route: --interval: %g is no width of a band; give more than 0", interval));
+    throw InputError(line("route: --interval: %g is not the width of a band; give a number above 0", interval));
   CostBands bands;
   bands.interval = interval > 0 ? interval : round_interval(cost, most / kWantedBands);
   const double count = std::floor(most / bands.interval) + 1;

@@ -14,7 +14,7 @@ constexpr std::array<const char*, 4> kNames = {"shortest", "fastest", "safest", 
 const SlopeMeasure& require_measure(const SoilResponse& soil, const char* name) {
   const auto found = soil.measures().find(name);
   if (found == soil.measures().end())
-    throw InputError(std::string("route: the map's model does not tell ") + name +
+    throw InputError(std::string("route: the model has no fit of ") + name +
                      "; give the trials with --dataset, or ask for the shortest or the safest way");
   return found->second;
 }

@@ -49,7 +49,7 @@ HttpAnswer json_answer(const Json& json) { return {200, "application/json", json
 
 MapView::MapView(fs::path folder) : folder_(std::move(folder)) {
   if (!fs::exists(folder_ / "map.json"))
-    throw InputError(folder_.string() + ": holds no map.json, so no whole map; make one with gonogo map");
+    throw InputError(folder_.string() + ": holds no map.json, so it is no finished map; make one with gonogo map");
   const Json record = Json::read(folder_ / "map.json");
   for (const auto& [name, hash] : record.at("files").members()) {
     files_.insert(name);

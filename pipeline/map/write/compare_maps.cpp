@@ -47,7 +47,7 @@ std::string heading_of(const fs::path& folder) {
 OneMap open_map(const fs::path& folder, const MapGrid& grid) {
   if (heading_of(folder) != "uphill heading")
     throw InputError(folder.string() + ": is a map for the " + heading_of(folder) +
-                     "; its interval on P(go) is for the uphill heading, so compare maps of that one");
+                     "; the interval on P(go) is for the uphill heading, so compare maps for that heading");
   const auto open = [&](const char* file) {
     return RasterSource::open_on_grid(folder / file, grid, RasterKind::classes);
   };

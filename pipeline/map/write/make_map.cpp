@@ -24,16 +24,15 @@ std::string percent(double share) {
   return text;
 }
 
-/// Why nothing is said, or not much, about a soil that occurs.
+/// Remarks on a soil of the map: what is too soft, has no texture, or was not sampled.
 void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& points, double share,
                     std::vector<std::string>& remarks) {
   const std::string where = soil.name + " (" + percent(share) + " of the area): ";
   for (const std::string& because : points.soft_because()) remarks.push_back(where + because);
   if (!is_fine_grained(region, soil))
     remarks.push_back(where +
-                      "its texture is not given, so that it is held to the vehicle's cone index only where its "
-                      "friction angle is below " +
-                      line("%g degrees", kMinAngleOfSand));
+                      "no texture is given; the vehicle's cone index is required only where the friction angle is " +
+                      line("below %g degrees", kMinAngleOfSand));
   const auto& because = points.outside_because();
   if (because.empty()) return;
   const std::string more = std::to_string(because.size() - 1);
@@ -48,20 +47,19 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const Region& reg
       remark_on_soil(region, table.soils[s], table.responses[s].points(),
                      double(table.cells[s]) / double(summary.area.total()), remarks);
   if (summary.area.total() == 0)
-    remarks.push_back(
-        "nothing is said: every cell lies at the border or beside one without elevation, so none has a slope");
+    remarks.push_back("no cell has a slope: every cell is at the border or next to one without elevation");
   if (const double share = summary.area.share(campaign::Verdict::unknown, campaign::Reason::input_missing); share > 0)
-    remarks.push_back("soil is not known on " + percent(share) +
+    remarks.push_back("the soil is unknown on " + percent(share) +
                       " of the area: nodata, or a code the region's table does not list");
   if (const double share = summary.area.share(campaign::Verdict::unknown, campaign::Reason::land_unknown); share > 0)
-    remarks.push_back("land cover is not known on " + percent(share) +
+    remarks.push_back("the land cover is unknown on " + percent(share) +
                       " of the area: nodata, or a code the region's table does not list");
   for (const std::string& soil : table.without_samples)
-    remarks.push_back("nothing is known of " + soil + ": no sample with that water content");
+    remarks.push_back(soil + " is unknown: no sample has that water content");
   return remarks;
 }
 
-/// What belongs to the map as a whole, once every tile is there.
+/// Writes the files that need every tile.
 void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable& table, const Metadata& metadata,
                 const std::vector<MapLayer>& layers, const MapDigest& digest, MapSummary& summary) {
   write_file_atomically(request.out / "area.csv", summary.area.csv(grid.cell_area_m2()));
@@ -72,7 +70,7 @@ void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable&
     summary.files.push_back(file);
 }
 
-/// Bad input leaves nothing behind; anything else leaves what the next run can use.
+/// Removes the scratch files after InputError. After other errors the next run continues from them.
 void evaluate_or_forget(MapTiles& tiles, const MapSources& sources, const SoilTable& table, const MapDigest& shape) {
   try {
     tiles.evaluate(sources, table, shape);

@@ -122,7 +122,7 @@ Json note(const std::string& title, const std::vector<std::string>& lines) {
   return Json::Array{Json(title), texts(lines)};
 }
 
-/// "0.0665", "452 J/m", "2113 J/m": three digits, no powers of ten.
+/// "0.0665", "452 J/m", "2113 J/m": three digits, never in exponent form.
 std::string quantity(double x, const std::string& unit) {
   const std::string number = x >= 100 ? line("%.0f", x) : line("%.3g", x);
   return unit == "-" ? number : number + " " + unit;

@@ -111,7 +111,7 @@ std::optional<MapSummary> find_finished_map(const MapRequest& request, const Jso
     summary.area_km2 = record.at("area_km2").number();
     for (const Json& remark : record.at("remarks").items()) summary.remarks.push_back(remark.string());
   } catch (const InputError&) {
-    return std::nullopt;  // a record that cannot be understood belongs to no finished map of ours: make it anew
+    return std::nullopt;  // not a record of this program: make the map again
   }
   summary.files.push_back(record_file);
   summary.reused = true;

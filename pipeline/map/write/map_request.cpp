@@ -29,14 +29,14 @@ OutcomeModel read_outcome_model(const std::filesystem::path& file) {
   return model;
 }
 
-/// Other models of the same trials, whose answers show how much those leave open.
+/// Reads the bootstrap members of the model.
 void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& files) {
   for (const std::filesystem::path& file : files) {
     const auto predictor = std::make_shared<const learn::Predictor>(learn::Predictor::read(file));
     for (std::size_t v = 0; v < model.sampled.size(); ++v)
       if (predictor->model().sampled_lower[v] != model.sampled[v].minimum ||
           predictor->model().sampled_upper[v] != model.sampled[v].maximum)
-        throw InputError(file.string() + ": is no member of the model, its trials sampled another range of " +
+        throw InputError(file.string() + ": is no member of the model: its trials sampled another range of " +
                          campaign::contract().variables[v].name + "; make members with gonogo train --members");
     model.member_hashes.push_back(file_hash(file));
     model.members.push_back([predictor](std::span<const double> points, std::span<double> result) {

@@ -167,7 +167,7 @@ TEST_CASE("regions whose keys do not fit together are refused") {
   CHECK(contains(refusal("", kLandRules), "no raster has the role \"land_cover\""));
   CHECK(contains(refusal(R"(, {"role": "moisture", "file": "water.tif", "source": "s", "licence": "l"})", ""),
                  "moisture: missing"));
-  CHECK(contains(refusal("", R"(, "moisture": {"dry": [20, 10], "source": "s"})"), "[least, most]"));
+  CHECK(contains(refusal("", R"(, "moisture": {"dry": [20, 10], "source": "s"})"), "[min, max]"));
 }
 
 TEST_CASE("the second region maps from tiles in degrees with a hole, by rules of its land cover") {

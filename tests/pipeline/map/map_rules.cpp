@@ -215,7 +215,7 @@ TEST_CASE("a region file is read, and refused with the place of the mistake") {
   CHECK(contains(refusal(folder, "\"friction_angle\": 30", "\"friction_angle\": 130"), "between 10 and 50"));
   CHECK(contains(refusal(folder, "\"friction_angle\"", "\"friktion_angle\""), "friktion_angle"));
   CHECK(contains(refusal(folder, "\"cohesion\": 2, \"source\": \"s\"", "\"cohesion\": 2"), "samples[0].source"));
-  CHECK(contains(refusal(folder, "[0, 400]", "[400, 0]"), "[smallest, largest]"));
+  CHECK(contains(refusal(folder, "[0, 400]", "[400, 0]"), "[low, high]"));
   CHECK(contains(refusal(folder, "\"payload\"", "\"payloads\""), "did you mean \"payload\""));
   CHECK(contains(refusal(folder, "\"payload\"", "\"slope_along\""), "come from the elevation raster"));
   CHECK(contains(refusal(folder, "\"soil_class\"", "\"elevation\""), "given twice"));
