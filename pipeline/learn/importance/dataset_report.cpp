@@ -104,7 +104,7 @@ std::vector<fs::path> write_dataset_report(const fs::path& folder, const campaig
   report::ScatterTable boundary = table_of(dataset, request.name + ": trials by verdict");
   boundary.columns = {named_column(dataset, request.x), named_column(dataset, request.y)};
   report::ScatterTable pairs = table_of(dataset, request.name + ": every pair of variables");
-  if (dataset.records.empty()) throw InputError(request.name + ": holds no trial, there is nothing to draw");
+  if (dataset.records.empty()) throw InputError(request.name + ": holds no trial; there is nothing to draw");
   for (std::size_t i = 0; i < campaign::contract().variables.size(); ++i)
     if (report::ScatterColumn column = variable_column(dataset, i); varies(column))
       pairs.columns.push_back(std::move(column));

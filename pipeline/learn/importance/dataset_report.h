@@ -1,4 +1,4 @@
-// A dataset as pictures and one page that opens from disk with no network.
+// Shows a dataset as pictures and as one HTML page that needs no network.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -12,12 +12,12 @@ namespace gonogo::learn {
 struct ReportRequest {
   std::string name;                                           // of the dataset, for titles
   std::string x = "slope_along", y = "friction_angle";        // variables or measures of the large scatter
-  std::optional<std::vector<VariableImportance>> importance;  // of a model; nothing: left out
+  std::optional<std::vector<VariableImportance>> importance;  // of a model; none: no importance.png
 };
 
-/// Writes boundary.png (trials over x and y by verdict), pairs.png (all varied variables), importance.png (with a
-/// model) and report.html, which holds them. Returns the files. Throws InputError for names that are neither variable
-/// nor measure and in a build without pictures, DeviceError when nothing can be written.
+/// Writes boundary.png (trials over x and y by verdict), pairs.png (all varied variables), importance.png and
+/// report.html, which embeds them. Returns the paths. Throws InputError for names that are neither variable nor
+/// measure, and in a build without pictures. Throws DeviceError if a file cannot be written.
 std::vector<std::filesystem::path> write_dataset_report(const std::filesystem::path& folder,
                                                         const campaign::Dataset& dataset, const ReportRequest& request);
 
