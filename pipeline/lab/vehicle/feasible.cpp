@@ -107,9 +107,8 @@ void limits(const Vehicle& v, const FeasibleRequest& request, Report& r) {
   const std::string cause = slope < kSteepest ? limiting_cause(v, demand_of(request, slope + 0.01, true)) : "";
   r.json["steepest_slope_along_deg"] = slope;
   r.json["steepest_cause"] = cause;
-  r.text +=
-      line("steepest slope along that it climbs, as it leans now: %.2f degrees (%.0f %%), limited by %s\n", slope,
-           100 * std::tan(slope * kDegree), cause.empty() ? "nothing below 80 degrees" : cause.c_str());
+  r.text += line("steepest slope along that it climbs, as it leans now: %.2f degrees (%.0f %%), limited by %s\n", slope,
+                 100 * std::tan(slope * kDegree), cause.empty() ? "nothing below 80 degrees" : cause.c_str());
   if (v.kind != VehicleKind::wheeled || v.axle.size() != 2) return;
   const double step = highest_step(v, request);
   r.json["highest_step_m"] = step;
