@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "base/units.h"
+
 namespace gonogo::vehicle {
 namespace {
 
