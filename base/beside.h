@@ -1,10 +1,10 @@
-// Two pieces of work that need nothing of each other.
+// Runs two independent pieces of work at the same time: on the GPU in two streams, on the host one after the other.
 #pragma once
 #include "base/for_each.h"
 
 namespace gonogo {
 
-/// Both are done when the work behind them begins. Pieces inside of `main` may do so too, those of `side` may not.
+/// Work that follows waits for both. `main` may call this again; `side` may not.
 template <class Main, class Side>
 void beside(Cpu exec, const Main& main, const Side& side) {
   side(exec);
@@ -12,7 +12,7 @@ void beside(Cpu exec, const Main& main, const Side& side) {
 }
 
 #ifdef __CUDACC__
-/// A second stream and what ties it to the first; copies share it.
+/// A second stream, and the events that order it with the first. Copies share it.
 class SideStream {
  public:
   SideStream() {
@@ -42,7 +42,7 @@ class SideStream {
   cudaEvent_t fork_ = nullptr, join_ = nullptr;
 };
 
-/// Without side streams one after the other.
+/// Runs one after the other where there is no side stream.
 template <class Main, class Side>
 void beside(Cuda exec, const Main& main, const Side& side) {
   if (exec.side_count == 0) {

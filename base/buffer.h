@@ -1,4 +1,4 @@
-// Owning arrays on the host or on the GPU: the only place that allocates GPU memory.
+// Owning arrays in host or GPU memory. GPU memory is allocated only here.
 #pragma once
 #include <algorithm>
 #include <cstring>
@@ -22,8 +22,8 @@ struct Cpu {
 /// Runs on the current GPU in this stream (cudaStream_t; void* so that host code can hold it).
 struct Cuda {
   void* stream = nullptr;
-  const Index* halted = nullptr;  // on the device; where it is not zero, kernels do nothing
-  void* side = nullptr;           // streams for work beside this one's (see beside.h)
+  const Index* halted = nullptr;  // on the device: kernels do nothing while it is not zero
+  void* side = nullptr;           // second stream, see beside.h
   Index side_count = 0;
 };
 
@@ -44,7 +44,7 @@ class Buffer<T, Cpu> {
   Index size() const { return Index(items_.size()); }
   T* data() { return items_.data(); }
   View<T> view() { return {items_.data(), size()}; }
-  /// New elements are zero; old ones keep their values.
+  /// Old elements keep their values; new ones are zero.
   void resize(std::size_t size) { items_.resize(size); }
   void fill_zero(std::size_t size) { items_.assign(size, T{}); }
   void upload(const std::vector<T>& from) { items_ = from; }
@@ -71,13 +71,17 @@ class Buffer<T, Cuda> {
   Buffer(const Buffer&) = delete;
   Buffer& operator=(const Buffer&) = delete;
   Buffer(Buffer&& other) noexcept { swap(other); }
-  Buffer& operator=(Buffer&& other) noexcept { return swap(other), *this; }
+  Buffer& operator=(Buffer&& other) noexcept {
+    swap(other);
+    return *this;
+  }
 
   Index size() const { return Index(size_); }
   T* data() { return data_; }
   View<T> view() { return {data_, size()}; }
 
-  /// Grows by half again when it must; new memory is zero. Throws DeviceError that names the bytes asked for.
+  /// Grows to at least 1.5 times the capacity when it must grow; new memory is zero. DeviceError names the bytes
+  /// wanted.
   void resize(std::size_t size) {
     if (size > capacity_) {
       const std::size_t capacity = std::max(size, capacity_ + capacity_ / 2);

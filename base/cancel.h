@@ -1,4 +1,4 @@
-// Ctrl-C: long work polls a flag at points where stopping loses nothing.
+// Ctrl-C sets a flag. Long work polls it where stopping loses nothing.
 #pragma once
 
 namespace gonogo {

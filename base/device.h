@@ -1,4 +1,4 @@
-// What the current GPU offers. For .cu files.
+// Attributes of the current GPU, for .cu files.
 #pragma once
 #include <cuda_runtime.h>
 
@@ -6,7 +6,7 @@
 
 namespace gonogo {
 
-/// Throws DeviceError where no GPU answers.
+/// Throws DeviceError when no GPU answers.
 inline int device_attribute(cudaDeviceAttr attribute) {
   int device = 0, value = 0;
   check_cuda(cudaGetDevice(&device), "device");

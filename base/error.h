@@ -1,8 +1,8 @@
 // Errors that reach a person. See docs/notation.md, "Errors".
-//   InputError   what the user gave cannot be used: file, place in it, value, allowed range, what to do.
-//   DeviceError  a library, the operating system or a device refused; names the call.
-//   Cancelled    the user pressed Ctrl-C; everything finished so far is kept.
-// Numerical trouble is not an error: it is a status in the result. A broken invariant is a bug: GONOGO_ASSERT.
+//   InputError   the user's input is unusable. Says file, place, value, allowed range, what to do.
+//   DeviceError  a library, the operating system or a device failed. Names the call.
+//   Cancelled    the user pressed Ctrl-C. Finished work is kept.
+// A numerical failure is a status in the result, not an error. A broken invariant is a bug: GONOGO_ASSERT.
 #pragma once
 #include <cstdio>
 #include <cstdlib>

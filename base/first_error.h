@@ -1,4 +1,4 @@
-// Exceptions cannot leave a parallel loop: the first one is kept and thrown after it.
+// Exceptions may not leave a parallel loop. This keeps the first one and throws it after the loop.
 #pragma once
 #include <atomic>
 #include <exception>
@@ -8,7 +8,7 @@ namespace gonogo {
 
 class FirstError {
  public:
-  /// Runs `work` unless another thread failed already; thread-safe.
+  /// Runs `work` unless a thread has already failed. Thread-safe.
   template <class Work>
   void guard(const Work& work) noexcept {
     if (failed_) return;
@@ -21,7 +21,7 @@ class FirstError {
     }
   }
 
-  /// After the loop.
+  /// Call after the loop.
   void rethrow() const {
     if (error_) std::rethrow_exception(error_);
   }

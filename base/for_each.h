@@ -1,6 +1,6 @@
-// Where loops run. A kernel body is a named struct with `operator()(Index) const`; for_each_index runs it for 0..n-1 on
-// the host's cores or on the GPU. With exclusive_scan, clear and atomic_increment this is all the parallelism that
-// stages use, so a stage written once serves both. Results must not depend on the order in which the indices run.
+// Parallel loops on the host's cores or the GPU. A kernel body is a named struct with `operator()(Index) const`;
+// for_each_index runs it for 0..n-1. Stages use only these functions, so each is written once for both.
+// Results must not depend on the order in which the indices run.
 #pragma once
 #include "base/buffer.h"
 #include "base/view.h"
@@ -14,7 +14,7 @@
 
 namespace gonogo {
 
-/// Adds one and returns the value before; safe from many threads. Use only where order does not matter afterwards.
+/// Adds one and returns the old value. Thread-safe; use it only where the order does not matter afterwards.
 GONOGO_HD inline Index atomic_increment(Index& counter) {
 #ifdef __CUDA_ARCH__
   return atomicAdd(&counter, 1);
@@ -23,7 +23,7 @@ GONOGO_HD inline Index atomic_increment(Index& counter) {
 #endif
 }
 
-/// Adds whole numbers, so that the order does not matter; safe from many threads.
+/// Adds integers, whose sum does not depend on the order. Thread-safe.
 GONOGO_HD inline void atomic_add(Index& sum, Index value) {
 #ifdef __CUDA_ARCH__
   atomicAdd(&sum, value);
@@ -32,7 +32,7 @@ GONOGO_HD inline void atomic_add(Index& sum, Index value) {
 #endif
 }
 
-/// Raises bits; safe from many threads.
+/// Sets bits. Thread-safe.
 GONOGO_HD inline void atomic_raise(Index& word, Index bits) {
 #ifdef __CUDA_ARCH__
   atomicOr(&word, bits);
@@ -41,8 +41,8 @@ GONOGO_HD inline void atomic_raise(Index& word, Index bits) {
 #endif
 }
 
-/// Keeps the smaller value; safe from many threads.
-GONOGO_HD inline void atomic_least(std::uint64_t& word, std::uint64_t value) {
+/// Keeps the smaller value. Thread-safe.
+GONOGO_HD inline void atomic_min(std::uint64_t& word, std::uint64_t value) {
 #ifdef __CUDA_ARCH__
   static_assert(sizeof(unsigned long long) == sizeof(std::uint64_t));
   atomicMin(reinterpret_cast<unsigned long long*>(&word), static_cast<unsigned long long>(value));
@@ -53,7 +53,7 @@ GONOGO_HD inline void atomic_least(std::uint64_t& word, std::uint64_t value) {
 #endif
 }
 
-/// Reads and writes of a word that other threads write or read meanwhile, without any order.
+/// Relaxed reads and writes of a word that other threads use at the same time.
 GONOGO_HD inline Index load_relaxed(const Index& word) {
 #ifdef __CUDA_ARCH__
   return *static_cast<const volatile Index*>(&word);
@@ -69,19 +69,19 @@ GONOGO_HD inline void store_relaxed(Index& word, Index value) {
 #endif
 }
 
-/// A number of things that only the execution space knows, and the most it can be.
+/// A count in the memory of the execution space, and its upper bound, which the host knows.
 struct Counted {
   Index capacity = 0;
   const Index* count = nullptr;  // in the memory of the execution space
 };
 
-/// Memory that a scan needs besides its operands; kept from call to call.
+/// Scratch memory of scans, kept from call to call.
 template <class Exec>
 struct ScanScratch {
   Buffer<std::uint8_t, Exec> bytes;
 };
 
-/// Below this many indices a second thread costs more than it saves.
+/// Below this many indices a second thread costs more time than it saves.
 inline constexpr Index kSerialBelow = 512;
 
 template <class Body>
@@ -99,7 +99,7 @@ void for_each_counted(Cpu exec, Counted counted, const Body& body) {
   for_each_index(exec, *counted.count, body);
 }
 
-/// out[i] = in[0] + ... + in[i-1] for i = 0..count; out has one element more than in.
+/// out[i] = in[0] + ... + in[i-1] for i = 0..count. `out` has one element more than `in`.
 inline void exclusive_scan(Cpu, View<const Index> in, View<Index> out, ScanScratch<Cpu>&) {
   Index sum = 0;
   for (Index i = 0; i < in.size; ++i) {

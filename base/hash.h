@@ -9,7 +9,7 @@ namespace gonogo {
 /// 32 hexadecimal digits.
 std::string content_hash(std::string_view content);
 
-/// Hash of a file's content, read block by block. Throws InputError when it is missing or cannot be read.
+/// Hash of a file's content. Throws InputError when the file is missing or unreadable.
 std::string file_hash(const std::filesystem::path& path);
 
 }  // namespace gonogo

@@ -1,10 +1,13 @@
-// GONOGO_HD marks the formulas that are compiled for the CPU and for CUDA; GONOGO_HD_INLINED is for those whose many
-// arguments must stay in registers, GONOGO_HD_OUTLINED for long code that must be there once only, GONOGO_DEVICE for
-// the parts of a kernel, whose parameters are read from constant memory only as long as nothing holds their address.
-// The only place, with for_each.h and buffer.h, that asks which compiler is at work.
+// Marks of functions for the CPU and CUDA:
+//   GONOGO_HD           compiled for both
+//   GONOGO_HD_INLINED   always inlined, so that many arguments stay in registers
+//   GONOGO_HD_OUTLINED  never inlined: long code that should exist once
+//   GONOGO_DEVICE       pieces of a kernel. Inlining keeps its parameters in constant memory, since no address is
+//   taken.
+// Only this file, for_each.h and buffer.h test which compiler is running.
 #pragma once
 
-/// Before a loop: so many turns are written out on the device, whose loads are then under way together.
+/// Before a loop: unrolls it `turns` times on the device, so that its loads overlap.
 #ifdef __CUDA_ARCH__
 #define GONOGO_PRAGMA(text) _Pragma(#text)
 #define GONOGO_UNROLLED(turns) GONOGO_PRAGMA(unroll turns)

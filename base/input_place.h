@@ -1,4 +1,4 @@
-// An InputError that also says in separate fields where the fault is, for programs that read `gonogo --json`.
+// An InputError with the place of the fault in separate fields, for programs that read `gonogo --json`.
 #pragma once
 #include <cstddef>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace gonogo {
 
-/// Place of a fault in what the user gave. What is not known is empty or 0.
+/// Place of a fault in the input. Unknown fields are empty or 0.
 struct InputPlace {
   std::string file{};      // as the user named it
   std::string path{};      // of a value in a JSON file, "bed.size_m[2]"
@@ -15,7 +15,7 @@ struct InputPlace {
   std::size_t column = 0;  // from 1, in characters of UTF-8
 };
 
-/// The message names the place too: it is complete without the fields.
+/// The message names the place too.
 struct PlacedInputError : InputError {
   PlacedInputError(const std::string& message, InputPlace where) : InputError(message), place(std::move(where)) {}
   InputPlace place;

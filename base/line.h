@@ -6,7 +6,7 @@
 
 namespace gonogo {
 
-/// At most 400 characters; the rest is cut off.
+/// Cuts the text off after 400 characters.
 __attribute__((format(printf, 1, 2))) inline std::string line(const char* format, ...) {
   char text[400];
   std::va_list arguments;

@@ -4,8 +4,8 @@
 
 namespace gonogo {
 
-/// Holds <folder>/.lock for the life of the object; the system frees it when the process ends, however it ends.
-/// The folder is created. Throws InputError when another process holds it, DeviceError when it cannot be taken.
+/// Holds <folder>/.lock while the object lives. The system frees it when the process ends, also after a crash.
+/// Creates the folder. Throws InputError when another process holds the lock, DeviceError when it cannot be taken.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);

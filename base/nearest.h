@@ -1,4 +1,4 @@
-// "Did you mean ...?": the word of a list that is fewest edits away from a misspelt one.
+// "Did you mean ...?": the word of a list with the smallest edit distance to a misspelt one.
 #pragma once
 #include <string>
 #include <string_view>

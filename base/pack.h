@@ -1,6 +1,6 @@
-// Eight numbers side by side: the type with which a formula template runs on eight contacts at once on the host.
-// Arithmetic and comparisons are the compiler's own on vector types, lane by lane in the same order as for one number,
-// so that a formula gives the same bits either way. With one lane (Real) the same template serves the GPU.
+// Eight numbers in one vector register: a formula template runs on eight contacts at once on the host.
+// Each lane computes in the order of the scalar code, so both give the same bits. With one lane (Real) the same
+// template serves the GPU.
 #pragma once
 #include "base/vec.h"
 
@@ -16,7 +16,7 @@ GONOGO_HD inline bool both(bool a, bool b) { return a && b; }
 GONOGO_HD inline bool either(bool a, bool b) { return a || b; }
 GONOGO_HD inline Real square_root(Real x) { return std::sqrt(x); }
 
-/// Exact to a few units in the last place on the GPU, where that takes a fraction of the time, and rounded on the host.
+/// Correctly rounded on the host. On the GPU a faster version, exact to a few units in the last place.
 GONOGO_HD inline Real quick_root(Real x) {
 #ifdef __CUDA_ARCH__
   Real root;
@@ -45,7 +45,7 @@ inline constexpr int kPackWidth = 8;
 using Pack = Real __attribute__((vector_size(4 * kPackWidth)));
 using PackMask = std::int32_t __attribute__((vector_size(4 * kPackWidth)));
 
-/// Eight consecutive numbers of any record, for loads and stores that the aliasing rules allow.
+/// Eight consecutive numbers of any record. The type may alias others, so loads and stores are well defined.
 using PackInMemory = Real __attribute__((vector_size(4 * kPackWidth), may_alias));
 
 inline Pack select(PackMask condition, Pack yes, Pack no) { return condition ? yes : no; }
@@ -69,7 +69,7 @@ inline Pack square_root(Pack x) {
 inline Pack quick_root(Pack x) { return square_root(x); }
 inline Pack quick_ratio(Pack a, Pack b) { return a / b; }
 
-/// Eight rows of eight numbers become eight columns: records of 32 bytes to one pack per field, and back.
+/// Transposes 8 x 8 numbers: eight records of 32 bytes to one pack per field, and back.
 inline void transpose(Pack (&m)[kPackWidth]) {
 #ifdef __AVX__
   const __m256 t0 = _mm256_unpacklo_ps(m[0], m[1]), t1 = _mm256_unpackhi_ps(m[0], m[1]);
@@ -80,10 +80,14 @@ inline void transpose(Pack (&m)[kPackWidth]) {
   const __m256 s2 = _mm256_shuffle_ps(t1, t3, 0x44), s3 = _mm256_shuffle_ps(t1, t3, 0xEE);
   const __m256 s4 = _mm256_shuffle_ps(t4, t6, 0x44), s5 = _mm256_shuffle_ps(t4, t6, 0xEE);
   const __m256 s6 = _mm256_shuffle_ps(t5, t7, 0x44), s7 = _mm256_shuffle_ps(t5, t7, 0xEE);
-  m[0] = _mm256_permute2f128_ps(s0, s4, 0x20), m[4] = _mm256_permute2f128_ps(s0, s4, 0x31);
-  m[1] = _mm256_permute2f128_ps(s1, s5, 0x20), m[5] = _mm256_permute2f128_ps(s1, s5, 0x31);
-  m[2] = _mm256_permute2f128_ps(s2, s6, 0x20), m[6] = _mm256_permute2f128_ps(s2, s6, 0x31);
-  m[3] = _mm256_permute2f128_ps(s3, s7, 0x20), m[7] = _mm256_permute2f128_ps(s3, s7, 0x31);
+  m[0] = _mm256_permute2f128_ps(s0, s4, 0x20);
+  m[4] = _mm256_permute2f128_ps(s0, s4, 0x31);
+  m[1] = _mm256_permute2f128_ps(s1, s5, 0x20);
+  m[5] = _mm256_permute2f128_ps(s1, s5, 0x31);
+  m[2] = _mm256_permute2f128_ps(s2, s6, 0x20);
+  m[6] = _mm256_permute2f128_ps(s2, s6, 0x31);
+  m[3] = _mm256_permute2f128_ps(s3, s7, 0x20);
+  m[7] = _mm256_permute2f128_ps(s3, s7, 0x31);
 #else
   for (int i = 0; i < kPackWidth; ++i)
     for (int j = i + 1; j < kPackWidth; ++j) {

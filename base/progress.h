@@ -14,10 +14,10 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `done` of `total`, of which `reused` cost nothing now and do not count in the rate. `note` is shown after the ETA.
+  /// `reused` of the `done` items took no time in this run and do not count in the rate. `note` follows the ETA.
   void update(std::size_t done, const std::string& note = "", std::size_t reused = 0);
 
-  /// Prints the closing line with the time taken. Called by the destructor if it was not.
+  /// Prints the closing line with the time taken. The destructor calls it if nobody did.
   void finish();
 
  private:

@@ -1,4 +1,4 @@
-// Counter-based random numbers: value = f(seed, stream, index), no state, same on CPU and GPU.
+// Counter-based random numbers: value = f(seed, stream, index). No state; the same on CPU and GPU.
 // Philox4x32-10 of Salmon, Moraes, Dror, Shaw, "Parallel random numbers: as easy as 1, 2, 3" (SC 2011), section 3.3;
 // tests/base/random.cpp holds the authors' published answers.
 #pragma once
@@ -14,15 +14,17 @@ struct RandomBlock {
 
 inline constexpr int kPhiloxRounds = 10;
 
-/// The keys of the rounds; a kernel that draws much gets them ready-made.
+/// The keys of all rounds, for kernels that draw many numbers.
 struct PhiloxKeys {
   std::uint32_t round[kPhiloxRounds][2];
 
   GONOGO_HD explicit PhiloxKeys(std::uint64_t seed) {
     auto key0 = std::uint32_t(seed), key1 = std::uint32_t(seed >> 32);
     for (auto& key : round) {
-      key[0] = key0, key[1] = key1;
-      key0 += 0x9E3779B9u, key1 += 0xBB67AE85u;
+      key[0] = key0;
+      key[1] = key1;
+      key0 += 0x9E3779B9u;
+      key1 += 0xBB67AE85u;
     }
   }
 };

@@ -1,5 +1,5 @@
-// A file of numbered records that only grows: what was appended before a crash is found again, a torn end is cut off.
-// Each record carries a checksum, so that a power cut that reorders writes shows, too.
+// An append-only file of numbered records that survives crashes. An incomplete last record is cut off.
+// Each record has a checksum, which detects writes that a power cut reordered.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -12,18 +12,18 @@ namespace gonogo {
 
 class RecordLog {
  public:
-  /// Opens `path` for appending. Records of an earlier run are kept when the file was opened with the same `key`,
-  /// otherwise it starts empty. Throws DeviceError when the system refuses.
+  /// Opens `path` for appending. Keeps the records of an earlier run with the same `key`; otherwise starts empty.
+  /// Throws DeviceError when the file cannot be opened.
   RecordLog(std::filesystem::path path, const std::string& key);
   RecordLog(const RecordLog&) = delete;
   RecordLog& operator=(const RecordLog&) = delete;
   ~RecordLog();
 
-  /// Thread-safe. A later record of the same number takes the place of the earlier one.
+  /// A later record replaces an earlier one of the same number. Thread-safe.
   void append(std::uint32_t number, std::string_view content);
   bool has(std::uint32_t number) const;
   std::size_t size_of(std::uint32_t number) const;
-  /// Throws DeviceError when there is none or the disk refuses. Thread-safe.
+  /// Throws DeviceError when there is no such record or it cannot be read. Thread-safe.
   std::string read(std::uint32_t number) const;
 
   const std::filesystem::path& path() const { return path_; }

@@ -6,15 +6,19 @@
 
 namespace gonogo {
 
+<<<<<<< HEAD
 /// The folders of this kind that exist, first one first: configs/<kind> here, in $GONOGO_SHARE, and above the running
 /// program: in its source tree or under share/gonogo of the prefix it is installed in.
+=======
+/// Existing folders configs/<kind>: in the current folder, then in up to five folders from the program's own upwards.
+>>>>>>> 4e6d467 (wip)
 std::vector<std::filesystem::path> shipped_folders(const std::string& kind);
 
-/// Names of the JSON files in a folder, ascending, but for those that begin with `left_out`.
+/// Sorted names of the JSON files in a folder, without those that begin with `left_out`.
 std::vector<std::string> shipped_names(const std::filesystem::path& folder, const std::string& left_out = {});
 
-/// `name` is a file, or the name of one in shipped_folders(kind). Throws InputError that calls it a `what` and lists
-/// the names there are.
+/// The file `name`, or <name>.json of shipped_folders(kind). Throws InputError that calls it a `what` and lists the
+/// names there are.
 std::filesystem::path shipped_file(const std::string& kind, const std::string& what, const std::string& name,
                                    const std::string& left_out = {});
 

@@ -1,6 +1,6 @@
-// Small dense problems that one thread or one block of threads works through in phases. A function of a Team does its
-// share of every phase and calls sync() between phases; LoneThread is the host's team. Results do not depend on the
-// size of the team, because no two members work on the same number.
+// Small dense problems, each solved by one thread or one block of threads in phases. A function of a Team does its
+// member's share of a phase and calls sync() between phases. LoneThread is the host's team.
+// Results do not depend on the size of the team, because no two members write the same number.
 #pragma once
 #include "base/for_each.h"
 
@@ -8,7 +8,7 @@ namespace gonogo {
 
 /// The whole problem on one thread.
 struct LoneThread {
-  static constexpr bool kWholeRows = true;  // it works row by row, with the compiler's vector instructions
+  static constexpr bool kWholeRows = true;  // row by row, with the compiler's vector instructions
   GONOGO_HD Index rank() const { return 0; }
   GONOGO_HD Index size() const { return 1; }
   GONOGO_HD void sync() const {}

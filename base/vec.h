@@ -1,5 +1,5 @@
-// Small vectors for kernels. Real is the type of velocities, impulses and everything a solver touches; positions are
-// double, so that a gap a thousand times smaller than a grain survives metres from the origin.
+// Small vectors for kernels. Velocities, impulses and all that a solver computes with are Real (float). Positions are
+// double: metres from the origin, a gap of a thousandth of a grain must not be lost.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -15,9 +15,24 @@ template <class T>
 struct Vec3T {
   T x{}, y{}, z{};
 
-  GONOGO_HD Vec3T& operator+=(const Vec3T& o) { return x += o.x, y += o.y, z += o.z, *this; }
-  GONOGO_HD Vec3T& operator-=(const Vec3T& o) { return x -= o.x, y -= o.y, z -= o.z, *this; }
-  GONOGO_HD Vec3T& operator*=(T s) { return x *= s, y *= s, z *= s, *this; }
+  GONOGO_HD Vec3T& operator+=(const Vec3T& o) {
+    x += o.x;
+    y += o.y;
+    z += o.z;
+    return *this;
+  }
+  GONOGO_HD Vec3T& operator-=(const Vec3T& o) {
+    x -= o.x;
+    y -= o.y;
+    z -= o.z;
+    return *this;
+  }
+  GONOGO_HD Vec3T& operator*=(T s) {
+    x *= s;
+    y *= s;
+    z *= s;
+    return *this;
+  }
   template <class U>
   GONOGO_HD explicit operator Vec3T<U>() const {
     return {U(x), U(y), U(z)};
@@ -47,7 +62,7 @@ template <class T>
 GONOGO_HD inline Vec3T<T> operator*(T s, Vec3T<T> a) {
   return a *= s;
 }
-/// a b + c, rounded once on the GPU, where that is the cheaper way.
+/// a b + c. The GPU rounds once (fma), which is faster there.
 template <class T>
 GONOGO_HD inline T multiply_add(const T& a, const T& b, const T& c) {
 #ifdef __CUDA_ARCH__

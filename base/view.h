@@ -1,4 +1,4 @@
-// Non-owning array for kernels: a pointer and a count, host or device memory.
+// Non-owning array for kernels: a pointer and a count, in host or device memory.
 #pragma once
 #include "base/vec.h"
 

@@ -1,4 +1,4 @@
-// Records stored whole.
+// Stores records in words of 16 bytes.
 #pragma once
 #include <cstddef>
 #include <cstring>
@@ -7,7 +7,7 @@
 
 namespace gonogo {
 
-/// to = from. On the GPU in words of 16 bytes: nvcc 13.0 stores a record that it has in registers byte by byte.
+/// to = from. On the GPU nvcc 13.0 would store a record from registers byte by byte; this stores words of 16 bytes.
 template <class Record>
 GONOGO_HD_INLINED void store_words(Record& to, const Record& from) {
 #ifdef __CUDA_ARCH__

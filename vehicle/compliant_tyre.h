@@ -1,4 +1,5 @@
-// Compliance of a tyre on grains: every contact is a spring, and all that a static footprint has are the tyre.
+// Compliance of a tyre on grains. Every contact is a spring, such that the springs of a static footprint together have
+// the stiffness of the tyre.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -7,15 +8,14 @@
 
 namespace gonogo::vehicle {
 
-/// Spring and damper of one contact between tyre and grain along its normal [N/m], [N s/m].
+/// One contact of tyre and grain, along its normal: stiffness [N/m], damping [N s/m].
 struct ContactSpring {
   double stiffness = 0, damping = 0;
 };
 
-/// A cylinder pressed by d into a foundation of c per area carries 4/3 c b d sqrt(2 r d). It is to carry its load W at
-/// d = W / k, and a grain takes the square of its diameter of the area:
-///   k_contact = 3/4 k D^2 / (b sqrt(2 r W / k))
-/// Grains as wide as the footprint get the whole stiffness.
+/// A cylinder of width b pressed by d into a foundation of stiffness c per area carries 4/3 c b d sqrt(2 r d). The load
+/// W shall be carried at d = W / k, k the stiffness of the tyre. A grain of diameter D covers the area D^2, so that
+///   k_contact = 3/4 k D^2 / (b sqrt(2 r W / k)),  at most k.
 inline ContactSpring contact_spring(const Wheel& w, double load, double grain_diameter) {
   const double half = std::sqrt(2 * w.radius * load / w.stiffness);
   const double share = std::min(1.0, 0.75 * grain_diameter * grain_diameter / (w.width * half));

@@ -12,13 +12,13 @@
 
 namespace gonogo::hdf5 {
 
-/// Silences the library's own error printing, which is per process; call before anything else.
+/// Silences the library's own error messages for the whole process. Call it first.
 void quiet();
 
 /// The deepest message of the library's error stack ("unable to open file: ..."), then clears the stack.
 std::string take_error();
 
-/// Owns one identifier. Negative means that the call which made it failed.
+/// Owns one identifier. A negative one means that its call failed.
 class Handle {
  public:
   using Close = herr_t (*)(hid_t);
@@ -61,10 +61,10 @@ Handle text_type();
 /// "a/b/c" -> {"a", "b", "c"}; empty parts are dropped.
 std::vector<std::string> split_path(const std::string& path);
 
-/// Closing bytes of our files, after the end that HDF5 knows of (other programs ignore them): the hash of all bytes
-/// before. HDF5 itself guards only part of a file, and some damage sends it into endless loops.
+/// Seal at the end of our files: the hash of all bytes before it. Other programs ignore it, since HDF5's own end comes
+/// first. HDF5 checks only parts of a file, and damaged files can send it into endless loops.
 std::string seal_of(std::string_view content);
-/// Bytes of `file` in front of its seal, or everything when it has none (a file by another program).
+/// Bytes of `file` before its seal; all of them in a file by another program, which has none.
 std::string_view without_seal(std::string_view file);
 
 std::string to_text(const Shape& shape);

@@ -10,7 +10,7 @@
 //
 // Paths are "group/.../name"; "" or "/" is the root. Element types T: float, double, std::int32_t, std::int64_t,
 // std::uint8_t, std::uint32_t, std::uint64_t, stored little-endian on every machine.
-// The library below has no locks of its own: use these classes from one thread at a time.
+// Not thread-safe: HDF5 has no locks. Use these classes from one thread at a time.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -24,9 +24,8 @@ namespace gonogo {
 /// Lengths per dimension, slowest first (row major). {} is a scalar.
 using Shape = std::vector<std::size_t>;
 
-/// The content of a new file, put together in memory. Nothing depends on time, machine or library version, so that the
-/// same calls in the same order give the same bytes. The file ends with a hash of its content, which Hdf5Reader checks.
-/// A full disk is met by save() alone, where nothing can be left over.
+/// Builds a new file in memory. The same calls in the same order give the same bytes on every machine, at any time.
+/// The file ends with a hash of its content, which Hdf5Reader checks. Only save() touches the disk.
 class Hdf5Writer {
  public:
   Hdf5Writer();
@@ -34,11 +33,11 @@ class Hdf5Writer {
   Hdf5Writer(Hdf5Writer&&) noexcept;
   Hdf5Writer& operator=(Hdf5Writer&&) noexcept;
 
-  /// Creates a group and its parents; an existing group is left alone.
+  /// Creates a group and its parents, unless they exist.
   void group(const std::string& path);
 
-  /// Stores `values`, row major, under a new name; parent groups are created. Throws InputError when the name is taken
-  /// or shape and count disagree.
+  /// Stores `values`, row major, under a new name, and creates parent groups. Throws InputError when the name exists or
+  /// the count does not match the shape.
   template <class T>
   void array(const std::string& path, const std::vector<T>& values, const Shape& shape) {
     array(path, values.data(), values.size(), shape);
@@ -74,8 +73,8 @@ class Hdf5Writer {
   std::unique_ptr<State> state_;
 };
 
-/// A file open for reading. Every method throws InputError "file: place: what is wrong; what to do" for a missing name,
-/// another type or another shape than asked for, and for damaged content.
+/// A file open for reading. Every method throws InputError "file: place: what is wrong; what to do" for a missing
+/// name, an unexpected type or shape, and damaged content.
 class Hdf5Reader {
  public:
   /// Throws InputError when the file is missing, unreadable, truncated or not HDF5.
@@ -92,7 +91,7 @@ class Hdf5Reader {
   std::vector<std::string> members(const std::string& group) const;
   Shape shape(const std::string& path) const;
 
-  /// All elements, row major. The stored type must be T: nothing is converted silently.
+  /// All elements, row major. The stored type must be T; nothing is converted.
   template <class T>
   std::vector<T> array(const std::string& path, const std::optional<Shape>& expected = std::nullopt) const;
   std::string text(const std::string& path) const;
@@ -106,7 +105,7 @@ class Hdf5Reader {
   std::vector<std::int64_t> integers_attribute(const std::string& path, const std::string& name) const;
   std::vector<std::string> texts_attribute(const std::string& path, const std::string& name) const;
 
-  /// InputError "file: place: message" for a caller that finds the content unusable.
+  /// Throws InputError "file: place: message", for callers that find the content unusable.
   [[noreturn]] void fail(const std::string& path, const std::string& message) const;
 
  private:

@@ -18,7 +18,7 @@
 
 namespace gonogo {
 
-/// Closed interval of allowed values; not-a-number is never allowed.
+/// Closed interval of allowed values. NaN is never allowed.
 struct Range {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
@@ -43,18 +43,18 @@ class Config {
   std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
   std::vector<double> numbers(const std::string& key, Range range = {}) const;
   std::vector<std::string> texts(const std::string& key) const;
-  /// Path relative to the folder of this file (absolute paths stay); the file need not exist.
+  /// A path, relative to the folder of this file unless absolute. The file need not exist.
   std::filesystem::path path(const std::string& key) const;
 
   Config object(const std::string& key) const;
   std::optional<Config> object_if(const std::string& key) const;
   std::vector<Config> objects(const std::string& key) const;
-  /// Members of this object in file order, each an object. Marks all of them as known.
+  /// Members of this object in file order; each must be an object. Marks all keys as known.
   std::vector<std::pair<std::string, Config>> members() const;
 
-  /// Throws InputError for the first key of this object (not of nested ones) that was never asked for.
+  /// Throws InputError for the first key of this object, nested ones apart, that nobody asked for.
   void finish() const;
-  /// Throws PlacedInputError "file: path: message" about a key of this object ("" for the object itself).
+  /// Throws PlacedInputError "file: path: message" about a key of this object; "" means the object itself.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
   const Json& json() const { return *value_; }

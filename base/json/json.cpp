@@ -68,11 +68,11 @@ class Builder : public nlohmann::json_sax<Library> {
   static constexpr int kOutOfRange = 406;  // the library's identifier of a number that overflows
 
   struct Open {
-    bool is_object;
-    Json::Object members;
-    Json::Array items;
-    std::string key;
-    std::set<std::string> seen;
+    bool is_object = false;
+    Json::Object members{};
+    Json::Array items{};
+    std::string key{};
+    std::set<std::string> seen{};
   };
 
   [[noreturn]] void refuse(const std::string& message, InputPlace place) const {
@@ -106,7 +106,7 @@ class Builder : public nlohmann::json_sax<Library> {
   bool open(bool is_object) {
     if (open_.size() == kMaxDepth)
       refuse("lists and objects are nested deeper than " + std::to_string(kMaxDepth) + " levels", {});
-    open_.push_back({is_object, {}, {}, {}, {}});
+    open_.push_back({.is_object = is_object});
     return true;
   }
   bool close() {

@@ -10,7 +10,7 @@
 
 namespace gonogo {
 
-/// A JSON value; objects keep the order of their keys, so that files are byte-stable.
+/// A JSON value. Objects keep the order of their keys, so that output is reproducible to the byte.
 class Json {
  public:
   using Array = std::vector<Json>;
@@ -43,7 +43,7 @@ class Json {
   bool is_array() const { return std::holds_alternative<Array>(value_); }
   bool is_object() const { return std::holds_alternative<Object>(value_); }
 
-  /// The value as the named type; throws InputError when it is another one.
+  /// The value as this type. Throws InputError when it is another type.
   bool boolean() const;
   std::int64_t integer() const;
   std::uint64_t unsigned_integer() const;
@@ -61,8 +61,8 @@ class Json {
   void push_back(Json item);
 
   std::string type_name() const;  ///< "number", "text", "list", ... as a person would say it
-  /// Text; indent < 0 gives one line. Doubles print with the fewest digits that read back to the same bits;
-  /// not-a-number and infinities have no JSON form and print as null.
+  /// JSON text; on one line when indent < 0. Doubles print with the fewest digits that read back to the same bits.
+  /// NaN and infinities print as null.
   std::string dump(int indent = -1) const;
 
   /// Parses text. Throws PlacedInputError for a syntax error, a key given twice in one object, a number beyond double

@@ -14,7 +14,7 @@ enum Stream : std::uint64_t { kGauge = 11, kDevice = 12, kBroken = 13, kThermome
 constexpr double kSecondScale = 0.75;   // of the two scales of a reading
 constexpr double kWidestReading = 0.5;  // interval over estimate: less certain ones do not move the scale
 constexpr double kFurthest = 4;         // of the scale from the first one
-constexpr double kMostChange = 1.5;     // of the scale in one epoch
+constexpr double kMaxChange = 1.5;      // of the scale in one epoch
 
 std::size_t cut_to_ranges(Problem& problem, const CoefficientRanges& ranges) {
   std::size_t cut = 0;
@@ -108,16 +108,20 @@ void TemperatureControl::update(std::size_t epoch, const Problem& problem) {
   if (thermometer_ == Thermometer::none) return;
   const double scale = sampler_.scale();
   const SampleSet rows = rows_at(scale, problem, 2 * epoch);
-  ThermometerReading reading{epoch, scale, 0, 0, 0};
+  ThermometerReading reading{.epoch = epoch, .scale = scale};
   const BetaEstimate local = pseudo_likelihood_beta(problem, rows, seed_ + epoch);
-  reading.beta = local.beta, reading.low = local.low, reading.high = local.high;
+  reading.beta = local.beta;
+  reading.low = local.low;
+  reading.high = local.high;
   double wanted = scale / local.beta;
   if (thermometer_ != Thermometer::pseudo_likelihood) {
     const double second = kSecondScale * scale;
     const SampleSet others = rows_at(second, problem, 2 * epoch + 1);
     if (thermometer_ == Thermometer::histogram) {
       const BetaEstimate global = histogram_beta(rows.energies, scale, others.energies, second, seed_ + epoch);
-      reading.beta = global.beta * scale, reading.low = global.low * scale, reading.high = global.high * scale;
+      reading.beta = global.beta * scale;
+      reading.low = global.low * scale;
+      reading.high = global.high * scale;
       wanted = 1 / global.beta;
     } else {
       const BetaEstimate other = pseudo_likelihood_beta(problem, others, seed_ + epoch);
@@ -135,7 +139,7 @@ void TemperatureControl::update(std::size_t epoch, const Problem& problem) {
   log_.push_back(reading);
   // A machine without structure says nothing about the temperature of its rows.
   if (!(wanted > 0) || !std::isfinite(wanted) || reading.high - reading.low > kWidestReading * reading.beta) return;
-  wanted = std::clamp(wanted, scale / kMostChange, scale * kMostChange);
+  wanted = std::clamp(wanted, scale / kMaxChange, scale * kMaxChange);
   wanted = std::clamp(wanted, first_scale_ / kFurthest, first_scale_ * kFurthest);
   sampler_.set_scale(std::min(wanted, sampler_.largest_scale(problem)));
 }

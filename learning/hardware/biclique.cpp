@@ -49,14 +49,16 @@ class Choice {
     while (chosen_[0].size() > vertical || chosen_[1].size() > horizontal) {
       int side = -1;
       std::size_t worst = 0;
-      double least = 2;
+      double lowest = 2;
       for (int u : {0, 1}) {
         if (chosen_[u].size() <= wanted[u]) continue;
         for (std::size_t k = 0; k < chosen_[u].size(); ++k) {
           const double share =
               double(crossed(u, chosen_[u][k])) / double(std::max<std::size_t>(1, chosen_[1 - u].size()));
-          if (share > least) continue;
-          least = share, side = u, worst = k;
+          if (share > lowest) continue;
+          lowest = share;
+          side = u;
+          worst = k;
         }
       }
       chosen_[side].erase(chosen_[side].begin() + std::ptrdiff_t(worst));
@@ -102,7 +104,7 @@ class PieceSearch {
       piece_.push_back(whole(choice.segment(u, k)));
       others_.push_back(choice.line_segments(u, k));
     }
-    most_ = pairs();
+    coupled_ = pairs();
   }
   BicliqueChains grown() const {
     Chains chains;
@@ -115,15 +117,15 @@ class PieceSearch {
   }
   void improve() {
     climb();
-    if (double(most_) < kEnough * double(all_pairs())) shake();
+    if (double(coupled_) < kEnough * double(all_pairs())) shake();
   }
 
  private:
-  static constexpr std::size_t kMostCut = 3;            // qubits off an end: more cost more than they make way for
-  static constexpr std::size_t kShakes = 4000;          // random changes
-  static constexpr std::size_t kMostWork = 25'000'000;  // of each of the two searches: seconds
-  static constexpr double kEnough = 0.85;               // of the pairs: the longer search is for masks that leave fewer
-  static constexpr double kMostLoss = 4;                // pairs that a random change may cost at first
+  static constexpr std::size_t kMaxCut = 3;            // qubits off an end: more cost more than they make way for
+  static constexpr std::size_t kShakes = 4000;         // random changes
+  static constexpr std::size_t kMaxWork = 25'000'000;  // of each of the two searches: seconds
+  static constexpr double kEnough = 0.85;              // of the pairs: the longer search is for masks that leave fewer
+  static constexpr double kMaxLoss = 4;                // pairs that a random change may cost at first
 
   static Piece whole(const Segment& s) { return {&s, 0, s.qubits.size()}; }
   static Piece cut(const Segment& s, std::size_t count, bool front) {
@@ -141,43 +143,49 @@ class PieceSearch {
   void climb() {
     for (bool changed = true; changed;) {
       changed = false;
-      for (std::size_t v = 0; v < piece_.size() && most_ < all_pairs(); ++v) changed = climb(v) || changed;
+      for (std::size_t v = 0; v < piece_.size() && coupled_ < all_pairs(); ++v) changed = climb(v) || changed;
     }
   }
 
   bool climb(std::size_t v) {
-    const std::size_t before = most_;
+    const std::size_t before = coupled_;
     Piece best = piece_[v];
     for (const Segment* s : others_[v])
-      for (std::size_t count = 0; count <= kMostCut; ++count)
+      for (std::size_t count = 0; count <= kMaxCut; ++count)
         for (bool front : {true, false}) {
-          if ((count == 0 && !front) || work_ > kMostWork) continue;
+          if ((count == 0 && !front) || work_ > kMaxWork) continue;
           piece_[v] = cut(*s, count, front);
           const std::size_t found = pairs();
-          if (found > most_) most_ = found, best = piece_[v];
+          if (found > coupled_) {
+            coupled_ = found;
+            best = piece_[v];
+          }
         }
     piece_[v] = best;
-    return most_ > before;
+    return coupled_ > before;
   }
 
   /// Random changes that may cost pairs, fewer and fewer of them: out of the climb's dead end.
   void shake() {
     std::vector<Piece> best = piece_;
-    std::size_t now = most_;
+    std::size_t now = coupled_;
     work_ = 0;
-    for (std::size_t k = 0; k < kShakes && work_ <= kMostWork; ++k) {
+    for (std::size_t k = 0; k < kShakes && work_ <= kMaxWork; ++k) {
       const auto draw = [&](std::uint64_t stream, std::size_t below) { return random_bits(1, stream, k) % below; };
       const std::size_t v = draw(1, piece_.size());
       const Piece before = piece_[v];
-      piece_[v] = cut(*others_[v][draw(2, others_[v].size())], draw(5, 2) * draw(3, kMostCut + 1), draw(4, 2) == 0);
+      piece_[v] = cut(*others_[v][draw(2, others_[v].size())], draw(5, 2) * draw(3, kMaxCut + 1), draw(4, 2) == 0);
       if (piece_[v] == before) continue;
       const std::size_t found = pairs();
-      if (double(found) + kMostLoss * (1 - double(k) / kShakes) < double(now)) {
+      if (double(found) + kMaxLoss * (1 - double(k) / kShakes) < double(now)) {
         piece_[v] = before;
         continue;
       }
       now = found;
-      if (now > most_) most_ = now, best = piece_;
+      if (now > coupled_) {
+        coupled_ = now;
+        best = piece_;
+      }
     }
     piece_ = best;
   }
@@ -186,7 +194,7 @@ class PieceSearch {
   std::size_t visible_;
   std::vector<Piece> piece_;
   std::vector<std::vector<const Segment*>> others_;  // all segments of the variable's line
-  std::size_t most_ = 0, work_ = 0;                  // pairs coupled so far; qubits and couplers looked at
+  std::size_t coupled_ = 0, work_ = 0;               // pairs coupled so far; qubits and couplers looked at
 };
 
 }  // namespace

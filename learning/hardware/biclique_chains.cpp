@@ -52,7 +52,10 @@ BicliqueChains::Growth BicliqueChains::best_growth(std::size_t chain) {
       if (place == here.partners.end() || *place != other) here.partners.insert(place, other);
     }
     growth.reached.push_back(q);
-    if (here.partners.size() > growth.gain) growth.gain = here.partners.size(), best = tree.size();
+    if (here.partners.size() > growth.gain) {
+      growth.gain = here.partners.size();
+      best = tree.size();
+    }
     tree.push_back(std::move(here));
   };
   for (Qubit q : chains_[chain])
@@ -76,12 +79,12 @@ void BicliqueChains::lengthen() {
   std::vector<Growth> growth;
   for (std::size_t c = 0; c < chains_.size(); ++c) growth.push_back(best_growth(c));
   while (true) {
-    const auto most = std::max_element(growth.begin(), growth.end(), [](const Growth& a, const Growth& b) {
+    const auto largest = std::max_element(growth.begin(), growth.end(), [](const Growth& a, const Growth& b) {
       return a.gain != b.gain ? a.gain < b.gain : a.path.size() > b.path.size();
     });
-    if (most == growth.end() || most->gain == 0) return;
-    const Growth done = *most;
-    grow(std::size_t(most - growth.begin()), done);
+    if (largest == growth.end() || largest->gain == 0) return;
+    const Growth done = *largest;
+    grow(std::size_t(largest - growth.begin()), done);
     // Others have to look again where their ways led over these qubits or past them.
     std::vector<char> changed(graph_.chip_size(), 0);
     for (Qubit q : done.path) {

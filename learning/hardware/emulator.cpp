@@ -68,7 +68,9 @@ SampleSet by_energy(const SampleSet& rows, bool histogram) {
   };
   if (histogram) std::stable_sort(order.begin(), order.end(), less);
   SampleSet result = rows;
-  result.values.clear(), result.energies.clear(), result.occurrences.clear();
+  result.values.clear();
+  result.energies.clear();
+  result.occurrences.clear();
   for (std::size_t k = 0; k < order.size(); ++k) {
     const auto row = rows.row(order[k]);
     if (histogram && k > 0 && std::equal(row.begin(), row.end(), rows.row(order[k - 1]).begin())) {
@@ -84,11 +86,24 @@ SampleSet by_energy(const SampleSet& rows, bool histogram) {
 
 }  // namespace
 
-DeviceErrors DeviceErrors::none() { return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}; }
+DeviceErrors DeviceErrors::none() {
+  return {.h_mean = 0,
+          .h_deviation = 0,
+          .j_mean = 0,
+          .j_deviation = 0,
+          .flux_deviation = 0,
+          .h_scale_deviation = 0,
+          .susceptibility = 0,
+          .h_step_low = 0,
+          .h_step_high = 0,
+          .j_step_low = 0,
+          .j_step_high = 0,
+          .readout = 0};
+}
 
 Device d_wave_2x(double dead_share, std::uint64_t serial) {
   const HardwareGraph full = graph_named("chimera:12");
-  return {without(full, random_dead_qubits(full, dead_share, serial)), {}, {}, 0.2, false, serial};
+  return {.graph = without(full, random_dead_qubits(full, dead_share, serial)), .serial = serial};
 }
 
 SapiSolver solver_of(const Device& device) {

@@ -26,8 +26,8 @@ struct DeviceErrors {
 
 struct Device {
   HardwareGraph graph;
-  CoefficientRanges ranges;
-  DeviceErrors errors;
+  CoefficientRanges ranges{};
+  DeviceErrors errors{};
   double temperature = 0.2;  // rows follow exp(-E' / temperature), E' the disturbed problem
   bool auto_scale = false;   // true: every problem is scaled to the full range first, which changes its temperature
   std::uint64_t serial = 1;  // seed of what belongs to the device

@@ -125,12 +125,12 @@ void GrayBox::update(std::span<const double> rows, double share) {
 }
 
 double GrayBox::step(Descent& descent, double gradient) const {
-  constexpr double kMean = 0.9, kSquare = 0.999, kLeast = 1e-8;
+  constexpr double kMean = 0.9, kSquare = 0.999, kTiny = 1e-8;
   descent.mean = kMean * descent.mean + (1 - kMean) * gradient;
   descent.square = kSquare * descent.square + (1 - kSquare) * gradient * gradient;
   const double n = double(updates_);
   return descent.part * descent.mean / (1 - std::pow(kMean, n)) /
-         (std::sqrt(descent.square / (1 - std::pow(kSquare, n))) + kLeast);
+         (std::sqrt(descent.square / (1 - std::pow(kSquare, n))) + kTiny);
 }
 
 Problem GrayBox::contracted_problem() const {

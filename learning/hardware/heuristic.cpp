@@ -63,7 +63,7 @@ class Embedder {
     for (std::size_t q = 0; q < use_.size(); ++q)
       if (use_[q] > 1) history_[q] += kHistoryStep;
   }
-  std::size_t most_used() const { return std::size_t(*std::max_element(use_.begin(), use_.end())); }
+  std::size_t max_use() const { return std::size_t(*std::max_element(use_.begin(), use_.end())); }
   std::size_t length() const {
     std::size_t sum = 0;
     for (const auto& chain : chains_) sum += chain.size();
@@ -124,7 +124,7 @@ class Embedder {
   /// Least sum of the ways' costs; the root's own price, in every one of them, counts once.
   Qubit cheapest_root(const std::vector<Ways>& ways) const {
     Qubit best = hardware_.qubits().front();
-    double least = kUnreached;
+    double lowest = kUnreached;
     for (Qubit q : hardware_.qubits()) {
       double sum = price(q);
       for (const Ways& way : ways) {
@@ -133,9 +133,12 @@ class Embedder {
         // on a neighbour's own chain: the price of the qubit that would be shared
         sum += way.before[q] == q ? price(q) * base_ : way.cost[q] - price(q);
       }
-      if (sum < least) least = sum, best = q;
+      if (sum < lowest) {
+        lowest = sum;
+        best = q;
+      }
     }
-    if (least == kUnreached)
+    if (lowest == kUnreached)
       throw InputError("graph " + hardware_.name() + ": falls into parts that are not connected");
     return best;
   }
@@ -163,7 +166,7 @@ Embedding embed_heuristic(const HardwareGraph& graph, std::size_t variables, con
     std::size_t shortest = SIZE_MAX;
     for (std::size_t round = 0; round < settings.rounds; ++round) {
       embedder.round(round, std::min(2.0 + 0.5 * double(round), 8.0));
-      if (variables > 0 && embedder.most_used() > 1) continue;
+      if (variables > 0 && embedder.max_use() > 1) continue;
       if (embedder.length() >= shortest) break;  // no overlaps, and no shorter than before
       shortest = embedder.length();
       best = embedder.chains();

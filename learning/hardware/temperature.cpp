@@ -29,6 +29,10 @@ std::vector<double> turning_energies(const Problem& ising, const SampleSet& rows
 /// Derivative of a row's log pseudo-likelihood by beta, and minus the second one.
 struct Slope {
   double score = 0, information = 0;
+  void add(double weight, const Slope& s) {
+    score += weight * s.score;
+    information += weight * s.information;
+  }
 };
 Slope slope_of(std::span<const double> g, double beta) {
   Slope slope;
@@ -50,8 +54,13 @@ void set_interval(std::vector<double>& values, BetaEstimate& estimate) {
 /// Weighted straight line through points; returns its slope.
 double line_slope(std::span<const double> x, std::span<const double> y, std::span<const double> weight) {
   double w = 0, mx = 0, my = 0, xx = 0, xy = 0;
-  for (std::size_t k = 0; k < x.size(); ++k) w += weight[k], mx += weight[k] * x[k], my += weight[k] * y[k];
-  mx /= w, my /= w;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    w += weight[k];
+    mx += weight[k] * x[k];
+    my += weight[k] * y[k];
+  }
+  mx /= w;
+  my /= w;
   for (std::size_t k = 0; k < x.size(); ++k) {
     xx += weight[k] * (x[k] - mx) * (x[k] - mx);
     xy += weight[k] * (x[k] - mx) * (y[k] - my);
@@ -72,7 +81,10 @@ double ratio_slope(const std::vector<double>& a, const std::vector<double>& b, s
     while (end < pooled.size() && end > begin && pooled[end].first == pooled[end - 1].first)
       ++end;  // ties stay together
     double count[2] = {0, 0}, sum = 0;
-    for (std::size_t i = begin; i < end; ++i) count[pooled[i].second] += 1, sum += pooled[i].first;
+    for (std::size_t i = begin; i < end; ++i) {
+      count[pooled[i].second] += 1;
+      sum += pooled[i].first;
+    }
     if (count[0] > 0 && count[1] > 0) {
       x.push_back(sum / double(end - begin));
       y.push_back(std::log(count[0] / count[1]));
@@ -101,10 +113,7 @@ BetaEstimate pseudo_likelihood_beta(const Problem& problem, const SampleSet& row
   if (w.empty()) w.assign(rows.occurrences.begin(), rows.occurrences.end());
   const auto total = [&](double beta) {
     Slope sum;
-    for (std::size_t r = 0; r < rows.row_count(); ++r) {
-      const Slope s = slope_of(std::span(g).subspan(r * n, n), beta);
-      sum.score += w[r] * s.score, sum.information += w[r] * s.information;
-    }
+    for (std::size_t r = 0; r < rows.row_count(); ++r) sum.add(w[r], slope_of(std::span(g).subspan(r * n, n), beta));
     return sum;
   };
   if (*std::min_element(g.begin(), g.end()) >= 0) return {INFINITY, INFINITY, INFINITY};  // no spin would gain
@@ -123,10 +132,8 @@ BetaEstimate pseudo_likelihood_beta(const Problem& problem, const SampleSet& row
   std::vector<double> values;
   for (std::size_t d = 0; d < draws; ++d) {
     Slope sum;
-    for (std::size_t k = 0; k < of_read.size(); ++k) {
-      const Slope& s = of_read[std::size_t(random_unit(seed, d, k) * double(of_read.size()))];
-      sum.score += s.score, sum.information += s.information;
-    }
+    for (std::size_t k = 0; k < of_read.size(); ++k)
+      sum.add(1, of_read[std::size_t(random_unit(seed, d, k) * double(of_read.size()))]);
     values.push_back(estimate.beta + sum.score / sum.information);
   }
   set_interval(values, estimate);

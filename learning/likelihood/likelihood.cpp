@@ -122,7 +122,7 @@ std::vector<double> independent_bias(std::span<const double> rows, std::size_t v
 LikelihoodBracket bracket_log_likelihood(const RbmWeights& weights, std::span<const double> rows,
                                          const AnnealingSettings& settings) {
   LikelihoodBracket bracket;
-  if (std::min(weights.visible_count, weights.hidden_count) <= kMostExact) {
+  if (std::min(weights.visible_count, weights.hidden_count) <= kMaxExact) {
     bracket.exact = true;
     bracket.mean = bracket.low = bracket.high = bracket.raise = mean_log_likelihood(weights, rows);
     return bracket;

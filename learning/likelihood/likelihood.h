@@ -51,14 +51,14 @@ RaiseEstimate raise_log_likelihood(const RbmWeights& weights, std::span<const do
 /// Log odds of the means of rows, half a row added to both sides: a0.
 std::vector<double> independent_bias(std::span<const double> rows, std::size_t visible_count);
 
-/// Mean log P(v) over rows [nat]: exact when one side has at most kMostExact units, otherwise between RAISE and AIS.
+/// Mean log P(v) over rows [nat]: exact when one side has at most kMaxExact units, otherwise between RAISE and AIS.
 struct LikelihoodBracket {
   bool exact = false;
   double mean = 0, low = 0, high = 0;  // exact, or with AIS's log Z and its ends
   double raise = 0, raise_error = 0;   // equal to the mean, and 0, when exact
   double effective_chains = 0;         // of AIS
 };
-inline constexpr std::size_t kMostExact = 18;
+inline constexpr std::size_t kMaxExact = 18;
 LikelihoodBracket bracket_log_likelihood(const RbmWeights& weights, std::span<const double> rows,
                                          const AnnealingSettings& settings = {});
 

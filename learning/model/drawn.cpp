@@ -21,7 +21,10 @@ namespace {
 void ratio(const std::vector<double>& part, const std::vector<double>& weight, double& estimate, double& error) {
   const double groups = double(part.size());
   double sum = 0, total = 0, square = 0;
-  for (std::size_t g = 0; g < part.size(); ++g) sum += part[g], total += weight[g];
+  for (std::size_t g = 0; g < part.size(); ++g) {
+    sum += part[g];
+    total += weight[g];
+  }
   estimate = sum / total;
   for (std::size_t g = 0; g < part.size(); ++g) {
     const double d = (part[g] - estimate * weight[g]) * groups / total;
@@ -32,9 +35,30 @@ void ratio(const std::vector<double>& part, const std::vector<double>& weight, d
 
 }  // namespace
 
+/// Draws of group `g`, added to its sums. `prior`: [unknown variable][bin].
+void Posterior::draw_group(const Question& asked, const std::vector<std::vector<double>>& prior,
+                           const MarginalOptions& options, std::size_t g, DrawnSums& sums) const {
+  const std::size_t hidden = asked.field.size(), depth = asked.unknown.size(), outcomes = outcome_count();
+  std::vector<std::size_t> bin(depth);
+  std::vector<double> field, p(outcomes);
+  for (std::size_t d = 0; d < options.sweeps; ++d) {
+    field = asked.field;
+    for (std::size_t k = 0; k < depth; ++k) {
+      bin[k] = draw(prior[k], random_unit(options.seed, g, d * depth + k));
+      const double* add = nodes_[asked.unknown[k]].field.data() + bin[k] * hidden;
+      for (std::size_t j = 0; j < hidden; ++j) field[j] += add[j];
+    }
+    outcome_shares(field, p);
+    const double weight = asked.outcome ? p[*asked.outcome] : 1;
+    sums.weight += weight;
+    for (std::size_t k = 0; k < depth; ++k) sums.bins[k][bin[k]] += weight;
+    for (std::size_t y = 0; y < outcomes; ++y) sums.outcome[y] += p[y];
+  }
+}
+
 JointAnswer Posterior::joint_drawn(const Question& asked, const MarginalOptions& options) const {
   GONOGO_ASSERT(options.chains >= 2);
-  const std::size_t hidden = asked.field.size(), depth = asked.unknown.size(), outcomes = outcome_count();
+  const std::size_t depth = asked.unknown.size(), outcomes = outcome_count();
   std::vector<std::vector<double>> prior;
   DrawnSums nothing{0, {}, std::vector<double>(outcomes, 0.0)};
   for (std::size_t v : asked.unknown) {
@@ -44,26 +68,13 @@ JointAnswer Posterior::joint_drawn(const Question& asked, const MarginalOptions&
   }
   std::vector<DrawnSums> group(options.chains, nothing);
 #pragma omp parallel for schedule(static)
-  for (std::size_t g = 0; g < group.size(); ++g) {
-    std::vector<std::size_t> bin(depth);
-    std::vector<double> field, p(outcomes);
-    for (std::size_t d = 0; d < options.sweeps; ++d) {
-      field = asked.field;
-      for (std::size_t k = 0; k < depth; ++k) {
-        bin[k] = draw(prior[k], random_unit(options.seed, g, d * depth + k));
-        const double* add = nodes_[asked.unknown[k]].field.data() + bin[k] * hidden;
-        for (std::size_t j = 0; j < hidden; ++j) field[j] += add[j];
-      }
-      outcome_shares(field, p);
-      const double weight = asked.outcome ? p[*asked.outcome] : 1;
-      group[g].weight += weight;
-      for (std::size_t k = 0; k < depth; ++k) group[g].bins[k][bin[k]] += weight;
-      for (std::size_t y = 0; y < outcomes; ++y) group[g].outcome[y] += p[y];
-    }
-  }
+  for (std::size_t g = 0; g < group.size(); ++g) draw_group(asked, prior, options, g, group[g]);
   std::vector<double> part(group.size()), weight;
   double total = 0;
-  for (const DrawnSums& sums : group) weight.push_back(sums.weight), total += sums.weight;
+  for (const DrawnSums& sums : group) {
+    weight.push_back(sums.weight);
+    total += sums.weight;
+  }
   if (!(total > 0))
     throw InputError("model: none of " + std::to_string(options.chains * options.sweeps) +
                      " points drawn from the prior makes outcome " + std::to_string(asked.outcome.value_or(0)) +

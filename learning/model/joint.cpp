@@ -34,8 +34,14 @@ JointAnswer Posterior::finish(const Question& asked, JointAnswer answer) const {
       variable.mean += p * middle[bin];
       square += p * middle[bin] * middle[bin];
       sum += p;
-      if (!low_found && sum >= 0.05) variable.low = middle[bin], low_found = true;
-      if (!high_found && sum >= 0.95) variable.high = middle[bin], high_found = true;
+      if (!low_found && sum >= 0.05) {
+        variable.low = middle[bin];
+        low_found = true;
+      }
+      if (!high_found && sum >= 0.95) {
+        variable.high = middle[bin];
+        high_found = true;
+      }
     }
     variable.deviation = std::sqrt(std::max(0.0, square - variable.mean * variable.mean));
   }
@@ -214,7 +220,7 @@ JointAnswer Posterior::joint(std::span<const double> variables, std::optional<st
   if (outcome && *outcome >= outcome_count())
     throw InputError("posterior: outcome " + std::to_string(*outcome) + " does not exist");
   const Question asked = question(variables, outcome);
-  if (asked.terms <= double(options.most_terms)) return joint_sum(asked);
+  if (asked.terms <= double(options.max_terms)) return joint_sum(asked);
   return has_prior_ ? joint_drawn(asked, options) : joint_sample(asked, options);
 }
 

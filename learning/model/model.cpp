@@ -113,9 +113,11 @@ Model read_model(const std::filesystem::path& path) {
   const Shape hidden_shape = in.shape("machine/hidden_bias");
   if (hidden_shape.size() != 1 || hidden_shape[0] == 0) in.fail("machine/hidden_bias", "must be a list, not empty");
   const std::size_t hidden = hidden_shape[0];
-  model.weights = {visible, hidden, finite_array(in, "machine/weight", {visible, hidden}),
-                   finite_array(in, "machine/visible_bias", {visible}),
-                   finite_array(in, "machine/hidden_bias", {hidden})};
+  model.weights = {.visible_count = visible,
+                   .hidden_count = hidden,
+                   .weight = finite_array(in, "machine/weight", {visible, hidden}),
+                   .visible_bias = finite_array(in, "machine/visible_bias", {visible}),
+                   .hidden_bias = finite_array(in, "machine/hidden_bias", {hidden})};
   model.sampled_lower = finite_array(in, "sampled/lower", {variables});
   model.sampled_upper = finite_array(in, "sampled/upper", {variables});
   model.training_outcomes = in.array<std::int32_t>("training/outcomes");

@@ -10,7 +10,7 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr std::size_t kMostHidden = 1024;  // hidden units whose fields fit on the stack
+constexpr std::size_t kMaxHidden = 1024;  // hidden units whose fields fit on the stack
 
 }  // namespace
 
@@ -20,7 +20,7 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights, con
   if (weights.visible_count != layout.unit_count())
     throw InputError("model: " + std::to_string(weights.visible_count) + " visible units where its layout has " +
                      std::to_string(layout.unit_count()));
-  if (hidden > kMostHidden) throw InputError("model: more than 1024 hidden units");
+  if (hidden > kMaxHidden) throw InputError("model: more than 1024 hidden units");
   for (std::size_t v = 0; v < layout.variable_count(); ++v) {
     const Encoder& encoder = layout.encoders()[v];
     Nodes nodes;
@@ -109,7 +109,7 @@ void Posterior::scores(std::span<const double> field, std::span<double> result) 
   }
   // One exponential per hidden unit: sum_j log(1 + e^(f_j + U_yj)) = log prod_j (1 + e^f_j e^U_yj), in products of 16
   // factors, each at most e^41.
-  std::array<double, kMostHidden> power;
+  std::array<double, kMaxHidden> power;
   for (std::size_t j = 0; j < hidden; ++j) power[j] = std::exp(field[j]);
   for (std::size_t y = 0; y < result.size(); ++y) {
     const double* factor = outcome_factor_.data() + y * hidden;
@@ -133,7 +133,7 @@ void Posterior::outcome_shares(std::span<const double> field, std::span<double> 
 
 void Posterior::operator()(std::span<const double> variables, std::span<double> result) const {
   GONOGO_ASSERT(variables.size() == nodes_.size() && result.size() == outcome_count());
-  std::array<double, kMostHidden> storage;
+  std::array<double, kMaxHidden> storage;
   const std::span<double> field(storage.data(), hidden_bias_.size());
   std::copy(hidden_bias_.begin(), hidden_bias_.end(), field.begin());
   for (std::size_t v = 0; v < nodes_.size(); ++v) add_field(nodes_[v], variables[v], field);
@@ -153,7 +153,7 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
       terms *= double(nodes_[v].middle.size());
     }
   }
-  if (terms <= double(options.most_terms)) {
+  if (terms <= double(options.max_terms)) {
     // With nothing unknown the bits are those of operator().
     if (auto answer = unknown.empty() ? std::nullopt : sum_products(field, unknown)) return *answer;
     return sum_logarithms(std::move(field), unknown);

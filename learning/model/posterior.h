@@ -32,7 +32,7 @@ struct PosteriorAnswer {
 };
 
 struct MarginalOptions {
-  std::size_t most_terms = 200'000;  // sum exactly up to this many combinations of code words of the unknown variables
+  std::size_t max_terms = 200'000;  // sum exactly up to this many combinations of code words of the unknown variables
   // Beyond that: with a prior, chains x sweeps independent draws from it. Under the machine's own joint distribution
   // block Gibbs with what is known clamped, tempered by replicas at inverse temperatures 0 ... 1 that exchange states
   // (one rung: no tempering).
@@ -103,6 +103,8 @@ class Posterior {
   JointAnswer joint_sum(const Question& asked) const;
   JointAnswer joint_sample(const Question& asked, const MarginalOptions& options) const;
   struct DrawnSums;  // drawn.cpp
+  void draw_group(const Question& asked, const std::vector<std::vector<double>>& prior, const MarginalOptions& options,
+                  std::size_t g, DrawnSums& sums) const;
   JointAnswer joint_drawn(const Question& asked, const MarginalOptions& options) const;
   void take_prior(const InputPrior& prior);
   /// P(outcome | all variables), by the fields of the hidden units.

@@ -55,17 +55,17 @@ void Posterior::prepare_products() {
 /// Whether every number of the sum stays in the range of double: each factor on its way, by the sizes of what is added
 /// up in its exponent, the products of all hidden units, by the largest softplus of each, and exp(d).
 bool Posterior::products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const {
-  const auto [least, largest] = std::minmax_element(outcome_bias_.begin(), outcome_bias_.end());
-  if (!(*largest - *least < kLargestLog)) return false;
+  const auto [smallest, largest] = std::minmax_element(outcome_bias_.begin(), outcome_bias_.end());
+  if (!(*largest - *smallest < kLargestLog)) return false;
   const std::size_t hidden = field.size();
   double log_product = 0;
   for (std::size_t j = 0; j < hidden; ++j) {
     double size = std::abs(field[j]) + largest_outcome_size_;
     for (const std::size_t v : unknown) {
-      double most = 0;
+      double largest_field = 0;
       for (std::size_t bin = 0; bin < nodes_[v].bias.size(); ++bin)
-        most = std::max(most, std::abs(nodes_[v].field[bin * hidden + j]));
-      size += most;
+        largest_field = std::max(largest_field, std::abs(nodes_[v].field[bin * hidden + j]));
+      size += largest_field;
     }
     if (!(size < kLargestLog)) return false;
     log_product += softplus(size);

@@ -8,8 +8,11 @@
 namespace gonogo::learning {
 
 RbmWeights RbmWeights::zeros(std::size_t visible, std::size_t hidden) {
-  return {visible, hidden, std::vector<double>(visible * hidden), std::vector<double>(visible),
-          std::vector<double>(hidden)};
+  return {.visible_count = visible,
+          .hidden_count = hidden,
+          .weight = std::vector<double>(visible * hidden),
+          .visible_bias = std::vector<double>(visible),
+          .hidden_bias = std::vector<double>(hidden)};
 }
 
 double softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }

@@ -48,9 +48,14 @@ Columns read_header(const TextLines& lines, const Problem& problem) {
     columns.variable.push_back(found->second);
     place.erase(found);
   }
-  if (const auto found = place.find("energy"); found != place.end()) columns.energy = found->second, place.erase(found);
-  if (const auto found = place.find("num_occurrences"); found != place.end())
-    columns.occurrences = found->second, place.erase(found);
+  if (const auto found = place.find("energy"); found != place.end()) {
+    columns.energy = found->second;
+    place.erase(found);
+  }
+  if (const auto found = place.find("num_occurrences"); found != place.end()) {
+    columns.occurrences = found->second;
+    place.erase(found);
+  }
   if (!place.empty()) lines.fail("column " + place.begin()->first + " is no variable of the problem");
   return columns;
 }

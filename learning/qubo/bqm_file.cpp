@@ -80,9 +80,11 @@ Shape read_shape(const JsonReader& header, std::size_t bytes_left) {
   const std::map<std::string, std::size_t> indices = {{"int32", 4}, {"uint32", 4}, {"int64", 8}, {"uint64", 8}};
   const auto sizes = header.integers("shape", 0, INT32_MAX);
   header.expect_size("shape", sizes.size(), 2);
-  Shape shape{std::size_t(sizes[0]), std::size_t(sizes[1]),
-              type_size(header, "dtype", {{"float32", 4}, {"float64", 8}}), type_size(header, "itype", indices),
-              type_size(header, "ntype", indices)};
+  Shape shape{.variables = std::size_t(sizes[0]),
+              .interactions = std::size_t(sizes[1]),
+              .bias_size = type_size(header, "dtype", {{"float32", 4}, {"float64", 8}}),
+              .index_size = type_size(header, "itype", indices),
+              .start_size = type_size(header, "ntype", indices)};
   if (shape.body_size() > bytes_left)
     header.fail("shape", std::to_string(shape.variables) + " variables and " + std::to_string(shape.interactions) +
                              " interactions need " + std::to_string(shape.body_size()) + " bytes, " +

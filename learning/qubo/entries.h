@@ -9,7 +9,7 @@
 namespace gonogo::learning {
 
 inline constexpr std::int64_t kLargestId = INT32_MAX;
-inline constexpr std::int64_t kMostVariables = 10'000'000;  // of formats that declare a count without listing variables
+inline constexpr std::int64_t kMaxVariables = 10'000'000;  // of formats that declare a count without listing variables
 
 struct Entry {
   std::int64_t i = 0, j = 0;

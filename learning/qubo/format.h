@@ -18,11 +18,11 @@ struct FormatFacts {
   const char* name;
   const char* extension;  // usual one
   const char* about;
-  bool binary, spin;  // vartypes it can hold
-  bool labels;        // texts as labels; otherwise variables are numbered
-  bool offset;
-  bool every_variable;  // also those without a coefficient
-  bool zeros;           // couplings of value 0
+  bool binary = true, spin = true;  // vartypes it can hold
+  bool labels = true;               // texts as labels; otherwise variables are numbered
+  bool offset = true;
+  bool every_variable = true;  // also those without a coefficient
+  bool zeros = true;           // couplings of value 0
 };
 
 std::span<const FormatFacts> problem_formats();

@@ -80,7 +80,7 @@ Problem problem_from_optimisation_text(const std::string& text, OptimisationDial
     if (!rudy && lines.words()[0][0] == '#') continue;
     if (variables < 0) {
       lines.expect_words(2);
-      variables = lines.integer(0, 0, kMostVariables);
+      variables = lines.integer(0, 0, kMaxVariables);
       declared = lines.integer(1, 0, INT32_MAX);
       continue;
     }

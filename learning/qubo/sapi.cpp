@@ -97,7 +97,7 @@ SapiSolver solver_from_json(const Json& json, const std::string& source) {
   } else {
     solver.name = reader.text("id");
   }
-  solver.chip_size = properties.integer("num_qubits", 1, kMostVariables);
+  solver.chip_size = properties.integer("num_qubits", 1, kMaxVariables);
   solver.qubits = properties.integers("qubits", 0, solver.chip_size - 1);
   std::vector<std::int64_t> sorted = solver.qubits;
   std::sort(sorted.begin(), sorted.end());

@@ -52,7 +52,7 @@ NegativePhase::NegativePhase(const VisibleLayout& layout, const TrainingSettings
     throw InputError("training: a negative phase that is not persistent needs the sampler block_gibbs, not " +
                      sampler.name());
   if (settings.negative == NegativePhaseKind::contrastive) return;
-  if (settings.rungs < 2 || settings.rungs > LadderChains::kMostRungs)
+  if (settings.rungs < 2 || settings.rungs > LadderChains::kMaxRungs)
     throw InputError("training: rungs must lie between 2 and 64");
   ladder_.emplace(settings.chains, layout.unit_count(), settings.hidden, random_bits(settings.seed, kChains, 0));
 }

@@ -76,16 +76,19 @@ std::size_t best_epoch(const TrainingTable& table, std::span<const int> label, c
   const std::vector<std::size_t> fold = assign_folds(table, 5, settings.seed);
   std::vector<std::size_t> fit, check;
   for (std::size_t n = 0; n < fold.size(); ++n) (fold[n] == 0 ? check : fit).push_back(n);
-  if (fit.empty() || check.empty()) return settings.most_epochs;
+  if (fit.empty() || check.empty()) return settings.max_epochs;
   const LabelledRows held_out = tensors_of(table, label, scaling, check);
-  double least = INFINITY;
+  double lowest = INFINITY;
   std::size_t best = 1;
-  trained(tensors_of(table, label, scaling, fit), settings, settings.most_epochs,
+  trained(tensors_of(table, label, scaling, fit), settings, settings.max_epochs,
           [&](std::size_t epoch, const Network& network) {
             if (epoch % 5 != 0) return;
             const torch::NoGradGuard constants;
             const double loss = network.loss(held_out).item<double>();
-            if (loss < least) least = loss, best = epoch;
+            if (loss < lowest) {
+              lowest = loss;
+              best = epoch;
+            }
           });
   return best;
 }

@@ -10,7 +10,7 @@ namespace gonogo::learning {
 
 struct NetworkSettings {
   std::size_t hidden = 16;
-  std::size_t most_epochs = 600;  // of Adam on all rows
+  std::size_t max_epochs = 600;  // of Adam on all rows
   double learning_rate = 0.02;
   double weight_decay = 1;  // s [nat]: s / 2 (|A|^2 + |w|^2) for the whole table, as for the machine
   std::uint64_t seed = 1;

@@ -8,7 +8,7 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr std::size_t kMostCompletions = 4096;  // of one row: more unknown variables say too little to be worth it
+constexpr std::size_t kMaxCompletions = 4096;  // of one row: more unknown variables say too little to be worth it
 
 /// All code words of the unknown variables of a row, written over `smooth` and `hard` copies of it.
 void append_completions(const VisibleLayout& layout, std::span<const double> variables, std::vector<double>& smooth,
@@ -19,9 +19,9 @@ void append_completions(const VisibleLayout& layout, std::span<const double> var
     if (!std::isnan(variables[v])) continue;
     unknown.push_back(v);
     count *= std::size_t(layout.encoders()[v].bin_count());
-    if (count > kMostCompletions)
+    if (count > kMaxCompletions)
       throw InputError("training table: a row leaves so many variables unknown that over " +
-                       std::to_string(kMostCompletions) + " combinations of their bins are possible; leave it out");
+                       std::to_string(kMaxCompletions) + " combinations of their bins are possible; leave it out");
   }
   std::vector<double> filled(variables.begin(), variables.end()), units(layout.input_unit_count());
   std::vector<Bit> word(layout.input_unit_count());
@@ -130,13 +130,19 @@ void Machine::move_means(const torch::Tensor& new_visible_mean, const torch::Ten
 }
 
 RbmWeights Machine::weights() const {
-  return {std::size_t(weight.size(0)), std::size_t(weight.size(1)), values_of(weight), values_of(visible_bias()),
-          values_of(hidden_bias())};
+  return {.visible_count = std::size_t(weight.size(0)),
+          .hidden_count = std::size_t(weight.size(1)),
+          .weight = values_of(weight),
+          .visible_bias = values_of(visible_bias()),
+          .hidden_bias = values_of(hidden_bias())};
 }
 
 RbmWeights Machine::gradient() const {
-  return {std::size_t(weight.size(0)), std::size_t(weight.size(1)), values_of(weight.grad()),
-          values_of(centred_visible.grad()), values_of(centred_hidden.grad())};
+  return {.visible_count = std::size_t(weight.size(0)),
+          .hidden_count = std::size_t(weight.size(1)),
+          .weight = values_of(weight.grad()),
+          .visible_bias = values_of(centred_visible.grad()),
+          .hidden_bias = values_of(centred_hidden.grad())};
 }
 
 torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std::uint64_t seed, std::uint64_t update) {

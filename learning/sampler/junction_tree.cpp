@@ -63,8 +63,8 @@ void JunctionTree::order(const Problem& ising) {
     for (std::uint32_t v = 0; v < n; ++v)
       if (!gone[v] && (next == UINT32_MAX || neighbours[v].size() < neighbours[next].size())) next = v;
     const std::size_t width = neighbours[next].size();
-    entries += width < 60 ? std::size_t(2) << width : kMostTableEntries + 1;
-    if (width >= 60 || entries > kMostTableEntries)
+    entries += width < 60 ? std::size_t(2) << width : kMaxTableEntries + 1;
+    if (width >= 60 || entries > kMaxTableEntries)
       throw InputError("sampler exact: the problem is neither small nor of low treewidth (a table over " +
                        std::to_string(width + 1) + " variables would be needed); use another sampler");
     gone[next] = true;

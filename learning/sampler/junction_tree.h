@@ -9,7 +9,7 @@
 
 namespace gonogo::learning {
 
-inline constexpr std::size_t kMostTableEntries = std::size_t(1) << 26;  // of all tables together: 512 MB
+inline constexpr std::size_t kMaxTableEntries = std::size_t(1) << 26;  // of all tables together: 512 MB
 
 class JunctionTree {
  public:

@@ -41,21 +41,21 @@ LadderChains::LadderChains(std::size_t chains, std::size_t visible_count, std::s
       visible_(visible_count),
       hidden_(hidden_count),
       seed_(seed),
-      rows_(chains * kMostRungs * visible_count) {
+      rows_(chains * kMaxRungs * visible_count) {
   for (std::size_t chain = 0; chain < chains_; ++chain) {
     ChainRandom random(seed_, chain, visible_ + hidden_ + 1);
-    for (std::size_t rung = 0; rung < kMostRungs; ++rung) {
+    for (std::size_t rung = 0; rung < kMaxRungs; ++rung) {
       random.begin(rung);
       for (std::size_t i = 0; i < visible_; ++i)
-        rows_[(chain * kMostRungs + rung) * visible_ + i] = random(hidden_ + i) < 0.5;
+        rows_[(chain * kMaxRungs + rung) * visible_ + i] = random(hidden_ + i) < 0.5;
     }
   }
 }
 
 void LadderChains::add_rung() {
-  GONOGO_ASSERT(rungs_ < kMostRungs);
+  GONOGO_ASSERT(rungs_ < kMaxRungs);
   for (std::size_t chain = 0; chain < chains_; ++chain) {
-    const auto from = rows_.begin() + std::ptrdiff_t((chain * kMostRungs + rungs_ - 1) * visible_);
+    const auto from = rows_.begin() + std::ptrdiff_t((chain * kMaxRungs + rungs_ - 1) * visible_);
     std::copy(from, from + std::ptrdiff_t(visible_), from + std::ptrdiff_t(visible_));
   }
   ++rungs_;
@@ -67,12 +67,12 @@ void LadderChains::run_chain(std::span<const RbmWeights> ladder, std::span<const
   std::vector<double> hidden_field(hidden_), visible_field(visible_);
   std::vector<Bit> hidden(hidden_);
   const auto bits = [&](std::size_t rung) {
-    return std::span(rows_).subspan((chain * kMostRungs + rung) * visible_, visible_);
+    return std::span(rows_).subspan((chain * kMaxRungs + rung) * visible_, visible_);
   };
   for (std::size_t sweep = 0; sweep < sweeps; ++sweep) {
     const std::uint64_t number = sweeps_done_ + sweep + 1;
     for (std::size_t r = 0; r < rungs_; ++r) {
-      random.begin(number * kMostRungs + r);
+      random.begin(number * kMaxRungs + r);
       side_field(bits(r), ladder[r].weight, ladder[r].hidden_bias, hidden_field);
       draw_bits(hidden_field, random, 0, hidden);
       side_field(hidden, transposed[r], ladder[r].visible_bias, visible_field);
@@ -81,7 +81,7 @@ void LadderChains::run_chain(std::span<const RbmWeights> ladder, std::span<const
     for (std::size_t r = number % 2; r + 1 < rungs_; r += 2) {  // odd and even pairs take turns
       const double gain = free_energy_of(ladder[r], bits(r)) + free_energy_of(ladder[r + 1], bits(r + 1)) -
                           free_energy_of(ladder[r], bits(r + 1)) - free_energy_of(ladder[r + 1], bits(r));
-      random.begin(number * kMostRungs + r);
+      random.begin(number * kMaxRungs + r);
       tally.proposed[r] += 1;
       if (random(visible_ + hidden_) >= std::exp(std::min(gain, 0.0))) continue;
       tally.accepted[r] += 1;
@@ -91,7 +91,7 @@ void LadderChains::run_chain(std::span<const RbmWeights> ladder, std::span<const
 }
 
 void LadderChains::run(std::span<const RbmWeights> ladder, std::size_t sweeps) {
-  if (ladder.size() > kMostRungs) throw InputError("tempering: at most 64 rungs are possible");
+  if (ladder.size() > kMaxRungs) throw InputError("tempering: at most 64 rungs are possible");
   GONOGO_ASSERT(ladder.size() >= rungs_);
   while (rungs_ < ladder.size()) add_rung();
   std::vector<std::vector<double>> transposed;
@@ -103,7 +103,10 @@ void LadderChains::run(std::span<const RbmWeights> ladder, std::size_t sweeps) {
   acceptance_.assign(rungs_ - 1, 1.0);
   for (std::size_t r = 0; r + 1 < rungs_; ++r) {
     double proposed = 0, accepted = 0;
-    for (const Tally& tally : tallies) proposed += tally.proposed[r], accepted += tally.accepted[r];
+    for (const Tally& tally : tallies) {
+      proposed += tally.proposed[r];
+      accepted += tally.accepted[r];
+    }
     if (proposed > 0) acceptance_[r] = accepted / proposed;
   }
 }

@@ -17,7 +17,7 @@ RbmWeights interpolated(const RbmWeights& machine, std::span<const double> base_
 
 class LadderChains {
  public:
-  static constexpr std::size_t kMostRungs = 64;
+  static constexpr std::size_t kMaxRungs = 64;
   /// Chains start from fair bits. Draws depend on (seed, chain, sweep) alone.
   LadderChains(std::size_t chains, std::size_t visible_count, std::size_t hidden_count, std::uint64_t seed);
 
@@ -33,7 +33,7 @@ class LadderChains {
 
  private:
   std::span<const Bit> row(std::size_t chain, std::size_t rung) const {
-    return std::span(rows_).subspan((chain * kMostRungs + rung) * visible_, visible_);
+    return std::span(rows_).subspan((chain * kMaxRungs + rung) * visible_, visible_);
   }
   struct Tally;
   void run_chain(std::span<const RbmWeights> ladder, std::span<const std::vector<double>> transposed,
@@ -41,7 +41,7 @@ class LadderChains {
 
   std::size_t chains_, visible_, hidden_, rungs_ = 1;
   std::uint64_t seed_, sweeps_done_ = 0;
-  std::vector<Bit> rows_;  // [chain x kMostRungs x visible]
+  std::vector<Bit> rows_;  // [chain x kMaxRungs x visible]
   std::vector<double> acceptance_;
 };
 

@@ -27,7 +27,8 @@ struct Pipe {
   Pipe() {
     int ends[2];
     if (::pipe2(ends, O_CLOEXEC) != 0) throw DeviceError(std::string("pipe: ") + std::strerror(errno));
-    read = ends[0], write = ends[1];
+    read = ends[0];
+    write = ends[1];
   }
   ~Pipe() {
     ::close(read);

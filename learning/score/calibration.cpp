@@ -89,7 +89,9 @@ CalibrationLine calibration_line(std::span<const double> p, std::span<const int>
       const double x = logit(p[i]), q = 1 / (1 + std::exp(-(line.offset + line.slope * x))), w = q * (1 - q);
       g0 += q - happened[i];
       g1 += (q - happened[i]) * x;
-      a += w, b += w * x, c += w * x * x;
+      a += w;
+      b += w * x;
+      c += w * x * x;
     }
     const double det = a * c - b * b;
     if (!(det > 1e-12 * std::max(a * c, 1e-12))) {  // all forecasts alike: the slope cannot be told
@@ -98,7 +100,8 @@ CalibrationLine calibration_line(std::span<const double> p, std::span<const int>
     }
     const double step0 = std::clamp((c * g0 - b * g1) / det, -2.0, 2.0);
     const double step1 = std::clamp((a * g1 - b * g0) / det, -0.5, 0.5);
-    line.offset -= step0, line.slope -= step1;
+    line.offset -= step0;
+    line.slope -= step1;
     if (std::abs(step0) + std::abs(step1) < 1e-12) break;
   }
   const double det = a * c - b * b;

@@ -96,7 +96,7 @@ struct Integrate {
 
   GONOGO_HD void flag(BodyIndex b, WorldIndex w, Index raised) const {
     atomic_raise(flags[w], raised);
-    atomic_least(fault[w], packed(Fault{raised, steps[w] + 1, b - world[w].first_body}));
+    atomic_min(fault[w], packed(Fault{raised, steps[w] + 1, b - world[w].first_body}));
   }
 
   static constexpr Real kAnySpeedSquare = Real(1e12);  // above any physical speed [m^2/s^2]

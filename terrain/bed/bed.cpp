@@ -102,7 +102,7 @@ void check(const BedSpec& s) {
 }
 
 SceneWorld pouring_world(const BedSpec& s, const std::vector<Grain>& grains, const std::vector<Grain>& base) {
-  Packing loose{s, grains, base, 0, 0, 0};
+  Packing loose{.spec = s, .grain = grains, .base = base};
   loose.surface = grains.back().position.z;
   const sim::PairLaw slippery{Real(s.settle_friction), Real(s.settle_rolling), 0};
   SceneWorld world = bed_world(loose, {slippery, slippery}, s.grain_diameter);
@@ -118,10 +118,16 @@ SceneWorld pouring_world(const BedSpec& s, const std::vector<Grain>& grains, con
 std::string BedSpec::hash() const {
   Json j;
   j["maker"] = "settle_packing/5";
-  j["length"] = length, j["width"] = width, j["depth"] = depth, j["grain_diameter"] = grain_diameter;
-  j["size_spread"] = size_spread, j["grain_density"] = grain_density, j["settle_friction"] = settle_friction;
+  j["length"] = length;
+  j["width"] = width;
+  j["depth"] = depth;
+  j["grain_diameter"] = grain_diameter;
+  j["size_spread"] = size_spread;
+  j["grain_density"] = grain_density;
+  j["settle_friction"] = settle_friction;
   j["settle_rolling"] = settle_rolling;
-  j["seed"] = std::uint64_t(seed), j["shape"] = name_of(shape);
+  j["seed"] = std::uint64_t(seed);
+  j["shape"] = name_of(shape);
   if (settled_on == sim::Backend::cuda) j["settled_on"] = "cuda";
   return content_hash(j.dump());
 }
@@ -169,9 +175,9 @@ struct Settling {
   bool quiet() const { return packing.residual_speed < quiet_speed(packing.spec); }
 };
 
-/// Lets the worlds' grains move until they are quiet, each of them on its own clock: 500 to 100 `most_batches` steps.
+/// Lets the worlds' grains move until they are quiet, each of them on its own clock: 500 to 100 `max_batches` steps.
 /// Tells `at_rest` how many of them are.
-void let_settle(const std::vector<Settling*>& beds, int iterations, int most_batches, int threads,
+void let_settle(const std::vector<Settling*>& beds, int iterations, int max_batches, int threads,
                 const std::function<void(std::size_t)>& at_rest) {
   const BedSpec& spec = beds.front()->packing.spec;
   const auto settings = bed_step_settings(spec.grain_diameter, 1e-3, iterations);
@@ -179,7 +185,7 @@ void let_settle(const std::vector<Settling*>& beds, int iterations, int most_bat
   for (const Settling* bed : beds) scene.push_back(bed->world);
   const auto simulation = sim::make_simulation(spec.settled_on, scene, settings, threads);
   std::vector<bool> done(beds.size());
-  for (int k = 1; k <= most_batches && std::find(done.begin(), done.end(), false) != done.end(); ++k) {
+  for (int k = 1; k <= max_batches && std::find(done.begin(), done.end(), false) != done.end(); ++k) {
     stop_if_cancelled();
     simulation->advance(100);
     for (std::size_t w = 0; w < beds.size(); ++w) {
@@ -189,7 +195,7 @@ void let_settle(const std::vector<Settling*>& beds, int iterations, int most_bat
       Settling& bed = *beds[w];
       const auto bodies = simulation->bodies(sim::WorldIndex(w));
       bed.packing.residual_speed = rms_speed(bodies, bed.packing.grain.size());
-      done[w] = k == most_batches || (k > 4 && bed.quiet());
+      done[w] = k == max_batches || (k > 4 && bed.quiet());
       if (done[w])
         std::copy(bodies.begin(), bodies.begin() + std::ptrdiff_t(bed.world.body.size()), bed.world.body.begin());
     }
@@ -201,7 +207,7 @@ void let_settle(const std::vector<Settling*>& beds, int iterations, int most_bat
 
 Settling poured(const BedSpec& spec) {
   const std::vector<Grain> grains = poured_grains(spec);
-  const Packing packing{spec, grains, glued_base(spec), 0, 0, 0};
+  const Packing packing{.spec = spec, .grain = grains, .base = glued_base(spec)};
   return {packing, pouring_world(spec, grains, packing.base)};
 }
 
@@ -231,9 +237,9 @@ std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int thre
   for (Settling& bed : beds) restless.push_back(&bed);
   // Long beds of slippery grains keep flowing on what so few updates leave unsolved; so do clumps, once they have
   // fallen.
-  const auto settle = [&](int iterations, int most_batches) {
+  const auto settle = [&](int iterations, int max_batches) {
     const std::size_t before = beds.size() - restless.size();
-    let_settle(restless, iterations, most_batches, threads, [&](std::size_t resting) {
+    let_settle(restless, iterations, max_batches, threads, [&](std::size_t resting) {
       if (at_rest) at_rest(before + resting);
     });
     std::erase_if(restless, [](const Settling* bed) { return bed->quiet(); });
@@ -301,15 +307,18 @@ Packing shifted(const Packing& packing, std::uint64_t seed) {
 Packing tiled(const Packing& tile, int nx, int ny) {
   if (nx < 1 || ny < 1) throw InputError("a bed needs at least one tile along and across");
   Packing bed = tile;
-  bed.spec.length *= nx, bed.spec.width *= ny;
-  bed.grain.clear(), bed.base.clear();
+  bed.spec.length *= nx;
+  bed.spec.width *= ny;
+  bed.grain.clear();
+  bed.base.clear();
   const auto copy = [&](const std::vector<Grain>& from, std::vector<Grain>& to) {
     for (int i = 0; i < nx; ++i)
       for (int j = 0; j < ny; ++j)
         for (const Grain& g : from)
           to.push_back({g.position + Vec3d{i * tile.spec.length, j * tile.spec.width, 0}, g.radius, g.orientation});
   };
-  copy(tile.grain, bed.grain), copy(tile.base, bed.base);
+  copy(tile.grain, bed.grain);
+  copy(tile.base, bed.base);
   return bed;
 }
 

@@ -30,9 +30,9 @@ struct BedSpec {
 
 /// A settled packing, loose of any property but geometry.
 struct Packing {
-  BedSpec spec;
-  std::vector<Grain> grain;
-  std::vector<Grain> base;    // glued; spheres, also where they are lobes
+  BedSpec spec{};
+  std::vector<Grain> grain{};
+  std::vector<Grain> base{};  // glued; spheres, also where they are lobes
   double surface = 0;         // mean height of the top, glued base at z = 0 [m]
   double solid_fraction = 0;  // of the bed between a grain above the base and a grain below the top [-]
   double residual_speed = 0;  // root-mean-square grain speed when settling stopped [m/s]

@@ -6,7 +6,8 @@ Packing on_hard_layer(const Packing& packing, double depth) {
   const double d = packing.spec.grain_diameter, top = packing.surface - depth;
   if (top < d / 2) return packing;
   Packing bed = packing;
-  bed.grain.clear(), bed.base.clear();
+  bed.grain.clear();
+  bed.base.clear();
   const double lowest = -2 * d * (1 + packing.spec.size_spread);  // two grains thick: no grain above finds a hole
   const auto lowered = [&](Grain g) {
     g.position.z -= top;

@@ -57,20 +57,22 @@ Packing read_packing(const std::filesystem::path& path) {
   Packing p;
   if (!(s[9] >= 0 && s[9] < double(grain_shape_names().size())))
     in.fail("spec", "the shape of the grains is " + std::to_string(s[9]) + ", allowed are 0 to 2; remove the file");
-  p.spec = {s[0],
-            s[1],
-            s[2],
-            s[3],
-            s[4],
-            s[5],
-            s[6],
-            s[7],
-            std::uint64_t(s[8]),
-            GrainShape(int(s[9])),
-            s[10] == 0 ? sim::Backend::cpu : sim::Backend::cuda};
+  p.spec = {.length = s[0],
+            .width = s[1],
+            .depth = s[2],
+            .grain_diameter = s[3],
+            .size_spread = s[4],
+            .grain_density = s[5],
+            .settle_friction = s[6],
+            .settle_rolling = s[7],
+            .seed = std::uint64_t(s[8]),
+            .shape = GrainShape(int(s[9])),
+            .settled_on = s[10] == 0 ? sim::Backend::cpu : sim::Backend::cuda};
   p.grain = read_grains(in, "grain");
   p.base = read_grains(in, "base");
-  p.surface = measured[0], p.solid_fraction = measured[1], p.residual_speed = measured[2];
+  p.surface = measured[0];
+  p.solid_fraction = measured[1];
+  p.residual_speed = measured[2];
   return p;
 }
 

@@ -88,11 +88,15 @@ SoilResponse response(const Selection& of, std::size_t c, std::size_t p) {
   const MeanError k = mean_error(of(TestKind::plate, c, packing, 0, 0)),
                   n = mean_error(of(TestKind::plate, c, packing, 0, 1));
   SoilResponse r;
-  r.contact = c, r.packing = p;
-  r.friction_angle = peak.degrees, r.friction_angle_error = peak.error;
+  r.contact = c;
+  r.packing = p;
+  r.friction_angle = peak.degrees;
+  r.friction_angle_error = peak.error;
   r.steady_friction_angle = friction_angle(of, c, packing, kSteady).degrees;
   r.cohesion_gain = cohesion_gain(of, c, packing).mean;
-  r.sinkage_modulus = k.mean, r.sinkage_modulus_error = k.error, r.sinkage_exponent = n.mean;
+  r.sinkage_modulus = k.mean;
+  r.sinkage_modulus_error = k.error;
+  r.sinkage_exponent = n.mean;
   return r;
 }
 
@@ -107,13 +111,17 @@ double loosest_solid_fraction(const Selection& of, std::size_t c, double library
 ContactLevel contact_level(const Selection& of, std::size_t c, const Calibration& table) {
   const std::vector<SoilResponse>& responses = table.response;
   const MeanError gain = cohesion_gain(of, c, -1);
-  ContactLevel level{of.contacts[c].friction, of.contacts[c].rolling_friction, 0, 0, gain.mean, gain.error, 0};
+  ContactLevel level{.friction = of.contacts[c].friction,
+                     .rolling_friction = of.contacts[c].rolling_friction,
+                     .cohesion_gain = gain.mean,
+                     .cohesion_gain_error = gain.error};
   level.loosest_solid_fraction = loosest_solid_fraction(of, c, table.packing.front().solid_fraction);
   const double packings = double(std::size(kSettleFriction));
   for (const SoilResponse& r : responses)
-    if (r.contact == c)
-      level.friction_angle += r.friction_angle / packings,
-          level.friction_angle_error += r.friction_angle_error / packings;
+    if (r.contact == c) {
+      level.friction_angle += r.friction_angle / packings;
+      level.friction_angle_error += r.friction_angle_error / packings;
+    }
   return level;
 }
 
@@ -158,9 +166,11 @@ void pool_cohesion(Calibration& c) {
   double weight = 0, sum = 0;
   for (const ContactLevel& l : c.contact) {
     const double w = 1 / std::max(1e-12, l.cohesion_gain_error * l.cohesion_gain_error);
-    weight += w, sum += w * l.cohesion_gain;
+    weight += w;
+    sum += w * l.cohesion_gain;
   }
-  c.cohesion_gain = sum / weight, c.cohesion_gain_error = std::sqrt(1 / weight);
+  c.cohesion_gain = sum / weight;
+  c.cohesion_gain_error = std::sqrt(1 / weight);
 }
 
 /// Levels from the weakest on until more than a third of the same tests fail in a packing: grains so rough burst when
@@ -234,7 +244,8 @@ Calibration calibrate(const CalibrationRun& run) {
   run_tests(tests, run);
   const Selection of{contacts, tests};
   Calibration c;
-  c.grain_diameter = run.grain_diameter, c.shape = run.shape;
+  c.grain_diameter = run.grain_diameter;
+  c.shape = run.shape;
   c.packing = packing_levels(of);
   const std::size_t levels = usable_levels(of);
   if (levels < 2) throw DeviceError("soil calibrate: most tests failed; calibrate with a smaller step");

@@ -23,7 +23,8 @@ sim::PairLaw law_of(const CalibrationTest& test) {
 
 TestSoil test_soil(const CalibrationRun& run, std::size_t packing, std::size_t seed) {
   TestSoil soil;
-  soil.grain_diameter = run.grain_diameter, soil.shape = run.shape;
+  soil.grain_diameter = run.grain_diameter;
+  soil.shape = run.shape;
   soil.relative_density = relative_density_of(kSettleFriction[packing]);
   soil.seed = seed;
   return soil;
@@ -73,7 +74,8 @@ void run_plate(CalibrationTest& test, const CalibrationRun& run, const Packing& 
 
 void run_loosest(CalibrationTest& test, const CalibrationRun& run) {
   BedSpec bed = plate_bed_spec(test_soil(run, 0, test.seed + 1), plate_settings(run));
-  bed.settle_friction = test.grains.friction, bed.settle_rolling = test.grains.rolling_friction;
+  bed.settle_friction = test.grains.friction;
+  bed.settle_rolling = test.grains.rolling_friction;
   test.result = {settle_packing(bed, 1).solid_fraction};
 }
 
@@ -139,15 +141,15 @@ const ContactLine& contact_line(GrainShape shape) {
 }
 
 ContactLine contact_line(const CalibrationRun& run) {
-  const auto [least, most] = run.friction_range;
+  const auto [min_friction, max_friction] = run.friction_range;
   ContactLine levels;
   for (const ContactPoint& p : contact_line(run.shape))
-    if (p.friction >= least && p.friction <= most) levels.push_back(p);
+    if (p.friction >= min_friction && p.friction <= max_friction) levels.push_back(p);
   if (levels.size() < 2)
     throw InputError(
         line("soil calibrate: a sliding friction from %g to %g leaves %zu contact levels, a table needs two; "
              "take a wider range",
-             least, most, levels.size()));
+             min_friction, max_friction, levels.size()));
   return levels;
 }
 
@@ -159,7 +161,13 @@ std::vector<CalibrationTest> all_tests(const CalibrationRun& run) {
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       const std::string grains = line("friction %g rolling %g", contacts[c].friction, contacts[c].rolling_friction);
       const auto add = [&](TestKind kind, std::size_t p, std::size_t r, std::string name) {
-        tests.push_back({kind, c, p, s, r, contacts[c], std::move(name), {}});
+        tests.push_back({.kind = kind,
+                         .contact = c,
+                         .packing = p,
+                         .seed = s,
+                         .ratio = r,
+                         .grains = contacts[c],
+                         .name = std::move(name)});
       };
       for (std::size_t p = 0; p < std::size(kSettleFriction); ++p) {
         const std::string at = line("%s settled at %g seed %zu", grains.c_str(), kSettleFriction[p], s + 1);

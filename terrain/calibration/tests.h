@@ -36,7 +36,7 @@ struct CalibrationTest {
   std::size_t contact, packing, seed, ratio;
   ContactPoint grains;  // of that contact level
   std::string name;
-  std::vector<double> result;
+  std::vector<double> result{};
 };
 
 /// Whether such grains settle more loosely than the library's loosest packing: they are rougher than those that made

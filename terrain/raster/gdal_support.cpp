@@ -50,7 +50,7 @@ OGRSpatialReference system_of(const MapGrid& grid) {
   return crs;
 }
 
-DatasetHandle open_reduced(const std::filesystem::path& layer, double most_cells) {
+DatasetHandle open_reduced(const std::filesystem::path& layer, double max_cells) {
   const GdalCall call;
   const auto open = [&](const char* const* options) {
     DatasetHandle dataset(GDALDataset::Open(layer.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY, nullptr, options));
@@ -60,7 +60,7 @@ DatasetHandle open_reduced(const std::filesystem::path& layer, double most_cells
   DatasetHandle dataset = open(nullptr);
   const int overviews = dataset->GetRasterBand(1)->GetOverviewCount();
   for (int o = 0; o < overviews; ++o) {
-    if (double(dataset->GetRasterXSize()) * dataset->GetRasterYSize() <= most_cells) break;
+    if (double(dataset->GetRasterXSize()) * dataset->GetRasterYSize() <= max_cells) break;
     CPLStringList options;
     options.SetNameValue("OVERVIEW_LEVEL", std::to_string(o).c_str());
     dataset = open(options.List());

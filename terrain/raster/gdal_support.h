@@ -46,7 +46,7 @@ class FixedDate {
 /// The grid's coordinate system, x before y.
 OGRSpatialReference system_of(const MapGrid& grid);
 
-/// The layer, or the first overview of it with at most `most_cells` cells.
-DatasetHandle open_reduced(const std::filesystem::path& layer, double most_cells);
+/// The layer, or the first overview of it with at most `max_cells` cells.
+DatasetHandle open_reduced(const std::filesystem::path& layer, double max_cells);
 
 }  // namespace gonogo::terrain

@@ -35,20 +35,26 @@ float together(const std::array<float, 4>& cells) {
   float sum = 0;
   int count = 0;
   for (const float v : cells)
-    if (v != float(kFloatNoData)) sum += v, ++count;
+    if (v != float(kFloatNoData)) {
+      sum += v;
+      ++count;
+    }
   return count > 0 ? sum / float(count) : float(kFloatNoData);
 }
 
 /// The most frequent valid one of four cells; of equally frequent ones the higher code, which is the more cautious.
 std::uint8_t together(const std::array<std::uint8_t, 4>& cells) {
   int best = 0;
-  auto most = std::uint8_t(kClassNoData);
+  auto frequent = std::uint8_t(kClassNoData);
   for (const std::uint8_t v : cells) {
     if (v == std::uint8_t(kClassNoData)) continue;
     const int count = int(std::count(cells.begin(), cells.end(), v));
-    if (count > best || (count == best && v > most)) best = count, most = v;
+    if (count > best || (count == best && v > frequent)) {
+      best = count;
+      frequent = v;
+    }
   }
-  return most;
+  return frequent;
 }
 
 /// Fills one quarter of a tile from the tile of the next larger level that lies there.

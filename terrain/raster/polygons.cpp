@@ -71,8 +71,8 @@ void write_polygons(const fs::path& path, const std::string& name, GDALDataset& 
 }  // namespace
 
 void write_class_polygons(const fs::path& path, const fs::path& layer, const MapGrid& grid,
-                          const std::vector<LegendEntry>& legend, double most_cells) {
-  const DatasetHandle source = open_reduced(layer, most_cells);
+                          const std::vector<LegendEntry>& legend, double max_cells) {
+  const DatasetHandle source = open_reduced(layer, max_cells);
   write_polygons(path, "classes", *source, grid, legend);
 }
 

@@ -23,7 +23,10 @@ constexpr std::array<std::uint16_t, 10> kDescribing = {305,   kColourMap, 33550,
 class ThreadOption {
  public:
   ThreadOption(const char* key, const char* value) : key_(key) {
-    if (const char* old = CPLGetThreadLocalConfigOption(key, nullptr)) old_ = old, had_ = true;
+    if (const char* old = CPLGetThreadLocalConfigOption(key, nullptr)) {
+      old_ = old;
+      had_ = true;
+    }
     CPLSetThreadLocalConfigOption(key, value);
   }
   ~ThreadOption() { CPLSetThreadLocalConfigOption(key_, had_ ? old_.c_str() : nullptr); }

@@ -103,8 +103,8 @@ void check_cohesion(const Calibration& c, const MacroscopicSoil& soil, const Pla
   throw InputError(text.str());
 }
 
-double most_cohesion(const Calibration& c, const PlaceOnLine& at) {
-  return kMostCohesionRatio * kWheelStress * gain_at(c, at);
+double max_cohesion(const Calibration& c, const PlaceOnLine& at) {
+  return kMaxCohesionRatio * kWheelStress * gain_at(c, at);
 }
 
 /// Up to which share of the confining stress the tests went, in words.
@@ -118,14 +118,14 @@ std::string tested_ratio(const Calibration& c) {
 }
 
 void check_cohesion_reach(const Calibration& c, const MacroscopicSoil& soil, const PlaceOnLine& at) {
-  const double most = most_cohesion(c, at);
-  if (soil.cohesion <= most) return;
+  const double max = max_cohesion(c, at);
+  if (soil.cohesion <= max) return;
   std::ostringstream text;
   text << "soil: cohesion " << soil.cohesion << " Pa at friction angle " << soil.friction_angle
        << " deg needs grains of " << c.grain_diameter << " m that pull with "
        << soil.cohesion / gain_at(c, at) / kWheelStress << " times the stress under a wheel (" << kWheelStress
-       << " Pa), and the table serves up to " << kMostCohesionRatio << " times" << tested_ratio(c)
-       << "; choose at most " << most << " Pa there, or leave the soil out: maps call it unknown";
+       << " Pa), and the table serves up to " << kMaxCohesionRatio << " times" << tested_ratio(c) << "; choose at most "
+       << max << " Pa there, or leave the soil out: maps call it unknown";
   throw InputError(text.str());
 }
 
@@ -142,7 +142,7 @@ std::size_t packing_level(const Calibration& c, const MacroscopicSoil& soil) {
 }
 
 double reachable_cohesion(const Calibration& c, double friction_angle, std::size_t packing) {
-  return most_cohesion(c, place_on_line(c, friction_angle, packing));
+  return max_cohesion(c, place_on_line(c, friction_angle, packing));
 }
 
 sim::PairLaw contact_law(const Calibration& c, const MacroscopicSoil& soil, std::size_t packing) {

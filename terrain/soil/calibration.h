@@ -26,10 +26,10 @@ struct PackingLevel {
 
 /// One point of the line of contact parameters and what it measured, mean and standard error over packings and seeds.
 struct ContactLevel {
-  double friction, rolling_friction;            // [-]
-  double friction_angle, friction_angle_error;  // [deg]
-  double cohesion_gain, cohesion_gain_error;    // cohesion per contact cohesion pressure [-]
-  double loosest_solid_fraction = 0;            // a bed that settles with these laws, or the library's loosest [-]
+  double friction = 0, rolling_friction = 0;            // [-]
+  double friction_angle = 0, friction_angle_error = 0;  // [deg]
+  double cohesion_gain = 0, cohesion_gain_error = 0;    // cohesion per contact cohesion pressure [-]
+  double loosest_solid_fraction = 0;  // a bed that settles with these laws, or the library's loosest [-]
 };
 
 /// What a contact level measured in one packing. Tables of version 1 have none of these.
@@ -101,7 +101,7 @@ double reachable_cohesion(const Calibration& calibration, double friction_angle,
 /// 0.467 m that has sunk 0.1 m (0.29 m) are 86 to 136 kPa.
 inline constexpr double kWheelStress = 110e3;
 /// Cohesion pressure between grains over that stress, at most [-].
-inline constexpr double kMostCohesionRatio = 2;
+inline constexpr double kMaxCohesionRatio = 2;
 
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);
 Calibration read_calibration(const std::filesystem::path& path);

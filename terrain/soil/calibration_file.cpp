@@ -19,11 +19,13 @@ std::vector<SoilResponse> read_responses(const Config& file, const Calibration& 
   std::vector<SoilResponse> rows;
   for (const Config& row : file.objects("response")) {
     SoilResponse r;
-    r.contact = rows.size() / c.packing.size(), r.packing = rows.size() % c.packing.size();
+    r.contact = rows.size() / c.packing.size();
+    r.packing = rows.size() % c.packing.size();
     if (row.integer("contact") != std::int64_t(r.contact) || row.integer("packing") != std::int64_t(r.packing))
       row.fail("", "rows must go through the packings of each contact level in turn");
     if (by_shear) {
-      row.number("friction_angle_deg", {0, 89}), row.number("peak_friction_angle_deg", {0, 89});
+      row.number("friction_angle_deg", {0, 89});
+      row.number("peak_friction_angle_deg", {0, 89});
     } else {
       r.friction_angle = row.number("friction_angle_deg", {1e-3, 89});
       r.friction_angle_error = row.number("friction_angle_error_deg", {0, 89});
@@ -94,13 +96,18 @@ Calibration read_calibration(const std::filesystem::path& path) {
   if (version >= 3 && file.has("shape")) c.shape = grain_shape_of(file.choice("shape", grain_shape_names()));
   if (file.has("provenance")) c.provenance = file.json().at("provenance");
   for (const Config& row : file.objects("packing"))
-    c.packing.push_back({row.number("settle_friction", {0, 10}), row.number("solid_fraction", {0.3, 0.75}),
-                         row.number("relative_density", {0, 1})});
+    c.packing.push_back({.settle_friction = row.number("settle_friction", {0, 10}),
+                         .solid_fraction = row.number("solid_fraction", {0.3, 0.75}),
+                         .relative_density = row.number("relative_density", {0, 1})});
   for (const Config& row : file.objects("contact"))
-    c.contact.push_back({row.number("friction", {0, 10}), row.number("rolling_friction", {0, 10}),
-                         row.number("friction_angle_deg", {0, 89}), row.number("friction_angle_error_deg", {0, 89}),
-                         row.number("cohesion_gain", {-100, 100}), row.number("cohesion_gain_error", {0, 100}),
-                         version >= 5 ? row.number("loosest_solid_fraction", {0.3, 0.75}) : 0});
+    c.contact.push_back(
+        {.friction = row.number("friction", {0, 10}),
+         .rolling_friction = row.number("rolling_friction", {0, 10}),
+         .friction_angle = row.number("friction_angle_deg", {0, 89}),
+         .friction_angle_error = row.number("friction_angle_error_deg", {0, 89}),
+         .cohesion_gain = row.number("cohesion_gain", {-100, 100}),
+         .cohesion_gain_error = row.number("cohesion_gain_error", {0, 100}),
+         .loosest_solid_fraction = version >= 5 ? row.number("loosest_solid_fraction", {0.3, 0.75}) : 0});
   if (version == 2 || (version >= 3 && file.has("response"))) c.response = read_responses(file, c, version <= 3);
   c.cohesion_gain = file.number("cohesion_gain", {1e-6, 100});
   c.cohesion_gain_error = file.number("cohesion_gain_error", {0, 100});

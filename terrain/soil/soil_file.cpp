@@ -18,9 +18,12 @@ SoilValue read_value(const Config& values, const std::string& key, Range allowed
   } else {
     const auto range = c.numbers("range", allowed);
     if (range.size() != 2 || !(range[0] <= range[1])) c.fail("range", "needs two numbers, the lower one first");
-    v.low = range[0], v.high = range[1];
+    v.low = range[0];
+    v.high = range[1];
   }
-  v.source = c.text_or("source", ""), v.no_source = c.text_or("no_source", ""), v.note = c.text_or("note", "");
+  v.source = c.text_or("source", "");
+  v.no_source = c.text_or("no_source", "");
+  v.note = c.text_or("note", "");
   if (v.source.empty() == v.no_source.empty())
     c.fail("", "needs a \"source\", or \"no_source\" that says why the range is what it is");
   if (v.fixed() && c.has("range")) c.fail("range", "is one value; write it as \"fixed\"");
@@ -31,7 +34,8 @@ SoilValue read_value(const Config& values, const std::string& key, Range allowed
 SoilState read_state(const Config& c) {
   SoilState s;
   s.name = c.text("name");
-  s.texture = c.text_or("texture", ""), s.note = c.text_or("note", "");
+  s.texture = c.text_or("texture", "");
+  s.note = c.text_or("note", "");
   if (c.has("moisture")) s.moisture = c.choice("moisture", {"dry", "moist", "wet"});
   if (c.has("water_percent")) s.water_percent = c.number("water_percent", {0, 1000});
   const Config v = c.object("values");
@@ -71,7 +75,8 @@ SoilFile read_soil(const std::filesystem::path& path) {
   const Config file = Config::read(path);
   file.choice("schema", {"gonogo/soil/1"});
   SoilFile soil;
-  soil.name = file.text("name"), soil.about = file.text("about");
+  soil.name = file.text("name");
+  soil.about = file.text("about");
   for (const Config& state : file.objects("states")) soil.states.push_back(read_state(state));
   if (soil.states.empty()) file.fail("states", "needs at least one");
   if (file.has("fits")) {

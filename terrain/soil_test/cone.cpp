@@ -113,7 +113,8 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
   const double tip = cone_height(diameter), shaft = 2 * settings.depth * diameter + 2 * d;
   const double h = gravity_time(d) / settings.steps_per_time, speed = settings.speed * std::sqrt(kGravity * d);
   ConeResult r;
-  r.diameter = diameter, r.bulk_density = bed.solid_fraction * soil.grain_density;
+  r.diameter = diameter;
+  r.bulk_density = bed.solid_fraction * soil.grain_density;
   sim::SceneWorld world = bed_world(bed, soil.laws(), tip + shaft + 2 * d);
   const Penetrometer p = add_penetrometer(world, bed, diameter, shaft, r.bulk_density * kGravity, settings.ring);
   TestRun run("cone test", std::move(world), test_settings(d, h, speed, pace), pace);
@@ -125,7 +126,7 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
     const double before = bed.surface - run.body(p.cone).position.z;
     const Vec3d force = run.mean_force(p.cone, stride);
     r.curve.push_back({(before + bed.surface - run.body(p.cone).position.z) / 2, force.z / base_area(diameter)});
-    if (r.curve.back().pressure > settings.most_pressure)
+    if (r.curve.back().pressure > settings.max_pressure)
       throw DeviceError("cone test: the soil bears " + std::to_string(r.curve.back().pressure) +
                         " Pa with the cone's base " + std::to_string(r.curve.back().depth) +
                         " m below the surface; it is too strong for the test");
@@ -148,7 +149,10 @@ std::vector<ConeSample> mean_profile(const std::vector<ConeResult>& tests) {
 
 LineFit fit_cone(const std::vector<ConeResult>& tests) {
   std::vector<double> depth, pressure;
-  for (const ConeSample& s : mean_profile(tests)) depth.push_back(s.depth), pressure.push_back(s.pressure);
+  for (const ConeSample& s : mean_profile(tests)) {
+    depth.push_back(s.depth);
+    pressure.push_back(s.pressure);
+  }
   return fit_line(depth, pressure);
 }
 

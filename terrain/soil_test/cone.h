@@ -17,7 +17,7 @@ struct ConeSettings {
   double depth = 1.5;          // of the base below the surface at the end, in cone diameters
   double speed = 0.1;          // of the drive, in sqrt(g d)
   double ring = 100;           // stiffness of the spring over base area, in unit weights of the bed
-  double most_pressure = 3e7;  // at which the test gives up [Pa]
+  double max_pressure = 3e7;   // at which the test gives up [Pa]
   double steps_per_time = 50;  // in sqrt(d / g)
 };
 

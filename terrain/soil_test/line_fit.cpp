@@ -13,12 +13,19 @@ LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y, con
   GONOGO_ASSERT(x.size() == y.size() && (weight.empty() || weight.size() == x.size()));
   const auto w = [&](std::size_t i) { return weight.empty() ? 1.0 : weight[i]; };
   double sum = 0, mean_x = 0, mean_y = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) sum += w(i), mean_x += w(i) * x[i], mean_y += w(i) * y[i];
-  mean_x /= sum, mean_y /= sum;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    sum += w(i);
+    mean_x += w(i) * x[i];
+    mean_y += w(i) * y[i];
+  }
+  mean_x /= sum;
+  mean_y /= sum;
   double xx = 0, xy = 0, yy = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double dx = x[i] - mean_x, dy = y[i] - mean_y;
-    xx += w(i) * dx * dx, xy += w(i) * dx * dy, yy += w(i) * dy * dy;
+    xx += w(i) * dx * dx;
+    xy += w(i) * dx * dy;
+    yy += w(i) * dy * dy;
   }
   LineFit f;
   f.slope = xy / xx;

@@ -18,7 +18,7 @@ constexpr double kSpeed = 0.05;          // of the plate, about, for the solver'
 /// Pressures of the samples: the plate's weight first [Pa].
 std::vector<double> pressures(const PlateSettings& s) {
   std::vector<double> p = {kWeightOfDatum * s.datum};
-  while (p.back() < s.most_pressure) p.push_back(kGrowth * p.back());
+  while (p.back() < s.max_pressure) p.push_back(kGrowth * p.back());
   return p;
 }
 
@@ -44,7 +44,8 @@ void add_growing_load(sim::SceneWorld& world, sim::BodyIndex plate, const std::v
     sim::ForceElement more;
     more.body = plate;
     more.force = {0, 0, Real(-(pressure[k + 1] - pressure[k]) * area)};
-    more.start = start + double(k) * time, more.ramp = time;
+    more.start = start + double(k) * time;
+    more.ramp = time;
     world.force.push_back(more);
   }
 }
@@ -70,10 +71,38 @@ LogPoints log_points(const PlateResult& plate) {
   const double from = 0.1 * plate.curve.back().sinkage;
   for (const PlateSample& s : plate.curve)
     if (s.sinkage > from) {
-      points.z.push_back(std::log(s.sinkage)), points.p.push_back(std::log(s.pressure));
+      points.z.push_back(std::log(s.sinkage));
+      points.p.push_back(std::log(s.pressure));
       points.weight.push_back(s.pressure * s.pressure);
     }
   return points;
+}
+
+/// Makes the plate's weights add up to 1, and appends its points to `all`, less their weighted mean.
+void append_centred(LogPoints& plate, LogPoints& all) {
+  double sum = 0, mean_z = 0, mean_p = 0;
+  for (const double w : plate.weight) sum += w;
+  for (double& w : plate.weight) w /= sum;
+  for (std::size_t i = 0; i < plate.z.size(); ++i) {
+    mean_z += plate.weight[i] * plate.z[i];
+    mean_p += plate.weight[i] * plate.p[i];
+  }
+  for (std::size_t i = 0; i < plate.z.size(); ++i) {
+    all.z.push_back(plate.z[i] - mean_z);
+    all.p.push_back(plate.p[i] - mean_p);
+    all.weight.push_back(plate.weight[i]);
+  }
+}
+
+/// k of p = k z^n for one plate whose weights add up to 1, with its standard error.
+MeanError modulus(const LogPoints& plate, double n) {
+  double mean = 0, square = 0;
+  for (std::size_t i = 0; i < plate.z.size(); ++i) mean += plate.weight[i] * (plate.p[i] - n * plate.z[i]);
+  for (std::size_t i = 0; i < plate.z.size(); ++i) {
+    const double off = plate.p[i] - n * plate.z[i] - mean;
+    square += plate.weight[i] * off * off;
+  }
+  return {std::exp(mean), std::exp(mean) * std::sqrt(square / double(plate.z.size() - 1))};
 }
 
 }  // namespace
@@ -105,7 +134,8 @@ PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSett
   run.advance(kRestSteps);
   const double start = run.body(plate).position.z;
   PlateResult r;
-  r.width = width, r.solid_fraction = bed.solid_fraction;
+  r.width = width;
+  r.solid_fraction = bed.solid_fraction;
   for (std::size_t k = 0; k < pressure.size(); ++k) {
     const double sunk = start - run.body(plate).position.z;
     r.curve.push_back({sunk, pressure[k]});
@@ -121,45 +151,34 @@ PlateResult plate_test(const Packing& bed, const TestSoil& soil, const PlateSett
 PowerLaw fit_power_law(const PlateResult& plate) {
   const LogPoints points = log_points(plate);
   const LineFit f = fit_line(points.z, points.p, points.weight);
-  return {std::exp(f.intercept), f.slope, f.intercept_error, f.slope_error, f.r2};
+  return {.k = std::exp(f.intercept), .n = f.slope, .k_error = f.intercept_error, .n_error = f.slope_error, .r2 = f.r2};
 }
 
 BekkerFit fit_bekker(const std::vector<PlateResult>& plates) {
   GONOGO_ASSERT(plates.size() >= 2);
   // The exponent in common: slope of ln p over ln z within plates, each plate with its own mean and equal say.
-  std::vector<double> z, p, weight;
+  LogPoints all;
   std::vector<LogPoints> each;
-  for (const PlateResult& plate : plates) {
-    LogPoints l = log_points(plate);
-    double sum = 0, mean_z = 0, mean_p = 0;
-    for (const double w : l.weight) sum += w;
-    for (double& w : l.weight) w /= sum;
-    for (std::size_t i = 0; i < l.z.size(); ++i) mean_z += l.weight[i] * l.z[i], mean_p += l.weight[i] * l.p[i];
-    for (std::size_t i = 0; i < l.z.size(); ++i) {
-      z.push_back(l.z[i] - mean_z), p.push_back(l.p[i] - mean_p), weight.push_back(l.weight[i]);
-    }
-    each.push_back(l);
-  }
-  const LineFit shared = fit_line(z, p, weight);
+  for (const PlateResult& plate : plates) append_centred(each.emplace_back(log_points(plate)), all);
+  const LineFit shared = fit_line(all.z, all.p, all.weight);
   BekkerFit b;
-  b.n = shared.slope, b.n_error = shared.slope_error, b.r2 = shared.r2;
+  b.n = shared.slope;
+  b.n_error = shared.slope_error;
+  b.r2 = shared.r2;
   // k of each plate at that exponent, then k = k_phi + k_c (1 / b).
   std::vector<double> inverse_width, k, k_error;
   for (std::size_t i = 0; i < plates.size(); ++i) {
-    double mean = 0, square = 0;
-    for (std::size_t j = 0; j < each[i].z.size(); ++j) mean += each[i].weight[j] * (each[i].p[j] - b.n * each[i].z[j]);
-    for (std::size_t j = 0; j < each[i].z.size(); ++j) {
-      const double off = each[i].p[j] - b.n * each[i].z[j] - mean;
-      square += each[i].weight[j] * off * off;
-    }
+    const MeanError modulus_of_plate = modulus(each[i], b.n);
     inverse_width.push_back(1 / plates[i].width);
-    k.push_back(std::exp(mean));
-    k_error.push_back(std::exp(mean) * std::sqrt(square / double(each[i].z.size() - 1)));
+    k.push_back(modulus_of_plate.mean);
+    k_error.push_back(modulus_of_plate.error);
   }
   const LineFit line = fit_line(inverse_width, k);
-  b.k_phi = line.intercept, b.k_c = line.slope;
+  b.k_phi = line.intercept;
+  b.k_c = line.slope;
   if (plates.size() > 2) {
-    b.k_phi_error = line.intercept_error, b.k_c_error = line.slope_error;
+    b.k_phi_error = line.intercept_error;
+    b.k_c_error = line.slope_error;
     return b;
   }
   const double spread = inverse_width[0] - inverse_width[1];

@@ -15,7 +15,7 @@ struct PlateSettings {
   double width_grains = 6;     // of the plate, in grain diameters
   double sinkage = 0.5;        // of the plate at the end, in plate widths
   double growth_time = 6;      // in which the load grows by a quarter, in sqrt(d / g)
-  double most_pressure = 3e6;  // at which the test ends if the plate has not sunk so far [Pa]
+  double max_pressure = 3e6;   // at which the test ends if the plate has not sunk so far [Pa]
   double bed_depth = 3;        // in plate widths, at least 8 grains
   double datum = 1e3;          // pressure at which sinkage is counted from zero [Pa]
   double steps_per_time = 50;  // in sqrt(d / g)

@@ -112,8 +112,10 @@ void fit_slope(ReposeResult& r, double diameter) {
     if (r.profile[k].height > 6.0 / 7 * highest) crest = k;
   std::vector<double> x, z;
   for (std::size_t k = crest; k < r.profile.size(); ++k)
-    if (r.profile[k].height > std::max(highest / 7, 1.5 * diameter))
-      x.push_back(r.profile[k].x), z.push_back(r.profile[k].height);
+    if (r.profile[k].height > std::max(highest / 7, 1.5 * diameter)) {
+      x.push_back(r.profile[k].x);
+      z.push_back(r.profile[k].height);
+    }
   if (x.size() < 4) {
     // Steeper than four columns: the bed stands as a cliff.
     r.angle = {90, 0};
@@ -145,9 +147,9 @@ ReposeResult repose_test(const TestSoil& soil, const ReposeSettings& settings, c
   for (Index k = 0; k < sinking; k += 50) run.advance(std::min<Index>(50, sinking - k));
   run.set_velocity(gate, {});
   // Quiet: grains need longer than five of their own times to move by a tenth of a diameter.
-  const auto most = Index(kRestTime * std::sqrt(settings.height) * settings.steps_per_time);
+  const auto max_steps = Index(kRestTime * std::sqrt(settings.height) * settings.steps_per_time);
   ReposeResult r;
-  for (Index k = 0; k < most; k += 50) {
+  for (Index k = 0; k < max_steps; k += 50) {
     run.advance(50);
     r.rest_speed = run.rms_speed(bed.grain.size());
     if (r.rest_speed < 0.02 * unit) break;

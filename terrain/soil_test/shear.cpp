@@ -54,7 +54,9 @@ void summarise(const BedSpec&, ShearResult& r) {
   for (const double t : steady) square += (t - mean) * (t - mean) / double(steady.size());
   // Samples closer than half a diameter of travel are not independent.
   const double independent = std::max(2.0, 2 * kSample * double(steady.size()));
-  r.shear_stress = mean, r.normal_stress = normal, r.scatter = std::sqrt(square / independent);
+  r.shear_stress = mean;
+  r.normal_stress = normal;
+  r.scatter = std::sqrt(square / independent);
   const auto window = std::size_t(std::lround(0.5 / kSample));
   double running = 0;
   for (std::size_t k = 0; k < n; ++k) {
@@ -117,16 +119,17 @@ ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSett
 namespace {
 
 /// Loads this close to each other say nothing of cohesion: then the line goes through the origin.
-constexpr double kLeastSpread = 1.5;
+constexpr double kMinSpread = 1.5;
 
 LineFit fit_strength(const std::vector<double>& normal, const std::vector<double>& shear) {
-  const auto [least, most] = std::minmax_element(normal.begin(), normal.end());
-  if (*most > kLeastSpread * *least) return fit_line(normal, shear);
+  const auto [lowest, highest] = std::minmax_element(normal.begin(), normal.end());
+  if (*highest > kMinSpread * *lowest) return fit_line(normal, shear);
   std::vector<double> ratio;
   for (std::size_t k = 0; k < normal.size(); ++k) ratio.push_back(shear[k] / normal[k]);
   const MeanError mean = mean_error(ratio);
   LineFit line{};
-  line.slope = mean.mean, line.slope_error = mean.error;
+  line.slope = mean.mean;
+  line.slope_error = mean.error;
   return line;
 }
 
@@ -134,17 +137,20 @@ LineFit fit_strength(const std::vector<double>& normal, const std::vector<double
 
 ShearStrength shear_strength(const std::vector<ShearResult>& results) {
   std::vector<double> normal, peak, steady;
-  for (const ShearResult& r : results)
-    normal.push_back(r.normal_stress), peak.push_back(r.peak_stress), steady.push_back(r.shear_stress);
+  for (const ShearResult& r : results) {
+    normal.push_back(r.normal_stress);
+    peak.push_back(r.peak_stress);
+    steady.push_back(r.shear_stress);
+  }
   const LineFit p = fit_strength(normal, peak), q = fit_strength(normal, steady);
-  return {angle_of_tangent(p.slope, p.slope_error),
-          angle_of_tangent(q.slope, q.slope_error),
-          p.intercept,
-          p.intercept_error,
-          q.intercept,
-          q.intercept_error,
-          p.r2,
-          q.r2};
+  return {.peak_angle = angle_of_tangent(p.slope, p.slope_error),
+          .steady_angle = angle_of_tangent(q.slope, q.slope_error),
+          .peak_cohesion = p.intercept,
+          .peak_cohesion_error = p.intercept_error,
+          .steady_cohesion = q.intercept,
+          .steady_cohesion_error = q.intercept_error,
+          .peak_r2 = p.r2,
+          .steady_r2 = q.r2};
 }
 
 }  // namespace gonogo::terrain

@@ -72,7 +72,9 @@ Packing test_bed(const TestSoil& soil, double grains_long, double grains_wide, d
 
 TestPace pace_of(const Numerics& n) {
   TestPace pace;
-  pace.substeps = n.substeps, pace.iterations = n.iterations, pace.target = n.target;
+  pace.substeps = n.substeps;
+  pace.iterations = n.iterations;
+  pace.target = n.target;
   pace.residual = n.tolerance;
   if (n.tolerance == 0) pace.tolerance = 0;
   return pace;

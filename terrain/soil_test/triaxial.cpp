@@ -153,12 +153,21 @@ void summarise(TriaxialResult& r, double strain) {
       axial += r.curve[i].axial_stress / double(window);
       lateral += r.curve[i].lateral_stress / double(window);
     }
-    if (axial / lateral > best) best = axial / lateral, r.peak_axial = axial, r.peak_lateral = lateral;
+    if (axial / lateral > best) {
+      best = axial / lateral;
+      r.peak_axial = axial;
+      r.peak_lateral = lateral;
+    }
   }
   double count = 0;
   for (const TriaxialSample& s : r.curve)
-    if (s.strain > strain * 2 / 3) r.steady_axial += s.axial_stress, r.steady_lateral += s.lateral_stress, ++count;
-  r.steady_axial /= count, r.steady_lateral /= count;
+    if (s.strain > strain * 2 / 3) {
+      r.steady_axial += s.axial_stress;
+      r.steady_lateral += s.lateral_stress;
+      ++count;
+    }
+  r.steady_axial /= count;
+  r.steady_lateral /= count;
 }
 
 struct MohrCoulomb {
@@ -169,7 +178,10 @@ struct MohrCoulomb {
 /// Weighted mean.
 double middle(const std::vector<double>& x, const std::vector<double>& weight) {
   double sum = 0, of_weights = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) sum += weight[i] * x[i], of_weights += weight[i];
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    sum += weight[i] * x[i];
+    of_weights += weight[i];
+  }
   return sum / of_weights;
 }
 
@@ -243,12 +255,19 @@ TriaxialResult triaxial_test(const TestSoil& soil, const TriaxialSettings& setti
 TriaxialStrength triaxial_strength(const std::vector<TriaxialResult>& results, bool cohesive) {
   std::vector<double> peak_axial, peak_lateral, axial, lateral;
   for (const TriaxialResult& r : results) {
-    peak_axial.push_back(r.peak_axial), peak_lateral.push_back(r.peak_lateral);
-    axial.push_back(r.steady_axial), lateral.push_back(r.steady_lateral);
+    peak_axial.push_back(r.peak_axial);
+    peak_lateral.push_back(r.peak_lateral);
+    axial.push_back(r.steady_axial);
+    lateral.push_back(r.steady_lateral);
   }
   const MohrCoulomb peak = mohr_coulomb(peak_axial, peak_lateral, cohesive);
   const MohrCoulomb steady = mohr_coulomb(axial, lateral, cohesive);
-  return {peak.angle, steady.angle, peak.cohesion, peak.cohesion_error, steady.cohesion, steady.cohesion_error};
+  return {.peak_angle = peak.angle,
+          .steady_angle = steady.angle,
+          .peak_cohesion = peak.cohesion,
+          .peak_cohesion_error = peak.cohesion_error,
+          .steady_cohesion = steady.cohesion,
+          .steady_cohesion_error = steady.cohesion_error};
 }
 
 }  // namespace gonogo::terrain

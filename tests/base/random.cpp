@@ -70,7 +70,9 @@ TEST_CASE("normal draws have the normal distribution, its moments and a variance
   double mean = 0, square = 0, fourth = 0, scaled = 0;
   for (std::uint64_t k = 0; k < kDraws; ++k) {
     x.push_back(random_normal(5, 2, k));
-    mean += x.back() / kDraws, square += x.back() * x.back() / kDraws, fourth += std::pow(x.back(), 4) / kDraws;
+    mean += x.back() / kDraws;
+    square += x.back() * x.back() / kDraws;
+    fourth += std::pow(x.back(), 4) / kDraws;
     scaled += std::pow(random_normal(5, 2, k, 16), 2) / kDraws;
   }
   const double error = 1 / std::sqrt(double(kDraws));

@@ -179,7 +179,8 @@ void compare_thermometers(const TrainingTable& table) {
       sampler.set_scale(k == 0 ? scale : kRatio * scale);
       const SampleSet rows = sampler.sample(problem, {.reads = 2000, .seed = use.seed, .sweeps = use.sweeps});
       const BetaEstimate estimate = pseudo_likelihood_beta(problem, rows);
-      beta[k] = estimate.beta, spread[k] = (estimate.high - estimate.low) / 4;
+      beta[k] = estimate.beta;
+      spread[k] = (estimate.high - estimate.low) / 4;
       energies[k] = rows.energies;
     }
     const BetaEstimate histogram = histogram_beta(energies[0], scale, energies[1], kRatio * scale);
@@ -232,7 +233,10 @@ int main(int argc, char** argv) {
   const std::vector<double> rows = teacher_rows(0), fresh = teacher_rows(1);
   const TrainingTable table = table_of(rows);
   const double base = mean_log_likelihood(independent_units(rows), fresh);
-  if (!wanted.empty() && wanted[0] == "thermometers") return compare_thermometers(table), 0;
+  if (!wanted.empty() && wanted[0] == "thermometers") {
+    compare_thermometers(table);
+    return 0;
+  }
   double exact = NAN;  // what exact samples reach, once that line has run
   for (const Line& line : lines) {
     const std::string name = line.name;

@@ -63,6 +63,9 @@ TEST_CASE("the network is a function of its seed, takes unknown inputs at their 
   std::vector<std::size_t> others;
   std::vector<int> other_label;
   for (std::size_t n = 0; n < fold.size(); ++n)
-    if (fold[n] != fold[0]) others.push_back(n), other_label.push_back(label[n]);
+    if (fold[n] != fold[0]) {
+      others.push_back(n);
+      other_label.push_back(label[n]);
+    }
   CHECK(out[0] == fit_network(table.subset(others), other_label)(table.row(0)));
 }

@@ -23,7 +23,7 @@ TEST_CASE("blocks take every sweep of every group once, each as many as the othe
       std::uint64_t started;  // sweeps that its block has behind it by then
     };
     std::map<std::uint64_t, std::vector<Part>> parts;
-    std::uint64_t least = UINT64_MAX, most = 0;
+    std::uint64_t fewest = UINT64_MAX, largest = 0;
     for (std::uint64_t b = 0; b < blocks; ++b) {
       ChainShare share(groups, count, int(b), int(blocks));
       std::uint64_t taken = 0;
@@ -33,9 +33,10 @@ TEST_CASE("blocks take every sweep of every group once, each as many as the othe
         parts[s.group].push_back({b, s.begin, s.end, taken});
         taken += s.end - s.begin;
       }
-      least = std::min(least, taken), most = std::max(most, taken);
+      fewest = std::min(fewest, taken);
+      largest = std::max(largest, taken);
     }
-    CHECK(most - least <= 1);
+    CHECK(largest - fewest <= 1);
     CHECK(parts.size() == groups);
     for (const auto& [group, list] : parts) {
       REQUIRE(list.size() <= 2);

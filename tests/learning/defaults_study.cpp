@@ -181,11 +181,17 @@ int main(int argc, char** argv) {
   for (int i = 2; i < argc; ++i) {
     const std::string word = argv[i];
     const auto setter = setters().find(word.substr(0, word.find('=')));
-    if (setter == setters().end()) return std::fprintf(stderr, "unknown setting %s\n", argv[i]), 2;
+    if (setter == setters().end()) {
+      std::fprintf(stderr, "unknown setting %s\n", argv[i]);
+      return 2;
+    }
     setter->second(given, std::atof(word.c_str() + word.find('=') + 1));
     name += (name.empty() ? "" : " ") + word;
   }
-  if (argc > 2) return report(name, given, tables), 0;
+  if (argc > 2) {
+    report(name, given, tables);
+    return 0;
+  }
   report("defaults", {}, tables);
   const std::vector<std::pair<std::string, std::vector<double>>> study = {{"hidden", {4, 16, 32}},
                                                                           {"weight_decay", {0.1, 0.3, 3, 10}},

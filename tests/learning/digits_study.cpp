@@ -58,11 +58,12 @@ void set(TrainingSettings& settings, const std::string& word) {
 
 int main(int argc, char** argv) try {
   const std::string what = argc > 1 ? argv[1] : "";
-  if (argc < 5 || (what != "density" && what != "labels"))
-    return std::fprintf(stderr,
-                        "usage: learning_digits density <train> <test> <machine>\n"
-                        "       learning_digits labels <train> <test> <test name> [setting=value ...]\n"),
-           2;
+  if (argc < 5 || (what != "density" && what != "labels")) {
+    std::fprintf(stderr,
+                 "usage: learning_digits density <train> <test> <machine>\n"
+                 "       learning_digits labels <train> <test> <test name> [setting=value ...]\n");
+    return 2;
+  }
   const Digits train = read_digits(argv[2]), test = read_digits(argv[3]);
   if (what == "density") {
     const RbmWeights other = read_machine(argv[4]);

@@ -94,7 +94,8 @@ TEST_CASE("background susceptibility as in D-Wave's documentation") {
 
 TEST_CASE("converters have the published number of levels, and control errors the published size") {
   Device device = quiet();
-  device.errors.h_step_low = 0.0164, device.errors.h_step_high = 0.001;
+  device.errors.h_step_low = 0.0164;
+  device.errors.h_step_high = 0.001;
   Problem one;
   one.vartype = Vartype::spin;
   one.labels = {std::int64_t(device.graph.qubits()[0])};

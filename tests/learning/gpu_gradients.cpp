@@ -13,12 +13,12 @@ using namespace gonogo::learning;
 namespace {
 
 double largest_difference(const RbmWeights& a, const RbmWeights& b) {
-  double most = 0;
+  double max = 0;
   for (auto part : {&RbmWeights::weight, &RbmWeights::visible_bias, &RbmWeights::hidden_bias}) {
     REQUIRE((a.*part).size() == (b.*part).size());
-    for (std::size_t k = 0; k < (a.*part).size(); ++k) most = std::fmax(most, std::fabs((a.*part)[k] - (b.*part)[k]));
+    for (std::size_t k = 0; k < (a.*part).size(); ++k) max = std::fmax(max, std::fabs((a.*part)[k] - (b.*part)[k]));
   }
-  return most;
+  return max;
 }
 
 TrainingSettings on(GradientDevice device) {

@@ -20,10 +20,10 @@ std::string edge_sum(const HardwareGraph& graph) {
   return md5(text);
 }
 
-std::size_t most_neighbours(const HardwareGraph& graph) {
-  std::size_t most = 0;
-  for (Qubit q : graph.qubits()) most = std::max(most, graph.neighbours(q).size());
-  return most;
+std::size_t max_neighbours(const HardwareGraph& graph) {
+  std::size_t max = 0;
+  for (Qubit q : graph.qubits()) max = std::max(max, graph.neighbours(q).size());
+  return max;
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ TEST_CASE("graphs have Ocean's labels and couplers") {
     CAPTURE(k.graph.name());
     CHECK(k.graph.qubits().size() == k.qubits);
     CHECK(k.graph.couplers().size() == k.couplers);
-    CHECK(most_neighbours(k.graph) == k.degree);
+    CHECK(max_neighbours(k.graph) == k.degree);
     CHECK(edge_sum(k.graph) == k.sum);
   }
 }

@@ -151,7 +151,7 @@ TEST_CASE("all unknown variables at once: enumeration of the machine, with and w
   CHECK(given.outcome.probability[0] == 0);
 
   MarginalOptions sampled;
-  sampled.most_terms = 1;
+  sampled.max_terms = 1;
   for (const auto& outcome : {std::optional<std::size_t>(), std::optional<std::size_t>(2)}) {
     const JointAnswer exact = posterior.joint(x, outcome), estimate = posterior.joint(x, outcome, sampled);
     CHECK_FALSE(estimate.exact);
@@ -195,7 +195,7 @@ TEST_CASE("with a prior unknown variables are summed out over it, whatever the m
   CHECK(direct == own);  // nothing unknown: the prior says nothing
 
   MarginalOptions drawn;
-  drawn.most_terms = 1;
+  drawn.max_terms = 1;
   for (const auto& outcome : {std::optional<std::size_t>(), std::optional<std::size_t>(2)}) {
     const JointAnswer exact = posterior.joint(x, outcome), estimate = posterior.joint(x, outcome, drawn);
     CHECK_FALSE(estimate.exact);
@@ -231,7 +231,7 @@ TEST_CASE("tempering answers where clamped chains without it stay in the mode th
   for (std::size_t i = 0; i < 8; ++i) machine.visible_bias[i] = -4.5;
   machine.visible_bias[8] = -12;
   const Posterior posterior(layout, machine);
-  MarginalOptions options{.most_terms = 1, .chains = 64, .sweeps = 300, .burn_in = 50, .rungs = 10, .seed = 3};
+  MarginalOptions options{.max_terms = 1, .chains = 64, .sweeps = 300, .burn_in = 50, .rungs = 10, .seed = 3};
   const std::vector<double> x = {kUnknown};
   const double exact = posterior.joint(x, std::nullopt).outcome.probability[0];
   const PosteriorAnswer tempered = posterior.joint(x, std::nullopt, options).outcome;
@@ -247,7 +247,7 @@ TEST_CASE("clamped Gibbs agrees with summation within its stated error, for any 
   const Posterior posterior(layout, machine);
   const std::vector<double> x = {kUnknown, kUnknown, 1, 1};
   MarginalOptions sampled;
-  sampled.most_terms = 1;
+  sampled.max_terms = 1;
   const PosteriorAnswer exact = posterior.marginal(x), estimate = posterior.marginal(x, sampled);
   CHECK_FALSE(estimate.exact);
   for (std::size_t y = 0; y < 3; ++y) {

@@ -312,7 +312,10 @@ TEST_CASE("every format with its sidecar gives the exported problem back, to the
   for (const FormatFacts& format : problem_formats()) {
     if (format.format == ProblemFormat::sapi) continue;
     Problem given = problem;
-    if (format.format == ProblemFormat::rudy) given = to_ising(given), given.linear.assign(9, 0.0);
+    if (format.format == ProblemFormat::rudy) {
+      given = to_ising(given);
+      given.linear.assign(9, 0.0);
+    }
     CAPTURE(format.name);
     const WrittenProblem written = write_problem(given, format.format);
     const ProblemSidecar sidecar =

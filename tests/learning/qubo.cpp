@@ -56,8 +56,14 @@ TEST_CASE("the toy machine as an Ising problem") {
   for (std::size_t i = 0; i < 7; ++i) CHECK(ising.linear[i] == Approx(h[i]).margin(1e-15));
   CHECK(ising.offset == Approx(.125).margin(1e-15));
   double expected[7][7] = {};
-  expected[0][4] = .125, expected[0][5] = -.0625, expected[0][6] = .0625, expected[1][5] = .125;
-  expected[1][6] = -.0625, expected[2][4] = -.125, expected[2][6] = .125, expected[3][4] = .0625;
+  expected[0][4] = .125;
+  expected[0][5] = -.0625;
+  expected[0][6] = .0625;
+  expected[1][5] = .125;
+  expected[1][6] = -.0625;
+  expected[2][4] = -.125;
+  expected[2][6] = .125;
+  expected[3][4] = .0625;
   expected[3][5] = -.125;
   CHECK(ising.couplings.size() == 12);
   for (const Coupling& c : ising.couplings) CHECK(c.value == Approx(expected[c.a][c.b]).margin(1e-15));

@@ -116,7 +116,10 @@ TEST_CASE("the toy machine's free energy, conditional and ground state") {
   for (std::size_t state = 0; state < 128; ++state) {
     std::vector<std::int8_t> row;
     for (std::size_t i = 0; i < 7; ++i) row.push_back(std::int8_t(state >> i & 1));
-    if (energy(qubo, row) < lowest) lowest = energy(qubo, row), ground = state;
+    if (energy(qubo, row) < lowest) {
+      lowest = energy(qubo, row);
+      ground = state;
+    }
   }
   CHECK(lowest == Approx(-1.125).margin(1e-14));
   CHECK(ground == 0b1101000);  // v = 0001, h = 011, first variable lowest

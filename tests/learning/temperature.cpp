@@ -160,7 +160,8 @@ TEST_CASE("rows through chains and gauges have the moments of the problem itself
   AnnealerSettings settings;
   settings.scale = 0.25;
   settings.chain_coupling = 0.75;
-  settings.ranges.h_low = -4, settings.ranges.h_high = 4;
+  settings.ranges.h_low = -4;
+  settings.ranges.h_high = 4;
   AnnealerSampler sampler(std::make_shared<WarmDevice>(0, 0.25, 4000), graph_named("chimera:3"), 8, 4, settings);
   const SampleSet rows = sampler.sample(problem, {.reads = 1500, .seed = 3});
   const ExactMoments exact = exact_moments(problem);

@@ -77,10 +77,10 @@ RbmWeights turned(const RbmWeights& machine) {
 }
 
 double largest_difference(const RbmWeights& x, const RbmWeights& y) {
-  double most = 0;
+  double max = 0;
   for (auto part : {&RbmWeights::weight, &RbmWeights::visible_bias, &RbmWeights::hidden_bias})
-    for (std::size_t k = 0; k < (x.*part).size(); ++k) most = std::max(most, std::abs((x.*part)[k] - (y.*part)[k]));
-  return most;
+    for (std::size_t k = 0; k < (x.*part).size(); ++k) max = std::max(max, std::abs((x.*part)[k] - (y.*part)[k]));
+  return max;
 }
 
 TrainingSettings one_step() {

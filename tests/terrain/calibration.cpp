@@ -21,7 +21,9 @@ std::filesystem::path scratch(const std::string& name) {
 
 CalibrationRun coarse_run(const std::filesystem::path& folder) {
   CalibrationRun run;
-  run.grain_diameter = 0.1, run.seeds = run.angle_seeds = 1, run.numerics = {2e-3, 1, 10, 0.1},
+  run.grain_diameter = 0.1;
+  run.seeds = run.angle_seeds = 1;
+  run.numerics = {2e-3, 1, 10, 0.1};
   run.journal = folder / "journal.json";
   return run;
 }
@@ -168,7 +170,8 @@ TEST_CASE("a soil is met by the friction angles of its own packing") {
   for (std::size_t k = 0; k < 3; ++k)
     for (std::size_t p = 0; p < 2; ++p) {
       SoilResponse r;
-      r.contact = k, r.packing = p;
+      r.contact = k;
+      r.packing = p;
       r.friction_angle = p == 0 ? 11 + 10 * double(k) : k == 2 ? 35 : 15 + 20 * double(k);
       c.response.push_back(r);
     }
@@ -191,7 +194,8 @@ TEST_CASE("relative density counts from the loosest bed of a soil's own grains")
   c.packing = {{0.8, 0.58, 0}, {0.25, 0.6, 0.4}, {0.02, 0.63, 1}};
   c.contact = {{0.1, 0, 15, 0, 0.1, 0}, {0.5, 0.2, 25, 0, 0.1, 0}, {0.9, 0.6, 35, 0, 0.1, 0}};
   CHECK(packing_level(c, {30, 0, 0, 0.35}) == 1);  // one count for all grains: those of the library
-  c.contact[0].loosest_solid_fraction = 0.58, c.contact[1].loosest_solid_fraction = 0.57;
+  c.contact[0].loosest_solid_fraction = 0.58;
+  c.contact[1].loosest_solid_fraction = 0.57;
   c.contact[2].loosest_solid_fraction = 0.53;
   // At 30 degrees grains settle at 0.55: the three packings have relative densities 0.408, 0.656 and 1.
   const SoilFit f = fit_soil(c, {30, 0, 0, 0.5});
@@ -235,7 +239,9 @@ TEST_CASE("cohesion is met up to twice the stress under a wheel, and refused abo
   for (std::size_t k = 0; k < 2; ++k)
     for (std::size_t p = 0; p < 2; ++p) {
       SoilResponse r;
-      r.contact = k, r.packing = p, r.friction_angle = k == 0 ? 14 : 30;
+      r.contact = k;
+      r.packing = p;
+      r.friction_angle = k == 0 ? 14 : 30;
       c.response.push_back(r);
     }
   // Half-way along the line 0.3 Pa of cohesion come from 1 Pa between grains: 220 kPa there give 66.

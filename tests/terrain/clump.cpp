@@ -36,7 +36,9 @@ CountedSolid counted(const Clump& c, int points) {
     const Vec3d p{at(0), at(1), at(2)};
     if (!inside(c, p)) continue;
     ++hits;
-    m.centre += p, m.square += scale(p, p), m.product += Vec3d{p.x * p.y, p.x * p.z, p.y * p.z};
+    m.centre += p;
+    m.square += scale(p, p);
+    m.product += Vec3d{p.x * p.y, p.x * p.z, p.y * p.z};
   }
   m.volume = 8 * c.reach * c.reach * c.reach * hits / points;
   for (Vec3d* v : {&m.centre, &m.square, &m.product}) *v *= 1.0 / hits;
@@ -101,7 +103,8 @@ TEST_CASE("orientations drawn at random are uniform") {
   for (int i = 0; i < draws; ++i) {
     const auto u = [&](int k) { return random_unit(3, 1, std::uint64_t(3 * i + k)); };
     const auto axis = static_cast<Vec3d>(rotate(random_orientation(u(0), u(1), u(2)), {0.6f, 0, 0.8f}));
-    mean += axis * (1.0 / draws), square += scale(axis, axis) * (1.0 / draws);
+    mean += axis * (1.0 / draws);
+    square += scale(axis, axis) * (1.0 / draws);
   }
   CHECK(length(mean) < 0.02);
   for (const double s : {square.x, square.y, square.z}) CHECK(agrees("mean square of a direction", 1.0 / 3, s, 0.01));

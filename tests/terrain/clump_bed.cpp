@@ -22,8 +22,10 @@ namespace {
 
 BedSpec small_bed(GrainShape shape) {
   BedSpec s;
-  s.grain_diameter = 0.1, s.shape = shape;
-  s.length = s.width = 0.5, s.depth = 0.4;
+  s.grain_diameter = 0.1;
+  s.shape = shape;
+  s.length = s.width = 0.5;
+  s.depth = 0.4;
   s.settle_friction = 0.25;
   return s;
 }
@@ -185,7 +187,9 @@ TEST_CASE("clumps are stronger in shear than spheres of the same friction") {
   const sim::PairLaw law{0.5f, 0, 0};
   const auto ratio = [&](GrainShape shape) {
     BedSpec spec = shear_cell(0.1, 0.25, 1, shape);
-    spec.length = 0.6, spec.width = 0.5, spec.depth = 0.5;
+    spec.length = 0.6;
+    spec.width = 0.5;
+    spec.depth = 0.5;
     const ShearResult r = shear_test(settle_packing(spec, 1), {law, law}, settings);
     return r.shear_stress / r.normal_stress;
   };
@@ -197,7 +201,8 @@ TEST_CASE("clumps are stronger in shear than spheres of the same friction") {
 TEST_CASE("a calibration keeps the shape of its grains, and tables without one are of spheres") {
   const TemporaryFolder folder;
   Calibration c;
-  c.grain_diameter = 0.1, c.shape = GrainShape::trefoil;
+  c.grain_diameter = 0.1;
+  c.shape = GrainShape::trefoil;
   c.packing = {{0.8, 0.57, 0}, {0.02, 0.63, 1}};
   c.contact = {{0.1, 0, 15, 0.3, 0.1, 0.01}, {0.5, 0, 30, 0.4, 0.1, 0.01}};
   c.cohesion_gain = 0.1;

@@ -152,11 +152,14 @@ TEST_CASE("GDAL reads back every cell and every overview of a layer") {
             if (const float v = level[std::size_t(b) * std::size_t(width) + std::size_t(a)]; v != nodata)
               valid.push_back(v);
         float best = nodata, sum = 0;
-        long most = 0;
+        long best_count = 0;
         for (const float v : valid) {
           sum += v;
           const long count = std::count(valid.begin(), valid.end(), v);
-          if (count > most || (count == most && v > best)) most = count, best = v;
+          if (count > best_count || (count == best_count && v > best)) {
+            best_count = count;
+            best = v;
+          }
         }
         next.push_back(valid.empty() ? nodata : classes ? best : sum / float(valid.size()));
       }

@@ -18,7 +18,10 @@ namespace {
 const Packing& deep() {
   static const Packing packing = [] {
     BedSpec s;
-    s.length = 0.9, s.width = 0.72, s.depth = 0.6, s.grain_diameter = 0.1;
+    s.length = 0.9;
+    s.width = 0.72;
+    s.depth = 0.6;
+    s.grain_diameter = 0.1;
     return settle_packing(s, 1);
   }();
   return packing;

@@ -21,7 +21,10 @@ namespace {
 const Packing& tile() {
   static const Packing packing = [] {
     BedSpec s;
-    s.length = 0.9, s.width = 0.72, s.depth = 0.36, s.grain_diameter = 0.12;
+    s.length = 0.9;
+    s.width = 0.72;
+    s.depth = 0.36;
+    s.grain_diameter = 0.12;
     return settle_packing(s, 1);
   }();
   return packing;
@@ -86,7 +89,8 @@ TEST_CASE("on 25 degrees along and across the ground ahead is unchanged within 1
         }
       s->set_bodies(0, under, thrown);
       s->advance(20);
-      x += 0.3, travelled += 0.3;
+      x += 0.3;
+      travelled += 0.3;
       const auto now = places(*s, start.size());
       double ahead = 0, count = 0;
       for (std::size_t i = 0; i < start.size(); ++i) {
@@ -94,7 +98,10 @@ TEST_CASE("on 25 degrees along and across the ground ahead is unchanged within 1
         const double moved = std::hypot(std::remainder(now[i].position.x - start[i].position.x, patch.length),
                                         std::remainder(now[i].position.y - start[i].position.y, bed.spec.width),
                                         now[i].position.z - start[i].position.z);
-        if (from > patch.reach) ahead += moved, ++count;
+        if (from > patch.reach) {
+          ahead += moved;
+          ++count;
+        }
         if (std::fabs(from) < 0.9) ploughed = std::max(ploughed, moved);
       }
       worst = std::max(worst, ahead / count);

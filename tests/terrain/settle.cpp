@@ -14,8 +14,13 @@ namespace {
 
 BedSpec spec_of(double length, double friction, std::uint64_t seed, sim::Backend backend) {
   BedSpec s;
-  s.length = length, s.width = 0.5, s.depth = 0.4, s.grain_diameter = 0.1;
-  s.settle_friction = friction, s.seed = seed, s.settled_on = backend;
+  s.length = length;
+  s.width = 0.5;
+  s.depth = 0.4;
+  s.grain_diameter = 0.1;
+  s.settle_friction = friction;
+  s.seed = seed;
+  s.settled_on = backend;
   return s;
 }
 

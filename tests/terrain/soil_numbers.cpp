@@ -113,7 +113,8 @@ TEST_CASE("a Mohr-Coulomb fit of specimens that scatter is right in the mean, an
       tests.back().peak_axial *= 1 + 0.12 * (2 * random_unit(7, std::uint64_t(k), std::uint64_t(i)) - 1);
     }
     const TriaxialStrength s = triaxial_strength(tests, true);
-    angles.push_back(s.peak_angle.degrees), cohesions.push_back(s.peak_cohesion);
+    angles.push_back(s.peak_angle.degrees);
+    cohesions.push_back(s.peak_cohesion);
     angle_variance += s.peak_angle.error * s.peak_angle.error / repeats;
     cohesion_variance += s.peak_cohesion_error * s.peak_cohesion_error / repeats;
   }

@@ -25,7 +25,8 @@ TestSoil coarse_soil(double friction, double rolling, double relative_density) {
 /// Coarser than the tests' own numerics, for trends. Not for plates: theirs need the bed to be solved.
 TestPace rough_pace() {
   TestPace pace;
-  pace.iterations = 60, pace.tolerance = 0.05;
+  pace.iterations = 60;
+  pace.tolerance = 0.05;
   return pace;
 }
 
@@ -51,7 +52,10 @@ TEST_CASE("without gravity a shear test knows no length but the grain and no str
   for (double* length : {&small.spec.length, &small.spec.width, &small.spec.depth, &small.spec.grain_diameter})
     *length /= 4;
   for (auto* grains : {&small.grain, &small.base})
-    for (Grain& g : *grains) g.position = g.position * 0.25, g.radius /= 4;
+    for (Grain& g : *grains) {
+      g.position = g.position * 0.25;
+      g.radius /= 4;
+    }
   small.surface /= 4;
   ShearSettings settings;
   settings.travel = 0.3;
@@ -83,7 +87,9 @@ TEST_CASE("a dense bed is stronger at its peak than a loose one, and rises when 
 TEST_CASE("the triaxial friction angle is within three degrees of that of shear") {
   const TestSoil soil = coarse_soil(0.3, 0, 0);
   TriaxialSettings settings;
-  settings.grains_wide = 7, settings.grains_high = 12, settings.strain = 0.2;
+  settings.grains_wide = 7;
+  settings.grains_high = 12;
+  settings.strain = 0.2;
   const TriaxialResult t = triaxial_test(soil, settings, rough_pace());
   const ShearResult s = sheared(soil, shared_cell(), 1.5);
   const double triaxial = triaxial_strength({t}, false).steady_angle.degrees;
@@ -103,7 +109,8 @@ double pressure_at(const PlateResult& r, double sinkage) {
 
 TEST_CASE("a plate sinks as its load grows and never comes up again, less far into a dense bed") {
   PlateSettings settings;
-  settings.width_grains = 3, settings.growth_time = 2;
+  settings.width_grains = 3;
+  settings.growth_time = 2;
   double carried[2];
   for (int k = 0; k < 2; ++k) {
     const PlateResult r = plate_test(coarse_soil(0.5, 0.1, double(k)), settings, rough_pace());
@@ -124,7 +131,10 @@ TEST_CASE("a plate sinks as its load grows and never comes up again, less far in
 
 TEST_CASE("a heap of grains that resist rolling is steeper than one of grains that roll") {
   ReposeSettings settings;
-  settings.length = 12, settings.width = 5, settings.height = 6, settings.gate_speed = 0.5;
+  settings.length = 12;
+  settings.width = 5;
+  settings.height = 6;
+  settings.gate_speed = 0.5;
   const ReposeResult rolls = repose_test(coarse_soil(0.5, 0, 0.5), settings, rough_pace());
   const ReposeResult resists = repose_test(coarse_soil(0.5, 0.3, 0.5), settings, rough_pace());
   CAPTURE(rolls.angle.degrees, resists.angle.degrees);
@@ -136,14 +146,16 @@ TEST_CASE("a heap of grains that resist rolling is steeper than one of grains th
 
 TEST_CASE("a dense bed resists the cone more than a loose one") {
   ConeSettings settings;
-  settings.diameter_grains = 2, settings.depth = 1, settings.speed = 0.5;
+  settings.diameter_grains = 2;
+  settings.depth = 1;
+  settings.speed = 0.5;
   const ConeResult loose = cone_test(coarse_soil(0.5, 0, 0), settings, rough_pace());
   const ConeResult dense = cone_test(coarse_soil(0.5, 0, 1), settings, rough_pace());
   CAPTURE(loose.index, dense.index, fit_cone({loose}).slope, fit_cone({dense}).slope);
   CHECK(dense.bulk_density > loose.bulk_density);
   CHECK(dense.index > 1.2 * loose.index);
   CHECK(fit_cone({loose}).slope > 0);
-  settings.most_pressure = 1;
+  settings.max_pressure = 1;
   CHECK_THROWS_AS(cone_test(coarse_soil(0.5, 0, 0), settings, rough_pace()), DeviceError);
 }
 
@@ -151,7 +163,8 @@ TEST_CASE("the cone's line is that of the mean of its beds, at even depths") {
   ConeResult a, b;
   for (int k = 0; k < 5; ++k) {
     const double z = 0.01 * k, off = k % 2 == 0 ? 500 : -500;
-    a.profile.push_back({z, 1e3 + 2e5 * z + off}), b.profile.push_back({z, 3e3 + 4e5 * z - off});
+    a.profile.push_back({z, 1e3 + 2e5 * z + off});
+    b.profile.push_back({z, 3e3 + 4e5 * z - off});
   }
   const LineFit f = fit_cone({a, b});
   CHECK(f.intercept == Approx(2e3));

@@ -24,10 +24,14 @@ TEST_CASE("a table's own numerics are taken, and what is asked for comes before 
   AskedNumerics asked;
   asked.iterations = 20;
   CHECK(numerics_by_table(table, "table.json", asked) == Numerics{1e-3, 14, 20, 0, sim::Target::coulomb});
-  asked.step = 5e-4, asked.target = sim::Target::ccp, asked.substeps = 1, asked.tolerance = 2e-3;
+  asked.step = 5e-4;
+  asked.target = sim::Target::ccp;
+  asked.substeps = 1;
+  asked.tolerance = 2e-3;
   CHECK(numerics_by_table(table, "table.json", asked) == Numerics{5e-4, 1, 20, 2e-3, sim::Target::ccp});
   asked = {};
-  asked.tolerance = 0.01, asked.step = 2e-3;
+  asked.tolerance = 0.01;
+  asked.step = 2e-3;
   CHECK(numerics_by_table(table, "table.json", asked) == Numerics{2e-3, 14, 2, 0.01, sim::Target::coulomb});
 }
 
@@ -35,7 +39,10 @@ TEST_CASE("a table that does not say its numerics serves only who says them all"
   Calibration table{};
   AskedNumerics asked{1e-3, 14, 2, 0.0, {}};
   for (const bool half : {false, true}) {
-    if (half) table.provenance = Json::object(), table.provenance["step_s"] = 1e-3;
+    if (half) {
+      table.provenance = Json::object();
+      table.provenance["step_s"] = 1e-3;
+    }
     try {
       numerics_by_table(table, "old_table.json", asked);
       FAIL("accepted");

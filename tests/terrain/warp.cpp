@@ -47,7 +47,7 @@ RasterRecipe plane_in_degrees(double longitude, double latitude, double east_ste
 }
 
 struct Slopes {
-  double least = 90, most = 0;
+  double min = 90, max = 0;
   int cells = 0;
 };
 
@@ -67,8 +67,8 @@ Slopes slopes_of(const RasterSource& source) {
     for (int column = 8; column < grid.columns - 8; ++column) {
       if (!is_inner(column, row)) continue;
       const double v = slope.at(column, row);
-      found.least = std::min(found.least, v);
-      found.most = std::max(found.most, v);
+      found.min = std::min(found.min, v);
+      found.max = std::max(found.max, v);
       ++found.cells;
     }
   return found;
@@ -77,8 +77,8 @@ Slopes slopes_of(const RasterSource& source) {
 void check_plane(const RasterSource& source, double margin = 0.05) {
   const double expected = std::atan(std::hypot(kEastRise, kNorthRise)) * kDegreesPerRadian;
   const Slopes found = slopes_of(source);
-  CHECK(found.least == Approx(expected).margin(margin));
-  CHECK(found.most == Approx(expected).margin(margin));
+  CHECK(found.min == Approx(expected).margin(margin));
+  CHECK(found.max == Approx(expected).margin(margin));
   CHECK(found.cells > 3000);
 }
 

@@ -14,7 +14,10 @@ using namespace gonogo::vehicle;
 
 TEST_CASE("a compliant tyre on fixed grains comes to rest its load over its stiffness lower than a rigid one") {
   Wheel tyre;
-  tyre.radius = 0.45, tyre.width = 0.24, tyre.stiffness = 2e5, tyre.damping = 2e4;
+  tyre.radius = 0.45;
+  tyre.width = 0.24;
+  tyre.stiffness = 2e5;
+  tyre.damping = 2e4;
   const double mass = 600, load = mass * kGravity, grain = 0.02;
   for (const sim::Backend backend : backends()) {
     double height[2];
@@ -22,7 +25,10 @@ TEST_CASE("a compliant tyre on fixed grains comes to rest its load over its stif
       sim::SceneWorld w = open_world({0.8f, 0, 0});
       sim::PairLaw law{0.8f, 0, 0};
       const ContactSpring spring = contact_spring(tyre, load, grain);
-      if (compliant) law.stiffness = Real(spring.stiffness), law.damping = Real(spring.damping);
+      if (compliant) {
+        law.stiffness = Real(spring.stiffness);
+        law.damping = Real(spring.damping);
+      }
       w.set_law(0, 1, law);
       const sim::BodyIndex ground = w.add_body({}, sim::fixed_body());
       sim::Shape s;

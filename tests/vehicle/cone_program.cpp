@@ -59,7 +59,10 @@ double by_enumeration(const ConeProgram& p) {
   for (;;) {
     Eigen::MatrixXd active(n, n);
     Eigen::VectorXd right(n);
-    for (int i = 0; i < n; ++i) active.row(i) = p.G.row(pick[i]), right(i) = p.h(pick[i]);
+    for (int i = 0; i < n; ++i) {
+      active.row(i) = p.G.row(pick[i]);
+      right(i) = p.h(pick[i]);
+    }
     const Eigen::FullPivLU<Eigen::MatrixXd> lu(active);
     if (lu.isInvertible()) {
       const Eigen::VectorXd x = lu.solve(right);

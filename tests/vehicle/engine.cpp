@@ -134,7 +134,11 @@ TEST_CASE("the ways to the accelerations agree on the trees of all shipped vehic
     const Tree& tree = m.reduced.tree;
     const int n = tree.velocity_count();
     VectorX by(n), v(n), tau(n);
-    for (int i = 0; i < n; ++i) by(i) = 0.3 * u(random), v(i) = u(random), tau(i) = 500 * u(random);
+    for (int i = 0; i < n; ++i) {
+      by(i) = 0.3 * u(random);
+      v(i) = u(random);
+      tau(i) = 500 * u(random);
+    }
     const VectorX q = moved(tree, tree.zero_position(), by, 1);
     const VectorX bias = inverse_dynamics(tree, q, v, VectorX::Zero(n), kDown);
     const VectorX direct = mass_matrix_by_unit_vectors(tree, q).llt().solve(tau - bias);

@@ -125,7 +125,7 @@ TEST_CASE("gradeability limited by friction is that of the bicycle model") {
     CHECK(agrees(at + "4 x 4 open [deg]", degrees(half), steepest(hmmwv(open, open), 0, mu), 0.02));
     CHECK(limiting_cause(hmmwv(open, open), on_slope(degrees(half) + 0.1, 0, mu)) == "traction");
     CHECK(agrees(at + "least friction for 10 degrees, locked", std::tan(10 * kDegree),
-                 least_friction(hmmwv(locked, locked), on_slope(10, 0, mu)), 1e-4));
+                 min_friction(hmmwv(locked, locked), on_slope(10, 0, mu)), 1e-4));
   }
 }
 
@@ -172,11 +172,11 @@ TEST_CASE("torque limits bind where the weight's part along the slope needs more
   // FED-Alpha: 23 kN in the lowest gear under 62 kN.
   const Vehicle alpha = shipped_vehicle("fed_alpha");
   const double weight = weigh(alpha).total * kGravity;
-  const double most = std::asin(gear_speeds(alpha)[0].tractive_force / weight) / kDegree;
-  CHECK(agrees("FED-Alpha on much friction [deg]", most, steepest(alpha, 0, 2), 1e-3));
-  CHECK(limiting_cause(alpha, on_slope(most + 0.2, 0, 2)) == "torque");
-  CHECK(agrees("share of the torque on 10 degrees", std::sin(10 * kDegree) / std::sin(most * kDegree),
-               least_torque_share(alpha, on_slope(10, 0, 2)), 1e-5));
+  const double max = std::asin(gear_speeds(alpha)[0].tractive_force / weight) / kDegree;
+  CHECK(agrees("FED-Alpha on much friction [deg]", max, steepest(alpha, 0, 2), 1e-3));
+  CHECK(limiting_cause(alpha, on_slope(max + 0.2, 0, 2)) == "torque");
+  CHECK(agrees("share of the torque on 10 degrees", std::sin(10 * kDegree) / std::sin(max * kDegree),
+               min_torque_share(alpha, on_slope(10, 0, 2)), 1e-5));
   Vehicle weak = shipped_vehicle("hmmwv");
   for (Axle& a : weak.axle) a.brake_torque = 500;
   const double held = std::asin(4 * 500 / 0.467 / (weigh(weak).total * kGravity)) / kDegree;
@@ -215,8 +215,8 @@ TEST_CASE("the forces of an answer balance weight, moments and torques, inside c
   CHECK(torque < largest_drive_torque(v));
   CHECK(agrees("an open centre shares equally [N m]", f.torque[0] + f.torque[1], f.torque[2] + f.torque[3], 1e-3));
   for (const std::size_t axle : {0, 2}) {
-    const auto [least, most] = std::minmax(f.torque[axle], f.torque[axle + 1]);
-    CHECK(most <= v.axle[axle / 2].torque_bias * least + 1e-3);
+    const auto [min, max] = std::minmax(f.torque[axle], f.torque[axle + 1]);
+    CHECK(max <= v.axle[axle / 2].torque_bias * min + 1e-3);
   }
 }
 
@@ -267,7 +267,10 @@ TEST_CASE("accelerating needs the force of the mass and of the wheels' spin") {
   d.acceleration = 2;
   const Feasibility f = feasible(v, d);
   double along = 0, torque = 0;
-  for (std::size_t i = 0; i < 4; ++i) along += f.contact[i].along, torque += f.torque[i];
+  for (std::size_t i = 0; i < 4; ++i) {
+    along += f.contact[i].along;
+    torque += f.torque[i];
+  }
   CHECK(agrees("sum of forces [N]", weigh(v).total * 2, along, 1e-3));
   const double spin = 4 * (0.07352 + 0.6243 + 6.69) * 2 / 0.467;
   CHECK(agrees("sum of torques [N m]", along * 0.467 + spin, torque, 1e-2));

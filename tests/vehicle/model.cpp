@@ -42,7 +42,10 @@ Cloud random_cloud(std::mt19937& random) {
 Part part_of(const Cloud& c) {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Part p;
-  for (std::size_t i = 0; i < c.mass.size(); ++i) p.mass += c.mass[i], centre += c.mass[i] * c.at[i];
+  for (std::size_t i = 0; i < c.mass.size(); ++i) {
+    p.mass += c.mass[i];
+    centre += c.mass[i] * c.at[i];
+  }
   centre /= p.mass;
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < c.mass.size(); ++i) {
@@ -64,8 +67,10 @@ double sampled_belt(const std::vector<Circle>& circles) {
     double best = -1e9;
     std::pair<double, double> point;
     for (const Circle& c : circles)
-      if (c.x * x + c.z * z + c.radius > best)
-        best = c.x * x + c.z * z + c.radius, point = {c.x + c.radius * x, c.z + c.radius * z};
+      if (c.x * x + c.z * z + c.radius > best) {
+        best = c.x * x + c.z * z + c.radius;
+        point = {c.x + c.radius * x, c.z + c.radius * z};
+      }
     hull.push_back(point);
   }
   double length = 0;

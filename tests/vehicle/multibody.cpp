@@ -168,7 +168,10 @@ TEST_CASE("a compound pendulum swings with its closed-form period") {
   VectorX q = VectorX::Constant(1, amplitude), v = VectorX::Zero(1);
   const double h = 1e-4;
   double time = 0;
-  while (q(0) > 0) runge_kutta(acceleration, q, v, h), time += h;
+  while (q(0) > 0) {
+    runge_kutta(acceleration, q, v, h);
+    time += h;
+  }
   time -= q(0) / v(0);
   // Quarter period K(sin(a / 2)) / w with w^2 = 3 g / (2 L).
   const double expected = std::comp_ellint_1(std::sin(amplitude / 2)) / std::sqrt(1.5 * kGravity / length);

@@ -103,7 +103,7 @@ TEST_CASE("traction on sand and clay: limits, order, numbers worked by hand") {
   CHECK(agrees("sand, spinning", 0.42 + 0.018, sand_net_traction(ratio, 8), 1e-6));
   for (double s = -1; s < 1; s += 0.05) CHECK(sand_net_traction(ratio, s + 0.05) > sand_net_traction(ratio, s));
   // Firmer sand carries more, down to the least ratio.
-  for (double r = kLeastPressureRatio; r < 2; r *= 1.1)
+  for (double r = kMinPressureRatio; r < 2; r *= 1.1)
     CHECK(sand_net_traction(r, 0.2) > sand_net_traction(1.1 * r, 0.2));
   // 1 + 0.788 e^-1.4 = 1.194319; to the power 1/1.516 it is 1.124268.
   CHECK(agrees("sand, ratio 0.5, slip 0.2", -0.5 + 0.938 / std::pow(1.194319, 1 / 1.516), sand_net_traction(0.5, 0.2),
@@ -130,10 +130,10 @@ TEST_CASE("plates sink by Bekker's law and back") {
 TEST_CASE("a track's thrust goes to Mohr-Coulomb at large slip and grows in proportion at small slip") {
   const BekkerSoil soil = lete_sand();
   const double load = 5e4, width = 0.38, length = 2.7;
-  const double most = width * length * soil.cohesion + load * std::tan(soil.friction_angle);
-  CHECK(agrees("slip 1000 [N]", most, track_forces(soil, width, length, load, 1000).thrust, 1e-4 * most));
-  CHECK(agrees("slip 1e-6 [N]", most * 0.5 * 1e-6 * length / soil.shear_modulus,
-               track_forces(soil, width, length, load, 1e-6).thrust, 1e-4 * most * 1e-4));
+  const double max = width * length * soil.cohesion + load * std::tan(soil.friction_angle);
+  CHECK(agrees("slip 1000 [N]", max, track_forces(soil, width, length, load, 1000).thrust, 1e-4 * max));
+  CHECK(agrees("slip 1e-6 [N]", max * 0.5 * 1e-6 * length / soil.shear_modulus,
+               track_forces(soil, width, length, load, 1e-6).thrust, 1e-4 * max * 1e-4));
   const TrackForces f = track_forces(soil, width, length, load, 0.2);
   CHECK(agrees("work of compaction per metre [N]", f.resistance, load / length * f.sinkage / (soil.n + 1),
                1e-6 * f.resistance));

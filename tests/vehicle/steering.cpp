@@ -89,16 +89,16 @@ TEST_CASE("a driver brings a HMMWV to a line beside it, and it stays there") {
   const HardGround d = steered(v, orders, 4);
   const auto s = started(d);
   shift_line(*s, 1);
-  double most = 0;
+  double max = 0;
   for (int k = 0; k < 50; ++k) {
     advance_for(*s, 0.2);
-    most = std::max(most, s->body(0, d.e.chassis).position.y);
+    max = std::max(max, s->body(0, d.e.chassis).position.y);
   }
   const sim::BodyState chassis = s->body(0, d.e.chassis);
   // Treads that scrub (above) do not turn the vehicle at angles below some 0.03 rad, 0.13 m beside the line.
   CHECK(agrees("beside the new line after 10 s [m]", 1, chassis.position.y, 0.15));
   CHECK(agrees("heading after 10 s [rad]", 0, heading(chassis, d.world.body[std::size_t(d.e.chassis)]), 0.02));
-  CHECK(most < 1.25);
+  CHECK(max < 1.25);
 }
 
 TEST_CASE("on side slopes to the left and to the right a steering HMMWV runs ways that mirror each other") {
@@ -118,14 +118,14 @@ TEST_CASE("on side slopes to the left and to the right a steering HMMWV runs way
           {chassis.position.y, heading(chassis, d.world.body[std::size_t(d.e.chassis)]), double(chassis.velocity.x)});
     }
   }
-  double beside = 0, turned = 0, speed = 0, most = 0;
+  double beside = 0, turned = 0, speed = 0, max = 0;
   for (std::size_t k = 0; k < way[0].size(); ++k) {
     beside = std::max(beside, std::fabs(way[0][k].x + way[1][k].x));
     turned = std::max(turned, std::fabs(way[0][k].y + way[1][k].y));
     speed = std::max(speed, std::fabs(way[0][k].z - way[1][k].z));
-    most = std::max(most, std::fabs(way[0][k].x));
+    max = std::max(max, std::fabs(way[0][k].x));
   }
-  CHECK(most > 0.005);  // the slope does push it aside
+  CHECK(max > 0.005);  // the slope does push it aside
   CHECK(agrees("beside the line, sum of both [m]", 0, beside, 1e-3));
   CHECK(agrees("heading, sum of both [rad]", 0, turned, 1e-3));
   CHECK(agrees("speed, difference [m/s]", 0, speed, 5e-3));

@@ -39,7 +39,10 @@ Vector quotient(const std::vector<int>& cone, const Vector& l, const Vector& r) 
 Vector identity(const std::vector<int>& cone, Eigen::Index size) {
   Vector e = Vector::Zero(size);
   int at = 0;
-  for (const int n : cone) e(at) = 1, at += n;
+  for (const int n : cone) {
+    e(at) = 1;
+    at += n;
+  }
   return e;
 }
 
@@ -194,7 +197,7 @@ bool independent_equations(ConeProgram& p) {
 }  // namespace
 
 ConeAnswer solve(const ConeProgram& given, double tolerance) {
-  constexpr int kMostIterations = 100;
+  constexpr int kMaxIterations = 100;
   ConeProgram p = given;
   ConeAnswer answer;
   answer.consistent = independent_equations(p);
@@ -205,10 +208,11 @@ ConeAnswer solve(const ConeProgram& given, double tolerance) {
   for (;; ++answer.iterations) {
     const Residuals r = residuals(p, i);
     const double gap = i.s.dot(i.z);
-    answer = {i.x, i.s, i.y, i.z, r.largest(), gap, true, false, answer.iterations};
+    answer = {
+        .x = i.x, .s = i.s, .y = i.y, .z = i.z, .residual = r.largest(), .gap = gap, .iterations = answer.iterations};
     const double size = 1 + std::max(i.x.cwiseAbs().maxCoeff(), i.z.cwiseAbs().maxCoeff());
     answer.solved = answer.residual < tolerance * size && gap < tolerance * (1 + std::fabs(p.c.dot(i.x)));
-    if (answer.solved || answer.iterations >= kMostIterations) return answer;
+    if (answer.solved || answer.iterations >= kMaxIterations) return answer;
     const Scaling w(p.cone, i.s, i.z);
     const Newton newton(p, w);
     const Vector square = product(p.cone, w.l, w.l);

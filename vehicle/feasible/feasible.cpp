@@ -22,7 +22,7 @@ constexpr double kNone = -1e-7;
 /// What a torque acts through: a wheel, or the sprocket of a track.
 struct Unit {
   std::string name;
-  std::vector<int> contact;
+  std::vector<int> contact{};
   int axle = 0;
   int velocity = -1;  // of the wheel's axle in the tree; -1: through a belt
   double lever = 0;   // of the belt's force [m]
@@ -35,13 +35,10 @@ std::vector<Unit> units_of(const Vehicle& v, const multibody::VehicleTree& tree)
   std::vector<Unit> units;
   if (v.kind == VehicleKind::tracked) {
     for (const double side : {1.0, -1.0}) {
-      Unit u{side > 0 ? "left track" : "right track",
-             {},
-             0,
-             -1,
-             v.track[0].sprocket_radius,
-             v.track[0].brake_torque,
-             true};
+      Unit u{.name = side > 0 ? "left track" : "right track",
+             .lever = v.track[0].sprocket_radius,
+             .brake = v.track[0].brake_torque,
+             .driven = true};
       for (std::size_t i = 0; i < wheels.size(); ++i)
         if (wheels[i].side == side) u.contact.push_back(int(i));
       units.push_back(u);
@@ -49,8 +46,12 @@ std::vector<Unit> units_of(const Vehicle& v, const multibody::VehicleTree& tree)
     return units;
   }
   for (std::size_t i = 0; i < wheels.size(); ++i)
-    units.push_back(
-        {wheels[i].name, {int(i)}, wheels[i].axle, tree.axle[i], 0, wheels[i].brake_torque, wheels[i].driven});
+    units.push_back({.name = wheels[i].name,
+                     .contact = {int(i)},
+                     .axle = wheels[i].axle,
+                     .velocity = tree.axle[i],
+                     .brake = wheels[i].brake_torque,
+                     .driven = wheels[i].driven});
   return units;
 }
 
@@ -110,9 +111,15 @@ class Program {
     for (std::size_t i = 0; i < rows.size(); ++i) m.row(Eigen::Index(i)) = rows[i].transpose();
     return m;
   }
-  void equate(const VectorX& row, double value) { equation_.push_back(row), right_.push_back(value); }
+  void equate(const VectorX& row, double value) {
+    equation_.push_back(row);
+    right_.push_back(value);
+  }
   /// row . x >= 0.
-  void require(const VectorX& row) { row_.push_back(row), cone_.push_back(1); }
+  void require(const VectorX& row) {
+    row_.push_back(row);
+    cone_.push_back(1);
+  }
 
   /// Inverse dynamics: joint forces needed = sum of J^T f + torques.
   void balance() {
@@ -318,7 +325,7 @@ std::string limiting_cause(const Vehicle& v, const Demand& demand) {
   return with_friction ? "traction" : "traction and torque";
 }
 
-double least_friction(const Vehicle& v, Demand demand) {
+double min_friction(const Vehicle& v, Demand demand) {
   double low = 1e-3, high = 100;
   const auto enough = [&](double friction) {
     demand.friction = friction;
@@ -333,7 +340,7 @@ double least_friction(const Vehicle& v, Demand demand) {
   return high;
 }
 
-double least_torque_share(const Vehicle& v, const Demand& demand) {
+double min_torque_share(const Vehicle& v, const Demand& demand) {
   double share = 0;
   for (const Pose& pose : poses_of(v, demand)) {
     // Without room in the cones the program has no interior.

@@ -1,7 +1,7 @@
-// Can a vehicle stand or creep here at best? Inverse dynamics of the rigid vehicle in the design position of its
-// suspension, with contact forces inside friction cones and torques inside the limits of driveline and brakes. The
-// question is a convex cone program, answered exactly: "no" is a proof for hard ground, "yes" a bound that soft ground
-// and dynamics only lower.
+// Can a vehicle stand or creep on this ground? Inverse dynamics of the rigid vehicle, its suspension locked in the
+// design position. Contact forces lie in friction cones; torques lie within the limits of driveline and brakes.
+// The question is a convex cone program with an exact answer. "No" is a proof for hard ground. "Yes" is an upper bound:
+// soft ground and dynamics can only make it worse.
 #pragma once
 #include <string>
 #include <vector>
@@ -16,10 +16,10 @@ struct Demand {
   double friction = 0.8;           // of every contact
   double step = 0;                 // height of a step that all axles must climb [m]
   double acceleration = 0;         // along x [m/s^2]
-  bool moving = true;              // driven or braked by rolling wheels; false: parked, with brakes only
+  bool moving = true;              // wheels roll, driven or braked; false: parked, brakes only
 };
 
-/// Limits that an answer may leave out, to find which one binds.
+/// Limits to apply. Leaving one out shows whether it binds.
 struct Limits {
   bool friction = true, torque = true;
 };
@@ -31,30 +31,31 @@ struct ContactForce {
 
 struct Feasibility {
   bool feasible = false;
-  /// How much every normal load could be lowered with the friction cones and torque limits still holding, as a share of
-  /// the mean load; below zero: what is missing.
+  /// Amount by which every normal load could fall before a friction cone or torque limit fails, as a share of the mean
+  /// load. Negative: the amount that is missing.
   double reserve = 0;
-  double pitch = 0, rise = 0;         // of the hardest pose on a step: nose up [rad], of the climbing axle [m]
-  std::string climbing;               // axle at the step, empty on a plane
-  std::vector<ContactForce> contact;  // that stand or move it; of the nearest miss when infeasible
-  std::vector<double> torque;         // of the drive units: wheels, or sprockets left and right [N m]
+  double pitch = 0, rise = 0;         // hardest pose on a step: pitch, nose up [rad]; rise of the climbing axle [m]
+  std::string climbing;               // axle at the step; empty on a plane
+  std::vector<ContactForce> contact;  // a solution; when infeasible, the nearest to one
+  std::vector<double> torque;         // of each drive unit: a wheel, or the left and right sprocket [N m]
   std::vector<std::string> unit;      // their names
 };
 
-/// Throws InputError for a step under a vehicle that is not on two axles, and for numbers out of range.
+/// Throws InputError for a step when the vehicle does not have two axles, and for numbers out of range.
 Feasibility feasible(const Vehicle& v, const Demand& demand, const Limits& limits = {});
 
-/// Why not: "traction", "torque", "tip-over" (no normal forces balance the weight), "belly" (the chassis meets the
-/// step), or "traction and torque" (each is in the way of the other); empty when feasible.
+/// Cause of infeasibility: "traction", "torque", "tip-over" (no normal forces balance the weight), "belly" (the chassis
+/// hits the step), "traction or torque" (more of either would do), "traction and torque" (more of both is needed).
+/// Empty when feasible.
 std::string limiting_cause(const Vehicle& v, const Demand& demand);
 
-/// Least friction coefficient that makes it feasible; infinite when none does.
-double least_friction(const Vehicle& v, Demand demand);
+/// Smallest friction coefficient at which the demand is feasible; infinity when there is none.
+double min_friction(const Vehicle& v, Demand demand);
 
-/// Least share of the torque limits that suffices; infinite when no torque does.
-double least_torque_share(const Vehicle& v, const Demand& demand);
+/// Smallest share of the torque limits that suffices; infinity when no torque does.
+double min_torque_share(const Vehicle& v, const Demand& demand);
 
-/// Clearance under the belly that a step needs between the axles [m].
+/// Belly clearance between the axles that a step needs [m].
 double needed_clearance(const Vehicle& v, double step);
 
 }  // namespace gonogo::vehicle

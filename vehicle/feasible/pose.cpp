@@ -16,7 +16,11 @@ multibody::Matrix3 pitched(double pitch) { return Eigen::AngleAxisd(-pitch, Vect
 
 Contact contact_at(int station, const Vector3& centre, const Vector3& normal, double radius) {
   const Vector3 across = Vector3::UnitY();
-  return {station, centre - radius * normal, normal, across.cross(normal), across};
+  return {.station = station,
+          .point = centre - radius * normal,
+          .normal = normal,
+          .along = across.cross(normal),
+          .across = across};
 }
 
 /// Normal of a wheel that climbs: from the nearest point of the step, whose edge is at height `step`, to the wheel's
@@ -93,7 +97,7 @@ Assembly locked(const Vehicle& v) {
     const Part& part = whole.body[std::size_t(wheel)];
     rigid.body.push_back(part);
     rigid.wheel.push_back(int(rigid.body.size()) - 1);
-    rigid.link.push_back({LinkType::revolute, 0, rigid.wheel.back(), part.centre, {}, {0, 1, 0}, true, false});
+    rigid.link.push_back({.child = rigid.wheel.back(), .point = part.centre, .axis = {0, 1, 0}, .wheel = true});
   }
   return rigid;
 }

@@ -1,4 +1,4 @@
-// How the checks on hard ground run a world.
+// Helpers of the hard-ground checks.
 #pragma once
 #include "vehicle/hard_ground/hard_ground.h"
 
@@ -6,10 +6,10 @@ namespace gonogo::vehicle {
 
 std::unique_ptr<sim::Simulation> start(const HardGround& ground, const HardGroundRun& run, double step);
 
-/// Advances by a time, in whole steps [s].
+/// Advances by `time` [s], rounded to whole steps.
 void drive_for(sim::Simulation& s, double time);
 
-/// Of the chassis along x [m/s].
+/// Speed of the chassis along x [m/s].
 double forward_speed(sim::Simulation& s, const HardGround& ground);
 
 }  // namespace gonogo::vehicle

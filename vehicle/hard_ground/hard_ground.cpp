@@ -37,14 +37,18 @@ void add_pose(sim::Simulation& s, const HardGround& ground, double share, Climb&
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const double inverse = ground.world.mass[i].inverse_mass.x;
     if (!(inverse > 0)) continue;
-    mass += 1 / inverse, x += bodies[i].position.x / inverse, z += bodies[i].position.z / inverse;
+    mass += 1 / inverse;
+    x += bodies[i].position.x / inverse;
+    z += bodies[i].position.z / inverse;
   }
   const auto axle = [&](std::size_t left) {
     return 0.5 * (bodies[std::size_t(ground.e.wheel[left])].position.x +
                   bodies[std::size_t(ground.e.wheel[left + 1])].position.x);
   };
   const double rear = axle(ground.e.wheel.size() - 2);
-  c.base += share * (axle(0) - rear), c.rear += share * (x / mass - rear), c.height += share * z / mass;
+  c.base += share * (axle(0) - rear);
+  c.rear += share * (x / mass - rear);
+  c.height += share * z / mass;
 }
 
 /// Full throttle on `slope`; what is left for acceleration tells which slope it would hold. In the lowest gear, because
@@ -93,7 +97,10 @@ HardGround::HardGround(const Vehicle& v, const DriverOrders& orders, double mu, 
 }
 
 Vehicle smooth(Vehicle v) {
-  for (Wheel& w : v.wheel) w.lug_count = 0, w.lug_height = 0;
+  for (Wheel& w : v.wheel) {
+    w.lug_count = 0;
+    w.lug_height = 0;
+  }
   return v;
 }
 
@@ -112,19 +119,30 @@ HardGroundReport check_wheel_loads(const Vehicle& vehicle, const HardGroundRun& 
   const HardGround ground(v, parked, 0.8);
   const auto s = start(ground, run, 1e-3);
   drive_for(*s, 3);
-  HardGroundReport r{"wheel_loads", v.name + ": wheel loads on level ground", "wheel", "load [N]", {}, {}};
+  HardGroundReport r{.name = "wheel_loads",
+                     .title = v.name + ": wheel loads on level ground",
+                     .x_label = "wheel",
+                     .y_label = "load [N]"};
   const auto expected = static_loads(v);
   Trace balance{"balance of forces and moments", {}, {}, true}, engine{"engine", {}, {}, true};
   for (std::size_t i = 0; i < expected.size(); ++i) {
     double load = 0;
     const int samples = 50;
-    for (int k = 0; k < samples; ++k) s->advance(2), load += s->contact_force(0, ground.e.wheel[i]).z / samples;
+    for (int k = 0; k < samples; ++k) {
+      s->advance(2);
+      load += s->contact_force(0, ground.e.wheel[i]).z / samples;
+    }
     std::string key = ground.e.station[i].name;
     std::replace(key.begin(), key.end(), ' ', '_');
-    r.check.push_back({"wheel_load_" + key + "_N", "load of the wheel " + ground.e.station[i].name + " [N]",
-                       expected[i], load, kClosed * expected[i]});
-    balance.x.push_back(double(i + 1)), balance.y.push_back(expected[i]);
-    engine.x.push_back(double(i + 1)), engine.y.push_back(load);
+    r.check.push_back({.key = "wheel_load_" + key + "_N",
+                       .claim = "load of the wheel " + ground.e.station[i].name + " [N]",
+                       .expected = expected[i],
+                       .measured = load,
+                       .tolerance = kClosed * expected[i]});
+    balance.x.push_back(double(i + 1));
+    balance.y.push_back(expected[i]);
+    engine.x.push_back(double(i + 1));
+    engine.y.push_back(load);
   }
   r.trace = {balance, engine};
   return r;
@@ -132,15 +150,16 @@ HardGroundReport check_wheel_loads(const Vehicle& vehicle, const HardGroundRun& 
 
 HardGroundReport check_gradeability(const Vehicle& vehicle, double mu, const HardGroundRun& run) {
   Vehicle v = all_locked(smooth(vehicle));
-  HardGroundReport r{"gradeability",
-                     v.name + ": speed at full throttle on the slope that friction just allows",
-                     "time [s]",
-                     "speed [m/s]",
-                     {},
-                     {}};
+  HardGroundReport r{.name = "gradeability",
+                     .title = v.name + ": speed at full throttle on the slope that friction just allows",
+                     .x_label = "time [s]",
+                     .y_label = "speed [m/s]"};
   r.trace = {{"all differentials locked", {}, {}}, {"open centre", {}, {}}};
-  r.check.push_back({"gradeability_locked", "steepest slope with all differentials locked: tan = mu", mu,
-                     full_throttle(v, mu, std::atan(mu), run, r.trace[0]).tangent, kClosed * mu});
+  r.check.push_back({.key = "gradeability_locked",
+                     .claim = "steepest slope with all differentials locked: tan = mu",
+                     .expected = mu,
+                     .measured = full_throttle(v, mu, std::atan(mu), run, r.trace[0]).tangent,
+                     .tolerance = kClosed * mu});
   v.driveline.centre = Differential::open;
   const Weights w = weigh(v);
   const auto wheels = stations(v);
@@ -148,15 +167,20 @@ HardGroundReport check_gradeability(const Vehicle& vehicle, double mu, const Har
                                           w.centre.x - wheels.back().centre.x, w.centre.z + standing_height(v));
   const Climb c = full_throttle(v, mu, std::atan(design), run, r.trace[1]);
   const double limit = open_centre_limit(mu, c.base, c.rear, c.height);
-  r.check.push_back({"gradeability_open_centre",
-                     "steepest slope with an open centre, as it squats: tan = 2 mu b / (L + 2 mu h)", limit, c.tangent,
-                     kClosed * limit});
+  r.check.push_back({.key = "gradeability_open_centre",
+                     .claim = "steepest slope with an open centre, as it squats: tan = 2 mu b / (L + 2 mu h)",
+                     .expected = limit,
+                     .measured = c.tangent,
+                     .tolerance = kClosed * limit});
   return r;
 }
 
 HardGroundReport check_top_speeds(const Vehicle& vehicle, const std::vector<int>& gears, const HardGroundRun& run) {
   const Vehicle v = smooth(vehicle);
-  HardGroundReport r{"top_speed", v.name + ": full throttle in each gear", "time [s]", "speed [m/s]", {}, {}};
+  HardGroundReport r{.name = "top_speed",
+                     .title = v.name + ": full throttle in each gear",
+                     .x_label = "time [s]",
+                     .y_label = "speed [m/s]"};
   const auto speeds = gear_speeds(v);
   for (const int gear : gears) {
     const double expected = speeds[std::size_t(gear - 1)].balanced;
@@ -167,11 +191,14 @@ HardGroundReport check_top_speeds(const Vehicle& vehicle, const std::vector<int>
     Trace trace{"gear " + std::to_string(gear), {0}, {0.96 * expected}};
     for (int k = 0; k < 16; ++k) {
       drive_for(*s, 0.25);
-      trace.x.push_back(0.25 * (k + 1)), trace.y.push_back(forward_speed(*s, ground));
+      trace.x.push_back(0.25 * (k + 1));
+      trace.y.push_back(forward_speed(*s, ground));
     }
-    r.check.push_back({"top_speed_gear_" + std::to_string(gear) + "_m_per_s",
-                       "top speed in gear " + std::to_string(gear) + ": the engine's torque vanishes [m/s]", expected,
-                       trace.y.back(), kClosed * expected});
+    r.check.push_back({.key = "top_speed_gear_" + std::to_string(gear) + "_m_per_s",
+                       .claim = "top speed in gear " + std::to_string(gear) + ": the engine's torque vanishes [m/s]",
+                       .expected = expected,
+                       .measured = trace.y.back(),
+                       .tolerance = kClosed * expected});
     r.trace.push_back(trace);
   }
   return r;
@@ -195,15 +222,24 @@ HardGroundReport check_stopping(const Vehicle& vehicle, double speed, double mu,
   Trace trace{"engine", {0}, {before}}, closed{"v - mu g t", {0, before / (mu * kGravity)}, {before, 0}};
   for (int k = 0; k < 50; ++k) {
     drive_for(*s, time / 50);
-    trace.x.push_back((k + 1) * time / 50), trace.y.push_back(forward_speed(*s, ground));
+    trace.x.push_back((k + 1) * time / 50);
+    trace.y.push_back(forward_speed(*s, ground));
   }
-  HardGroundReport r{
-      "stopping",     v.name + ": locked wheels, mu " + per_cent(mu) + " %", "time from braking [s]", "speed [m/s]", {},
-      {closed, trace}};
-  r.check.push_back({"stopping_distance_m", "stopping distance: v^2 / (2 mu g) [m]", expected,
-                     s->monitor(0, 0).now.x - from, kClosed * expected});
-  r.check.push_back({"stopped_speed_m_per_s", "speed half a second after it should have stopped [m/s]", 0,
-                     std::fabs(trace.y.back()), 0.02});
+  HardGroundReport r{.name = "stopping",
+                     .title = v.name + ": locked wheels, mu " + per_cent(mu) + " %",
+                     .x_label = "time from braking [s]",
+                     .y_label = "speed [m/s]",
+                     .trace = {closed, trace}};
+  r.check.push_back({.key = "stopping_distance_m",
+                     .claim = "stopping distance: v^2 / (2 mu g) [m]",
+                     .expected = expected,
+                     .measured = s->monitor(0, 0).now.x - from,
+                     .tolerance = kClosed * expected});
+  r.check.push_back({.key = "stopped_speed_m_per_s",
+                     .claim = "speed half a second after it should have stopped [m/s]",
+                     .expected = 0,
+                     .measured = std::fabs(trace.y.back()),
+                     .tolerance = 0.02});
   return r;
 }
 

@@ -118,7 +118,10 @@ Eigen::Vector2d axle_rates(const Vehicle& v, const Shaker& shaker, const HardGro
 
 /// Heights over the axles after gravity has grown from a little less than its own, without dampers.
 std::vector<Eigen::Vector2d> free_oscillation(Vehicle v, const Shaker& damped, const HardGroundRun& run) {
-  for (Suspension& s : v.suspension) s.damper.force = {}, s.damper.bump = {};
+  for (Suspension& s : v.suspension) {
+    s.damper.force = {};
+    s.damper.bump = {};
+  }
   Shaker free(v);
   const auto rest = damped.rested(1 - kGravityChange, run)->bodies(0);
   for (std::size_t i = 0; i < rest.size(); ++i) {
@@ -161,19 +164,25 @@ HardGroundReport check_suspension(const Vehicle& vehicle, const HardGroundRun& r
   const auto z = free_oscillation(v, shaker, run);
   const Eigen::Vector2d found = frequencies(z, kStride * kStep);
 
-  HardGroundReport r{"suspension", v.name + ": free oscillation without dampers",
-                     "time [s]",   "height over the axle [m]",
-                     {},           {{"front axle", {}, {}}, {"rear axle", {}, {}}}};
+  HardGroundReport r{.name = "suspension",
+                     .title = v.name + ": free oscillation without dampers",
+                     .x_label = "time [s]",
+                     .y_label = "height over the axle [m]",
+                     .trace = {{"front axle", {}, {}}, {"rear axle", {}, {}}}};
   const char* const name[2] = {"slower", "faster"};
   for (int m = 0; m < 2; ++m) {
     const double hertz = expected(m) / (2 * kPi);
-    r.check.push_back({std::string("suspension_") + name[m] + "_Hz",
-                       std::string(name[m]) + " of heave and pitch on the static rates of the axles [Hz]", hertz,
-                       found(m) / (2 * kPi), 0.05 * hertz});
+    r.check.push_back({.key = std::string("suspension_") + name[m] + "_Hz",
+                       .claim = std::string(name[m]) + " of heave and pitch on the static rates of the axles [Hz]",
+                       .expected = hertz,
+                       .measured = found(m) / (2 * kPi),
+                       .tolerance = 0.05 * hertz});
   }
   for (std::size_t k = 0; k < z.size(); ++k)
-    for (int a = 0; a < 2; ++a)
-      r.trace[std::size_t(a)].x.push_back(double(k) * kStride * kStep), r.trace[std::size_t(a)].y.push_back(z[k](a));
+    for (int a = 0; a < 2; ++a) {
+      r.trace[std::size_t(a)].x.push_back(double(k) * kStride * kStep);
+      r.trace[std::size_t(a)].y.push_back(z[k](a));
+    }
   return r;
 }
 

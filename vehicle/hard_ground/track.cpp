@@ -36,7 +36,10 @@ struct TrackRig {
   /// From rest to a speed within a second.
   void speed_up(double speed, double torque) {
     constexpr int parts = 20;
-    for (int k = 1; k <= parts; ++k) turn(speed * k / parts, torque), drive_for(*s, 1.0 / parts);
+    for (int k = 1; k <= parts; ++k) {
+      turn(speed * k / parts, torque);
+      drive_for(*s, 1.0 / parts);
+    }
   }
 
   /// Of the plane, the last body, on the vehicle [N].
@@ -96,7 +99,10 @@ HardGroundReport check_belts_at_rest(const Vehicle& vehicle, const HardGroundRun
   const Track& t = v.track[0];
   const Vec3d way = t.idler_travel - t.idler.centre, travel = way * (1 / length(way));
   TrackRig rig(v, 0.8, 0, run, 1e-3);
-  HardGroundReport r{"belts", v.name + ": belts at rest", "time [s]", "load of the ground over weight", {}, {}};
+  HardGroundReport r{.name = "belts",
+                     .title = v.name + ": belts at rest",
+                     .x_label = "time [s]",
+                     .y_label = "load of the ground over weight"};
   Trace load{"engine", {}, {}};
   constexpr int samples = 40;
   constexpr double time = 2, mean_over = 0.25;
@@ -117,16 +123,23 @@ HardGroundReport check_belts_at_rest(const Vehicle& vehicle, const HardGroundRun
     }
   }
   const double expected = weigh(v).total * kGravity;
-  r.check.push_back(
-      {"ground_load_N", "load on the ground: the weight [N]", expected, weight, kLoadTolerance * expected});
+  r.check.push_back({.key = "ground_load_N",
+                     .claim = "load on the ground: the weight [N]",
+                     .expected = expected,
+                     .measured = weight,
+                     .tolerance = kLoadTolerance * expected});
   for (int side = 0; side < 2; ++side) {
     const std::string name = side == 0 ? "left" : "right";
-    r.check.push_back({"belt_tension_" + name + "_N",
-                       "both runs of the " + name + " belt pull what its tensioner pushes [N]", tensioner[side],
-                       pull[side], kPullTolerance * tensioner[side]});
-    r.check.push_back({"pin_drift_" + name + "_m", "pins of the " + name + " belt come apart [m]", 0,
-                       pin_drift(rig.ground.world, rig.s->bodies(0), rig.ground.e.track[std::size_t(side)]),
-                       kPinDrift});
+    r.check.push_back({.key = "belt_tension_" + name + "_N",
+                       .claim = "both runs of the " + name + " belt pull what its tensioner pushes [N]",
+                       .expected = tensioner[side],
+                       .measured = pull[side],
+                       .tolerance = kPullTolerance * tensioner[side]});
+    r.check.push_back({.key = "pin_drift_" + name + "_m",
+                       .claim = "pins of the " + name + " belt come apart [m]",
+                       .expected = 0,
+                       .measured = pin_drift(rig.ground.world, rig.s->bodies(0), rig.ground.e.track[std::size_t(side)]),
+                       .tolerance = kPinDrift});
   }
   r.trace = {load};
   return r;
@@ -140,21 +153,32 @@ HardGroundReport check_track_speed(const Vehicle& vehicle, double sprocket_speed
   rig.speed_up(sprocket_speed, torque);
   drive_for(*rig.s, 0.5);
   const double turn = 2 * kPi / sprocket_speed, from = rig.place();
-  HardGroundReport r{"track_speed", v.name + ": way over what the sprockets turn", "turns", "way [m]", {}, {}};
+  HardGroundReport r{.name = "track_speed",
+                     .title = v.name + ": way over what the sprockets turn",
+                     .x_label = "turns",
+                     .y_label = "way [m]"};
   Trace engine{"engine", {}, {}}, closed{"teeth times pitch", {0, 2}, {0, 2 * 2 * kPi * rolling_radius(v.track[0])}};
   double drift = 0;
   constexpr int parts = 20, turns = 2;
   for (int k = 0; k < turns * parts; ++k) {
     drive_for(*rig.s, turn / parts);
-    engine.x.push_back(double(k + 1) / parts), engine.y.push_back(rig.place() - from);
+    engine.x.push_back(double(k + 1) / parts);
+    engine.y.push_back(rig.place() - from);
     for (const EngineTrack& t : rig.ground.e.track)
       drift = std::max(drift, pin_drift(rig.ground.world, rig.s->bodies(0), t));
   }
   const double time = rig.s->settings().step * std::lround(turn / parts / rig.s->settings().step) * turns * parts;
   const double expected = rolling_radius(v.track[0]) * sprocket_speed * time;
-  r.check.push_back({"track_way_m", "way of two turns of the sprockets: teeth times pitch [m]", expected,
-                     engine.y.back(), 0.01 * expected});
-  r.check.push_back({"pin_drift_driven_m", "pins come apart while it drives [m]", 0, drift, kPinDrift});
+  r.check.push_back({.key = "track_way_m",
+                     .claim = "way of two turns of the sprockets: teeth times pitch [m]",
+                     .expected = expected,
+                     .measured = engine.y.back(),
+                     .tolerance = 0.01 * expected});
+  r.check.push_back({.key = "pin_drift_driven_m",
+                     .claim = "pins come apart while it drives [m]",
+                     .expected = 0,
+                     .measured = drift,
+                     .tolerance = kPinDrift});
   r.trace = {closed, engine};
   return r;
 }
@@ -168,21 +192,23 @@ HardGroundReport check_track_traction(const Vehicle& vehicle, double mu, const H
   rig.speed_up(spin, torque);
   drive_for(*rig.s, before);
   const double speed = forward_speed(*rig.s, rig.ground);
-  HardGroundReport r{"track_traction",
-                     v.name + ": spinning belts on the slope that friction just allows",
-                     "time [s]",
-                     "speed [m/s]",
-                     {},
-                     {}};
+  HardGroundReport r{.name = "track_traction",
+                     .title = v.name + ": spinning belts on the slope that friction just allows",
+                     .x_label = "time [s]",
+                     .y_label = "speed [m/s]"};
   Trace trace{"engine", {}, {}};
   constexpr int samples = 40;
   for (int k = 0; k < samples; ++k) {
     drive_for(*rig.s, time / samples);
-    trace.x.push_back((k + 1) * time / samples), trace.y.push_back(forward_speed(*rig.s, rig.ground));
+    trace.x.push_back((k + 1) * time / samples);
+    trace.y.push_back(forward_speed(*rig.s, rig.ground));
   }
   const double gained = (forward_speed(*rig.s, rig.ground) - speed) / time;
-  r.check.push_back({"track_gradeability", "steepest slope with spinning belts: tan = mu", mu,
-                     mu + gained / (kGravity * std::cos(slope)), kPullTolerance * mu});
+  r.check.push_back({.key = "track_gradeability",
+                     .claim = "steepest slope with spinning belts: tan = mu",
+                     .expected = mu,
+                     .measured = mu + gained / (kGravity * std::cos(slope)),
+                     .tolerance = kPullTolerance * mu});
   r.trace = {trace};
   return r;
 }
@@ -195,26 +221,33 @@ HardGroundReport check_track_torque(const Vehicle& vehicle, double slope, const 
   TrackRig rig(v, 0.9, slope, run, 1e-3);
   drive_for(*rig.s, settled);
   rig.speed_up(speed, torque);
-  HardGroundReport r{"track_torque",
-                     v.name + ": the sprockets' torque and the ground's force, slowly uphill",
-                     "time [s]",
-                     "force [N]",
-                     {},
-                     {}};
+  HardGroundReport r{.name = "track_torque",
+                     .title = v.name + ": the sprockets' torque and the ground's force, slowly uphill",
+                     .x_label = "time [s]",
+                     .y_label = "force [N]"};
   Trace ground{"ground", {}, {}}, sprockets{"torque over rolling radius", {}, {}};
   const double time = teeth * 2 * kPi / (sprocket_teeth(t) * speed);
   double by_ground = 0, by_torque = 0;
   for (int k = 0; k < samples; ++k) {
     drive_for(*rig.s, time / samples);
-    ground.x.push_back((k + 1) * time / samples), ground.y.push_back(rig.plane_force().x);
-    sprockets.x.push_back(ground.x.back()), sprockets.y.push_back(rig.torque() / rolling_radius(t));
-    by_ground += ground.y.back() / samples, by_torque += sprockets.y.back() / samples;
+    ground.x.push_back((k + 1) * time / samples);
+    ground.y.push_back(rig.plane_force().x);
+    sprockets.x.push_back(ground.x.back());
+    sprockets.y.push_back(rig.torque() / rolling_radius(t));
+    by_ground += ground.y.back() / samples;
+    by_torque += sprockets.y.back() / samples;
   }
   const double weight = weigh(v).total * kGravity * std::sin(slope);
-  r.check.push_back({"track_force_N", "force of the ground, slowly uphill: the weight's share along the slope [N]",
-                     weight, by_ground, kPullTolerance * weight});
-  r.check.push_back({"track_torque_N", "torque of the sprockets over their rolling radius: the same [N]", weight,
-                     by_torque, kTorqueTolerance * weight});
+  r.check.push_back({.key = "track_force_N",
+                     .claim = "force of the ground, slowly uphill: the weight's share along the slope [N]",
+                     .expected = weight,
+                     .measured = by_ground,
+                     .tolerance = kPullTolerance * weight});
+  r.check.push_back({.key = "track_torque_N",
+                     .claim = "torque of the sprockets over their rolling radius: the same [N]",
+                     .expected = weight,
+                     .measured = by_torque,
+                     .tolerance = kTorqueTolerance * weight});
   r.trace = {ground, sprockets};
   return r;
 }

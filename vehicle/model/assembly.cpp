@@ -11,11 +11,16 @@ Vec3d mirrored(const Vec3d& v, double side) { return {v.x, side < 0 ? -v.y : v.y
 
 Part mirrored(Part p, double side) {
   p.centre = mirrored(p.centre, side);
-  if (side < 0) p.products.x = -p.products.x, p.products.z = -p.products.z;
+  if (side < 0) {
+    p.products.x = -p.products.x;
+    p.products.z = -p.products.z;
+  }
   return p;
 }
 
-Part point_mass(const std::string& name, double mass, const Vec3d& at) { return {name, mass, at, {}, {}}; }
+Part point_mass(const std::string& name, double mass, const Vec3d& at) {
+  return {.name = name, .mass = mass, .centre = at};
+}
 
 /// Adds to a part's inertia that of its mass at an offset from a new reference point.
 void shift(Part& p, const Vec3d& offset) {
@@ -47,7 +52,7 @@ struct Corner {
     return assembly.wheel.back();
   }
   void add_axle(int hub) const {
-    Link axle{LinkType::revolute, hub, add_wheel(), station.centre, {}, {0, 1, 0}, true, false};
+    Link axle{.parent = hub, .child = add_wheel(), .point = station.centre, .axis = {0, 1, 0}, .wheel = true};
     assembly.link.push_back(axle);
   }
 };
@@ -62,32 +67,38 @@ void add_wishbones(const Corner& c) {
   a.body[upright] = joined(a.body[upright], point_mass("", half_rod, outer));
   a.body[0] = joined(a.body[0], point_mass("", half_rod, inner));
   for (const auto& [arm, name] : {std::pair{upper, std::string("upper")}, std::pair{lower, std::string("lower")}})
-    a.link.push_back({LinkType::revolute,
-                      0,
-                      arm,
-                      c.at(name + "_front"),
-                      {},
-                      direction(c.at(name + "_rear"), c.at(name + "_front"))});
-  a.link.push_back({LinkType::spherical, lower, upright, c.at("lower_ball"), {}, {}});
-  a.link.push_back({LinkType::spherical, upper, upright, c.at("upper_ball"), {}, {}, false, true});
-  a.link.push_back({LinkType::distance, 0, upright, outer, inner, {}, false, true});
+    a.link.push_back(
+        {.child = arm, .point = c.at(name + "_front"), .axis = direction(c.at(name + "_rear"), c.at(name + "_front"))});
+  a.link.push_back({.type = LinkType::spherical, .parent = lower, .child = upright, .point = c.at("lower_ball")});
+  a.link.push_back(
+      {.type = LinkType::spherical, .parent = upper, .child = upright, .point = c.at("upper_ball"), .loop = true});
+  a.link.push_back({.type = LinkType::distance, .child = upright, .point = outer, .parent_point = inner, .loop = true});
   c.add_axle(upright);
   const Suspension& s = *c.station.suspension;
   const auto arm_of = [&](const std::string& point) {
     // A strut stands on the lower arm, or on the upright when it is mounted beyond the arm's ball joint.
     return std::fabs(c.at(point).y) > std::fabs(c.at("lower_ball").y) - 1e-9 ? upright : lower;
   };
-  a.strut.push_back({0, arm_of("spring_arm"), c.at("spring_chassis"), c.at("spring_arm"), &s.spring, nullptr});
-  a.strut.push_back({0, arm_of("damper_arm"), c.at("damper_chassis"), c.at("damper_arm"), nullptr, &s.damper});
+  a.strut.push_back({.child = arm_of("spring_arm"),
+                     .parent_point = c.at("spring_chassis"),
+                     .child_point = c.at("spring_arm"),
+                     .spring = &s.spring});
+  a.strut.push_back({.child = arm_of("damper_arm"),
+                     .parent_point = c.at("damper_chassis"),
+                     .child_point = c.at("damper_arm"),
+                     .damper = &s.damper});
 }
 
 void add_trailing_arm(const Corner& c) {
   Assembly& a = c.assembly;
   const int arm = c.add_part("arm");
-  a.link.push_back({LinkType::revolute, 0, arm, c.at("pivot"), {}, {0, 1, 0}});
+  a.link.push_back({.child = arm, .point = c.at("pivot"), .axis = {0, 1, 0}});
   c.add_axle(arm);
   if (!c.station.suspension->damper.force.empty())
-    a.strut.push_back({0, arm, c.at("damper_chassis"), c.at("damper_arm"), nullptr, &c.station.suspension->damper});
+    a.strut.push_back({.child = arm,
+                       .parent_point = c.at("damper_chassis"),
+                       .child_point = c.at("damper_arm"),
+                       .damper = &c.station.suspension->damper});
 }
 
 void add_corner(const Corner& c) {
@@ -108,7 +119,7 @@ int add_turning(Assembly& a, Part p, int parent, double side) {
   p.name = of_side(side, p.name);
   a.body.push_back(p);
   const int body = int(a.body.size()) - 1;
-  a.link.push_back({LinkType::revolute, parent, body, p.centre, {}, {0, 1, 0}});
+  a.link.push_back({.parent = parent, .child = body, .point = p.centre, .axis = {0, 1, 0}});
   return body;
 }
 
@@ -137,10 +148,15 @@ void add_running_gear(const Vehicle& v, double side, const Vec3d& idler, Assembl
   TrackBodies bodies;
   bodies.sprocket = add_turning(a, moved(t.sprocket, t.sprocket.centre + beside), 0, side);
   a.body[0] = joined(a.body[0], point_mass("", -b.carrier_mass, t.idler.centre + beside));
-  a.body.push_back({of_side(side, "carrier"), b.carrier_mass, idler + beside, b.carrier_inertia, {}});
+  a.body.push_back({.name = of_side(side, "carrier"),
+                    .mass = b.carrier_mass,
+                    .centre = idler + beside,
+                    .moments = b.carrier_inertia});
   bodies.carrier = int(a.body.size()) - 1;
-  a.link.push_back(
-      {LinkType::prismatic, 0, bodies.carrier, idler + beside, {}, direction(t.idler.centre, t.idler_travel)});
+  a.link.push_back({.type = LinkType::prismatic,
+                    .child = bodies.carrier,
+                    .point = idler + beside,
+                    .axis = direction(t.idler.centre, t.idler_travel)});
   bodies.idler = add_turning(a, moved(t.idler, idler + beside), bodies.carrier, side);
   a.track.push_back(bodies);
 }

@@ -1,4 +1,4 @@
-// Way of a track around its wheels.
+// Path of a track around its wheels, as the convex hull of circles.
 #pragma once
 #include "vehicle/model/vehicle.h"
 
@@ -8,18 +8,18 @@ struct Circle {
   double x = 0, z = 0, radius = 0;  // [m]
 };
 
-/// A part of the boundary of circles' convex hull: the directions [rad] in which a circle reaches furthest.
+/// An arc of the convex hull of circles: the interval of directions [rad] in which `circle` is the farthest.
 struct HullArc {
   std::size_t circle = 0;
-  double from = 0, to = 0;  // from x to z; 0 <= from < to <= 2 pi
+  double from = 0, to = 0;  // angle from x towards z; 0 <= from < to <= 2 pi
 };
-/// All of them, by direction; a circle may have several, one that is not on the hull none.
+/// All arcs, sorted by direction. A circle may have several arcs, or none.
 std::vector<HullArc> hull_arcs(const std::vector<Circle>& circles);
 
 /// Length of the shortest closed belt around circles [m]: the boundary of their convex hull.
 double convex_belt_length(const std::vector<Circle>& circles);
 
-/// Length of a track's line of pins [m]; `tension` 0: idler where it is drawn, 1: at the end of its travel.
+/// Length of a track's line of pins [m]. `tension` 0: idler in its design position; 1: at the end of its travel.
 double belt_length(const Vehicle& v, bool left, double tension);
 
 }  // namespace gonogo::vehicle

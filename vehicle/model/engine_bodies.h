@@ -10,12 +10,13 @@ struct EngineBodies {
   std::vector<Index> joint;          // of each link
 };
 
-/// Adds bodies and joints in the design position, with the vehicle's origin at `origin` and its axes along the world's.
-/// A body's axes become the principal axes of its inertia.
+/// Adds bodies and joints in the design position. The vehicle's origin is at `origin`, its axes are the world's. The
+/// axes of a body are the principal axes of its inertia.
 EngineBodies add_bodies(sim::SceneWorld& world, const Assembly& assembly, const Vec3d& origin);
 
-/// Adds the struts as springs of the engine: of a spring its table and its stops, where they have more points than the
-/// engine takes those next to the design length; of a damper its slope at rest, the mean of compression and rebound.
+/// Adds the struts as springs of the engine. A spring keeps its table and stops; of a table with too many points for
+/// the engine, the points next to the design length. A damper becomes its slope at rest, the mean of compression and
+/// rebound.
 void add_struts(sim::SceneWorld& world, const Assembly& assembly, const EngineBodies& bodies, const Vec3d& origin);
 
 }  // namespace gonogo::vehicle

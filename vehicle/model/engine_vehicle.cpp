@@ -35,7 +35,8 @@ void add_belly(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e,
   for (const Station& s : e.station) {
     const double width = v.track.empty() ? s.wheel->width : v.track[0].shoe_width;
     if (s.side != 0) half_width = std::min(half_width, std::fabs(s.centre.y) - width / 2 - gap);
-    front = std::max(front, s.centre.x), rear = std::min(rear, s.centre.x);
+    front = std::max(front, s.centre.x);
+    rear = std::min(rear, s.centre.x);
   }
   if (!(half_width > 0) || !(v.length > 0)) return;
   const sim::BodyState& chassis = world.body[std::size_t(e.chassis)];
@@ -197,14 +198,14 @@ void add_engine(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e
 /// A motor in every driven wheel: holds the rim's speed within its torque; it brakes by holding zero.
 void add_wheel_motors(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e, const DriverOrders& orders) {
   const Curve& torque = v.driveline.engine;
-  const double most = *std::max_element(torque.value.begin(), torque.value.end()) * v.driveline.efficiency;
+  const double max_torque = *std::max_element(torque.value.begin(), torque.value.end()) * v.driveline.efficiency;
   for (std::size_t i = 0; i < e.station.size(); ++i) {
     if (e.drive_motor[i] < 0) continue;
     const double top = v.driveline.cut_speed, wish = orders.speed / e.station[i].wheel->radius;
     sim::Controller c;
     c.motor = e.drive_motor[i];
     c.command = ramp_up(orders.release, orders.throttle_ramp, orders.speed > 0 ? std::min(top, wish) : top);
-    c.limit = {{0, most}};
+    c.limit = {{0, max_torque}};
     world.controller.push_back(c);
   }
 }
@@ -225,7 +226,8 @@ EngineVehicle add_tracked(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
   world.set_law(material, material, {});  // see engine_track.h
   for (std::size_t i = 0; i < e.station.size(); ++i) {
     e.wheel.push_back(e.bodies.body[std::size_t(assembly.wheel[i])]);
-    e.drive_motor.push_back(-1), e.brake_motor.push_back(-1);
+    e.drive_motor.push_back(-1);
+    e.brake_motor.push_back(-1);
     add_torsion_spring(world, e.station[i], assembly, assembly.wheel[i], e.bodies);
     add_double_wheel(world, v, e.wheel.back(), e.station[i].wheel->radius, e.station[i].wheel->width, material);
   }
@@ -239,7 +241,10 @@ Vec3d kingpin(const Assembly& a, int upright) {
   Vec3d sum;
   int count = 0;
   for (const Link& l : a.link)
-    if (l.type == LinkType::spherical && l.child == upright) sum += l.point, ++count;
+    if (l.type == LinkType::spherical && l.child == upright) {
+      sum += l.point;
+      ++count;
+    }
   return sum * (1.0 / std::max(count, 1));
 }
 
@@ -301,12 +306,19 @@ std::vector<RunningPart> running_parts(const Vehicle& v) {
   std::vector<RunningPart> parts;
   for (const Station& s : stations(v)) {
     const double width = v.track.empty() ? s.wheel->width : v.track[0].shoe_width;
-    parts.push_back({s.name, s.centre, ground_reach(v, *s.wheel), width, s.wheel->radius, s.driven && v.track.empty()});
+    parts.push_back({.name = s.name,
+                     .centre = s.centre,
+                     .reach = ground_reach(v, *s.wheel),
+                     .width = width,
+                     .rolling_radius = s.wheel->radius,
+                     .driven = s.driven && v.track.empty()});
   }
   for (const Track& t : v.track)
     for (const double side : {1.0, -1.0})
-      parts.push_back({side > 0 ? "left sprocket" : "right sprocket", t.sprocket.centre + Vec3d{0, side * t.offset, 0},
-                       0, 0, rolling_radius(t), true});
+      parts.push_back({.name = side > 0 ? "left sprocket" : "right sprocket",
+                       .centre = t.sprocket.centre + Vec3d{0, side * t.offset, 0},
+                       .rolling_radius = rolling_radius(t),
+                       .driven = true});
   return parts;
 }
 
@@ -336,7 +348,7 @@ Index running_motor(const EngineVehicle& e, std::size_t part) {
 }
 
 Vehicle loaded(Vehicle v, double payload) {
-  if (payload > 0) v.fixed_parts.push_back({"payload", payload, v.chassis.centre, {}, {}});
+  if (payload > 0) v.fixed_parts.push_back({.name = "payload", .mass = payload, .centre = v.chassis.centre});
   return v;
 }
 

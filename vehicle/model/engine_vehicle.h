@@ -1,78 +1,76 @@
-// A whole vehicle in a world of the contact engine: bodies, joints, struts, wheels, and what drives and brakes them.
+// A whole vehicle in a world of the contact engine: bodies, joints, struts, wheels, driveline and brakes.
 #pragma once
 #include "vehicle/model/engine_track.h"
 
 namespace gonogo::vehicle {
 
-/// What the driver is told; times in the world's time.
+/// Orders to the driver, in the world's time.
 struct DriverOrders {
-  double release = 0;        // the brakes are on until then [s]
-  double throttle_ramp = 0;  // of the throttle, or of the commanded speed, from zero on [s]
-  double speed = 0;          // to hold, on the speedometer [m/s]; 0: full throttle
-  double brake_from = 1e9;   // throttle off and brakes fully on from then [s]
-  int gear = 0;              // to stay in, 1 the lowest; 0: shifts by itself from the lowest one on
+  double release = 0;        // time at which the brakes are released [s]
+  double throttle_ramp = 0;  // time in which throttle or commanded speed rises from zero [s]
+  double speed = 0;          // speedometer reading to hold [m/s]; 0: full throttle
+  double brake_from = 1e9;   // time of full braking with the throttle closed [s]
+  int gear = 0;              // gear to stay in, 1 the lowest; 0: automatic shifts from the lowest
 };
 
-/// What a trial watches of a vehicle beside its chassis: wheels, and of a tracked vehicle its sprockets after its road
-/// wheels.
+/// A turning part that trials record: a wheel or, after the road wheels, a sprocket.
 struct RunningPart {
   std::string name;             // "front left", "left sprocket"
-  Vec3d centre;                 // [m]
-  double reach = 0, width = 0;  // of what touches the ground under it: down from its axle, and across; 0: nothing [m]
-  double rolling_radius = 0;    // way per radian that it turns [m]
+  Vec3d centre{};               // [m]
+  double reach = 0, width = 0;  // of the tyre or shoe under it: down from the axle, across; 0: none [m]
+  double rolling_radius = 0;    // distance per radian of turn [m]
   bool driven = false;
 };
 
 std::vector<RunningPart> running_parts(const Vehicle& v);
 
-/// Points along the bottom of a tracked vehicle's belts, between which a plate is flat, in the vehicle's frame; of
-/// others none [m].
+/// Points along the bottom of a tracked vehicle's belts, 10 mm apart, in the vehicle's frame [m]. Empty for others.
 std::vector<Vec3d> belt_bottom(const Vehicle& v);
 
 struct EngineVehicle {
   std::vector<Station> station;
   EngineBodies bodies;
   std::vector<sim::BodyIndex> wheel;  // [station]
-  std::vector<Index> drive_motor;     // [station] of the wheel against what carries it, -1: not driven
-  std::vector<Index> brake_motor;     // [station] -1: none
-  std::vector<Index> steer_motor;     // of the steering arms, when there are any
+  std::vector<Index> drive_motor;     // [station] between wheel and its carrier; -1: not driven
+  std::vector<Index> brake_motor;     // [station]; -1: none
+  std::vector<Index> steer_motor;     // of the steering arms; empty without steering
   sim::BodyIndex chassis = 0;
   Vec3d chassis_centre;            // its centre of mass in the vehicle's frame [m]
-  std::vector<EngineTrack> track;  // left, right; their sprockets drive and brake, not the stations' road wheels
+  std::vector<EngineTrack> track;  // left, right; sprockets drive and brake, not road wheels
 };
 
-/// Body and drive motor (-1: none) of a running part, by its place in running_parts().
+/// Body and drive motor (-1: none) of running_parts()[part].
 sim::BodyIndex running_body(const EngineVehicle& e, std::size_t part);
 Index running_motor(const EngineVehicle& e, std::size_t part);
 
-/// The same vehicle with a payload in the chassis's centre of mass [kg].
+/// The same vehicle with a payload [kg] at the chassis's centre of mass.
 Vehicle loaded(Vehicle v, double payload);
 
-/// Distance from a station's axle down to where the vehicle touches flat ground before it has settled: its lugs' tips,
-/// or the bottom of a belt whose plates touch no wheel yet [m].
+/// Distance from a station's axle down to flat ground at first touch [m]: to the tips of the lugs, or to the bottom of
+/// a belt whose plates do not touch the wheel yet.
 double ground_reach(const Vehicle& v, const Wheel& wheel);
 
-/// Height of the vehicle's origin over flat ground when its wheels, lugs included, just touch [m].
+/// Height of the vehicle's origin over flat ground when its wheels or lugs just touch [m].
 double standing_height(const Vehicle& v);
 
-/// Adds the vehicle in its design position, origin at `origin`, axes along the world's. A tracked one must have been
-/// set down (track_loop.h); throws InputError where its file has no belt, or one that does not close. `v` must outlive
-/// the result.
+/// Adds the vehicle in its design position, with its origin at `origin` and its axes along the world's. Call set_down()
+/// of track_loop.h on tracked vehicles first. Throws InputError for a tracked vehicle without a belt that closes. `v`
+/// must outlive the result.
 EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d& origin, int tool_material);
 
-/// Adds drivelines or controllers, brakes and differentials. Throws InputError for what the engine cannot drive: a
-/// converter without capacity, a centre differential that locks between axles with open ones.
+/// Adds drivelines or controllers, brakes and differentials. Throws InputError for drivelines that the engine does not
+/// know: a converter without capacity, a locking centre differential between axles with open ones.
 void add_drive(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const DriverOrders& orders);
 
-/// Whether the file says how its driver keeps to a straight line, and with which wheels.
+/// Whether the file describes straight-line steering: gains of the driver, and steered wheels.
 bool steers(const Vehicle& v);
 
-/// Lets the driver keep the vehicle on the line along x through where it starts, by a point ahead of it. The inner ends
-/// of its steered wheels' tie rods are held by arms that turn in the chassis, each parallel to its wheel's steering
-/// arm, so that wheel and arm turn by the same angle. Call after add_vehicle, for a vehicle that steers.
+/// Adds a controller that steers towards the line along x through the start, by a point ahead of the vehicle. The tie
+/// rods' inner ends are held by arms that turn in the chassis. Each is parallel to its wheel's steering arm, so that
+/// wheel and arm turn by the same angle. Call after add_vehicle(), if steers().
 void add_steering(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const Vec3d& origin);
 
-/// Moments of inertia about the axle of everything that turns with the driven wheels [kg m^2].
+/// Sum of the moments of inertia of all parts that turn with the driven wheels, about the axle [kg m^2].
 double driven_wheel_inertia(const Vehicle& v);
 
 }  // namespace gonogo::vehicle

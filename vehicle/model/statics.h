@@ -1,4 +1,4 @@
-// Weights, wheel loads and speeds that follow from a vehicle's file by closed forms.
+// Closed forms from a vehicle's file: weights, wheel loads, gear speeds.
 #pragma once
 #include "vehicle/model/assembly.h"
 
@@ -13,21 +13,21 @@ struct Weights {
 
 Weights weigh(const Vehicle& v);
 
-/// Normal loads of the stations' wheels on level ground [N]. Wheels beyond three are statically indeterminate: equal
-/// springs under a rigid vehicle share the weight, so the loads are the least-squares ones, linear in x and y.
+/// Normal loads of the stations' wheels on level ground [N]. More than three wheels are statically indeterminate: equal
+/// springs under a rigid vehicle are assumed, so that the load is linear in x and y.
 std::vector<double> static_loads(const Vehicle& v);
 
 /// Length of ground contact of a track, first to last road wheel [m].
 double track_contact_length(const Vehicle& v);
 
-/// Load over nominal contact area: tyre width times radius (NRMM's contact pressure factor), shoe width times the
-/// share of the contact length [Pa].
+/// Load over nominal contact area of each station [Pa]. The area is tyre width times radius (NRMM's contact pressure
+/// factor), or shoe width times the station's share of the contact length.
 std::vector<double> contact_pressures(const Vehicle& v);
 
 struct GearSpeed {
   double ratio = 0;           // engine speed over wheel speed
   double cut = 0;             // speed at the engine's limit [m/s]
-  double balanced = 0;        // speed at which full throttle gives no torque any more [m/s]
+  double balanced = 0;        // speed at which full throttle gives no torque [m/s]
   double tractive_force = 0;  // largest, at the driven wheels' radius, stalled converter [N]
 };
 

@@ -20,12 +20,13 @@ class Hull {
     const std::vector<HullArc> arcs = hull_arcs(circles);
     for (std::size_t k = 0; k < arcs.size(); ++k) {
       const Circle& c = circles[arcs[k].circle];
-      add({length_, {c.x, 0, c.z}, c.radius, arcs[k].from, {}}, c.radius * (arcs[k].to - arcs[k].from));
+      add({.begin = length_, .origin = {c.x, 0, c.z}, .radius = c.radius, .angle = arcs[k].from},
+          c.radius * (arcs[k].to - arcs[k].from));
       const HullArc& next = arcs[(k + 1) % arcs.size()];
       const Circle& n = circles[next.circle];
       const Vec3d from = point(c, arcs[k].to), to = point(n, next.from), way = to - from;
       const double apart = gonogo::length(way);
-      if (apart > 1e-12) add({length_, from, 0, 0, way * (1 / apart)}, apart);
+      if (apart > 1e-12) add({.begin = length_, .origin = from, .way = way * (1 / apart)}, apart);
     }
   }
 
@@ -41,10 +42,10 @@ class Hull {
 
  private:
   struct Piece {
-    double begin;
-    Vec3d origin;  // of an arc its middle, of a line its beginning
-    double radius, angle;
-    Vec3d way;
+    double begin = 0;
+    Vec3d origin{};  // of an arc its middle, of a line its beginning
+    double radius = 0, angle = 0;
+    Vec3d way{};
   };
 
   static Vec3d point(const Circle& c, double angle) { return Vec3d{c.x, 0, c.z} + c.radius * toward(angle); }

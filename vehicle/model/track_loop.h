@@ -1,4 +1,4 @@
-// The closed line of pins of a track in the vehicle's middle plane (x, z), pin to pin one pitch apart.
+// The closed polygon of a track's pins in the plane (x, z), one pitch between neighbours.
 #pragma once
 #include <string>
 
@@ -7,32 +7,32 @@
 namespace gonogo::vehicle {
 
 struct TrackLoop {
-  std::vector<Vec3d> pin;  // [shoe] in the track's middle plane, y = 0; counted from the foremost up and backwards [m]
+  std::vector<Vec3d> pin;  // [shoe] in the track's middle plane, y = 0, from the foremost pin up and backwards [m]
   double tension = 0;      // share of the tensioner's travel at which the loop closes, within [0, 1]
-  Vec3d idler;             // where the idler then is [m]
-  double tooth_angle = 0;  // about the sprocket's axle from x to z, of a tooth [rad]
+  Vec3d idler;             // position of the idler then [m]
+  double tooth_angle = 0;  // of one tooth about the sprocket's axle, from x towards z [rad]
 };
 
-/// Teeth of the sprocket: of the circle through the pins, whose chords are pitches.
+/// Number of teeth: of pitches that fit as chords into the circle through the pins.
 int sprocket_teeth(const Track& t);
 
-/// Distance that a shoe's way takes per radian of the sprocket: teeth times pitch over a turn [m]. A little less than
-/// the radius of the pins, because belts go around in chords.
+/// Distance that the belt moves per radian of the sprocket: teeth times pitch over 2 pi [m]. It is a little less than
+/// the radius of the pins, because the belt runs in chords.
 double rolling_radius(const Track& t);
 
-/// Smallest distance of pins from the axle of a wheel of this radius at which no plate cuts into it [m].
+/// Distance of the pins from the axle of a wheel of this radius whose surface the plates just touch [m].
 double pin_circle(const Track& t, double wheel_radius);
 
-/// By chords of one pitch along the convex hull of the circles that pins keep around sprocket, idler and road wheels,
-/// with the idler where the last chord ends at the first pin. Throws InputError, beginning with the vehicle's name, for
-/// shoes that do not close within the tensioner's travel.
+/// Places pins by chords of one pitch along the convex hull of the pin circles of sprocket, idler and road wheels. The
+/// idler moves until the last chord ends at the first pin. Throws InputError, which begins with the vehicle's name,
+/// when the loop does not close within the tensioner's travel.
 TrackLoop close_loop(const Vehicle& v, bool left);
 
-/// Throws InputError for a sprocket whose pins' circle holds no whole number of pitches.
+/// Throws InputError unless the circle through the sprocket's pins holds a whole number of pitches.
 void check_sprocket(const Track& t, const std::string& where);
 
-/// The vehicle with its trailing arms turned down to where their springs carry it, as far as its belts allow; springs,
-/// clearance and arms stay what they are. Vehicles without tracks stay as they are.
+/// A tracked vehicle with its trailing arms turned down until their springs carry it, as far as the belts allow.
+/// Springs, clearance and arms do not change. Other vehicles are returned unchanged.
 Vehicle set_down(Vehicle v);
 
 }  // namespace gonogo::vehicle

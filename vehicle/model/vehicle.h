@@ -1,7 +1,6 @@
 // A vehicle as its file describes it (configs/vehicles/*.json, docs/vehicles.md): masses, geometry, suspension, wheels
-// or tracks, driveline, brakes, driver. Frame of the file: x forward, y left, z up, origin and design position as the
-// file says; everything is given in the design position. Points of a suspension and of a track are those of the left
-// side; the right side is its mirror image.
+// or tracks, driveline, brakes, driver. Frame: x forward, y left, z up; the file chooses the origin. Everything is
+// given in the design position. Suspensions and tracks are given for the left side; the right side is its mirror image.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -12,39 +11,39 @@
 
 namespace gonogo::vehicle {
 
-/// Linear between points, constant beyond the ends.
+/// Piecewise linear; constant beyond the ends.
 struct Curve {
   std::vector<double> at, value;  // `at` ascends
   bool empty() const { return at.empty(); }
   double operator()(double x) const;
 };
 
-/// A rigid body. Moments and products are the entries of its inertia matrix about its centre of mass, in the vehicle's
-/// axes: (xx, yy, zz) and (xy, xz, yz) [kg m^2].
+/// A rigid body. `moments` (xx, yy, zz) and `products` (xy, xz, yz) are the entries of its inertia matrix about the
+/// centre of mass, in the vehicle's axes [kg m^2].
 struct Part {
   std::string name;
   double mass = 0;  // [kg]
-  Vec3d centre;     // [m]
-  Vec3d moments, products;
+  Vec3d centre{};   // [m]
+  Vec3d moments{}, products{};
 };
 
-/// Spring between two points: force that pushes them apart [N] over their distance [m].
+/// Spring between two points: force [N], positive apart, over their distance [m].
 struct Spring {
   Curve force;                       // never rises with the length
-  double shortest = 0, longest = 0;  // between the stops [m]; 0: no stops
-  Curve stop;                        // force over how far a stop is pressed in [m]
-  /// Push at a length, stops included [N].
+  double shortest = 0, longest = 0;  // range between the stops [m]; 0: no stops
+  Curve stop;                        // force over the compression of a stop [m]
+  /// Force at a length, with the stops [N].
   double push(double length) const;
 };
 
-/// Damper between two points: force that pushes them apart [N] over the speed at which they part [m/s].
+/// Damper between two points: force [N], positive apart, over the speed at which they separate [m/s].
 struct Damper {
   Curve force;                       // falls with the speed
-  double shortest = 0, longest = 0;  // outside them the hydraulic bump acts instead [m]; 0: none
+  double shortest = 0, longest = 0;  // outside this range the hydraulic bump acts instead [m]; 0: none
   Curve bump;
 };
 
-/// About the axis of an arm: torque on the arm [N m], positive turns the wheel down.
+/// Spring about the axis of an arm. Positive torque turns the wheel down.
 struct TorsionSpring {
   double stiffness = 0;  // [N m/rad]
   double damping = 0;    // [N m s/rad]
@@ -53,31 +52,30 @@ struct TorsionSpring {
 
 enum class SuspensionType { double_wishbone, trailing_arm, rigid };
 
-/// How a wheel is held, for the left side; points relative to the place where it is mounted [m].
-///   double_wishbone  upper and lower arm turn about their chassis points (upper_front - upper_rear, ...), hold the
-///   upright
-///                    at ball joints; the tie rod holds its steering
-///   trailing_arm     an arm turns about the y axis through `pivot`
-///   rigid            the wheel turns in the chassis
+/// Suspension of a left wheel. Points are relative to its mounting point [m].
+///   double_wishbone  Upper and lower arm turn about their chassis points (upper_front - upper_rear, ...) and hold the
+///                    upright at ball joints. The tie rod holds its steering.
+///   trailing_arm     An arm turns about the y axis through `pivot`.
+///   rigid            The wheel turns in the chassis.
 struct Suspension {
   std::string name;
   SuspensionType type = SuspensionType::rigid;
   std::map<std::string, Vec3d> point;
-  std::map<std::string, Part> part;  // centres relative to the mounting place too
+  std::map<std::string, Part> part;  // centres are relative to the mounting point too
   double tie_rod_mass = 0;           // shared by its two ends [kg]
   Spring spring;
   Damper damper;
   TorsionSpring torsion;
 };
 
-/// Everything that turns with a wheel, and what touches the ground.
+/// All that turns with a wheel, and its tread.
 struct Wheel {
   std::string name;
   Part part;                                 // spindle, rim and tyre together, about the wheel's centre
   double radius = 0, width = 0;              // of the tread, without lugs [m]
   int lug_count = 0;                         // lugs or grousers
   double lug_height = 0, lug_thickness = 0;  // [m]
-  double friction = 0;                       // tyre on hard ground
+  double friction = 0;                       // coefficient of the tyre on hard ground
   double stiffness = 0, damping = 0;         // of a compliant tyre [N/m, N s/m]; 0: rigid
   // Nominal size of the tyre, as in mobility indices; 0: not given [m].
   double size_diameter = 0, size_section_width = 0, size_section_height = 0, size_deflection = 0;
@@ -87,7 +85,7 @@ enum class Differential { open, limited_slip, locked };
 
 struct Axle {
   std::string name, suspension, wheel;
-  Vec3d position;       // where the suspension is mounted [m]
+  Vec3d position;       // mounting point of the suspension [m]
   bool single = false;  // one wheel in the middle, no right side
   bool driven = false, steered = false;
   double brake_torque = 0;  // per wheel [N m]
@@ -95,7 +93,7 @@ struct Axle {
   double torque_bias = 1;  // limited slip: largest ratio of the two torques
 };
 
-/// What a belt needs beyond a track's sizes to be simulated shoe by shoe.
+/// Data of a track for simulation shoe by shoe.
 struct Belt {
   Vec3d shoe_inertia;            // along, across, and at right angles to the plate [kg m^2]
   double pin_radius = 0;         // of the bosses around the pins, which the sprocket's teeth push [m]
@@ -104,9 +102,9 @@ struct Belt {
   double idler_width = 0;        // over both discs [m]
   Vec3d guide;                   // length, width, height over the pad of the horn on each shoe [m]
   double grouser_thickness = 0;  // along the belt [m]
-  double carrier_mass = 0;       // of what slides with the idler, part of the chassis's mass [kg]
+  double carrier_mass = 0;       // slides with the idler; part of the chassis's mass [kg]
   Vec3d carrier_inertia;         // [kg m^2]
-  double tensioner_force = 0;    // where the belt just closes [N]
+  double tensioner_force = 0;    // at the length at which the belt closes [N]
   double tensioner_stiffness = 0, tensioner_damping = 0;  // [N/m, N s/m]
 };
 
@@ -116,7 +114,7 @@ struct Track {
   Part sprocket, idler;
   double sprocket_radius = 0;  // of the pins [m]
   double idler_radius = 0;     // [m]
-  Vec3d idler_travel;          // along which the tensioner may move the idler, from its position to here [m]
+  Vec3d idler_travel;          // end point of the idler's travel by the tensioner [m]
   std::string suspension[2];   // of the road wheels with and without damper
   std::string wheel;
   std::vector<double> road_wheel_x, right_road_wheel_x;  // [m]
@@ -140,7 +138,7 @@ struct Driveline {
   double engine_inertia = 0;  // [kg m^2]
   double idle_speed = 0;      // [rad/s]
   double up_speed = 0, down_speed = 0;  // engine speeds at which it shifts [rad/s]; 0: never
-  double shift_time = 0;                // between two shifts at least [s]
+  double shift_time = 0;                // min time between two shifts [s]
   std::vector<double> gears;            // output over input speed
   double reverse = 0, final_drive = 1;
   double efficiency = 1;
@@ -162,7 +160,7 @@ struct Vehicle {
   VehicleKind kind = VehicleKind::wheeled;
   std::vector<std::string> sources, unsourced;
   Part chassis;
-  std::vector<Part> fixed_parts;  // to the chassis
+  std::vector<Part> fixed_parts;  // fixed to the chassis
   double length = 0, width = 0;   // [m]
   double clearance = 0;           // belly over the ground in the design position [m]
   double power = 0;               // of the engine [W]

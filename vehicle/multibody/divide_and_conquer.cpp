@@ -33,17 +33,17 @@ struct Join {
 
 struct World {
   const Tree& tree;
-  std::vector<Subspace> s;        // S in world coordinates
-  std::vector<Vector6> coriolis;  // v x S qd
-  std::vector<VectorX> tau;
-  std::vector<Matrix6> inverse_inertia;
-  std::vector<Vector6> free;  // acceleration without handle forces, gravity taken off
+  std::vector<Subspace> s{};        // S in world coordinates
+  std::vector<Vector6> coriolis{};  // v x S qd
+  std::vector<VectorX> tau{};
+  std::vector<Matrix6> inverse_inertia{};
+  std::vector<Vector6> free{};  // acceleration without handle forces, gravity taken off
 };
 
 World world_of(const Tree& tree, const VectorX& q, const VectorX& v, const VectorX& tau, const Vector3& gravity,
                const std::vector<Vector6>& external) {
   const Kinematics k = kinematics(tree, q, v);
-  World w{tree, {}, {}, {}, {}, {}};
+  World w{.tree = tree};
   Vector6 weight = Vector6::Zero();
   weight.tail<3>() = gravity;
   for (int i = 0; i < tree.body_count(); ++i) {
@@ -137,7 +137,10 @@ int halving_joint(const Tree& tree, const std::vector<int>& members) {
   for (std::size_t m = 1; m < members.size(); ++m) {
     const std::size_t below = side_of(tree, members, members[m], true).size();
     const std::size_t larger = std::max(below, members.size() - below);
-    if (larger < smallest) smallest = larger, best = members[m];
+    if (larger < smallest) {
+      smallest = larger;
+      best = members[m];
+    }
   }
   return best;
 }

@@ -1,5 +1,5 @@
-// Dynamics of a tree: M(q) dv/dt + h(q, v) = tau + sum J^T f. `gravity` is in the world frame [m/s^2]; `external` holds
-// a force vector per body, in the body's frame, or is empty.
+// Dynamics of a tree: M(q) dv/dt + h(q, v) = tau + sum J^T f. `gravity` is in the world frame [m/s^2]. `external` is
+// empty or has one spatial force per body, in the body's frame. RBDA: see spatial.h.
 #pragma once
 #include "vehicle/multibody/tree.h"
 

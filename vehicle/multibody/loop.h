@@ -1,14 +1,14 @@
-// Trees whose bodies also close loops (RBDA chapter 8): K dv = k - 2 a c' - a^2 c with the loops' errors c.
+// Trees with loop closures (RBDA chapter 8): K dv = k - 2 a c' - a^2 c, where c are the errors of the loops.
 #pragma once
 #include "vehicle/multibody/dynamics.h"
 
 namespace gonogo::vehicle::multibody {
 
-/// Holds a point of one body to a point of another: together (spherical), or at a distance.
+/// Holds a point of one body at a point of another (spherical), or at a fixed distance from it.
 struct Loop {
   int first = 0, second = 0;
   Vector3 first_point = Vector3::Zero(), second_point = Vector3::Zero();  // in the bodies' frames [m]
-  double length = 0;                                                      // 0: spherical; distance of the points [m]
+  double length = 0;                                                      // distance of the points [m]; 0: spherical
 };
 
 struct LoopEquations {
@@ -23,14 +23,14 @@ struct LoopMotion {
   VectorX force;         // of the loops, along their equations [N]
 };
 
-/// Forward dynamics with loops, from the mass matrix; equations that repeat each other are allowed. `stabilisation` a
-/// [1/s] pulls loops closed that have drifted (Baumgarte 1972).
+/// Forward dynamics with loops, by the mass matrix. Redundant equations are allowed. `stabilisation` is a [1/s], which
+/// corrects the drift of loops (Baumgarte 1972).
 LoopMotion forward_with_loops(const Tree& tree, const std::vector<Loop>& loops, const VectorX& q, const VectorX& v,
                               const VectorX& tau, const Vector3& gravity, const std::vector<Vector6>& external = {},
                               double stabilisation = 0);
 
-/// Positions near q that close the loops, by Newton steps of least length; `held` velocities do not take part (empty:
-/// all do). Returns the largest remaining error [m] and leaves q at the best found.
+/// Moves q to nearby positions that close the loops, by Newton steps of minimal length. `held` velocities do not
+/// change. Returns the largest remaining error [m]; q is the best position found.
 double close_loops(const Tree& tree, const std::vector<Loop>& loops, VectorX& q, const std::vector<int>& held = {});
 
 }  // namespace gonogo::vehicle::multibody

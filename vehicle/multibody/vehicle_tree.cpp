@@ -46,8 +46,11 @@ VehicleTree vehicle_tree(const Assembly& assembly) {
     if (!link.loop) continue;
     const bool rod = link.type == LinkType::distance;
     const Vec3d& at_parent = rod ? link.parent_point : link.point;
-    v.loop.push_back({link.parent, link.child, v.local(link.parent, at_parent), v.local(link.child, link.point),
-                      rod ? length(link.point - link.parent_point) : 0});
+    v.loop.push_back({.first = link.parent,
+                      .second = link.child,
+                      .first_point = v.local(link.parent, at_parent),
+                      .second_point = v.local(link.child, link.point),
+                      .length = rod ? length(link.point - link.parent_point) : 0});
   }
   for (const int wheel : assembly.wheel) v.axle.push_back(v.tree.body(wheel).first_velocity);
   return v;

@@ -17,10 +17,10 @@ struct BekkerSoil {
 
 /// Pressure under a plate whose smaller side is `width`, at a sinkage [Pa].
 double plate_pressure(const BekkerSoil& soil, double width, double sinkage);
-/// Its inverse [m].
+/// Inverse of plate_pressure [m].
 double plate_sinkage(const BekkerSoil& soil, double width, double pressure);
 
-/// A track of uniform pressure.
+/// Forces of a track with uniform pressure.
 struct TrackForces {
   double sinkage = 0;     // [m]
   double resistance = 0;  // of compaction [N]
@@ -28,7 +28,7 @@ struct TrackForces {
 };
 TrackForces track_forces(const BekkerSoil& soil, double width, double length, double load, double slip);
 
-/// Where the largest normal stress of a wheel is: theta_m = (c1 + c2 slip) theta_1.
+/// Angle of the largest normal stress under a wheel: theta_m = (c1 + c2 slip) theta_1.
 struct WheelStress {
   double c1 = 0.4, c2 = 0.2;
 };
@@ -40,11 +40,11 @@ struct WheelForces {
   double torque = 0;                  // [N m]
 };
 
-/// Forces of a rigid wheel that enters the soil at an angle from its lowest point.
+/// Forces of a rigid wheel that meets the soil at `entry_angle` from its lowest point [rad].
 WheelForces wheel_forces(const BekkerSoil& soil, double radius, double width, double slip, double entry_angle,
                          const WheelStress& stress = {});
 
-/// The same for a load: the least entry angle that carries it. Throws InputError when the wheel would sink to its axle.
+/// The same for the smallest entry angle that carries `load` [N]. Throws InputError when the wheel sinks to its axle.
 WheelForces wheel_forces_under(const BekkerSoil& soil, double radius, double width, double slip, double load,
                                const WheelStress& stress = {});
 

@@ -1,13 +1,13 @@
-// Mobility index and vehicle cone index: the least strength of fine-grained soil (rating cone index) that a vehicle
-// needs for one and for fifty passes. The formulas are in pounds and inches; here everything is SI but for the indices
-// themselves, which are in psi by definition.
+// Mobility index and vehicle cone index: the smallest rating cone index of fine-grained soil that carries a vehicle for
+// one pass or for fifty. The published formulas take pounds and inches. Inputs here are SI; the indices are in psi by
+// definition.
 //
 // Sources: Priddy & Willoughby, "Clarification of vehicle cone index with reference to mean maximum pressure",
 // J. Terramechanics 43 (2006): VCI1 of wheels and the deflection correction; Kennedy & Rush, "Development of revised
 // mobility index formula for self-propelled wheeled vehicles in fine-grained soils", WES TR 3-783 (1968) and US Army FM
-// 5-430-00-1 (1994), both by two public transcriptions: the factors, wheeled and tracked. VCI50 of wheels by
-// transcriptions of the same reports; VCI1 and VCI50 of tracks by one transcription and from memory, and held to the
-// M113's published 17 and 40 psi.
+// 5-430-00-1 (1994), both by two public transcriptions: the factors, wheeled and tracked. VCI50 of wheels is from
+// transcriptions of the same reports. VCI1 and VCI50 of tracks come from one transcription
+// without a second source; the M113's published 17 and 40 psi check them.
 #pragma once
 #include "vehicle/model/vehicle.h"
 
@@ -49,12 +49,12 @@ struct VehicleConeIndex {
   double one_pass = 0, fifty_passes = 0;  // [psi]
 };
 
-/// Multiplies the indices of wheels: (0.15 / deflection)^(1/4), deflection over section height.
+/// Factor of the indices of wheels: (0.15 / deflection_ratio)^(1/4), with the deflection over the section height.
 double deflection_correction(double deflection_ratio);
 VehicleConeIndex wheeled_cone_index(double mobility_index, double deflection_ratio);
 VehicleConeIndex tracked_cone_index(double mobility_index);
 
-/// Of a vehicle file: its most demanding axle, or its tracks.
+/// Index of a vehicle file: of its most demanding axle, or of its tracks.
 struct VehicleIndex {
   std::string axle;  // empty for tracks
   MobilityFactors factors;

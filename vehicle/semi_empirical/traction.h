@@ -1,5 +1,5 @@
-// Semi-empirical traction of a wheel on soil whose strength is given by a cone index. Coefficients are forces over the
-// wheel's load. Bands to compare simulated drawbar pulls with, not laws.
+// Semi-empirical traction of a wheel on soil of known cone index. Coefficients are forces over the wheel's load. They
+// scatter: use them as bands around simulated drawbar pulls.
 #pragma once
 #include <cmath>
 
@@ -41,17 +41,16 @@ inline Traction brixius(const WheelOnSoil& w, double slip, bool radial) {
   return {gross, rolling + 0.5 * slip / std::sqrt(b)};
 }
 
-/// Below this ratio, on sand so firm that a wheel hardly marks it, the fit of sand_net_traction turns round and is not
-/// to be used.
-inline constexpr double kLeastPressureRatio = 0.04;
+/// Smallest pressure ratio for sand_net_traction. On firmer sand the fit is not monotone.
+inline constexpr double kMinPressureRatio = 0.04;
 
 /// Net traction on dry sand from braked to powered: Mason, Williams, Vahedifard & Priddy, "A unified equation for
 /// predicting traction for wheels on sand over a range of braked, towed, and powered operations", J. Terramechanics 79
 /// (2018), by MAVS. `pressure_ratio` is contact pressure over cone index, slip in [-1, 1].
 inline double sand_net_traction(double pressure_ratio, double slip) {
-  const double least = -0.5, most = 0.42 + 0.009 / pressure_ratio;
+  const double min = -0.5, max = 0.42 + 0.009 / pressure_ratio;
   const double a = 0.76 + 0.014 / pressure_ratio, c = 1.56 - 0.022 / pressure_ratio;
-  return least + (most - least) / std::pow(1 + a * std::exp(-7 * slip), 1 / c);
+  return min + (max - min) / std::pow(1 + a * std::exp(-7 * slip), 1 / c);
 }
 
 /// Numeric of a wheel on sand: N_s = G (b d)^(3/2) deflection / (W height) with the cone index gradient G = CI / 3.47

@@ -21,7 +21,7 @@ GONOGO_HD inline int column_of_unit(int unit, int shift) {
 
 /// Warps of a block at most: two blocks then share a multiprocessor's registers. Sides of so many tiles have kernels of
 /// their own.
-inline constexpr int kMostWarps = 12;
+inline constexpr int kMaxWarps = 12;
 
 struct GibbsSide {
   int units, shift, tiles;
@@ -211,9 +211,11 @@ class GibbsBlock {
       std::uint32_t state[4];
       load_matrices(state, from + (c * kTile + row) * from_stride + k * kTile + half);
       if constexpr (first) {
-        multiply(sum[c][0], state, w[0], w[1]), multiply(sum[c][1], state, w[2], w[3]);
+        multiply(sum[c][0], state, w[0], w[1]);
+        multiply(sum[c][1], state, w[2], w[3]);
       } else {
-        multiply_add(sum[c][0], state, w[0], w[1]), multiply_add(sum[c][1], state, w[2], w[3]);
+        multiply_add(sum[c][0], state, w[0], w[1]);
+        multiply_add(sum[c][1], state, w[2], w[3]);
       }
     }
   }
@@ -256,7 +258,7 @@ __device__ inline void wait_for(unsigned* flag) {
 /// Sweeps number `first` + 1 .. `first` + `count`. All blocks run at once (cooperative launch) and none takes more than
 /// its share of the sweeps (chain_share.h).
 template <int kChains, int kSideTiles>
-__global__ void __launch_bounds__(32 * (kSideTiles > 0 ? kSideTiles : kMostWarps), 2)
+__global__ void __launch_bounds__(32 * (kSideTiles > 0 ? kSideTiles : kMaxWarps), 2)
     gibbs_kernel(const __grid_constant__ GibbsMachine machine, std::uint64_t first, std::uint64_t count) {
   extern __shared__ __align__(16) std::uint8_t memory[];
   GibbsBlock<kChains, kSideTiles> block(machine, memory);

@@ -23,7 +23,7 @@ Kernel kernel_for(int side_tiles, std::integer_sequence<int, kSideTiles...>) {
 /// Sides of nearly the same size are given the same number of tiles, which the compiler then knows.
 int common_tiles(int left, int right) {
   const int more = std::max(left, right), less = std::min(left, right);
-  return more <= kMostWarps && 4 * less >= 3 * more ? more : 0;
+  return more <= kMaxWarps && 4 * less >= 3 * more ? more : 0;
 }
 
 /// Tiles of 16 chains in a block: many where the batch fills the GPU all the same.
@@ -74,7 +74,14 @@ bool gpu_answers() {
 }
 
 struct GpuChains::Device {
-  explicit Device(std::uint64_t seed) : machine{{}, {}, nullptr, PhiloxKeys(seed), 0, nullptr, nullptr} {}
+  explicit Device(std::uint64_t seed)
+      : machine{.left = {},
+                .right = {},
+                .weight = nullptr,
+                .keys = PhiloxKeys(seed),
+                .chains = 0,
+                .row = nullptr,
+                .begun = nullptr} {}
 
   GibbsMachine machine;
   Buffer<__half, Cuda> weight;
@@ -99,9 +106,9 @@ struct GpuChains::Device {
 
   template <int kChains>
   void launch(std::uint64_t first, std::uint64_t count) {
-    const Kernel kernel = kernel_for<kChains>(side_tiles, std::make_integer_sequence<int, kMostWarps + 1>());
+    const Kernel kernel = kernel_for<kChains>(side_tiles, std::make_integer_sequence<int, kMaxWarps + 1>());
     const int tiles = std::max(machine.left.tiles, machine.right.tiles);
-    const int rounds = (tiles + kMostWarps - 1) / kMostWarps, warps = (tiles + rounds - 1) / rounds;
+    const int rounds = (tiles + kMaxWarps - 1) / kMaxWarps, warps = (tiles + rounds - 1) / rounds;
     const int groups = (machine.chains + kChains * kTile - 1) / (kChains * kTile);
     check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(room(kChains))),
                "shared memory of the sampler");

@@ -46,7 +46,7 @@ void add_cone_index(const WheelOnSand& w, TractionBand& band) {
   for (const double index : kConeIndex) {
     // Contact pressure of the mobility index: load over width times radius.
     const double ratio = w.load / (w.width * w.radius) / index;
-    if (ratio < vehicle::kLeastPressureRatio) continue;
+    if (ratio < vehicle::kMinPressureRatio) continue;
     const double net = vehicle::sand_net_traction(ratio, band.slip);
     widen(band.pull, net);
     if (!(w.section_height > 0)) continue;

@@ -84,7 +84,7 @@ void forces(const Feasibility& f, Report& r, Json& json) {
 Json answer(const Vehicle& v, const Demand& d, const char* what, Report& r) {
   const Feasibility f = feasible(v, d);
   const std::string cause = f.feasible ? "" : limiting_cause(v, d);
-  const double friction = least_friction(v, d), torque = least_torque_share(v, d);
+  const double friction = min_friction(v, d), torque = min_torque_share(v, d);
   r.text += line("%s: %s%s%s\n", what, f.feasible ? "yes" : "no, limited by ", cause.c_str(),
                  f.climbing.empty()
                      ? ""

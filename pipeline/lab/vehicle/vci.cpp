@@ -46,7 +46,7 @@ void tractions(const WheelOnSoil& w, Report& r, Json& row) {
   const double ratio = w.load / (w.width * w.diameter / 2) / w.cone_index;
   const double clay = clay_traction(w, kSlip).net(), bias = brixius(w, kSlip, false).net(),
                radial = brixius(w, kSlip, true).net();
-  const bool soft = ratio >= kLeastPressureRatio;
+  const bool soft = ratio >= kMinPressureRatio;
   const double sand = soft ? sand_net_traction(ratio, kSlip) : 0;
   r.text += line(" %6.2f %13.2f %15.2f %10s", clay, bias, radial, soft ? line("%.2f", sand).c_str() : "too firm");
   row["net_traction_clay"] = clay;

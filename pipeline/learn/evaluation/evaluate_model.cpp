@@ -37,7 +37,7 @@ std::vector<double> comparable(std::span<const double> point) {
 
 /// Settings for about 100,000 answers with many unknown variables: short sums, few draws and Markov chains.
 constexpr learning::MarginalOptions kQuickMarginal = {
-    .most_terms = 2000, .chains = 20, .sweeps = 100, .burn_in = 20, .rungs = 1};
+    .max_terms = 2000, .chains = 20, .sweeps = 100, .burn_in = 20, .rungs = 1};
 
 /// Variables that trials had at more than one value.
 std::vector<std::size_t> varying(const learning::Model& model) {

@@ -47,7 +47,7 @@ TEST_CASE("the band of drawbar pulls on sand holds every formula that makes it a
     CHECK(inside(b.pull, f.drawbar_pull / load));
     CHECK(inside(b.resistance, f.torque / 0.467 / load - f.drawbar_pull / load));
     const double ratio = load / (0.254 * 0.467) / 414e3;
-    if (ratio >= vehicle::kLeastPressureRatio) CHECK(inside(b.pull, vehicle::sand_net_traction(ratio, slip)));
+    if (ratio >= vehicle::kMinPressureRatio) CHECK(inside(b.pull, vehicle::sand_net_traction(ratio, slip)));
     CHECK(b.pull[0] < b.pull[1]);
     // No wheel without lugs pulls more than friction and the cohesion of its footprint give.
     CHECK(b.pull[1] < std::tan(to_radians(angle)) + 0.1);
