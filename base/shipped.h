@@ -6,12 +6,8 @@
 
 namespace gonogo {
 
-<<<<<<< HEAD
 /// The folders of this kind that exist, first one first: configs/<kind> here, in $GONOGO_SHARE, and above the running
 /// program: in its source tree or under share/gonogo of the prefix it is installed in.
-=======
-/// Existing folders configs/<kind>: in the current folder, then in up to five folders from the program's own upwards.
->>>>>>> 4e6d467 (wip)
 std::vector<std::filesystem::path> shipped_folders(const std::string& kind);
 
 /// Sorted names of the JSON files in a folder, without those that begin with `left_out`.
