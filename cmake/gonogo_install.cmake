@@ -83,7 +83,6 @@ write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/gonogoConfigVersio
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/gonogoConfig.cmake" "${CMAKE_CURRENT_BINARY_DIR}/gonogoConfigVersion.cmake"
   DESTINATION "${package_folder}")
 
-# The program, and the files that ship by name: vehicles, soils, studies, regions and their schema.
-install(TARGETS gonogo RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+# The files that ship by name: vehicles, soils, studies, regions and their schema. pipeline/app/cli installs the program.
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION "${CMAKE_INSTALL_DATADIR}/gonogo")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

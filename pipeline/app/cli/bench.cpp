@@ -46,7 +46,7 @@ void print_bed(const Globals& globals, const char* scene, const lab::BedBench& r
   print_result(globals, bed_json(scene, request, r), bed_text(scene, r));
 }
 
-/// The batch, and beside it one world that holds as many grains; what many worlds cost is the ratio of their times.
+/// Times the batch and, `beside_one`, one world with as many grains. The ratio of the times is what many worlds cost.
 void print_batch(const Globals& globals, const lab::BedBench& request, bool beside_one) {
   if (!beside_one) return print_bed(globals, "batch", request);
   lab::BedBench one = request;
@@ -76,14 +76,14 @@ void add_bed_options(CLI::App& command, lab::BedBench& request) {
   command.add_option("--iterations", request.iterations, "Solver iterations per step")->check(CLI::Range(2, 100000));
   command.add_option("--repeats", request.repeats, "Timed samples")->check(CLI::Range(3, 100000));
   command.add_option("--rolling", request.rolling_friction, "Rolling friction [-]")->check(CLI::Range(0.0, 10.0));
-  add_choice(command, "--backend", request.backend, kBackends, "cpu or cuda");
+  add_choice(command, "--backend", request.backend, kBackends, "Device");
 }
 
 void add_bed(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("bed", "A settled bed of grains, 4 x 0.8 x 0.3 m, at rest");
   auto request = std::make_shared<lab::BedBench>();
   add_bed_options(*command, *request);
-  command->footer("Example:\n  gonogo bench bed --json            one core; --threads 2 uses two");
+  add_examples(*command, {"gonogo bench bed --json  # one core; --threads 2 uses two"});
   command->callback([&globals, request] {
     request->threads = bench_threads(globals);
     request->packing_folder = campaign::default_packing_folder();
@@ -105,9 +105,8 @@ void add_batch(CLI::App& parent, const Globals& globals) {
   CLI::Option* sizes = command->add_flag("--tiny", *tiny, "4096 worlds of about 40 grains");
   for (const char* size : {"--worlds", "--length", "--width", "--depth"}) sizes->excludes(command->get_option(size));
   command->add_flag("--beside-one", *beside_one, "Time one world with as many grains, too");
-  command->footer(
-      "Examples:\n  gonogo bench batch --beside-one --json          512 worlds, and one with as many grains\n"
-      "  gonogo bench batch --tiny --beside-one --json   4096 worlds of about 40 grains, and one");
+  add_examples(*command, {"gonogo bench batch --beside-one --json  # 512 worlds, and one with as many grains",
+                          "gonogo bench batch --tiny --beside-one --json  # 4096 worlds of about 40 grains, and one"});
   command->callback([&globals, request, tiny, beside_one] {
     request->threads = bench_threads(globals);
     request->packing_folder = campaign::default_packing_folder();
@@ -152,21 +151,22 @@ void print_wheel(const Globals& globals, const lab::WheelBench& request) {
 void add_wheel(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("wheel", "A driven tyre on a bed of 32 mm grains up 15 degrees");
   auto request = std::make_shared<lab::WheelBench>();
-  command->add_option("--scene", request->scene, "Scene file")->capture_default_str();
+  command->add_option("--scene", request->scene, "Scene file")->type_name(kFile)->capture_default_str();
   command->add_option("--step", request->step, "Time step [s]")->check(CLI::Range(1e-6, 1e-2));
-  command->add_option("--substeps", request->substeps, "Parts of a step")->check(CLI::Range(1, 1000));
-  command->add_option("--iterations", request->iterations, "Most iterations per substep")->check(CLI::Range(1, 100000));
+  command->add_option("--substeps", request->substeps, "Substeps of a step")->check(CLI::Range(1, 1000));
+  command->add_option("--iterations", request->iterations, "Max iterations of a substep")->check(CLI::Range(1, 100000));
   command->add_option("--tolerance", request->tolerance, "Residual at which the solver stops [m/s]; 0: never")
       ->check(CLI::Range(0.0, 10.0));
   command->add_option("--worlds", request->worlds, "Worlds in one batch; their wheels start at different places")
       ->check(CLI::Range(1, 100000));
-  command->add_option("--drive-time", request->drive_time, "Instead of the scene's [s]")->check(CLI::Range(0.1, 1e3));
-  add_choice(*command, "--backend", request->backend, kBackends, "cpu or cuda");
+  command->add_option("--drive-time", request->drive_time, "Time driven [s]; default: the scene's")
+      ->check(CLI::Range(0.1, 1e3));
+  add_choice(*command, "--backend", request->backend, kBackends, "Device");
   add_solver(*command, request->solver);
   std::map<std::string, sim::Target> targets;
   for (const std::string& name : sim::target_names()) targets[name] = sim::target_named(name);
-  add_choice(*command, "--target", request->target, targets, "ccp or coulomb");
-  command->footer("Example:\n  gonogo bench wheel --backend cuda --worlds 8 --json");
+  add_choice(*command, "--target", request->target, targets, "Cone program of the contacts");
+  add_examples(*command, {"gonogo bench wheel --backend cuda --worlds 8 --json"});
   command->callback([&globals, request] {
     request->threads = bench_threads(globals);
     request->packing_folder = campaign::default_packing_folder();
@@ -202,8 +202,8 @@ void add_gibbs(CLI::App& parent, const Globals& globals) {
   command->add_option("--chains", request->chains, "Chains")->check(CLI::Range(1, 100000000));
   command->add_option("--sweeps", request->sweeps, "Sweeps of every chain")->check(CLI::Range(1, 1000000000));
   command->add_option("--repeats", request->repeats, "Timed samples")->check(CLI::Range(1, 100000));
-  add_choice(*command, "--backend", *backend, kBackends, "cpu or cuda");
-  command->footer("Example:\n  gonogo bench gibbs --backend cuda --chains 65536 --json");
+  add_choice(*command, "--backend", *backend, kBackends, "Device");
+  add_examples(*command, {"gonogo bench gibbs --backend cuda --chains 65536 --json"});
   command->callback([&globals, request, backend] {
     request->threads = bench_threads(globals);
     request->on_gpu = *backend == sim::Backend::cuda;
@@ -216,7 +216,7 @@ void add_gibbs(CLI::App& parent, const Globals& globals) {
 void add_bench_command(CLI::App& app, const Globals& globals) {
   CLI::App* command = app.add_subcommand("bench", "Fixed scenes, timed");
   command->require_subcommand(1);
-  command->footer("Example:\n  gonogo bench bed --json");
+  add_examples(*command, {"gonogo bench bed --json"});
   add_bed(*command, globals);
   add_batch(*command, globals);
   add_wheel(*command, globals);

@@ -1,4 +1,4 @@
-// What the commands under `gonogo bench` share.
+// Options that the commands under `gonogo bench` share.
 #pragma once
 #include <map>
 #include <string>
@@ -23,15 +23,20 @@ std::string name_in(const std::map<std::string, Value>& names, Value value) {
   return "?";
 }
 
+/// An option whose value is one of `names`.
 template <class Value>
 void add_choice(CLI::App& command, const std::string& flag, Value& value, const std::map<std::string, Value>& names,
                 const std::string& what) {
-  command.add_option(flag, value, what)->transform(CLI::CheckedTransformer(names));
+  std::vector<std::string> words;
+  for (const auto& [name, v] : names) words.push_back(name);
+  const auto set = [&value, names](const std::string& name) { value = names.at(name); };
+  command.add_option_function<std::string>(flag, set, what)
+      ->check(CLI::IsMember(words))
+      ->default_str(name_in(names, value));
 }
 
 inline void add_solver(CLI::App& command, sim::Solver& solver) {
-  add_choice(command, "--solver", solver, kSolvers,
-             "Solver of the contacts: apgd (default), jacobi, jacobi_scan (baseline), gauss_seidel, bb");
+  add_choice(command, "--solver", solver, kSolvers, "Solver of the contacts; jacobi_scan is a baseline");
 }
 
 /// One core unless more are asked for.

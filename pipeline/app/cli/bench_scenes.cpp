@@ -37,10 +37,10 @@ void add_tank(CLI::App& parent, const Globals& globals) {
   CLI::App* command = add_scene(parent, globals, "tank", "A shaken tank of spheres, about 3.6 contacts each", spec,
                                 spec->of, lab::shaken_tank);
   add_friction(*command, spec->of, kAll);
-  command->add_option("--seconds", spec->seconds, "Shaken for, before anything is timed [s]")
+  command->add_option("--seconds", spec->seconds, "Time shaken before anything is timed [s]")
       ->check(CLI::Range(0.0, 1e4))
       ->capture_default_str();
-  command->footer("Example:\n  gonogo bench tank --spheres 1000000 --backend cuda --json");
+  add_examples(*command, {"gonogo bench tank --spheres 1000000 --backend cuda --json"});
 }
 
 void add_silo(CLI::App& parent, const Globals& globals) {
@@ -52,10 +52,11 @@ void add_silo(CLI::App& parent, const Globals& globals) {
       ->check(CLI::Range(0.0, 10.0));
   command->add_option("--orifice", spec->orifice_diameters, "Hole, in sphere diameters; 0: a third of the silo's width")
       ->check(CLI::Range(0.0, 1000.0));
-  command->add_option("--flow-time", spec->flow_time, "Simulated after the opening [s]")->check(CLI::Range(0.01, 1e4));
+  command->add_option("--flow-time", spec->flow_time, "Time simulated after the opening [s]")
+      ->check(CLI::Range(0.01, 1e4));
   command->add_option("--slenderness", spec->slenderness, "Height of the fill over the silo's width, about")
       ->check(CLI::Range(0.2, 20.0));
-  command->footer("Example:\n  gonogo bench silo --spheres 128000 --backend cuda --json");
+  add_examples(*command, {"gonogo bench silo --spheres 128000 --backend cuda --json"});
 }
 
 void add_collapse(CLI::App& parent, const Globals& globals) {
@@ -66,7 +67,7 @@ void add_collapse(CLI::App& parent, const Globals& globals) {
   command->add_option("--aspect", spec->aspect, "Height of the column over its radius, about")
       ->check(CLI::Range(0.1, 20.0));
   command->add_option("--rolling", spec->rolling_friction, "Rolling friction [-]")->check(CLI::Range(0.0, 10.0));
-  command->footer("Example:\n  gonogo bench collapse --aspect 1 --picture out/collapse.png");
+  add_examples(*command, {"gonogo bench collapse --aspect 1 --picture out/collapse.png"});
 }
 
 void add_crater(CLI::App& parent, const Globals& globals) {
@@ -74,10 +75,10 @@ void add_crater(CLI::App& parent, const Globals& globals) {
   CLI::App* command = add_scene(parent, globals, "crater", "A ball dropped onto a bed of spheres", spec, spec->tank.of,
                                 lab::crater_scene);
   add_friction(*command, spec->tank.of, kAll);
-  command->add_option("--height", spec->drop_height, "It falls from [m]")->check(CLI::Range(0.0, 100.0));
+  command->add_option("--height", spec->drop_height, "Height from which it falls [m]")->check(CLI::Range(0.0, 100.0));
   command->add_option("--ball", spec->size_ratio, "Diameter of the ball, in those of the spheres")
       ->check(CLI::Range(1.5, 1000.0));
-  command->footer("Example:\n  gonogo bench crater --height 1.6 --picture out/crater.png");
+  add_examples(*command, {"gonogo bench crater --height 1.6 --picture out/crater.png"});
 }
 
 void add_drum(CLI::App& parent, const Globals& globals) {
@@ -88,7 +89,7 @@ void add_drum(CLI::App& parent, const Globals& globals) {
   command->add_option("--other-friction", spec->other_friction, "Friction of the second material and the rim [-]")
       ->check(CLI::Range(0.0, 10.0));
   command->add_option("--turns", spec->turns, "Turns of the drum")->check(CLI::Range(0.0, 1000.0));
-  command->footer("Example:\n  gonogo bench drum --spheres 16000 --turns 4 --plot out/mixing.png");
+  add_examples(*command, {"gonogo bench drum --spheres 16000 --turns 4 --plot out/mixing.png"});
 }
 
 void add_nut(CLI::App& parent, const Globals& globals) {
@@ -97,19 +98,19 @@ void add_nut(CLI::App& parent, const Globals& globals) {
                                 spec, spec->tank.of, lab::nut_scene);
   add_friction(*command, spec->tank.of, kAll);
   command->add_option("--seconds", spec->shaken, "Simulated time [s]")->check(CLI::Range(0.0, 1e4));
-  command->footer("Example:\n  gonogo bench nut --spheres 4000 --seconds 10 --picture out/nut.png");
+  add_examples(*command, {"gonogo bench nut --spheres 4000 --seconds 10 --picture out/nut.png"});
 }
 
 void add_ball(CLI::App& parent, const Globals& globals) {
   const auto spec = std::make_shared<lab::BallSpec>();
   CLI::App* command = add_scene(parent, globals, "ball", "A light ball that floats on many smooth spheres", spec,
                                 spec->tank.of, lab::ball_scene);
-  command->add_option("--density", spec->relative_density, "Of the ball over that of the bulk [-]")
+  command->add_option("--density", spec->relative_density, "Density of the ball over that of the bulk [-]")
       ->check(CLI::Range(0.01, 0.99));
   command->add_option("--ball", spec->size_ratio, "Diameter of the ball, in those of the spheres")
       ->check(CLI::Range(1.5, 1000.0));
   command->add_option("--seconds", spec->floated, "Simulated time [s]")->check(CLI::Range(0.0, 1e4));
-  command->footer("Example:\n  gonogo bench ball --spheres 1000000 --ball 30 --backend cuda --picture out/ball.png");
+  add_examples(*command, {"gonogo bench ball --spheres 1000000 --ball 30 --backend cuda --picture out/ball.png"});
 }
 
 void add_screen(CLI::App& parent, const Globals& globals) {
@@ -121,8 +122,8 @@ void add_screen(CLI::App& parent, const Globals& globals) {
       ->check(CLI::Range(0.05, 0.95));
   command->add_option("--throw", spec->throw_number, "Largest acceleration at right angles to the deck [g]")
       ->check(CLI::Range(0.0, 10.0));
-  command->add_option("--seconds", spec->shaken, "Shaken for [s]")->check(CLI::Range(0.0, 1e4));
-  command->footer("Example:\n  gonogo bench screen --spheres 3000 --plot out/screening.png --video out/screen.mp4");
+  command->add_option("--seconds", spec->shaken, "Time shaken [s]")->check(CLI::Range(0.0, 1e4));
+  add_examples(*command, {"gonogo bench screen --spheres 3000 --plot out/screening.png --video out/screen.mp4"});
 }
 
 void add_pebbles(CLI::App& parent, const Globals& globals) {
@@ -135,14 +136,14 @@ void add_pebbles(CLI::App& parent, const Globals& globals) {
                                   return lab::pebbles_scene(*spec, on);
                                 });
   add_friction(*command, of, "pebbles");
-  command->add_option("--vehicle", *vehicle, "Tracked vehicle: a file, or a name of configs/vehicles");
+  command->add_option("--vehicle", *vehicle, "Tracked vehicle")->type_name(kVehicle);
   command->add_option("--diameter", of.diameter, "Mean diameter of the pebbles [m]")->check(CLI::Range(0.01, 0.3));
   command->add_option("--rolling", spec->rolling_friction, "Rolling friction of the pebbles [-]")
       ->check(CLI::Range(0.0, 10.0));
-  command->add_option("--layers", spec->tank.layers, "Of pebbles")->check(CLI::Range(2, 100));
-  command->add_option("--speed", spec->speed, "That the driver holds [m/s]")->check(CLI::Range(0.1, 10.0));
-  command->add_option("--seconds", spec->driven, "Driven for [s]")->check(CLI::Range(0.0, 100.0));
-  command->footer("Example:\n  gonogo bench pebbles --plot out/drive.png --video out/pebbles.mp4 --repeats 0");
+  command->add_option("--layers", spec->tank.layers, "Layers of pebbles")->check(CLI::Range(2, 100));
+  command->add_option("--speed", spec->speed, "Speed that the driver holds [m/s]")->check(CLI::Range(0.1, 10.0));
+  command->add_option("--seconds", spec->driven, "Time driven [s]")->check(CLI::Range(0.0, 100.0));
+  add_examples(*command, {"gonogo bench pebbles --plot out/drive.png --video out/pebbles.mp4 --repeats 0"});
 }
 
 void add_collide(CLI::App& parent, const Globals& globals) {
@@ -150,8 +151,8 @@ void add_collide(CLI::App& parent, const Globals& globals) {
   auto request = std::make_shared<lab::CollideBench>();
   add_sphere_count(*command, request->tank.of.count);
   command->add_option("--repeats", request->repeats, "Timed samples")->check(CLI::Range(3, 100000));
-  add_choice(*command, "--backend", request->on.backend, kBackends, "cpu or cuda");
-  command->footer("Example:\n  gonogo bench collide --spheres 6100000 --backend cuda --json   22 million contacts");
+  add_choice(*command, "--backend", request->on.backend, kBackends, "Device");
+  add_examples(*command, {"gonogo bench collide --spheres 6100000 --backend cuda --json  # 22 million contacts"});
   command->callback([&globals, request] {
     request->on.threads = bench_threads(globals);
     print_collide(globals, *request);

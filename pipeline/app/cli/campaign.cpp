@@ -4,15 +4,13 @@
 #include "base/error.h"
 #include "base/line.h"
 #include "pipeline/app/cli/command.h"
+#include "pipeline/app/work/campaign_report.h"
 #include "pipeline/campaign/engine/campaign.h"
 #include "pipeline/campaign/engine/slurm.h"
 #include "pipeline/campaign/engine/snapshot.h"
 #include "pipeline/campaign/engine/study_campaign.h"
 #ifdef GONOGO_WITH_MPI
 #include "pipeline/campaign/engine/mpi/mpi_crew.h"
-#endif
-#ifdef GONOGO_WITH_TORCH
-#include "pipeline/learn/active/active_run.h"
 #endif
 
 namespace gonogo::app {
@@ -26,12 +24,10 @@ struct Options {
   std::size_t trials_per_shard = 256;
   std::uint64_t task = 0, tasks = 1;
   int most_tasks = 0;
-  std::uint64_t seeds = 64, batch = 32, most_points = 1000;  // of an active study
-  double confidence = 0.95, space_filling = 0.25;
   std::vector<std::string> sbatch;
 };
 
-/// Options that were not given leave it to the study.
+/// Options that were not given stay as the study has them.
 campaign::ComputeRequest compute_of(const Options& options, const Globals& globals) {
   campaign::ComputeRequest request;
   request.threads = globals.threads;
@@ -40,31 +36,6 @@ campaign::ComputeRequest compute_of(const Options& options, const Globals& globa
   if (options.workers > 0) request.workers = options.workers;
   if (options.checkpoint_every >= 0) request.checkpoint_every = options.checkpoint_every;
   return request;
-}
-
-Json counts_json(const std::map<std::string, std::size_t>& counts) {
-  Json object = Json::object();
-  for (const auto& [name, number] : counts) object[name] = std::uint64_t(number);
-  return object;
-}
-
-Json as_json(const campaign::CampaignSummary& summary) {
-  Json result = Json::object();
-  result["dataset"] = summary.dataset.string();
-  result["trials"] = std::uint64_t(summary.trials);
-  result["computed"] = std::uint64_t(summary.computed);
-  result["reused"] = std::uint64_t(summary.reused);
-  result["damaged"] = std::uint64_t(summary.damaged);
-  result["worker_deaths"] = std::uint64_t(summary.worker_deaths);
-  result["verdicts"] = counts_json(summary.by_verdict);
-  result["reasons"] = counts_json(summary.by_reason);
-  return result;
-}
-
-std::string as_text(const campaign::CampaignSummary& summary) {
-  return summary.dataset.string() + ": " + std::to_string(summary.trials) + " trials, " +
-         std::to_string(summary.computed) +
-         " computed now: " + campaign::counts_line(summary.by_verdict, summary.by_reason);
 }
 
 Json as_json(const campaign::CampaignStatus& status) {
@@ -110,11 +81,11 @@ campaign::CampaignRequest plan(const Options& options, const Globals& globals) {
 }
 
 void print_summary(const Globals& globals, const campaign::CampaignSummary& summary) {
-  print_result(globals, as_json(summary), as_text(summary));
+  print_result(globals, campaign_json(summary), campaign_text(summary));
 }
 
 #ifdef GONOGO_WITH_MPI
-/// Every rank comes here; all but the first work until they are told to stop, and leave what is to be said to it.
+/// Every rank comes here. All but the first are workers until they are told to stop, and print nothing.
 void run_with_mpi(const Options& options, const Globals& globals) {
   const campaign::MpiJob job;
   if (job.rank() > 0) {
@@ -135,18 +106,20 @@ void run_with_mpi(const Options&, const Globals&) {
 #endif
 
 void add_study_options(CLI::App& command, Options& options) {
-  command.add_option("study", options.study, "Study file (JSON)")->required();
-  command.add_option("--out", options.folder, "Folder of the campaign; an interrupted one continues")->required();
+  command.add_option("study", options.study, "Study file (JSON)")->type_name(kStudy)->required();
+  command.add_option("--out", options.folder, "Folder of the campaign; an interrupted one continues")
+      ->type_name(kFolder)
+      ->required();
 }
 
 void add_compute_options(CLI::App& command, Options& options) {
   command.add_option("--workers", options.workers, "Worker processes; 0 takes one per core, or per GPU")
       ->check(CLI::Range(0, 4096))
       ->capture_default_str();
-  command.add_option("--device", options.device, "On what trials are computed; default: the study's, or cpu")
+  command.add_option("--device", options.device, "Device that computes trials; default: the study's, or cpu")
       ->check(CLI::IsMember({"cpu", "cuda"}));
   command
-      .add_option("--places", options.places, "Trials side by side in a worker; default: the study's, or 1 (cuda: 64)")
+      .add_option("--places", options.places, "Trials side by side in a worker; default: the study's, or 1, on cuda 64")
       ->check(CLI::Range(1, 4096));
   command
       .add_option("--checkpoint-every", options.checkpoint_every,
@@ -157,7 +130,7 @@ void add_compute_options(CLI::App& command, Options& options) {
 void add_shard_option(CLI::App& command, Options& options) {
   command
       .add_option("--trials-per-shard", options.trials_per_shard,
-                  "Trials that are committed together; the first run in a folder decides")
+                  "Trials that are committed together, set by the first run in a folder")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
 }
@@ -171,17 +144,16 @@ void add_run(CLI::App& parent, const Globals& globals) {
   command->add_option("--engine", options->engine, "local: processes of this machine; mpi: ranks of an mpirun")
       ->check(CLI::IsMember({"local", "mpi"}))
       ->capture_default_str();
-  command->footer(
-      "Examples:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2\n"
-      "  gonogo campaign run configs/studies/demo.json --out out/demo_gpu --device cuda --places 64\n"
-      "  mpirun -n 4 gonogo campaign run configs/studies/demo.json --out out/demo --engine mpi");
+  add_examples(*command, {"gonogo campaign run configs/studies/demo.json --out out/demo --workers 2",
+                          "gonogo campaign run configs/studies/demo.json --out out/demo_gpu --device cuda --places 64",
+                          "mpirun -n 4 gonogo campaign run configs/studies/demo.json --out out/demo --engine mpi"});
   command->callback([options, &globals] {
     if (options->engine == "mpi") return run_with_mpi(*options, globals);
     print_summary(globals, campaign::run_campaign(plan(*options, globals)));
   });
 }
 
-/// The words of a task: this program by its path, since the job runs elsewhere.
+/// Command line of a task, with this program's path: the job runs on another machine.
 std::vector<std::string> task_command(const Options& options) {
   namespace fs = std::filesystem;
   std::vector<std::string> words{fs::read_symlink("/proc/self/exe").string(),
@@ -205,14 +177,15 @@ void add_submit(CLI::App& parent, const Globals& globals) {
   add_study_options(*command, *options);
   add_compute_options(*command, *options);
   add_shard_option(*command, *options);
-  command->add_option("--tasks", options->most_tasks, "Tasks of the array at most; 0: one per shard, at most 1000")
+  command->add_option("--tasks", options->most_tasks, "Max tasks of the array; 0: one per shard, at most 1000")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
-  command->add_option("--sbatch", options->sbatch, "Further option for sbatch, once for each: --sbatch=--time=2:00:00");
-  command->footer(
-      "Example:\n  gonogo campaign submit configs/studies/demo.json --out out/demo --trials-per-shard 16 --workers 2 "
-      "--sbatch=--cpus-per-task=2\n  gonogo campaign status out/demo\n"
-      "  gonogo campaign collect configs/studies/demo.json --out out/demo");
+  command->add_option("--sbatch", options->sbatch, "Further option for sbatch, once for each: --sbatch=--time=2:00:00")
+      ->type_name("OPTION");
+  add_examples(*command,
+               {"gonogo campaign submit configs/studies/demo.json --out out/demo --trials-per-shard 16 \\\n"
+                "      --workers 2 --sbatch=--cpus-per-task=2",
+                "gonogo campaign status out/demo", "gonogo campaign collect configs/studies/demo.json --out out/demo"});
   command->callback([options, &globals] {
     const campaign::Submission done = campaign::submit_campaign(
         plan(*options, globals),
@@ -228,7 +201,7 @@ void add_submit(CLI::App& parent, const Globals& globals) {
   });
 }
 
-/// Hidden: what the job script starts.
+/// Hidden: started by the job script.
 void add_task(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("task", "")->group("");
   auto options = std::make_shared<Options>();
@@ -239,68 +212,56 @@ void add_task(CLI::App& parent, const Globals& globals) {
   command->callback([options, &globals] {
     const campaign::CampaignSummary summary =
         campaign::run_campaign_task(plan(*options, globals), options->task, options->tasks);
-    print_result(globals, as_json(summary),
+    print_result(globals, campaign_json(summary),
                  std::to_string(summary.trials) + " trials, " + std::to_string(summary.computed) +
                      " computed now: " + campaign::counts_line(summary.by_verdict, summary.by_reason));
   });
 }
 
-#ifdef GONOGO_WITH_TORCH
-void add_active(CLI::App& parent, const Globals& globals) {
+void add_active(CLI::App& parent, const Globals& globals, const Work<ActiveOptions>& work) {
   CLI::App* command = parent.add_subcommand(
       "active", "Let a study choose its own trials, batch by batch, until its model is sure enough");
-  auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<Options>();
+  const auto active = std::make_shared<ActiveOptions>();
   add_study_options(*command, *options);
   add_compute_options(*command, *options);
-  command->add_option("--seeds", options->seeds, "Points of the first batch")
+  command->add_option("--seeds", active->seeds, "Points of the first batch")
       ->check(CLI::Range(2, 1000000))
       ->capture_default_str();
-  command->add_option("--batch", options->batch, "Points of each further batch")
+  command->add_option("--batch", active->batch, "Points of each further batch")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_option("--most-points", options->most_points, "Stop there in any case")->capture_default_str();
-  command->add_option("--confidence", options->confidence, "Stop when the model expects to be right in this share")
+  command->add_option("--most-points", active->most_points, "Max points in all")->capture_default_str();
+  command->add_option("--confidence", active->confidence, "Stop when the model expects to be right in this share")
       ->check(CLI::Range(0.5, 1.0))
       ->capture_default_str();
-  command->add_option("--space-filling", options->space_filling, "Share of a batch that is uniform over the box")
+  command->add_option("--space-filling", active->space_filling, "Share of a batch that is uniform over the box")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
-  command->footer("Example:\n  gonogo campaign active configs/studies/demo.json --out out/active --confidence 0.95");
-  command->callback([options, &globals] {
-    const learn::ActiveSummary done = learn::run_active({.study = campaign::read_study(options->study),
-                                                         .folder = options->folder,
-                                                         .compute = compute_of(*options, globals),
-                                                         .seeds = options->seeds,
-                                                         .batch = options->batch,
-                                                         .most_points = options->most_points,
-                                                         .confidence = options->confidence,
-                                                         .space_filling = options->space_filling});
-    Json result = as_json(done.campaign);
-    result["points"] = done.points;
-    result["confidence"] = done.confidence;
-    result["reached"] = done.reached;
-    print_result(globals, result,
-                 as_text(done.campaign) + line("\n%llu points; the model expects to be right in %.1f %% of the box",
-                                               static_cast<unsigned long long>(done.points), 100 * done.confidence));
+  add_examples(*command, {"gonogo campaign active configs/studies/demo.json --out out/active --confidence 0.95"});
+  command->callback([options, active, work, &globals] {
+    active->study = options->study;
+    active->folder = options->folder;
+    active->compute = compute_of(*options, globals);
+    work(globals, *active);
   });
 }
-#endif
 
 void add_collect(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("collect", "Check and merge what the tasks of a job computed");
   auto options = std::make_shared<Options>();
   add_study_options(*command, *options);
   add_compute_options(*command, *options);
-  command->footer("Example:\n  gonogo campaign collect configs/studies/demo.json --out out/demo");
+  add_examples(*command, {"gonogo campaign collect configs/studies/demo.json --out out/demo"});
   command->callback(
       [options, &globals] { print_summary(globals, campaign::collect_campaign(plan(*options, globals))); });
 }
 
 void add_status(CLI::App& parent, const Globals& globals) {
-  CLI::App* command = parent.add_subcommand("status", "How far a campaign is; may be asked while it runs");
+  CLI::App* command = parent.add_subcommand("status", "Progress of a campaign, also while it runs");
   auto options = std::make_shared<Options>();
-  command->add_option("folder", options->folder, "Folder of the campaign")->required();
-  command->footer("Example:\n  gonogo campaign status out/demo");
+  command->add_option("folder", options->folder, "Folder of the campaign")->type_name(kFolder)->required();
+  add_examples(*command, {"gonogo campaign status out/demo"});
   command->callback([options, &globals] {
     const campaign::CampaignStatus status = campaign::campaign_status(options->folder);
     const std::string slurm = campaign::slurm_state(options->folder);
@@ -312,12 +273,12 @@ void add_status(CLI::App& parent, const Globals& globals) {
 
 void add_snapshot(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand(
-      "snapshot", "The trials done so far as a dataset, up to the first that is missing; may be taken while it runs");
+      "snapshot", "The trials done so far as a dataset, up to the first missing one, also while it runs");
   auto options = std::make_shared<Options>();
   auto out = std::make_shared<std::string>();
-  command->add_option("folder", options->folder, "Folder of the campaign")->required();
-  command->add_option("--out", *out, "File to write (HDF5)")->required();
-  command->footer("Example:\n  gonogo campaign snapshot out/demo --out so_far.h5");
+  command->add_option("folder", options->folder, "Folder of the campaign")->type_name(kFolder)->required();
+  command->add_option("--out", *out, "File to write (HDF5)")->type_name(kFile)->required();
+  add_examples(*command, {"gonogo campaign snapshot out/demo --out so_far.h5"});
   command->callback([options, out, &globals] {
     const campaign::Dataset dataset = campaign::campaign_snapshot(options->folder);
     campaign::write_dataset(*out, dataset);
@@ -328,12 +289,12 @@ void add_snapshot(CLI::App& parent, const Globals& globals) {
   });
 }
 
-/// Hidden: what run starts in each worker process.
+/// Hidden: each worker process of a run.
 void add_worker(CLI::App& parent) {
   CLI::App* command = parent.add_subcommand("worker", "")->group("");
   auto study = std::make_shared<std::string>();
   auto options = std::make_shared<campaign::WorkerOptions>();
-  command->add_option("study", *study)->required();
+  command->add_option("study", *study)->type_name(kStudy)->required();
   const std::map<std::string, sim::Backend> devices{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
   command->add_option("--device", options->device)->transform(CLI::CheckedTransformer(devices));
   command->add_option("--places", options->places)->check(CLI::Range(1, 4096));
@@ -345,19 +306,18 @@ void add_worker(CLI::App& parent) {
 
 }  // namespace
 
-void add_campaign_command(CLI::App& app, const Globals& globals) {
-  CLI::App* command = app.add_subcommand("campaign", "Many trials in worker processes; survives anything, continues");
+void add_campaign_command(CLI::App& app, const Globals& globals, const Work<ActiveOptions>& active) {
+  CLI::App* command =
+      app.add_subcommand("campaign", "Many trials in worker processes; an interrupted campaign continues");
   command->require_subcommand(1);
-  command->footer("Example:\n  gonogo campaign run configs/studies/demo.json --out out/demo --workers 2");
+  add_examples(*command, {"gonogo campaign run configs/studies/demo.json --out out/demo --workers 2"});
   add_run(*command, globals);
   add_submit(*command, globals);
   add_status(*command, globals);
   add_snapshot(*command, globals);
   add_collect(*command, globals);
   add_task(*command, globals);
-#ifdef GONOGO_WITH_TORCH
-  add_active(*command, globals);
-#endif
+  add_active(*command, globals, active);
   add_worker(*command);
 }
 

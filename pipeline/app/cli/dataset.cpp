@@ -1,7 +1,6 @@
 #include <filesystem>
 #include <memory>
 
-#include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
 #include "pipeline/app/cli/command.h"
@@ -22,10 +21,11 @@ struct Options {
 };
 
 void add_summary(CLI::App& parent, const Globals& globals) {
-  CLI::App* command = parent.add_subcommand("summary", "Counts, ranges, failed trials, replicates, go against slope");
+  CLI::App* command =
+      parent.add_subcommand("summary", "Counts, ranges, failed trials, replicates, share of go over slope");
   auto options = std::make_shared<Options>();
-  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
-  command->footer("Example:\n  gonogo dataset summary out/demo/dataset.h5");
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->type_name(kFile)->required();
+  add_examples(*command, {"gonogo dataset summary out/demo/dataset.h5"});
   command->callback([options, &globals] {
     const campaign::DatasetSummary summary = campaign::summarise(campaign::read_dataset(options->dataset).records);
     print_result(globals, campaign::to_json(summary), campaign::to_text(summary));
@@ -35,12 +35,12 @@ void add_summary(CLI::App& parent, const Globals& globals) {
 void add_export(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("export", "The whole table for other programs, every number exact");
   auto options = std::make_shared<Options>();
-  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->type_name(kFile)->required();
   command->add_option("--format", options->format, "csv, or json with units and provenance")
       ->check(CLI::IsMember({"csv", "json"}))
       ->capture_default_str();
-  command->add_option("--out", options->out, "File to write")->required();
-  command->footer("Example:\n  gonogo dataset export out/demo/dataset.h5 --format csv --out trials.csv");
+  command->add_option("--out", options->out, "File to write")->type_name(kFile)->required();
+  add_examples(*command, {"gonogo dataset export out/demo/dataset.h5 --format csv --out trials.csv"});
   command->callback([options, &globals] {
     const campaign::Dataset dataset = campaign::read_dataset(options->dataset);
     const std::string text = options->format == "csv" ? campaign::to_csv(dataset) : campaign::to_json_text(dataset);
@@ -56,9 +56,9 @@ void add_export(CLI::App& parent, const Globals& globals) {
 void add_merge(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("merge", "Several datasets of one study as one, each trial once");
   auto options = std::make_shared<Options>();
-  command->add_option("datasets", options->parts, "Datasets (HDF5)")->required()->expected(2, -1);
-  command->add_option("--out", options->out, "File to write")->required();
-  command->footer("Example:\n  gonogo dataset merge out/a/dataset.h5 out/b/dataset.h5 --out all.h5");
+  command->add_option("datasets", options->parts, "Datasets (HDF5)")->type_name(kFile)->required()->expected(2, -1);
+  command->add_option("--out", options->out, "File to write")->type_name(kFile)->required();
+  add_examples(*command, {"gonogo dataset merge out/a/dataset.h5 out/b/dataset.h5 --out all.h5"});
   command->callback([options, &globals] {
     std::vector<campaign::Dataset> parts;
     for (const std::string& file : options->parts) parts.push_back(campaign::read_dataset(file));
@@ -71,17 +71,18 @@ void add_merge(CLI::App& parent, const Globals& globals) {
   });
 }
 
-/// Throws DeviceError when there is something to say, after saying it.
-void conclude(const Globals& globals, const Json& result, const std::string& text, bool good, const std::string& what) {
+/// Prints the result; throws DeviceError `fault` when it is not good.
+void conclude(const Globals& globals, const Json& result, const std::string& text, bool good,
+              const std::string& fault) {
+  if (!good) fail_with_result(globals, result, text, DeviceError(fault));
   print_result(globals, result, text);
-  if (!good) throw DeviceError(what);
 }
 
 void add_verify(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("verify", "Check a dataset: hash, order, ranges, outcomes, replicates");
   auto options = std::make_shared<Options>();
-  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
-  command->footer("Example:\n  gonogo dataset verify out/demo/dataset.h5");
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->type_name(kFile)->required();
+  add_examples(*command, {"gonogo dataset verify out/demo/dataset.h5"});
   command->callback([options, &globals] {
     const campaign::Dataset dataset = campaign::read_dataset(options->dataset);
     const std::vector<std::string> faults = campaign::faults_of(dataset);
@@ -102,9 +103,9 @@ void add_verify(CLI::App& parent, const Globals& globals) {
 void add_diff(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("diff", "Compare two datasets bit for bit; exit status 1 when they differ");
   auto options = std::make_shared<Options>();
-  command->add_option("first", options->dataset, "Dataset (HDF5)")->required();
-  command->add_option("second", options->other, "Dataset (HDF5)")->required();
-  command->footer("Example:\n  gonogo dataset diff out/cpu/dataset.h5 out/gpu/dataset.h5");
+  command->add_option("first", options->dataset, "Dataset (HDF5)")->type_name(kFile)->required();
+  command->add_option("second", options->other, "Dataset (HDF5)")->type_name(kFile)->required();
+  add_examples(*command, {"gonogo dataset diff out/cpu/dataset.h5 out/gpu/dataset.h5"});
   command->callback([options, &globals] {
     const campaign::DatasetDifference d =
         campaign::difference(campaign::read_dataset(options->dataset), campaign::read_dataset(options->other));
@@ -122,9 +123,9 @@ void add_replay(CLI::App& parent, const Globals& globals) {
   CLI::App* command =
       parent.add_subcommand("replay", "Compute one trial again from the dataset alone; exit status 1 when bits differ");
   auto options = std::make_shared<Options>();
-  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
-  command->add_option("--trial", options->trial, "Its index")->required();
-  command->footer("Example:\n  gonogo dataset replay out/demo/dataset.h5 --trial 31");
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->type_name(kFile)->required();
+  command->add_option("--trial", options->trial, "Index of the trial")->required();
+  add_examples(*command, {"gonogo dataset replay out/demo/dataset.h5 --trial 31"});
   command->callback([options, &globals] {
     const campaign::Replay replay =
         campaign::replay_trial(campaign::read_dataset(options->dataset), options->trial, globals.threads);
@@ -138,7 +139,7 @@ void add_replay(CLI::App& parent, const Globals& globals) {
       text += row.column + ": " + row.first + " in the dataset, " + row.second + " now\n";
     if (text.empty()) text = "trial " + std::to_string(options->trial) + ": the same bits\n";
     if (!replay.same_program) text += "the dataset was made by another version of the program\n";
-    conclude(globals, result, text, replay.differences.empty(), "the trial ended otherwise than in the dataset");
+    conclude(globals, result, text, replay.differences.empty(), "the trial did not end as in the dataset");
   });
 }
 
@@ -146,13 +147,19 @@ void add_plot(CLI::App& parent, const Globals& globals) {
   CLI::App* command =
       parent.add_subcommand("plot", "Pictures and a page: go/no-go over two variables, pairs, importance");
   auto options = std::make_shared<Options>();
-  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->required();
+  command->add_option("dataset", options->dataset, "Dataset (HDF5)")->type_name(kFile)->required();
   command->add_option("--out", options->out, "Folder for boundary.png, pairs.png, importance.png, report.html")
+      ->type_name(kFolder)
       ->required();
-  command->add_option("--x", options->x, "Variable or measure across")->capture_default_str();
-  command->add_option("--y", options->y, "Variable or measure upward")->capture_default_str();
-  command->add_option("--model", options->model, "Model trained on it, for the importance of variables");
-  command->footer("Example:\n  gonogo dataset plot out/demo/dataset.h5 --model out/demo/model.h5 --out out/demo/plots");
+  command->add_option("--x", options->x, "Variable or measure of the horizontal axis")
+      ->type_name(kVariable)
+      ->capture_default_str();
+  command->add_option("--y", options->y, "Variable or measure of the vertical axis")
+      ->type_name(kVariable)
+      ->capture_default_str();
+  command->add_option("--model", options->model, "Model trained on it, for the importance of variables")
+      ->type_name(kFile);
+  add_examples(*command, {"gonogo dataset plot out/demo/dataset.h5 --model out/demo/model.h5 --out out/demo/plots"});
   command->callback([options, &globals] {
     report::require_pictures("dataset plot");
     const campaign::Dataset dataset = campaign::read_dataset(options->dataset);
@@ -178,9 +185,9 @@ void add_plot(CLI::App& parent, const Globals& globals) {
 }  // namespace
 
 void add_dataset_command(CLI::App& app, const Globals& globals) {
-  CLI::App* command = app.add_subcommand("dataset", "Look into datasets, draw, check, compare, merge, export them");
+  CLI::App* command = app.add_subcommand("dataset", "Summarise, plot, check, compare, merge and export datasets");
   command->require_subcommand(1);
-  command->footer("Example:\n  gonogo dataset summary out/demo/dataset.h5");
+  add_examples(*command, {"gonogo dataset summary out/demo/dataset.h5"});
   add_summary(*command, globals);
   add_export(*command, globals);
   add_merge(*command, globals);

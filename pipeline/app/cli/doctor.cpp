@@ -1,6 +1,5 @@
 #include <cstdio>
 
-#include "base/error.h"
 #include "base/version.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/run/machine.h"
@@ -48,12 +47,15 @@ Json as_json(const Machine& machine) {
 void add_doctor_command(CLI::App& app, const Globals& globals) {
   CLI::App* command = app.add_subcommand("doctor", "What this machine and this build can do");
   auto out = std::make_shared<std::string>("out");
-  command->add_option("--out", *out, "Folder that results would go to")->capture_default_str();
-  command->footer("Example:\n  gonogo doctor --out /data/out");
+  command->add_option("--out", *out, "Folder for results: is it writable, how much is free")
+      ->type_name(kFolder)
+      ->capture_default_str();
+  add_examples(*command, {"gonogo doctor --out /data/out"});
   command->callback([out, &globals] {
     const Machine machine = inspect_machine(*out);
+    if (!machine.out_writable)
+      fail_with_result(globals, as_json(machine), as_text(machine), InputError(machine.out_problem));
     print_result(globals, as_json(machine), as_text(machine));
-    if (!machine.out_writable) throw InputError(machine.out_problem);
   });
 }
 

@@ -43,19 +43,23 @@ void infer(const Options& options, const Globals& globals) {
 
 void add_infer_command(CLI::App& app, const Globals& globals) {
   CLI::App* command =
-      app.add_subcommand("infer", "P(outcome) at one point or many; variables left out are summed out, or told");
+      app.add_subcommand("infer", "P(outcome) at one point or many; unknown variables are summed out or reconstructed");
   auto options = std::make_shared<Options>();
-  command->add_option("--model", options->model, "Model file")->required();
-  command->add_option("--set", options->set, "variable=number, in the unit of the contract; may be repeated");
-  command->add_flag("--reconstruct", options->reconstruct, "Also tell the unknown variables: mean, spread, all bins");
-  command->add_option("--outcome", options->outcome, "Take this outcome as known and tell the unknown variables");
-  command->add_option("--csv", options->csv, "Points with a header of variables; empty cells are unknown");
-  command->add_option("--out", options->out, "CSV to write for --csv: the same columns and the answers");
+  command->add_option("--model", options->model, "Model file")->type_name(kFile)->required();
+  command->add_option("--set", options->set, "Value of a variable, in the unit of the contract; may be repeated")
+      ->type_name(kSetting);
+  command->add_flag("--reconstruct", options->reconstruct,
+                    "Also answer with the unknown variables: mean, spread, all bins");
+  command->add_option("--outcome", options->outcome, "Take this outcome as known and answer with the unknown variables")
+      ->type_name("OUTCOME");
+  command->add_option("--csv", options->csv, "Points with a header of variables; empty cells are unknown")
+      ->type_name(kFile);
+  command->add_option("--out", options->out, "CSV to write for --csv: the same columns and the answers")
+      ->type_name(kFile);
   command->add_flag("--interactive", options->interactive, "Ask line by line");
-  command->footer(
-      "Examples:\n  gonogo infer --model out/demo/model.h5 --set slope_along=12 --set friction_angle=32\n"
-      "  gonogo infer --model out/demo/model.h5 --set slope_along=20 --outcome no_go/traction\n"
-      "  gonogo infer --model out/demo/model.h5 --csv points.csv --out answers.csv");
+  add_examples(*command, {"gonogo infer --model out/demo/model.h5 --set slope_along=12 --set friction_angle=32",
+                          "gonogo infer --model out/demo/model.h5 --set slope_along=20 --outcome no_go/traction",
+                          "gonogo infer --model out/demo/model.h5 --csv points.csv --out answers.csv"});
   command->callback([options, &globals] { infer(*options, globals); });
 }
 

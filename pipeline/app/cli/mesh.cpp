@@ -49,21 +49,21 @@ void make_spheres(const Globals& globals, const SpheresRequest& request) {
 void add_mesh_command(CLI::App& app, const Globals& globals) {
   CLI::App* command = app.add_subcommand("mesh", "Tools for triangle meshes");
   command->require_subcommand(1);
-  CLI::App* spheres = command->add_subcommand("spheres", "A closed mesh as a few spheres inside of it");
+  CLI::App* spheres = command->add_subcommand("spheres", "Fill a closed mesh with a few spheres");
   auto request = std::make_shared<SpheresRequest>();
-  spheres->add_option("mesh", request->mesh, "STL or OBJ file")->required();
-  spheres->add_option("--count", request->cover.count, "Most spheres")->check(CLI::Range(1, 100000));
+  spheres->add_option("mesh", request->mesh, "STL or OBJ file")->type_name(kFile)->required();
+  spheres->add_option("--count", request->cover.count, "Max number of spheres")->check(CLI::Range(1, 100000));
   spheres->add_option("--share", request->cover.share, "Share of the volume at which to stop")
       ->check(CLI::Range(0.01, 1.0));
-  spheres->add_option("--protrusion", request->cover.protrusion, "Spheres may stick out so far [m]")
+  spheres->add_option("--protrusion", request->cover.protrusion, "Max distance by which spheres stick out [m]")
       ->check(CLI::Range(0.0, 100.0));
   spheres->add_option("--cells", request->cover.cells, "Cells of the grid along the longest side")
       ->check(CLI::Range(2, 200));
   spheres->add_option("--scale", request->scale, "Metres per unit of the file")->check(CLI::Range(1e-6, 1e6));
-  spheres->add_option("--out", request->out, "JSON file for the spheres");
-  spheres->footer("Example:\n  gonogo mesh spheres hull.stl --scale 0.001 --count 40 --out hull_spheres.json");
+  spheres->add_option("--out", request->out, "JSON file for the spheres")->type_name(kFile);
+  add_examples(*spheres, {"gonogo mesh spheres hull.stl --scale 0.001 --count 40 --out hull_spheres.json"});
   spheres->callback([&globals, request] { make_spheres(globals, *request); });
-  command->footer("Example:\n  gonogo mesh spheres hull.stl --count 40 --json");
+  add_examples(*command, {"gonogo mesh spheres hull.stl --count 40 --json"});
 }
 
 }  // namespace gonogo::app

@@ -6,10 +6,10 @@ namespace gonogo::app {
 
 void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::string& whose) {
   command.add_option("--step", n.step, whose + ": step [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
-  command.add_option("--substeps", n.substeps, whose + ": parts of a step")
+  command.add_option("--substeps", n.substeps, whose + ": substeps of a step")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--iterations", n.iterations, whose + ": most in a part of a step")
+  command.add_option("--iterations", n.iterations, whose + ": max iterations of a substep")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
   command.add_option("--tolerance", n.tolerance, whose + ": residual at which the solver stops [m/s]; 0: never")
@@ -17,18 +17,18 @@ void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::st
       ->capture_default_str();
   const auto set = [&n](const std::string& name) { n.target = sim::target_named(name); };
   command
-      .add_option_function<std::string>("--target", set,
-                                        whose + ": ccp, whose contacts open as they slide or roll, or coulomb")
+      .add_option_function<std::string>(
+          "--target", set, whose + ": cone program of the contacts; with ccp they open as they slide or roll")
       ->check(CLI::IsMember(sim::target_names()))
       ->default_str(sim::name_of(n.target));
 }
 
 void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
                                 bool tolerance) {
-  const std::string from = "; without it that of the soil's table";
+  const std::string from = "; default: the soil table's";
   command.add_option("--step", asked.step, whose + ": step [s]" + from)->check(CLI::Range(1e-5, 5e-3));
-  command.add_option("--substeps", asked.substeps, whose + ": parts of a step" + from)->check(CLI::Range(1, 1000));
-  command.add_option("--iterations", asked.iterations, whose + ": most in a part of a step" + from)
+  command.add_option("--substeps", asked.substeps, whose + ": substeps of a step" + from)->check(CLI::Range(1, 1000));
+  command.add_option("--iterations", asked.iterations, whose + ": max iterations of a substep" + from)
       ->check(CLI::Range(1, 100000));
   if (tolerance)
     command
@@ -37,8 +37,8 @@ void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked
         ->check(CLI::Range(0.0, 1.0));
   const auto set = [&asked](const std::string& name) { asked.target = sim::target_named(name); };
   command
-      .add_option_function<std::string>("--target", set,
-                                        whose + ": ccp, whose contacts open as they slide or roll, or coulomb" + from)
+      .add_option_function<std::string>(
+          "--target", set, whose + ": cone program of the contacts; with ccp they open as they slide or roll" + from)
       ->check(CLI::IsMember(sim::target_names()));
 }
 

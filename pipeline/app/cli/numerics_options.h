@@ -1,4 +1,4 @@
-// Options of commands that step grains: how long a step is, and how its contacts are solved.
+// Options of commands that simulate grains: time step and contact solver.
 #pragma once
 #include "pipeline/app/cli/command.h"
 #include "terrain/bed/numerics.h"
@@ -6,11 +6,11 @@
 
 namespace gonogo::app {
 
-/// --step, --substeps, --iterations, --tolerance, --target. `whose`: trials or a test, for the help.
+/// --step, --substeps, --iterations, --tolerance, --target. `whose` begins each description: "Trials".
 void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const std::string& whose);
 
-/// The same for commands that meet a soil through a table: what is not given is the table's. `tolerance`: with
-/// --tolerance.
+/// The same for commands that meet a soil through a table: what is not given is the table's. `tolerance`: whether
+/// --tolerance is among them.
 void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
                                 bool tolerance = true);
 

@@ -2,7 +2,6 @@
 #include <memory>
 #include <string>
 
-#include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
 #include "pipeline/app/cli/command.h"
@@ -33,42 +32,45 @@ void original(const Globals& globals, Options options) {
   json["grains"] = record.grains;
   json["surface_m"] = record.surface;
   json["time_s"] = last.time;
-  json["x_m"] = last.position.x, json["y_m"] = last.position.y;
-  std::string text = line("%s\n%zu grains, highest at %.0f mm; %.2f s, x %.3f m, y %.3f m, %.2f m/s\n",
-                          lab::stop_sentence(record.stop), record.grains, 1e3 * record.surface, last.time,
-                          last.position.x, last.position.y, last.velocity.x);
+  json["x_m"] = last.position.x;
+  json["y_m"] = last.position.y;
+  const std::string text = line("%s\n%zu grains, highest at %.0f mm; %.2f s, x %.3f m, y %.3f m, %.2f m/s\n",
+                                lab::stop_sentence(record.stop), record.grains, 1e3 * record.surface, last.time,
+                                last.position.x, last.position.y, last.velocity.x);
   if (!options.folder.empty()) {
     create_folder(options.folder);
     const auto file = std::filesystem::path(options.folder) / ("results_" + std::to_string(options.line) + ".out");
     write_file_atomically(file, lab::original_output(record));
     json["file"] = file.string();
   }
+  if (record.stop == lab::OriginalStop::failed)
+    fail_with_result(globals, json, text, DeviceError("the run failed: " + record.fault));
   print_result(globals, json, text);
-  if (record.stop == lab::OriginalStop::failed) throw DeviceError("the run failed: " + record.fault);
 }
 
 }  // namespace
 
 void add_original_command(CLI::App& app, const Globals& globals) {
-  CLI::App* command = app.add_subcommand("original", "One run of the original study's fixed bin, by its input file");
+  CLI::App* command =
+      app.add_subcommand("original", "One run of the original study's fixed bin, from a line of its input file");
   auto o = std::make_shared<Options>();
   command->add_option("input", o->input, "Text file, a run per line: slope [deg], radius [mm], density, friction, kPa")
+      ->type_name(kFile)
       ->required();
-  command->add_option("--line", o->line, "Line of the run, the first is 1")->capture_default_str();
-  command->add_option("--vehicle", o->vehicle, "Vehicle file, or the name of one in configs/vehicles")
-      ->capture_default_str();
-  command->add_option("--out", o->folder, "Folder for results_<line>.out");
+  command->add_option("--line", o->line, "Line of the run, from 1")->capture_default_str();
+  command->add_option("--vehicle", o->vehicle, "Vehicle")->type_name(kVehicle)->capture_default_str();
+  command->add_option("--out", o->folder, "Folder for results_<line>.out")->type_name(kFolder);
   command
       ->add_option("--tyre-friction", o->request.tyre_friction,
-                   "Of the tyres; the larger of theirs and the soil's acts")
+                   "Friction of the tyres [-]; the larger of theirs and the soil's acts")
       ->check(CLI::Range(0.0, 3.0))
       ->capture_default_str();
-  command->add_option("--seed", o->request.seed, "Of the places of the grains")->capture_default_str();
+  command->add_option("--seed", o->request.seed, "Seed of the grains' places")->capture_default_str();
   command->add_option("--end", o->request.time.end, "Time limit of the run [s]")
       ->check(CLI::Range(0.5, 100.0))
       ->capture_default_str();
-  command->add_flag("--gpu", o->gpu, "On the GPU");
-  command->footer("Example:\n  gonogo original inputs.txt --line 3 --out results --gpu");
+  command->add_flag("--gpu", o->gpu, "Run on the GPU");
+  add_examples(*command, {"gonogo original inputs.txt --line 3 --out results --gpu"});
   command->callback([&globals, o] { original(globals, *o); });
 }
 

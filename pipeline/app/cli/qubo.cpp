@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -30,19 +31,19 @@ struct Options {
 
 using Shared = std::shared_ptr<Options>;
 
-std::string format_names() {
-  std::string names;
-  for (const learning::FormatFacts& format : learning::problem_formats())
-    names += (names.empty() ? "" : ", ") + std::string(format.name);
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const learning::FormatFacts& format : learning::problem_formats()) names.emplace_back(format.name);
   return names;
 }
 
 /// Options of a file that is read.
 void add_input_options(CLI::App* command, const Shared& options) {
-  command->add_option("--from", options->in.format,
-                      "Format of the problem: " + format_names() + "; default: its sidecar's, or by extension");
-  command->add_option("--solver", options->in.solver, "Solver definition (JSON) of a problem in sapi format");
-  command->add_option("--vartype", options->in.vartype, "BINARY or SPIN, for coordinate text that does not say")
+  command->add_option("--from", options->in.format, "Format of the problem; default: its sidecar's, or by extension")
+      ->type_name(one_of(format_names()));
+  command->add_option("--solver", options->in.solver, "Solver definition (JSON) of a problem in sapi format")
+      ->type_name(kFile);
+  command->add_option("--vartype", options->in.vartype, "Variables of coordinate text that does not say")
       ->check(CLI::IsMember({"BINARY", "SPIN"}));
 }
 
@@ -65,19 +66,21 @@ void print_export(const Globals& globals, const std::string& path, const learn::
 
 void add_export(CLI::App& qubo, const Shared& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("export", "Write a model's machine as an annealing problem, with a sidecar");
-  command->add_option("--model", options->model, "Model file")->required();
-  command->add_option("--out", options->out, "Problem file to write; the sidecar goes beside it")->required();
-  command->add_option("--clamp", options->clamp,
-                      "variable=number: take this variable out at its value; may be repeated");
+  command->add_option("--model", options->model, "Model file")->type_name(kFile)->required();
+  command->add_option("--out", options->out, "Problem file to write; the sidecar goes beside it")
+      ->type_name(kFile)
+      ->required();
+  command->add_option("--clamp", options->clamp, "Fix this variable at its value; may be repeated")
+      ->type_name(kSetting);
   command
       ->add_option("--penalty", options->penalty,
                    "Energy, at least, of units that are no code word; code words keep their energies. Couples visible "
                    "units: sample with anneal, tempering, population or exact")
       ->capture_default_str();
-  command->add_option("--format", options->to.format,
-                      "Format: " + format_names() + "; default: by extension, .json being dimod_json");
+  command->add_option("--format", options->to.format, "Format to write; default: by extension, .json being dimod_json")
+      ->type_name(one_of(format_names()));
   command->add_flag("--spin", options->spin, "Ising form (SPIN) instead of QUBO (BINARY)");
-  command->footer("Example:\n  gonogo qubo export --model out/demo/model.h5 --out problem.json --clamp slope_along=12");
+  add_examples(*command, {"gonogo qubo export --model out/demo/model.h5 --out problem.json --clamp slope_along=12"});
   command->callback([options, &globals] {
     const auto vartype = options->spin ? learning::Vartype::spin : learning::Vartype::binary;
     print_export(globals, options->out,
@@ -88,12 +91,14 @@ void add_export(CLI::App& qubo, const Shared& options, const Globals& globals) {
 
 void add_convert(CLI::App& qubo, const Shared& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("convert", "Write a problem in another format, with a sidecar");
-  command->add_option("problem", options->problem, "Problem to read")->required();
+  command->add_option("problem", options->problem, "Problem to read")->type_name(kFile)->required();
   add_input_options(command, options);
-  command->add_option("--to", options->to.format, "Format to write: " + format_names() + "; default: by extension");
-  command->add_option("--to-solver", options->to.solver, "Solver definition (JSON) to write sapi for");
-  command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->required();
-  command->footer("Example:\n  gonogo qubo convert problem.json --to qbsolv --out problem.qubo");
+  command->add_option("--to", options->to.format, "Format to write; default: by extension")
+      ->type_name(one_of(format_names()));
+  command->add_option("--to-solver", options->to.solver, "Solver definition (JSON) to write sapi for")
+      ->type_name(kFile);
+  command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->type_name(kFile)->required();
+  add_examples(*command, {"gonogo qubo convert problem.json --to qbsolv --out problem.qubo"});
   command->callback([options, &globals] {
     print_export(globals, options->out,
                  learn::convert_problem(learn::load_problem(options->problem, options->in), options->out, options->to));
@@ -108,7 +113,8 @@ void add_sampler_options(CLI::App* command, const Shared& options) {
       ->capture_default_str();
   command->add_option("--replicas", settings.replicas, "tempering: temperatures")->capture_default_str();
   command->add_option("--temperatures", settings.temperatures, "population: steps")->capture_default_str();
-  command->add_option("--folder", settings.folder, "file: where problems are put and answers are found");
+  command->add_option("--folder", settings.folder, "file: where problems are put and answers are found")
+      ->type_name(kFolder);
   command->add_option("--time-limit", settings.time_limit_s, "command: seconds")->capture_default_str();
   command->add_option("program", settings.command,
                       "command: after --, program and arguments, no shell; {problem}, {answer}, {reads}, {seed} are "
@@ -118,31 +124,38 @@ void add_sampler_options(CLI::App* command, const Shared& options) {
   command->add_option("--dead-share", options->device.graph.dead_share, "emulator: share of dead qubits")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command->add_option("--dead-seed", options->device.graph.dead_seed, "emulator: which ones; also the device's serial")
+  command
+      ->add_option("--dead-seed", options->device.graph.dead_seed,
+                   "emulator: seed of the dead qubits; also the device's serial")
       ->capture_default_str();
 }
 
 void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("embed", "Lay a problem onto the qubits of a machine");
   learn::EmbedRequest& embed = options->embed;
-  command->add_option("problem", options->problem, "Problem to read")->required();
+  command->add_option("problem", options->problem, "Problem to read")->type_name(kFile)->required();
   add_input_options(command, options);
-  command->add_option("--graph", embed.graph.name, "chimera:M, chimera:MxN, pegasus:M or zephyr:M")
+  command->add_option("--graph", embed.graph.name, "Graph: chimera:M, chimera:MxN, pegasus:M or zephyr:M")
+      ->type_name("GRAPH")
       ->capture_default_str();
-  command->add_option("--on-solver", embed.graph.solver, "Solver definition (JSON) with its working graph instead");
+  command->add_option("--on-solver", embed.graph.solver, "Solver definition (JSON) with its working graph instead")
+      ->type_name(kFile);
   command->add_option("--dead-share", embed.graph.dead_share, "Share of dead qubits of --graph")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command->add_option("--dead-seed", embed.graph.dead_seed, "Which ones")->capture_default_str();
-  command->add_option("--method", embed.method, "auto, biclique, clique or heuristic")->capture_default_str();
+  command->add_option("--dead-seed", embed.graph.dead_seed, "Seed of the choice of dead qubits")->capture_default_str();
+  command->add_option("--method", embed.method, "Method of embedding")
+      ->type_name(one_of({"auto", "biclique", "clique", "heuristic"}))
+      ->capture_default_str();
   CLI::Option* strength = command->add_option("--chain-strength", options->chain_strength,
                                               "Default: torque compensation, 1.414 rms(J) sqrt(mean degree)");
   CLI::Option* gauge = command->add_option("--gauge", options->gauge, "Seed of a random gauge; default: none");
   command->add_flag("--auto-scale", embed.auto_scale, "Scale to the full range; the sidecar keeps the factor");
   command->add_option("--seed", embed.seed, "Seed of the heuristic")->capture_default_str();
-  command->add_option("--to", options->to.format, "Format to write: " + format_names() + "; default: by extension");
-  command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->required();
-  command->footer("Example:\n  gonogo qubo embed problem.json --graph pegasus:16 --out qubits.json");
+  command->add_option("--to", options->to.format, "Format to write; default: by extension")
+      ->type_name(one_of(format_names()));
+  command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->type_name(kFile)->required();
+  add_examples(*command, {"gonogo qubo embed problem.json --graph pegasus:16 --out qubits.json"});
   command->callback([options, strength, gauge, &globals] {
     learn::EmbedRequest request = options->embed;
     request.problem = options->problem;
@@ -164,10 +177,9 @@ void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
 
 void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("sample", "Draw rows of a problem from P(x) proportional to exp(-E(x))");
-  command->add_option("problem", options->problem, "Problem in dimod's JSON")->required();
-  command
-      ->add_option("--sampler", options->sampler,
-                   "block_gibbs, anneal, tempering, population, exact, file, command or emulator (a D-Wave 2X)")
+  command->add_option("problem", options->problem, "Problem in dimod's JSON")->type_name(kFile)->required();
+  command->add_option("--sampler", options->sampler, "Sampler; emulator stands for a D-Wave 2X")
+      ->type_name(one_of({"block_gibbs", "anneal", "tempering", "population", "exact", "file", "command", "emulator"}))
       ->capture_default_str();
   add_input_options(command, options);
   add_sampler_options(command, options);
@@ -177,11 +189,11 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed")->capture_default_str();
-  command->add_option("--out", options->out, "Answer file to write")->required();
-  command->footer(
-      "Example:\n  gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json\n"
-      "  gonogo qubo sample problem.json --sampler command --out answer.json -- \\\n"
-      "      python3 scripts/ocean_bridge.py {problem} {answer} --reads {reads} --sampler annealer");
+  command->add_option("--out", options->out, "Answer file to write")->type_name(kFile)->required();
+  add_examples(*command,
+               {"gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json",
+                "gonogo qubo sample problem.json --sampler command --out answer.json -- \\\n"
+                "      python3 scripts/ocean_bridge.py {problem} {answer} --reads {reads} --sampler annealer"});
   command->callback([options, &globals] {
     const auto sampler = learn::make_any_sampler(options->sampler, options->sampling, options->device);
     learning::SampleRequest request;
@@ -232,22 +244,26 @@ void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
   CLI::App* command =
       qubo.add_subcommand("import", "Read an answer back: verify it, decode rows to variables and outcomes");
   command->add_option("--problem", options->problem, "Problem that was exported, with its sidecar beside it")
+      ->type_name(kFile)
       ->required();
-  command->add_option("--answer", options->answer, "Answer file")->required();
-  command->add_option("--answer-format", options->answer_format, "One of " + learning::answer_format_names())
+  command->add_option("--answer", options->answer, "Answer file")->type_name(kFile)->required();
+  std::string formats = learning::answer_format_names();
+  formats.erase(std::remove(formats.begin(), formats.end(), ' '), formats.end());
+  command->add_option("--answer-format", options->answer_format, "Format of the answer")
+      ->type_name("{" + formats + "}")
       ->capture_default_str();
   add_input_options(command, options);
-  command
-      ->add_option("--chains", options->chains,
-                   "Broken chains of an embedded problem: weighted_random, majority_vote, discard or minimize_energy")
+  command->add_option("--chains", options->chains, "How broken chains of an embedded problem are read")
+      ->type_name(one_of({"weighted_random", "majority_vote", "discard", "minimize_energy"}))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of weighted_random")->capture_default_str();
-  command->add_option("--model", options->model, "Also check that the problem was exported from this model");
-  command->add_option("--rows", options->rows, "Write the decoded rows as CSV");
+  command->add_option("--model", options->model, "Also check that the problem was exported from this model")
+      ->type_name(kFile);
+  command->add_option("--rows", options->rows, "Write the decoded rows as CSV")->type_name(kFile);
   command->add_option("--decode", options->decode, "Rows that are no code word: discard, or repair where a rule exists")
       ->check(CLI::IsMember({"discard", "repair"}))
       ->capture_default_str();
-  command->footer("Example:\n  gonogo qubo import --problem problem.json --answer answer.json --rows rows.csv");
+  add_examples(*command, {"gonogo qubo import --problem problem.json --answer answer.json --rows rows.csv"});
   command->callback([options, &globals] {
     learn::ImportRequest request;
     request.problem = options->problem;
@@ -270,10 +286,9 @@ void add_qubo_command(CLI::App& app, const Globals& globals) {
   CLI::App* qubo =
       app.add_subcommand("qubo", "Annealing problems: export from a model, convert, sample, import answers");
   qubo->require_subcommand(1);
-  qubo->footer(
-      "Example:\n  gonogo qubo export --model out/demo/model.h5 --out problem.json\n"
-      "  gonogo qubo sample problem.json --reads 1000 --out answer.json\n"
-      "  gonogo qubo import --problem problem.json --answer answer.json");
+  add_examples(*qubo, {"gonogo qubo export --model out/demo/model.h5 --out problem.json",
+                       "gonogo qubo sample problem.json --reads 1000 --out answer.json",
+                       "gonogo qubo import --problem problem.json --answer answer.json"});
   const Shared options = std::make_shared<Options>();
   add_export(*qubo, options, globals);
   add_convert(*qubo, options, globals);

@@ -1,23 +1,19 @@
-#include "pipeline/app/run/run.h"
+#include <memory>
 
 #include "pipeline/app/cli/command.h"
 
 namespace gonogo::app {
 
-void add_run_command(CLI::App& app, const Globals& globals) {
+void add_run_command(CLI::App& app, const Globals& globals, const Work<RunRequest>& work) {
   CLI::App* command = app.add_subcommand("run", "The main job: simulate, learn and map what a study asks for");
-  auto request = std::make_shared<RunRequest>();
-  command->add_option("study", request->study, "JSON file of the study")->required();
+  const auto request = std::make_shared<RunRequest>();
+  command->add_option("study", request->study, "JSON file of the study")->type_name(kStudy)->required();
   command->add_option("--out", request->out, "Folder for the results; the same folder continues an interrupted run")
+      ->type_name(kFolder)
       ->required();
-  command->footer(
-      "Trials, training and map are each done only when something they depend on has changed.\n\n"
-      "Example:\n  gonogo run configs/studies/demo.json --out out/demo");
-  command->callback([request, &globals] {
-    request->threads = globals.threads;
-    const RunSummary summary = run_study(*request);
-    print_result(globals, summary.record, to_text(summary));
-  });
+  add_examples(*command, {"gonogo run configs/studies/demo.json --out out/demo"},
+               "Trials, training and map are each done only when something they depend on has changed.");
+  command->callback([request, work, &globals] { work(globals, *request); });
 }
 
 }  // namespace gonogo::app

@@ -20,11 +20,16 @@ Json watched_json(const std::vector<std::vector<lab::Measured>>& watched) {
 std::string watched_text(const std::vector<std::vector<lab::Measured>>& watched) {
   std::string text;
   char cell[40];
-  for (const lab::Measured& m : watched.front())
-    std::snprintf(cell, sizeof cell, "  %18s", m.key.c_str()), text += cell;
+  for (const lab::Measured& m : watched.front()) {
+    std::snprintf(cell, sizeof cell, "  %18s", m.key.c_str());
+    text += cell;
+  }
   for (const std::vector<lab::Measured>& look : watched) {
     text += '\n';
-    for (const lab::Measured& m : look) std::snprintf(cell, sizeof cell, "  %18.4g", m.value), text += cell;
+    for (const lab::Measured& m : look) {
+      std::snprintf(cell, sizeof cell, "  %18.4g", m.value);
+      text += cell;
+    }
   }
   return text + '\n';
 }
@@ -122,12 +127,14 @@ CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, 
   add_solver(*command, run->on.solver);
   command->add_option("--iterations", run->on.iterations, "Solver iterations per step")->check(CLI::Range(1, 100000));
   command->add_option("--repeats", run->repeats, "Timed samples at the end; 0: none")->check(CLI::Range(0, 100000));
-  command->add_option("--vtk", run->vtk, "Folder for VTK files that ParaView opens");
+  command->add_option("--vtk", run->vtk, "Folder for VTK files that ParaView opens")->type_name(kFolder);
   command->add_option("--every", run->every, "Time between two frames [s]")->check(CLI::Range(1e-3, 1e3));
-  command->add_option("--picture", run->picture, "PNG of the end; walls and floors are left out");
-  command->add_option("--video", run->video, "MP4 of the run, made by ffmpeg; walls and floors are left out");
-  command->add_option("--plot", run->plot, "PNG of what the scene tells over time, where it does");
-  add_choice(*command, "--backend", run->on.backend, kBackends, "cpu or cuda");
+  command->add_option("--picture", run->picture, "PNG of the end; walls and floors are left out")->type_name(kFile);
+  command->add_option("--video", run->video, "MP4 of the run, made by ffmpeg; walls and floors are left out")
+      ->type_name(kFile);
+  command->add_option("--plot", run->plot, "PNG of the scene's quantities over time, where it has any")
+      ->type_name(kFile);
+  add_choice(*command, "--backend", run->on.backend, kBackends, "Device");
   command->callback([&globals, run, count, make] {
     run->on.threads = bench_threads(globals);
     sim::require_backend(run->on.backend);

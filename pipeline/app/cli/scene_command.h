@@ -1,4 +1,4 @@
-// What the commands of scenes of many bodies share: options, and what they print.
+// Options and output that the commands of scenes of many bodies share.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,12 +12,12 @@ namespace gonogo::app {
 void add_sphere_count(CLI::App& command, Index& count);
 void add_friction(CLI::App& command, lab::Spheres& of, const std::string& of_what);
 
-/// A subcommand that makes a scene, runs, shows and times it and prints what it tells. `count`: of its spheres; it must
-/// live as long as `make` does.
+/// A subcommand that makes a scene, runs, shows and times it, and prints what it measures. `count`: number of spheres,
+/// which must live as long as `make`.
 CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, const char* about, Index* count,
                     const std::function<lab::ManyScene(const lab::RunOn&)>& make);
 
-/// The same of a scene that `make` builds from a spec, whose spheres are `of`.
+/// The same for a scene that `make` builds from a spec with the spheres `of`.
 template <class Spec>
 CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, const char* about,
                     const std::shared_ptr<Spec>& spec, lab::Spheres& of,
@@ -26,7 +26,7 @@ CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, 
                    [spec, make](const lab::RunOn& on) { return make(*spec, on); });
 }
 
-/// What every scene prints first.
+/// The first entries of every scene's result.
 Json counts_json(const std::string& scene, const lab::RunOn& on, std::int64_t spheres, std::int64_t bodies,
                  std::int64_t contacts);
 

@@ -62,30 +62,38 @@ std::vector<double> variables_of(const campaign::TrialSetup& setup) {
 
 /// "between -45 and 45 deg"
 std::string allowed(const campaign::Variable& v) {
-  return "between " + std::to_string(v.minimum) + " and " + std::to_string(v.maximum) + " " + v.unit;
+  return line("between %g and %g %s", v.minimum, v.maximum, v.unit.c_str());
+}
+
+/// Throws InputError that begins with `option` where the value is outside of the variable's range.
+void set_variable(std::vector<double>& values, const std::string& name, double value, const std::string& option) {
+  const std::size_t v = campaign::contract().variable_index(name);
+  const campaign::Variable& variable = campaign::contract().variables[v];
+  if (!(value >= variable.minimum && value <= variable.maximum))
+    throw InputError(option + ": the value must be a number " + allowed(variable));
+  values[v] = value;
 }
 
 /// Values from --slope, --cross-slope and --set in the place of the others.
 std::vector<double> with_settings(std::vector<double> values, const Options& options) {
-  std::vector<std::string> settings;
-  if (options.slope_along) settings.push_back("slope_along=" + std::to_string(*options.slope_along));
-  if (options.slope_across) settings.push_back("slope_across=" + std::to_string(*options.slope_across));
-  settings.insert(settings.end(), options.settings.begin(), options.settings.end());
-  for (const std::string& setting : settings) {
+  const auto set_slope = [&](const char* name, const char* option, std::optional<double> slope) {
+    if (slope) set_variable(values, name, *slope, option + line(" %g", *slope));
+  };
+  set_slope("slope_along", "--slope", options.slope_along);
+  set_slope("slope_across", "--cross-slope", options.slope_across);
+  for (const std::string& setting : options.settings) {
     const auto equals = setting.find('=');
     if (equals == std::string::npos) throw InputError("--set " + setting + ": write it as name=value");
-    const std::size_t v = campaign::contract().variable_index(setting.substr(0, equals));
-    const campaign::Variable& variable = campaign::contract().variables[v];
-    char* end = nullptr;
     const std::string text = setting.substr(equals + 1);
-    values[v] = std::strtod(text.c_str(), &end);
-    if (text.empty() || *end != 0 || !(values[v] >= variable.minimum && values[v] <= variable.maximum))
-      throw InputError("--set " + setting + ": the value must be a number " + allowed(variable));
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    const bool is_number = !text.empty() && *end == 0;
+    set_variable(values, setting.substr(0, equals), is_number ? value : std::nan(""), "--set " + setting);
   }
   return values;
 }
 
-/// A study whose points come from a file says nothing of a variable by itself.
+/// Throws InputError for a variable without a value: of a study whose points come from a file.
 void check_all_given(const std::vector<double>& values, const Options& options) {
   for (std::size_t v = 0; v < values.size(); ++v)
     if (std::isnan(values[v])) {
@@ -213,8 +221,11 @@ void add_pull(const campaign::TrialRecord& record, Json& json, std::string& text
   text += "pull/weight    slip  speed [m/s]  sinkage [mm]  torque [N m]\n";
   for (const campaign::PullPoint& p : record.pull) {
     Json point;
-    point["pull_per_weight"] = p.pull, point["slip"] = p.slip, point["speed_m_per_s"] = p.speed;
-    point["sinkage_m"] = p.sinkage, point["torque_N_m"] = p.torque;
+    point["pull_per_weight"] = p.pull;
+    point["slip"] = p.slip;
+    point["speed_m_per_s"] = p.speed;
+    point["sinkage_m"] = p.sinkage;
+    point["torque_N_m"] = p.torque;
     json["pull"].push_back(std::move(point));
     text += line("%11.3f  %6.3f  %11.3f  %12.1f  %12.0f\n", p.pull, p.slip, p.speed, 1e3 * p.sinkage, p.torque);
   }
@@ -248,43 +259,52 @@ void simulate(const Globals& globals, const Options& options) {
 void add_simulate_command(CLI::App& app, const Globals& globals) {
   CLI::App* command = app.add_subcommand("simulate", "Run one trial and say how it ended");
   auto options = std::make_shared<Options>();
-  command->add_option("study", options->study, "Study JSON; or --vehicle and --soil");
-  command->add_option("--vehicle", options->vehicle, "Vehicle file, or the name of one in configs/vehicles");
-  command->add_option("--soil", options->soil,
-                      "Calibration of the grains, a file or the name of one in configs/soils, with --vehicle");
-  command->add_option("--trial", options->task,
-                      "Type of trial with its numbers, with --vehicle: climb, side_slope, drawbar, "
-                      "single_wheel:slip=0.2, step:height_m=0.2, "
-                      "ditch:width_m=1,depth_m=0.2, crossing:length_m=2,friction_angle_deg=18");
+  command->add_option("study", options->study, "Study file (JSON); or give --vehicle and --soil")->type_name(kStudy);
+  command->add_option("--vehicle", options->vehicle, "Vehicle, with --soil")->type_name(kVehicle);
+  command->add_option("--soil", options->soil, "Calibration of the grains, with --vehicle")->type_name(kTable);
+  command
+      ->add_option("--trial", options->task,
+                   "Type of trial with its numbers, with --vehicle: climb, side_slope, drawbar, "
+                   "single_wheel:slip=0.2, step:height_m=0.2, "
+                   "ditch:width_m=1,depth_m=0.2, crossing:length_m=2,friction_angle_deg=18")
+      ->type_name("TRIAL");
   command->add_option("--slope", options->slope_along, "Slope along, uphill positive [deg]");
   command->add_option("--cross-slope", options->slope_across, "Slope across, left side higher positive [deg]");
-  command->add_option("--set", options->settings,
-                      "Value of a variable, name=value; others: the study's fixed value or mid-range");
+  command
+      ->add_option("--set", options->settings,
+                   "Value of a variable; the others have the study's fixed value or mid-range")
+      ->type_name(kSetting);
   command->add_option("--seed", options->seed, "Seed of the bed");
-  command->add_flag("--compliant-tyres", options->compliant, "With the stiffness that the vehicle's file names");
+  command->add_flag("--compliant-tyres", options->compliant, "Tyres of the stiffness in the vehicle's file");
   command->add_flag("--folded", options->folded,
-                    "On a bed of two thirds of the track, periodic across: a third of the grains");
+                    "Bed of two thirds of the track, periodic across, with a third of the grains");
   add_asked_numerics_options(*command, options->numerics, "With --vehicle");
-  command->add_flag("--gpu", options->gpu, "On the GPU");
-  command->add_option("--csv", options->csv, "Write the run step by step to this file");
-  command->add_option("--checkpoint", options->checkpoint.path,
-                      "Save the running trial to this file and, where it exists, go on from it");
-  command->add_option("--checkpoint-every", options->checkpoint.every, "Time between two savings [s of the wall clock]")
+  command->add_flag("--gpu", options->gpu, "Run on the GPU");
+  command->add_option("--csv", options->csv, "CSV file for the run step by step")->type_name(kFile);
+  command
+      ->add_option("--checkpoint", options->checkpoint.path,
+                   "File to which the running trial is saved; where it exists, the trial continues from it")
+      ->type_name(kFile);
+  command->add_option("--checkpoint-every", options->checkpoint.every, "Wall-clock time between two checkpoints [s]")
       ->check(CLI::Range(0.0, 1e6));
-  command->add_option("--picture", options->film.picture, "Write a picture of the trial's end to this PNG file");
-  command->add_option("--frames", options->film.frames, "Write a PNG per interval to this folder");
-  command->add_option("--vtk", options->film.vtk, "Write VTK files per interval to this folder, for ParaView");
-  command->add_option("--video", options->film.video, "Write an MP4 video of the trial; needs ffmpeg");
+  command->add_option("--picture", options->film.picture, "PNG file for a picture of the trial's end")
+      ->type_name(kFile);
+  command->add_option("--frames", options->film.frames, "Folder for a PNG per interval")->type_name(kFolder);
+  command->add_option("--vtk", options->film.vtk, "Folder for VTK files per interval, for ParaView")
+      ->type_name(kFolder);
+  command->add_option("--video", options->film.video, "MP4 file for a video of the trial; needs ffmpeg")
+      ->type_name(kFile);
   command->add_option("--every", options->film.every, "Interval of frames, VTK files and video [s]")
       ->check(CLI::Range(1e-4, 100.0));
-  command->add_option("--size", options->size, "Size of pictures in pixels, WIDTHxHEIGHT");
+  command->add_option("--size", options->size, "Size of pictures [pixels]")->type_name("WIDTHxHEIGHT");
   command->add_option("--colour", options->colour, "What colours the grains")
       ->check(CLI::IsMember({"speed", "height"}));
-  command->footer(
-      "Examples:\n  gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30\n"
-      "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --slope 12 --video out/climb.mp4\n"
-      "  gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --trial drawbar\n"
-      "  gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05");
+  add_examples(
+      *command,
+      {"gonogo simulate configs/studies/demo.json --set slope_along=12 --set friction_angle=30",
+       "gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --slope 12 --video out/climb.mp4",
+       "gonogo simulate --vehicle hmmwv --soil configs/soils/calibration_90mm.json --trial drawbar",
+       "gonogo simulate configs/studies/demo.json --picture out/trial.png --vtk out/vtk --every 0.05"});
   command->callback([&globals, options, command] {
     options->numerics_given = numerics_given(*command);
     simulate(globals, *options);

@@ -40,28 +40,30 @@ void add_shape(CLI::App& command, terrain::GrainShape& shape) {
   command
       .add_option_function<std::string>(
           "--shape", [&shape](const std::string& name) { shape = terrain::grain_shape_of(name); },
-          "Of grains: sphere, or a clump of two (pair) or three (trefoil) that has the volume of a sphere (sphere)")
+          "Grains: spheres, or clumps of two (pair) or three (trefoil) with the volume of a sphere; default: sphere")
       ->check(CLI::IsMember(terrain::grain_shape_names()));
 }
 
-/// Options of all tests; --density is the relative one.
+/// Options of all tests.
 void add_soil_options(CLI::App& command, lab::SoilTestRequest& r) {
   const auto real = [](Real& target, double scale) { return [&target, scale](double x) { target = Real(x * scale); }; };
   command.add_option("--grain", r.soil.grain_diameter, "Grain diameter [m]")->capture_default_str();
   add_shape(command, r.soil.shape);
-  command.add_option_function<double>("--friction", real(r.soil.grain.friction, 1), "Sliding friction of grains (0.5)");
+  command.add_option_function<double>("--friction", real(r.soil.grain.friction, 1),
+                                      "Sliding friction of grains [-]; default: 0.5");
   command.add_option_function<double>("--rolling", real(r.soil.grain.rolling_friction, 1),
-                                      "Rolling friction of grains, times the effective radius (0)");
+                                      "Rolling friction of grains [effective radii]; default: 0");
   command.add_option_function<double>("--cohesion", real(r.soil.grain.cohesion_pressure, 1e3),
-                                      "Cohesion pressure between grains, not of the soil [kPa] (0)");
+                                      "Cohesion pressure between grains, not of the soil [kPa]; default: 0");
   command.add_option("--tool-friction", r.soil.tool_friction, "Friction of grains on plate, cone and walls")
       ->capture_default_str();
   command.add_option("--density", r.soil.relative_density, "Relative density, 0 loosest to 1 densest")
       ->capture_default_str();
-  command.add_option("--grain-density", r.soil.grain_density, "Of the solid [kg/m3]")->capture_default_str();
+  command.add_option("--grain-density", r.soil.grain_density, "Density of the grains' solid [kg/m3]")
+      ->capture_default_str();
   command.add_option("--seed", r.soil.seed, "First seed")->capture_default_str();
   command.add_option("--seeds", r.seeds, "Packings, one per seed")->check(CLI::Range(1, 100))->capture_default_str();
-  command.add_flag("--quick", r.quick, "Smaller beds and shorter ways, for a first look");
+  command.add_flag("--quick", r.quick, "Smaller beds and shorter paths, for a first look");
 }
 
 void add_test(CLI::App& parent, const Globals& globals, const std::string& name, const std::string& about) {
@@ -73,16 +75,18 @@ void add_test(CLI::App& parent, const Globals& globals, const std::string& name,
   add_soil_options(*command, *request);
   add_numerics_options(*command, *numerics, "Trials");
   if (name == "shear" || name == "triaxial")
-    command->add_option("--stress", *stresses,
-                        name == "shear" ? "Normal stresses [kPa] (5 10 20)" : "Confining stresses [kPa] (5 10 20)");
+    command->add_option(
+        "--stress", *stresses,
+        name == "shear" ? "Normal stresses [kPa]; default: 5 10 20" : "Confining stresses [kPa]; default: 5 10 20");
   if (name == "plate")
     command->add_option("--widths", request->plate_widths, "Plate widths [grain diameters]")->capture_default_str();
   if (name == "cone")
     command->add_option("--cone", request->cone_diameter, "Diameter of the cone's base [grain diameters]")
         ->capture_default_str();
-  command->add_option("--out", *out, "Folder for curves (CSV, PNG), a picture of the grains, and the numbers (JSON)");
-  command->footer("Example:\n  gonogo soil test " + name + " --grain 0.032 --friction 0.5 --rolling 0.1 --out out/" +
-                  name);
+  command->add_option("--out", *out, "Folder for curves (CSV, PNG), a picture of the grains, and the numbers (JSON)")
+      ->type_name(kFolder);
+  add_examples(*command,
+               {"gonogo soil test " + name + " --grain 0.032 --friction 0.5 --rolling 0.1 --out out/" + name});
   command->callback([&globals, name, command, request, out, stresses, numerics] {
     if (numerics_given(*command)) request->numerics = *numerics;
     request->threads = thread_count(globals);
@@ -98,7 +102,7 @@ void add_test(CLI::App& parent, const Globals& globals, const std::string& name,
 void add_tests(CLI::App& soil, const Globals& globals) {
   CLI::App* test = soil.add_subcommand("test", "Virtual soil tests: curves, pictures and derived numbers");
   test->require_subcommand(1);
-  test->footer("Example:\n  gonogo soil test shear --grain 0.032 --friction 0.5 --rolling 0.1 --out out/shear");
+  add_examples(*test, {"gonogo soil test shear --grain 0.032 --friction 0.5 --rolling 0.1 --out out/shear"});
   add_test(*test, globals, "repose", "Angle of repose behind a wall that is lowered");
   add_test(*test, globals, "shear", "Friction angle and cohesion from simple shear under several loads");
   add_test(*test, globals, "plate", "Bekker's k_c, k_phi and n from plates of several widths");
@@ -125,17 +129,18 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
       ->check(CLI::Range(1, 50))
       ->capture_default_str();
   command->add_option("--friction", run->friction_range,
-                      "Least and most sliding friction of the contact levels: a table for a narrow range of soils");
+                      "Min and max sliding friction of the contact levels, for a table of a narrow range of soils");
   const auto keep = std::make_shared<bool>(false);
   command->add_flag(
       "--keep-tests", *keep,
-      "Leave the tests (TABLE.tests) beside the whole table: a run with more seeds or levels goes on from there");
+      "Keep the tests (OUT.tests) beside the finished table, for a run with more seeds or levels to continue");
   add_numerics_options(*command, run->numerics, "Trials");
-  command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is whole")
+  command->add_option("--out", *out, "Table to write (JSON); finished tests are kept beside it until it is done")
+      ->type_name(kFile)
       ->required();
-  command->footer(
-      "Example:\n  gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json\n"
-      "  gonogo soil calibrate --friction 0.5 0.7 --substeps 10 --iterations 20 --out dense_sand.json");
+  add_examples(*command,
+               {"gonogo soil calibrate --grain 0.032 --out configs/soils/calibration_32mm.json",
+                "gonogo soil calibrate --friction 0.5 0.7 --substeps 10 --iterations 20 --out dense_sand.json"});
   command->callback([&globals, run, out, keep] {
     run->threads = thread_count(globals);
     run->journal = *out + ".tests";
@@ -154,25 +159,27 @@ void add_calibrate(CLI::App& soil, const Globals& globals) {
 
 void add_library(CLI::App& soil, const Globals& globals) {
   CLI::App* list = soil.add_subcommand("list", "Soils in configs/soils and their states");
-  list->footer("Example:\n  gonogo soil list");
+  add_examples(*list, {"gonogo soil list"});
   list->callback([&globals] {
     const lab::SoilReport r = lab::list_soils();
     print_result(globals, r.json, r.text);
   });
-  CLI::App* show = soil.add_subcommand("show", "Numbers of a soil with their sources, and how far grains come to it");
+  CLI::App* show = soil.add_subcommand("show", "Numbers of a soil with their sources, and how close grains come to it");
   const auto name = std::make_shared<std::string>(), calibration = std::make_shared<std::string>();
-  show->add_option("soil", *name, "Soil file, or the name of one in configs/soils")->required();
-  show->add_option("--calibration", *calibration, "Table of a grain size: contact laws and mismatch for this soil");
-  show->footer("Example:\n  gonogo soil show sandy_loam --calibration configs/soils/calibration_90mm.json");
+  show->add_option("soil", *name, "Soil")->type_name(kSoil)->required();
+  show->add_option("--calibration", *calibration,
+                   "Calibration of a grain size: contact laws and mismatch for this soil")
+      ->type_name(kFile);
+  add_examples(*show, {"gonogo soil show sandy_loam --calibration configs/soils/calibration_90mm.json"});
   show->callback([&globals, name, calibration] {
     const lab::SoilReport r = lab::show_soil(lab::soil_file(*name), *calibration);
     print_result(globals, r.json, r.text);
   });
-  CLI::App* fit = soil.add_subcommand("fit", "Keep in a soil's file how far the grains of a table come to it");
+  CLI::App* fit = soil.add_subcommand("fit", "Write into a soil's file how close the grains of a table come to it");
   const auto file = std::make_shared<std::string>(), with = std::make_shared<std::string>();
-  fit->add_option("soil", *file, "Soil file, or the name of one in configs/soils")->required();
-  fit->add_option("--calibration", *with, "Table of a grain size")->required();
-  fit->footer("Example:\n  gonogo soil fit sandy_loam --calibration configs/soils/calibration_32mm.json");
+  fit->add_option("soil", *file, "Soil")->type_name(kSoil)->required();
+  fit->add_option("--calibration", *with, "Calibration of a grain size")->type_name(kFile)->required();
+  add_examples(*fit, {"gonogo soil fit sandy_loam --calibration configs/soils/calibration_32mm.json"});
   fit->callback([&globals, file, with] {
     const std::filesystem::path path = lab::soil_file(*file);
     terrain::write_fits(path, std::filesystem::path(*with).filename().string(), terrain::read_calibration(*with));
@@ -186,7 +193,7 @@ void add_library(CLI::App& soil, const Globals& globals) {
 void add_soil_command(CLI::App& app, const Globals& globals) {
   CLI::App* soil = app.add_subcommand("soil", "Virtual soil tests and calibration");
   soil->require_subcommand(1);
-  soil->footer("Example:\n  gonogo soil test shear --grain 0.032 --friction 0.5 --rolling 0.1");
+  add_examples(*soil, {"gonogo soil test shear --grain 0.032 --friction 0.5 --rolling 0.1"});
   add_tests(*soil, globals);
   add_calibrate(*soil, globals);
   add_library(*soil, globals);

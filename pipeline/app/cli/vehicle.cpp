@@ -12,14 +12,14 @@ namespace {
 
 std::shared_ptr<std::string> add_name(CLI::App& command) {
   auto name = std::make_shared<std::string>();
-  command.add_option("vehicle", *name, "Vehicle file, or the name of one in configs/vehicles")->required();
+  command.add_option("vehicle", *name, "Vehicle")->type_name(kVehicle)->required();
   return name;
 }
 
 void add_show(CLI::App& vehicle, const Globals& globals) {
   CLI::App* command = vehicle.add_subcommand("show", "Masses, static wheel loads, contact pressures, gears, sources");
   const auto name = add_name(*command);
-  command->footer("Example:\n  gonogo vehicle show hmmwv");
+  add_examples(*command, {"gonogo vehicle show hmmwv"});
   command->callback([&globals, name] {
     const lab::Report r = lab::show_vehicle(vehicle::read_vehicle(lab::vehicle_file(*name)));
     print_result(globals, r.json, r.text);
@@ -28,8 +28,7 @@ void add_show(CLI::App& vehicle, const Globals& globals) {
 
 void add_feasible(CLI::App& vehicle, const Globals& globals) {
   CLI::App* command = vehicle.add_subcommand(
-      "feasible",
-      "Whether torques within its limits and forces within friction cones hold it or move it on hard ground");
+      "feasible", "Whether torques in their limits and forces in friction cones hold or move it on hard ground");
   const auto name = add_name(*command);
   const auto request = std::make_shared<lab::FeasibleRequest>();
   command->add_option("--slope", request->slope_along, "Slope along, uphill positive [deg]")->capture_default_str();
@@ -37,7 +36,7 @@ void add_feasible(CLI::App& vehicle, const Globals& globals) {
       ->capture_default_str();
   command->add_option("--step", request->step, "Height of a step to climb [m]")->capture_default_str();
   command->add_option("--mu", request->friction, "Friction coefficient of the wheels")->capture_default_str();
-  command->footer("Example:\n  gonogo vehicle feasible hmmwv --slope 20 --cross-slope 10 --mu 0.6");
+  add_examples(*command, {"gonogo vehicle feasible hmmwv --slope 20 --cross-slope 10 --mu 0.6"});
   command->callback([&globals, name, request] {
     const lab::Report r = lab::check_feasible(vehicle::read_vehicle(lab::vehicle_file(*name)), *request);
     print_result(globals, r.json, r.text);
@@ -48,7 +47,7 @@ void add_vci(CLI::App& vehicle, const Globals& globals) {
   CLI::App* command = vehicle.add_subcommand(
       "vci", "Mobility index, vehicle cone index for one and fifty passes, semi-empirical traction");
   const auto name = add_name(*command);
-  command->footer("Example:\n  gonogo vehicle vci hmmwv");
+  add_examples(*command, {"gonogo vehicle vci hmmwv"});
   command->callback([&globals, name] {
     const lab::Report r = lab::vehicle_cone_index(vehicle::read_vehicle(lab::vehicle_file(*name)));
     print_result(globals, r.json, r.text);
@@ -58,9 +57,9 @@ void add_vci(CLI::App& vehicle, const Globals& globals) {
 }  // namespace
 
 void add_vehicle_command(CLI::App& app, const Globals& globals) {
-  CLI::App* command = app.add_subcommand("vehicle", "What a vehicle is and what it can do at best");
+  CLI::App* command = app.add_subcommand("vehicle", "Facts of a vehicle, and what it can do at best");
   command->require_subcommand(1);
-  command->footer("Example:\n  gonogo vehicle show hmmwv");
+  add_examples(*command, {"gonogo vehicle show hmmwv"});
   add_show(*command, globals);
   add_feasible(*command, globals);
   add_vci(*command, globals);

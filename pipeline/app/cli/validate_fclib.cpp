@@ -1,0 +1,94 @@
+#include <cstdio>
+#include <memory>
+
+#include "base/cancel.h"
+#include "pipeline/app/cli/validate_parts.h"
+#include "pipeline/lab/validate/fclib.h"
+#include "sim/scene/target_name.h"
+
+namespace gonogo::app {
+namespace {
+
+struct FclibRequest {
+  std::vector<std::string> paths;
+  std::string solver = "ppa", target = "coulomb";
+  double limit = 1e-4;
+  sim::LocalSolveSettings settings;
+};
+
+Json as_json(const lab::FclibResult& r, const FclibRequest& request) {
+  Json json;
+  json["problem"] = r.name;
+  json["dimension"] = r.dimension;
+  json["contacts"] = r.contacts;
+  json["solver"] = request.solver;
+  json["iterations"] = r.iterations;
+  json["siconos_error"] = r.coulomb_error;
+  json["ccp_error"] = r.ccp_error;
+  json["ms"] = r.ms;
+  return json;
+}
+
+std::string as_line(const lab::FclibResult& r, const FclibRequest& request) {
+  char line[160];
+  std::snprintf(line, sizeof line, "%-34s %3d %8d  %-6s %10d %12.2e %10.2e %10.1f\n", r.name.c_str(), r.dimension,
+                r.contacts, request.solver.c_str(), r.iterations, r.coulomb_error, r.ccp_error, r.ms);
+  return line;
+}
+
+void validate_fclib(const Globals& globals, FclibRequest request) {
+  request.settings.solver = sim::local_solver(request.solver);
+  request.settings.target = sim::target_named(request.target);
+  const auto files = lab::fclib_files({request.paths.begin(), request.paths.end()});
+  std::string text =
+      "problem                            dim contacts  solver iterations  coulomb err    ccp err         ms\n";
+  Json rows = Json::array();
+  int above = 0;
+  for (const auto& file : files) {
+    stop_if_cancelled();
+    const lab::FclibResult r = lab::solve_fclib(file, request.settings);
+    rows.push_back(as_json(r, request));
+    text += as_line(r, request);
+    above += r.target_error > request.limit;
+  }
+  Json json;
+  json["target"] = request.target;
+  json["limit"] = request.limit;
+  json["above_limit"] = above;
+  json["problems"] = rows;
+  char sentence[120];
+  std::snprintf(sentence, sizeof sentence, "%d of %zu problems ended above the error %g", above, files.size(),
+                request.limit);
+  if (above > 0) fail_with_result(globals, json, text, DeviceError(sentence));
+  print_result(globals, json, text);
+}
+
+}  // namespace
+
+void add_fclib_check(CLI::App& validate, const Globals& globals) {
+  CLI::App* fclib = validate.add_subcommand(
+      "fclib", "Frictional contact problems in the formats of FCLib and Siconos; fails when one is not solved");
+  auto request = std::make_shared<FclibRequest>();
+  fclib->add_option("paths", request->paths, "Problem files, or folders of them (.hdf5, .dat)")
+      ->type_name(kFile)
+      ->required();
+  fclib->add_option("--solver", request->solver, "nsgs: block Gauss-Seidel; apgd: gradients; ppa: proximal Newton")
+      ->check(CLI::IsMember({"nsgs", "apgd", "ppa"}))
+      ->capture_default_str();
+  fclib->add_option("--target", request->target, "coulomb, or ccp: its convex relaxation")
+      ->check(CLI::IsMember(sim::target_names()))
+      ->capture_default_str();
+  fclib->add_option("--tolerance", request->settings.tolerance, "Error at which a solver stops")
+      ->check(CLI::Range(1e-15, 1.0))
+      ->capture_default_str();
+  fclib->add_option("--limit", request->limit, "Error above which a problem counts as not solved")
+      ->check(CLI::Range(1e-15, 1.0))
+      ->capture_default_str();
+  fclib->add_option("--iterations", request->settings.max_iterations, "Max iterations; 0: the solver's own limit")
+      ->check(CLI::Range(0, 100000000))
+      ->capture_default_str();
+  add_examples(*fclib, {"gonogo validate fclib tests/data/fclib"});
+  fclib->callback([&globals, request] { validate_fclib(globals, *request); });
+}
+
+}  // namespace gonogo::app
