@@ -18,6 +18,7 @@ namespace gonogo {
 namespace fs = std::filesystem;
 namespace {
 
+const std::string kProgramName = "gonogo: ";
 constexpr uid_t kNobody = 65534;
 constexpr auto kPatience = std::chrono::minutes(5);
 
@@ -76,13 +77,15 @@ Ending run_gonogo(const std::vector<std::string>& words, const RunOptions& optio
   return ending;
 }
 
-void check_refusal(const Ending& ending, int exit_code, const std::vector<std::string>& parts) {
+namespace {
+
+/// Checks the exit code and the one sentence on stderr; returns the sentence without the program's name.
+std::string check_sentence(const Ending& ending, int exit_code, const std::vector<std::string>& parts) {
   INFO("stderr: " << ending.err);
   CHECK(ending.exit_code == exit_code);
-  CHECK(ending.out == "");
   const auto lines = lines_of(ending.err);
   REQUIRE_FALSE(lines.empty());
-  const auto is_sentence = [](const std::string& line) { return line.rfind("gonogo: ", 0) == 0; };
+  const auto is_sentence = [](const std::string& line) { return line.rfind(kProgramName, 0) == 0; };
   CHECK(is_sentence(lines.back()));
   CHECK(std::count_if(lines.begin(), lines.end(), is_sentence) == 1);
   CHECK_FALSE(contains(lines.back(), "unexpected failure"));
@@ -90,7 +93,28 @@ void check_refusal(const Ending& ending, int exit_code, const std::vector<std::s
     INFO("expected part: " << part);
     CHECK(contains(lines.back(), part));
   }
+  return lines.back().substr(std::min(kProgramName.size(), lines.back().size()));
 }
+
+}  // namespace
+
+void check_refusal(const Ending& ending, int exit_code, const std::vector<std::string>& parts) {
+  CHECK(ending.out == "");
+  check_sentence(ending, exit_code, parts);
+}
+
+Json check_json_refusal(const Ending& ending, int exit_code, const std::string& kind,
+                        const std::vector<std::string>& parts) {
+  const std::string sentence = check_sentence(ending, exit_code, parts);
+  const auto lines = lines_of(ending.out);
+  REQUIRE_FALSE(lines.empty());
+  const Json error = Json::parse(lines.back(), "stdout").at("error");
+  CHECK(error.at("kind").string() == kind);
+  CHECK(error.at("message").string() == sentence);
+  return error;
+}
+
+fs::path gonogo_program() { return GONOGO_PROGRAM; }
 
 std::vector<std::string> files_below(const fs::path& folder) {
   std::vector<std::string> files;

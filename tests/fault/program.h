@@ -29,6 +29,14 @@ Ending run_gonogo(const std::vector<std::string>& words, const RunOptions& optio
 /// part and is the only such line. Nothing on stdout.
 void check_refusal(const Ending& ending, int exit_code, const std::vector<std::string>& parts);
 
+/// The same under --json: the last line of stdout is an object whose member "error" has this kind and the sentence of
+/// stderr. Returns that member.
+Json check_json_refusal(const Ending& ending, int exit_code, const std::string& kind,
+                        const std::vector<std::string>& parts);
+
+/// The built program.
+std::filesystem::path gonogo_program();
+
 /// Files below `folder` (relative paths, sorted); hidden ones too.
 std::vector<std::string> files_below(const std::filesystem::path& folder);
 

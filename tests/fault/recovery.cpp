@@ -77,7 +77,9 @@ TEST_CASE("interrupted by ctrl-c") {
   RunOptions interrupt;
   interrupt.signal = SIGINT;
   interrupt.when = [&] { return finished_trials(s) >= 2; };
-  check_refusal(run_gonogo(s.run_words(), interrupt), 130, {"interrupted", "kept"});
+  std::vector<std::string> words = s.run_words();
+  words.push_back("--json");
+  check_json_refusal(run_gonogo(words, interrupt), 130, "interrupted", {"interrupted", "kept"});
   check_nothing_half_written(s.out());
   CHECK_FALSE(fs::exists(s.out() / "dataset.h5"));
   const std::size_t kept = finished_trials(s);

@@ -16,7 +16,8 @@ void continue_in(const std::string& program, const Globals& globals) {
   stop_if_cancelled();
   const fs::path self = fs::read_symlink("/proc/self/exe");
   fs::path file = self.parent_path() / program;
-  if (!fs::exists(file)) file = self.parent_path() / GONOGO_LIBEXEC / program;
+  std::error_code unreadable;
+  if (!fs::exists(file, unreadable)) file = self.parent_path() / GONOGO_LIBEXEC / program;
   if (file == self) throw DeviceError(self.string() + ": does not hold this work itself; build or install it again");
   std::vector<char*> words;
   for (const std::string& word : globals.command_line) words.push_back(const_cast<char*>(word.c_str()));
