@@ -1,6 +1,6 @@
-// A bed without end for a vehicle that moves along x: on a periodic bed, ground ahead that the vehicle has not reached
-// and ground behind that it has left are the same place. There the grains are put back to where they were at the start,
-// at rest: a virgin slab is swapped in ahead while one is dropped behind, and the cost does not grow with the distance.
+// An endless bed for a vehicle that moves along x. On a periodic bed, the ground far ahead of the vehicle and the
+// ground far behind it are the same place. The grains there are put back to their positions at the start, at rest. The
+// vehicle always meets undisturbed ground, and the cost does not grow with the distance.
 #pragma once
 #include "sim/simulation/simulation.h"
 #include "terrain/bed/clump.h"
@@ -9,27 +9,26 @@ namespace gonogo::terrain {
 
 struct MovingPatch {
   double length = 0;  // period of the bed [m]
-  double reach =
-      0;  // grains whose place at the start is within this distance along x of the vehicle are left alone [m]
+  double reach = 0;   // grains that started within this distance of the vehicle along x are left alone [m]
 };
 
-/// Throws InputError for a bed so short that no slab is left to swap.
+/// Throws InputError for a bed so short that no slab is left to renew.
 void check_patch(const MovingPatch& patch, double grain_diameter);
 
-/// Where a grain was at the start.
+/// Pose of a grain at the start.
 struct GrainPlace {
   Vec3d position;         // [m]
   Quat orientation = {};  // of clumps
 };
 
-/// Where the first `count` bodies of a world of grains of this shape are now.
+/// Present poses of the first `count` bodies, which are grains of this shape.
 std::vector<GrainPlace> grain_places(const std::vector<sim::BodyState>& bodies, GrainShape shape, std::size_t count);
 
-/// Grains, by their places at the start, that a vehicle at `x` leaves or has not reached.
+/// Grains that started beyond the reach of a vehicle at `x`.
 std::vector<sim::BodyIndex> virgin_grains(const MovingPatch& patch, const std::vector<GrainPlace>& start, double x);
 
-/// Puts them back. Bodies 0 .. start.size() - 1 of the world are the grains. Depends on the vehicle's place alone: the
-/// same call again changes nothing.
+/// Puts the virgin grains back. Bodies 0 .. start.size() - 1 of the world are the grains. The result depends on `x`
+/// alone; a second call with the same `x` changes nothing.
 void renew_ground(sim::Simulation& simulation, sim::WorldIndex world, const MovingPatch& patch,
                   const std::vector<GrainPlace>& start, double x);
 

@@ -1,4 +1,4 @@
-// How trials are stepped, and the soil tests whose table they use: a friction angle belongs to its numerics
+// Numerics of trials, and of the soil tests behind their table: a measured friction angle holds for its numerics only
 // (docs/soils.md).
 #pragma once
 #include "base/json/json.h"
@@ -8,8 +8,8 @@ namespace gonogo::terrain {
 
 struct Numerics {
   double step = 2e-3;       // [s]
-  int substeps = 1;         // parts of a step that the solver goes through
-  int iterations = 200;     // most in a part
+  int substeps = 1;         // of a step
+  int iterations = 200;     // max in a substep
   double tolerance = 5e-3;  // residual at which the solver stops; 0: never [m/s]
   sim::Target target = sim::Target::ccp;
 };
@@ -26,12 +26,12 @@ inline sim::StepSettings step_settings(double grain_diameter, const Numerics& n)
   return s;
 }
 
-/// "6e-3 s, 14 x 2 updates to 0 m/s, ccp": for names that tell numerics apart.
+/// "step 0.006 s, 14 x 2 updates to 0 m/s, coulomb"; without the target when it is ccp. Different numerics differ here.
 std::string description(const Numerics& n);
 
-/// Keys as in a study's `numerics`: step_s, substeps, iterations, tolerance_m_per_s, target (where not ccp).
+/// Writes the keys of a study's `numerics`: step_s, substeps, iterations, tolerance_m_per_s, and target unless ccp.
 void write_numerics(Json& object, const Numerics& n);
-/// From an object that has them.
+/// Reads the same keys.
 Numerics read_numerics(const Json& object);
 
 }  // namespace gonogo::terrain

@@ -1,5 +1,5 @@
-// Measures a calibration table by virtual tests: triaxial compression without and with contact cohesion, plate sinkage,
-// and how loosely grains settle, over a line of contact parameters and the packings of the library.
+// Measures a calibration table by virtual tests: triaxial compression with and without contact cohesion, plate sinkage,
+// and loosest packing. They cover a line of contact parameters and the packings of the library.
 #pragma once
 #include <utility>
 
@@ -11,26 +11,26 @@ namespace gonogo::terrain {
 struct CalibrationRun {
   double grain_diameter = 0.032;  // of the sphere with a grain's volume [m]
   GrainShape shape = GrainShape::sphere;
-  int threads = 1;  // tests at a time
-  int seeds = 3;    // packings of each density
-  /// Packings of each density whose friction angle is measured: that of one rough specimen is off by two degrees from
-  /// that of the next, while cohesion and plates need fewer. No less than `seeds`.
+  int threads = 1;  // number of tests at a time
+  int seeds = 3;    // number of packings of each density
+  /// Number of packings of each density whose friction angle is measured; at least `seeds`. Angles of rough specimens
+  /// differ by two degrees, so they need more packings than cohesion and plates do.
   int angle_seeds = 3;
-  /// Only contact levels whose sliding friction lies in this range: a table for soils of a narrow range of angles, or
-  /// for numerics that are too dear for all. No fewer than two levels.
+  /// Measures only contact levels whose sliding friction lies in this range; at least two levels. For tables of a
+  /// narrow range of angles, or with expensive numerics.
   std::pair<double, double> friction_range{0, 10};
-  Numerics numerics;  // of the trials that the table is for: contacts solved less well make another soil
-  /// Finished tests are kept in this file, and a run that finds it goes on from there; empty: nothing is kept.
+  Numerics numerics;  // of the trials that will use the table: less accurate contacts make another soil
+  /// File of finished tests, from which an interrupted run continues. Empty: none is written.
   std::filesystem::path journal;
 };
 
-/// What the journal of such a run calls its maker.
+/// The `maker` of this run's journal.
 std::string journal_maker(const CalibrationRun& run);
-/// Names of the tests of a run, as the journal has them.
+/// Names of this run's tests in the journal.
 std::vector<std::string> calibration_tests(const CalibrationRun& run);
 
-/// Runs what the journal lacks. Deterministic: the same table for any number of threads and interruptions. Throws
-/// Cancelled on Ctrl-C, InputError for a journal of another run.
+/// Runs the tests that the journal lacks. The table does not depend on the number of threads or on interruptions.
+/// Throws Cancelled on Ctrl-C, InputError for a journal of another run.
 Calibration calibrate(const CalibrationRun& run);
 
 }  // namespace gonogo::terrain

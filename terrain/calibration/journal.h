@@ -1,4 +1,4 @@
-// Results of finished tests, by name, in one JSON file that is whole after every test.
+// Results of finished tests by name, in one JSON file that is replaced as a whole after every test.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -11,12 +11,12 @@ namespace gonogo::terrain {
 
 class TestJournal {
  public:
-  /// `maker` names everything that the results depend on beside the tests' names. Throws InputError for a file of
+  /// `maker` describes all that the results depend on, apart from the tests' names. Throws InputError for a file of
   /// another maker.
   TestJournal(std::filesystem::path path, std::string maker);
 
   std::optional<std::vector<double>> find(const std::string& test) const;
-  /// From any thread.
+  /// Thread-safe.
   void add(const std::string& test, const std::vector<double>& numbers);
   std::size_t size() const { return result_.size(); }
 

@@ -1,4 +1,4 @@
-// The virtual tests that a calibration table is made of, and their journal.
+// The virtual tests behind a calibration table.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,41 +12,44 @@ struct ContactPoint {
 };
 using ContactLine = std::vector<ContactPoint>;
 
-/// The line of contact parameters: sliding friction first, rolling friction joins where spheres alone saturate. So
-/// close that the friction angle rises by less than about 5 degrees from one to the next. Sliding friction above 1.5
-/// makes beds burst that are pressed: the cone program lets sliding contacts open, the faster the rougher they are.
+/// The line of contact parameters. Sliding friction rises first; rolling friction joins where spheres alone saturate.
+/// The friction angle rises by less than about 5 degrees from one point to the next. Sliding friction stays below 1.5:
+/// above it pressed beds burst, because the cone program opens sliding contacts at a speed that grows with friction.
 const ContactLine& contact_line(GrainShape shape);
-/// What a run takes of it. Throws InputError for fewer than two levels.
+/// The points of the line within the run's friction range. Throws InputError for fewer than two.
 ContactLine contact_line(const CalibrationRun& run);
 
 /// Settling friction of the packing library, from loose to dense.
 inline constexpr double kSettleFriction[] = {0.8, 0.25, 0.02};
 inline constexpr double kConfiningStress = 10e3;  // [Pa]; without gravity only the ratios below matter
-/// Cohesion pressure between grains over confining stress. At three times the stress rough grains move in lumps that
-/// slide past each other, and less is carried than at once.
+/// Cohesion pressure between grains over confining stress. At three times the stress, rough grains move in lumps that
+/// slide past each other, and the strength is lower than at one times.
 inline constexpr double kCohesionRatio[] = {0, 0.5, 1};
 
 enum class TestKind { triaxial, plate, loosest };
 
-/// One test. Its result is empty where the simulation failed; triaxial: axial and lateral stress of steady deformation
-/// and of the peak over the confining stress, worst residual [m/s]; plate: k [N/m^(n+2)], n of p = k z^n, worst
-/// residual, solid fraction of the bed; loosest: solid fraction of a bed that settles with its own contact laws.
+/// One test. Its result is empty when the simulation failed; otherwise, by kind:
+///   triaxial  axial and lateral stress in steady deformation, then at the peak, over the confining stress; max
+///   residual
+///             [m/s]
+///   plate     k [N/m^(n+2)] and n of p = k z^n, max residual [m/s], solid fraction of the bed
+///   loosest   solid fraction of a bed that settles with its own contact laws
 struct CalibrationTest {
   TestKind kind;
-  std::size_t contact, packing, seed, ratio;
-  ContactPoint grains;  // of that contact level
+  std::size_t contact, packing, seed, ratio;  // indices of levels; ratio: of kCohesionRatio
+  ContactPoint grains;                        // of that contact level
   std::string name;
   std::vector<double> result{};
 };
 
-/// Whether such grains settle more loosely than the library's loosest packing: they are rougher than those that made
-/// it.
+/// Whether such grains settle more loosely than the library's loosest packing, because they are rougher than the grains
+/// that made it.
 inline bool settles_loosely(const ContactPoint& p) { return p.rolling_friction > 0 || p.friction > kSettleFriction[0]; }
 
-/// All tests of a run, without results, one seed after the other.
+/// All tests of a run, seed by seed, without results.
 std::vector<CalibrationTest> all_tests(const CalibrationRun& run);
 
-/// Fills in the results, from the journal where it has them.
+/// Fills in the results: from the journal, or by running the test.
 void run_tests(std::vector<CalibrationTest>& tests, const CalibrationRun& run);
 
 }  // namespace gonogo::terrain

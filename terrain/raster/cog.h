@@ -1,7 +1,7 @@
-// A cloud-optimised GeoTIFF put together from finished tiles: directories first, then the overviews from the smallest
-// to the largest, then the map; tiles row by row, each between its size and a repetition of its last four bytes, as
-// GDAL's own COG driver writes them (GDAL documentation, "COG -- Cloud Optimized GeoTIFF generator", file format
-// details). Larger than 4 GB it becomes a BigTIFF.
+// Writes a cloud-optimised GeoTIFF from finished tiles: the directories, the overviews from the smallest to the
+// largest, then the map. Tiles go row by row, each after its size and before a copy of its last four bytes, as GDAL's
+// COG driver does (GDAL documentation, "COG -- Cloud Optimized GeoTIFF generator", file format details). A file larger
+// than 4 GB is a BigTIFF.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -21,19 +21,19 @@ struct CogLevel {
   std::uint32_t tiles() const { return std::uint32_t(tiles_across()) * std::uint32_t(tiles_down()); }
 };
 
-/// The map and its overviews, each half as wide and high (rounded up), down to one that fits into a tile.
+/// The map and its overviews. Each has half the width and height, rounded up; the last fits into one tile.
 std::vector<CogLevel> cog_levels(int columns, int rows);
 
-/// Number of the first tile of a level, when the tiles of all levels are counted through.
+/// Number of a level's first tile, where the tiles of all levels are numbered in one sequence.
 std::uint32_t first_tile(const std::vector<CogLevel>& levels, std::size_t level);
 
-/// Where the tiles come from, by their number.
+/// Source of the tiles, by number.
 struct CogTiles {
   std::function<std::size_t(std::uint32_t)> size;
   std::function<std::string(std::uint32_t)> bytes;
 };
 
-/// Writes to `path`; throws DeviceError when the disk refuses.
+/// Throws DeviceError when writing fails.
 void write_cog(const std::filesystem::path& path, const MapGrid& grid, const LayerInfo& info,
                const std::vector<CogLevel>& levels, const CogTiles& tiles);
 

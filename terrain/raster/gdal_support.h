@@ -1,4 +1,4 @@
-// Shared by the .cpp files of this folder only: GDAL handles and its last error.
+// GDAL handles and errors. Only for the .cpp files of this folder.
 #pragma once
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
@@ -16,24 +16,23 @@ struct CloseDataset {
 };
 using DatasetHandle = std::unique_ptr<GDALDataset, CloseDataset>;
 
-/// Drivers registered once; GDAL's messages kept for ours instead of printed. Alive while GDAL is called.
+/// Keep one alive around calls of GDAL. Registers the drivers once, and keeps GDAL's messages instead of printing them.
 class GdalCall {
  public:
   GdalCall();
   ~GdalCall();
   GdalCall(const GdalCall&) = delete;
   GdalCall& operator=(const GdalCall&) = delete;
-  /// What GDAL said last, in one line without a full stop; "no reason given" when it said nothing.
+  /// GDAL's last message, in one line without a full stop; "no reason given" when there is none.
   std::string message() const;
   bool failed() const;
-  bool warned() const;  // or failed
+  bool warned() const;  // true also after a failure
 };
 
-/// Throws DeviceError: the file cannot be written, and what GDAL says about it.
+/// Throws DeviceError that the file cannot be written, with GDAL's reason.
 [[noreturn]] void refuse_to_write(const std::filesystem::path& path, const GdalCall& call);
 
-/// While alive, GDAL writes a fixed day into GeoPackages of this thread instead of today's: results hold no clock
-/// times.
+/// While alive, GDAL writes a fixed date into this thread's GeoPackages, so that results do not depend on the clock.
 class FixedDate {
  public:
   FixedDate();
@@ -43,10 +42,10 @@ class FixedDate {
   static constexpr const char* kDay = "2000-01-01T00:00:00.000Z";
 };
 
-/// The grid's coordinate system, x before y.
+/// The grid's coordinate system, with axes in the order x, y.
 OGRSpatialReference system_of(const MapGrid& grid);
 
-/// The layer, or the first overview of it with at most `max_cells` cells.
+/// The layer, or its largest overview of at most `max_cells` cells.
 DatasetHandle open_reduced(const std::filesystem::path& layer, double max_cells);
 
 }  // namespace gonogo::terrain

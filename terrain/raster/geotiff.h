@@ -1,5 +1,5 @@
-// Layers written as cloud-optimised GeoTIFF: 512-cell tiles, DEFLATE, overviews, colour table, names, unit, metadata.
-// Beside each file go `<name>.tif.aux.xml` with the class names and the attribute table (GDAL's place for them) and
+// Writes layers as cloud-optimised GeoTIFF: 512-cell tiles, DEFLATE, overviews, colour table, names, unit, metadata.
+// Two files go with each: `<name>.tif.aux.xml` with class names and attribute table, where GDAL looks for them, and
 // `<name>.qml`, the style that QGIS loads by itself.
 #pragma once
 #include <filesystem>
@@ -12,7 +12,7 @@
 
 namespace gonogo::terrain {
 
-/// A class value of a byte layer, or a stop of the colour ramp of a continuous one. Colour as "#rrggbb".
+/// A class of a byte layer, or a stop of a continuous layer's colour ramp. Colour: "#rrggbb".
 struct LegendEntry {
   double value = 0;
   std::string label, colour;
@@ -21,36 +21,35 @@ struct LegendEntry {
 struct LayerInfo {
   std::string name;      // band description
   std::string unit;      // "" for classes
-  bool classes = false;  // byte classes with nodata 255, or float32 with nodata -9999
+  bool classes = false;  // true: bytes, nodata 255; false: float32, nodata -9999
   std::vector<LegendEntry> legend;
   std::vector<std::pair<std::string, std::string>> metadata;
 };
 
 inline constexpr double kFloatNoData = -9999, kClassNoData = 255;
 
-/// Takes a layer tile by tile, in any order and from any thread, and puts the finished file in place with finish();
-/// before that nothing is visible under `path` but an earlier version. Tiles are kept compressed in a scratch file, so
-/// memory does not grow with the layer.
+/// Takes a layer tile by tile, in any order and from any thread. finish() puts the file in place; until then `path`
+/// keeps its earlier version. Compressed tiles wait in a scratch file, so that memory does not grow with the layer.
 class GeoTiffWriter {
  public:
-  /// Without a `key` the scratch file is removed when the writer goes. With one it stays until finish(), and a writer
-  /// of the same path and key finds the tiles that an interrupted one wrote.
+  /// Without a `key` the destructor removes the scratch file. With one it stays until finish(), and the next writer of
+  /// the same path and key continues from it.
   GeoTiffWriter(std::filesystem::path path, MapGrid grid, LayerInfo info, std::string key = "");
   GeoTiffWriter(const GeoTiffWriter&) = delete;
   GeoTiffWriter& operator=(const GeoTiffWriter&) = delete;
   ~GeoTiffWriter();
 
-  /// Values of a window inside the grid that is made of whole tiles (kTileCells; at the grid's end what is left);
-  /// not-a-number becomes nodata.
+  /// The window must lie inside the grid and consist of whole tiles of kTileCells, or of what is left at the grid's
+  /// end. NaN becomes nodata.
   void write(Window window, const Tile& tile);
-  /// Whether the tile that holds this cell was written.
+  /// Whether the tile with this cell has been written.
   bool has_tile(int column, int row) const;
 
-  /// Makes the overviews (numbers: mean of the valid ones of 2 x 2 cells; classes: the most frequent, of equally
-  /// frequent ones the higher code), with `threads` threads (0: all cores); the bits do not depend on their number.
-  /// Throws DeviceError when the disk refuses.
+  /// Makes the overviews and the file, with `threads` threads (0: all cores), whose number does not change the bits. An
+  /// overview cell is the mean of the valid ones of 2 x 2 cells, or the most frequent class; of equally frequent
+  /// classes the higher code. Throws DeviceError when writing fails.
   void finish(int threads = 0);
-  /// Removes the tiles kept for another writer of the same key.
+  /// Removes the scratch file kept for the next writer of this key.
   void forget();
 
  private:
@@ -58,7 +57,7 @@ class GeoTiffWriter {
   std::unique_ptr<State> state_;
 };
 
-/// The QGIS style of a layer as text of a .qml file.
+/// Text of a layer's .qml file.
 std::string qgis_style(const LayerInfo& info);
 
 }  // namespace gonogo::terrain

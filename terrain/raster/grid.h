@@ -1,4 +1,4 @@
-// Where the cells of a map lie on the ground, and rectangles of cells.
+// The grid of a map on the ground, windows of cells, and their values.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace gonogo::terrain {
 
-/// One raster, or the tiles of one in the same coordinate system.
+/// One raster: a file, or tiles in one coordinate system.
 struct RasterFiles {
   std::vector<std::filesystem::path> file;
 
@@ -22,9 +22,9 @@ struct RasterFiles {
   }
 };
 
-/// The grid that a map shall have; what is not said follows from the elevation raster.
+/// Wishes for the grid of a map. Empty fields follow from the elevation raster.
 struct GridWish {
-  std::string crs;       // anything that PROJ understands, for example "EPSG:32611"
+  std::string crs;       // any form that PROJ reads, for example "EPSG:32611"
   double cell_size = 0;  // [m]
 };
 
@@ -44,12 +44,12 @@ struct MapGrid {
   double cell_area_m2() const { return cell_width_m() * cell_height_m(); }
 };
 
-/// Rectangle of cells; may reach beyond the grid, where there is no data.
+/// Rectangle of cells. It may reach beyond the grid; cells there have no data.
 struct Window {
   int column = 0, row = 0, columns = 0, rows = 0;
 };
 
-/// Values of a window, row by row from the north, [rows * columns]. Not-a-number marks nodata.
+/// Values of a window, row by row from the north: [rows * columns]. NaN: nodata.
 struct Tile {
   int columns = 0, rows = 0;
   std::vector<float> value;

@@ -1,4 +1,4 @@
-// What stands beside a layer: GDAL's side file and the QGIS style.
+// GDAL's side file of a class layer.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace gonogo::terrain {
 
-/// `<name>.tif.aux.xml` of a class layer: class names by value and the attribute table; `cells` [by value].
+/// Text of `<name>.tif.aux.xml`: class names by value and the attribute table. cells[value]: number of cells.
 std::string side_file(const LayerInfo& info, const std::array<std::uint64_t, 256>& cells);
 
 }  // namespace gonogo::terrain

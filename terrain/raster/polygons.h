@@ -1,4 +1,4 @@
-// Cells of equal class as polygons in a GeoPackage, with the style that QGIS draws them in.
+// Polygons of equal class in a GeoPackage, with their QGIS style.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -9,13 +9,13 @@
 
 namespace gonogo::terrain {
 
-/// Layer "classes" (code, class, area_km2, cell_m) of a class layer, in its own system. Larger layers are taken at the
-/// overview with at most `max_cells` cells, whose size the column cell_m states. Throws DeviceError when writing
-/// fails; the file is whole or absent.
+/// Writes layer "classes" (code, class, area_km2, cell_m) in the class layer's coordinate system. A layer of more than
+/// `max_cells` cells is read from an overview; column cell_m is the cell size used. Throws DeviceError when writing
+/// fails. The file is whole or absent.
 void write_class_polygons(const std::filesystem::path& path, const std::filesystem::path& layer, const MapGrid& grid,
                           const std::vector<LegendEntry>& legend, double max_cells = 4e6);
 
-/// The same of codes in memory, row by row from the north, kClassNoData where there is nothing: layer `name`.
+/// The same for codes in memory, row by row from the north, as layer `name`. kClassNoData: no polygon.
 void write_cell_polygons(const std::filesystem::path& path, const std::string& name, const MapGrid& grid,
                          const std::vector<std::uint8_t>& code, const std::vector<LegendEntry>& legend);
 

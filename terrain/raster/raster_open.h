@@ -1,4 +1,4 @@
-// Opening rasters and refusing, in one sentence each, what cannot be used. For the .cpp files of this folder only.
+// Opens rasters and rejects unusable ones with one sentence each. Only for the .cpp files of this folder.
 #pragma once
 #include <ogr_spatialref.h>
 
@@ -15,7 +15,7 @@ struct GeoTransform {
   double value[6];  // x = v0 + v1 column + v2 row, y = v3 + v4 column + v5 row
 };
 
-/// A dataset and what it reads from, which must outlive it: closed in this order.
+/// A dataset and its sources, which must outlive it. The destructor closes the dataset first.
 struct OpenRaster {
   std::vector<DatasetHandle> sources;
   DatasetHandle dataset;
@@ -27,7 +27,7 @@ struct OpenRaster {
   ~OpenRaster() { dataset.reset(); }
 };
 
-/// One file, or its tiles put together (of overlapping ones the later).
+/// Opens one file, or a mosaic of tiles; where tiles overlap the later one counts.
 OpenRaster open_raster(const RasterFiles& files);
 const OGRSpatialReference& require_crs(GDALDataset& dataset, const std::string& name);
 GeoTransform require_north_up(GDALDataset& dataset, const std::string& name);

@@ -1,4 +1,4 @@
-// Rasters put on another grid while they are read. For the .cpp files of this folder only.
+// Warps rasters to another grid while they are read. Only for the .cpp files of this folder.
 #pragma once
 #include <array>
 #include <optional>
@@ -8,20 +8,19 @@
 
 namespace gonogo::terrain {
 
-/// Extent of a raster in another coordinate system: {west, south, east, north}, or nothing when it cannot be carried
-/// over.
+/// Extent {west, south, east, north} of a raster in another coordinate system; empty when it has none there.
 std::optional<std::array<double, 4>> extent_on(GDALDataset& dataset, const GeoTransform& t,
                                                const OGRSpatialReference& from, const OGRSpatialReference& to);
 
-/// The grid on which the elevation becomes a map, or nothing when its own will do. Throws InputError for what neither
-/// can be.
+/// Grid that the elevation must be warped to; empty when its own grid serves. Throws InputError when neither is
+/// possible.
 std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialReference& crs, const GeoTransform& t,
                                 const GridWish& wish);
 
-/// Refuses rasters between whose coordinate systems only a guess of up to some hundred metres is known.
+/// Throws InputError when PROJ knows only a ballpark transformation, off by up to some hundred metres.
 void require_known_shift(const OGRSpatialReference& from, const OGRSpatialReference& to, const std::string& name);
 
-/// `resampling` as gdalwarp names it.
+/// `resampling`: a name of gdalwarp's -r.
 void warp_to(OpenRaster& raster, const MapGrid& grid, const std::string& resampling);
 
 }  // namespace gonogo::terrain

@@ -6,10 +6,10 @@
 //   g h i
 //   dz/dx = ((c + 2f + i) - (a + 2d + g)) / (8 dx),   dz/dy = ((g + 2h + i) - (a + 2b + c)) / (8 dy)
 //   slope = atan(hypot(dz/dx, dz/dy))
-// A cell with any nodata among the nine has no slope (the rule of gdaldem without -compute_edges).
+// A cell has no slope if any of the nine is nodata, as in gdaldem without -compute_edges.
 //
-// Every function takes elevation with a border of one cell around the wanted window and gives the window without it.
-// Cells are independent of each other, so any number of threads and any tiling gives the same bits.
+// Every function takes elevation with a border of one cell and returns the window without the border. Cells are
+// independent, so the bits do not depend on threads or tiling.
 #pragma once
 #include "terrain/raster/grid.h"
 
@@ -20,14 +20,14 @@ struct CellSize {
   double width = 1, height = 1;
 };
 
-/// Steepness [deg], 0 flat.
+/// Slope angle [deg]; 0 is flat.
 Tile slope_degrees(const Tile& elevation_with_border, CellSize cell, int threads = 0);
 
-/// Direction of steepest descent [deg clockwise from north, 0 <= aspect < 360]; not-a-number where exactly flat.
+/// Direction of steepest descent [deg clockwise from north, 0 <= aspect < 360]; NaN where exactly flat.
 Tile aspect_degrees(const Tile& elevation_with_border, CellSize cell, int threads = 0);
 
-/// Lambertian brightness [0 dark .. 1 facing the light] for a light at `azimuth` clockwise from north and `altitude`
-/// above the horizon [deg].
+/// Lambertian brightness from 0 (dark) to 1 (faces the light). The light stands at `azimuth` clockwise from north and
+/// `altitude` above the horizon [deg].
 Tile hillshade(const Tile& elevation_with_border, CellSize cell, double azimuth, double altitude, int threads = 0);
 
 }  // namespace gonogo::terrain

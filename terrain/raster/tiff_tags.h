@@ -1,5 +1,5 @@
-// The tags that say what a layer is and where it lies, as GDAL writes them: place, coordinate system, colours, nodata,
-// names and metadata. Taken from a GeoTIFF that GDAL makes in memory, so that their encoding stays GDAL's.
+// The tags that describe a layer: place, coordinate system, colours, nodata, names, metadata. GDAL writes them into a
+// GeoTIFF in memory, and they are copied from there, so that the encoding is GDAL's.
 #pragma once
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
-// One tile of a GeoTIFF as its bytes in the file: predictor of TIFF 6.0 section 14 (bytes) or of Adobe's TIFF Technical
-// Note 3 (floating point), then DEFLATE by GDAL's own routine at its default level.
+// Encodes a tile of a GeoTIFF: predictor of TIFF 6.0 section 14 (bytes) or of Adobe's TIFF Technical Note 3 (floats),
+// then DEFLATE by GDAL's own routine at its default level.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -12,11 +12,11 @@ namespace gonogo::terrain {
 inline constexpr int kTileCells = 512;
 inline constexpr std::size_t kTileArea = std::size_t(kTileCells) * kTileCells;
 
-/// `cells`: kTileArea values as they stand in the file, row by row; edge tiles are padded with nodata.
+/// `cells`: kTileArea values, row by row. Edge tiles are padded with nodata.
 std::string encode_tile(const std::vector<std::uint8_t>& cells);
 std::string encode_tile(const std::vector<float>& cells);
 
-/// The reverse. Throws DeviceError, `where` first, when the bytes are not such a tile.
+/// The reverse. Throws DeviceError, which begins with `where`, when the bytes are not such a tile.
 void decode_tile(std::string_view bytes, std::vector<std::uint8_t>& cells, const std::string& where);
 void decode_tile(std::string_view bytes, std::vector<float>& cells, const std::string& where);
 

@@ -1,4 +1,4 @@
-// Lines on the ground as files: GeoPackage, GeoJSON (RFC 7946: WGS 84) and GPX tracks, chosen by the file's extension.
+// Writes lines on the ground as GeoPackage, GeoJSON (RFC 7946: WGS 84) or GPX tracks. The file's extension decides.
 #pragma once
 #include <array>
 #include <filesystem>
@@ -16,7 +16,7 @@ struct LineFeature {
   std::vector<std::pair<std::string, double>> attribute;  // one column each; not kept in GPX
 };
 
-/// Throws InputError for other extensions than .gpkg, .geojson, .json and .gpx, DeviceError when writing fails; the
+/// Throws InputError for extensions other than .gpkg, .geojson, .json and .gpx, DeviceError when writing fails. The
 /// file is whole or absent.
 void write_lines(const std::filesystem::path& path, const MapGrid& grid, const std::string& layer,
                  const std::vector<LineFeature>& lines);

@@ -1,5 +1,5 @@
-// How QGIS draws the layers of a GeoPackage: the style lies inside the file, in the table layer_styles that QGIS reads
-// by itself ("Save Style > In Database" writes the same). For the .cpp files of this folder only.
+// QGIS styles inside a GeoPackage, in the table layer_styles that QGIS reads by itself ("Save Style > In Database"
+// writes the same). Only for the .cpp files of this folder.
 #pragma once
 #include <gdal_priv.h>
 
@@ -11,17 +11,17 @@
 
 namespace gonogo::terrain {
 
-/// Features drawn by the label that stands in `column`; polygons filled, lines in colour over a wider white one.
+/// Colours features by the label in `column`. Polygons are filled; lines lie over a wider white line.
 struct VectorStyle {
   std::string column;
   bool polygons = false;
   std::vector<LegendEntry> legend;
 };
 
-/// QGIS's own format for the style (qgis.dtd: qgis/renderer-v2 of type categorizedSymbol).
+/// The style in QGIS's XML (qgis.dtd: qgis/renderer-v2 of type categorizedSymbol).
 std::string qgis_style(const VectorStyle& style);
 
-/// Makes it the layer's default style. The geometry's column is the driver's "geom". Throws DeviceError.
+/// Makes `style` the layer's default. The geometry column is "geom", the driver's default. Throws DeviceError.
 void embed_style(GDALDataset& geopackage, const std::string& layer, const VectorStyle& style,
                  const std::filesystem::path& path);
 

@@ -1,13 +1,13 @@
-// From macroscopic soil to contact parameters, by measurement: triaxial tests over a line of contact parameters and the
-// packings of the library give a table of friction angle, cohesion and density; trials invert it.
+// Calibration: from macroscopic soil properties to contact parameters. Virtual triaxial tests over a line of contact
+// parameters and the packings of the library give a table of friction angle, cohesion and density. Trials invert it.
 //
-// A friction angle is what a laboratory reports for a soil at its density: Mohr and Coulomb's angle at the peak of a
-// drained triaxial compression. Tables of versions before 4 hold the angle of steady simple shear instead, tan(phi) =
-// tau / sigma on the plane of shear, one for all densities; on rough grains it is 10 to 25 degrees less
+// The friction angle is the one that a laboratory reports for a soil at its density: Mohr-Coulomb's angle at the peak
+// of drained triaxial compression. Tables before version 4 hold the angle of steady simple shear, tan(phi) = tau /
+// sigma on the plane of shear, the same for all densities. On rough grains it is 10 to 25 degrees smaller
 // (docs/soils.md).
 //
-// A relative density belongs to grains: rough ones settle more loosely than smooth ones, so that the same packing is of
-// medium density for the former and loose for the latter. Tables before version 5 count it alike for all.
+// Relative density depends on the grains. Rough grains settle more loosely than smooth ones, so that one packing may be
+// of medium density for rough grains and loose for smooth ones. Tables before version 5 use the same scale for all.
 #pragma once
 #include <filesystem>
 
@@ -16,27 +16,27 @@
 
 namespace gonogo::terrain {
 
-/// One packing of the library and what it measured.
+/// One packing of the library, with its measured density.
 struct PackingLevel {
-  double settle_friction;   // that made it
+  double settle_friction;   // friction with which it settled
   double solid_fraction;    // [-]
   double relative_density;  // (e_max - e) / (e_max - e_min), e = 1 / solid_fraction - 1, over the library [-]
 };
-// The same with e_max of a contact level's own grains is what a soil's relative density means (packing_level).
+// A soil's relative density is the same formula with e_max of the contact level's own grains (packing_level).
 
-/// One point of the line of contact parameters and what it measured, mean and standard error over packings and seeds.
+/// One point of the line of contact parameters, with measured means and standard errors over packings and seeds.
 struct ContactLevel {
   double friction = 0, rolling_friction = 0;            // [-]
   double friction_angle = 0, friction_angle_error = 0;  // [deg]
-  double cohesion_gain = 0, cohesion_gain_error = 0;    // cohesion per contact cohesion pressure [-]
-  double loosest_solid_fraction = 0;  // a bed that settles with these laws, or the library's loosest [-]
+  double cohesion_gain = 0, cohesion_gain_error = 0;    // soil cohesion over cohesion pressure of contacts [-]
+  double loosest_solid_fraction = 0;  // of a bed that settles with these laws; at most the library's [-]
 };
 
-/// What a contact level measured in one packing. Tables of version 1 have none of these.
+/// Measurements of a contact level in one packing. Tables of version 1 have none.
 struct SoilResponse {
   std::size_t contact = 0, packing = 0;                   // levels
-  double friction_angle = 0, friction_angle_error = 0;    // at the triaxial peak; 0 in versions before 4 [deg]
-  double steady_friction_angle = 0;                       // after it; 0 in versions before 4 [deg]
+  double friction_angle = 0, friction_angle_error = 0;    // at the triaxial peak; 0 before version 4 [deg]
+  double steady_friction_angle = 0;                       // after the peak; 0 before version 4 [deg]
   double cohesion_gain = 0;                               // [-]
   double sinkage_modulus = 0, sinkage_modulus_error = 0;  // k of p = k z^n, plate four grains wide [N/m^(n+2)]
   double sinkage_exponent = 0;                            // n [-]
@@ -59,48 +59,49 @@ struct MacroscopicSoil {
   double relative_density = 0;  // [-]
 };
 
-/// The packing level whose relative density comes nearest to the soil's, counted for grains that have its friction
-/// angle in that packing: (1 / f_loose - 1 / f) / (1 / f_loose - 1 / f_dense) of solid fractions, f_loose of those
-/// grains' contact levels, f_dense the library's densest. In tables before version 5 f_loose is the library's loosest.
+/// The packing level whose relative density is nearest to the soil's, for grains with the soil's friction angle in that
+/// packing. Relative density is (1 / f_loose - 1 / f) / (1 / f_loose - 1 / f_dense), with solid fractions f of the
+/// packing, f_loose of those grains, and f_dense of the library's densest packing. In tables before version 5, f_loose
+/// is the library's loosest.
 std::size_t packing_level(const Calibration& calibration, const MacroscopicSoil& soil);
 
-/// Contact law whose bed of this packing has the soil's friction angle and cohesion. Throws InputError that states the
-/// reachable range when the table does not contain the soil, its cohesion (reachable_cohesion) included.
+/// Contact law with which a bed of this packing has the soil's friction angle and cohesion. Throws InputError that
+/// states the reachable range when the table does not cover the soil's angle, or its cohesion (reachable_cohesion).
 sim::PairLaw contact_law(const Calibration& calibration, const MacroscopicSoil& soil, std::size_t packing);
 
-/// How far grains of the table's size come to a soil: contact law, packing and density of the solid, and what a bed of
-/// these measures by the table.
+/// The best match of a soil by a table: contact law, packing and density of the solid, and the properties of such a bed
+/// by the table.
 struct SoilFit {
   sim::PairLaw law;
-  std::size_t packing = 0;   // level
-  double grain_density = 0;  // that gives the bulk density; quartz where none is asked [kg/m^3]
+  std::size_t packing = 0;                              // level
+  double grain_density = 0;                             // gives the bulk density; quartz if none is asked [kg/m^3]
   double friction_angle = 0, friction_angle_error = 0;  // [deg]
   double cohesion = 0, cohesion_error = 0;              // [Pa]
   double bulk_density = 0, relative_density = 0;        // [kg/m^3], [-]
-  double sinkage_modulus = 0, sinkage_exponent = 0;     // not asked for: what follows; 0 in tables of version 1
+  double sinkage_modulus = 0, sinkage_exponent = 0;     // not fitted; 0 in tables of version 1
 };
 
-/// Throws InputError as contact_law does, and for a bulk density that no solid of 1000 to 5000 kg/m^3 gives in these
-/// packings, or a cohesion that the table knows to no better than 20 per cent. The text says how close it comes.
+/// Throws InputError as contact_law does; for a bulk density that no solid of 1000 to 5000 kg/m^3 gives; and for a
+/// cohesion that the table knows only to more than 20 %. The message says how close the table comes.
 SoilFit fit_soil(const Calibration& calibration, const MacroscopicSoil& soil);
 
-/// Friction angles that the table can reach in all its packings, and in one of them [deg].
+/// Friction angles that the table reaches [deg]: in every packing, or in one.
 struct AngleRange {
   double lowest, highest;
 };
 AngleRange reachable_angles(const Calibration& calibration);
 AngleRange reachable_angles(const Calibration& calibration, std::size_t packing);
 
-/// Largest cohesion [Pa] that is met at a friction angle in a packing. Tests know cohesion as a share of the
-/// contacts' cohesion pressure, up to one times the confining stress; without gravity that ratio is all that counts. It
-/// holds on to twice the stress, and at more rough grains move in lumps (docs/soils.md, "How far cohesion goes"). The
-/// stress is what a wheel presses with, kWheelStress. Throws InputError for angles out of reach.
+/// Largest cohesion [Pa] that the table serves at a friction angle in a packing. Tests measure cohesion as a share of
+/// the contacts' cohesion pressure, at pressures up to the confining stress. The share holds up to kMaxCohesionRatio
+/// times the stress; beyond, rough grains move in lumps (docs/soils.md, "How far cohesion goes"). The stress of a trial
+/// is kWheelStress. Throws InputError for angles out of reach.
 double reachable_cohesion(const Calibration& calibration, double friction_angle, std::size_t packing);
 
-/// Mean normal stress under an HMMWV's wheel [Pa]: 6.3 to 10 kN, by payload, over 0.254 m times the chord of a wheel of
-/// 0.467 m that has sunk 0.1 m (0.29 m) are 86 to 136 kPa.
+/// Mean normal stress under an HMMWV's wheel [Pa]. 6.3 to 10 kN, depending on payload, act on 0.254 m times 0.29 m, the
+/// chord of a wheel of radius 0.467 m at 0.1 m sinkage: 86 to 136 kPa.
 inline constexpr double kWheelStress = 110e3;
-/// Cohesion pressure between grains over that stress, at most [-].
+/// Max of the contacts' cohesion pressure over that stress [-].
 inline constexpr double kMaxCohesionRatio = 2;
 
 void write_calibration(const std::filesystem::path& path, const Calibration& calibration);

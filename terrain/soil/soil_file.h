@@ -1,5 +1,5 @@
-// Soils as files (configs/soils/*.json, schema configs/schema/soil.json): macroscopic numbers, each a value or a range
-// with its source, at one or several moistures.
+// Soil files (configs/soils/*.json, schema configs/schema/soil.json): macroscopic properties at one or more moistures.
+// Each is a value or a range, with its source.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -10,10 +10,10 @@
 
 namespace gonogo::terrain {
 
-/// A number of a soil: every value from low to high is as likely.
+/// A property: uniformly distributed from low to high.
 struct SoilValue {
   double low = 0, high = 0;
-  std::string source, no_source, note;  // one of the first two is not empty
+  std::string source, no_source, note;  // `source` or `no_source` is set
 
   double middle() const { return (low + high) / 2; }
   bool fixed() const { return low == high; }
@@ -32,23 +32,23 @@ struct SoilState {
   SoilValue relative_density;  // [-]
   std::optional<Bekker> bekker;
 
-  /// The middles of all ranges.
+  /// The middle of every range.
   MacroscopicSoil macroscopic() const;
 };
 
 struct SoilFile {
   std::string name, about;
   std::vector<SoilState> states;
-  Json fits;  // by table, or null
+  Json fits;  // by name of the table; null if there are none
 };
 
-/// Throws InputError for what the schema does not allow.
+/// Throws InputError for files that the schema does not allow.
 SoilFile read_soil(const std::filesystem::path& path);
 
-/// What a table of grains makes of a state: contact law, density of the solid and mismatches, or why it is refused.
+/// Fit of a state by a table: contact law, density of the solid and mismatches, or why there is no fit.
 Json fit_record(const Calibration& calibration, const SoilState& state);
 
-/// The file with the fits of all its states to a table of this name, in place of earlier ones to the same.
+/// Writes the fits of all states by this table into the file, in place of earlier fits by a table of that name.
 void write_fits(const std::filesystem::path& path, const std::string& table, const Calibration& calibration);
 
 }  // namespace gonogo::terrain

@@ -1,5 +1,5 @@
-// Strength of fine-grained soil as a cone sees it: from cohesion and friction angle to the index that vehicle cone
-// indices (VCI1, VCI50) are compared with.
+// Cone index of fine-grained soil from cohesion and friction angle. It is compared with the vehicle cone indices VCI1
+// and VCI50.
 #pragma once
 #include <cmath>
 
@@ -22,13 +22,14 @@ inline double surcharge_factor(double friction_angle) {
   return 1 + bearing_capacity_factor(friction_angle) * std::tan(to_radians(friction_angle));
 }
 
-/// Weight of the soil above the middle of the layer that carries wheels of less than 2,000 lb, 3 to 9 inches deep
-/// (ERDC/GSL SR-13-2), where cone indices of vehicles are read; 1,500 kg/m^3 is a light moist soil [Pa].
+/// Overburden [Pa] at 6 inches: the middle of the layer from 3 to 9 inches in which cone indices are read for wheel
+/// loads below 2,000 lb (ERDC/GSL SR-13-2). 1,500 kg/m^3 is a light moist soil.
 inline constexpr double kOverburden = 1500 * kGravity * 0.1524;
 
-/// Cone index of fine-grained soil [Pa] by Terzaghi's sum of what cohesion and the soil above carry. Depth and round
-/// shape raise the strip's factor of cohesion from 5.14 to 9 (Skempton 1951, "The bearing capacity of clays"); that of
-/// the soil above is left as it is, so that the index is rather too low. `cohesion` [Pa], `friction_angle` [deg].
+/// Cone index of fine-grained soil [Pa], as Terzaghi's sum of the bearing capacities of cohesion and overburden. Depth
+/// and round shape raise the strip's factor of cohesion from 5.14 to 9 (Skempton 1951, "The bearing capacity of
+/// clays"). The factor of overburden is not raised, so that the index is an underestimate. `cohesion` [Pa],
+/// `friction_angle` [deg].
 inline double cone_index(double cohesion, double friction_angle) {
   const double of_cohesion = 9 / (2 + kPi) * bearing_capacity_factor(friction_angle) * cohesion;
   return of_cohesion + surcharge_factor(friction_angle) * kOverburden;

@@ -1,4 +1,4 @@
-// Which numerics trials take whose soil is met through a calibration table.
+// Numerics of trials whose soil comes from a calibration table.
 #pragma once
 #include <optional>
 
@@ -7,21 +7,20 @@
 
 namespace gonogo::terrain {
 
-/// What is asked for in so many words; the rest is the table's.
+/// Numerics that the user gave; the others come from the table.
 struct AskedNumerics {
   std::optional<double> step;  // [s]
   std::optional<int> substeps, iterations;
   std::optional<double> tolerance;  // [m/s]
   std::optional<sim::Target> target;
 
-  /// Nothing is left for the table to say.
+  /// Whether the user gave all of them.
   bool complete() const { return step && substeps && iterations && tolerance && target; }
 };
 
-/// A friction angle belongs to the numerics that it was measured with (docs/soils.md): those in the table's provenance,
-/// with what is asked for in their place, by options or by a study's `trial.numerics`.
-/// Throws InputError where the table does not say its numerics and not all of them are asked for; `file` names the
-/// table in that sentence.
+/// Numerics in the table's provenance, with those that the user gave in their place. A friction angle holds only for
+/// the numerics of its measurement (docs/soils.md). Throws InputError when the table does not state its numerics and
+/// the user did not give all; the message names the table `file`.
 Numerics numerics_by_table(const Calibration& table, const std::filesystem::path& file,
                            const AskedNumerics& asked = {});
 

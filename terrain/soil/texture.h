@@ -6,7 +6,7 @@
 
 namespace gonogo::terrain {
 
-/// By names in lower case, from coarse to fine.
+/// Names in lower case, from coarse to fine.
 inline const std::vector<std::string>& usda_textures() {
   static const std::vector<std::string> names = {
       "sand", "loamy sand", "sandy loam",      "sandy clay loam", "loam",       "silt loam",

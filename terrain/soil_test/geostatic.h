@@ -1,4 +1,4 @@
-// A bed at rest under its own weight: what its contacts carry through every level, against the weight above.
+// A bed at rest under its own weight: vertical stress in its contacts against the weight above, level by level.
 #pragma once
 #include "terrain/soil_test/test_run.h"
 
@@ -6,12 +6,12 @@ namespace gonogo::terrain {
 
 struct GeostaticSample {
   double depth;           // below the surface [m]
-  double stress, weight;  // vertical stress that contacts carry there; weight above per area [Pa]
+  double stress, weight;  // vertical stress in contacts; weight above over area [Pa]
 };
 
 struct GeostaticResult {
   std::vector<GeostaticSample> profile;  // one per grain diameter, from the surface to the base
-  double worst_error = 0;                // of the stress over the weight, below the topmost two grains [-]
+  double worst_error = 0;                // max of |stress / weight - 1| below the upper two grains [-]
   double solid_fraction = 0;
 };
 

@@ -1,4 +1,4 @@
-// Straight lines through measured points by weighted least squares, with the standard errors of their numbers.
+// Weighted least-squares lines through measured points, with standard errors.
 #pragma once
 #include <vector>
 
@@ -7,11 +7,11 @@ namespace gonogo::terrain {
 struct LineFit {
   double intercept = 0, slope = 0;
   double intercept_error = 0, slope_error = 0;  // standard errors, from the scatter about the line
-  double r2 = 0;                                // share of the scatter of y that the line explains
+  double r2 = 0;                                // share of the variance of y that the line explains
 };
 
-/// y = intercept + slope x; `weight` empty: all alike. At least three points at two places. Errors as in Press et al.,
-/// Numerical Recipes, section 15.2, with the scatter estimated from the residuals.
+/// y = intercept + slope x. Empty `weight`: equal weights. Needs three points at two values of x. Standard errors as in
+/// Press et al., Numerical Recipes, section 15.2, with the variance estimated from the residuals.
 LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& weight = {});
 
 struct MeanError {

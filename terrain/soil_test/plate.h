@@ -1,10 +1,9 @@
-// Virtual plate sinkage test: a plate as long as the periodic bed is wide is pressed into it by a load that grows. Two
+// Virtual plate sinkage test: a plate as long as the periodic bed is wide is pressed into it by a growing load. Two
 // plate widths b give Bekker's p = (k_c / b + k_phi) z^n (Bekker, Introduction to Terrain-Vehicle Systems, 1969).
 //
-// The load is given, not the speed: a plate that is moved at constant speed never gives way, so that rigid grains jam
-// under it and burst away again and again, and its pressure jumps between zero and several times its mean. A load that
-// grows finds the sinkage at which the bed carries it, as a bevameter's does. It grows by the same share in the same
-// time, so that samples lie evenly in ln p whatever the soil.
+// The load is prescribed, as in a bevameter. At a prescribed speed, rigid grains jam under the plate and burst away,
+// and the pressure jumps between zero and several times its mean. The load grows exponentially, so that samples are
+// evenly spaced in ln p on every soil.
 #pragma once
 #include "terrain/soil_test/line_fit.h"
 #include "terrain/soil_test/test_run.h"
@@ -13,17 +12,17 @@ namespace gonogo::terrain {
 
 struct PlateSettings {
   double width_grains = 6;     // of the plate, in grain diameters
-  double sinkage = 0.5;        // of the plate at the end, in plate widths
-  double growth_time = 6;      // in which the load grows by a quarter, in sqrt(d / g)
-  double max_pressure = 3e6;   // at which the test ends if the plate has not sunk so far [Pa]
-  double bed_depth = 3;        // in plate widths, at least 8 grains
-  double datum = 1e3;          // pressure at which sinkage is counted from zero [Pa]
+  double sinkage = 0.5;        // at the end of the test, in plate widths
+  double growth_time = 6;      // time in which the load grows by a quarter, in sqrt(d / g)
+  double max_pressure = 3e6;   // the test ends here if the sinkage is not reached [Pa]
+  double bed_depth = 3;        // in plate widths; at least 8 grains
+  double datum = 1e3;          // pressure at zero sinkage [Pa]
   double steps_per_time = 50;  // in sqrt(d / g)
 };
 
 struct PlateSample {
   double sinkage;   // [m]
-  double pressure;  // load and plate's weight over its area [Pa]
+  double pressure;  // load plus weight of the plate, over its area [Pa]
 };
 
 struct PlateResult {
@@ -32,7 +31,7 @@ struct PlateResult {
   double solid_fraction = 0, worst_residual = 0;
 };
 
-/// Bed for a plate of these settings, and the same settled.
+/// The bed for a plate of these settings: its spec, and the settled packing.
 BedSpec plate_bed_spec(const TestSoil& soil, const PlateSettings& settings);
 Packing plate_bed(const TestSoil& soil, const PlateSettings& settings, int threads);
 
@@ -44,14 +43,14 @@ inline PlateResult plate_test(const TestSoil& soil, const PlateSettings& setting
 }
 Index plate_steps(const PlateSettings& settings);
 
-/// p = k z^n of one plate; weights p^2, which make the fit one of pressures, not of their logarithms (Wong, Journal of
-/// Terramechanics 17 (1980) 5-21). k in [N/m^(n+2)], its error relative.
+/// p = k z^n of one plate. Weights p^2 make it a fit of pressures, not of their logarithms (Wong, Journal of
+/// Terramechanics 17 (1980) 5-21). k in [N/m^(n+2)]; k_error is relative.
 struct PowerLaw {
   double k = 0, n = 0, k_error = 0, n_error = 0, r2 = 0;
 };
 PowerLaw fit_power_law(const PlateResult& plate);
 
-/// Bekker's numbers from several plates with an exponent in common.
+/// Bekker's parameters from several plates with a common exponent.
 struct BekkerFit {
   double k_c = 0, k_phi = 0, n = 0;  // [N/m^(n+1)], [N/m^(n+2)], [-]
   double k_c_error = 0, k_phi_error = 0, n_error = 0;

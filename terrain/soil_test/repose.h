@@ -1,5 +1,5 @@
-// Virtual angle of repose: a bed between two walls, on a rough base; one wall is lowered slowly, grains spill over it
-// into a pit, and the slope that stays is measured. Plane strain: the bed is periodic across.
+// Virtual angle of repose. A bed stands between two walls on a rough base. One wall is lowered slowly, grains spill
+// over it into a pit, and the remaining slope is measured. Plane strain: the bed is periodic across.
 #pragma once
 #include "terrain/soil_test/line_fit.h"
 #include "terrain/soil_test/test_run.h"
@@ -18,17 +18,17 @@ struct ReposeSample {
 };
 
 struct ReposeResult {
-  Angle angle;                        // of the slope; the error is that of the straight line
+  Angle angle;                        // of the slope; the error is that of the line fit
   std::vector<ReposeSample> profile;  // at rest, one per grain diameter
   double r2 = 0;
   double spilled = 0;         // share of the grains
-  double rest_speed = 0;      // root-mean-square grain speed when it was measured [m/s]
+  double rest_speed = 0;      // root-mean-square grain speed at the measurement [m/s]
   double worst_residual = 0;  // [m/s]
 };
 
 ReposeResult repose_test(const TestSoil& soil, const ReposeSettings& settings, const TestPace& pace,
                          TestScene* scene = nullptr);
-/// About: the bed may need longer to come to rest.
+/// Estimated number of steps; the bed may take longer to come to rest.
 Index repose_steps(const ReposeSettings& settings);
 
 }  // namespace gonogo::terrain

@@ -1,6 +1,6 @@
-// Virtual simple-shear test in a doubly periodic cell: a rough plate of glued grains, loaded from above, is dragged
-// across a settled packing at constant speed. Gravity is off, so that the stress is the same at every height and the
-// result depends on no length but the grain. Stresses over several loads give friction angle and cohesion.
+// Virtual simple-shear test in a doubly periodic cell. A rough plate of glued grains, loaded from above, moves across a
+// settled packing at constant speed. Gravity is off, so that the stress is the same at every height and the grain is
+// the only length. Several loads give friction angle and cohesion.
 #pragma once
 #include "terrain/soil_test/line_fit.h"
 #include "terrain/soil_test/test_run.h"
@@ -11,37 +11,37 @@ struct ShearSettings {
   double normal_stress = 10e3;    // [Pa]
   double inertial_number = 6e-3;  // shear rate times d sqrt(solid density / stress); below 1e-2: quasi-static [-]
   double travel = 4;              // of the plate, in grain diameters
-  double steps_per_time = 10;     // in d sqrt(solid density / stress), the time that the stress moves a grain in
+  double steps_per_time = 10;     // in d sqrt(solid density / stress), see stress_time
 };
 
 struct ShearSample {
   double travel;         // of the plate, in grain diameters
-  double shear_stress;   // mean since the sample before [Pa]
-  double normal_stress;  // the same [Pa]
-  double rise;           // of the plate since it began to move, in grain diameters
+  double shear_stress;   // mean since the last sample [Pa]
+  double normal_stress;  // mean since the last sample [Pa]
+  double rise;           // of the plate since the start, in grain diameters
 };
 
 struct ShearResult {
   double peak_stress;     // largest shear stress over half a diameter of travel [Pa]
-  double shear_stress;    // mean over the second half of the travel: steady shear [Pa]
-  double normal_stress;   // carried by the bed, same average [Pa]
+  double shear_stress;    // steady: mean over the second half of the travel [Pa]
+  double normal_stress;   // carried by the bed; mean over the same half [Pa]
   double scatter;         // standard error of the steady shear stress [Pa]
   double dilation;        // rise of the plate over the travel, in grain diameters
   double worst_residual;  // largest root-mean-square residual [m/s]
   std::vector<ShearSample> curve;
 };
 
-/// Cell in which shear tests run: ten by six grains, eight deep.
+/// Spec of the cell of shear tests: ten by six grains, eight deep.
 BedSpec shear_cell(double grain_diameter, double settle_friction, std::uint64_t seed,
                    GrainShape shape = GrainShape::sphere);
 
-/// Steps that a test takes.
+/// Number of steps of a test.
 Index shear_steps(const ShearSettings& settings);
 
 ShearResult shear_test(const Packing& cell, const BedLaws& laws, const ShearSettings& settings,
                        const TestPace& pace = {}, TestScene* scene = nullptr);
 
-/// tau = c + sigma tan(phi) through the results of several loads; of one load, through the origin.
+/// tau = c + sigma tan(phi) through results at several loads. The line goes through the origin if there is one load.
 struct ShearStrength {
   Angle peak_angle, steady_angle;
   double peak_cohesion = 0, peak_cohesion_error = 0;      // [Pa]
