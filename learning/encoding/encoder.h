@@ -1,10 +1,10 @@
-// One variable <-> binary units. A variable is cut into bins; each bin has one code word.
+// Encodes a variable in binary units. Its range is divided into bins; each bin has one code word.
 //
-//   thermometer  b units for b + 1 bins: unit k is on when x lies above edge k. Keeps order; robust to single errors.
-//   one_hot      b units for b bins: unit k is on when x lies in bin k. The only code for categories.
-//   gray         b units for 2^b bins, reflected binary code: fewest units, neighbours differ in one unit.
+//   thermometer  b units for b + 1 bins: unit k is on when x is above edge k. Keeps the order; robust to single errors.
+//   one_hot      b units for b bins: unit k is on when x is in bin k. The only code for categories.
+//   gray         b units for 2^b bins, reflected binary code. Fewest units; neighbours differ in one unit.
 //
-// The inverse is exact on bins; a value is known to half a bin (`resolution`).
+// Decoding gives the bin exactly, and the value to half a bin (`resolution`).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -20,13 +20,13 @@ using Bit = std::uint8_t;  // 0 or 1
 enum class Code { thermometer, one_hot, gray };
 
 std::string code_name(Code code);
-/// Throws InputError naming the codes that exist.
+/// Throws InputError that lists the codes.
 Code code_from_name(const std::string& name);
 
-/// What to do with units that are no code word.
+/// Treatment of units that are no code word.
 enum class DecodeRule {
-  discard,  // no bin: answers condition on valid codes and report how many were not
-  repair    // thermometer: count of ones; one_hot: middle one of those that are on (none on: no bin)
+  discard,  // no bin: answers are conditional on valid codes, and report the share of others
+  repair    // thermometer: number of ones; one_hot: the middle one of the units that are on (no bin if none)
 };
 
 struct DecodedBin {
@@ -36,17 +36,18 @@ struct DecodedBin {
 
 class Encoder {
  public:
-  /// `bins` equal bins over [lower, upper]. One bin (lower == upper or bins == 1) needs no unit: a variable held fixed.
+  /// `bins` equal bins over [lower, upper]. With one bin (lower == upper or bins == 1) the variable is fixed and has no
+  /// units.
   static Encoder by_range(std::string name, std::string unit, Code code, int bins, double lower, double upper);
-  /// Bins with equally many of `values` (not-a-number ignored); fewer bins when values repeat.
+  /// Bins with equally many of `values`, NaN ignored. Repeated values may give fewer bins.
   static Encoder by_quantile(std::string name, std::string unit, Code code, int bins, std::vector<double> values);
-  /// Given inner edges, strictly increasing inside (lower, upper).
+  /// Bins between the given inner edges, which increase strictly inside (lower, upper).
   static Encoder by_edges(std::string name, std::string unit, Code code, std::vector<double> edges, double lower,
                           double upper);
-  /// Values 0, 1, ... stand for the categories; always one_hot.
+  /// Values 0, 1, ... are the categories. The code is one_hot.
   static Encoder categorical(std::string name, std::vector<std::string> categories);
 
-  /// Bins that `units` units can tell apart: units + 1, units, 2^units.
+  /// Number of bins of `units` units: units + 1, units, 2^units.
   static int bins_for_units(Code code, int units);
 
   const std::string& name() const { return name_; }
@@ -60,21 +61,21 @@ class Encoder {
   std::size_t unit_count() const;
   std::vector<std::string> unit_labels() const;
 
-  /// Bin of a number; values outside [lower, upper] fall into the end bins. x must not be not-a-number.
+  /// Bin of x, which must not be NaN. Values outside [lower, upper] belong to the end bins.
   int bin_of(double x) const;
-  /// Middle of a bin [unit], and half its width: the value is known to +- resolution.
+  /// Middle of a bin and half of its width [unit].
   double value(int bin) const;
   double resolution(int bin) const;
 
   /// Code word of a bin. units: [unit_count()].
   void encode(int bin, std::span<Bit> units) const;
-  /// Code words of the two bins whose middles enclose x, mixed linearly: each unit in [0, 1], continuous in x and equal
-  /// to the code word at the middle of a bin. Categories are not mixed.
+  /// Linear interpolation between the code words of the two bins whose middles enclose x. Units are in [0, 1],
+  /// continuous in x, and equal to the code word at the middle of a bin. Categories are not interpolated.
   void encode_smooth(double x, std::span<double> units) const;
   DecodedBin decode(std::span<const Bit> units, DecodeRule rule = DecodeRule::discard) const;
 
   Json to_json() const;
-  /// `source` names the file in messages. Throws InputError for anything to_json() would not write.
+  /// `source` is the file's name in messages. Throws InputError for JSON that to_json() would not write.
   static Encoder from_json(const Json& json, const std::string& source);
 
  private:

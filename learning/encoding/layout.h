@@ -1,4 +1,4 @@
-// The visible units of a model: the units of every variable, in order, then one unit per outcome (one-hot).
+// The visible units of a model: the units of all variables in order, then one unit per outcome (one-hot).
 #pragma once
 #include <optional>
 #include <span>
@@ -9,12 +9,12 @@
 
 namespace gonogo::learning {
 
-/// A row of visible units read back.
+/// A decoded row of visible units.
 struct DecodedRow {
-  std::vector<double> values;       // [variable count]; not-a-number where the units give no bin
-  std::vector<double> resolutions;  // [variable count]; +- of each value
+  std::vector<double> values;       // [variable count]; NaN where the units give no bin
+  std::vector<double> resolutions;  // [variable count]; each value is known to +- this
   std::optional<std::size_t> outcome;
-  bool valid = false;  // every variable and the outcome were code words
+  bool valid = false;  // every variable and the outcome had a code word
 };
 
 class VisibleLayout {
@@ -26,16 +26,16 @@ class VisibleLayout {
   const std::vector<std::string>& outcomes() const { return outcomes_; }
   std::size_t variable_count() const { return encoders_.size(); }
   std::size_t outcome_count() const { return outcomes_.size(); }
-  /// First unit of a variable; its units follow one another.
+  /// First unit of a variable. Its units are consecutive.
   std::size_t offset(std::size_t variable) const { return offsets_[variable]; }
   std::size_t input_unit_count() const { return offsets_.back(); }  // units of all variables
   std::size_t unit_count() const { return input_unit_count() + outcome_count(); }
   /// Unique text for each visible unit: "slope_along>12.5", "outcome:no_go/traction".
   std::vector<std::string> unit_labels() const;
-  /// Position of a variable; throws InputError naming those that exist.
+  /// Index of a variable. Throws InputError that lists the names.
   std::size_t variable_index(const std::string& name) const;
 
-  /// Units of the variables; those of unknown (not-a-number) variables are left 0. units: [input_unit_count()].
+  /// Units of the variables, 0 for unknown (NaN) ones. units: [input_unit_count()].
   void encode(std::span<const double> variables, std::span<Bit> units) const;
   void encode_smooth(std::span<const double> variables, std::span<double> units) const;
   /// row: [unit_count()].

@@ -1,5 +1,5 @@
-// A machine on qubits as a sampler of bipartite problems: embedding, gauges, scale, unembedding; and what keeps its
-// scale such that rows follow exp(-E).
+// An annealer as a sampler of bipartite problems: embedding, gauges, scale, unembedding. TemperatureControl adjusts the
+// scale so that rows follow exp(-E).
 #pragma once
 #include <memory>
 #include <string>
@@ -12,25 +12,26 @@
 namespace gonogo::learning {
 
 struct AnnealerSettings {
-  double scale = 1;           // programmed = scale times the problem's Ising coefficients
+  double scale = 1;           // programmed coefficients over the problem's Ising coefficients
   double chain_coupling = 1;  // |J| inside chains as programmed
-  std::size_t gauges = 4;     // reads are spread over so many random gauges, which turns constant errors into noise
-  std::size_t sweeps = 0;     // of the device; 0: those of the request
+  std::size_t gauges = 4;     // number of random gauges; they turn constant errors into noise
+  std::size_t sweeps = 0;     // of the device; 0: as in the request
   BrokenChains broken = BrokenChains::weighted_random;
   CoefficientRanges ranges;
 };
 
 class AnnealerSampler final : public Sampler {
  public:
-  /// For problems of `visible` + `hidden` variables, embedded once as a biclique. `device` takes problems on qubits.
+  /// For problems of `visible` + `hidden` variables, which are embedded once as a biclique. `device` samples problems
+  /// on qubits.
   AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, std::size_t visible,
                   std::size_t hidden, const AnnealerSettings& settings);
   std::string name() const override { return device_->name(); }
-  /// A coefficient that the scale would take out of range is cut to the range's end, as info.cut_coefficients says.
+  /// Coefficients beyond the range are clipped to its ends; info.cut_coefficients counts them.
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
 
-  /// The largest scale at which every coefficient is in range and no coupling exceeds half of those inside chains, so
-  /// that chains still decide.
+  /// Largest scale with all coefficients in range and every coupling at most half of those inside chains, so that
+  /// chains hold.
   double largest_scale(const Problem& problem) const;
   double scale() const { return settings_.scale; }
   void set_scale(double scale) { settings_.scale = scale; }
@@ -45,21 +46,21 @@ class AnnealerSampler final : public Sampler {
 };
 
 enum class Thermometer {
-  none,               // the scale stays as it is set
-  pseudo_likelihood,  // local: every spin given the others
+  none,               // the scale does not change
+  pseudo_likelihood,  // local: each spin given the others
   histogram,          // global: energies at two scales
-  offset_model        // pseudo-likelihood at two scales each epoch, T = offset + slope / scale over all of them
+  offset_model        // pseudo-likelihood at two scales an epoch; T = offset + slope / scale is fitted to all epochs
 };
 Thermometer thermometer_named(const std::string& name);
 
-/// One line of the log.
+/// An entry of the log.
 struct ThermometerReading {
   std::size_t epoch = 0;
-  double scale = 0, beta = 0, low = 0, high = 0;  // beta of rows at this scale, before the scale was set anew
+  double scale = 0, beta = 0, low = 0, high = 0;  // beta of rows at this scale, before the update
 };
 
-/// Sets the sampler's scale once per epoch so that rows have beta = 1, within its largest scale and a factor of four
-/// around the first one: where broken chains make rows hotter as the scale grows, no scale may be right.
+/// Sets the sampler's scale once an epoch so that rows have beta = 1. The scale stays below largest_scale() and within
+/// a factor of four of the first one, because no scale may be right: broken chains heat rows as the scale grows.
 class TemperatureControl {
  public:
   TemperatureControl(AnnealerSampler& sampler, Thermometer thermometer, std::size_t reads, std::size_t sweeps,

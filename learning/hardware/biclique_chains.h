@@ -1,5 +1,5 @@
-// Chains of visible and hidden variables on a graph, and what unused qubits can do for pairs without a coupler: a chain
-// that ends at a dead qubit goes on over pieces of other lines that dead qubits cut off from their chains.
+// Chains of visible and hidden variables on a graph, extended over unused qubits to couple more pairs. A chain that
+// ends at a dead qubit can continue on pieces of other lines that dead qubits have cut off.
 #pragma once
 #include <vector>
 
@@ -10,17 +10,17 @@ namespace gonogo::learning {
 
 class BicliqueChains {
  public:
-  /// chains: the visible ones first, each connected. The graph must outlive this.
+  /// chains: visible ones first, each connected. The graph must outlive the object.
   BicliqueChains(const HardwareGraph& graph, std::size_t visible, Chains chains);
-  /// Pairs (visible, hidden) with a coupler.
+  /// Number of pairs (visible, hidden) with a coupler.
   std::size_t coupled_pairs() const;
-  /// Adds the path of unused qubits that gives a chain most new partners, until no path gives any. No chain gets more
-  /// than twice as long as the longest one was at the start.
+  /// Repeatedly adds the path of unused qubits that gives a chain the most new partners, until none gives any. Chains
+  /// stay within twice the length of the longest one at the start.
   void lengthen();
-  /// Takes off ends that couple to nobody who is not coupled elsewhere.
+  /// Removes ends of chains that couple no pair on their own.
   void trim();
   const Chains& chains() const { return chains_; }
-  /// Unused qubits that the chains have looked at so far: the work done.
+  /// Number of unused qubits visited so far, as a measure of work.
   std::size_t looks() const { return looks_; }
 
  private:

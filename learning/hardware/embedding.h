@@ -1,4 +1,4 @@
-// Problems laid onto qubits: a variable becomes a chain of coupled qubits that a strong coupling holds together.
+// Embedding of problems on qubits. A variable becomes a chain: qubits that strong couplings hold together.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -16,22 +16,23 @@ using VariablePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;  // 
 
 struct Embedding {
   Chains chains;
-  VariablePairs uncoupled;  // wanted pairs between whose chains there is no coupler
+  VariablePairs uncoupled;  // wanted pairs whose chains no coupler joins
 };
 
-/// Throws InputError unless every chain is a connected, non-empty set of working qubits that no other chain uses.
+/// Throws InputError unless chains are connected, disjoint, non-empty sets of working qubits.
 void check_chains(const HardwareGraph& graph, const Chains& chains);
 
-/// Those of `pairs` between whose chains there is no coupler.
+/// The `pairs` whose chains no coupler joins.
 VariablePairs uncoupled_pairs(const HardwareGraph& graph, const Chains& chains, const VariablePairs& pairs);
 
-/// Every visible variable (0 ... visible - 1) with every hidden one (visible ...): visible ones on vertical lines,
-/// hidden ones on horizontal lines, each on the unbroken part of its line that keeps most pairs; lines that cross
-/// fewest others are left over. Deterministic. Throws InputError when there are not enough lines.
+/// Couples every visible variable (0 ... visible - 1) with every hidden one (visible ...). Visible variables are on
+/// vertical lines, hidden ones on horizontal lines. Each takes the unbroken part of its line that couples the most
+/// pairs; the lines with the fewest crossings stay unused. Deterministic. Throws InputError when there are too few
+/// lines.
 Embedding embed_biclique(const HardwareGraph& graph, std::size_t visible, std::size_t hidden);
 
-/// Every variable with every other: variable v on parts of a vertical line and of the horizontal line that lies alike,
-/// joined where they cross (Choi, arXiv:1001.3116; Boothby, King, Roy, arXiv:1507.04774). Deterministic.
+/// Couples every variable with every other. Variable v is on parts of a vertical line and of the horizontal line of the
+/// same number, joined where they cross (Choi, arXiv:1001.3116; Boothby, King, Roy, arXiv:1507.04774). Deterministic.
 Embedding embed_clique(const HardwareGraph& graph, std::size_t variables);
 
 struct HeuristicSettings {
@@ -39,30 +40,30 @@ struct HeuristicSettings {
   std::size_t tries = 10, rounds = 60;
 };
 
-/// Any pairs: chains grow along cheapest paths, overlaps are allowed first and made dearer round after round (Cai,
-/// Macready, Roy, arXiv:1406.2741). A function of its arguments. Throws InputError when no try ends without overlaps.
+/// Couples given pairs. Chains grow along cheapest paths; overlaps are allowed at first, at a cost that rises each
+/// round (Cai, Macready, Roy, arXiv:1406.2741). Deterministic. Throws InputError when no try ends without overlaps.
 Embedding embed_heuristic(const HardwareGraph& graph, std::size_t variables, const VariablePairs& pairs,
                           const HeuristicSettings& settings = {});
 
-/// "biclique" for problems whose variables fall into two sides, "clique", "heuristic"; "auto" takes the first of them
-/// that couples every pair, otherwise the one of the first two that couples most.
+/// `method`: "biclique" (bipartite problems), "clique", "heuristic", or "auto". "auto" takes the first of them that
+/// couples every pair; if there is none, the better one of the first two.
 Embedding embed(const HardwareGraph& graph, const Problem& problem, const std::string& method,
                 const HeuristicSettings& settings = {});
 
-/// 1.414 root(mean J^2) root(mean number of neighbours): balances the torque that its neighbours exert on a chain
-/// (dwave-system, uniform_torque_compensation). 1 without couplings, also when all of them are 0. For SPIN problems.
+/// Chain strength prefactor * sqrt(mean J^2) * sqrt(mean degree), which balances the torque of neighbours on a chain
+/// (dwave-system, uniform_torque_compensation). 1 when all couplings are 0. For SPIN problems.
 double torque_compensation(const Problem& ising, double prefactor = 1.414);
 /// Largest |h| or |J|.
 double largest_coefficient(const Problem& ising);
 
 struct EmbeddedProblem {
   Problem problem;         // over qubits, SPIN
-  EmbeddingRecord record;  // its source lacks the couplings that had to be masked
+  EmbeddingRecord record;  // its source has no couplings of uncoupled pairs
 };
 
-/// Linear biases in equal parts over the qubits of a chain, couplings in equal parts over the couplers between chains,
-/// -chain_strength on every coupler inside a chain; the offset makes unbroken rows have the source's energies.
-/// Couplings of uncoupled pairs are taken out of the source. A BINARY problem is converted first.
+/// Divides linear biases equally over the qubits of a chain, and couplings over the couplers between two chains.
+/// Couplers inside chains get -chain_strength. The offset makes energies of unbroken rows equal to the source's.
+/// Couplings of uncoupled pairs are removed from the source. A BINARY problem is converted first.
 EmbeddedProblem embed_problem(const Problem& problem, const HardwareGraph& graph, const Embedding& embedding,
                               double chain_strength);
 

@@ -1,13 +1,12 @@
-// Graphs of qubits and couplers of D-Wave's machines, numbered as Ocean numbers them (dwave-graphs 1.2).
+// Graphs of D-Wave's machines, with Ocean's numbering of qubits (dwave-graphs 1.2).
 //
-//   chimera m n t  (i, j, u, k) -> ((i n + j) 2 + u) t + k. Qubits of one cell couple across u; u = 0 also with the
-//   cells
-//                  above and below, u = 1 with those to the left and right.
-//   pegasus m      (u, w, k, z) -> ((u m + w) 12 + k)(m - 1) + z; fabric only, without the qubits at the rim that no
-//                  internal coupler reaches. Boothby, Bunyk, Raymond, Roy, arXiv:2003.00133.
+//   chimera m n t  (i, j, u, k) -> ((i n + j) 2 + u) t + k. Qubits of a cell couple across u. Qubits with u = 0 also
+//                  couple with the cells above and below, those with u = 1 with the cells left and right.
+//   pegasus m      (u, w, k, z) -> ((u m + w) 12 + k)(m - 1) + z. Fabric only: without the qubits at the rim that have
+//                  no internal coupler. Boothby, Bunyk, Raymond, Roy, arXiv:2003.00133.
 //   zephyr m t     (u, w, k, j, z) -> (((u (2m + 1) + w) t + k) 2 + j) m + z. D-Wave report 14-1056A-A.
 //
-// In all three a qubit is a piece of a line, vertical (u = 0) or horizontal (u = 1); pieces of a line couple end to
+// In all three, a qubit is a piece of a vertical (u = 0) or horizontal (u = 1) line. Pieces of a line couple end to
 // end.
 #pragma once
 #include <cstdint>
@@ -30,7 +29,7 @@ struct TopologySize {
 
 class HardwareGraph {
  public:
-  /// couplers: pairs of different working qubits, each once in either order.
+  /// couplers: pairs of different working qubits in either order, each once.
   HardwareGraph(std::string name, TopologySize size, std::size_t chip_size, std::vector<Qubit> qubits,
                 const std::vector<std::pair<Qubit, Qubit>>& couplers);
 
@@ -56,18 +55,19 @@ HardwareGraph chimera(std::uint32_t m, std::uint32_t n, std::uint32_t t = 4);
 HardwareGraph pegasus(std::uint32_t m, bool fabric_only = true);
 HardwareGraph zephyr(std::uint32_t m, std::uint32_t t = 4);
 
-/// "chimera:M[:T]", "chimera:MxN[:T]", "pegasus:M", "zephyr:M[:T]"; throws InputError for others and sizes above 64.
+/// "chimera:M[:T]", "chimera:MxN[:T]", "pegasus:M" or "zephyr:M[:T]". Throws InputError for others and sizes above 64.
 HardwareGraph graph_named(const std::string& name);
 
-/// The graph without some qubits and couplers (those of dead qubits go with them). Throws InputError for qubits and
-/// couplers that the graph does not have.
+/// The graph without these qubits, their couplers, and these couplers. Throws InputError for qubits and couplers that
+/// the graph does not have.
 HardwareGraph without(const HardwareGraph& graph, std::span<const Qubit> dead_qubits,
                       std::span<const std::pair<Qubit, Qubit>> dead_couplers = {});
 
-/// round(share x working qubits) different working qubits, ascending; a function of graph, share and seed.
+/// round(share x working qubits) random working qubits, ascending. Deterministic.
 std::vector<Qubit> random_dead_qubits(const HardwareGraph& graph, double share, std::uint64_t seed);
 
-/// The lines of one direction: qubits end to end, dead ones included. Line l of u = 0 and line l of u = 1 lie alike.
+/// The lines of one direction, each with its qubits end to end, dead ones included. Lines l of u = 0 and u = 1 have the
+/// same position in their direction.
 std::vector<std::vector<Qubit>> lines(const TopologySize& size, int u);
 
 }  // namespace gonogo::learning

@@ -1,4 +1,4 @@
-// Unbroken parts of the lines of a graph, and which of them cross.
+// Unbroken segments of the lines of a graph, their crossings, and couplers between chains.
 #pragma once
 #include <vector>
 
@@ -14,21 +14,21 @@ struct Segment {
 /// Maximal runs of working, coupled qubits of every line of direction u.
 std::vector<Segment> segments(const HardwareGraph& graph, int u);
 
-/// Whether a coupler joins segment a of `vertical` and segment b of `horizontal`: [a][b].
+/// [a][b]: whether a coupler joins segment a of `vertical` and segment b of `horizontal`.
 std::vector<std::vector<char>> crossings(const HardwareGraph& graph, const std::vector<Segment>& vertical,
                                          const std::vector<Segment>& horizontal);
 
-/// Number of couplers between each pair of chains that has one; which chain each qubit belongs to.
+/// Number of couplers between each pair of chains, and the chain of each qubit, while chains grow and shrink.
 class ChainCouplers {
  public:
   static constexpr std::uint32_t kNone = UINT32_MAX;
   ChainCouplers(const HardwareGraph& graph, const std::vector<std::vector<Qubit>>& chains);
-  /// No pair of chains loses its last coupler when q leaves its chain.
+  /// True when no pair of chains loses its last coupler if q leaves its chain.
   bool can_spare(Qubit q) const;
   void remove(Qubit q);
-  /// q joins a chain; so far it belongs to none.
+  /// Adds q, which must be free, to a chain.
   void add(Qubit q, std::uint32_t chain);
-  std::uint32_t owner(Qubit q) const { return owner_[q]; }  // kNone: no chain's
+  std::uint32_t owner(Qubit q) const { return owner_[q]; }  // kNone: free
   bool coupled(std::size_t a, std::size_t b) const { return count_[a * chain_count_ + b] > 0; }
 
  private:

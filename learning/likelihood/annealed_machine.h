@@ -1,4 +1,4 @@
-// Machines between independent units and a given machine (see likelihood.h), and one walker on them.
+// Intermediate machines between independent units and a given machine (see likelihood.h), and one chain on them.
 #pragma once
 #include <span>
 #include <vector>
@@ -18,7 +18,7 @@ struct AnnealedMachine {
   std::vector<double> base_bias;         // a0
 };
 
-/// A visible row with the hidden fields it causes. Draws depend on (seed, chain, step) alone.
+/// A visible row and its hidden fields. Draws depend on (seed, chain, step) alone.
 class AnnealedChain {
  public:
   AnnealedChain(const AnnealedMachine& machine, std::uint64_t seed, std::uint64_t chain);

@@ -1,16 +1,15 @@
-// How probable rows are under a machine too large to enumerate: a bracket from two sides.
+// Log-likelihood of rows under a machine too large to enumerate, as a bracket from two sides.
 //
-// Both estimators walk machines between independent units (beta = 0) and the machine itself (beta = 1),
+// Both estimators pass through machines between independent units (beta = 0) and the machine itself (beta = 1),
 //
 //   f_beta(v) = exp(((1 - beta) a0 + beta a).v) prod_j (1 + exp(beta (b + v'W)_j)),
 //
 // with a0 the log odds of the rows' means (Salakhutdinov & Murray, ICML 2008, section 4.1), by block-Gibbs sweeps
 // v -> h -> v, which are reversible for f_beta.
 //
-//   AIS    walks up; the mean of its weights is Z (Neal 2001). Its log is too low in the mean, so that log P(v) comes
-//          out too high.
-//   RAISE  walks down from each row; the mean of its weights is the row's probability under the annealing itself,
-//          whose log is too low in the mean (Burda, Grosse, Salakhutdinov, AISTATS 2015, arXiv:1412.8566).
+//   AIS    goes up. The mean of its weights is Z (Neal 2001). The mean of log Z is too low, so log P(v) is too high.
+//   RAISE  goes down from each row. The mean of its weights is the row's probability under the annealing process. The
+//          mean of its log is too low (Burda, Grosse, Salakhutdinov, AISTATS 2015, arXiv:1412.8566).
 #pragma once
 #include <cstdint>
 #include <span>
@@ -20,42 +19,42 @@
 
 namespace gonogo::learning {
 
-/// Mean of log P(v) over rows [row_count x visible_count], exact; throws InputError when the smaller side is too large
+/// Exact mean of log P(v) over rows [row_count x visible_count]. Throws InputError when the smaller side is too large
 /// to enumerate.
 double mean_log_likelihood(const RbmWeights& weights, std::span<const double> rows);
 
 struct AnnealingSettings {
-  std::size_t steps = 10'000;  // machines between the two ends, beta in equal steps
+  std::size_t steps = 10'000;  // intermediate machines, equal steps of beta
   std::size_t chains = 100;    // of AIS
   std::size_t row_chains = 4;  // of RAISE, for each row
   std::uint64_t seed = 1;
 };
 
-/// log Z by AIS, with the ends that three standard errors of the mean weight give (low is -infinity when the error is
-/// as large as the mean), and the number of equally weighted chains that would tell as much.
+/// log Z by AIS. [low, high] spans three standard errors of the mean weight; low is -infinity when the error reaches
+/// the mean. effective_chains: number of equally weighted chains with the same information.
 struct LogZEstimate {
   double log_z = 0, low = 0, high = 0, effective_chains = 0;
 };
 
-/// base_bias: a0 [visible_count]. Same bits for any number of threads.
+/// base_bias: a0 [visible_count]. The bits do not depend on threads.
 LogZEstimate annealed_log_z(const RbmWeights& weights, std::span<const double> base_bias,
                             const AnnealingSettings& settings = {});
 
-/// Mean over rows [row_count x visible_count] of RAISE's log P(v), and its standard error over rows.
+/// RAISE's mean log P(v) over rows [row_count x visible_count], with its standard error over rows.
 struct RaiseEstimate {
   double mean = 0, standard_error = 0;
 };
 RaiseEstimate raise_log_likelihood(const RbmWeights& weights, std::span<const double> base_bias,
                                    std::span<const double> rows, const AnnealingSettings& settings = {});
 
-/// Log odds of the means of rows, half a row added to both sides: a0.
+/// a0: log odds of the rows' means, with half a row added to both sides.
 std::vector<double> independent_bias(std::span<const double> rows, std::size_t visible_count);
 
-/// Mean log P(v) over rows [nat]: exact when one side has at most kMaxExact units, otherwise between RAISE and AIS.
+/// Mean log P(v) over rows [nat]. Exact when one side has at most kMaxExact units; otherwise between RAISE and AIS.
 struct LikelihoodBracket {
   bool exact = false;
-  double mean = 0, low = 0, high = 0;  // exact, or with AIS's log Z and its ends
-  double raise = 0, raise_error = 0;   // equal to the mean, and 0, when exact
+  double mean = 0, low = 0, high = 0;  // exact, or by AIS's log Z and its interval
+  double raise = 0, raise_error = 0;   // when exact: the mean and 0
   double effective_chains = 0;         // of AIS
 };
 inline constexpr std::size_t kMaxExact = 18;

@@ -1,5 +1,5 @@
-// All combinations of a bin for each of several variables, like an odometer: the last one turns fastest, so that what
-// the first ones give is worked out once for all that follow.
+// Visits all combinations of bins of several variables. The last variable changes fastest, so that results of the first
+// ones are computed once for all combinations that share them.
 #pragma once
 #include <cstddef>
 #include <span>
@@ -7,8 +7,8 @@
 
 namespace gonogo::learning {
 
-/// bins: how many each variable has, at least 1. For every combination calls set(k, bin) for the first k that changed
-/// and all after it, in order, then visit().
+/// bins: number of bins of each variable, at least 1. For every combination calls set(k, bin) for the first variable k
+/// that changed and all after it, in order, then visit().
 template <class Set, class Visit>
 void for_each_combination(std::span<const std::size_t> bins, Set&& set, Visit&& visit) {
   std::vector<std::size_t> bin(bins.size(), 0);

@@ -1,5 +1,4 @@
-// A trained model and its file. model.h5 holds weights, biases, the layout as JSON, the training points and log, and
-// everything needed to say where it came from.
+// A trained model and its file model.h5: weights, biases, the layout as JSON, training points and log, provenance.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -16,26 +15,26 @@ namespace gonogo::learning {
 struct EpochLog {
   double epoch = 0;
   double training_loss = 0;  // mean -log P(outcome | variables) of the training rows [nat]
-  double held_out_loss = 0;  // of the held-out rows; not-a-number when there were none
+  double held_out_loss = 0;  // of the held-out rows; NaN without any
 };
 
 struct Model {
   VisibleLayout layout;
   RbmWeights weights;
   std::vector<double> sampled_lower, sampled_upper;  // [variable count]: box in which trials were made
-  std::vector<double> training_points;               // [point count x variable count], not-a-number where unknown
+  std::vector<double> training_points;               // [point count x variable count], NaN: unknown
   std::vector<std::int32_t> training_outcomes;       // [point count]
   std::vector<double> training_weights;              // [point count], mean 1: prior / proposal density
-  InputPrior input_prior;  // of unknown variables; empty: the machine's own joint distribution
+  InputPrior input_prior;                            // of unknown variables; empty: the machine's joint distribution
   std::vector<EpochLog> log;
-  double calibration_power = 1;      // probabilities are raised to it and normalised again (score/calibration.h)
+  double calibration_power = 1;      // exponent of probabilities before normalisation (score/calibration.h)
   Json provenance = Json::object();  // data_hash, contract_hash, sampler, seed, settings, counts, scores
 };
 
-/// Throws DeviceError when the file cannot be written; never leaves half a file.
+/// The file is whole or absent. Throws DeviceError when it cannot be written.
 void write_model(const std::filesystem::path& path, const Model& model);
-/// Throws InputError for files that are missing, truncated, of another schema, with sizes that do not fit one another
-/// or with weights that are not finite.
+/// Throws InputError for files that are missing, truncated, of another schema, inconsistent in their sizes, or with
+/// weights that are not finite.
 Model read_model(const std::filesystem::path& path);
 
 }  // namespace gonogo::learning

@@ -1,11 +1,11 @@
-// P(outcome | variables) of a machine, exact over the outcomes by free energy:
+// P(outcome | variables) of a machine, exact by free energy:
 //
 //   P(y | v) proportional to exp(d_y + sum_j log(1 + exp(c_j + v W_j + U_yj)))     (Larochelle & Bengio 2008, eq. 2)
 //
 // v is the smooth code of the known variables (Encoder::encode_smooth), so that probabilities are continuous in them.
-// Unknown variables are summed out over their valid code words: with a prior for the inputs under
+// Unknown variables are summed over their code words: with a prior for the inputs under
 //   P(x, y) = prod_v prior_v(x_v) P(y | x),
-// without one under the machine's own joint distribution.
+// without one under the machine's joint distribution.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -17,12 +17,11 @@
 
 namespace gonogo::learning {
 
-/// What bins the variables take before anything is known, independent of each other: [variable][bin], each sums to 1.
-/// Where inputs are drawn by a design that is the truth, and a machine trained for P(outcome | variables) does not
-/// learn it.
+/// Independent prior probabilities of bins: [variable][bin], each variable sums to 1. When a design draws the inputs,
+/// its distribution is the right prior; a machine trained for P(outcome | variables) does not learn it.
 using InputPrior = std::vector<std::vector<double>>;
 
-/// Equally probable everywhere between a variable's ends: each bin by its width; categories alike.
+/// Uniform between a variable's ends: bins in proportion to their widths; equal categories.
 InputPrior uniform_prior(const VisibleLayout& layout);
 
 struct PosteriorAnswer {
@@ -32,58 +31,58 @@ struct PosteriorAnswer {
 };
 
 struct MarginalOptions {
-  std::size_t max_terms = 200'000;  // sum exactly up to this many combinations of code words of the unknown variables
-  // Beyond that: with a prior, chains x sweeps independent draws from it. Under the machine's own joint distribution
-  // block Gibbs with what is known clamped, tempered by replicas at inverse temperatures 0 ... 1 that exchange states
-  // (one rung: no tempering).
+  std::size_t max_terms = 200'000;  // exact sum up to this many combinations of code words of the unknown variables
+  // Beyond max_terms: with a prior, chains x sweeps independent draws from it. With the machine's joint distribution,
+  // block Gibbs with the known units clamped, in parallel tempering over `rungs` inverse temperatures from 0 to 1 (one
+  // rung: no tempering).
   std::size_t chains = 64, sweeps = 400, burn_in = 50, rungs = 4;
   std::uint64_t seed = 1;
 };
 
-/// What is known about one variable or the outcome, given what was asked.
+/// Distribution of one unknown variable.
 struct UnknownVariable {
   std::vector<double> probability, standard_error;  // [bin]; standard errors 0 when exact
   double mean = 0, deviation = 0;                   // [unit of the variable] over the middles of bins
-  double low = 0, high = 0;                         // [unit] middles of the bins that hold the 5 and 95 % points
+  double low = 0, high = 0;                         // [unit] middles of the bins with the 5 % and 95 % quantiles
 };
 struct JointAnswer {
-  std::vector<UnknownVariable> variables;  // [variable count]; empty for known ones and those held fixed
-  PosteriorAnswer outcome;                 // 1 for a given one
+  std::vector<UnknownVariable> variables;  // [variable count]; empty for known and fixed ones
+  PosteriorAnswer outcome;                 // probability 1 for a given outcome
   bool exact = true;
 };
 
 class Posterior {
  public:
-  /// `prior` empty: the machine's own joint distribution. Throws InputError when it does not fit the layout.
+  /// Empty `prior`: the machine's joint distribution. Throws InputError for a prior that does not match the layout.
   Posterior(const VisibleLayout& layout, const RbmWeights& weights, const InputPrior& prior = {});
 
-  /// All variables known. variables: [variable count], no not-a-number; result: [outcome count].
+  /// For known variables. variables: [variable count], no NaN; result: [outcome count].
   void operator()(std::span<const double> variables, std::span<double> result) const;
 
-  /// Unknown variables are not-a-number.
+  /// Unknown variables are NaN.
   PosteriorAnswer marginal(std::span<const double> variables, const MarginalOptions& options = {}) const;
 
-  /// P(every unknown variable and the outcome | what is known), the outcome being known or not.
+  /// P(each unknown variable | known ones), and of the outcome, which may be known.
   JointAnswer joint(std::span<const double> variables, std::optional<std::size_t> outcome,
                     const MarginalOptions& options = {}) const;
 
   std::size_t outcome_count() const { return outcome_bias_.size(); }
 
  private:
-  struct Nodes {                 // one variable: what each bin adds when its code word is on the visible units
+  struct Nodes {                 // one variable: contributions of each bin's code word
     std::vector<double> middle;  // [bin count] middles of the bins [unit of the variable]
     std::vector<double> field;   // [bin count x hidden count]
     std::vector<double> bias;    // [bin count]: visible biases of the code word, or the log of the prior
     std::vector<double> factor;  // exp(field)
     std::vector<double> weight;  // exp(bias), the largest 1
-    bool smooth = true;          // numbers are interpolated between middles, categories are not
+    bool smooth = true;          // interpolated between middles; false for categories
     std::size_t unit_count = 0;
   };
   void add_field(const Nodes& nodes, double x, std::span<double> field) const;
-  /// log of the unnormalised probability of every outcome, hidden units summed out.
+  /// Log of the unnormalised probability of every outcome, with hidden units summed out.
   void scores(std::span<const double> field, std::span<double> result) const;
-  /// Sum over all combinations of bins of the unknown variables. sum_products() does it several times as fast, and has
-  /// no answer where a product could leave the range of double (product_sum.cpp).
+  /// Sum over all combinations of bins of the unknown variables. sum_products() is several times faster, and returns
+  /// nothing when a product could overflow a double (product_sum.cpp).
   PosteriorAnswer sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
   std::optional<PosteriorAnswer> sum_products(std::span<const double> field,
                                               const std::vector<std::size_t>& unknown) const;
@@ -98,7 +97,7 @@ class Posterior {
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>
   void visit_combinations(std::vector<double> field, const std::vector<std::size_t>& unknown, Visit&& visit) const;
-  struct Question;  // joint.cpp: fields of what is known, which variables are not, and the outcome if it is given
+  struct Question;  // question.h
   Question question(std::span<const double> variables, std::optional<std::size_t> outcome) const;
   JointAnswer joint_sum(const Question& asked) const;
   JointAnswer joint_sample(const Question& asked, const MarginalOptions& options) const;
@@ -107,7 +106,7 @@ class Posterior {
                   std::size_t g, DrawnSums& sums) const;
   JointAnswer joint_drawn(const Question& asked, const MarginalOptions& options) const;
   void take_prior(const InputPrior& prior);
-  /// P(outcome | all variables), by the fields of the hidden units.
+  /// P(outcome | all variables) from the fields of the hidden units.
   void outcome_shares(std::span<const double> field, std::span<double> result) const;
   class TemperedChain;
   JointAnswer finish(const Question& asked, JointAnswer answer) const;

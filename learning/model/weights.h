@@ -22,15 +22,14 @@ struct RbmWeights {
 double softplus(double x);
 /// log of a sum of exponentials, without overflow.
 double log_sum_exp(std::span<const double> terms);
-/// Logarithms of weights become probabilities, which sum to 1.
+/// Turns logarithms of weights into probabilities that sum to 1.
 void normalise_logs(std::span<double> log_weight);
 
-/// F(v) = -a.v - sum_j log(1 + exp(b_j + (v' W)_j)), so that P(v) = exp(-F(v)) / Z. v: [visible_count], in {0, 1} or
-/// between (a mean of rows).
+/// F(v) = -a.v - sum_j log(1 + exp(b_j + (v' W)_j)), with P(v) = exp(-F(v)) / Z. v: [visible_count] in [0, 1].
 double free_energy(const RbmWeights& weights, std::span<const double> v);
 
-/// The machine as a problem in {0, 1}, visible variables first: Q_ii = -a_i, Q_jj = -b_j, Q_ij = -W_ij. Every coupling
-/// is kept, also zeros. Labels: the given ones, then "hidden:0", ...
+/// The machine as a QUBO, visible variables first: Q_ii = -a_i, Q_jj = -b_j, Q_ij = -W_ij. Keeps couplings of value 0.
+/// Labels: the given ones, then "hidden:0", ...
 Problem to_qubo(const RbmWeights& weights, const std::vector<std::string>& visible_labels);
 
 }  // namespace gonogo::learning

@@ -1,5 +1,5 @@
 // bqpjson 1.0.0 of Los Alamos (github.com/lanl-ansi/bqpjson): value = scale (offset + linear + quadratic), variables
-// are numbered, domains "spin" and "boolean".
+// are numbers, domains "spin" and "boolean".
 #pragma once
 #include <string>
 
@@ -7,11 +7,11 @@
 
 namespace gonogo::learning {
 
-/// As json.dumps(data, sort_keys=True) writes it, one line with its end; every variable has a linear term.
+/// The bytes of json.dumps(data, sort_keys=True) and a newline. Every variable has a linear term.
 std::string to_bqpjson(const Problem& problem);
 
-/// Strict as bqpjson's own validate(), and the version is checked too (its schema forgets to). A pair given in both
-/// orders adds up. The scale is multiplied in. Solutions in the file are ignored.
+/// As strict as bqpjson's validate(), and checks the version, which its schema does not. A pair given in both orders
+/// adds up. The scale is multiplied in. Solutions in the file are ignored.
 Problem problem_from_bqpjson(const std::string& text, const std::string& source);
 
 }  // namespace gonogo::learning

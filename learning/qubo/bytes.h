@@ -11,7 +11,7 @@
 
 namespace gonogo::learning {
 
-static_assert(std::endian::native == std::endian::little, "binary formats are written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "binary formats are written as they are in memory");
 
 template <class T>
 void append_bytes(std::string& out, T value) {
@@ -25,7 +25,7 @@ std::string bytes_of(const std::vector<T>& values) {
   return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
 }
 
-/// Reads on from the front of a buffer; throws InputError when it ends too early.
+/// Reads a buffer from front to end. Throws InputError when it ends too early.
 class ByteReader {
  public:
   ByteReader(std::string_view bytes, std::string source) : bytes_(bytes), source_(std::move(source)) {}
@@ -56,10 +56,10 @@ class ByteReader {
 };
 
 std::string base64(std::string_view bytes);
-/// Strict: throws InputError for other characters, wrong padding and lengths. `where` starts the message.
+/// Throws InputError for invalid characters, padding and lengths. Messages begin with `where`.
 std::string from_base64(std::string_view text, const std::string& where);
 
-/// base64 of little-endian numbers; throws InputError when the bytes are no whole number of them.
+/// Numbers from base64 of their little-endian bytes. Throws InputError for an incomplete number.
 template <class T>
 std::vector<T> numbers_from_base64(std::string_view text, const std::string& where) {
   const std::string bytes = from_base64(text, where);

@@ -1,5 +1,6 @@
-// dimod's JSON form of problems (bqm_schema 3.0.0) and of answers (sampleset_schema 3.2.0): what
-// json.dumps(bqm.to_serializable()) writes and BinaryQuadraticModel.from_serializable reads, with compact separators.
+// dimod's JSON of problems (bqm_schema 3.0.0) and answers (sampleset_schema 3.2.0), as
+// json.dumps(bqm.to_serializable()) writes it with compact separators and BinaryQuadraticModel.from_serializable reads
+// it.
 #pragma once
 #include <string>
 
@@ -8,15 +9,15 @@
 
 namespace gonogo::learning {
 
-/// One line, no newline at the end.
+/// One line without newline.
 std::string to_dimod_json(const Problem& problem);
-/// Strict: refuses another type or schema, byte arrays, lengths that differ, values that are not numbers, repeated
-/// labels or pairs, and anything after the closing brace. Sorts interactions. `source` starts every message.
+/// Throws InputError for another type or schema, byte arrays, lengths that differ, values that are not numbers,
+/// repeated labels or pairs, and text after the closing brace. Sorts interactions. Messages begin with `source`.
 Problem problem_from_dimod_json(const std::string& text, const std::string& source);
 
-/// `packed`: 32 variables in one word (dimod's default). One line, no newline at the end.
+/// `packed`: 32 variables per word, dimod's default. One line without newline.
 std::string to_dimod_json(const SampleSet& samples, bool packed = true);
-/// Strict as above; rows must hold values of the vartype. Energies are compared with a problem by check_answer().
+/// As strict as above. Values must be of the vartype. check_answer() compares the energies with a problem.
 SampleSet samples_from_dimod_json(const std::string& text, const std::string& source);
 
 }  // namespace gonogo::learning

@@ -1,4 +1,4 @@
-// Coefficients as text formats list them, (i, j, value) with i = j for linear terms, and problems made of them.
+// Lists of coefficients (i, j, value), with i = j for linear terms, as in text formats; and problems from them.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -9,7 +9,7 @@
 namespace gonogo::learning {
 
 inline constexpr std::int64_t kLargestId = INT32_MAX;
-inline constexpr std::int64_t kMaxVariables = 10'000'000;  // of formats that declare a count without listing variables
+inline constexpr std::int64_t kMaxVariables = 10'000'000;  // in formats that declare a count without a list
 
 struct Entry {
   std::int64_t i = 0, j = 0;
@@ -18,13 +18,13 @@ struct Entry {
 
 enum class Repeats { add, refuse };
 
-/// Variables are the ids in `ids` and in `entries`, labelled by their number, ascending. A pair may be given in either
-/// order. Throws InputError for repeats where they are refused.
+/// Variables are all ids in `ids` and `entries`, ascending, with the id as label. A pair may be in either order. Throws
+/// InputError for repeated entries, unless they are allowed.
 Problem problem_from_entries(Vartype vartype, std::vector<std::int64_t> ids, const std::vector<Entry>& entries,
                              Repeats repeats, const std::string& source);
 
-/// The number that stands for each variable in formats without labels: the label itself when all labels are different
-/// whole numbers from 0 to kLargestId, otherwise the position.
+/// Id of each variable in formats without labels: the label, when all labels are different integers from 0 to
+/// kLargestId; otherwise the position.
 std::vector<std::int64_t> file_ids(const Problem& problem);
 
 /// Couplings as (smaller id, larger id, value), sorted.

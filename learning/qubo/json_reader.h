@@ -1,5 +1,5 @@
-// Members of JSON objects that other programs wrote, read strictly: messages name the file and the place in it. Unlike
-// Config, keys nobody asks for are allowed, because writers add their own.
+// Strict reader of JSON that other programs wrote. Messages name the file and the place. Unlike Config it allows
+// unknown keys, because writers add their own.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace gonogo::learning {
 
-/// Reads members of one JSON object with messages that name the file and the place.
+/// Reader of one JSON object.
 class JsonReader {
  public:
   JsonReader(const Json& json, std::string source, std::string where)
@@ -71,7 +71,7 @@ class JsonReader {
   void expect_size(const std::string& key, std::size_t found, std::size_t wanted) const {
     if (found != wanted) fail(key, std::to_string(found) + " entries where " + std::to_string(wanted) + " belong");
   }
-  /// Lists of numbers only: bytes depend on the writer's numpy and are not read.
+  /// Throws InputError for byte arrays, whose layout depends on the writer's numpy. Lists are required.
   void expect_no_bytes() const {
     const Json* bytes = find("use_bytes");
     if (!bytes || !bytes->is_bool() || bytes->boolean())

@@ -1,4 +1,4 @@
-// Labels and vartypes as dimod writes them into JSON.
+// Labels and vartypes in dimod's JSON.
 #pragma once
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@ namespace gonogo::learning {
 
 Json labels_json(const std::vector<Label>& labels);
 
-/// Texts and whole numbers; throws InputError for others (dimod also knows fractions and tuples) and for another count.
+/// Texts and integers. Throws InputError for dimod's other labels (fractions, tuples) and for another count.
 std::vector<Label> labels_from_json(const JsonReader& reader, const std::string& key, std::size_t count);
 
 /// "BINARY" or "SPIN".

@@ -1,8 +1,8 @@
-// Quadratic problems over two-valued variables, as annealers take them:
+// Quadratic problems over two-valued variables, the input of annealers:
 //
 //   E(x) = offset + sum_i linear_i x_i + sum_(a<b) coupling_ab x_a x_b,   P(x) proportional to exp(-E(x))
 //
-// with x in {0, 1} (QUBO) or {-1, +1} (Ising); which one is part of the problem and is never guessed.
+// with x in {0, 1} (QUBO) or {-1, +1} (Ising). The vartype is part of the problem and never guessed.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -16,7 +16,7 @@ enum class Vartype { binary, spin };
 
 std::string vartype_name(Vartype vartype);  // "BINARY", "SPIN": the names of dimod
 
-/// What a variable is called in files: a number or a text.
+/// Name of a variable in files: a number or a text.
 using Label = std::variant<std::int64_t, std::string>;
 std::string label_text(const Label& label);
 
@@ -37,23 +37,23 @@ struct Problem {
   bool operator==(const Problem&) const = default;
 };
 
-/// Throws InputError for sizes that differ, values that are not finite, labels that repeat, and couplings that are
-/// unsorted, repeated, on the diagonal or out of range. `source` starts the message.
+/// Throws InputError for sizes that differ, values that are not finite, repeated labels, and couplings that are
+/// unsorted, repeated, on the diagonal or out of range. Messages begin with `source`.
 void check_problem(const Problem& problem, const std::string& source);
 
-/// Same energies, other vartype: s = 2 x - 1. Keeps couplings that become zero.
+/// The same energies in the other vartype, s = 2 x - 1. Keeps couplings that become 0.
 Problem to_vartype(const Problem& problem, Vartype vartype);
 inline Problem to_ising(const Problem& qubo) { return to_vartype(qubo, Vartype::spin); }
 inline Problem to_qubo(const Problem& ising) { return to_vartype(ising, Vartype::binary); }
 
-/// row: [variable_count()] of {0, 1} or {-1, +1}, as the vartype says.
+/// row: [variable_count()] of {0, 1} or {-1, +1}, by the vartype.
 double energy(const Problem& problem, std::span<const std::int8_t> row);
 
-/// Removes a variable by giving it a value (not necessarily a valid one of the vartype: a share is allowed).
-/// `values` holds not-a-number for the variables that stay. Energies of what stays are unchanged.
+/// Removes the variables with a given value. values: [variable_count()], NaN for variables that stay; values between
+/// those of the vartype are allowed. Energies do not change.
 Problem clamp(const Problem& problem, std::span<const double> values);
 
-/// Content hash of vartype, labels, biases, couplings and offset: ties an answer to its problem.
+/// Hash of vartype, labels, biases, couplings and offset, by which an answer names its problem.
 std::string problem_hash(const Problem& problem);
 
 }  // namespace gonogo::learning

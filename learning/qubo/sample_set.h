@@ -16,7 +16,7 @@ struct SampleSet {
   std::vector<std::int8_t> values;        // [row_count() x variable_count()] of {0, 1} or {-1, +1}
   std::vector<double> energies;           // [row_count()]
   std::vector<std::int64_t> occurrences;  // [row_count()], at least 1
-  Json info = Json::object();             // whatever the sampler tells about itself
+  Json info = Json::object();             // any information of the sampler
 
   std::size_t variable_count() const { return labels.size(); }
   std::size_t row_count() const { return energies.size(); }
@@ -29,9 +29,9 @@ struct SampleSet {
   }
 };
 
-/// The answer in the problem's vartype and order of variables. Throws InputError when the answer belongs to another
-/// problem: other labels, another "problem_hash" in its info, or energies that differ from the problem's by more than
-/// 1e-6 of the largest energy difference the problem can make (answers travel through single-precision tools).
+/// The answer in the problem's vartype and order of variables. Throws InputError when it belongs to another problem: by
+/// its labels, by "problem_hash" in its info, or by its energies. Energies may differ by 1e-6 of the problem's largest
+/// energy difference, because some tools compute in single precision.
 SampleSet check_answer(const Problem& problem, const SampleSet& answer, const std::string& source);
 
 }  // namespace gonogo::learning

@@ -1,10 +1,13 @@
-// What D-Wave's solver interface (SAPI, resource representation version 3) takes and gives for problems on qubits: the
-// "qp" encoding. Facts: docs.dwavequantum.com "SAPI REST", dwave-cloud-client 0.14 coders.py.
+// The "qp" encoding of problems and answers on qubits in D-Wave's solver interface (SAPI, resource representation
+// version 3). Sources: docs.dwavequantum.com "SAPI REST", dwave-cloud-client 0.14 coders.py.
 //
-//   problem  lin: f64 per qubit of the solver, NaN where the qubit is inactive; quad: f64 per coupler of the solver
-//            with both ends active, in the solver's order. Active: has a bias or is an end of a given coupling.
-//   answer   active_variables i32, energies f64 (ascending), num_occurrences i32 (histogram answers only), solutions:
-//            ceil(active / 8) bytes per row, the first variable in the highest bit; all of it base64, little-endian.
+//   problem  lin: f64 per qubit of the solver, NaN for inactive ones. quad: f64 per coupler with two active ends, in
+//   the
+//            solver's order. A qubit is active if it has a bias or a coupling.
+//   answer   active_variables: i32. energies: f64, ascending. num_occurrences: i32, only in histogram answers.
+//   solutions:
+//            ceil(active / 8) bytes per row, the first variable in the highest bit.
+// All arrays are base64 of little-endian bytes.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -17,15 +20,15 @@
 
 namespace gonogo::learning {
 
-/// The working part of a solver's graph, in the order in which the solver lists it.
+/// The working graph of a solver, in the solver's order.
 struct SapiSolver {
   std::string name, graph_id;
-  std::int64_t chip_size = 0;  // num_qubits of the solver, dead ones included
+  std::int64_t chip_size = 0;  // num_qubits, dead ones included
   std::vector<std::int64_t> qubits;
   std::vector<std::pair<std::int64_t, std::int64_t>> couplers;
 };
 
-/// From a solver definition as SAPI serves it: id or identity.name, identity.version.graph_id, properties.num_qubits,
+/// From SAPI's definition of a solver: id or identity.name, identity.version.graph_id, properties.num_qubits,
 /// properties.qubits, properties.couplers. Throws InputError for couplers between unlisted qubits and repeats.
 SapiSolver solver_from_json(const Json& json, const std::string& source);
 
@@ -34,20 +37,20 @@ struct SapiSettings {
   std::string label;             // of the problem; empty for none
 };
 
-/// Body of POST problems/: a list of one problem, one line with its end. Labels of the problem must be qubits of the
-/// solver and its couplings couplers of the solver; throws InputError otherwise. Zero couplings make their ends active.
+/// Body of POST problems/: a list of one problem, and a newline. Throws InputError unless labels are qubits of the
+/// solver and couplings are couplers of it. Couplings of 0 make their ends active.
 std::string to_sapi(const Problem& problem, const SapiSolver& solver, const SapiSettings& settings);
 
-/// The inverse: variables are the active qubits. Throws InputError for another solver name or graph, lengths that do
-/// not fit the solver, values that are not finite where a qubit is active, and unknown formats.
+/// The inverse. Variables are the active qubits. Throws InputError for another solver or graph, lengths that do not
+/// match the solver, values of active qubits that are not finite, and unknown formats.
 Problem problem_from_sapi(const std::string& text, const SapiSolver& solver, const std::string& source);
 
-/// Answer of a solved problem: {"type", "answer": {...}, ...} as GET problems/<id> serves it. The rows must be ordered
-/// by energy where `histogram` is set. Columns are the problem's variables by ascending qubit.
+/// Answer of a solved problem, {"type", "answer": {...}, ...}, as from GET problems/<id>. Columns are ordered by qubit.
+/// With `histogram` the rows must be sorted by energy.
 std::string to_sapi_answer(const SampleSet& samples, std::int64_t chip_size, bool histogram, const Json& timing);
 
-/// Raw and histogram answers. The offset of the answer, if any, is added to the energies. Throws InputError for lengths
-/// that do not fit each other, repeated or unordered qubits, counts below 1, and statuses other than COMPLETED.
+/// Reads raw and histogram answers. Adds the answer's offset, if any, to the energies. Throws InputError for
+/// inconsistent lengths, repeated or unsorted qubits, counts below 1, and statuses other than COMPLETED.
 SampleSet samples_from_sapi(const std::string& text, const std::string& source);
 
 }  // namespace gonogo::learning

@@ -1,4 +1,4 @@
-// Words of text files, line by line, with messages that name file and line.
+// Reads text files line by line and word by word. Messages name file and line.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -11,12 +11,12 @@ class TextLines {
  public:
   TextLines(std::string_view text, std::string source) : rest_(text), source_(std::move(source)) {}
 
-  /// Goes to the next line with words on it; false at the end.
+  /// Advances to the next line with words. False at the end.
   bool next();
   std::string_view line() const { return line_; }  // without line end
   const std::vector<std::string_view>& words() const { return words_; }
 
-  /// The k-th word as a whole number in [low, high], or a finite number; throws InputError otherwise.
+  /// Word k as an integer in [low, high], or as a finite number. Throws InputError otherwise.
   std::int64_t integer(std::size_t k, std::int64_t low, std::int64_t high) const;
   double number(std::size_t k) const;
   void expect_words(std::size_t count) const;
@@ -29,7 +29,7 @@ class TextLines {
   std::vector<std::string_view> words_;
 };
 
-/// Finite number that is the whole text; nothing otherwise. Decimal and exponent forms, sign allowed.
+/// Parses the whole text as a finite number, with optional sign and exponent. False otherwise.
 bool parse_number(std::string_view text, double& value);
 
 }  // namespace gonogo::learning

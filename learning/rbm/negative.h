@@ -1,4 +1,4 @@
-// Inside learning/rbm only: rows of the machine for the second term of the objective (train.h).
+// Negative phase: rows of the machine for the second term of the objective (train.h). Only inside learning/rbm.
 #pragma once
 #include <optional>
 
@@ -12,13 +12,13 @@ torch::Tensor rows_tensor(const SampleSet& samples, std::size_t visible);
 
 class NegativePhase {
  public:
-  /// Throws InputError where the settings need chains of their own and the sampler is not block_gibbs. The last three
-  /// arguments must outlive this. base: the foot of a ladder of temperatures.
+  /// Throws InputError when the settings need own chains and the sampler is not block_gibbs. `settings` and `sampler`
+  /// must outlive the object. base: biases of the machine at the foot of a ladder of temperatures.
   NegativePhase(const VisibleLayout& layout, const TrainingSettings& settings, const Sampler& sampler,
                 std::vector<double> base);
-  /// Rows of `weights`; data: the minibatch [row x visible], of {0, 1}.
+  /// Rows of the machine `weights`. data: the minibatch, [row x visible] of {0, 1}.
   torch::Tensor draw(const RbmWeights& weights, const torch::Tensor& data);
-  /// trajectory: keeps the machine as a rung when exchanges with the last one kept have become rare.
+  /// trajectory: keeps the machine as a new rung when exchanges with the last kept one are rare.
   void end_epoch(const RbmWeights& weights);
   std::size_t rungs() const { return ladder_ ? ladder_->rungs() : 1; }
 
@@ -32,8 +32,8 @@ class NegativePhase {
   std::vector<double> base_;
   SampleSet rows_;
   std::optional<LadderChains> ladder_;
-  std::vector<RbmWeights> kept_;  // trajectory: earlier machines, the first one first
-  double acceptance_ = 1;         // between the last one kept and the present one, running mean
+  std::vector<RbmWeights> kept_;  // trajectory: earlier machines, oldest first
+  double acceptance_ = 1;         // running mean, between the last kept machine and the present one
   std::uint64_t update_ = 0;
 };
 

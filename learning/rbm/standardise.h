@@ -1,4 +1,4 @@
-// Inputs of the baselines: every variable minus its mean over its standard deviation, unknown ones at the mean.
+// Standardised inputs of the baselines: (x - mean) / standard deviation; 0 for unknown x.
 #pragma once
 #include <cmath>
 #include <span>
@@ -15,7 +15,7 @@ struct Standardisation {
 
 Standardisation standardisation_of(const TrainingTable& table);
 
-/// Forecast of every row by a model that `fit` made from the rows of the other folds.
+/// Forecast of every row by a model that `fit` makes from the other folds.
 template <class Fit>
 std::vector<double> out_of_fold(const TrainingTable& table, std::span<const int> label,
                                 const std::vector<std::size_t>& fold, std::size_t fold_count, Fit fit) {

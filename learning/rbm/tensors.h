@@ -1,4 +1,4 @@
-// Inside learning/rbm only: a table as tensors, the machine as parameters, and the terms of the objective.
+// A table as tensors, the machine as parameters, and the terms of the objective. Only inside learning/rbm.
 #pragma once
 #include <torch/torch.h>
 
@@ -8,7 +8,7 @@
 
 namespace gonogo::learning {
 
-/// LibTorch on one thread while this lives: its reductions depend on the number of threads, our results must not.
+/// Keeps LibTorch on one thread while it lives, because its reductions depend on the number of threads.
 class OneTorchThread {
  public:
   OneTorchThread() : before_(at::get_num_threads()) { at::set_num_threads(1); }
@@ -20,13 +20,13 @@ class OneTorchThread {
   int before_;
 };
 
-/// Throws InputError where this LibTorch has no GPU and one is asked for.
+/// Throws InputError for `cuda` when this LibTorch has no GPU.
 torch::Device torch_device(GradientDevice device);
 
-/// Rows with their unknown variables filled by every combination of code words: the completions of row n are
-/// first[n] .. first[n + 1] - 1, one when all is known.
+/// Completed rows: unknown variables take every combination of code words. The completions of row n are first[n] ..
+/// first[n + 1] - 1; a known row has one.
 struct RowTensors {
-  /// Completed rows with their outcome's unit, [completion x visible]. Rows of `hard`.
+  /// Rows of `hard` with the outcome's units, [completion x visible].
   torch::Tensor visible(std::int64_t outcome_count) const;
   torch::Tensor smooth, hard;       // [completion x input unit]
   torch::Tensor outcome, weight;    // [row]
@@ -47,7 +47,7 @@ struct Machine {
 
   torch::Tensor visible_bias() const { return centred_visible - torch::matmul(weight, hidden_mean); }
   torch::Tensor hidden_bias() const { return centred_hidden - torch::matmul(visible_mean, weight); }
-  /// New constants, same machine.
+  /// Changes the constants, not the machine.
   void move_means(const torch::Tensor& new_visible_mean, const torch::Tensor& new_hidden_mean);
 
   Machine(const RbmWeights& weights, std::size_t input_unit_count, torch::Device device = torch::kCPU);
@@ -57,7 +57,7 @@ struct Machine {
   std::vector<torch::Tensor> parameters() const { return {weight, centred_visible, centred_hidden}; }
 };
 
-/// One completion of each row, drawn as the machine finds them probable: [row x visible].
+/// One completion of each row, drawn by the machine's probabilities: [row x visible].
 torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std::uint64_t seed, std::uint64_t update);
 
 /// L of train.h; negative: [row x visible], or undefined without a generative term. table_rows is N.

@@ -1,5 +1,5 @@
-// Random numbers of one Markov chain: draw `unit` of row `row` depends on (seed, chain, row, unit) alone. Rows are
-// sweeps, or sweeps times replicas.
+// Random numbers of one Markov chain. Draw `unit` of row `row` depends on (seed, chain, row, unit) alone. A row is a
+// sweep, or a sweep of a replica.
 #pragma once
 #include <cstdint>
 
@@ -15,7 +15,7 @@ class ChainRandom {
     row_ = row * blocks_per_row_;
     held_ = UINT64_MAX;
   }
-  /// Uniform in (0, 1) with 32 bits, never an end point. unit < units_per_row.
+  /// Uniform in (0, 1) with 32 bits; end points excluded. unit < units_per_row.
   double operator()(std::size_t unit) {
     const std::uint64_t index = row_ + unit / 4;
     if (index != held_) {

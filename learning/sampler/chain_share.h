@@ -1,11 +1,9 @@
-// How groups of chains are shared among blocks that all run at once, so that every block has equally many sweeps, to
-// one.
+// Divides groups of chains among blocks that run at the same time. The blocks' numbers of sweeps differ by at most one.
 //
-// The sweeps of all groups lie on a line, group after group, and every block takes an equal piece of the line
-// (McNaughton, Management Science 6, 1 (1959)). A group on a border is shared by two blocks: the later block begins it,
-// before all else, and the earlier one finishes it, after all else. With at least as many groups as blocks a piece is
-// no shorter than one group's sweeps, so that a group has two parts at most and the first one ends before the other
-// block gets there.
+// The sweeps of all groups form a line, group after group. Every block takes an equal piece of the line (McNaughton,
+// Management Science 6, 1 (1959)). Two blocks share a group on a border: the later block begins the group, as its first
+// work, and the earlier block finishes it, as its last work. With at least as many groups as blocks, a piece is at
+// least as long as one group. A group then has at most two stretches, and the first has ended before the second begins.
 #pragma once
 #include <cstdint>
 
@@ -38,7 +36,7 @@ class ChainShare {
   }
 
  private:
-  /// line * block / blocks without a product above 64 bits.
+  /// line * block / blocks, without overflow of 64 bits.
   GONOGO_HD static std::uint64_t border(std::uint64_t line, int block, int blocks) {
     const std::uint64_t b = std::uint64_t(block), n = std::uint64_t(blocks);
     return line / n * b + line % n * b / n;

@@ -1,6 +1,6 @@
-// Exact answers by enumeration: log Z, marginals, independent samples. The smaller side of a bipartite problem is
-// enumerated and the other summed out in closed form; other problems are enumerated whole, or, when they are too large
-// for that and of low treewidth, summed out variable by variable (junction_tree.h).
+// Exact log Z, marginals and independent samples. Of a bipartite problem the smaller side is enumerated and the other
+// summed in closed form. Other problems are enumerated as a whole. Large problems of low treewidth are summed variable
+// by variable (junction_tree.h).
 #pragma once
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace gonogo::learning {
 
-inline constexpr std::size_t kMaxEnumerated = 22;  // variables: 4 million states, 32 MB
+inline constexpr std::size_t kMaxEnumerated = 22;  // variables; 4 million states, 32 MB
 
 struct ExactMoments {
   double log_z = 0;               // log of sum over x of exp(-E(x))
@@ -16,7 +16,7 @@ struct ExactMoments {
   std::vector<double> pair_mean;  // [coupling count]: E[x_a x_b], in the order of the couplings
 };
 
-/// By enumeration up to kMaxEnumerated variables, otherwise by a junction tree; throws InputError when the problem is
+/// By enumeration up to kMaxEnumerated variables, otherwise by a junction tree. Throws InputError when the problem is
 /// too large for both.
 ExactMoments exact_moments(const Problem& problem);
 

@@ -1,13 +1,12 @@
-// Rows that come from outside: from a file that somebody puts there, or from a program.
+// Rows from outside: from a file that a person provides, or from another program.
 #pragma once
 #include "learning/sampler/sampler.h"
 
 namespace gonogo::learning {
 
-/// Problems go to <folder>/<hash>.json (dimod's JSON, with a sidecar), answers are taken from
-/// <folder>/<hash>.answer.json (dimod's SampleSet). Where the answer is missing, the problem is written and InputError
-/// says what is awaited: the same command goes on once the answer is there. The seed and the number of reads are part
-/// of the hash, so that two requests for one problem are two files.
+/// Writes problems to <folder>/<hash>.json (dimod's JSON, with a sidecar) and reads answers from
+/// <folder>/<hash>.answer.json (dimod's SampleSet). When the answer is missing, InputError names it; the same command
+/// continues once the file exists. The hash covers seed and number of reads, so that each request has its own file.
 class FileSampler final : public Sampler {
  public:
   explicit FileSampler(const SamplerSettings& settings) : settings_(settings) {}
@@ -18,9 +17,9 @@ class FileSampler final : public Sampler {
   SamplerSettings settings_;
 };
 
-/// Runs a program that reads {problem} (dimod's JSON) and writes {answer} (dimod's SampleSet). The answer is read only
-/// after the program ended with status 0 within the time limit, and must hold as many reads as asked for; otherwise
-/// InputError with the end of its stderr.
+/// Runs a program that reads {problem} (dimod's JSON) and writes {answer} (dimod's SampleSet). It must exit with status
+/// 0 within the time limit, and give the requested number of reads. Otherwise throws InputError with the end of its
+/// stderr.
 class CommandSampler final : public Sampler {
  public:
   explicit CommandSampler(const SamplerSettings& settings);
@@ -31,7 +30,7 @@ class CommandSampler final : public Sampler {
   SamplerSettings settings_;
 };
 
-/// One row per read instead of counts; throws InputError unless there are `reads` of them. `source` starts the message.
+/// One row per read instead of counts. Throws InputError unless there are `reads` rows. Messages begin with `source`.
 SampleSet spread_reads(const SampleSet& answer, std::size_t reads, const std::string& source);
 
 }  // namespace gonogo::learning

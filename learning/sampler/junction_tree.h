@@ -1,6 +1,6 @@
-// Exact answers for problems of low treewidth by eliminating variables (bucket elimination; Dechter, Artificial
-// Intelligence 113 (1999) 41): a table over each eliminated variable and the neighbours it then has. Sampling goes back
-// through the tables; every row is an independent draw.
+// Exact answers for problems of low treewidth by bucket elimination (Dechter, Artificial Intelligence 113 (1999) 41).
+// Each eliminated variable has a table over itself and its remaining neighbours. Sampling goes back through the tables;
+// rows are independent draws.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -13,11 +13,11 @@ inline constexpr std::size_t kMaxTableEntries = std::size_t(1) << 26;  // of all
 
 class JunctionTree {
  public:
-  /// Eliminates variables in order of fewest neighbours. Throws InputError when the tables would be too large.
+  /// Eliminates the variable with the fewest neighbours first. Throws InputError when the tables are too large.
   explicit JunctionTree(const Problem& problem);
 
   double log_z() const { return log_z_; }
-  std::size_t width() const;  // largest number of variables in a table less one
+  std::size_t width() const;  // max number of variables in a table, less one
   /// Spins +1 and -1 of one row.
   std::vector<std::int8_t> draw(std::uint64_t seed, std::uint64_t row) const;
   ExactMoments moments() const;

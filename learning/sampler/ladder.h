@@ -1,7 +1,7 @@
-// Parallel tempering on a ladder of machines of one size: every chain holds a visible row on each rung, swept by block
-// Gibbs and exchanged with its neighbours, so that rows which mix well at the foot carry over to the machine at the
-// top. Rungs may be temperatures (Hukushima, Nemoto 1996) or earlier states of a training run (Bereux, Decelle,
-// Furtlehner, Rosset, Seoane, arXiv:2405.15376). Hidden units are summed out in exchanges.
+// Parallel tempering on a ladder of machines of one size. Every chain has a visible row on each rung. Rows are swept by
+// block Gibbs and exchanged between neighbouring rungs, so that the good mixing at the foot reaches the top. Rungs are
+// temperatures (Hukushima, Nemoto 1996) or earlier states of a training run (Bereux, Decelle, Furtlehner, Rosset,
+// Seoane, arXiv:2405.15376). Exchanges sum out the hidden units.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace gonogo::learning {
 
-/// The machine at inverse temperature beta over independent units: (1 - beta) base + beta machine.
+/// (1 - beta) base + beta machine, where `base` has independent units.
 RbmWeights interpolated(const RbmWeights& machine, std::span<const double> base_bias, double beta);
 
 class LadderChains {
@@ -21,14 +21,14 @@ class LadderChains {
   /// Chains start from fair bits. Draws depend on (seed, chain, sweep) alone.
   LadderChains(std::size_t chains, std::size_t visible_count, std::size_t hidden_count, std::uint64_t seed);
 
-  /// Sweeps all rungs and exchanges neighbours after each sweep; ladder: foot first, as many machines as rungs().
+  /// Sweeps all rungs, with exchanges of neighbours after each sweep. ladder: rungs() machines, foot first.
   void run(std::span<const RbmWeights> ladder, std::size_t sweeps);
-  /// A new top rung, whose rows are copies of the old one's.
+  /// Adds a top rung with copies of the old top's rows.
   void add_rung();
   std::size_t rungs() const { return rungs_; }
   std::size_t chains() const { return chains_; }
   std::span<const Bit> top(std::size_t chain) const { return row(chain, rungs_ - 1); }
-  /// [rungs - 1] share of proposed exchanges that took place in the last run; 1 where none was proposed.
+  /// [rungs - 1] acceptance rate of exchanges in the last run; 1 without proposals.
   const std::vector<double>& acceptance() const { return acceptance_; }
 
  private:

@@ -1,5 +1,5 @@
-// Eight chains at once, side by side in the lanes of vector registers: the sweeps of Spins, several times faster. A
-// lane's bits do not depend on its neighbours'.
+// Eight chains at once in the lanes of vector registers, several times faster than Spins. A lane's bits do not depend
+// on the other lanes.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -11,7 +11,7 @@ namespace gonogo::learning {
 
 inline constexpr int kLanes = 8;
 
-/// Eight numbers on which arithmetic acts lane by lane (vector types of GCC and Clang).
+/// Eight numbers with lane-wise arithmetic (vector types of GCC and Clang).
 template <class T>
 struct LaneType {
   typedef T type __attribute__((vector_size(kLanes * sizeof(T))));
@@ -19,7 +19,7 @@ struct LaneType {
 template <class T>
 using Lanes = typename LaneType<T>::type;
 
-/// Draws of eight chains with following numbers: those of ChainRandom.
+/// ChainRandom of eight chains with consecutive numbers.
 class LaneRandom {
  public:
   LaneRandom(std::uint64_t seed, std::uint64_t first_chain, std::size_t units_per_row);
@@ -38,23 +38,23 @@ class LaneRandom {
   Lanes<std::uint32_t> word_[4] = {};
 };
 
-/// Probability that a spin turns. Both keep exp(-beta E); Metropolis turns more often and cools faster, heat bath also
-/// mixes where turns cost nothing.
+/// Probability of a spin flip. Both leave exp(-beta E) invariant. Metropolis flips more often and cools faster; heat
+/// bath also mixes when flips cost no energy.
 enum class TurnRule {
   heat_bath,  // 1 / (1 + exp(beta dE))
   metropolis  // min(1, exp(-beta dE))
 };
 
-/// States of eight chains with their local fields f_i = h_i + sum_j J_ij s_j in numbers of type Real.
+/// States of eight chains with their local fields f_i = h_i + sum_j J_ij s_j.
 template <class Real>
 class SpinLanes {
  public:
   explicit SpinLanes(const SpinGraph& graph);
-  /// Fair bits from units 0 ... of the row that `random` stands at.
+  /// Sets fair bits from units 0 ... of the present row of `random`.
   void randomise(LaneRandom& random);
-  /// Spin after spin turns as the rule says, dE = -2 s_i f_i.
+  /// Flips spins one by one by the rule, with dE = -2 s_i f_i.
   void sweep(double beta, TurnRule rule, LaneRandom& random);
-  /// Sums the fields anew, which takes off the rounding that turns have added to them.
+  /// Recomputes the fields, which removes accumulated rounding.
   void refresh();
   /// Spins of one chain, [spin].
   void read(int lane, std::span<std::int8_t> spins) const;
@@ -68,7 +68,7 @@ class SpinLanes {
   std::vector<Row> s_, field_;  // [spin]
 };
 
-/// Whether numbers of 24 bits hold every exponent beta dE of this graph to 1e-4.
+/// Whether single precision holds every exponent beta dE of this graph to 1e-4.
 bool single_precision_holds(const SpinGraph& graph, double beta);
 
 }  // namespace gonogo::learning

@@ -10,8 +10,7 @@
 
 namespace gonogo::learning {
 
-/// E(s) = sum_i h_i s_i + sum J_ij s_i s_j: neighbours of spin i are neighbour[first[i]] ... neighbour[first[i + 1] -
-/// 1].
+/// E(s) = sum_i h_i s_i + sum J_ij s_i s_j. Neighbours of spin i: neighbour[first[i]] ... neighbour[first[i + 1] - 1].
 struct SpinGraph {
   explicit SpinGraph(const Problem& ising);
   std::size_t size() const { return h.size(); }
@@ -23,9 +22,9 @@ struct SpinGraph {
 class Spins {
  public:
   explicit Spins(const SpinGraph& graph) : graph_(&graph), s_(graph.size(), 1) { refresh(); }
-  /// Fair bits from units 0 ... of the row that `random` stands at.
+  /// Sets fair bits from units 0 ... of the present row of `random`.
   void randomise(ChainRandom& random);
-  /// Heat bath, spin after spin: s_i = +1 with probability 1 / (1 + exp(2 beta f_i)). Draws units 0 ... size - 1.
+  /// Heat bath, spin by spin: s_i = +1 with probability 1 / (1 + exp(2 beta f_i)). Uses random units 0 ... size - 1.
   void sweep(double beta, ChainRandom& random);
   void flip(std::uint32_t i);
   double energy() const;  // without the problem's offset
@@ -38,9 +37,9 @@ class Spins {
   std::vector<double> field_;
 };
 
-/// Empty rows for `reads` reads of a problem, each read once.
+/// Rows to be filled, for `reads` reads of a problem, with occurrences 1.
 SampleSet empty_rows(const Problem& problem, std::size_t reads);
-/// Writes spins into row r in the problem's vartype, with the problem's energy.
+/// Sets row r to these spins, in the problem's vartype, and its energy.
 void set_row(SampleSet& rows, std::size_t r, const Problem& problem, std::span<const std::int8_t> spins);
 
 }  // namespace gonogo::learning

@@ -1,4 +1,4 @@
-// A sampler that may be out of reach, and the one that stands in for it.
+// A sampler with a substitute for when it is unavailable.
 #pragma once
 #include <memory>
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace gonogo::learning {
 
-/// Asks `wanted`; from the first time that it cannot answer (InputError or DeviceError), `other` does, and whoever asks
-/// can tell: stood_in() and reason(). Rows before that time are those of `wanted`.
+/// Samples with `wanted` until it throws InputError or DeviceError, and with `other` from then on. stood_in() and
+/// reason() report the switch.
 class WithStandIn final : public Sampler {
  public:
   WithStandIn(std::unique_ptr<Sampler> wanted, std::unique_ptr<Sampler> other)
