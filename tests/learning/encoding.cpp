@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <string>
 
 #include "base/error.h"
 #include "learning/encoding/layout.h"
@@ -24,14 +25,15 @@ std::vector<Bit> word(const Encoder& encoder, int bin) {
 TEST_CASE("every code has an exact inverse and code words that differ") {
   const Code code = GENERATE(Code::thermometer, Code::one_hot, Code::gray);
   const Encoder encoder = Encoder::by_range("slope", "deg", code, 8, -10, 30);
-  std::set<std::vector<Bit>> words;
+  std::set<std::string> words;  // GCC 12 warns falsely about a set of vectors of bytes
   for (int bin = 0; bin < 8; ++bin) {
     const DecodedBin back = encoder.decode(word(encoder, bin));
     CHECK(back.valid);
     CHECK(back.bin == bin);
     CHECK(encoder.bin_of(encoder.value(bin)) == bin);
     CHECK(encoder.resolution(bin) == Approx(2.5));
-    words.insert(word(encoder, bin));
+    const auto bits = word(encoder, bin);
+    words.insert(std::string(bits.begin(), bits.end()));
   }
   CHECK(words.size() == 8);
   CHECK(encoder.unit_count() == (code == Code::thermometer ? 7 : code == Code::one_hot ? 8 : 3));
