@@ -27,6 +27,9 @@ function(gonogo_defaults target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     list(APPEND host_flags -Wno-restrict)  # GCC bug 105651: false alarms about "literal" + std::string
   endif()
+  if(NOT CMAKE_CXX_FLAGS MATCHES "-march=")
+    list(APPEND host_flags -Wno-psabi)  # packs of eight numbers are passed inside one build only
+  endif()
   if(GONOGO_WERROR)
     list(APPEND host_flags -Werror)
   endif()
