@@ -251,8 +251,8 @@ TEST_CASE("a program without the one beside it that does a command's work says s
 }
 
 TEST_CASE("work in another program keeps the name, the process and the streams") {
-  const ShellEnding ending = shell("exec -a nickname " + gonogo_program().string() +
-                                   " train --dataset /none.h5 --out b.h5 --json 2> /dev/null");
+  const ShellEnding ending = shell("bash -c 'exec -a nickname " + gonogo_program().string() +
+                                   " train --dataset /none.h5 --out b.h5 --json 2> /dev/null'");
   CHECK(ending.status == 2);
   CHECK(contains(ending.output, "\"kind\":\"bad_input\""));
   CHECK(contains(ending.output, "/none.h5"));

@@ -2,6 +2,7 @@
 #include <csignal>
 
 #include "base/file.h"
+#include "base/json/json.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
@@ -42,11 +43,13 @@ TEST_CASE("a trial that was killed or interrupted goes on to the same result") {
     options.signal = signal;
     options.when = [&] { return fs::exists(saved); };
     const Ending cut = run_gonogo(saving, options);
-    if (signal == SIGKILL)
+    if (signal == SIGKILL) {
       CHECK(cut.signal == SIGKILL);
-    else
+      CHECK(cut.out == "");
+    } else {
       CHECK(cut.exit_code == 130);
-    CHECK(cut.out == "");
+      CHECK(Json::parse(cut.out, "stdout").at("error").at("kind").string() == "interrupted");
+    }
     REQUIRE(fs::exists(saved));
     const Ending continued = run_gonogo(saving);
     CHECK(continued.exit_code == 0);

@@ -1,5 +1,7 @@
 #include "pipeline/app/cli/complete.h"
 
+#include <set>
+
 #include "base/shipped.h"
 #include "pipeline/app/cli/table.h"
 #include "pipeline/campaign/study/contract.h"
@@ -34,7 +36,8 @@ void pass(Cursor& at, const std::string& word) {
     at.options_over = true;
   } else if (is_option) {
     const CLI::Option* option = option_named(*at.command, word.substr(0, word.find('=')));
-    const bool open = word.find('=') == std::string::npos && option != nullptr && option->get_type_size() != 0;
+    const bool open = word.find('=') == std::string::npos && option != nullptr &&
+                      option->get_items_expected_max() != 0;  // a flag takes none
     if (open) at.waiting = option;
   } else if (const CLI::App* below = command_named(*at.command, word); below && at.positionals.empty()) {
     at.command = below;
@@ -44,11 +47,13 @@ void pass(Cursor& at, const std::string& word) {
 }
 
 std::vector<Candidate> shipped(const std::string& kind, bool tables) {
-  std::vector<Candidate> result;
+  std::set<std::string> names;  // the same name may lie in several folders
   const std::string table = "calibration";
   for (const auto& folder : shipped_folders(kind))
     for (const std::string& name : shipped_names(folder))
-      if ((name.rfind(table, 0) == 0) == tables) result.push_back({name, ""});
+      if ((name.rfind(table, 0) == 0) == tables) names.insert(name);
+  std::vector<Candidate> result;
+  for (const std::string& name : names) result.push_back({name, ""});
   return result;
 }
 

@@ -43,7 +43,8 @@ std::string about_word(const CLI::App& command, const std::string& word) {
   return quoted(word) + " is one word more than " + full_name(command) + " takes";
 }
 
-/// CLI11 also refuses a line for what it lacks; an unknown word is the likelier reason for that.
+/// CLI11 refuses a line first for what it lacks, or for the value after an unknown option; the unknown word is the
+/// likelier reason for both.
 bool lacks_or_exceeds(const CLI::ParseError& error) {
   const auto code = CLI::ExitCodes(error.get_exit_code());
   return code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError;
@@ -55,7 +56,9 @@ std::string explain(const CLI::App& program, const CLI::ParseError& error, const
   const CLI::App& command = chosen(program);
   const std::string see = "; see " + full_name(command) + " --help";
   const std::vector<std::string> extras = program.remaining(true);
-  if (lacks_or_exceeds(error) && !extras.empty()) return about_word(command, extras.front()) + see;
+  const bool unknown_option_first = !extras.empty() && extras.front().size() > 1 && extras.front()[0] == '-';
+  if ((lacks_or_exceeds(error) && !extras.empty()) || unknown_option_first)
+    return about_word(command, extras.front()) + see;
   if (lacks_or_exceeds(error) && !commands_of(command).empty()) {
     const std::string what = words.empty() ? "no command given" : full_name(command) + " needs a command";
     return what + "; one of: " + join_words(names_of(commands_of(command))) + see;

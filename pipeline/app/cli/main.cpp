@@ -33,13 +33,8 @@ int parse(CLI::App& program, Globals& globals, const std::vector<std::string>& w
   }
 }
 
-void forget_work(CLI::App& command) {
-  command.callback(nullptr);
-  for (CLI::App* below : command.get_subcommands([](const CLI::App*) { return true; })) forget_work(*below);
-}
-
 int run(Globals& globals) {
-  const std::unique_ptr<CLI::App> program = make_program(globals);
+  const std::unique_ptr<Program> program = make_program(globals);
   std::vector<std::string> words(globals.command_line.begin() + 1, globals.command_line.end());
   // Two questions of scripts, which no command answers because the words after the dashes are not the program's own:
   // what completes the last word, and whether a line parses.
@@ -51,7 +46,7 @@ int run(Globals& globals) {
     return int(ExitCode::success);
   }
   if (question != "parse") return parse(*program, globals, words);
-  forget_work(*program);
+  program->parse_only = true;
   return parse(*program, globals, line);
 }
 

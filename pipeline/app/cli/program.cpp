@@ -16,6 +16,7 @@ void add_globals(CLI::App& program, Globals& globals) {
   program.set_version_flag("--version", version_text(), "Print version and revision");
   program.add_flag("--json", globals.json, "Machine-readable result: one JSON object as the last line of stdout");
   program.add_option("--threads", globals.threads, "Threads to use; 0 takes all cores. Results do not depend on it")
+      ->capture_default_str()
       ->check(CLI::Range(0, kMaxThreads))
       ->each([](const std::string& count) {
         if (const int threads = std::stoi(count); threads > 0) omp_set_num_threads(threads);
@@ -36,8 +37,8 @@ void describe(CLI::App& program) {
 
 }  // namespace
 
-std::unique_ptr<CLI::App> make_program(Globals& globals) {
-  auto program = std::make_unique<CLI::App>();
+std::unique_ptr<Program> make_program(Globals& globals) {
+  auto program = std::make_unique<Program>();
   describe(*program);
   add_globals(*program, globals);
   add_commands(*program, globals);

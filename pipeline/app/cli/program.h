@@ -6,8 +6,18 @@
 
 namespace gonogo::app {
 
+class Program : public CLI::App {
+ public:
+  bool parse_only = false;  // a line that parses ends with CLI::Success, and no command works
+
+ private:
+  void pre_callback() override {
+    if (parse_only) throw CLI::Success();
+  }
+};
+
 /// `globals` must outlive the program.
-std::unique_ptr<CLI::App> make_program(Globals& globals);
+std::unique_ptr<Program> make_program(Globals& globals);
 
 /// Whether the words ask for a result as JSON, also where they do not parse.
 bool asks_for_json(const std::vector<std::string>& words);

@@ -1,7 +1,11 @@
 #include "pipeline/app/cli/table.h"
 
+#include <sstream>
+
 namespace gonogo::app {
 namespace {
+
+constexpr std::size_t kHelpWidth = 110;  // characters in a line
 
 std::vector<std::string> split(const std::string& text, char at) {
   std::vector<std::string> parts(1);
@@ -18,6 +22,19 @@ std::vector<std::string> split(const std::string& text, char at) {
 std::string between(const std::string& text, char open, char close) {
   const std::size_t first = text.find(open), last = text.rfind(close);
   return first == std::string::npos || last == std::string::npos ? "" : text.substr(first + 1, last - first - 1);
+}
+
+/// Breaks at blanks so that no line has more than `width` characters, where words are short enough.
+std::string wrapped(const std::string& text, std::size_t width) {
+  std::string out;
+  std::size_t length = 0;
+  for (const std::string& word : split(text, ' ')) {
+    const bool breaks = length > 0 && length + 1 + word.size() > width;
+    if (length > 0) out += breaks ? '\n' : ' ';
+    out += word;
+    length = (breaks || length == 0 ? 0 : length + 1) + word.size();
+  }
+  return out;
 }
 
 std::string plain_name(const std::string& type) {
@@ -112,7 +129,18 @@ std::string HelpFormat::make_option_opts(const CLI::Option* option) const {
 }
 
 std::string HelpFormat::make_option_desc(const CLI::Option* option) const {
-  return option->get_description() + remarks(*option);
+  return wrapped(option->get_description() + remarks(*option), kHelpWidth - get_column_width());
+}
+
+std::string HelpFormat::make_description(const CLI::App* command) const {
+  return wrapped(command->get_description(), kHelpWidth) + "\n";
+}
+
+std::string HelpFormat::make_subcommand(const CLI::App* command) const {
+  std::ostringstream out;
+  CLI::detail::format_help(out, command->get_name(),
+                           wrapped(command->get_description(), kHelpWidth - get_column_width()), get_column_width());
+  return out.str();
 }
 
 }  // namespace gonogo::app

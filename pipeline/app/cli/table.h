@@ -44,6 +44,8 @@ class HelpFormat : public CLI::Formatter {
  public:
   std::string make_option_opts(const CLI::Option* option) const override;
   std::string make_option_desc(const CLI::Option* option) const override;
+  std::string make_description(const CLI::App* command) const override;
+  std::string make_subcommand(const CLI::App* command) const override;
 };
 
 }  // namespace gonogo::app

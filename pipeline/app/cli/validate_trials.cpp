@@ -139,8 +139,7 @@ void add_grade(CLI::App& command, const Globals& globals) {
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   grade
-      ->add_option("--cross-slope", o->request.max_across,
-                   "Max slope across of the trials looked at, either way [deg]")
+      ->add_option("--cross-slope", o->request.max_across, "Max slope across of the trials looked at, either way [deg]")
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();
   grade->add_option("--out", o->folder, "Folder for a table and a picture")->type_name(kFolder);

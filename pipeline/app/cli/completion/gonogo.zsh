@@ -13,7 +13,9 @@ _gonogo() {
       candidates+=("${line//:/\\:}")
     fi
   done
-  (( $#candidates )) && _describe -t values 'gonogo' candidates
+  local -a no_blank
+  [[ $candidates[1] == *=(|:*) ]] && no_blank=(-S '')
+  (( $#candidates )) && _describe -t values 'gonogo' candidates $no_blank
   [[ $files != :none && $PREFIX == --*=* ]] && compset -P '*='
   case $files in
     :file) _files ;;
