@@ -10,7 +10,7 @@
 
 namespace gonogo::app {
 
-/// What a command does where that needs LibTorch or GDAL; commands.cpp.in says which program does it.
+/// Work of a command that needs LibTorch or GDAL. commands.cpp.in says which program does it.
 template <class Options>
 using Work = std::function<void(const Globals&, const Options&)>;
 
@@ -28,8 +28,8 @@ inline constexpr const char* kCommand = "COMMAND";          // of this program
 /// "{a,b,c}": the name of a value that is one of a few words.
 std::string one_of(const std::vector<std::string>& words);
 
-/// Ends the help of a command: a note where there is one, then command lines. Every command has at least one line; a
-/// line may go on after a backslash and carry a remark after two blanks and a #.
+/// Ends the help of a command by a note, where there is one, and command lines; each command has at least one. A line
+/// may continue after a backslash, indented by six blanks, and end with two blanks and a remark after #.
 void add_examples(CLI::App& command, const std::vector<std::string>& lines, const std::string& note = "");
 
 /// All commands (commands.cpp.in).

@@ -13,7 +13,7 @@ struct Candidate {
   std::string word, about;
 };
 
-/// Where the cursor is: what the words before it have settled.
+/// State of the line before the cursor.
 struct Cursor {
   const CLI::App* command;                 // the deepest named
   const CLI::Option* waiting = nullptr;    // option whose value comes next
@@ -110,7 +110,7 @@ Answer values(const CLI::App& program, const Cursor& at, const CLI::Option& opti
   return answer;
 }
 
-/// The positional whose turn it is; null where the command takes no more.
+/// The next positional; null where the command takes no more.
 const CLI::Option* next_positional(const Cursor& at) {
   const std::vector<const CLI::Option*> all = positionals_of(*at.command);
   if (all.empty()) return nullptr;

@@ -1,4 +1,4 @@
-// What may stand in the place of the last word of a line: the question that the completion scripts ask.
+// Candidates for the last word of a command line, for the completion scripts.
 #pragma once
 #include <string>
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace gonogo::app {
 
-/// `line`: words after the program's name, the last one unfinished, maybe empty. Returns a line for each candidate,
-/// with a description after a tab where there is one, and a last line ":none", ":file" or ":folder": what files of the
-/// disk may also stand there.
+/// `line`: words after the program's name; the last one is unfinished and may be empty. Returns one line per candidate,
+/// with a description after a tab where there is one. The last line says which files of the disk may also stand there:
+/// ":none", ":file" or ":folder".
 std::string completions(const CLI::App& program, const std::vector<std::string>& line);
 
 }  // namespace gonogo::app

@@ -34,7 +34,7 @@ struct Options {
 
 sim::Backend device_of(const Options& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
 
-/// A variable of a study: its fixed value or the middle of its range.
+/// Variables of a study: fixed values and middles of ranges; NaN where it has neither.
 std::vector<double> variables_of(const campaign::Study& study) {
   std::vector<double> values(campaign::contract().variables.size(), std::nan(""));
   const Config design = study.section("design");
@@ -47,7 +47,7 @@ std::vector<double> variables_of(const campaign::Study& study) {
   return values;
 }
 
-/// Of a vehicle without a study: level ground of dry sand in the middle of what the grains reach, moderate speed.
+/// Variables of a vehicle without a study: level ground, dry sand of the middle friction angle of the table, 1.5 m/s.
 std::vector<double> variables_of(const campaign::TrialSetup& setup) {
   const terrain::AngleRange reach = terrain::reachable_angles(setup.calibration);
   std::vector<double> values(campaign::contract().variables.size(), 0);
@@ -122,7 +122,7 @@ report::FilmRequest film_request(const Globals& globals, const Options& options)
   return film;
 }
 
-/// Runs the trial and writes what was asked for about its course.
+/// Runs the trial and writes its CSV file, pictures, video and VTK files.
 campaign::TrialRecord watched_trial(const Globals& globals, const Options& options, const campaign::TrialSetup& setup,
                                     const campaign::DesignPoint& point) {
   if (!options.checkpoint.path.empty() && options.film.wants_series())
@@ -158,7 +158,7 @@ struct Request {
   campaign::DesignPoint point;
 };
 
-/// From a study, or from a vehicle and a soil.
+/// Throws InputError unless either a study, or a vehicle and a soil are given.
 Request request_of(const Options& options) {
   if (options.study.empty() == options.vehicle.empty())
     throw InputError("name a study, or --vehicle and --soil; one of the two");

@@ -54,7 +54,7 @@ std::shared_ptr<BedsOptions> add_beds_options(CLI::App& command, const std::stri
   return o;
 }
 
-/// The request with what was left to the end of parsing.
+/// The request, completed after parsing by vehicle file and batch.
 lab::BedsRequest request_of(const Globals& globals, const BedsOptions& o) {
   lab::BedsRequest request = o.request;
   request.vehicle = lab::vehicle_file(o.vehicle);

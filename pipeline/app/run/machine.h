@@ -1,4 +1,4 @@
-// What this machine can do for the program: reported by `gonogo doctor`.
+// Facts of the machine and the build, as `gonogo doctor` reports them.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -17,10 +17,10 @@ struct Machine {
   std::string processor;              // model name as the kernel reports it
   int cores = 0;                      // that this process may use
   std::uint64_t memory_bytes = 0;     // installed
-  std::uint64_t available_bytes = 0;  // memory that can be had without swapping
+  std::uint64_t available_bytes = 0;  // without swapping
   std::filesystem::path out_folder;
   bool out_writable = false;
-  std::string out_problem;            // why not, one sentence; empty when writable
+  std::string out_problem;            // one sentence; empty when writable
   std::uint64_t disk_free_bytes = 0;  // for the output folder, as this user
 };
 

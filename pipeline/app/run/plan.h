@@ -1,4 +1,4 @@
-// Everything a run is going to do, read and checked before any of it is done.
+// The plan of a run. All files are read and checked before any work starts.
 #pragma once
 #include <filesystem>
 
@@ -29,8 +29,8 @@ struct RunPlan {
   std::filesystem::path map_folder() const { return out / "map"; }
 };
 
-/// Reads the study and every file it names, and opens the rasters. Throws InputError for the first thing that cannot be
-/// used; writes nothing.
+/// Reads the study and every file it names, and opens the rasters. Throws InputError for the first that cannot be used.
+/// Writes nothing.
 RunPlan plan_run(const RunRequest& request);
 
 }  // namespace gonogo::app

@@ -5,7 +5,7 @@
 //   <out>/model.h5       trained on them
 //   <out>/map/           layers, figure, area table
 //   <out>/run.json       what was made from what, and its summary
-//   <out>/stamps/        by which a later run sees what need not be done again
+//   <out>/stamps/        what each stage read and wrote, as hashes; it is done again only when they differ
 #pragma once
 #include <string>
 #include <vector>
@@ -16,16 +16,17 @@
 namespace gonogo::app {
 
 struct RunSummary {
-  std::vector<std::string> done;  // stages that were not up to date: "campaign", "train", "map"
+  std::vector<std::string> done;  // stages of this call: "campaign", "train", "map"
   std::filesystem::path map_folder;
   Json record;  // content of run.json
 };
 
-/// Does what is not yet done. Throws InputError before any work when something cannot be used, DeviceError when a
-/// library or the system fails, Cancelled on Ctrl-C; finished trials and stages are kept, and the same call continues.
+/// Does the stages that are not up to date. Throws InputError before any work when something cannot be used,
+/// DeviceError when a library or the system fails, Cancelled on Ctrl-C. Finished trials and stages are kept: the same
+/// call continues.
 RunSummary run_study(const RunRequest& request);
 
-/// The closing summary for people: trials by verdict, score of the model, area by class, where the map is.
+/// The summary for people: trials by verdict, score of the model, area by class, path of the map.
 std::string to_text(const RunSummary& summary);
 
 }  // namespace gonogo::app

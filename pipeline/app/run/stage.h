@@ -1,8 +1,7 @@
-// Stages of a run that are done again only when something they depend on has changed.
+// Stages of a run. A stage is done again only when something it depends on has changed.
 //
 // The stamp of a stage, <folder>/stamps/<name>.json, holds the hash of everything the stage read and of everything it
-// wrote. It is written last, so an interrupted stage has none and is done again (its own files decide what it can
-// keep).
+// wrote. It is written last, so an interrupted stage has none and is done again.
 #pragma once
 #include <filesystem>
 #include <functional>
@@ -20,11 +19,11 @@ struct Stage {
   std::function<void()> work;        // makes the outputs
 };
 
-/// Does the stage unless its stamp says that the outputs on disk were made from these inputs. Returns whether it did.
-/// Says on stderr what it does and why. Throws what `work` throws, and DeviceError when an output was not made.
+/// Does the stage unless its stamp says that the outputs on disk were made from these inputs. Returns whether it did,
+/// and logs what it does and why. Throws what `work` throws, and DeviceError when an output was not made.
 bool run_stage(const std::filesystem::path& folder, const Stage& stage);
 
-/// Hash of a file, or of a folder: of its files' names and contents. Throws InputError when it does not exist.
+/// Hash of a file, or of the names and contents of the files in a folder. Throws InputError when it does not exist.
 std::string path_hash(const std::filesystem::path& path);
 
 }  // namespace gonogo::app

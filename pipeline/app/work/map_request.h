@@ -1,4 +1,4 @@
-// What the works map and route are made from.
+// From options to the request of a map, for the commands map and route.
 #pragma once
 #include "pipeline/app/work/result.h"
 #include "pipeline/map/write/map_request.h"
