@@ -17,7 +17,7 @@ set(folders_report pipeline/report)
 set(folders_learn learning pipeline/learn)
 set(folders_map terrain/raster pipeline/map)
 set(folders_lab pipeline/lab)
-set(component_of_report map)  # figures of maps: the one library of its folder that needs GDAL
+set(component_of_map_figure map)  # figures of maps: the one library of its folder that needs GDAL
 
 # Public headers: a header and all that it includes from this project, by paths from the source root.
 function(gonogo_follow_header header)
