@@ -7,7 +7,7 @@
 namespace gonogo::app {
 namespace {
 
-/// The command that the line got to: the program itself when it names none.
+/// The deepest command that the line names; the program itself when it names none.
 const CLI::App& chosen(const CLI::App& program) {
   const std::vector<CLI::App*> below = program.get_subcommands();
   return below.empty() ? program : chosen(*below.back());
@@ -43,8 +43,7 @@ std::string about_word(const CLI::App& command, const std::string& word) {
   return quoted(word) + " is one word more than " + full_name(command) + " takes";
 }
 
-/// CLI11 refuses a line first for what it lacks, or for the value after an unknown option; the unknown word is the
-/// likelier reason for both.
+/// Whether the line lacks something or has too much. With an unknown word in it, that word is the likelier fault.
 bool lacks_or_exceeds(const CLI::ParseError& error) {
   const auto code = CLI::ExitCodes(error.get_exit_code());
   return code == CLI::ExitCodes::ExtrasError || code == CLI::ExitCodes::RequiredError;

@@ -15,7 +15,7 @@ _gonogo() {
   done
   local -a no_blank
   [[ $candidates[1] == *=(|:*) ]] && no_blank=(-S '')
-  (( $#candidates )) && _describe -t values 'gonogo' candidates $no_blank
+  (( $#candidates )) && _describe -t values 'gonogo' candidates "$no_blank[@]"
   [[ $files != :none && $PREFIX == --*=* ]] && compset -P '*='
   case $files in
     :file) _files ;;
