@@ -69,8 +69,11 @@ TEST_CASE("under --json an error is an object on stdout, too") {
   const Json missing =
       check_json_refusal(run_gonogo({"design", "/none.json", "--json"}), 2, "bad_input", {"no such file"});
   CHECK(missing.at("file").string() == "/none.json");
+  check_json_refusal(run_gonogo({"dataset", "summary", "/none.h5", "--json"}), 2, "bad_input", {"/none.h5"});
+#ifdef GONOGO_WITH_TORCH
   check_json_refusal(run_gonogo({"train", "--dataset", "/none.h5", "--out", "m.h5", "--json"}), 2, "bad_input",
                      {"/none.h5"});
+#endif
 }
 
 TEST_CASE("a result that is complete but bad holds its error") {
