@@ -81,7 +81,7 @@ void add(Bytes& b, const ForceElement& f) {
 }
 void add(Bytes& b, const Monitor& m) {
   b << m.body << m.motor << m.height << m.start << m.stride << m.time_limit << m.earliest << m.distance << m.slid_back
-    << m.immobile_window << m.immobile_from << m.immobile_speed << m.up << m.least_up;
+    << m.immobile_window << m.immobile_from << m.immobile_speed << m.up << m.min_up;
 }
 
 template <class T>

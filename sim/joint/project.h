@@ -1,6 +1,6 @@
 // Velocities of a mechanism's bodies from the gathered ones, inside the iteration; see mechanism.h.
 #pragma once
-#include "sim/state/mechanism.h"
+#include "sim/state/mechanism_store.h"
 
 namespace gonogo::sim {
 

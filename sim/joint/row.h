@@ -1,7 +1,6 @@
 // Equations of joints and springs: directions, errors and forces, in the world frame. In double, so that drift is
 // measured to the precision of the positions.
 #pragma once
-#include "sim/state/mechanism.h"
 #include "sim/state/period.h"
 #include "sim/state/state.h"
 

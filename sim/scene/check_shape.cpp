@@ -81,8 +81,7 @@ void check_shapes(const SceneWorld& world, std::size_t w) {
 
 void set_surface_sizes(SceneWorld& world) {
   for (Shape& s : world.shape) {
-    if (s.type == ShapeType::mesh)
-      s.size = {reach_of(*world.mesh[s.surface]), least_half_of(*world.mesh[s.surface]), 0};
+    if (s.type == ShapeType::mesh) s.size = {reach_of(*world.mesh[s.surface]), min_half_of(*world.mesh[s.surface]), 0};
     if (s.type == ShapeType::heightfield) s.size = {reach_of(*world.heightfield[s.surface]), 0, 0};
   }
 }

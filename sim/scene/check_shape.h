@@ -12,7 +12,7 @@ const char* name_of(ShapeType type);
 /// range. Refuses missing meshes and heightfields too.
 void check_shapes(const SceneWorld& world, std::size_t w);
 
-/// Sets Shape::size of meshes to (reach_of, least_half_of, -) and of heightfields to (reach_of, -, -). Call after
+/// Sets Shape::size of meshes to (reach_of, min_half_of, -) and of heightfields to (reach_of, -, -). Call after
 /// check_shapes().
 void set_surface_sizes(SceneWorld& world);
 

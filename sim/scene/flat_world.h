@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sim/scene/flatten.h"
+#include "sim/state/fault.h"
 
 namespace gonogo::sim {
 

@@ -1,6 +1,7 @@
 // Uploads mechanisms into the arrays of a batch.
 #pragma once
 #include "sim/scene/flatten.h"
+#include "sim/state/mechanism_store.h"
 
 namespace gonogo::sim {
 

@@ -17,7 +17,7 @@ constexpr std::size_t kFewLarge = 16;
 constexpr Real kWorthwhile = 1.5, kSimilar = 1.25;
 
 /// Bins of a world: this many whatever its shapes, and so many per binned shape.
-constexpr double kLeastBins = 4096, kBinsPerShape = 4;
+constexpr double kMinBins = 4096, kBinsPerShape = 4;
 
 bool is_finite(const Shape& s) { return s.type != ShapeType::plane && s.type != ShapeType::heightfield; }
 
@@ -112,7 +112,7 @@ void lay_out_bins(const SceneWorld& world, const StepSettings& settings, std::si
     return;
   }
   const double width = 2 * double(radius) + settings.envelope;
-  choose_counts(world, width, radius, std::max(kLeastBins, kBinsPerShape * double(binned)), p.bins);
+  choose_counts(world, width, radius, std::max(kMinBins, kBinsPerShape * double(binned)), p.bins);
   // Bins tile a periodic side; elsewhere they have the least width and repeat.
   p.bin_size = {Real(world.periodic_x ? world.size.x / p.bins[0] : width),
                 Real(world.periodic_y ? world.size.y / p.bins[1] : width), Real(width)};

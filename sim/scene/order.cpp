@@ -32,7 +32,7 @@ std::vector<Index> places_along(const std::vector<BinCoordinates>& bin) {
 }
 
 /// Fewer successors than this share of what sorting would bring, and bodies are sorted anew.
-constexpr double kLeastOrder = 0.8;
+constexpr double kMinOrder = 0.8;
 
 bool are_beside(const BinCoordinates& a, const BinCoordinates& b) {
   return std::abs(a.x - b.x) <= 1 && std::abs(a.y - b.y) <= 1 && std::abs(a.z - b.z) <= 1;
@@ -68,7 +68,7 @@ std::vector<Index> order_along_curve(const std::vector<Vec3d>& position) {
 bool have_mixed(const std::vector<Vec3d>& position, const std::vector<BodyIndex>& place, const WorldParameters& world) {
   std::vector<BinCoordinates> bin(position.size()), sorted(position.size());
   for (std::size_t b = 0; b < bin.size(); ++b) bin[b] = sorted[place[b]] = bin_of(world, position[b]);
-  return double(beside_their_successor(bin)) < kLeastOrder * double(beside_their_successor(sorted));
+  return double(beside_their_successor(bin)) < kMinOrder * double(beside_their_successor(sorted));
 }
 
 std::vector<BodyIndex> composed(const std::vector<BodyIndex>& first, const std::vector<BodyIndex>& second) {

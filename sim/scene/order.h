@@ -3,7 +3,7 @@
 #pragma once
 #include <vector>
 
-#include "sim/state/state.h"
+#include "sim/state/world.h"
 
 namespace gonogo::sim {
 

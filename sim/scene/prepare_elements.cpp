@@ -223,7 +223,7 @@ MonitorPlan plan(const SceneWorld& world, const Monitor& m, double step) {
   p.distance = m.distance;
   p.slid_back = m.slid_back;
   p.up_B = rotate_back(world.body[m.body].orientation, m.up);
-  p.least_up = m.least_up;
+  p.min_up = m.min_up;
   if (m.immobile_window > 0) {
     p.immobile_samples = std::max<Index>(1, steps(m.immobile_window / m.stride));
     p.immobile_from = steps(m.start + m.immobile_from + m.immobile_window);

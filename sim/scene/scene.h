@@ -5,7 +5,9 @@
 
 #include "base/units.h"
 #include "sim/shape/triangle_mesh.h"
-#include "sim/state/state.h"
+#include "sim/state/elements.h"
+#include "sim/state/joint.h"
+#include "sim/state/world.h"
 
 namespace gonogo::sim {
 

@@ -33,7 +33,7 @@ GONOGO_HD inline Real extent(const Convex& c, const Vec3& direction) {
 }
 
 /// Radius of the largest sphere inside [m].
-GONOGO_HD inline Real least_half(const Convex& c) {
+GONOGO_HD inline Real min_half(const Convex& c) {
   if (c.type == ShapeType::capsule) return c.size.x;
   const Real smallest = std::fmin(c.size.x, c.size.y);
   return c.type == ShapeType::box || c.type == ShapeType::ellipsoid ? std::fmin(smallest, c.size.z) : smallest;
@@ -52,7 +52,7 @@ GONOGO_HD inline Vec3 nearest_in_core(const Convex& c, const Vec3& p, Real share
     const Vec3 inside{q.x / half.x, q.y / half.y, q.z / half.z};
     return dot(inside, inside) <= 1 ? p : c.centre + c.out_of(nearest_on_ellipsoid(half, q));
   }
-  const Real margin = c.type == ShapeType::capsule ? c.size.x : share * least_half(c);
+  const Real margin = c.type == ShapeType::capsule ? c.size.x : share * min_half(c);
   Vec3 q = c.into(p - c.centre);
   if (c.type == ShapeType::box) {
     q = {clamped(q.x, c.size.x - margin), clamped(q.y, c.size.y - margin), clamped(q.z, c.size.z - margin)};

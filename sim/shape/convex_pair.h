@@ -206,7 +206,7 @@ struct FacetPair {
 template <class Visit>
 GONOGO_HD inline void visit_convex_touches(const Convex& a, const Convex& b, Real envelope, Visit&& visit) {
   const bool smooth = is_strictly_convex(a) || is_strictly_convex(b);
-  const Real scale = std::fmin(least_half(a), least_half(b)), handicap = smooth ? Real(0) : Real(1e-3) * scale;
+  const Real scale = std::fmin(min_half(a), min_half(b)), handicap = smooth ? Real(0) : Real(1e-3) * scale;
   SeparationSearch search{a, b};
   search.consider_flats(b, 0);
   search.consider_flats(a, handicap);

@@ -114,7 +114,7 @@ Real reach_of(const TriangleMesh& mesh) {
   return reach;
 }
 
-Real least_half_of(const TriangleMesh& mesh) {
+Real min_half_of(const TriangleMesh& mesh) {
   Vec3 low = mesh.vertex.front(), high = low;
   for (const Vec3& p : mesh.vertex) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};

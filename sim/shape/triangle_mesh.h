@@ -36,7 +36,7 @@ void check_heightfield(const Heightfield& field);
 /// Largest distance of a vertex from the origin [m].
 Real reach_of(const TriangleMesh& mesh);
 /// Half of the smallest side of the box around all vertices [m].
-Real least_half_of(const TriangleMesh& mesh);
+Real min_half_of(const TriangleMesh& mesh);
 /// Distance of the furthest point from the origin [m].
 Real reach_of(const Heightfield& field);
 

@@ -3,7 +3,7 @@
 // mass splitting, which never overshoots, so there is no line search. When the objective rises above its running mean
 // (Zhang & Hager 2004), steps have length one until it is below. A length serves one update late, because its sums are
 // known at the end of an update (gradient method with retards, Friedlander et al. 1999). Lengths are capped, see
-// kLongestStep.
+// kMaxStep.
 #pragma once
 #include "sim/state/contact.h"
 #include "sim/state/momentum.h"
@@ -12,7 +12,7 @@ namespace gonogo::sim {
 
 /// Longest step, in steps of mass splitting. With 10, impacts between grains end up to seventeen times above the
 /// residual that they reach with 4; with 30 they blow up.
-inline constexpr double kLongestStep = 4;
+inline constexpr double kMaxStep = 4;
 /// Weight of the past in the objective's running mean.
 inline constexpr double kMemory = 0.85;
 
@@ -54,7 +54,7 @@ GONOGO_HD inline void decide_next_length(SpectralStep& step, const SpectralSums&
     rose = step.objective > step.mean;
     step.mean = (kMemory * step.weight * step.mean + step.objective) / (kMemory * step.weight + 1);
     step.weight = kMemory * step.weight + 1;
-    step.length = std::fmin(std::fmax(sums.change_square / sums.curvature, 1.0), kLongestStep);
+    step.length = std::fmin(std::fmax(sums.change_square / sums.curvature, 1.0), kMaxStep);
   }
   // A test measures the step of length one, and so does the last update, so that it leaves no overshoot.
   const bool last = next.iterations + 1 >= rules.max_iterations;

@@ -6,7 +6,6 @@
 //     v = P v_gathered + c,   P = I - M^-1 J^T A^-1 J,   c = -M^-1 J^T A^-1 b,   A = J M^-1 J^T + E.
 // P M^-1 = M^-1 - M^-1 J^T A^-1 J M^-1 <= M^-1, so contacts' step sizes bounded with M^-1 stay valid.
 #pragma once
-#include "base/buffer.h"
 #include "sim/state/contact.h"
 #include "sim/state/joint.h"
 
@@ -72,32 +71,6 @@ struct Row {
 struct MotorDrive {
   Vec3 axis_W;
   Real step = 0;  // metric of its projected-gradient update [kg m^2]
-};
-
-/// Arrays of all mechanisms of a batch; empty places have no bodies, rows and elements.
-template <class Exec>
-struct MechanismStore {
-  // Set by the host when worlds enter the batch; the motors' targets also by set_motor() and apply_controllers().
-  Buffer<Mechanism, Exec> mechanism;
-  Buffer<MechanismBody, Exec> body;
-  Buffer<Index, Exec> row_entry, motor_entry;  // see MechanismBody
-  Buffer<Element, Exec> element;
-  Buffer<Joint, Exec> joint;
-  Buffer<SpringDamper, Exec> spring;
-  Buffer<Motor, Exec> motor;
-
-  // Computed by prepare_mechanisms().
-  Buffer<Row, Exec> row;
-  Buffer<double, Exec> system;
-  Buffer<Real, Exec> projection;
-  Buffer<MotorDrive, Exec> drive;  // [motor]
-
-  // Computed by solve().
-  Buffer<Velocity, Exec> gathered;   // [mechanism body] before the projection
-  Buffer<Real, Exec> motor_impulse;  // [motor], also the next step's warm start [N m s]
-
-  // Computed by recover_impulses(), when somebody asks for loads.
-  Buffer<double, Exec> row_impulse;  // [row] p, of the scaled row
 };
 
 }  // namespace gonogo::sim

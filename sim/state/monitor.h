@@ -28,7 +28,7 @@ struct Monitor {
   double immobile_from = 0;    // start of the first window [s]
   double immobile_speed = 0;   // the rule holds below this mean speed [m/s]
   Vec3 up{0, 0, 1};            // unit vector, in the world at the start, that turns with the body
-  double least_up = -2;        // min z of this vector: cosine of the max roll or pitch
+  double min_up = -2;          // min z of this vector: cosine of the max roll or pitch
 };
 
 /// A monitor with the batch's indices; times in steps of the world.
@@ -41,7 +41,7 @@ struct MonitorPlan {
   double height = 0, distance = 0, slid_back = 0;
   double immobile_travel = 0;  // [m]
   Vec3 up_B{0, 0, 1};
-  double least_up = -2;
+  double min_up = -2;
 };
 
 /// A world after one step; sums count from its first step.
@@ -142,7 +142,7 @@ GONOGO_HD inline StopCause stop_cause(const MonitorPlan& p, const MonitorState& 
                                       View<const MonitorSample> sample) {
   if (m.now.flags != 0) return StopCause::flags;
   if (m.now.step < p.start) return StopCause::none;
-  if (up < p.least_up) return StopCause::overturned;
+  if (up < p.min_up) return StopCause::overturned;
   if (m.now.x < -p.slid_back) return StopCause::slid_back;
   if (m.now.step >= p.earliest && m.now.x >= p.distance) return StopCause::distance;
   if (m.now.step >= p.earliest && is_immobile(p, m, sample)) return StopCause::immobile;

@@ -6,6 +6,7 @@
 #include "sim/simulation/backend/batch_arrays.h"
 #include "sim/simulation/backend/stage_clock.h"
 #include "sim/simulation/place_bodies.h"
+#include "sim/simulation/recover_impulses.h"
 #include "sim/simulation/step.h"
 
 namespace gonogo::sim {

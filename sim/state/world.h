@@ -1,0 +1,95 @@
+// Records of a world as the engine holds it: numerical parameters, laws of contact, masses, large shapes.
+#pragma once
+#include "sim/state/contact.h"
+#include "sim/state/momentum.h"
+
+namespace gonogo::sim {
+
+/// How two materials touch.
+struct PairLaw {
+  Real friction = 0;           // sliding, [-]
+  Real rolling_friction = 0;   // [-], times the sphere's effective radius
+  Real cohesion_pressure = 0;  // tensile strength on the area pi r^2 of the smaller sphere or capsule [Pa]
+  Real spinning_friction = 0;  // [-], times the sphere's effective radius
+  Real stiffness = 0;          // of a compliant contact along its normal [N/m]; 0: rigid
+  Real damping = 0;            // of a compliant contact along its normal [N s/m]
+};
+
+/// Numerical parameters of a step, the same for all worlds of a batch.
+struct StepSettings {
+  Real step = 1e-3f;              // [s]
+  Index iterations = 100;         // max iterations of the solver in a substep
+  Real tolerance = 0;             // root-mean-square residual at which a world stops iterating [m/s]; 0: never
+  Real envelope = 2e-3f;          // contacts are found up to this gap [m]
+  Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
+  Real recovery_share = 0.2f;     // share of an overlap pushed out in one step
+  Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
+  Solver solver = Solver::apgd;
+  Target target = Target::ccp;
+  Index substeps = 1;       // into which the solver divides a step; see step.h
+  Index sort_every = 2000;  // steps of a world after which its bodies are sorted in memory, if they have mixed
+  /// How often a world may slow a free body (one without joints) to one bin per step before flag_too_fast stops it. A
+  /// grain pinched between two rigid bodies can leave at more than 30 m/s at any step size.
+  Index max_slowed = 0;
+
+  /// Length of a substep [s]; reported forces and impulses are those of the last substep.
+  GONOGO_HD Real substep() const { return step / Real(substeps); }
+
+  GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance, substeps}; }
+};
+
+/// Bias of a contact [m/s]; the solver keeps the normal speed above its negative. A gap may close in this substep, an
+/// overlap opens at a limited speed; a compliant contact gets the resting speed of its spring and damper. `rate`,
+/// `softness`: see Contact.
+GONOGO_HD inline Real bias_of_gap(Real gap, Real rate, Real softness, const StepSettings& settings) {
+  const Real bias = rate * gap;
+  if (softness > 0 || gap >= 0) return bias;
+  const Real push_out = settings.recovery_share * bias;
+  return push_out < -settings.recovery_speed ? -settings.recovery_speed : push_out;
+}
+
+struct WorldParameters {
+  Vec3 gravity;   // [m/s^2]
+  Vec3d origin;   // lower corner of the domain [m]
+  Vec3d period;   // length of the domain along x and y where periodic, 0 where open [m]
+  Vec3 bin_size;  // [m]
+  Index bins[3] = {3, 3, 3};
+  Index first_bin = 0;
+  BodyIndex first_body = 0;
+  Index body_count = 0;
+  ShapeIndex first_shape = 0;
+  Index shape_count = 0;
+  Index first_large = 0, large_count = 0;  // into the list of large shapes, which are not binned
+  Index first_motor = 0, motor_count = 0;
+  PairLaw law[kMaxMaterials][kMaxMaterials];
+};
+
+/// Mass properties; zero means that the motion is prescribed. Separate inverse masses per world axis describe a body on
+/// rails: a test-rig wheel carries its whole vehicle along x and only its hub along z.
+struct BodyMass {
+  Vec3 inverse_mass;           // along world x, y, z [1/kg]
+  Vec3 inverse_inertia_B;      // about body axes [1/(kg m^2)]
+  std::int32_t isotropic = 1;  // inverse_inertia_B has three equal entries; set by flatten
+  std::int32_t slot = -1;      // of its mechanism body, or -1 where nothing is jointed to it; set by flatten
+};
+
+GONOGO_HD inline bool is_fixed(const BodyMass& mass) {
+  const Vec3 &m = mass.inverse_mass, &i = mass.inverse_inertia_B;
+  return m.x == 0 && m.y == 0 && m.z == 0 && i.x == 0 && i.y == 0 && i.z == 0;
+}
+
+/// A shape that is not binned, and its bounding box of this step.
+struct LargeShape {
+  ShapeIndex shape = 0;
+  Vec3d middle;  // of the box around it [m]
+  Vec3 half;     // half edges of that box along the world's axes [m]
+  Vec3 up;       // of a plane: unit normal; what is further above it than its radius is out of reach. Others: zero
+
+  /// Whether a sphere about `d` [m, from the middle] may touch it.
+  GONOGO_HD bool reaches(const Vec3& d, Real radius) const {
+    return std::fabs(d.z) < half.z + radius && std::fabs(d.x) < half.x + radius && std::fabs(d.y) < half.y + radius &&
+           dot(d, up) < radius;
+  }
+};
+
+}  // namespace gonogo::sim
