@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/format.h"
 
 namespace gonogo::learning {
 namespace {
@@ -57,7 +58,7 @@ Problem with_code_penalty(const Problem& qubo, const VisibleLayout& layout, std:
   GONOGO_ASSERT(qubo.vartype == Vartype::binary && fixed.size() == qubo.variable_count() &&
                 layout.unit_count() <= fixed.size());
   if (!std::isfinite(strength) || strength < 0)
-    throw InputError("penalty of words that are no code words: " + std::to_string(strength) +
+    throw InputError("penalty of words that are no code words: " + number_text(strength) +
                      "; it must be an energy of at least 0 (0: none)");
   if (strength == 0) return qubo;
   Penalty penalty(qubo, strength);

@@ -6,7 +6,7 @@ namespace gonogo::learning {
 namespace {
 
 constexpr std::size_t kRoot = SIZE_MAX;
-constexpr std::size_t kLongest = 2;  // chains at most, over the longest at the start: long ones break more often
+constexpr std::size_t kMaxLengthRatio = 2;  // chains at most, over the longest at the start: long ones break more often
 
 /// An unused qubit on its shortest way from the chain, and the new partners along this way.
 struct Reached {
@@ -20,7 +20,7 @@ struct Reached {
 
 BicliqueChains::BicliqueChains(const HardwareGraph& graph, std::size_t visible, Chains chains)
     : graph_(graph), visible_(visible), chains_(std::move(chains)), couplers_(graph, chains_) {
-  for (const auto& chain : chains_) longest_ = std::max(longest_, kLongest * chain.size());
+  for (const auto& chain : chains_) longest_ = std::max(longest_, kMaxLengthRatio * chain.size());
 }
 
 std::size_t BicliqueChains::coupled_pairs() const {

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "learning/sampler/bipartite.h"
 
 namespace gonogo::learning {
@@ -151,7 +152,7 @@ EmbeddedProblem embed_problem(const Problem& problem, const HardwareGraph& graph
                               double chain_strength) {
   check_chains(graph, embedding.chains);
   if (!(chain_strength >= 0) || !std::isfinite(chain_strength))
-    throw InputError("chain strength " + std::to_string(chain_strength) + " is not a finite number from 0 on");
+    throw InputError("chain strength " + number_text(chain_strength) + " is not a finite number from 0 on");
   EmbeddedProblem result;
   EmbeddingRecord& record = result.record;
   record.graph = graph.name();

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/random.h"
 
 namespace gonogo::learning {
@@ -63,7 +64,7 @@ HardwareGraph without(const HardwareGraph& graph, std::span<const Qubit> dead_qu
 
 std::vector<Qubit> random_dead_qubits(const HardwareGraph& graph, double share, std::uint64_t seed) {
   if (!(share >= 0 && share < 1))
-    throw InputError("share of dead qubits: " + std::to_string(share) + " is not from 0 to below 1");
+    throw InputError("share of dead qubits: " + number_text(share, 6) + " is not from 0 to below 1");
   std::vector<Qubit> order = graph.qubits();
   const auto count = std::size_t(std::lround(share * double(order.size())));
   for (std::size_t k = 0; k < count; ++k)  // Fisher and Yates' shuffle, as far as needed

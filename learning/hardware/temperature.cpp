@@ -68,7 +68,7 @@ double line_slope(std::span<const double> x, std::span<const double> y, std::spa
   return xy / xx;
 }
 
-/// Slope of the log ratio of two histograms over equally filled bins of the pooled energies; not-a-number where fewer
+/// Slope of the log ratio of two histograms over equally filled bins of the pooled energies; NaN where fewer
 /// than two bins hold energies of both.
 double ratio_slope(const std::vector<double>& a, const std::vector<double>& b, std::size_t bins) {
   std::vector<std::pair<double, int>> pooled;

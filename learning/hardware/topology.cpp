@@ -9,7 +9,7 @@ namespace {
 
 using Pairs = std::vector<std::pair<Qubit, Qubit>>;
 
-constexpr std::uint32_t kLargestSize = 64;
+constexpr std::uint32_t kMaxSize = 64;
 
 // Offsets of Pegasus lines: S0 of the vertical ones, S1 of the horizontal ones.
 constexpr std::uint32_t kOffset0[12] = {2, 2, 2, 2, 10, 10, 10, 10, 6, 6, 6, 6};
@@ -78,8 +78,8 @@ std::uint32_t read_size(const std::string& text, std::size_t& at) {
   const std::size_t start = at;
   for (; at < text.size() && text[at] >= '0' && text[at] <= '9' && at < start + 4; ++at)
     value = 10 * value + std::uint32_t(text[at] - '0');
-  if (at == start || value < 1 || value > kLargestSize)
-    throw InputError("graph \"" + text + "\": sizes are whole numbers from 1 to " + std::to_string(kLargestSize));
+  if (at == start || value < 1 || value > kMaxSize)
+    throw InputError("graph \"" + text + "\": sizes are whole numbers from 1 to " + std::to_string(kMaxSize));
   return value;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/random.h"
 
 namespace gonogo::learning {
@@ -171,11 +172,11 @@ Problem scaled(const Problem& problem, double factor) {
 }
 
 void check_ranges(const Problem& ising, const CoefficientRanges& ranges) {
-  const std::string help = "; scale the problem by " + std::to_string(auto_scale_factor(ising, ranges)) + " or less";
+  const std::string help = "; scale the problem by " + number_text(auto_scale_factor(ising, ranges), 6) + " or less";
   const auto check = [&](const std::string& what, double value, double low, double high) {
     if (value < low || value > high)
-      throw InputError(what + " is " + std::to_string(value) + ", allowed is " + std::to_string(low) + " to " +
-                       std::to_string(high) + help);
+      throw InputError(what + " is " + number_text(value, 6) + ", allowed is " + number_text(low) + " to " +
+                       number_text(high) + help);
   };
   std::vector<double> sum(ising.variable_count(), 0.0);
   for (std::size_t i = 0; i < sum.size(); ++i)

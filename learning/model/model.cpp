@@ -80,7 +80,7 @@ void write_model(const std::filesystem::path& path, const Model& model) {
   out.array("sampled/upper", model.sampled_upper);
   describe(out, "sampled/upper", "of the variable", "upper end of the range in which trials were made");
   out.array("training/points", model.training_points, {points, variables});
-  describe(out, "training/points", "of the variable", "variables of the trials trained on, not-a-number where unknown");
+  describe(out, "training/points", "of the variable", "variables of the trials trained on, NaN where unknown");
   out.array("training/outcomes", model.training_outcomes);
   describe(out, "training/outcomes", "-", "their outcomes, counted from 0 in the order of the layout");
   out.array("training/weights", model.training_weights);

@@ -17,7 +17,7 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr double kLargestLog = 600;  // e^600 times any number of terms is finite in double; e^-600 is not 0
+constexpr double kMaxLog = 600;  // e^600 times any number of terms is finite in double; e^-600 is not 0
 
 /// product[y] = base[y] prod_j (1 + a_j factor[j][y]), `Width` outcomes at a time so that they stay in registers.
 template <std::size_t Width>
@@ -56,7 +56,7 @@ void Posterior::prepare_products() {
 /// up in its exponent, the products of all hidden units, by the largest softplus of each, and exp(d).
 bool Posterior::products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const {
   const auto [smallest, largest] = std::minmax_element(outcome_bias_.begin(), outcome_bias_.end());
-  if (!(*largest - *smallest < kLargestLog)) return false;
+  if (!(*largest - *smallest < kMaxLog)) return false;
   const std::size_t hidden = field.size();
   double log_product = 0;
   for (std::size_t j = 0; j < hidden; ++j) {
@@ -67,10 +67,10 @@ bool Posterior::products_fit(std::span<const double> field, const std::vector<st
         largest_field = std::max(largest_field, std::abs(nodes_[v].field[bin * hidden + j]));
       size += largest_field;
     }
-    if (!(size < kLargestLog)) return false;
+    if (!(size < kMaxLog)) return false;
     log_product += softplus(size);
   }
-  return log_product < kLargestLog;
+  return log_product < kMaxLog;
 }
 
 std::vector<double> Posterior::outcome_products(std::span<const double> field,

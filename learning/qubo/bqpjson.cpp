@@ -27,7 +27,7 @@ Json terms_json(const std::vector<Entry>& entries, bool linear) {
 }
 
 std::vector<std::int64_t> read_ids(const JsonReader& reader) {
-  const std::vector<std::int64_t> ids = reader.integers("variable_ids", 0, kLargestId);
+  const std::vector<std::int64_t> ids = reader.integers("variable_ids", 0, kMaxId);
   std::set<std::int64_t> seen;
   for (std::int64_t id : ids)
     if (!seen.insert(id).second) reader.fail("variable_ids", std::to_string(id) + " is listed twice");
@@ -40,7 +40,7 @@ void read_terms(const JsonReader& reader, const std::string& key, const char* ta
   std::set<std::pair<std::int64_t, std::int64_t>> seen;
   for (std::size_t k = 0; k < reader.list(key).size(); ++k) {
     const JsonReader term = reader.item(key, k);
-    const Entry entry{term.integer(tail, 0, kLargestId), term.integer(head, 0, kLargestId), term.number("coeff")};
+    const Entry entry{term.integer(tail, 0, kMaxId), term.integer(head, 0, kMaxId), term.number("coeff")};
     for (std::int64_t id : {entry.i, entry.j})
       if (!ids.count(id)) term.fail("", "variable " + std::to_string(id) + " is not among variable_ids");
     if (std::string(tail) != head && entry.i == entry.j) term.fail("", "couples a variable to itself");

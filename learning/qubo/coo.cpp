@@ -70,7 +70,7 @@ Problem problem_from_coo(const std::string& text, std::optional<Vartype> vartype
       continue;
     }
     lines.expect_words(3);
-    entries.push_back({lines.integer(0, 0, kLargestId), lines.integer(1, 0, kLargestId), lines.number(2)});
+    entries.push_back({lines.integer(0, 0, kMaxId), lines.integer(1, 0, kMaxId), lines.number(2)});
   }
   if (!vartype) throw InputError(source + ": no line \"# vartype=BINARY\" or \"# vartype=SPIN\"; say which one it is");
   return problem_from_entries(*vartype, {}, entries, Repeats::add, source);

@@ -54,7 +54,7 @@ std::vector<std::int64_t> file_ids(const Problem& problem) {
   std::vector<std::int64_t> ids;
   for (const Label& label : problem.labels) {
     const auto* number = std::get_if<std::int64_t>(&label);
-    if (!number || *number < 0 || *number > kLargestId) break;
+    if (!number || *number < 0 || *number > kMaxId) break;
     ids.push_back(*number);
   }
   if (ids.size() == problem.labels.size()) return ids;

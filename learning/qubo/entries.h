@@ -8,7 +8,7 @@
 
 namespace gonogo::learning {
 
-inline constexpr std::int64_t kLargestId = INT32_MAX;
+inline constexpr std::int64_t kMaxId = INT32_MAX;
 inline constexpr std::int64_t kMaxVariables = 10'000'000;  // in formats that declare a count without a list
 
 struct Entry {
@@ -24,7 +24,7 @@ Problem problem_from_entries(Vartype vartype, std::vector<std::int64_t> ids, con
                              Repeats repeats, const std::string& source);
 
 /// Id of each variable in formats without labels: the label, when all labels are different integers from 0 to
-/// kLargestId; otherwise the position.
+/// kMaxId; otherwise the position.
 std::vector<std::int64_t> file_ids(const Problem& problem);
 
 /// Couplings as (smaller id, larger id, value), sorted.

@@ -24,7 +24,7 @@ Counts read_program_line(const TextLines& lines) {
   if (lines.words()[1] != "qubo") lines.fail("expected \"p qubo\"");
   if (lines.words()[2] != "0" && lines.words()[2] != "unconstrained")
     lines.fail("topology " + std::string(lines.words()[2]) + " is not readable; 0 and unconstrained are");
-  return {lines.integer(3, 0, kLargestId), lines.integer(4, 0, kLargestId), lines.integer(5, 0, kLargestId)};
+  return {lines.integer(3, 0, kMaxId), lines.integer(4, 0, kMaxId), lines.integer(5, 0, kMaxId)};
 }
 
 /// "c offset : x" and "c scale : x".

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/format.h"
 #include "base/hash.h"
 #include "learning/qubo/dimod.h"
 #include "learning/qubo/sidecar.h"
@@ -104,7 +105,7 @@ SampleSet CommandSampler::sample(const Problem& problem, const SampleRequest& re
                                           {"{seed}", std::to_string(request.seed)}}));
   const ProcessResult result = run_process(arguments, settings_.time_limit_s);
   if (result.timed_out)
-    fail(arguments, "did not end within " + std::to_string(settings_.time_limit_s) + " s and was killed", result);
+    fail(arguments, "did not end within " + number_text(settings_.time_limit_s) + " s and was killed", result);
   if (result.signal != 0) fail(arguments, "was ended by signal " + std::to_string(result.signal), result);
   if (result.exit_status != 0) fail(arguments, "failed with exit status " + std::to_string(result.exit_status), result);
   if (!fs::exists(answer)) fail(arguments, "ended well but wrote no answer", result);

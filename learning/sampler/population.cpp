@@ -9,7 +9,7 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr std::size_t kSmallest = 1000;            // members: fewer would bias the weights
+constexpr std::size_t kMinMembers = 1000;          // members: fewer would bias the weights
 constexpr std::uint64_t kResampling = UINT64_MAX;  // stream of the resampling draws
 
 /// Systematic resampling with weights exp(-step E). Hands back log of the mean weight.
@@ -36,7 +36,7 @@ double resample(std::vector<Spins>& population, double step, double draw) {
 SampleSet PopulationAnnealing::sample(const Problem& problem, const SampleRequest& request) const {
   const Problem ising = to_ising(problem);
   const SpinGraph graph(ising);
-  const std::size_t members = std::max(request.reads, kSmallest), steps = settings_.temperatures;
+  const std::size_t members = std::max(request.reads, kMinMembers), steps = settings_.temperatures;
   if (steps < 1) throw InputError("sampler population: needs at least 1 temperature");
   const std::size_t sweeps = std::max<std::size_t>(1, request.sweeps / steps);
   std::vector<Spins> population(members, Spins(graph));

@@ -5,6 +5,7 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
+#include "base/format.h"
 #include "base/hash.h"
 #include "base/json/json.h"
 #include "base/random.h"
@@ -249,7 +250,7 @@ std::vector<Packing> settle_packings(const std::vector<BedSpec>& specs, int thre
   std::vector<Packing> packings;
   for (Settling& bed : beds) {
     if (!bed.quiet())
-      throw DeviceError("bed: the grains did not come to rest (still " + std::to_string(bed.packing.residual_speed) +
+      throw DeviceError("bed: the grains did not come to rest (still " + number_text(bed.packing.residual_speed) +
                         " m/s)");
     measure(bed);
     packings.push_back(std::move(bed.packing));

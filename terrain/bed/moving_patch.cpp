@@ -3,14 +3,15 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 
 namespace gonogo::terrain {
 
 void check_patch(const MovingPatch& patch, double grain_diameter) {
   const double slab = patch.length - 2 * patch.reach;
   if (!(slab >= 4 * grain_diameter))
-    throw InputError("a bed of " + std::to_string(patch.length) +
-                     " m is too short for a moving patch: the vehicle needs " + std::to_string(2 * patch.reach) +
+    throw InputError("a bed of " + number_text(patch.length, 5) +
+                     " m is too short for a moving patch: the vehicle needs " + number_text(2 * patch.reach, 5) +
                      " m and a slab of four grains; make the bed longer");
 }
 

@@ -1,5 +1,6 @@
 // Packings on disk: one HDF5 file each, named by the hash of the specification that made it.
 #include "base/error.h"
+#include "base/format.h"
 #include "base/hdf5/hdf5.h"
 #include "base/progress.h"
 #include "terrain/bed/bed.h"
@@ -56,7 +57,7 @@ Packing read_packing(const std::filesystem::path& path) {
   const auto measured = in.array<double>("measured", gonogo::Shape{3});
   Packing p;
   if (!(s[9] >= 0 && s[9] < double(grain_shape_names().size())))
-    in.fail("spec", "the shape of the grains is " + std::to_string(s[9]) + ", allowed are 0 to 2; remove the file");
+    in.fail("spec", "the shape of the grains is " + number_text(s[9]) + ", allowed are 0 to 2; remove the file");
   p.spec = {.length = s[0],
             .width = s[1],
             .depth = s[2],

@@ -192,7 +192,7 @@ void warp_to(OpenRaster& raster, const MapGrid& grid, const std::string& resampl
   const double corners[4] = {grid.west, south, east, grid.north};
   for (int i = 0; i < 4; ++i) std::snprintf(edges[i], sizeof edges[i], "%.17g", corners[i]);
   const std::string columns = std::to_string(grid.columns), rows = std::to_string(grid.rows);
-  // Float32 with not-a-number as nodata: a code such as 0 stays a value and what the source does not cover does not
+  // Float32 with NaN as nodata: a code such as 0 stays a value and what the source does not cover does not
   // become one. -et 0: exact transformation, so that a cell's value does not depend on the window it is read in.
   // Overviews of the source are not read: they are pictures, not measurements.
   // Interpolation without GDAL's wider kernels for cells that are narrower one way (degrees far from the equator):

@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 
-/// Eastward and southward rise per metre; not-a-number next to nodata, which any of the nine values passes on.
+/// Eastward and southward rise per metre; NaN next to nodata, which any of the nine values passes on.
 struct Gradient {
   double east, south;
 };

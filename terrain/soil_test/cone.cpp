@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "sim/scene/build_joint.h"
 
@@ -127,8 +128,8 @@ ConeResult cone_test(const TestSoil& soil, const ConeSettings& settings, const T
     const Vec3d force = run.mean_force(p.cone, stride);
     r.curve.push_back({(before + bed.surface - run.body(p.cone).position.z) / 2, force.z / base_area(diameter)});
     if (r.curve.back().pressure > settings.max_pressure)
-      throw DeviceError("cone test: the soil bears " + std::to_string(r.curve.back().pressure) +
-                        " Pa with the cone's base " + std::to_string(r.curve.back().depth) +
+      throw DeviceError("cone test: the soil bears " + number_text(r.curve.back().pressure) +
+                        " Pa with the cone's base " + number_text(r.curve.back().depth) +
                         " m below the surface; it is too strong for the test");
   } while (r.curve.back().depth < end);
   r.profile = even_depths(r.curve, end);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 
 namespace gonogo::terrain {
@@ -54,8 +55,8 @@ void add_growing_load(sim::SceneWorld& world, sim::BodyIndex plate, const std::v
 void set_datum(PlateResult& r, double datum) {
   const auto at = std::find_if(r.curve.begin(), r.curve.end(), [&](const auto& s) { return s.pressure >= datum; });
   if (r.curve.end() - at < 4)
-    throw DeviceError("plate test: the plate had sunk " + std::to_string(r.curve.back().sinkage) +
-                      " m before it carried more than the datum of " + std::to_string(datum) +
+    throw DeviceError("plate test: the plate had sunk " + number_text(r.curve.back().sinkage) +
+                      " m before it carried more than the datum of " + number_text(datum) +
                       " Pa; let it sink farther or lower the datum");
   const double zero = at->sinkage;
   for (PlateSample& s : r.curve) s.sinkage -= zero;

@@ -7,6 +7,7 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 
 namespace gonogo::terrain {
@@ -17,7 +18,7 @@ namespace {
 constexpr double kLevelDensity[] = {0, 0.463, 1}, kLevelFriction[] = {0.8, 0.25, 0.02};
 
 void require(bool good, const char* name, double value, const char* allowed) {
-  if (!good) throw InputError(std::string("soil test: ") + name + " " + std::to_string(value) + " must be " + allowed);
+  if (!good) throw InputError(std::string("soil test: ") + name + " " + number_text(value) + " must be " + allowed);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ TEST_CASE("numbers outside their range name the value and the range") {
   CHECK(config.number("friction", {.minimum = -0.5}) == -0.5);
 }
 
-TEST_CASE("a range never contains not-a-number") {
+TEST_CASE("a range never contains NaN") {
   CHECK_FALSE(Range{}.contains(std::numeric_limits<double>::quiet_NaN()));
   CHECK(Range{}.contains(std::numeric_limits<double>::infinity()));
 }

@@ -26,7 +26,7 @@ TEST_CASE("digits before the point are kept, and zeros among them") {
   CHECK(number_text(100) == "100");
 }
 
-TEST_CASE("very small and very large numbers have an exponent, and what is no number says so") {
+TEST_CASE("very small and very large numbers have an exponent, NaN and infinity have names") {
   CHECK(number_text(2e-8) == "2e-08");
   CHECK(number_text(1.5e9) == "1.5e+09");
   CHECK(number_text(std::nan("")) == "NaN");

@@ -103,7 +103,7 @@ TEST_CASE("bytes that are not UTF-8 print as a replacement character") {
   CHECK(Json(std::string("a\xff")).dump() == "\"a\xEF\xBF\xBD\"");
 }
 
-TEST_CASE("not-a-number prints as null") {
+TEST_CASE("NaN prints as null") {
   CHECK(Json(std::nan("")).dump() == "null");
   CHECK(Json(std::numeric_limits<double>::infinity()).dump() == "null");
 }

@@ -18,10 +18,10 @@ std::vector<std::string> lines_of(const fs::path& file) {
   return lines;
 }
 
-Json active(const StudyFolder& s, const std::string& most_points) {
+Json active(const StudyFolder& s, const std::string& max_points) {
   const Ending ending =
       run_gonogo({"--json", "--threads", "2", "campaign", "active", s.path("study.json"), "--out", s.out(), "--seeds",
-                  "4", "--batch", "2", "--most-points", most_points, "--confidence", "1"});
+                  "4", "--batch", "2", "--max-points", max_points, "--confidence", "1"});
   INFO(ending.err);
   REQUIRE(ending.exit_code == 0);
   return Json::parse(ending.out, "answer");

@@ -22,7 +22,7 @@ VisibleLayout bits(std::size_t count) {
   return VisibleLayout(std::move(encoders), {});
 }
 
-/// Rows of {0, 1}; not-a-number where unknown.
+/// Rows of {0, 1}; NaN where unknown.
 TrainingTable density_table(const std::vector<double>& rows, std::size_t width) {
   TrainingTable table;
   table.variable_count = width;

@@ -18,13 +18,13 @@ using namespace gonogo::test;
 
 namespace {
 
-constexpr double kSmallest = 0.1, kLargest = 0.2, kReach = 2e-3;  // radii; gap up to which contacts are sought [m]
+constexpr double kMin = 0.1, kMax = 0.2, kReach = 2e-3;  // radii; gap up to which contacts are sought [m]
 
 /// Spheres strewn at random, overlaps and all, so thickly that each has 3.4 contacts on average; periodic along x.
 /// Their box is far from the origin, where single precision would be at a loss for a position.
 SceneWorld strewn(Index count, Draw& draw) {
   // Of two radii, uniform and independent: <(r1 + r2)^3> = 2 <r^3> + 6 <r> <r^2>.
-  const double a = kSmallest, b = kLargest, span = b - a, first = (a + b) / 2;
+  const double a = kMin, b = kMax, span = b - a, first = (a + b) / 2;
   const double second = (b * b * b - a * a * a) / (3 * span), third = (b * b * b * b - a * a * a * a) / (4 * span);
   const double reached = 4.0 / 3 * kPi * (2 * third + 6 * first * second);
   const double edge = std::cbrt(count * reached / (2 * 3.4));
@@ -52,7 +52,7 @@ struct Found {
 /// All pairs closer than kReach, in double precision throughout, by a list of cells that cover the world's box.
 class CellSearch {
  public:
-  explicit CellSearch(const SceneWorld& w) : world_(w), count_(std::int64_t(w.size.x / (2 * kLargest + kReach))) {
+  explicit CellSearch(const SceneWorld& w) : world_(w), count_(std::int64_t(w.size.x / (2 * kMax + kReach))) {
     const auto cells = std::size_t(count_ * count_ * count_);
     first_.assign(cells + 1, 0);
     for (const BodyState& b : w.body) ++first_[cell_of(b.position) + 1];

@@ -102,7 +102,7 @@ TEST_CASE("an ellipsoid has one contact with flat ground, however finely it is c
   for (const int cells : {1, 2, 40}) {
     SurfaceLibrary library;
     const auto floor = std::make_shared<const TriangleMesh>(floor_mesh(2, cells));
-    Shape mesh = shape_of(ShapeType::mesh, {reach_of(*floor), least_half_of(*floor), 0});
+    Shape mesh = shape_of(ShapeType::mesh, {reach_of(*floor), min_half_of(*floor), 0});
     mesh.surface = library.add(floor);
     for (int i = 0; i < 500; ++i) {
       const Shape body = shape_of(ShapeType::ellipsoid, random_half(draw, 0.05, 0.4));

@@ -35,7 +35,7 @@ struct Meshes {
     Shape s;
     s.type = ShapeType::mesh;
     s.surface = library.add(source.back());
-    s.size = {reach_of(*source.back()), least_half_of(*source.back()), 0};
+    s.size = {reach_of(*source.back()), min_half_of(*source.back()), 0};
     everywhere = without_cones = library;
     without_cones.cone.assign(library.cone.size(), NormalCone{});
     everywhere.node.clear();

@@ -36,7 +36,7 @@ struct Shapes {
     Shape s;
     s.type = ShapeType::mesh;
     s.surface = library.add(source.back());
-    s.size = {reach_of(*source.back()), least_half_of(*source.back()), 0};
+    s.size = {reach_of(*source.back()), min_half_of(*source.back()), 0};
     return s;
   }
 
@@ -68,7 +68,7 @@ double distance_to(const std::vector<Body>& list, const Vec3d& point) {
   return best;
 }
 
-double least_gap(const std::vector<Found>& found) {
+double min_gap(const std::vector<Found>& found) {
   double least = 1e30;
   for (const Found& f : found) least = std::min(least, double(f.touch.gap));
   return least;
@@ -143,10 +143,10 @@ void check_pair(const char* name, const Kind& kind_a, const Kind& kind_b, int ca
     const std::vector<Body> one = parts(solid_a, direction * apart, qa);
     const std::vector<Found> found = shapes.touches(a, qa, b, qb, direction * apart, kEnvelope);
     INFO(name << ", case " << i << ": " << found.size() << " contacts, distance " << expected << ", least gap "
-              << least_gap(found));
+              << min_gap(found));
     REQUIRE(!found.empty());
     REQUIRE(found.size() <= std::size_t(kMaxTouches));
-    const double gap = range.low < kNear.low ? gap_near(found, expected) : least_gap(found);
+    const double gap = range.low < kNear.low ? gap_near(found, expected) : min_gap(found);
     worst = std::max(worst, std::abs(gap - expected));
     REQUIRE(std::abs(gap - expected) < tolerance);
     std::set<int> names;
@@ -391,7 +391,7 @@ TEST_CASE("two tyres apart have the distance of their triangles, whichever comes
     const auto turned = shapes.touches(tyre, qb, tyre, qa, direction * -apart, 0.01);
     INFO("case " << i << ": distance " << distance << ", " << found.size() << " contacts");
     REQUIRE(!found.empty());
-    worst = std::max(worst, std::abs(least_gap(found) - distance));
+    worst = std::max(worst, std::abs(min_gap(found) - distance));
     REQUIRE(turned.size() == found.size());
     for (const Found& f : found) {
       const Touch other = seen_from_other(f.touch, direction * apart);

@@ -15,7 +15,7 @@ inline std::string short_text(double x) {
 
 /// Prints the line and says whether the two agree.
 inline bool agrees(const std::string& claim, double expected, double measured, double tolerance) {
-  const bool good = std::abs(measured - expected) <= tolerance;  // false for not-a-number
+  const bool good = std::abs(measured - expected) <= tolerance;  // false for NaN
   std::printf("%-78s expected %11.6g measured %11.6g tolerance %8.2g%s\n", claim.c_str(), expected, measured, tolerance,
               good ? "" : "  DIFFERS");
   std::fflush(stdout);

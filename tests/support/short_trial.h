@@ -13,7 +13,7 @@ inline TrialSetup short_setup(double time_limit) {
                                   fs::temp_directory_path() / "gonogo-test-beds");
   s.bed_length = 1.8;
   s.time_limit = time_limit;
-  s.minimum_drive_time = 0.1;
+  s.min_drive_time = 0.1;
   s.ramp_time = 0.05;
   s.park_time = 0.1;
   return s;

@@ -66,7 +66,7 @@ TEST_CASE("a truncated raster is refused when its cells are read, not taken as f
   CHECK_THROWS_AS(read_everything(), InputError);
 }
 
-TEST_CASE("nodata, not-a-number, infinity and everything outside read as not-a-number") {
+TEST_CASE("nodata, NaN, infinity and everything outside read as NaN") {
   const TemporaryFolder folder;
   std::vector<float> value(48, 5);
   value[0] = -9999;

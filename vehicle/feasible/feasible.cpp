@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "vehicle/feasible/cone_program.h"
 #include "vehicle/feasible/pose.h"
 #include "vehicle/model/statics.h"
@@ -268,8 +269,8 @@ class Program {
 
 void check(const Demand& d) {
   if (!(d.friction >= 1e-3 && d.friction <= 100))
-    throw InputError("a friction coefficient of " + std::to_string(d.friction) + " is outside 0.001 to 100");
-  if (!(d.step >= 0)) throw InputError("a step of " + std::to_string(d.step) + " m; give a height of at least 0");
+    throw InputError("a friction coefficient of " + number_text(d.friction, 6) + " is outside 0.001 to 100");
+  if (!(d.step >= 0)) throw InputError("a step of " + number_text(d.step) + " m; give a height of at least 0");
   if (!(length(d.gravity) > 0 && d.gravity.z < 0)) throw InputError("gravity must point into the ground");
 }
 

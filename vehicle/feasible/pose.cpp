@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::vehicle {
@@ -77,7 +78,7 @@ std::vector<Pose> step_poses(const Vehicle& v, double step) {
     throw InputError(v.name + ": steps are for vehicles with equal wheels; leave the step out");
   const double base = std::fabs(wheels[0].centre.x - wheels[2].centre.x);
   if (!(step < 0.9 * base))
-    throw InputError("a step of " + std::to_string(step) + " m is as high as the wheelbase is long");
+    throw InputError("a step of " + number_text(step) + " m is as high as the wheelbase is long");
   std::vector<Pose> poses;
   for (const int climber : {0, 1})
     for (int i = 0; i <= kRises; ++i) poses.push_back(climbing_pose(v, wheels, climber, step * i / kRises, step));

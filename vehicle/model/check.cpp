@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/format.h"
 #include "base/nearest.h"
 #include "vehicle/model/belt.h"
 #include "vehicle/model/read.h"
@@ -48,7 +49,7 @@ void check_springs(const Config& c, const Vehicle& v) {
     const double now = length(s.point.at("spring_chassis") - s.point.at("spring_arm"));
     if (now < s.spring.shortest || now > s.spring.longest)
       c.fail("suspensions." + s.name + ".spring.stops",
-             "the spring is " + std::to_string(now) + " m long in the design position, outside its stops");
+             "the spring is " + number_text(now, 5) + " m long in the design position, outside its stops");
   }
 }
 
@@ -63,8 +64,8 @@ void check_belt(const Config& c, const Vehicle& v) {
     // Half a pitch of slack hangs between the wheels.
     if (length > std::max(loose, tight) + 0.5 * t.shoe_pitch || length < std::min(loose, tight))
       c.fail(std::string("track.shoe.") + (left ? "left_count" : "right_count"),
-             "the loop does not close: " + std::to_string(count) + " shoes make " + std::to_string(length) +
-                 " m, the way around the wheels is " + std::to_string(loose) + " to " + std::to_string(tight) + " m");
+             "the loop does not close: " + std::to_string(count) + " shoes make " + number_text(length, 5) +
+                 " m, the way around the wheels is " + number_text(loose, 5) + " to " + number_text(tight, 5) + " m");
   }
 }
 

@@ -1,4 +1,5 @@
 // Driveline and track.
+#include "base/format.h"
 #include "vehicle/model/read.h"
 
 namespace gonogo::vehicle {
@@ -33,8 +34,8 @@ Belt read_belt(const Config& c, const Track& t) {
   b.guide = read_vector(c, "guide_m", {1e-3, 1});
   if (t.grouser_height > 0) b.grouser_thickness = c.number("grouser_thickness_m", {1e-3, t.shoe_pitch});
   if (!(b.guide.y < b.wheel_gap))
-    c.fail("guide_m", "is " + std::to_string(b.guide.y) + " m wide and runs in a gap of " +
-                          std::to_string(b.wheel_gap) + " m; make it narrower than wheel_gap_m");
+    c.fail("guide_m", "is " + number_text(b.guide.y, 5) + " m wide and runs in a gap of " +
+                          number_text(b.wheel_gap, 5) + " m; make it narrower than wheel_gap_m");
   const Config carrier = c.object("carrier"), tensioner = c.object("tensioner");
   b.carrier_mass = carrier.number("mass_kg", kMass);
   b.carrier_inertia = read_vector(carrier, "inertia_kg_m2", {1e-9, 1e9});

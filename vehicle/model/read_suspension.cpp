@@ -1,6 +1,8 @@
 // Suspensions and wheels.
 #include <cmath>
 
+#include "base/format.h"
+
 #include "vehicle/model/read.h"
 
 namespace gonogo::vehicle {
@@ -91,8 +93,8 @@ void read_wishbones(const Config& c, Suspension& s) {
   if (rod.has("length_m")) {
     const double given = rod.number("length_m", kLength);
     if (std::fabs(given - apart) > kLoopError)
-      rod.fail("length_m", "the loop does not close: the rod is " + std::to_string(given) + " m long, its ends are " +
-                               std::to_string(apart) + " m apart");
+      rod.fail("length_m", "the loop does not close: the rod is " + number_text(given, 5) + " m long, its ends are " +
+                               number_text(apart, 5) + " m apart");
   }
   rod.finish();
   for (const char* arm : {"upper", "lower"}) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "vehicle/model/statics.h"
 
@@ -172,8 +173,8 @@ void check_sprocket(const Track& t, const std::string& where) {
   const double fits = 0.5 * t.shoe_pitch / std::sin(kPi / teeth);
   if (std::fabs(fits - t.sprocket_radius) > tolerance)
     throw InputError(where + "track.sprocket.radius_m: pins one pitch apart go around a circle of " +
-                     std::to_string(fits) + " m with " + std::to_string(teeth) + " teeth, it is " +
-                     std::to_string(t.sprocket_radius) + " m; make it the pitch over twice the sine of pi over the " +
+                     number_text(fits, 5) + " m with " + std::to_string(teeth) + " teeth, it is " +
+                     number_text(t.sprocket_radius, 5) + " m; make it the pitch over twice the sine of pi over the " +
                      "number of teeth, within 0.0005 m");
 }
 
@@ -184,7 +185,7 @@ TrackLoop close_loop(const Vehicle& v, bool left) {
     throw InputError("vehicle " + v.name + ": the " + (left ? "left" : "right") + " belt of " +
                      std::to_string(left ? t.left_shoes : t.right_shoes) +
                      " shoes does not close: with the idler at the beginning of its travel it is " +
-                     std::to_string(loose) + " m longer than its way, at the end " + std::to_string(tight) +
+                     number_text(loose, 5) + " m longer than its way, at the end " + number_text(tight, 5) +
                      " m; the first must not be below zero, the second not above, change the count or the travel");
   double low = 0, high = 1;
   for (int k = 0; k < 50; ++k) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 
 namespace gonogo::vehicle {
@@ -75,7 +76,7 @@ WheelForces wheel_forces_under(const BekkerSoil& soil, double radius, double wid
                                const WheelStress& stress) {
   double low = 0, high = kPi / 2;
   if (wheel_forces(soil, radius, width, slip, high, stress).load < load)
-    throw InputError("a load of " + std::to_string(load) + " N sinks the wheel to its axle in this soil");
+    throw InputError("a load of " + number_text(load) + " N sinks the wheel to its axle in this soil");
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     (wheel_forces(soil, radius, width, slip, middle, stress).load < load ? low : high) = middle;

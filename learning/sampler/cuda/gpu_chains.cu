@@ -7,6 +7,7 @@
 #include "base/buffer.h"
 #include "base/device.h"
 #include "base/for_each.h"
+#include "base/format.h"
 #include "learning/sampler/cuda/gibbs_kernel.cuh"
 
 namespace gonogo::learning {
@@ -50,9 +51,9 @@ std::vector<float> fields(const GibbsSide& side, const std::vector<double>& bias
 }
 
 __half half_of(double weight) {
-  constexpr double kLargest = 65504;
-  if (!(std::abs(weight) <= kLargest))
-    throw InputError("sampler block_gibbs: a weight is " + std::to_string(weight) +
+  constexpr double kMax = 65504;
+  if (!(std::abs(weight) <= kMax))
+    throw InputError("sampler block_gibbs: a weight is " + number_text(weight, 8) +
                      "; weights of 16 bits end at 65504; sample on the cpu");
   return __double2half(weight);
 }

@@ -23,7 +23,7 @@ struct Options {
   double checkpoint_every = -1;
   std::size_t trials_per_shard = 256;
   std::uint64_t task = 0, tasks = 1;
-  int most_tasks = 0;
+  int max_tasks = 0;
   std::vector<std::string> sbatch;
 };
 
@@ -177,7 +177,7 @@ void add_submit(CLI::App& parent, const Globals& globals) {
   add_study_options(*command, *options);
   add_compute_options(*command, *options);
   add_shard_option(*command, *options);
-  command->add_option("--tasks", options->most_tasks, "Max tasks of the array; 0: one per shard, at most 1000")
+  command->add_option("--tasks", options->max_tasks, "Max tasks of the array; 0: one per shard, at most 1000")
       ->check(CLI::Range(0, 1000))
       ->capture_default_str();
   command->add_option("--sbatch", options->sbatch, "Further option for sbatch, once for each: --sbatch=--time=2:00:00")
@@ -189,7 +189,7 @@ void add_submit(CLI::App& parent, const Globals& globals) {
   command->callback([options, &globals] {
     const campaign::Submission done = campaign::submit_campaign(
         plan(*options, globals),
-        {.tasks = options->most_tasks, .task_command = task_command(*options), .options = options->sbatch});
+        {.tasks = options->max_tasks, .task_command = task_command(*options), .options = options->sbatch});
     Json result = Json::object();
     result["job"] = done.job;
     result["shards"] = std::uint64_t(done.shards);
@@ -231,7 +231,7 @@ void add_active(CLI::App& parent, const Globals& globals, const Work<ActiveOptio
   command->add_option("--batch", active->batch, "Points of each further batch")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_option("--most-points", active->most_points, "Max points in all")->capture_default_str();
+  command->add_option("--max-points", active->max_points, "Max points in all")->capture_default_str();
   command->add_option("--confidence", active->confidence, "Stop when the model expects to be right in this share")
       ->check(CLI::Range(0.5, 1.0))
       ->capture_default_str();

@@ -13,7 +13,7 @@ void active_work(const Globals& globals, const ActiveOptions& options) {
                                                        .compute = options.compute,
                                                        .seeds = options.seeds,
                                                        .batch = options.batch,
-                                                       .most_points = options.most_points,
+                                                       .max_points = options.max_points,
                                                        .confidence = options.confidence,
                                                        .space_filling = options.space_filling});
   Json result = campaign_json(done.campaign);

@@ -53,7 +53,7 @@ struct CapacityOptions {
 struct ActiveOptions {
   std::filesystem::path study, folder;
   campaign::ComputeRequest compute;
-  std::uint64_t seeds = 64, batch = 32, most_points = 1000;
+  std::uint64_t seeds = 64, batch = 32, max_points = 1000;
   double confidence = 0.95, space_filling = 0.25;
 };
 

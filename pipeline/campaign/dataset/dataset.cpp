@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kFormat = "gonogo/dataset/1";
 
-/// All not-a-numbers get the same bits: which sign or payload one has depends on compiler and processor.
+/// All NaNs get the same bits: which sign or payload one has depends on compiler and processor.
 double canonical(double x) { return std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : x; }
 
 void describe(Hdf5Writer& out, const std::string& path, const std::string& unit, const std::string& description) {

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kMaxCompared = 8192;  // points of a coverage, which compares all pairs
 constexpr std::uint32_t kProbes = 4096;
 constexpr std::size_t kClimbers = 8;
-constexpr double kSmallestStep = 1e-4;  // [sides of the cube]
+constexpr double kMinStep = 1e-4;  // [sides of the cube]
 
 using Points = std::vector<std::vector<double>>;
 
@@ -68,7 +68,7 @@ std::pair<double, const std::vector<double>*> nearest(const Points& points, cons
 /// Steps away from the nearest point while that helps, inside the cube.
 double climb(const Points& points, std::vector<double> at) {
   auto [squared, closest] = nearest(points, at);
-  for (double step = 0.1; step > kSmallestStep;) {
+  for (double step = 0.1; step > kMinStep;) {
     std::vector<double> next = at;
     const double length = std::max(std::sqrt(squared), 1e-12);
     for (std::size_t j = 0; j < at.size(); ++j)

@@ -30,7 +30,7 @@ sim::Monitor stopping_monitor(const TrialSetup& setup, sim::BodyIndex body) {
   m.body = body;
   m.start = setup.park_time;
   m.time_limit = setup.time_limit;
-  m.earliest = setup.ramp_time + setup.minimum_drive_time;
+  m.earliest = setup.ramp_time + setup.min_drive_time;
   if (!(setup.task->tow().share > 0)) m.distance = setup.run_in_distance + setup.test_distance;
   m.slid_back = t.slid_back_share * setup.vehicle_length();
   m.immobile_window = t.immobile_time;
@@ -152,7 +152,7 @@ void add_whole(const TrialSetup& setup, const TrialConditions& conditions, const
           rotate_back(world.body[std::size_t(e.chassis)].orientation, static_cast<Vec3>(hitch - e.chassis_centre)),
           world);
   sim::Monitor chassis = stopping_monitor(setup, e.chassis);
-  chassis.least_up = std::cos(to_radians(setup.thresholds.tilt_deg));
+  chassis.min_up = std::cos(to_radians(setup.thresholds.tilt_deg));
   world.monitor.push_back(chassis);
   const auto parts = vehicle::running_parts(v);
   for (std::size_t i = 0; i < parts.size(); ++i) {

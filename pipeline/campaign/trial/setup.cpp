@@ -36,7 +36,7 @@ void read_drive(const Config& drive, TrialSetup& s) {
   s.ramp_time = drive.number_or("ramp_s", s.ramp_time, {0.01, 10});
   s.run_in_distance = drive.number_or("run_in_m", s.run_in_distance, {0, 100});
   s.test_distance = drive.number_or("test_distance_m", s.test_distance, {0.01, 1000});
-  s.minimum_drive_time = drive.number_or("minimum_drive_s", s.minimum_drive_time, {0.1, 100});
+  s.min_drive_time = drive.number_or("minimum_drive_s", s.min_drive_time, {0.1, 100});
   s.time_limit = drive.number_or("time_limit_s", s.time_limit, {0.1, 1000});
   drive.finish();
 }
@@ -188,7 +188,7 @@ void check_wheels_on_bed(const TrialSetup& s) {
 /// the run ends behind the obstacle.
 void fit_to_task(TrialSetup& s) {
   const double end = s.task->obstacle_end(), sweep = s.task->tow().ramp;
-  if (sweep > 0) s.time_limit = s.ramp_time + s.minimum_drive_time + sweep + s.thresholds.immobile_time;
+  if (sweep > 0) s.time_limit = s.ramp_time + s.min_drive_time + sweep + s.thresholds.immobile_time;
   if (s.whole && s.task->given_slip())
     throw InputError("a trial of type " + s.task->name() + " leads one wheel; name a vehicle of kind quarter");
   if (!(end > 0)) return;

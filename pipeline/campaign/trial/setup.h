@@ -51,7 +51,7 @@ struct TrialSetup {
   double ramp_time = 0.4;                  // of the rim speed from zero to the commanded one [s]
   double run_in_distance = 0.4;            // not counted [m]
   double test_distance = 2.4;              // to be covered after the run-in [m]
-  double minimum_drive_time = 1.6;         // driven at least this long, once the ramp is over [s]
+  double min_drive_time = 1.6;             // driven at least this long, once the ramp is over [s]
   double time_limit = 5;                   // of the driving, ramp included [s]
   terrain::Numerics numerics{2e-3, 1, 200, 0.01};  // studies and vehicles take the soil table's
   Thresholds thresholds;
@@ -62,7 +62,7 @@ struct TrialSetup {
   /// Weight that drawbar pulls are divided by [N].
   double weight(double payload) const;
   /// Time at which the load of a drawbar sweep begins to grow, with the vehicle at its speed [s].
-  double tow_start() const { return park_time + ramp_time + minimum_drive_time; }
+  double tow_start() const { return park_time + ramp_time + min_drive_time; }
 
   /// Course on a bed with this surface [m]. A quarter vehicle starts near the beginning of the bed, a whole one in its
   /// middle.

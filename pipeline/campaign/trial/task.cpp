@@ -36,7 +36,7 @@ class SideSlope final : public TrialTask {
 class Drawbar final : public TrialTask {
  public:
   explicit Drawbar(const Config& c)
-      : tow_{c.number_or("most_pull_per_weight", 1, {0.01, 10}), c.number_or("sweep_s", 8, {0.1, 1000})},
+      : tow_{c.number_or("max_pull_per_weight", 1, {0.01, 10}), c.number_or("sweep_s", 8, {0.1, 1000})},
         needed_(c.number_or("needed_pull_per_weight", 0, {0, 10})) {}
   std::string name() const override { return "drawbar"; }
   TowPlan tow() const override { return tow_; }

@@ -102,20 +102,20 @@ OriginalSample sample_of(const sim::BodyState& chassis, const Dropped& d, const 
 }
 
 OriginalStop stop_of(sim::StopCause cause) {
-  if (cause == sim::StopCause::distance) return OriginalStop::maximum_x;
+  if (cause == sim::StopCause::distance) return OriginalStop::max_x;
   if (cause == sim::StopCause::slid_back) return OriginalStop::sliding_backward;
-  return cause == sim::StopCause::time_limit ? OriginalStop::maximum_time : OriginalStop::failed;
+  return cause == sim::StopCause::time_limit ? OriginalStop::max_time : OriginalStop::failed;
 }
 
 }  // namespace
 
 const char* stop_sentence(OriginalStop stop) {
   switch (stop) {
-    case OriginalStop::maximum_x:
+    case OriginalStop::max_x:
       return "Reached maximum x position";
     case OriginalStop::sliding_backward:
       return "Vehicle sliding backward";
-    case OriginalStop::maximum_time:
+    case OriginalStop::max_time:
       return "Reached maximum time";
     case OriginalStop::failed:
       return "Simulation failed";

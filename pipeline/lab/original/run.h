@@ -24,7 +24,7 @@ struct OriginalTimeline {
   int iterations = 50;
 };
 
-enum class OriginalStop { maximum_x, sliding_backward, maximum_time, failed };
+enum class OriginalStop { max_x, sliding_backward, max_time, failed };
 
 /// As the original program writes it: "Reached maximum x position", "Vehicle sliding backward", "Reached maximum time".
 const char* stop_sentence(OriginalStop stop);

@@ -55,7 +55,7 @@ TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double 
 }
 
 DrawbarReport measure_drawbar(const DrawbarRequest& r) {
-  const std::string task = line("drawbar:most_pull_per_weight=1,sweep_s=%g", r.sweep);
+  const std::string task = line("drawbar:max_pull_per_weight=1,sweep_s=%g", r.sweep);
   campaign::TrialSetup setup =
       campaign::vehicle_trial_setup(r.vehicle, r.calibration, campaign::parse_task(task), r.numerics);
   setup.settled_on = r.batch.backend;
@@ -180,7 +180,7 @@ report::LinePlot plot_of(const DrawbarReport& r) {
 void write_drawbar(const std::filesystem::path& folder, const DrawbarReport& r) {
   create_folder(folder);
   std::string csv =
-      "slip,sinkage_m,pull_per_weight,pull_least,pull_most,resistance_per_weight,resistance_least,resistance_most\n";
+      "slip,sinkage_m,pull_per_weight,pull_min,pull_max,resistance_per_weight,resistance_min,resistance_max\n";
   for (const DrawbarPoint& p : r.point)
     csv += line("%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g,%.6g\n", p.slip, p.sinkage, p.pull.mean, p.band.pull[0],
                 p.band.pull[1], p.resistance.mean, p.band.resistance[0], p.band.resistance[1]);

@@ -43,7 +43,7 @@ campaign::TrialSetup simulant_setup(const SimulantRun& run, const terrain::Macro
   s.grain_density = fit_soil(s.calibration, soil).grain_density;
   s.packing_seeds = run.seeds;
   s.test_distance = 1e3;
-  s.minimum_drive_time = s.time_limit = or_else(run.time, s.whole ? 24 : 8);
+  s.min_drive_time = s.time_limit = or_else(run.time, s.whole ? 24 : 8);
   s.run_in_distance = 0;
   s.thresholds.immobile_speed = 0;
   s.thresholds.slid_back_share = 10;

@@ -95,8 +95,8 @@ Json answer(const Vehicle& v, const Demand& d, const char* what, Report& r) {
   json["feasible"] = f.feasible;
   json["cause"] = cause;
   json["reserve"] = finite(f.reserve);
-  json["least_friction"] = finite(friction);
-  json["least_torque_share"] = finite(torque);
+  json["min_friction"] = finite(friction);
+  json["min_torque_share"] = finite(torque);
   forces(f, r, json);
   return json;
 }

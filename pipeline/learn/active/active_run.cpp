@@ -93,8 +93,8 @@ ActiveSummary run_active(const ActiveRequest& request) {
     summary.reached = summary.confidence >= request.confidence;
     log_line("active", line("%llu points: the model expects to be right in %.1f %% of the box",
                             static_cast<unsigned long long>(summary.points), 100 * summary.confidence));
-    if (summary.reached || summary.points >= request.most_points) return summary;
-    const std::uint64_t count = std::min(request.batch, request.most_points - summary.points);
+    if (summary.reached || summary.points >= request.max_points) return summary;
+    const std::uint64_t count = std::min(request.batch, request.max_points - summary.points);
     append_points(file, box,
                   choose_batch(box, answers_of(predictor),
                                {.count = count,

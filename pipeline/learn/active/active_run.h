@@ -11,11 +11,11 @@ struct ActiveRequest {
   campaign::Study study;         // its design gives the sampled box; its points are replaced
   std::filesystem::path folder;  // of the campaign; gets points.csv, the study with that table, and model.h5
   campaign::ComputeRequest compute;
-  std::uint64_t seeds = 64;          // points of the first batch, uniform over the box
-  std::uint64_t batch = 32;          // points of every further batch
-  std::uint64_t most_points = 1000;  // max number of points in all batches
-  double confidence = 0.95;          // stop when the model expects to be right in this share of the box [0, 1]
-  double space_filling = 0.25;       // share of every batch that is uniform over the box [0, 1]
+  std::uint64_t seeds = 64;         // points of the first batch, uniform over the box
+  std::uint64_t batch = 32;         // points of every further batch
+  std::uint64_t max_points = 1000;  // max number of points in all batches
+  double confidence = 0.95;         // stop when the model expects to be right in this share of the box [0, 1]
+  double space_filling = 0.25;      // share of every batch that is uniform over the box [0, 1]
 };
 
 struct ActiveSummary {

@@ -60,9 +60,9 @@ function make_layers() {
     ramp_layer('passable', 'Headings', 'viridis', [0, 1], (c) => { const s = unit_of(c); return s ? s.passable[blob.slope[c]] : NaN; }, (v) => percent(v), 'Share of headings that are go or slow-go'),
     ramp_layer('novelty', 'Novelty', 'violet', [0, 4], (c) => { const s = unit_of(c); return s && s.novelty ? (s.novelty[blob.slope[c]] === NONE16 ? NaN : s.novelty[blob.slope[c]] / 1000) : NaN; }, (v) => fixed(v, 2), 'Distance to the nearest trial; 1: as near as trials are to one another'),
   ];
-  if (sample.mean_speed) list.push(ramp_layer('speed', 'Speed', 'cool', [0, meta.most_speed], measure('mean_speed'), (v) => (Number.isNaN(v) ? 'no value' : `${v.toFixed(2)} m/s`), 'Expected speed made good of trials that pass'));
+  if (sample.mean_speed) list.push(ramp_layer('speed', 'Speed', 'cool', [0, meta.max_speed], measure('mean_speed'), (v) => (Number.isNaN(v) ? 'no value' : `${v.toFixed(2)} m/s`), 'Expected speed made good of trials that pass'));
   if (sample.slip) list.push(ramp_layer('slip', 'Slip', 'cool', [0, 0.6], measure('slip'), (v) => percent(v), 'Expected slip of trials that pass'));
-  if (sample.sinkage) list.push(ramp_layer('sinkage', 'Sinkage', 'cool', [0, meta.most_sinkage], measure('sinkage'), (v) => (Number.isNaN(v) ? 'no value' : `${(100 * v).toFixed(1)} cm`), 'Expected sinkage of trials that pass'));
+  if (sample.sinkage) list.push(ramp_layer('sinkage', 'Sinkage', 'cool', [0, meta.max_sinkage], measure('sinkage'), (v) => (Number.isNaN(v) ? 'no value' : `${(100 * v).toFixed(1)} cm`), 'Expected sinkage of trials that pass'));
   list.push(ramp_layer('slope', 'Slope', 'slope', [0, 40], (c) => slope_of(c), grade, 'Degrees and per cent grade'));
   list.push(class_layer('soil', 'Soil', (c) => blob.soil[c], () => soils.map((s, i) => ({ code: i, label: s.name, rgb: SOIL_COLOURS[i % SOIL_COLOURS.length] })).concat([{ code: NO_SOIL, label: 'not known', rgb: NO_VALUE }])));
   list.push(ramp_layer('height', 'Elevation', 'height', [meta.height.lowest, meta.height.highest], (c) => height_of(c), (v) => fixed(v, 0, ' m')));

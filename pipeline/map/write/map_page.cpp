@@ -233,8 +233,8 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
     add_soil_blobs(table.responses[s], int(s), blobs);
   }
   meta["soils"] = soils;
-  meta["most_speed"] = largest(request, "mean_speed", 1);
-  meta["most_sinkage"] = largest(request, "sinkage", 0.1);
+  meta["max_speed"] = largest(request, "mean_speed", 1);
+  meta["max_sinkage"] = largest(request, "sinkage", 0.1);
   meta["slowest_speed"] = kMinSpeed;
   meta["not_modelled"] =
       texts({request.region.land_cover ? "obstacles and what other vehicles did to the ground"

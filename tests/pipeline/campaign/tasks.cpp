@@ -120,8 +120,8 @@ TEST_CASE("a wheel climbs a low step and not one far higher than its axle") {
 }
 
 TEST_CASE("in a drawbar sweep slip grows, and its pull is what the grains do to the wheel") {
-  TrialSetup s = rig_setup("drawbar:most_pull_per_weight=1,sweep_s=2.4");
-  s.minimum_drive_time = 0.6;
+  TrialSetup s = rig_setup("drawbar:max_pull_per_weight=1,sweep_s=2.4");
+  s.min_drive_time = 0.6;
   s.bed_length = 3.6;
   s.numerics.step = 1e-3;  // with half of both the wheel pulls more than it weighs
   s.numerics.iterations = 120;

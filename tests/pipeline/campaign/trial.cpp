@@ -20,7 +20,7 @@ TrialSetup demo_setup(const std::filesystem::path& cache) {
   s.bed_length = 1.8;  // short runs: what is tested needs no test distance
   s.run_in_distance = 0.2;
   s.test_distance = 0.6;
-  s.minimum_drive_time = 0.6;
+  s.min_drive_time = 0.6;
   s.thresholds.immobile_time = 0.3;
   return s;
 }

@@ -37,7 +37,7 @@ TrialSetup coarse_vehicle(const std::string& vehicle, const std::string& task) {
   s.bed_settle_time = 0.05;
   s.park_time = 0.3;
   s.ramp_time = 0.2;
-  s.minimum_drive_time = 0.2;
+  s.min_drive_time = 0.2;
   s.run_in_distance = 0.1;
   s.test_distance = 0.4;
   s.time_limit = 1.2;

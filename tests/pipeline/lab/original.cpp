@@ -92,7 +92,7 @@ TEST_CASE("points of a Poisson disk keep their distance and leave no place for a
 TEST_CASE("a run of the original bin ends at its goal, or slides back, and its file says so") {
   const vehicle::Vehicle hmmwv = test::shipped_vehicle("hmmwv");
   const OriginalRecord level = run_original(hmmwv, short_run(0, 0.8));
-  CHECK(level.stop == OriginalStop::maximum_x);
+  CHECK(level.stop == OriginalStop::max_x);
   const OriginalSample& first = level.sample.front();
   CHECK(first.time == Approx(0.25));
   CHECK(agrees("origin over the highest grain [m]", 0.6, first.position.z - level.surface, 1e-5));
