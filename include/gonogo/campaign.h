@@ -10,3 +10,4 @@
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/campaign/trial/trial.h"
+#include "pipeline/campaign/trial/trial_values.h"

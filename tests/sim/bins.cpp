@@ -5,6 +5,7 @@
 
 #include "sim/shape/pairs.h"
 #include "sim/simulation/stages.h"
+#include "sim/state/state.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"

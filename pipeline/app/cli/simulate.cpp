@@ -14,6 +14,7 @@
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/cli/numerics_options.h"
 #include "pipeline/campaign/trial/lanes.h"
+#include "pipeline/campaign/trial/trial_values.h"
 #include "pipeline/lab/film/trial_film.h"
 #include "pipeline/lab/vehicle/locate.h"
 
@@ -34,50 +35,10 @@ struct Options {
 
 sim::Backend device_of(const Options& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
 
-/// Variables of a study: fixed values and middles of ranges; NaN where it has neither.
-std::vector<double> variables_of(const campaign::Study& study) {
-  std::vector<double> values(campaign::contract().variables.size(), std::nan(""));
-  const Config design = study.section("design");
-  const auto fixed = design.object_if("fixed"), ranges = design.object_if("ranges");
-  for (std::size_t v = 0; v < values.size(); ++v) {
-    const std::string& name = campaign::contract().variables[v].name;
-    if (fixed && fixed->has(name)) values[v] = fixed->number(name);
-    if (ranges && ranges->has(name)) values[v] = 0.5 * (ranges->numbers(name).at(0) + ranges->numbers(name).at(1));
-  }
-  return values;
-}
-
-/// Variables of a vehicle without a study: level ground, dry sand of the middle friction angle of the table, 1.5 m/s.
-std::vector<double> variables_of(const campaign::TrialSetup& setup) {
-  const terrain::AngleRange reach = terrain::reachable_angles(setup.calibration);
-  std::vector<double> values(campaign::contract().variables.size(), 0);
-  const auto set = [&](const char* name, double x) { values[campaign::contract().variable_index(name)] = x; };
-  set("friction_angle", 0.5 * (reach.lowest + reach.highest));
-  set("relative_density", 0.5);
-  set("tyre_friction", setup.whole ? setup.whole->wheel.front().friction : 0.8);
-  set("bed_depth", 0.3);
-  set("commanded_speed", 1.5);
-  return values;
-}
-
-/// "between -45 and 45 deg"
-std::string allowed(const campaign::Variable& v) {
-  return line("between %g and %g %s", v.minimum, v.maximum, v.unit.c_str());
-}
-
-/// Throws InputError that begins with `option` where the value is outside of the variable's range.
-void set_variable(std::vector<double>& values, const std::string& name, double value, const std::string& option) {
-  const std::size_t v = campaign::contract().variable_index(name);
-  const campaign::Variable& variable = campaign::contract().variables[v];
-  if (!(value >= variable.minimum && value <= variable.maximum))
-    throw InputError(option + ": the value must be a number " + allowed(variable));
-  values[v] = value;
-}
-
 /// Values from --slope, --cross-slope and --set in the place of the others.
 std::vector<double> with_settings(std::vector<double> values, const Options& options) {
   const auto set_slope = [&](const char* name, const char* option, std::optional<double> slope) {
-    if (slope) set_variable(values, name, *slope, option + line(" %g", *slope));
+    if (slope) campaign::set_value(values, name, *slope, option + line(" %g", *slope));
   };
   set_slope("slope_along", "--slope", options.slope_along);
   set_slope("slope_across", "--cross-slope", options.slope_across);
@@ -88,19 +49,9 @@ std::vector<double> with_settings(std::vector<double> values, const Options& opt
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
     const bool is_number = !text.empty() && *end == 0;
-    set_variable(values, setting.substr(0, equals), is_number ? value : std::nan(""), "--set " + setting);
+    campaign::set_value(values, setting.substr(0, equals), is_number ? value : std::nan(""), "--set " + setting);
   }
   return values;
-}
-
-/// Throws InputError for a variable without a value: of a study whose points come from a file.
-void check_all_given(const std::vector<double>& values, const Options& options) {
-  for (std::size_t v = 0; v < values.size(); ++v)
-    if (std::isnan(values[v])) {
-      const campaign::Variable& variable = campaign::contract().variables[v];
-      throw InputError(options.study + ": design has neither a fixed value nor a range of " + variable.name + ", " +
-                       allowed(variable) + "; give one: --set " + variable.name + "=...");
-    }
 }
 
 std::string csv_line(const campaign::TrialSample& s) {
@@ -175,8 +126,8 @@ Request request_of(const Options& options) {
     if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
     const campaign::Study study = campaign::read_study(options.study);
     r.setup = campaign::read_trial_setup(study, campaign::default_packing_folder(), device_of(options));
-    r.point.variables = with_settings(variables_of(study), options);
-    check_all_given(r.point.variables, options);
+    r.point.variables = with_settings(campaign::middle_values(study), options);
+    campaign::check_all_given(r.point.variables, options.study);
     return r;
   }
   if (options.soil.empty()) throw InputError("--vehicle needs --soil: a calibration, such as calibration_90mm");
@@ -187,7 +138,7 @@ Request request_of(const Options& options) {
   r.setup.settled_on = device_of(options);
   r.setup.compliant_tyres = options.compliant;
   campaign::check_tyres(r.setup);
-  r.point.variables = with_settings(variables_of(r.setup), options);
+  r.point.variables = with_settings(campaign::usual_values(r.setup), options);
   return r;
 }
 
@@ -240,8 +191,11 @@ void simulate(const Globals& globals, const Options& options) {
   json["reason"] = campaign::contract().info(record.reason).name;
   std::string text = "verdict  " + campaign::contract().info(record.verdict).name + " / " +
                      campaign::contract().info(record.reason).name + "\n";
-  for (std::size_t v = 0; v < point.variables.size(); ++v)
-    json["variables"][campaign::contract().variables[v].name] = point.variables[v];
+  for (std::size_t v = 0; v < point.variables.size(); ++v) {
+    const campaign::Variable& variable = campaign::contract().variables[v];
+    json["variables"][variable.name] = point.variables[v];
+    text += line("%-18s %10.4g %s\n", variable.name.c_str(), point.variables[v], variable.unit.c_str());
+  }
   for (std::size_t m = 0; m < record.measures.size(); ++m) {
     const campaign::Measure& measure = campaign::contract().measures[m];
     json["measures"][measure.name] = record.measures[m];
