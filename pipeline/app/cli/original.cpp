@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "base/cores.h"
 #include "base/file.h"
 #include "base/line.h"
 #include "pipeline/app/cli/command.h"
@@ -22,7 +23,7 @@ void original(const Globals& globals, Options options) {
   lab::OriginalRequest& r = options.request;
   r.input = lab::read_original_input(options.input, options.line);
   r.backend = options.gpu ? sim::Backend::cuda : sim::Backend::cpu;
-  r.threads = std::max(1, globals.threads);
+  r.threads = threads_or_all(globals.threads);
   const vehicle::Vehicle v = vehicle::read_vehicle(lab::vehicle_file(options.vehicle));
   sim::require_backend(r.backend);
   const lab::OriginalRecord record = lab::run_original(v, r);

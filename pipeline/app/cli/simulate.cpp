@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
+#include "base/cores.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
@@ -68,7 +68,7 @@ report::FilmRequest film_request(const Globals& globals, const Options& options)
       used != int(options.size.size()))
     throw InputError("--size " + options.size + ": write it as WIDTHxHEIGHT in pixels, such as 1280x720");
   film.colour = options.colour == "height" ? report::GrainColour::height : report::GrainColour::speed;
-  film.threads = globals.threads > 0 ? globals.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+  film.threads = threads_or_all(globals.threads);
   report::check_film(film);
   return film;
 }
@@ -86,7 +86,7 @@ campaign::TrialRecord watched_trial(const Globals& globals, const Options& optio
                                                        .slope_across = value("slope_across"),
                                                        .commanded_speed = value("commanded_speed")});
   if (options.gpu) sim::require_backend(sim::Backend::cuda);
-  campaign::prepare_trials(setup, {&point, 1}, 1);
+  campaign::prepare_trials(setup, {&point, 1}, threads_or_all(globals.threads));
   std::string csv;
   campaign::TrialWatch watch;
   watch.start = [&] {
@@ -97,7 +97,7 @@ campaign::TrialRecord watched_trial(const Globals& globals, const Options& optio
   if (options.film.wants_pictures() || options.film.wants_series())
     watch.frame = [&film](const campaign::TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
-  const campaign::TrialDevice device{device_of(options), std::max(1, globals.threads)};
+  const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads)};
   const campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
   film.finish(record);

@@ -1,8 +1,8 @@
 #include <cstdio>
 #include <memory>
 #include <string>
-#include <thread>
 
+#include "base/cores.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/cli/numerics_options.h"
 #include "pipeline/campaign/trial/setup.h"
@@ -33,7 +33,7 @@ std::string table(const terrain::Calibration& c) {
 }
 
 int thread_count(const Globals& globals) {
-  return globals.threads > 0 ? globals.threads : int(std::thread::hardware_concurrency());
+  return threads_or_all(globals.threads);
 }
 
 void add_shape(CLI::App& command, terrain::GrainShape& shape) {

@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "base/cores.h"
 #include "pipeline/app/cli/validate_parts.h"
 #include "pipeline/lab/validate/vehicles.h"
 #include "pipeline/lab/vehicle/locate.h"
@@ -16,7 +17,7 @@ struct VehiclesRequest {
 };
 
 void validate_vehicles(const Globals& globals, const VehiclesRequest& request) {
-  const vehicle::HardGroundRun run{request.gpu ? sim::Backend::cuda : sim::Backend::cpu, std::max(1, globals.threads)};
+  const vehicle::HardGroundRun run{request.gpu ? sim::Backend::cuda : sim::Backend::cpu, threads_or_all(globals.threads)};
   Json json;
   std::string text;
   int failed = 0;

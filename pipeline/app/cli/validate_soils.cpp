@@ -1,7 +1,7 @@
 #include <memory>
-#include <thread>
 
 #include "base/cancel.h"
+#include "base/cores.h"
 #include "base/shipped.h"
 #include "pipeline/app/cli/numerics_options.h"
 #include "pipeline/app/cli/validate_parts.h"
@@ -29,7 +29,7 @@ lab::SoilFigure figure_of(const std::string& name, SoilsRequest& request, int th
 }
 
 void validate_soils(const Globals& globals, SoilsRequest& request) {
-  const int threads = globals.threads > 0 ? globals.threads : int(std::thread::hardware_concurrency());
+  const int threads = threads_or_all(globals.threads);
   Json json = Json::object(), checks = Json::object();
   std::string text;
   int failed = 0;

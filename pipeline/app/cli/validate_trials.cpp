@@ -2,6 +2,7 @@
 #include <memory>
 #include <string>
 
+#include "base/cores.h"
 #include "pipeline/app/cli/numerics_options.h"
 #include "pipeline/app/cli/validate_parts.h"
 #include "pipeline/lab/validate/drawbar.h"
@@ -30,7 +31,7 @@ void add_trial_options(CLI::App& command, Request& request, std::string& vehicle
 }
 
 campaign::BatchSettings batch_of(const Globals& globals, bool gpu, int seeds) {
-  return {gpu ? sim::Backend::cuda : sim::Backend::cpu, gpu ? seeds : 1, std::max(1, globals.threads)};
+  return {gpu ? sim::Backend::cuda : sim::Backend::cpu, gpu ? seeds : 1, threads_or_all(globals.threads)};
 }
 
 struct BedsOptions {

@@ -3,8 +3,8 @@
 #include <unistd.h>
 
 #include <fstream>
-#include <thread>
 
+#include "base/cores.h"
 #include "base/error.h"
 #include "base/file.h"
 
@@ -56,7 +56,7 @@ std::string writing_problem(const fs::path& folder) {
 Machine inspect_machine(const fs::path& out_folder) {
   Machine machine;
   machine.processor = proc_value("/proc/cpuinfo", "model name");
-  machine.cores = int(std::thread::hardware_concurrency());
+  machine.cores = threads_or_all(0);
   machine.memory_bytes = proc_memory_bytes("MemTotal");
   machine.available_bytes = proc_memory_bytes("MemAvailable");
   machine.out_folder = out_folder;

@@ -2,8 +2,8 @@
 
 #include <numeric>
 #include <set>
-#include <thread>
 
+#include "base/cores.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
@@ -42,7 +42,7 @@ std::vector<std::string> worker_command(const CampaignRequest& request, std::siz
 }
 
 std::unique_ptr<Crew> make_crew(const CampaignRequest& request, std::size_t todo) {
-  const int cores = int(std::max(1u, std::thread::hardware_concurrency()));
+  const int cores = threads_or_all(0);
   const std::size_t workers = std::size_t(std::max(1, request.workers > 0 ? request.workers : cores));
   if (request.crew) return request.crew(todo);
   return process_crew(std::min(workers, todo), [&request](std::size_t slot) { return worker_command(request, slot); });

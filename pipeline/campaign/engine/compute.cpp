@@ -1,8 +1,8 @@
 #include "pipeline/campaign/engine/compute.h"
 
 #include <algorithm>
-#include <thread>
 
+#include "base/cores.h"
 #include "base/error.h"
 #include "sim/simulation/device.h"
 
@@ -49,7 +49,7 @@ void use_gpus(ComputeSettings& s) {
 ComputeSettings read_compute(const Study& study, const ComputeRequest& request) {
   const Section section = read_section(study);
   ComputeSettings s;
-  s.threads = request.threads > 0 ? request.threads : int(std::max(1u, std::thread::hardware_concurrency()));
+  s.threads = threads_or_all(request.threads);
   if (request.device.value_or(section.device.value_or("cpu")) == "cuda") use_gpus(s);
   const bool on_gpu = s.gpus > 0;
   const auto chosen = [](const auto& first, const auto& second, auto otherwise) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "base/cores.h"
 #include "base/error.h"
 #include "base/file.h"
 #include "pipeline/campaign/engine/plan.h"
@@ -83,9 +84,10 @@ Replay replay_trial(const Dataset& dataset, std::uint64_t index, int threads) {
   const TemporaryPlace place;
   const TrialSetup setup =
       read_trial_setup(read_study(write_study(dataset, place.folder())), default_packing_folder(), device);
-  prepare_trials(setup, std::span(&stored.point, 1), threads);
+  const int all = threads_or_all(threads);
+  prepare_trials(setup, std::span(&stored.point, 1), all);
   Replay replay;
-  replay.record = compute(setup, stored.point, device, 1);
+  replay.record = compute(setup, stored.point, device, all);
   replay.same_program = dataset.provenance.program_version == campaign_program();
   replay.differences =
       difference({.records = {stored}, .provenance = {}}, {.records = {replay.record}, .provenance = {}}).rows;
