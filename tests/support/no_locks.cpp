@@ -17,18 +17,18 @@ int without_locks(const char* name, int fd, int command, void* argument) {
 
 }  // namespace
 
-extern "C" int fcntl(int fd, int command, ...) {
+extern "C" int fcntl(int fd, int cmd, ...) {
   std::va_list rest;
-  va_start(rest, command);
+  va_start(rest, cmd);
   void* const argument = va_arg(rest, void*);
   va_end(rest);
-  return without_locks("fcntl", fd, command, argument);
+  return without_locks("fcntl", fd, cmd, argument);
 }
 
-extern "C" int fcntl64(int fd, int command, ...) {
+extern "C" int fcntl64(int fd, int cmd, ...) {
   std::va_list rest;
-  va_start(rest, command);
+  va_start(rest, cmd);
   void* const argument = va_arg(rest, void*);
   va_end(rest);
-  return without_locks("fcntl64", fd, command, argument);
+  return without_locks("fcntl64", fd, cmd, argument);
 }

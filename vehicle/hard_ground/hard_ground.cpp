@@ -55,7 +55,7 @@ void add_pose(sim::Simulation& s, const HardGround& ground, double share, Climb&
 /// a driver who shifts up ends where the engine, not the ground, is the limit. The wheels hop: hence the long mean.
 Climb full_throttle(const Vehicle& v, double mu, double slope, const HardGroundRun& run, Trace& trace) {
   constexpr double settled = 2, time = 6, every = 0.02;  // [s]
-  constexpr int samples = int(time / every + 0.5);
+  const int samples = int(std::lround(time / every));
   DriverOrders orders;
   orders.release = 0.5;
   orders.gear = 1;
