@@ -199,9 +199,48 @@ Objective training_objective(const RbmWeights& weights, const VisibleLayout& lay
   return {loss.item<double>(), machine.gradient()};
 }
 
+namespace {
+
+/// Trains without `held_out`, whose probabilities it takes at every report epoch.
+FoldResult train_fold(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
+                      const Sampler& sampler, const std::vector<std::size_t>& training,
+                      const std::vector<std::size_t>& held_out, const EpochHook& watch) {
+  FoldResult result;
+  const auto look = [&](std::size_t epoch, const RbmWeights& weights) {
+    if (watch) watch(epoch, weights);
+    const Posterior posterior(layout, weights);
+    for (std::size_t n : held_out) {
+      const auto answer = posterior.marginal(table.row(n)).probability;
+      result.probability.insert(result.probability.end(), answer.begin(), answer.end());
+    }
+    return true;
+  };
+  result.log = train_rbm(layout, table.subset(training), settings, sampler, look).log;
+  return result;
+}
+
+/// Adds a fold to the mean training losses and to the probabilities [report epoch][row x outcome].
+void add_fold(const FoldResult& fold, const std::vector<std::size_t>& held_out, std::size_t fold_count,
+              std::size_t row_count, std::size_t outcomes, CrossValidation& result,
+              std::vector<std::vector<double>>& probability) {
+  for (std::size_t r = 0; r < fold.log.size(); ++r) {
+    if (probability.size() <= r) {
+      probability.emplace_back(row_count * outcomes);
+      result.log.push_back({fold.log[r].epoch, 0, 0});
+    }
+    result.log[r].training_loss += fold.log[r].training_loss / double(fold_count);
+    for (std::size_t k = 0; k < held_out.size(); ++k)
+      std::copy_n(fold.probability.begin() + std::ptrdiff_t((r * held_out.size() + k) * outcomes), outcomes,
+                  probability[r].begin() + std::ptrdiff_t(held_out[k] * outcomes));
+  }
+}
+
+}  // namespace
+
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
-                               const std::function<void(std::size_t)>& progress, const EpochHook& watch) {
+                               const std::function<void(std::size_t)>& progress, const EpochHook& watch,
+                               const FoldStore& store) {
   check_table(layout, table, settings);
   const std::size_t outcomes = layout.outcome_count();
   const std::vector<std::size_t> fold = assign_folds(table, fold_count, settings.seed);
@@ -211,24 +250,12 @@ CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable&
     std::vector<std::size_t> training, held_out;
     for (std::size_t n = 0; n < fold.size(); ++n) (fold[n] == f ? held_out : training).push_back(n);
     if (training.empty()) throw InputError("cross-validation: fewer groups of trials than folds");
-    std::size_t report = 0;
-    const auto look = [&](std::size_t epoch, const RbmWeights& weights) {
-      if (watch) watch(epoch, weights);
-      const Posterior posterior(layout, weights);
-      if (probability.size() <= report) {
-        probability.emplace_back(table.row_count() * outcomes);
-        result.log.push_back({double(epoch), 0, 0});
-      }
-      for (std::size_t n : held_out) {
-        const auto answer = posterior.marginal(table.row(n)).probability;
-        std::copy(answer.begin(), answer.end(), probability[report].begin() + std::ptrdiff_t(n * outcomes));
-      }
-      ++report;
-      return true;
-    };
-    const TrainingResult trained = train_rbm(layout, table.subset(training), settings, sampler, look);
-    for (std::size_t r = 0; r < trained.log.size(); ++r)
-      result.log[r].training_loss += trained.log[r].training_loss / double(fold_count);
+    std::optional<FoldResult> done = store.find ? store.find(f) : std::nullopt;
+    if (!done) {
+      done = train_fold(layout, table, settings, sampler, training, held_out, watch);
+      if (store.keep) store.keep(f, *done);
+    }
+    add_fold(*done, held_out, fold_count, table.row_count(), outcomes, result, probability);
     if (progress) progress(f + 1);
   }
   std::size_t best = 0;

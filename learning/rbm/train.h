@@ -15,6 +15,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,18 @@ Objective training_objective(const RbmWeights& weights, const VisibleLayout& lay
 /// Weighted mean over rows of -log P(y_n | x_n).
 double conditional_loss(const Posterior& posterior, const TrainingTable& table);
 
+/// What the training of one fold gave.
+struct FoldResult {
+  std::vector<EpochLog> log;        // one entry per report epoch; held_out_loss NaN
+  std::vector<double> probability;  // [report epoch x held-out row x outcome]
+};
+/// Finished folds of an earlier run. `find` returns none for a fold that is to be trained. `keep` gets every fold that
+/// was trained. Both may be empty.
+struct FoldStore {
+  std::function<std::optional<FoldResult>(std::size_t fold)> find;
+  std::function<void(std::size_t fold, const FoldResult& result)> keep;
+};
+
 /// k-fold cross-validation with early stopping. `watch` is called with every fold's machine at its report epochs.
 struct CrossValidation {
   std::size_t best_epoch = 0;       // epoch of the smallest held-out loss over all folds
@@ -65,6 +78,6 @@ struct CrossValidation {
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
                                const std::function<void(std::size_t folds_done)>& progress = {},
-                               const EpochHook& watch = {});
+                               const EpochHook& watch = {}, const FoldStore& store = {});
 
 }  // namespace gonogo::learning

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <memory>
 
 #include "base/error.h"
@@ -229,6 +230,30 @@ TEST_CASE("one hundred trials with a smooth boundary give smooth, monotone, cali
               worst_step);
   CHECK(worst_rise < 0.02);
   CHECK(worst_step < 0.04);
+}
+
+TEST_CASE("folds that an earlier run finished are not trained again, and the result keeps its bits") {
+  const VisibleLayout layout = boundary_layout();
+  const TrainingTable table = boundary_table(60, 7);
+  const auto sampler = make_sampler("block_gibbs");
+  TrainingSettings settings;
+  settings.epochs = 20;
+  std::map<std::size_t, FoldResult> kept;
+  FoldStore store;
+  store.keep = [&](std::size_t fold, const FoldResult& result) { kept[fold] = result; };
+  const CrossValidation whole = cross_validate(layout, table, settings, *sampler, 3, {}, {}, store);
+  REQUIRE(kept.size() == 3);
+  kept.erase(1);
+  std::vector<std::size_t> trained;
+  store.find = [&](std::size_t fold) {
+    return kept.count(fold) > 0 ? std::optional<FoldResult>(kept[fold]) : std::nullopt;
+  };
+  store.keep = [&](std::size_t fold, const FoldResult&) { trained.push_back(fold); };
+  const CrossValidation again = cross_validate(layout, table, settings, *sampler, 3, {}, {}, store);
+  CHECK(trained == std::vector<std::size_t>{1});
+  CHECK(again.probability == whole.probability);
+  CHECK(again.best_epoch == whole.best_epoch);
+  for (std::size_t r = 0; r < whole.log.size(); ++r) CHECK(again.log[r].training_loss == whole.log[r].training_loss);
 }
 
 TEST_CASE("tables that do not fit are refused") {

@@ -12,7 +12,8 @@ learn::TrainRequest to_request(const TrainOptions& options) {
                               .seed = options.seed.value_or(1),
                               .learning = {},
                               .design = {},
-                              .hold_out = options.hold_out};
+                              .hold_out = options.hold_out,
+                              .members_follow = options.members > 0};
   if (options.study.empty()) return request;
   const campaign::Study study = campaign::read_study(options.study);
   if (!options.seed) request.seed = study.seed;

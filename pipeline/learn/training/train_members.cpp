@@ -11,6 +11,7 @@
 #include "learning/rbm/train.h"
 #include "learning/sampler/stand_in.h"
 #include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/learn/training/kept_work.h"
 #include "pipeline/learn/training/training_data.h"
 
 namespace gonogo::learn {
@@ -45,19 +46,27 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
   const bool outside = settings.sampler == "command" || settings.sampler == "emulator";  // members take the stand-in
   const auto sampler = learning::make_sampler(outside ? settings.stand_in : settings.sampler);
   std::vector<std::filesystem::path> files;
+  const KeptWork kept(request.model, work_key(request, settings));
   Progress progress("train", "members", std::size_t(count));
+  std::size_t reused = 0;
   for (int member = 1; member <= count; ++member) {
+    files.push_back(request.model.parent_path() /
+                    (request.model.stem().string() + ".member" + std::to_string(member) + ".h5"));
+    if (kept.has_member(files.back())) {
+      progress.update(std::size_t(member), "", ++reused);
+      continue;
+    }
     learning::TrainingTable table = data.table;
     reweigh(table, request.seed, member);
     training.seed = random_bits(request.seed, 1, std::uint64_t(member));
     learning::Model model = base;
     model.weights = learning::train_rbm(base.layout, table, training, *sampler).weights;
     model.provenance["member"] = member;
-    files.push_back(request.model.parent_path() /
-                    (request.model.stem().string() + ".member" + std::to_string(member) + ".h5"));
     learning::write_model(files.back(), model);
-    progress.update(std::size_t(member));
+    kept.keep_member(files.back());
+    progress.update(std::size_t(member), "", reused);
   }
+  kept.remove();
   return files;
 }
 

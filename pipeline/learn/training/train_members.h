@@ -12,7 +12,8 @@
 namespace gonogo::learn {
 
 /// Trains `count` members and writes <model's stem>.member1.h5, ... beside the model. The model must have been trained
-/// with the same request. Returns the paths. The same dataset, seed and settings give the same bytes.
+/// with the same request. Returns the paths. After an interruption the same calls take finished members
+/// from disk. The same dataset, seed and settings give the same bytes.
 std::vector<std::filesystem::path> train_members(const TrainRequest& request, int count);
 
 }  // namespace gonogo::learn

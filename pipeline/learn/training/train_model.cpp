@@ -5,7 +5,6 @@
 
 #include "base/error.h"
 #include "base/hash.h"
-#include "base/progress.h"
 #include "base/version.h"
 #include "learning/model/model.h"
 #include "learning/rbm/logistic.h"
@@ -13,7 +12,9 @@
 #include "learning/rbm/train.h"
 #include "learning/score/calibration.h"
 #include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/learn/training/kept_work.h"
 #include "pipeline/learn/training/score_report.h"
+#include "pipeline/learn/training/training_progress.h"
 #include "pipeline/learn/training/training_sampler.h"
 
 namespace gonogo::learn {
@@ -83,12 +84,13 @@ double calibrate(const TrainingData& data, learning::CrossValidation& folds, std
   return fitted_power(data, before, fold, fold_count);
 }
 
-/// The rate of failed simulations, modelled apart from the outcomes: overall with its interval, and by a logistic
-/// regression on the variables, whose largest value over the trials is reported.
-Json failure_report(const TrainingData& data) {
+/// The rate of failed simulations among all trials, held-out ones included, modelled apart from the outcomes: overall
+/// with its interval, and by a logistic regression on the variables, whose largest value over the trials is reported.
+Json failure_report(const TrainingData& data, const learning::TrainingTable& held_out) {
   learning::TrainingTable all = data.table;
-  all.variables.insert(all.variables.end(), data.failed_variables.begin(), data.failed_variables.end());
-  std::vector<int> failed(data.table.row_count(), 0);
+  for (const std::vector<double>* rows : {&held_out.variables, &data.failed_variables})
+    all.variables.insert(all.variables.end(), rows->begin(), rows->end());
+  std::vector<int> failed(data.trials - data.failed, 0);
   failed.resize(data.trials, 1);
   all.outcome.resize(data.trials, 0);
   all.weight.assign(data.trials, 1.0);
@@ -122,7 +124,33 @@ Json counts_report(const TrainingData& data) {
   return json;
 }
 
+/// Folds of a stand-in are not kept: the run that continues would not know of it.
+learning::FoldStore fold_store(const KeptWork& kept, TrainingProgress& progress, const TrainingSampler& source) {
+  learning::FoldStore store;
+  store.find = [&](std::size_t fold) {
+    std::optional<learning::FoldResult> found = kept.fold(fold);
+    if (found) progress.reuse_machine();
+    return found;
+  };
+  store.keep = [&](std::size_t fold, const learning::FoldResult& result) {
+    if (!source.stood_in()) kept.keep_fold(fold, result);
+  };
+  return store;
+}
+
 }  // namespace
+
+std::string work_key(const TrainRequest& request, const LearningSettings& settings) {
+  Json key;
+  key["dataset"] = file_hash(request.dataset);
+  key["contract"] = content_hash(campaign::contract_text());
+  key["program"] = std::string(program_version()) + " " + program_revision();
+  key["settings"] = to_json(settings);
+  if (request.design) key["design"] = request.design->json();
+  key["hold_out"] = Json(std::uint64_t(request.hold_out));
+  key["seed"] = Json(request.seed);
+  return content_hash(key.dump());
+}
 
 LearningSettings trainable_settings(const std::optional<Config>& section) {
   const LearningSettings settings = read_learning_settings(section);
@@ -138,7 +166,8 @@ Json train_model(const TrainRequest& request) {
   const campaign::Dataset dataset = campaign::read_dataset(request.dataset);
   TrainingData data = make_training_data(dataset.records, request.design);
   temper_weights(data, settings.importance);
-  const std::size_t held_out = request.hold_out > 0 ? hold_out(data, request.hold_out, request.seed).row_count() : 0;
+  learning::TrainingTable held_out;
+  if (request.hold_out > 0) held_out = hold_out(data, request.hold_out, request.seed);
   learning::Model model;
   model.layout = make_layout(data, settings);
   learning::TrainingSettings training = training_settings(settings, data.table.row_count(), request.seed);
@@ -146,17 +175,19 @@ Json train_model(const TrainRequest& request) {
   const std::size_t folds = usable_folds(data.table, settings.folds);
   if (folds < 2) throw InputError(request.dataset.string() + ": trials at two points or more are needed to train");
 
-  Progress progress("train", "machines", folds + 1);
-  const auto fold_done = [&](std::size_t done) {
-    progress.update(done);
-    source.begin();
-  };
-  learning::CrossValidation validation =
-      cross_validate(model.layout, data.table, training, source.sampler(), folds, fold_done, source.watch());
+  const KeptWork kept(request.model, work_key(request, settings));
+  TrainingProgress progress(folds, training.epochs, source.watch());
+  learning::CrossValidation validation = cross_validate(
+      model.layout, data.table, training, source.sampler(), folds,
+      [&](std::size_t done) {
+        progress.machine_done(done);
+        source.begin();
+      },
+      progress.watch(), fold_store(kept, progress, source));
   training.epochs = validation.best_epoch;
+  progress.last_machine(training.epochs);
   if (settings.calibrate) model.calibration_power = calibrate(data, validation, folds, training.seed);
-  model.weights = train_rbm(model.layout, data.table, training, source.sampler(), source.watch()).weights;
-  progress.update(folds + 1);
+  model.weights = train_rbm(model.layout, data.table, training, source.sampler(), progress.watch()).weights;
   model.log = validation.log;
   model.sampled_lower = data.lower;
   model.sampled_upper = data.upper;
@@ -176,11 +207,12 @@ Json train_model(const TrainRequest& request) {
   report["batch"] = Json(std::uint64_t(training.batch));
   report["epochs"] = Json(std::uint64_t(validation.best_epoch));
   report["counts"] = counts_report(data);
-  report["counts"]["held_out"] = Json(std::uint64_t(held_out));
-  report["failures"] = failure_report(data);
+  report["counts"]["held_out"] = Json(std::uint64_t(held_out.row_count()));
+  report["failures"] = failure_report(data, held_out);
   report["cross_validation"] = cross_validation_scores(data, validation, folds, training.seed);
   report["cross_validation"]["folds"] = Json(std::uint64_t(folds));
   learning::write_model(request.model, model);
+  if (!request.members_follow) kept.remove();
   return report;
 }
 

@@ -18,14 +18,19 @@ struct TrainRequest {
   std::optional<Config> learning;  // section of the study; none: defaults
   std::optional<Config> design;    // section of the study, for the sampled ranges; none: as the trials span
   std::size_t hold_out = 0;        // size of the held-out set, drawn from the seed; evaluate scores it
+  bool members_follow = false;     // train_members() comes next: finished folds are kept for its interruption
 };
 
 /// As read_learning_settings(). Also throws InputError for settings that LibTorch on this machine does not support.
 LearningSettings trainable_settings(const std::optional<Config>& section);
 
 /// Trains and writes the model. Returns the report that the model file also holds. The same dataset, seed and settings
-/// give the same bytes, for any number of threads. Throws InputError for a dataset without valid trials.
+/// give the same bytes, for any number of threads. Throws InputError for a dataset without valid trials. Finished folds
+/// are kept in <model>.unfinished, so the same call after an interruption continues with the next fold.
 Json train_model(const TrainRequest& request);
+
+/// Hash of everything that the machines of a request depend on: dataset, settings, seed, program.
+std::string work_key(const TrainRequest& request, const LearningSettings& settings);
 
 /// The report as text for people: trial counts, failure rate, and cross-validated scores of model and baselines.
 std::string report_text(const Json& report);

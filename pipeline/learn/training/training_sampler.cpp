@@ -51,9 +51,14 @@ void TrainingSampler::begin() {
   if (annealer_) annealer_->begin();
 }
 
+bool TrainingSampler::stood_in() const {
+  const auto* chosen = dynamic_cast<const learning::WithStandIn*>(&sampler());
+  return chosen && chosen->stood_in();
+}
+
 void TrainingSampler::report(Json& report) const {
   const auto* chosen = dynamic_cast<const learning::WithStandIn*>(&sampler());
-  const bool stood_in = chosen && chosen->stood_in();
+  const bool stood_in = this->stood_in();
   report["sampler"] = sampler().name();
   report["sampled_on"] = on_gpu_ && !stood_in ? "gpu" : "cpu";
   report["stand_in"] = stood_in;

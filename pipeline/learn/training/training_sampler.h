@@ -19,6 +19,8 @@ class TrainingSampler {
   learning::EpochHook watch();
   /// To be called before every training run.
   void begin();
+  /// Whether a stand-in draws the rows by now.
+  bool stood_in() const;
   /// Adds to `report`: the sampler that drew the rows, why a stand-in drew them, and the annealer's report.
   void report(Json& report) const;
 

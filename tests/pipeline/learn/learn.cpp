@@ -106,6 +106,13 @@ TEST_CASE("trials that are held out by count are those that evaluation scores") 
   const Json scores = evaluate_model(file, dataset);
   CHECK(scores.at("trials").integer() == held);
   CHECK(scores.at("left_out_trained_on").integer() == report.at("counts").at("trained_on").integer());
+  std::size_t failed = 0;
+  for (const TrialRecord& record : synthetic_trials(120, 8)) failed += record.verdict == Verdict::unknown;
+  const Json& failures = report.at("failures");  // held-out trials did not fail
+  CHECK(failures.at("rate").number() == Approx(double(failed) / 120));
+  CHECK(failures.at("rate_low").number() < double(failed) / 120);
+  CHECK(failures.at("rate_high").number() > double(failed) / 120);
+  CHECK(failures.at("rate_high").number() < 0.15);
   request.hold_out = 1000;
   refused([&] { train_model(request); }, "held out");
 }

@@ -1,0 +1,28 @@
+// Progress of a training run in epochs over all its machines: those of the folds, then the last one.
+#pragma once
+#include "base/progress.h"
+#include "learning/rbm/train.h"
+
+namespace gonogo::learn {
+
+class TrainingProgress {
+ public:
+  /// `next` is called before each update; it may be empty.
+  TrainingProgress(std::size_t folds, std::size_t epochs, learning::EpochHook next);
+  /// Hook of learning::train_rbm() and of learning::cross_validate().
+  learning::EpochHook watch();
+  /// The machine in progress comes from an earlier run. Its epochs do not count in the rate.
+  void reuse_machine() { reused_ += epochs_; }
+  void machine_done(std::size_t done);
+  /// The machine in progress is the last one and trains for `epochs`. It counts as much as a fold.
+  void last_machine(std::size_t epochs) { last_epochs_ = epochs; }
+
+ private:
+  void update(std::size_t done);
+  std::size_t folds_, epochs_;
+  std::size_t machines_done_ = 0, last_epochs_, reused_ = 0;
+  learning::EpochHook next_;
+  Progress progress_;
+};
+
+}  // namespace gonogo::learn
