@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace gonogo {
+namespace {
+
+constexpr std::size_t kBeginning = 3;  // letters that count as the beginning of a word
+
+}  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -20,6 +25,8 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 std::string nearest_word(std::string_view misspelt, const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    if (misspelt.size() >= kBeginning && word.starts_with(misspelt)) return word;
   const auto nearest = std::min_element(words.begin(), words.end(), [&](const auto& a, const auto& b) {
     return edit_distance(a, misspelt) < edit_distance(b, misspelt);
   });

@@ -13,7 +13,10 @@ import json
 import os
 import sys
 
-import dimod
+try:
+    import dimod
+except ImportError:
+    sys.exit("ocean_bridge.py: dimod is not installed; pip install dimod dwave-samplers")
 
 
 def read_problem(path):
@@ -24,17 +27,30 @@ def read_problem(path):
     return dimod.BinaryQuadraticModel.from_serializable(json.loads(content))
 
 
+def qpu():
+    """The machine of the user's D-Wave configuration; every way of not getting it ends in one sentence."""
+    try:
+        from dwave.system import DWaveSampler
+    except ImportError:
+        sys.exit("ocean_bridge.py: dwave-system is not installed; pip install dwave-system")
+    try:
+        return DWaveSampler()
+    except Exception as error:  # of the client, of the network, or ValueError for a missing token
+        reason = str(error).strip().splitlines()
+        sys.exit("ocean_bridge.py: no machine can be reached: %s; set an API token with dwave config create or "
+                 "DWAVE_API_TOKEN" % (reason[0] if reason else type(error).__name__))
+
+
 def sample(bqm, arguments):
     reads, seed = arguments.reads, arguments.seed % 2**31
     if arguments.sampler == "qpu":
-        from dwave.system import DWaveSampler
-
-        # auto_scale would change the temperature of the rows without a word
-        return DWaveSampler().sample(bqm, num_reads=reads, auto_scale=False, answer_mode="raw")
+        return qpu().sample(bqm, num_reads=reads, auto_scale=False, answer_mode="raw")  # scaling would change beta
     if arguments.sampler == "exact":
-        raise SystemExit("the sampler exact lists all states and draws no rows; use tree")
-    from dwave import samplers
-
+        sys.exit("ocean_bridge.py: the sampler exact lists all states and draws no rows; use tree")
+    try:
+        from dwave import samplers
+    except ImportError:
+        sys.exit("ocean_bridge.py: dwave-samplers is not installed; pip install dwave-samplers")
     if arguments.sampler == "annealer":  # heat bath in random order up to beta = 1: rows follow exp(-E)
         return samplers.SimulatedAnnealingSampler().sample(
             bqm, num_reads=reads, num_sweeps=arguments.sweeps, beta_range=[0.1, 1.0], seed=seed,
@@ -53,7 +69,10 @@ def main():
     parser.add_argument("--sweeps", type=int, default=1000)
     parser.add_argument("--sampler", choices=["qpu", "annealer", "tree", "random"], required=True)
     arguments = parser.parse_args()
-    bqm = read_problem(arguments.problem)
+    try:
+        bqm = read_problem(arguments.problem)
+    except (OSError, ValueError, KeyError) as error:
+        sys.exit("ocean_bridge.py: %s: cannot be read as a problem of dimod: %s" % (arguments.problem, error))
     found = sample(bqm, arguments)
     answer = dimod.SampleSet.from_samples_bqm((found.record.sample, found.variables), bqm.change_vartype(
         found.vartype, inplace=False), num_occurrences=found.record.num_occurrences)

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "learning/qubo/dimod.h"
+#include "learning/qubo/foreign_file.h"
 #include "learning/qubo/format.h"
 #include "learning/qubo/python_json.h"
 #include "learning/qubo/qbsolv.h"
@@ -15,17 +16,44 @@ namespace {
 
 constexpr std::array<const char*, 4> kNames = {"dimod_json", "sapi", "qbsolv", "csv"};
 
+std::string without_blanks(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(' ');
+  return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+/// Cells between commas. Within quotes a comma belongs to the cell, and two quotes are one.
 std::vector<std::string> cells(std::string_view line) {
   std::vector<std::string> result;
-  for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t end = std::min(line.find(',', at), line.size());
-    std::string_view cell = line.substr(at, end - at);
-    while (!cell.empty() && (cell.front() == ' ' || cell.front() == '"')) cell.remove_prefix(1);
-    while (!cell.empty() && (cell.back() == ' ' || cell.back() == '"')) cell.remove_suffix(1);
-    result.emplace_back(cell);
-    at = end + 1;
+  std::string cell;
+  bool quoted = false, was_quoted = false;
+  const auto end_cell = [&] {
+    result.push_back(was_quoted ? cell : without_blanks(cell));
+    cell.clear();
+    was_quoted = false;
+  };
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    if (quoted && line[k] == '"' && k + 1 < line.size() && line[k + 1] == '"') {
+      cell += line[k++];
+    } else if (line[k] == '"' && (quoted || without_blanks(cell).empty())) {
+      quoted = !quoted;
+      if (quoted) cell.clear();
+      was_quoted = true;
+    } else if (line[k] == ',' && !quoted) {
+      end_cell();
+    } else if (!(was_quoted && !quoted && line[k] == ' ')) {
+      cell += line[k];
+    }
   }
+  end_cell();
   return result;
+}
+
+/// A cell of a CSV file, in quotes where it needs them.
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos && without_blanks(text) == text) return text;
+  std::string quoted = "\"";
+  for (char c : text) quoted += c == '"' ? std::string(2, c) : std::string(1, c);
+  return quoted + "\"";
 }
 
 /// Column of each label, of "energy" and of "num_occurrences"; -1 where absent.
@@ -131,7 +159,7 @@ AnswerFormat answer_format_named(const std::string& name) {
 
 std::string samples_csv(const SampleSet& samples) {
   std::string text;
-  for (const Label& label : samples.labels) text += label_text(label) + ",";
+  for (const Label& label : samples.labels) text += csv_cell(label_text(label)) + ",";
   text += "energy,num_occurrences\n";
   for (std::size_t r = 0; r < samples.row_count(); ++r) {
     for (std::int8_t value : samples.row(r)) text += std::to_string(int(value)) + ",";
@@ -141,6 +169,7 @@ std::string samples_csv(const SampleSet& samples) {
 }
 
 SampleSet read_answer(const std::string& text, AnswerFormat format, const Problem& problem, const std::string& source) {
+  refuse_foreign_file(text, source);
   switch (format) {
     case AnswerFormat::dimod_json:
       return samples_from_dimod_json(text, source);

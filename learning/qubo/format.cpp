@@ -9,6 +9,7 @@
 #include "learning/qubo/coo.h"
 #include "learning/qubo/dimod.h"
 #include "learning/qubo/entries.h"
+#include "learning/qubo/foreign_file.h"
 #include "learning/qubo/optimisation_text.h"
 #include "learning/qubo/qbsolv.h"
 
@@ -74,7 +75,7 @@ constexpr std::array<FormatFacts, 10> kFormats = {{
 
 bool has_text_labels(const Problem& problem) {
   return std::any_of(problem.labels.begin(), problem.labels.end(),
-                     [](const Label& label) { return std::holds_alternative<std::string>(label); });
+                     [](const Label& label) { return !std::holds_alternative<std::int64_t>(label); });
 }
 
 bool numbered_from_one(F format) { return format == F::mqlib || format == F::biq_mac || format == F::rudy; }
@@ -190,6 +191,7 @@ WrittenProblem write_problem(const Problem& problem, ProblemFormat format, const
 
 Problem read_problem(const std::string& text, ProblemFormat format, const FormatOptions& options,
                      const std::string& source) {
+  refuse_foreign_file(text, source);
   switch (format) {
     case F::dimod_json:
       return problem_from_dimod_json(text, source);

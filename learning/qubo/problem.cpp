@@ -6,14 +6,29 @@
 #include "base/error.h"
 #include "base/hash.h"
 #include "learning/qubo/dimod.h"
+#include "learning/qubo/python_json.h"
 
 namespace gonogo::learning {
 
 std::string vartype_name(Vartype vartype) { return vartype == Vartype::binary ? "BINARY" : "SPIN"; }
 
+namespace {
+
+/// As Python's repr prints a value read from JSON, with lists as tuples.
+std::string python_text(const Json& json) {
+  if (json.is_string()) return "'" + json.string() + "'";
+  if (!json.is_array()) return python_json(json, JsonSpaces::after);
+  std::string text;
+  for (const Json& item : json.items()) text += (text.empty() ? "" : ", ") + python_text(item);
+  return "(" + text + (json.items().size() == 1 ? ",)" : ")");
+}
+
+}  // namespace
+
 std::string label_text(const Label& label) {
   if (const auto* number = std::get_if<std::int64_t>(&label)) return std::to_string(*number);
-  return std::get<std::string>(label);
+  if (const auto* text = std::get_if<std::string>(&label)) return *text;
+  return python_text(Json::parse(std::get<JsonLabel>(label).text, "label"));
 }
 
 void check_problem(const Problem& problem, const std::string& source) {

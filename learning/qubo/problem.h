@@ -4,6 +4,7 @@
 //
 // with x in {0, 1} (QUBO) or {-1, +1} (Ising). The vartype is part of the problem and never guessed.
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -16,8 +17,15 @@ enum class Vartype { binary, spin };
 
 std::string vartype_name(Vartype vartype);  // "BINARY", "SPIN": the names of dimod
 
-/// Name of a variable in files: a number or a text.
-using Label = std::variant<std::int64_t, std::string>;
+/// A tuple, possibly nested, or a number that is not whole, as dimod's labels may be: the JSON text that dimod writes.
+struct JsonLabel {
+  std::string text;  // "[0, [1, \"a\"]]", "1.5"
+  auto operator<=>(const JsonLabel&) const = default;
+};
+
+/// Name of a variable in files: a whole number, a text, or another kind that dimod knows.
+using Label = std::variant<std::int64_t, std::string, JsonLabel>;
+/// For people and for headers of tables; tuples as Python prints them: (0, (1, 'a')).
 std::string label_text(const Label& label);
 
 struct Coupling {

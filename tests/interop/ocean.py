@@ -6,6 +6,7 @@ import base64
 import io
 import json
 import os
+import pickle
 import random
 import struct
 import subprocess
@@ -15,6 +16,7 @@ import tempfile
 import bqpjson
 import dimod
 import dwave_networkx
+import numpy
 from dimod.serialization import coo
 from dwave.cloud import Client
 from dwave.cloud.coders import decode_qp, decode_qp_numpy, encode_problem_as_qp
@@ -85,6 +87,106 @@ def problem_files():
     write("n.bqm", numbered.to_file().read())
     gonogo("qubo", "convert", "n.bqm", "--out", "n.coo")
     check(read("n.coo").decode() == coo.dumps(numbered, vartype_header=True) + "\n", "coordinate text has dimod's bytes")
+
+
+LABELS = [lambda i: i, lambda i: i + 5, lambda i: -i, lambda i: "v%d" % i, lambda i: "\u00fc,\"%d\"\n" % i, lambda i: (0, i),
+          lambda i: (i, (1, "a"), 2), lambda i: (0, 0, i % 2, i), lambda i: i + 0.5, lambda i: (i / 4 + 0.1,), lambda i: ((i,),),
+          lambda i: 2**62 + i, lambda i: [i, "x%d" % i, (i, 0), i + 0.25][i % 4]]
+
+
+def hostile(k):
+    """The k-th of 65 problems of dimod's own kinds: all labels, hard numbers, no couplings, no variables, float32."""
+    rng = random.Random(k)
+    label, vartype = LABELS[k % len(LABELS)], ("BINARY", "SPIN")[k % 2]
+    hard = [0.0, -0.0, 1e-300, 5e-324, -1e300, 1 / 3, 1e15, 1e16, 123456789012345678.0]
+    number = lambda: rng.choice(hard) if rng.random() < 0.4 else rng.uniform(-2, 2)
+    bqm = dimod.BinaryQuadraticModel(vartype)
+    count = [0, 1, 5, 12, 40][k // len(LABELS)]
+    for i in range(count):
+        bqm.add_variable(label(i), number())
+    for i in range(count):
+        for j in range(i):
+            if rng.random() < 0.3:
+                bqm.add_quadratic(label(i), label(j), number())
+    bqm.offset = number() + 0.0  # dimod's reader of JSON drops the sign of a zero offset
+    return bqm
+
+
+def tuples(label):
+    return tuple(map(tuples, label)) if isinstance(label, list) else label
+
+
+def from_json(path):
+    """dimod's reader makes tuples of the outermost lists alone; labels of labels are made tuples here."""
+    data = json.loads(read(path))
+    data["variable_labels"] = [tuples(label) for label in data["variable_labels"]]
+    return dimod.BinaryQuadraticModel.from_serializable(data)
+
+
+def hostile_files():
+    for k in range(65):
+        bqm = hostile(k)
+        write("h.bqm", bqm.to_file().read())
+        gonogo("qubo", "convert", "h.bqm", "--out", "h.json")
+        gonogo("qubo", "convert", "h.json", "--out", "h_back.bqm")
+        check(read("h_back.bqm") == read("h.bqm"), "hostile problem %d: dimod's bytes through our JSON and back" % k)
+        ours = from_json("h.json")
+        check(ours.to_file().read() == read("h.bqm"), "hostile problem %d: dimod reads our JSON to the last bit" % k)
+        check(dimod.BinaryQuadraticModel.from_file(read("h_back.bqm")).variables == bqm.variables, "labels of problem %d" % k)
+        write("d.json", json.dumps(bqm.to_serializable()))
+        gonogo("qubo", "convert", "d.json", "--out", "d.bqm")
+        theirs = from_json("d.json")
+        check(read("d.bqm") == theirs.to_file().read(), "hostile problem %d: dimod's JSON to the last bit" % k)
+        if len(bqm) > 0:
+            gonogo("qubo", "sample", "h.bqm", "--sampler", "anneal", "--reads", "3", "--sweeps", "2", "--out", "h_rows.json")
+            data = json.loads(read("h_rows.json"))
+            data["variable_labels"] = [tuples(label) for label in data["variable_labels"]]
+            rows = dimod.SampleSet.from_serializable(data)
+            check(set(rows.variables) == set(bqm.variables), "dimod reads the labels of our rows, problem %d" % k)
+
+
+def refused(reason, *arguments):
+    done = subprocess.run([GONOGO, *arguments], capture_output=True, text=True)
+    check(done.returncode == 2 and reason in done.stderr, "refused with \"%s\": %s" % (reason, done.stderr))
+
+
+def foreign_files():
+    cqm = dimod.ConstrainedQuadraticModel()
+    cqm.set_objective(dimod.Binary("x"))
+    cqm.add_constraint(dimod.Binary("x") <= 1)
+    dqm = dimod.DiscreteQuadraticModel()
+    dqm.add_variable(3)
+    qm = dimod.QuadraticModel()
+    qm.add_variable("INTEGER", "i")
+    bqm = dimod.BinaryQuadraticModel({"x": 1}, {}, 0, "BINARY")
+    for name, content, reason in (("a.cqm", cqm.to_file().read(), "CQM"), ("a.dqm", dqm.to_file().read(), "DQM"),
+                                  ("a.qm", qm.to_file().read(), "(QM)"), ("a.lp", dimod.lp.dumps(cqm), "LP file"),
+                                  ("a.pickle", pickle.dumps(bqm), "pickle"), ("a.json", pickle.dumps(bqm), "pickle")):
+        write(name, content)
+        refused(reason, "qubo", "convert", name, "--out", "x.json")
+    write("a.unknown", "1 2 3")
+    refused("say which with --from", "qubo", "convert", "a.unknown", "--out", "x.json")
+    write("b.bqm", bqm.to_file().read())
+    refused("say which with --to", "qubo", "convert", "b.bqm", "--out", "x.unknown")
+    for empty in (dimod.SampleSet.from_samples([], "BINARY", energy=[]),
+                  dimod.SampleSet.from_samples((numpy.empty((0, 1), dtype="int8"), ["x"]), "BINARY", energy=[])):
+        write("empty.json", json.dumps(empty.to_serializable()))
+        gonogo("qubo", "convert", "b.bqm", "--out", "b.json")
+        done = subprocess.run([GONOGO, "qubo", "import", "--problem", "b.json", "--answer", "empty.json"],
+                              capture_output=True, text=True)
+        check(done.returncode == 2 and ("no rows" in done.stderr or "variables" in done.stderr), "empty: " + done.stderr)
+
+
+def bridge_without():
+    """Without dimod, and without a machine, the bridge ends in a sentence."""
+    bare = subprocess.run([sys.executable, "-S", "-E", os.path.join(SOURCE, "scripts", "ocean_bridge.py"), "p", "a",
+                           "--sampler", "annealer"], capture_output=True, text=True, env={"PATH": os.environ["PATH"]})
+    check(bare.returncode == 1 and bare.stderr.startswith("ocean_bridge.py: dimod is not installed"), bare.stderr)
+    bqm = random_problem("BINARY", 4, lambda i: i)
+    write("q.bqm", bqm.to_file().read())
+    done = subprocess.run([sys.executable, os.path.join(SOURCE, "scripts", "ocean_bridge.py"), "q.bqm", "q.json",
+                           "--sampler", "qpu"], capture_output=True, text=True)
+    check(done.returncode == 1 and done.stderr.startswith("ocean_bridge.py: ") and "Traceback" not in done.stderr, done.stderr)
 
 
 def bqpjson_files():
@@ -215,9 +317,12 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         problem_files()
+        hostile_files()
+        foreign_files()
         bqpjson_files()
         sapi()
         bridge()
+        bridge_without()
         loopback()
         os.chdir("/")
     print("interop: %d facts hold" % checks)

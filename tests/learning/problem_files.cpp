@@ -167,7 +167,7 @@ TEST_CASE("damaged binary files are refused with the reason") {
   const std::string labelled = to_bqm_file(product());
   refused(read(labelled.substr(0, labelled.size() - 64)), "labels");
   refused(read(with_text(labelled, "\"y\"", "\"x\"")), "twice");
-  refused(read(with_text(labelled, "[\"x\", \"y\"]", "[\"x\", 1.5]")), "VARS");
+  refused(read(with_text(labelled, "[\"x\", \"y\"]", "[\"x\", null]")), "VARS");
   refused(read(with_text(labelled, "VARS", "VARZ")), "VARS");
 }
 
@@ -357,6 +357,64 @@ TEST_CASE("a sidecar of another problem, or a changed file, is refused") {
   refused(parse("sidecar/2", "sidecar/9"), "format");
   refused(parse("\"coo\"", "\"zoo\""), "problem_format");
   refused(parse("\"ids\":[0,", "\"ids\":["), "ids");
+}
+
+TEST_CASE("labels of every kind of dimod go through its files and tables and come back") {
+  const std::string labels = R"j([[0, 1], [0, [1, "a"], 2], [0, 0, 1, 2], [], [[]], [1], 1.5, -0.25, 1e-07,)j"
+                             R"j( "(0, 1)", "", "a,b", "\"q\"", 9223372036854775807, -9223372036854775808])j";
+  Problem problem = problem_from_dimod_json(with_text(to_dimod_json(random_problem(15, Vartype::spin, 4)),
+                                                      R"(["u0","u1","u2","u3","u4","u5","u6","u7",)"
+                                                      R"("u8","u9","u10","u11","u12","u13","u14"])",
+                                                      labels),
+                                            "p.json");
+  CHECK(label_text(problem.labels[0]) == "(0, 1)");
+  CHECK(label_text(problem.labels[1]) == "(0, (1, 'a'), 2)");
+  CHECK(label_text(problem.labels[5]) == "(1,)");
+  CHECK(problem_from_bqm_file(to_bqm_file(problem, 2), "p.bqm") == problem);
+  CHECK(problem_from_bqm_file(to_bqm_file(problem, 1), "p.bqm") == problem);
+  CHECK(problem_from_dimod_json(to_dimod_json(problem), "p.json") == problem);
+  CHECK(to_bqm_file(problem, 2).find(R"([[0, 1], [0, [1, "a"], 2], [0, 0, 1, 2], [], [[]], [1], 1.5, -0.25, 1e-07)") !=
+        std::string::npos);
+
+  problem.labels[9] = "t";  // a table cannot tell the text "(0, 1)" from the tuple
+  SampleSet answer;
+  answer.vartype = Vartype::spin;
+  answer.labels = problem.labels;
+  answer.values.assign(15, 1);
+  answer.energies = {energy(problem, answer.values)};
+  answer.occurrences = {2};
+  CHECK(samples_from_dimod_json(to_dimod_json(answer), "a.json") == answer);
+  CHECK(read_answer(samples_csv(answer), AnswerFormat::csv, problem, "a.csv") == answer);
+
+  const auto with_label = [&](const std::string& label) {
+    return [=] { problem_from_dimod_json(with_text(to_dimod_json(product()), R"("x")", label), "p.json"); };
+  };
+  refused(with_label("null"), "relabel");
+  refused(with_label("[0, true]"), "relabel");
+  refused(with_label("18446744073709551615"), "relabel");
+}
+
+TEST_CASE("files of neighbouring kinds are called by their names") {
+  const auto read = [](const std::string& text) {
+    return [=] { read_problem(text, ProblemFormat::dimod_json, {}, "p.json"); };
+  };
+  refused(read("DIMODCQM\2"), "constrained quadratic model (CQM)");
+  refused(read("DIMODDQM\1"), "discrete quadratic model (DQM)");
+  refused(read("DIMODQM\1"), "quadratic model (QM)");
+  refused(read(std::string("\x80\x04\x95\x00.", 5)), "pickle");
+  refused(read("\\ a comment\nMinimize\n obj: + 1 x\nEnd\n"), "LP file");
+  refused(read("PK\3\4..."), "ZIP");
+  refused([] { read_answer("DIMODQM\1", AnswerFormat::dimod_json, product(), "a.json"); }, "quadratic model");
+}
+
+TEST_CASE("dimod's empty sample set is read, whatever width it gives") {
+  const std::string text =
+      R"({"type":"SampleSet","version":{"sampleset_schema":"3.2.0"},"num_variables":2,"num_rows":0,"sample_data":)"
+      R"({"type":"array","data":[],"data_type":"uint32","shape":[0,2],"use_bytes":false},"sample_type":"int8",)"
+      R"("sample_packed":true,"vectors":{"energy":{"type":"array","data":[],"data_type":"float64","shape":[0],)"
+      R"("use_bytes":false},"num_occurrences":{"type":"array","data":[],"data_type":"int64","shape":[0],)"
+      R"("use_bytes":false}},"variable_labels":["x","y"],"variable_type":"BINARY","info":{}})";
+  CHECK(samples_from_dimod_json(text, "a.json").row_count() == 0);
 }
 
 TEST_CASE("answers as tables: labels and values are checked") {
