@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -52,32 +53,33 @@ Embedding embed_sides(const HardwareGraph& graph, const Problem& problem) {
   binary.vartype = Vartype::binary;  // only the couplings' places matter
   const auto sides = split_in_two(binary);
   if (!sides) throw InputError("embedding biclique: the variables do not fall into two sides; use clique or heuristic");
-  const Embedding found = embed_biclique(graph, sides->left.size(), sides->right.size());
+  const bool turned = sides->left.size() < sides->right.size();
+  const auto &wide = turned ? sides->right : sides->left, &narrow = turned ? sides->left : sides->right;
+  const bool crossed = wide.size() > std::min(lines(graph.size(), 0).size(), lines(graph.size(), 1).size());
+  const auto &first = crossed ? wide : sides->left, &second = crossed ? narrow : sides->right;
+  const Embedding found = crossed ? embed_crossed_biclique(graph, first.size(), second.size())
+                                  : embed_biclique(graph, first.size(), second.size());
   Embedding result;
   result.chains.resize(problem.variable_count());
-  for (std::size_t k = 0; k < sides->left.size(); ++k) result.chains[sides->left[k]] = found.chains[k];
-  for (std::size_t k = 0; k < sides->right.size(); ++k)
-    result.chains[sides->right[k]] = found.chains[sides->left.size() + k];
+  for (std::size_t k = 0; k < first.size(); ++k) result.chains[first[k]] = found.chains[k];
+  for (std::size_t k = 0; k < second.size(); ++k) result.chains[second[k]] = found.chains[first.size() + k];
   return result;
 }
 
 Embedding automatic(const HardwareGraph& graph, const Problem& problem, const HeuristicSettings& settings) {
   std::string reasons;
-  Embedding best;
-  bool found = false;
+  std::optional<Embedding> best;
   for (const char* method : {"biclique", "clique", "heuristic"}) {
-    if (found && best.uncoupled.empty()) break;
     try {
       Embedding embedding = embed(graph, problem, method, settings);
-      if (found && embedding.uncoupled.size() >= best.uncoupled.size()) continue;
-      best = std::move(embedding);
-      found = true;
+      if (!best || embedding.uncoupled.size() < best->uncoupled.size()) best = std::move(embedding);
+      if (best->uncoupled.empty() || std::string(method) == "biclique") break;
     } catch (const InputError& error) {
       reasons += std::string(reasons.empty() ? "" : "; ") + error.what();
     }
   }
-  if (!found) throw InputError("the problem cannot be embedded: " + reasons);
-  return best;
+  if (!best) throw InputError("the problem cannot be embedded: " + reasons);
+  return *best;
 }
 
 }  // namespace

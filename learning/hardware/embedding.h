@@ -1,6 +1,7 @@
 // Embedding of problems on qubits. A variable becomes a chain: qubits that strong couplings hold together.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,11 @@ VariablePairs uncoupled_pairs(const HardwareGraph& graph, const Chains& chains, 
 /// lines.
 Embedding embed_biclique(const HardwareGraph& graph, std::size_t visible, std::size_t hidden);
 
+/// The same for a long side and a short one. Variables of the short side (the last `narrow`) are on crosses of a
+/// vertical and a horizontal line, those of the long side on the lines that are left, of both directions.
+/// Deterministic. Throws InputError when there are too few lines.
+Embedding embed_crossed_biclique(const HardwareGraph& graph, std::size_t wide, std::size_t narrow);
+
 /// Couples every variable with every other. Variable v is on parts of a vertical line and of the horizontal line of the
 /// same number, joined where they cross (Choi, arXiv:1001.3116; Boothby, King, Roy, arXiv:1507.04774). Deterministic.
 Embedding embed_clique(const HardwareGraph& graph, std::size_t variables);
@@ -38,15 +44,20 @@ Embedding embed_clique(const HardwareGraph& graph, std::size_t variables);
 struct HeuristicSettings {
   std::uint64_t seed = 1;
   std::size_t tries = 10, rounds = 60;
+  double time_limit_s = 60;
+  /// Called after every variable that was laid; may be empty.
+  std::function<void(std::size_t attempt, std::size_t round)> watch = {};
 };
 
 /// Couples given pairs. Chains grow along cheapest paths; overlaps are allowed at first, at a cost that rises each
-/// round (Cai, Macready, Roy, arXiv:1406.2741). Deterministic. Throws InputError when no try ends without overlaps.
+/// round (Cai, Macready, Roy, arXiv:1406.2741). Deterministic, but for the time limit. Throws InputError when no try
+/// ends without overlaps, at once when counts show that none can, and when the time is over.
 Embedding embed_heuristic(const HardwareGraph& graph, std::size_t variables, const VariablePairs& pairs,
                           const HeuristicSettings& settings = {});
 
-/// `method`: "biclique" (bipartite problems), "clique", "heuristic", or "auto". "auto" takes the first of them that
-/// couples every pair; if there is none, the better one of the first two.
+/// `method`: "biclique" (bipartite problems, on crosses where a side is too long), "clique", "heuristic", or "auto".
+/// "auto" takes a biclique if one fits; otherwise the clique or the heuristic, the first that couples every pair, or
+/// the clique if none does.
 Embedding embed(const HardwareGraph& graph, const Problem& problem, const std::string& method,
                 const HeuristicSettings& settings = {});
 

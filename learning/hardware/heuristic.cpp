@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/dijkstra_shortest_paths.hpp>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "base/cancel.h"
 #include "base/error.h"
+#include "base/format.h"
 #include "base/random.h"
 #include "learning/hardware/embedding.h"
 
@@ -28,6 +30,24 @@ struct Ways {
   std::vector<double> cost;
   std::vector<Vertex> before;
 };
+
+/// The largest minimum degree of any part of a graph: a lower bound of its treewidth.
+std::size_t degeneracy(const std::vector<std::vector<std::uint32_t>>& neighbours) {
+  std::vector<std::size_t> degree;
+  for (const auto& list : neighbours) degree.push_back(list.size());
+  std::vector<char> gone(degree.size(), 0);
+  std::size_t largest = 0;
+  for (std::size_t step = 0; step < degree.size(); ++step) {
+    std::size_t least = degree.size();
+    for (std::size_t v = 0; v < degree.size(); ++v)
+      if (!gone[v] && (least == degree.size() || degree[v] < degree[least])) least = v;
+    largest = std::max(largest, degree[least]);
+    gone[least] = 1;
+    for (std::uint32_t other : neighbours[least])
+      if (!gone[other]) --degree[other];
+  }
+  return largest;
+}
 
 class Embedder {
  public:
@@ -50,7 +70,8 @@ class Embedder {
   }
 
   /// Lays every variable anew, in an order of its own for each round; prices rise with `base`.
-  void round(std::uint64_t number, double base) {
+  template <class Laid>
+  void round(std::uint64_t number, double base, Laid laid) {
     base_ = base;
     std::vector<std::uint32_t> order(chains_.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -59,6 +80,7 @@ class Embedder {
       stop_if_cancelled();
       take_out(v);
       lay(v);
+      laid();
     }
     for (std::size_t q = 0; q < use_.size(); ++q)
       if (use_[q] > 1) history_[q] += kHistoryStep;
@@ -153,19 +175,49 @@ class Embedder {
   double base_ = 2;
 };
 
+/// Counts that no embedding can meet. A chain of L qubits has at most L (d - 2) + 2 couplers to others, with d the most
+/// couplers of a qubit. On Chimera no chain of minors has a minimum degree above the treewidth, which is the number of
+/// lines of the shorter direction.
+void refuse_too_large(const HardwareGraph& graph, std::size_t variables, const VariablePairs& pairs) {
+  std::vector<std::vector<std::uint32_t>> wanted(variables);
+  for (const auto& [a, b] : pairs) {
+    wanted[a].push_back(b);
+    wanted[b].push_back(a);
+  }
+  std::size_t most = 3, qubits = 0;
+  for (Qubit q : graph.qubits()) most = std::max(most, graph.neighbours(q).size());
+  for (const auto& list : wanted) qubits += list.size() <= most ? 1 : (list.size() - 2 + most - 3) / (most - 2);
+  if (qubits > graph.qubits().size())
+    throw InputError("graph " + graph.name() + ": " + std::to_string(variables) + " variables need at least " +
+                     std::to_string(qubits) + " qubits, " + std::to_string(graph.qubits().size()) + " work");
+  if (graph.size().topology != Topology::chimera) return;
+  const std::size_t width = std::min(lines(graph.size(), 0).size(), lines(graph.size(), 1).size());
+  if (const std::size_t degree = degeneracy(wanted); degree > width)
+    throw InputError("graph " + graph.name() + ": the couplings are too dense; some variables have " +
+                     std::to_string(degree) + " partners among one another, " + std::to_string(width) +
+                     " are possible (the treewidth); use a larger graph");
+}
+
 }  // namespace
 
 Embedding embed_heuristic(const HardwareGraph& graph, std::size_t variables, const VariablePairs& pairs,
                           const HeuristicSettings& settings) {
-  if (graph.qubits().size() < variables)
-    throw InputError("graph " + graph.name() + ": " + std::to_string(variables) + " variables need as many qubits, " +
-                     std::to_string(graph.qubits().size()) + " work");
+  refuse_too_large(graph, variables, pairs);
+  const auto begin = std::chrono::steady_clock::now();
   for (std::size_t attempt = 0; attempt < settings.tries; ++attempt) {
     Embedder embedder(graph, variables, pairs, random_bits(settings.seed, 0, attempt));
     Chains best;
     std::size_t shortest = SIZE_MAX;
     for (std::size_t round = 0; round < settings.rounds; ++round) {
-      embedder.round(round, std::min(2.0 + 0.5 * double(round), 8.0));
+      embedder.round(round, std::min(2.0 + 0.5 * double(round), 8.0), [&] {
+        if (settings.watch) settings.watch(attempt, round);
+        const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+        if (passed.count() > settings.time_limit_s)
+          throw InputError("graph " + graph.name() + ": no embedding found within " +
+                           number_text(settings.time_limit_s) +
+                           " s; use a larger graph or fewer couplings, or wait "
+                           "longer with --time-limit");
+      });
       if (variables > 0 && embedder.max_use() > 1) continue;
       if (embedder.length() >= shortest) break;  // no overlaps, and no shorter than before
       shortest = embedder.length();

@@ -2,6 +2,7 @@
 #include "learning/hardware/embedding.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 
 #include "base/random.h"
@@ -165,10 +166,41 @@ TEST_CASE("the heuristic embeds any pairs that fit, with dead qubits, the same f
   std::printf("heuristic: 16 variables, %zu couplings: %zu of %zu qubits, longest chain %zu\n",
               problem.couplings.size(), qubits_used(embedding.chains), graph.qubits().size(),
               longest(embedding.chains));
-  refused([&] { embed(graph_named("chimera:1"), random_ising(8, 1, 1), "heuristic"); }, "no embedding found");
-  refused([&] { embed(graph_named("chimera:1"), random_ising(9, 0, 1), "heuristic"); }, "need as many");
+  Problem triangle = random_ising(8, 0, 1);  // eight variables on eight qubits, whose graph has no odd ring
+  triangle.couplings = {{0, 1, 1}, {0, 2, 1}, {1, 2, 1}};
+  refused([&] { embed(graph_named("chimera:1"), triangle, "heuristic"); }, "no embedding found");
+  refused([&] { embed(graph_named("chimera:1"), random_ising(9, 0, 1), "heuristic"); }, "need at least 9 qubits");
   refused([&] { embed(graph, problem, "best"); }, "biclique");
   CHECK(embed(graph, problem, "auto").uncoupled.empty());
+}
+
+TEST_CASE("what no embedding can hold is refused at once, with the reason, and the search keeps its time limit") {
+  const auto begin = std::chrono::steady_clock::now();
+  refused([&] { embed(graph_named("chimera:12"), random_ising(60, 1, 1), "auto"); }, "treewidth");
+  refused([&] { embed(graph_named("chimera:4"), random_ising(64, 1, 1), "heuristic"); }, "qubits");
+  refused([&] { embed(graph_named("chimera:8"), random_ising(60, 0.4, 1), "heuristic", {.time_limit_s = 0.3}); },
+          "within 0.3 s");
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+  CHECK(passed.count() < 5);
+}
+
+TEST_CASE("a biclique with a side longer than the lines lies on crosses and the lines of both directions") {
+  for (const auto& [wide, narrow, dead] : {std::tuple(52, 8, 0.0), {72, 12, 0.0}, {52, 8, 0.02}, {60, 12, 0.02}}) {
+    CAPTURE(wide, narrow, dead);
+    const HardwareGraph graph = with_dead("chimera:12", dead, 1);
+    const Embedding embedding = embed_crossed_biclique(graph, std::size_t(wide), std::size_t(narrow));
+    check_chains(graph, embedding.chains);
+    std::printf("K%d,%d on C12, %.0f %% dead: %zu qubits, longest chain %zu, %zu pairs uncoupled\n", wide, narrow,
+                100 * dead, qubits_used(embedding.chains), longest(embedding.chains), embedding.uncoupled.size());
+    CHECK(double(embedding.uncoupled.size()) <= (dead > 0 ? 0.05 : 0.0) * wide * narrow);
+  }
+  refused([] { embed_crossed_biclique(graph_named("chimera:12"), 90, 8); }, "do not fit");
+  Problem problem = random_ising(60, 0, 1);
+  for (std::uint32_t i = 0; i < 52; ++i)
+    for (std::uint32_t j = 52; j < 60; ++j) problem.couplings.push_back({i, j, 0.1});
+  const Embedding found = embed(graph_named("chimera:12"), problem, "auto");
+  check_chains(graph_named("chimera:12"), found.chains);
+  CHECK(found.uncoupled.empty());
 }
 
 TEST_CASE("chains that are torn, shared or on dead qubits are refused") {
