@@ -28,6 +28,15 @@ std::size_t cut_to_ranges(Problem& problem, const CoefficientRanges& ranges) {
   return cut;
 }
 
+/// Fields that become the given ones when the device adds chi J h to them.
+void take_off_leak(Problem& problem, double chi) {
+  const std::vector<double> h = problem.linear;
+  for (const Coupling& c : problem.couplings) {
+    problem.linear[c.a] -= chi * c.value * h[c.b];
+    problem.linear[c.b] -= chi * c.value * h[c.a];
+  }
+}
+
 void append(SampleSet& all, const SampleSet& part) {
   all.values.insert(all.values.end(), part.values.begin(), part.values.end());
   all.energies.insert(all.energies.end(), part.energies.begin(), part.energies.end());
@@ -38,10 +47,14 @@ void append(SampleSet& all, const SampleSet& part) {
 
 AnnealerSampler::AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, std::size_t visible,
                                  std::size_t hidden, const AnnealerSettings& settings)
+    : AnnealerSampler(std::move(device), graph, embed_biclique(graph, visible, hidden), visible + hidden, settings) {}
+
+AnnealerSampler::AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, Embedding embedding,
+                                 std::size_t variables, const AnnealerSettings& settings)
     : device_(std::move(device)),
       graph_(graph),
-      embedding_(embed_biclique(graph, visible, hidden)),
-      variables_(visible + hidden),
+      embedding_(std::move(embedding)),
+      variables_(variables),
       settings_(settings) {}
 
 double AnnealerSampler::largest_scale(const Problem& problem) const {
@@ -58,6 +71,7 @@ SampleSet AnnealerSampler::sample(const Problem& problem, const SampleRequest& r
   const Problem ising = to_ising(problem);
   EmbeddedProblem embedded =
       embed_problem(scaled(ising, settings_.scale), graph_, embedding_, settings_.chain_coupling);
+  take_off_leak(embedded.problem, settings_.susceptibility);
   const std::size_t cut = cut_to_ranges(embedded.problem, settings_.ranges);
   SampleSet rows;
   rows.vartype = problem.vartype;

@@ -1,4 +1,4 @@
-// An annealer as a sampler of bipartite problems: embedding, gauges, scale, unembedding. TemperatureControl adjusts the
+// An annealer as a sampler of problems: embedding, gauges, scale, unembedding. TemperatureControl adjusts the
 // scale so that rows follow exp(-E).
 #pragma once
 #include <memory>
@@ -18,6 +18,8 @@ struct AnnealerSettings {
   std::size_t sweeps = 0;     // of the device; 0: as in the request
   BrokenChains broken = BrokenChains::weighted_random;
   CoefficientRanges ranges;
+  double susceptibility =
+      0;  // chi of the device: fields are programmed with the leak chi J h taken off, to first order
 };
 
 class AnnealerSampler final : public Sampler {
@@ -26,6 +28,9 @@ class AnnealerSampler final : public Sampler {
   /// on qubits.
   AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, std::size_t visible,
                   std::size_t hidden, const AnnealerSettings& settings);
+  /// With a given embedding, of any problem.
+  AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, Embedding embedding,
+                  std::size_t variables, const AnnealerSettings& settings);
   std::string name() const override { return device_->name(); }
   /// Coefficients beyond the range are clipped to its ends; info.cut_coefficients counts them.
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override;

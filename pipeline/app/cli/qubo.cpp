@@ -4,48 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/app/cli/command.h"
+#include "pipeline/app/cli/qubo_options.h"
 #include "pipeline/learn/answer/named_values.h"
-#include "pipeline/learn/qubo/qubo_embed.h"
-#include "pipeline/learn/qubo/qubo_exchange.h"
 
 namespace gonogo::app {
 namespace {
-
-struct Options {
-  std::string model, problem, answer, out, rows, sampler = "block_gibbs", decode = "discard";
-  std::string answer_format = "dimod_json";
-  learn::FileChoice in, to;
-  learning::SamplerSettings sampling;
-  learn::DeviceChoice device;
-  learn::EmbedRequest embed;
-  double chain_strength = 0;
-  std::uint64_t gauge = 0;
-  std::string chains = "weighted_random";
-  std::vector<std::string> clamp;
-  double penalty = 0;
-  bool spin = false;
-  std::size_t reads = 1000, sweeps = 1000;
-  std::uint64_t seed = 1;
-};
-
-using Shared = std::shared_ptr<Options>;
-
-std::vector<std::string> format_names() {
-  std::vector<std::string> names;
-  for (const learning::FormatFacts& format : learning::problem_formats()) names.emplace_back(format.name);
-  return names;
-}
-
-/// Options of a file that is read.
-void add_input_options(CLI::App* command, const Shared& options) {
-  command->add_option("--from", options->in.format, "Format of the problem; default: its sidecar's, or by extension")
-      ->type_name(one_of(format_names()));
-  command->add_option("--solver", options->in.solver, "Solver definition (JSON) of a problem in sapi format")
-      ->type_name(kFile);
-  command->add_option("--vartype", options->in.vartype, "Variables of coordinate text that does not say")
-      ->check(CLI::IsMember({"BINARY", "SPIN"}));
-}
 
 void print_export(const Globals& globals, const std::string& path, const learn::Exported& exported) {
   const learn::Sidecar& sidecar = exported.sidecar;
@@ -64,7 +27,7 @@ void print_export(const Globals& globals, const std::string& path, const learn::
   print_result(globals, json, text);
 }
 
-void add_export(CLI::App& qubo, const Shared& options, const Globals& globals) {
+void add_export(CLI::App& qubo, const SharedQubo& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("export", "Write a model's machine as an annealing problem, with a sidecar");
   command->add_option("--model", options->model, "Model file")->type_name(kFile)->required();
   command->add_option("--out", options->out, "Problem file to write; the sidecar goes beside it")
@@ -72,24 +35,25 @@ void add_export(CLI::App& qubo, const Shared& options, const Globals& globals) {
       ->required();
   command->add_option("--clamp", options->clamp, "Fix this variable at its value; may be repeated")
       ->type_name(kSetting);
-  command
-      ->add_option("--penalty", options->penalty,
-                   "Energy, at least, of units that are no code word; code words keep their energies. Couples visible "
-                   "units: sample with anneal, tempering, population or exact")
-      ->capture_default_str();
+  CLI::Option* penalty = command->add_option(
+      "--penalty", options->penalty,
+      "Energy, at least, of units that are no code word; code words keep their energies. Couples visible units: sample "
+      "with anneal, tempering, population or exact. Default: none where import can weigh code words, otherwise 8");
   command->add_option("--format", options->to.format, "Format to write; default: by extension, .json being dimod_json")
       ->type_name(one_of(format_names()));
   command->add_flag("--spin", options->spin, "Ising form (SPIN) instead of QUBO (BINARY)");
   add_examples(*command, {"gonogo qubo export --model out/demo/model.h5 --out problem.json --clamp slope_along=12"});
-  command->callback([options, &globals] {
+  command->callback([options, penalty, &globals] {
+    options->to.option = "--format";
     const auto vartype = options->spin ? learning::Vartype::spin : learning::Vartype::binary;
-    print_export(globals, options->out,
-                 learn::export_problem(options->model, options->out, learn::parse_named_values(options->clamp), vartype,
-                                       options->to, options->penalty));
+    print_export(
+        globals, options->out,
+        learn::export_problem(options->model, options->out, learn::parse_named_values(options->clamp), vartype,
+                              options->to, penalty->count() > 0 ? std::optional(options->penalty) : std::nullopt));
   });
 }
 
-void add_convert(CLI::App& qubo, const Shared& options, const Globals& globals) {
+void add_convert(CLI::App& qubo, const SharedQubo& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("convert", "Write a problem in another format, with a sidecar");
   command->add_option("problem", options->problem, "Problem to read")->type_name(kFile)->required();
   add_input_options(command, options);
@@ -100,12 +64,13 @@ void add_convert(CLI::App& qubo, const Shared& options, const Globals& globals) 
   command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->type_name(kFile)->required();
   add_examples(*command, {"gonogo qubo convert problem.json --to qbsolv --out problem.qubo"});
   command->callback([options, &globals] {
+    options->to.option = "--to";
     print_export(globals, options->out,
                  learn::convert_problem(learn::load_problem(options->problem, options->in), options->out, options->to));
   });
 }
 
-void add_sampler_options(CLI::App* command, const Shared& options) {
+void add_sampler_options(CLI::App* command, const SharedQubo& options) {
   learning::SamplerSettings& settings = options->sampling;
   command->add_option("--beta-start", settings.beta_start, "anneal, tempering: first inverse temperature")
       ->capture_default_str();
@@ -121,6 +86,16 @@ void add_sampler_options(CLI::App* command, const Shared& options) {
                       "filled in");
   command->add_option("--temperature", options->device.temperature, "emulator: effective temperature")
       ->capture_default_str();
+  command->add_option("--graph", options->device.graph.name, "emulator: its graph, as for gonogo qubo embed")
+      ->type_name("GRAPH")
+      ->capture_default_str();
+  command
+      ->add_option("--post-sweeps", options->device.post_sweeps,
+                   "emulator: sweeps of block Gibbs on the host, from the device's rows")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command->add_flag("--as-programmed", options->device.as_programmed,
+                    "emulator: correct nothing; the problem must be on its qubits");
   command->add_option("--dead-share", options->device.graph.dead_share, "emulator: share of dead qubits")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
@@ -130,7 +105,7 @@ void add_sampler_options(CLI::App* command, const Shared& options) {
       ->capture_default_str();
 }
 
-void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
+void add_embed(CLI::App& qubo, const SharedQubo& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("embed", "Lay a problem onto the qubits of a machine");
   learn::EmbedRequest& embed = options->embed;
   command->add_option("problem", options->problem, "Problem to read")->type_name(kFile)->required();
@@ -152,6 +127,9 @@ void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
   CLI::Option* gauge = command->add_option("--gauge", options->gauge, "Seed of a random gauge; default: none");
   command->add_flag("--auto-scale", embed.auto_scale, "Scale to the full range; the sidecar keeps the factor");
   command->add_option("--seed", embed.seed, "Seed of the heuristic")->capture_default_str();
+  command->add_option("--time-limit", embed.time_limit_s, "Of the heuristic [s]")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
   command->add_option("--to", options->to.format, "Format to write; default: by extension")
       ->type_name(one_of(format_names()));
   command->add_option("--out", options->out, "File to write; the sidecar goes beside it")->type_name(kFile)->required();
@@ -162,6 +140,7 @@ void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
     request.out = options->out;
     request.from = options->in;
     request.to = options->to;
+    request.to.option = "--to";
     request.to.solver = request.graph.solver;
     if (strength->count() > 0) request.chain_strength = options->chain_strength;
     if (gauge->count() > 0) request.gauge = options->gauge;
@@ -175,10 +154,29 @@ void add_embed(CLI::App& qubo, const Shared& options, const Globals& globals) {
   });
 }
 
-void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
+/// What the corrected emulator set, and what it left.
+std::string correction_text(const Json& json) {
+  const Json* correction = json.find("correction");
+  if (!correction) return "";
+  const auto number = [&](const char* key) { return correction->at(key).number(); };
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "corrected: scale %.3g, chains of strength %.2g, %.0f programmings in random gauges\n"
+                "left: beta of the rows %.3f (95 %% interval %.3f to %.3f, 1 is right), %.2f %% of the chains broken, "
+                "%.0f coefficients cut to the range, %.0f pairs masked; then %.0f sweeps of block Gibbs on the host\n",
+                number("scale"), number("chain_coupling"), number("programmings"), number("beta"), number("beta_low"),
+                number("beta_high"), 100 * number("chain_break_fraction"), number("cut_coefficients"),
+                number("masked_pairs"), number("post_sweeps"));
+  return text;
+}
+
+void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("sample", "Draw rows of a problem from P(x) proportional to exp(-E(x))");
   command->add_option("problem", options->problem, "Problem in dimod's JSON")->type_name(kFile)->required();
-  command->add_option("--sampler", options->sampler, "Sampler; emulator stands for a D-Wave 2X")
+  command
+      ->add_option("--sampler", options->sampler,
+                   "Sampler; emulator stands for a D-Wave 2X, corrected for scale, "
+                   "temperature, chains and gauges")
       ->type_name(one_of({"block_gibbs", "anneal", "tempering", "population", "exact", "file", "command", "emulator"}))
       ->capture_default_str();
   add_input_options(command, options);
@@ -195,106 +193,53 @@ void add_sample(CLI::App& qubo, const Shared& options, const Globals& globals) {
                 "gonogo qubo sample problem.json --sampler command --out answer.json -- \\\n"
                 "      python3 scripts/ocean_bridge.py {problem} {answer} --reads {reads} --sampler annealer"});
   command->callback([options, &globals] {
-    const auto sampler = learn::make_any_sampler(options->sampler, options->sampling, options->device);
     learning::SampleRequest request;
     request.reads = options->reads;
     request.sweeps = options->sweeps;
     request.seed = options->seed;
-    const Json json = learn::sample_problem(options->problem, options->out, *sampler, request, options->in);
+    const Json json =
+        options->sampler == "emulator"
+            ? learn::sample_emulated(options->problem, options->out, options->device, request, options->in)
+            : learn::sample_problem(options->problem, options->out,
+                                    *learning::make_sampler(options->sampler, options->sampling), request, options->in);
     char text[200];
     std::snprintf(text, sizeof text, ": %zu rows, mean energy %.6g, lowest %.6g\n", options->reads,
                   json.at("energy_mean").number(), json.at("energy_lowest").number());
-    print_result(globals, json, options->out + text);
-  });
-}
-
-std::string chains_text(const Json& json) {
-  const Json* chains = json.find("chains");
-  if (!chains) return "";
-  char line[80];
-  std::snprintf(line, sizeof line, "%.2f %% of the chains were broken\n",
-                100 * chains->at("chain_break_fraction").number());
-  return line;
-}
-
-std::string import_text(const Json& json) {
-  char line[200];
-  if (!json.find("outcomes")) {
-    std::snprintf(line, sizeof line, "%.0f reads, energies verified\n", json.at("reads").number());
-    return line + chains_text(json);
-  }
-  std::snprintf(line, sizeof line, "%.0f reads, energies verified; %.1f %% hold code words only, %.0f repaired\n",
-                json.at("reads").number(), 100 * (1 - json.at("invalid_share").number()), json.at("repaired").number());
-  std::string text = line + chains_text(json);
-  for (const auto& [name, entry] : json.at("outcomes").members()) {
-    std::snprintf(line, sizeof line, "%-24s %.4f +- %.4f\n", name.c_str(), entry.at("frequency").number(),
-                  entry.at("standard_error").number());
-    text += line;
-  }
-  for (const auto& [name, entry] : json.at("variables").members()) {
-    std::snprintf(line, sizeof line, "%-24s %.4g, standard deviation %.4g %s\n", name.c_str(),
-                  entry.at("mean").number(), entry.at("standard_deviation").number(),
-                  entry.at("unit").string().c_str());
-    text += line;
-  }
-  return text;
-}
-
-void add_import(CLI::App& qubo, const Shared& options, const Globals& globals) {
-  CLI::App* command =
-      qubo.add_subcommand("import", "Read an answer back: verify it, decode rows to variables and outcomes");
-  command->add_option("--problem", options->problem, "Problem that was exported, with its sidecar beside it")
-      ->type_name(kFile)
-      ->required();
-  command->add_option("--answer", options->answer, "Answer file")->type_name(kFile)->required();
-  std::string formats = learning::answer_format_names();
-  formats.erase(std::remove(formats.begin(), formats.end(), ' '), formats.end());
-  command->add_option("--answer-format", options->answer_format, "Format of the answer")
-      ->type_name("{" + formats + "}")
-      ->capture_default_str();
-  add_input_options(command, options);
-  command->add_option("--chains", options->chains, "How broken chains of an embedded problem are read")
-      ->type_name(one_of({"weighted_random", "majority_vote", "discard", "minimize_energy"}))
-      ->capture_default_str();
-  command->add_option("--seed", options->seed, "Seed of weighted_random")->capture_default_str();
-  command->add_option("--model", options->model, "Also check that the problem was exported from this model")
-      ->type_name(kFile);
-  command->add_option("--rows", options->rows, "Write the decoded rows as CSV")->type_name(kFile);
-  command->add_option("--decode", options->decode, "Rows that are no code word: discard, or repair where a rule exists")
-      ->check(CLI::IsMember({"discard", "repair"}))
-      ->capture_default_str();
-  add_examples(*command, {"gonogo qubo import --problem problem.json --answer answer.json --rows rows.csv"});
-  command->callback([options, &globals] {
-    learn::ImportRequest request;
-    request.problem = options->problem;
-    request.answer = options->answer;
-    request.problem_file = options->in;
-    request.answer_format = options->answer_format;
-    request.model = options->model;
-    request.rows = options->rows;
-    request.chains = options->chains;
-    request.seed = options->seed;
-    if (options->decode == "repair") request.rule = learning::DecodeRule::repair;
-    const Json json = learn::import_answer(request);
-    print_result(globals, json, import_text(json));
+    print_result(globals, json, options->out + text + correction_text(json));
   });
 }
 
 }  // namespace
 
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const learning::FormatFacts& format : learning::problem_formats()) names.emplace_back(format.name);
+  return names;
+}
+
+void add_input_options(CLI::App* command, const SharedQubo& options) {
+  options->in.option = "--from";
+  command->add_option("--from", options->in.format, "Format of the problem; default: its sidecar's, or by extension")
+      ->type_name(one_of(format_names()));
+  command->add_option("--solver", options->in.solver, "Solver definition (JSON) of a problem in sapi format")
+      ->type_name(kFile);
+  command->add_option("--vartype", options->in.vartype, "Variables of coordinate text that does not say")
+      ->check(CLI::IsMember({"BINARY", "SPIN"}));
+}
+
 void add_qubo_command(CLI::App& app, const Globals& globals) {
   CLI::App* qubo =
       app.add_subcommand("qubo", "Annealing problems: export from a model, convert, sample, import answers");
   qubo->require_subcommand(1);
-  add_examples(*qubo, {"gonogo qubo export --model out/demo/model.h5 --out problem.json",
+  add_examples(*qubo, {"gonogo qubo export --model out/demo/model.h5 --clamp slope_along=12 --out problem.json",
                        "gonogo qubo sample problem.json --reads 1000 --out answer.json",
                        "gonogo qubo import --problem problem.json --answer answer.json"});
-  const Shared options = std::make_shared<Options>();
+  const auto options = std::make_shared<QuboOptions>();
   add_export(*qubo, options, globals);
   add_convert(*qubo, options, globals);
   add_embed(*qubo, options, globals);
   add_sample(*qubo, options, globals);
-  add_import(*qubo, options, globals);
+  add_qubo_import(*qubo, options, globals);
 }
 
 }  // namespace gonogo::app

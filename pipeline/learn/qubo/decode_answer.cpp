@@ -5,6 +5,8 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/random.h"
 
 namespace gonogo::learn {
 namespace {
@@ -33,12 +35,31 @@ std::vector<learning::Bit> clamped_row(const Sidecar& sidecar) {
   return row;
 }
 
-}  // namespace
+/// Rows that are sorted by energy, as services return them, are not in the order in which they were drawn.
+learning::ReadOrder order_of(const learning::SampleSet& answer) {
+  learning::ReadOrder order;
+  const auto& energies = answer.energies;
+  order.as_drawn = energies.size() < 3 || !std::is_sorted(energies.begin(), energies.end());
+  const Json* groups = answer.info.is_object() ? answer.info.find("programmings") : nullptr;
+  if (order.as_drawn && groups && groups->is_integer() && groups->integer() > 0)
+    order.groups = std::size_t(groups->integer());
+  return order;
+}
 
-DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, learning::DecodeRule rule) {
+void make_room(const Sidecar& sidecar, const learning::SampleSet& answer, DecodedAnswer& result) {
+  result.occurrences = answer.occurrences;
+  result.order = order_of(answer);
+  result.weight.assign(answer.row_count(), 0.0);
+  result.outcome.assign(sidecar.layout.outcome_count(), std::vector<double>(answer.row_count(), 0.0));
+  result.mean.assign(sidecar.layout.variable_count(), std::vector<double>(answer.row_count(), 0.0));
+  result.square = result.mean;
+}
+
+/// Decodes by a rule, row by row.
+void take_rows(const Sidecar& sidecar, const learning::SampleSet& answer, learning::DecodeRule rule,
+               DecodedAnswer& result) {
   const std::vector<std::ptrdiff_t> column = unit_columns(sidecar, answer);
   std::vector<learning::Bit> row = clamped_row(sidecar);
-  DecodedAnswer result;
   for (std::size_t r = 0; r < answer.row_count(); ++r) {
     for (std::size_t i = 0; i < column.size(); ++i)
       if (column[i] >= 0) row[i] = answer.row(r)[std::size_t(column[i])] > 0;
@@ -48,55 +69,227 @@ DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& a
         std::none_of(decoded.values.begin(), decoded.values.end(), [](double x) { return std::isnan(x); });
     if (!complete || !decoded.outcome) continue;
     (decoded.valid ? result.valid : result.repaired) += double(answer.occurrences[r]);
-    DecodedAnswer::Row item{decoded.values, *decoded.outcome, answer.energies[r], answer.occurrences[r]};
+    if (result.decoding == Decoding::weigh) continue;
+    DecodedAnswer::Row item{.values = decoded.values,
+                            .outcome = *decoded.outcome,
+                            .energy = answer.energies[r],
+                            .occurrences = answer.occurrences[r],
+                            .weight = 1};
     for (const auto& [name, value] : sidecar.clamped) item.values[sidecar.layout.variable_index(name)] = value;
+    result.weight[r] = 1;
+    result.outcome[item.outcome][r] = 1;
+    for (std::size_t v = 0; v < item.values.size(); ++v) {
+      result.mean[v][r] = item.values[v];
+      result.square[v][r] = item.values[v] * item.values[v];
+    }
     result.rows.push_back(std::move(item));
   }
+}
+
+/// The values of variables that every row shares: clamped ones, and those with a single bin.
+std::vector<double> shared_values(const Sidecar& sidecar) {
+  std::vector<double> values;
+  for (const learning::Encoder& encoder : sidecar.layout.encoders()) values.push_back(encoder.value(0));
+  for (const auto& [name, value] : sidecar.clamped) values[sidecar.layout.variable_index(name)] = value;
+  return values;
+}
+
+std::size_t drawn_bin(const std::vector<double>& probability, double u) {
+  for (std::size_t bin = 0; bin + 1 < probability.size(); ++bin) {
+    if (u < probability[bin]) return bin;
+    u -= probability[bin];
+  }
+  return probability.size() - 1;
+}
+
+/// Adds what row r's hidden units say of the code words, and a row drawn by them.
+void weigh_row(const Sidecar& sidecar, const learning::SampleSet& answer, const CodeMachine& machine,
+               const CodeMachine::Given& given, std::size_t r, std::uint64_t seed, DecodedAnswer& result) {
+  DecodedAnswer::Row item{.values = shared_values(sidecar),
+                          .outcome = 0,
+                          .energy = answer.energies[r],
+                          .occurrences = answer.occurrences[r],
+                          .weight = result.weight[r]};
+  for (std::size_t v = 0; v < item.values.size(); ++v) {
+    result.mean[v][r] = item.values[v];
+    result.square[v][r] = item.values[v] * item.values[v];
+  }
+  for (std::size_t g = 0; g < machine.groups().size(); ++g) {
+    const auto& probability = given.probability[g];
+    const std::size_t bin = drawn_bin(probability, random_unit(seed, r, g));
+    const std::ptrdiff_t variable = machine.groups()[g].variable;
+    if (variable < 0) {
+      for (std::size_t y = 0; y < probability.size(); ++y) result.outcome[y][r] = probability[y];
+      item.outcome = bin;
+      continue;
+    }
+    const learning::Encoder& encoder = sidecar.layout.encoders()[std::size_t(variable)];
+    double mean = 0, square = 0;
+    for (std::size_t b = 0; b < probability.size(); ++b) {
+      const double value = encoder.value(int(b));
+      mean += probability[b] * value;
+      square += probability[b] * value * value;
+    }
+    result.mean[std::size_t(variable)][r] = mean;
+    result.square[std::size_t(variable)][r] = square;
+    item.values[std::size_t(variable)] = encoder.value(int(bin));
+  }
+  result.rows.push_back(std::move(item));
+}
+
+void weigh_rows(const Sidecar& sidecar, const learning::SampleSet& answer, const CodeMachine& machine,
+                std::uint64_t seed, DecodedAnswer& result) {
+  std::vector<CodeMachine::Given> given;
+  double highest = -INFINITY;
+  for (std::size_t r = 0; r < answer.row_count(); ++r) {
+    given.push_back(machine.given(answer.row(r)));
+    highest = std::max(highest, given.back().log_words - given.back().log_all);
+  }
+  for (std::size_t r = 0; r < answer.row_count(); ++r) {
+    result.weight[r] = std::exp(given[r].log_words - given[r].log_all - highest);
+    weigh_row(sidecar, answer, machine, given[r], r, seed, result);
+  }
+}
+
+/// Frequency of outcome y with its standard error. A count of nothing but zeros or ones has an error, too: one read of
+/// either kind is added for it (Agresti and Coull, Am. Stat. 52:119, 1998).
+learning::SeriesMean frequency(const DecodedAnswer& decoded, std::size_t y) {
+  learning::SeriesMean found =
+      learning::series_mean(decoded.outcome[y], decoded.weight, decoded.occurrences, decoded.order);
+  if (decoded.decoding == Decoding::weigh) return found;
+  const double n = found.independent_reads, p = (n * found.mean + 1) / (n + 2);
+  found.standard_error = std::max(found.standard_error, std::sqrt(p * (1 - p) / (n + 2)));
+  return found;
+}
+
+constexpr double kChance = 4;  // standard errors that chance explains, of the largest of some ten outcomes
+
+/// The machine's own probability of every outcome; empty if it is not known exactly.
+std::vector<double> own_outcomes(const CodeMachine* machine) {
+  const auto exact = machine ? machine->exact() : std::nullopt;
+  if (!exact) return {};
+  for (std::size_t g = 0; g < machine->groups().size(); ++g)
+    if (machine->groups()[g].variable < 0) return exact->probability[g];
+  return {};
+}
+
+Json outcomes_json(const Sidecar& sidecar, const DecodedAnswer& decoded, const CodeMachine* machine, Json& bias) {
+  const std::vector<double> own = own_outcomes(machine);
+  Json outcomes = Json::object();
+  double worst = 0;
+  bias["verdict"] = own.empty() ? "not checked" : "none found";
+  for (std::size_t y = 0; y < sidecar.layout.outcome_count(); ++y) {
+    const learning::SeriesMean found = frequency(decoded, y);
+    Json entry;
+    entry["frequency"] = found.mean;
+    entry["standard_error"] = found.standard_error;
+    entry["correlation_time"] = found.correlation_time;
+    if (!own.empty()) {
+      double error = found.standard_error;
+      if (decoded.decoding != Decoding::weigh)
+        error = std::max(error, std::sqrt(own[y] * (1 - own[y]) / found.independent_reads));
+      const double difference = (found.mean - own[y]) / std::max(error, 1e-12);
+      entry["machine"] = own[y];
+      entry["difference_in_errors"] = difference;
+      if (std::abs(difference) > std::abs(worst)) {
+        worst = difference;
+        bias["outcome"] = sidecar.layout.outcomes()[y];
+        bias["difference_in_errors"] = difference;
+      }
+    }
+    outcomes[sidecar.layout.outcomes()[y]] = std::move(entry);
+  }
+  if (std::abs(worst) > kChance) bias["verdict"] = "biased";
+  return outcomes;
+}
+
+constexpr double kRounding = 1e-12;  // relative variance that only rounding makes
+
+Json variables_json(const Sidecar& sidecar, const DecodedAnswer& decoded) {
+  Json variables = Json::object();
+  for (std::size_t v = 0; v < sidecar.layout.variable_count(); ++v) {
+    const learning::SeriesMean mean =
+        learning::series_mean(decoded.mean[v], decoded.weight, decoded.occurrences, decoded.order);
+    const learning::SeriesMean square =
+        learning::series_mean(decoded.square[v], decoded.weight, decoded.occurrences, decoded.order);
+    Json entry;
+    entry["unit"] = sidecar.layout.encoders()[v].unit();
+    entry["mean"] = mean.mean;
+    const double variance = square.mean - mean.mean * mean.mean;
+    const bool constant = variance < kRounding * square.mean;
+    entry["standard_error"] = constant ? 0 : mean.standard_error;
+    entry["standard_deviation"] = constant ? 0 : std::sqrt(variance);
+    variables[sidecar.layout.encoders()[v].name()] = std::move(entry);
+  }
+  return variables;
+}
+
+}  // namespace
+
+DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& answer, Decoding decoding,
+                            const CodeMachine* machine, std::uint64_t seed) {
+  DecodedAnswer result;
+  result.decoding = decoding;
+  make_room(sidecar, answer, result);
+  const bool repair = decoding == Decoding::repair;
+  take_rows(sidecar, answer, repair ? learning::DecodeRule::repair : learning::DecodeRule::discard, result);
+  if (decoding != Decoding::weigh) return result;
+  GONOGO_ASSERT(machine);
+  weigh_rows(sidecar, answer, *machine, seed, result);
   return result;
 }
 
 std::string rows_csv(const Sidecar& sidecar, const DecodedAnswer& decoded) {
+  const bool weighed = decoded.decoding == Decoding::weigh;
   std::string text;
   for (const learning::Encoder& encoder : sidecar.layout.encoders()) text += encoder.name() + ",";
-  text += "outcome,energy,occurrences\n";
+  text += weighed ? "outcome,energy,occurrences,weight\n" : "outcome,energy,occurrences\n";
   for (const DecodedAnswer::Row& row : decoded.rows) {
     for (double x : row.values) text += Json(x).dump() + ",";
     text += sidecar.layout.outcomes()[row.outcome] + "," + Json(row.energy).dump() + "," +
-            std::to_string(row.occurrences) + "\n";
+            std::to_string(row.occurrences) + (weighed ? "," + Json(row.weight).dump() : "") + "\n";
   }
   return text;
 }
 
-Json summary_json(const Sidecar& sidecar, const DecodedAnswer& decoded) {
-  Json json, outcomes = Json::object(), variables = Json::object();
+Json summary_json(const Sidecar& sidecar, const DecodedAnswer& decoded, const CodeMachine* machine) {
+  Json json, bias = Json::object();
   json["reads"] = decoded.reads;
+  json["decoding"] = decoding_name(decoded.decoding);
   json["valid"] = decoded.valid;
   json["repaired"] = decoded.repaired;
   json["invalid_share"] = decoded.reads > 0 ? 1 - decoded.valid / decoded.reads : 0;
-  const double used = decoded.valid + decoded.repaired;
-  std::vector<double> count(sidecar.layout.outcome_count(), 0.0);
-  for (const auto& row : decoded.rows) count[row.outcome] += double(row.occurrences);
-  for (std::size_t y = 0; y < count.size() && used > 0; ++y) {
-    const double share = count[y] / used;
-    Json entry;
-    entry["frequency"] = share;
-    entry["standard_error"] = std::sqrt(share * (1 - share) / used);
-    outcomes[sidecar.layout.outcomes()[y]] = std::move(entry);
+  json["rows_as_drawn"] = decoded.order.as_drawn;
+  double independent = 0;
+  if (!decoded.rows.empty()) {
+    independent = decoded.reads;
+    json["outcomes"] = outcomes_json(sidecar, decoded, machine, bias);
+    json["variables"] = variables_json(sidecar, decoded);
+    for (std::size_t y = 0; y < decoded.outcome.size(); ++y)
+      independent = std::min(independent, frequency(decoded, y).independent_reads);
   }
-  for (std::size_t v = 0; v < sidecar.layout.variable_count() && used > 0; ++v) {
-    double mean = 0, square = 0;
-    for (const auto& row : decoded.rows) mean += double(row.occurrences) * row.values[v] / used;
-    for (const auto& row : decoded.rows)
-      square += double(row.occurrences) * (row.values[v] - mean) * (row.values[v] - mean) / used;
-    Json entry;
-    entry["unit"] = sidecar.layout.encoders()[v].unit();
-    entry["mean"] = mean;
-    entry["standard_deviation"] = std::sqrt(square);
-    variables[sidecar.layout.encoders()[v].name()] = std::move(entry);
-  }
-  json["outcomes"] = std::move(outcomes);
-  json["variables"] = std::move(variables);
+  json["independent_reads"] = independent;
+  json["bias"] = std::move(bias);
   return json;
+}
+
+void expect_enough(const DecodedAnswer& decoded, const Json& summary, const ImportLimits& limits,
+                   const std::string& source) {
+  const bool weighed = decoded.decoding == Decoding::weigh;
+  const double found = weighed ? summary.at("independent_reads").number() : decoded.valid + decoded.repaired;
+  const double share = decoded.reads > 0 ? found / decoded.reads : 0;
+  if (found >= limits.reads && share >= limits.share) return;
+  const std::string what = weighed ? " reads are worth " + number_text(std::floor(found)) + " independent ones ("
+                                   : " reads can be decoded: " + number_text(found) + " (";
+  throw InputError(source + ": its " + number_text(decoded.reads) + what + number_text(100 * share, 3) +
+                   " %); an answer needs at least " + number_text(limits.reads) + " and " +
+                   number_text(100 * limits.share) +
+                   " % of the reads. Draw more rows, decode with weigh, or export with a penalty; --min-reads and "
+                   "--min-share change the limits");
+}
+
+std::string decoding_name(Decoding decoding) {
+  return decoding == Decoding::weigh ? "weigh" : decoding == Decoding::discard ? "discard" : "repair";
 }
 
 }  // namespace gonogo::learn

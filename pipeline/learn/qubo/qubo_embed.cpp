@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "base/error.h"
+#include "base/format.h"
+#include "base/progress.h"
 #include "learning/qubo/json_reader.h"
 
 namespace gonogo::learn {
@@ -31,6 +33,20 @@ learning::HardwareGraph graph_of_solver(const std::filesystem::path& path) {
   return learning::HardwareGraph(solver.name, full.size(), full.chip_size(), std::move(qubits), couplers);
 }
 
+/// Embeds with the heuristic's progress on stderr.
+learning::Embedding shown_embedding(const learning::HardwareGraph& graph, const learning::Problem& ising,
+                                    const EmbedRequest& request) {
+  learning::HeuristicSettings settings{.seed = request.seed, .time_limit_s = request.time_limit_s};
+  std::optional<Progress> progress;
+  std::size_t laid = 0;
+  settings.watch = [&](std::size_t attempt, std::size_t round) {
+    if (!progress) progress.emplace("embed", "chains laid", 0);
+    progress->update(++laid, "try " + std::to_string(attempt + 1) + ", round " + std::to_string(round + 1) +
+                                 ", at most " + number_text(request.time_limit_s) + " s");
+  };
+  return learning::embed(graph, ising, request.method, settings);
+}
+
 learning::SampleSet as_spins(learning::SampleSet samples) {
   if (samples.vartype == learning::Vartype::spin) return samples;
   for (std::int8_t& value : samples.values) value = value > 0 ? 1 : -1;
@@ -52,7 +68,7 @@ EmbedResult embed_problem_file(const EmbedRequest& request) {
     throw InputError(request.problem.string() + ": is embedded already; give the problem it was made from");
   const learning::HardwareGraph graph = chosen_graph(request.graph);
   const learning::Problem ising = learning::to_ising(loaded.problem);
-  const learning::Embedding embedding = learning::embed(graph, ising, request.method, {.seed = request.seed});
+  const learning::Embedding embedding = shown_embedding(graph, ising, request);
   EmbedResult result;
   result.chain_strength = request.chain_strength.value_or(learning::torque_compensation(ising));
   learning::EmbeddedProblem embedded = learning::embed_problem(ising, graph, embedding, result.chain_strength);
@@ -96,14 +112,6 @@ learning::SampleSet unembed_answer(const learning::SampleSet& answer, const Side
   report["chain_break_rate"] = std::move(chains);
   report["qubit_break_rate"] = std::move(qubits);
   return result.samples;
-}
-
-std::unique_ptr<learning::Sampler> make_any_sampler(const std::string& name, const learning::SamplerSettings& settings,
-                                                    const DeviceChoice& choice) {
-  if (name != "emulator") return learning::make_sampler(name, settings);
-  learning::Device device = learning::d_wave_2x(choice.graph.dead_share, choice.graph.dead_seed);
-  device.temperature = choice.temperature;
-  return std::make_unique<learning::Emulator>(std::move(device));
 }
 
 }  // namespace gonogo::learn

@@ -2,7 +2,6 @@
 #pragma once
 #include <optional>
 
-#include "learning/hardware/emulator.h"
 #include "learning/hardware/unembed.h"
 #include "pipeline/learn/qubo/qubo_exchange.h"
 
@@ -26,6 +25,7 @@ struct EmbedRequest {
   std::optional<std::uint64_t> gauge;    // seed of a random gauge; none: no gauge
   bool auto_scale = false;               // scale to the range of a D-Wave 2X; the sidecar keeps the factor
   std::uint64_t seed = 1;                // of the embedding heuristic
+  double time_limit_s = 60;              // of the heuristic; its progress is shown on stderr
 };
 
 struct EmbedResult {
@@ -42,14 +42,5 @@ EmbedResult embed_problem_file(const EmbedRequest& request);
 /// `policy`. `answer` must have passed check_answer(). Adds the policy and the break rates to `report`.
 learning::SampleSet unembed_answer(const learning::SampleSet& answer, const Sidecar& sidecar,
                                    learning::BrokenChains policy, std::uint64_t seed, Json& report);
-
-/// Graph and temperature of the sampler "emulator".
-struct DeviceChoice {
-  GraphChoice graph;
-  double temperature = 0.2;  // in units of the fields h
-};
-/// Makes any sampler of learning/, or "emulator": a D-Wave 2X with the dead qubits of `graph` (chimera:12).
-std::unique_ptr<learning::Sampler> make_any_sampler(const std::string& name, const learning::SamplerSettings& settings,
-                                                    const DeviceChoice& device);
 
 }  // namespace gonogo::learn

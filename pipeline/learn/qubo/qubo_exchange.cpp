@@ -5,10 +5,14 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/format.h"
 #include "base/hash.h"
 #include "base/json/config.h"
 #include "learning/encoding/code_penalty.h"
 #include "learning/qubo/dimod.h"
+#include "learning/qubo/foreign_file.h"
+#include "pipeline/learn/answer/predictor.h"
+#include "pipeline/learn/qubo/code_machine.h"
 #include "pipeline/learn/qubo/decode_answer.h"
 #include "pipeline/learn/qubo/qubo_embed.h"
 
@@ -31,6 +35,54 @@ std::vector<double> unit_values(const learning::Model& model, const std::map<std
   return values;
 }
 
+/// The clamped values in the model's order of variables, NaN for the others.
+std::vector<double> model_point(const learning::Model& model, const std::map<std::string, double>& clamped) {
+  std::vector<double> point(model.layout.variable_count(), kFree);
+  for (const auto& [name, value] : clamped) point[model.layout.variable_index(name)] = value;
+  return point;
+}
+
+constexpr double kEnoughWeighed = 0.1;  // share of the reads that weighed rows must be worth without a penalty
+constexpr double kPenalty = 8;          // leaves about one row in a thousand that is no code word
+
+/// The penalty of a problem without one, and why.
+double chosen_penalty(const learning::Problem& problem, const Sidecar& sidecar, std::string& note) {
+  const auto machine = CodeMachine::of(problem, sidecar);
+  const auto exact = machine ? machine->exact() : std::nullopt;
+  if (!exact) {
+    note = "units that are no code word get a penalty of " + number_text(kPenalty) +
+           ", which couples units of a variable: sample with tempering, anneal or population";
+    return kPenalty;
+  }
+  if (exact->word_share > 0.999) return 0;
+  const std::string share = number_text(100 * exact->word_share, 2) + " % of the machine's rows are code words";
+  const std::string weighed = number_text(100 * exact->weighed_share, 2) + " %";
+  if (exact->weighed_share >= kEnoughWeighed) {
+    note = share +
+           ". No penalty is needed: import weighs all code words by the hidden units, and the reads are worth " +
+           weighed + " of as many independent rows. Tools that read rows themselves need --penalty " +
+           number_text(kPenalty);
+    return 0;
+  }
+  note = share + ", and weighed reads would be worth " + weighed +
+         ". So words that are no code words get a penalty of " + number_text(kPenalty) +
+         ", which couples units of a variable: sample with tempering, anneal or population";
+  return kPenalty;
+}
+
+/// P(outcome) over the code words of the problem; empty if it cannot be summed.
+std::map<std::string, double> machine_answer(const learning::Problem& problem, const Sidecar& sidecar) {
+  const auto machine = CodeMachine::of(problem, sidecar);
+  const auto exact = machine ? machine->exact() : std::nullopt;
+  std::map<std::string, double> answer;
+  if (!exact) return answer;
+  for (std::size_t g = 0; g < machine->groups().size(); ++g)
+    if (machine->groups()[g].variable < 0)
+      for (std::size_t y = 0; y < sidecar.layout.outcome_count(); ++y)
+        answer[sidecar.layout.outcomes()[y]] = exact->probability[g][y];
+  return answer;
+}
+
 Json to_json(const Sidecar& sidecar) {
   Json json = learning::to_json(static_cast<const learning::ProblemSidecar&>(sidecar));
   if (!sidecar.of_model()) return json;
@@ -40,6 +92,13 @@ Json to_json(const Sidecar& sidecar) {
   model["hash"] = sidecar.model_hash;
   model["clamped"] = std::move(clamped);
   if (sidecar.code_penalty > 0) model["code_penalty"] = sidecar.code_penalty;
+  for (const auto& [key, answer] :
+       {std::pair("machine_answer", &sidecar.machine_answer), std::pair("model_answer", &sidecar.model_answer)}) {
+    if (answer->empty()) continue;
+    Json outcomes = Json::object();
+    for (const auto& [outcome, probability] : *answer) outcomes[outcome] = probability;
+    model[key] = std::move(outcomes);
+  }
   model["layout"] = sidecar.layout.to_json();
   return json;
 }
@@ -51,6 +110,13 @@ void read_model_part(const Config& config, const fs::path& path, Sidecar& sideca
   const Config clamped = model.object("clamped");
   for (const auto& [name, value] : clamped.json().members()) sidecar.clamped[name] = clamped.number(name);
   if (model.has("code_penalty")) sidecar.code_penalty = model.number("code_penalty", {.minimum = 0});
+  for (const auto& [key, answer] :
+       {std::pair("machine_answer", &sidecar.machine_answer), std::pair("model_answer", &sidecar.model_answer)})
+    if (model.has(key)) {
+      const Config outcomes = model.object(key);
+      for (const auto& [outcome, value] : outcomes.json().members())
+        (*answer)[outcome] = outcomes.number(outcome, {.minimum = 0, .maximum = 1});
+    }
   sidecar.layout = learning::VisibleLayout::from_json(model.object("layout").json(), path.string() + ": model.layout");
   model.finish();
 }
@@ -58,7 +124,7 @@ void read_model_part(const Config& config, const fs::path& path, Sidecar& sideca
 learning::ProblemFormat chosen_format(const fs::path& path, const FileChoice& choice) {
   if (!choice.format.empty()) return learning::format_named(choice.format).format;
   if (const auto format = learning::format_of_file(path.filename().string())) return *format;
-  throw InputError(path.string() + ": the extension names no format of problems; say which with --format");
+  throw InputError(path.string() + ": the extension names no format of problems; say which with " + choice.option);
 }
 
 /// Options with what they point to.
@@ -97,18 +163,25 @@ Exported write(const learning::Problem& problem, Sidecar sidecar, const fs::path
 
 Exported export_problem(const fs::path& model_file, const fs::path& problem_file,
                         const std::map<std::string, double>& clamped, learning::Vartype vartype,
-                        const FileChoice& choice, double code_penalty) {
+                        const FileChoice& choice, std::optional<double> code_penalty) {
   const learning::Model model = learning::read_model(model_file);
   const std::vector<double> fixed = unit_values(model, clamped);
   const learning::Problem machine = learning::to_qubo(model.weights, model.layout.unit_labels());
-  const learning::Problem whole = learning::with_code_penalty(machine, model.layout, fixed, code_penalty);
-  const learning::Problem problem = learning::to_vartype(learning::clamp(whole, fixed), vartype);
   Sidecar sidecar;
-  sidecar.code_penalty = code_penalty;
   sidecar.model_hash = file_hash(model_file);
   sidecar.clamped = clamped;
   sidecar.layout = model.layout;
-  return write(problem, std::move(sidecar), problem_file, choice);
+  std::string note;
+  sidecar.code_penalty = code_penalty ? *code_penalty : chosen_penalty(learning::clamp(machine, fixed), sidecar, note);
+  const learning::Problem whole = learning::with_code_penalty(machine, model.layout, fixed, sidecar.code_penalty);
+  const learning::Problem problem = learning::to_vartype(learning::clamp(whole, fixed), vartype);
+  sidecar.machine_answer = machine_answer(problem, sidecar);
+  const std::vector<double> model_answer = Predictor(model).outcome_probabilities(model_point(model, clamped));
+  for (std::size_t y = 0; y < model_answer.size(); ++y)
+    sidecar.model_answer[model.layout.outcomes()[y]] = model_answer[y];
+  Exported exported = write(problem, std::move(sidecar), problem_file, choice);
+  if (!note.empty()) exported.notes.push_back(std::move(note));
+  return exported;
 }
 
 Sidecar read_sidecar(const fs::path& path) {
@@ -126,9 +199,11 @@ LoadedProblem load_problem(const fs::path& path, const FileChoice& choice) {
   LoadedProblem loaded;
   const fs::path beside = learning::sidecar_path(path);
   if (fs::exists(beside)) loaded.sidecar = read_sidecar(beside);
+  const std::string text = read_file(path);
+  learning::refuse_foreign_file(text, path.string());
   const bool by_sidecar = loaded.sidecar && choice.format.empty();
   const auto format = by_sidecar ? loaded.sidecar->format : chosen_format(path, choice);
-  loaded.problem = learning::read_problem(read_file(path), format, opened.options, path.string());
+  loaded.problem = learning::read_problem(text, format, opened.options, path.string());
   if (loaded.sidecar) loaded.problem = learning::restore(loaded.problem, *loaded.sidecar, path.string());
   return loaded;
 }
@@ -140,12 +215,16 @@ Exported convert_problem(const LoadedProblem& loaded, const fs::path& path, cons
 Json sample_problem(const fs::path& problem_file, const fs::path& answer_file, const learning::Sampler& sampler,
                     const learning::SampleRequest& request, const FileChoice& choice) {
   const learning::Problem problem = load_problem(problem_file, choice).problem;
-  const std::size_t reads = request.reads;
-  learning::SampleSet answer = sampler.sample(problem, request);
+  return write_answer(problem, sampler.sample(problem, request), sampler.name(), request, answer_file);
+}
+
+Json write_answer(const learning::Problem& problem, learning::SampleSet answer, const std::string& sampler,
+                  const learning::SampleRequest& request, const fs::path& answer_file) {
+  const std::size_t reads = answer.row_count();
   answer.info["problem_hash"] = learning::problem_hash(problem);
-  answer.info["sampler"] = sampler.name();
+  answer.info["sampler"] = sampler;
   answer.info["seed"] = Json(request.seed);
-  if (sampler.name() != "exact") answer.info["sweeps"] = Json(std::uint64_t(request.sweeps));
+  if (sampler != "exact") answer.info["sweeps"] = Json(std::uint64_t(request.sweeps));
   write_file_atomically(answer_file, learning::to_dimod_json(answer) + "\n");
   double mean = 0, lowest = INFINITY;
   for (double e : answer.energies) {
@@ -161,6 +240,26 @@ Json sample_problem(const fs::path& problem_file, const fs::path& answer_file, c
   return json;
 }
 
+namespace {
+
+/// Decodes the rows of a model's problem, writes them where asked, and sums them up.
+Json decoded_json(const ImportRequest& request, const Sidecar& sidecar, const learning::Problem& problem,
+                  const learning::SampleSet& answer) {
+  const auto machine = CodeMachine::of(problem, sidecar);
+  const bool cannot_weigh = request.decoding == Decoding::weigh && !machine;
+  const DecodedAnswer decoded = decode_answer(sidecar, answer, cannot_weigh ? Decoding::discard : request.decoding,
+                                              machine ? &*machine : nullptr, request.seed);
+  Json json = summary_json(sidecar, decoded, machine ? &*machine : nullptr);
+  expect_enough(decoded, json, request.limits, request.answer.string());
+  if (!request.rows.empty()) write_file_atomically(request.rows, rows_csv(sidecar, decoded));
+  for (const auto& [key, own] :
+       {std::pair("machine_answer", &sidecar.machine_answer), std::pair("model_answer", &sidecar.model_answer)})
+    for (const auto& [outcome, probability] : *own) json[key][outcome] = probability;
+  return json;
+}
+
+}  // namespace
+
 Json import_answer(const ImportRequest& request) {
   const LoadedProblem loaded = load_problem(request.problem, request.problem_file);
   if (!loaded.sidecar)
@@ -174,13 +273,14 @@ Json import_answer(const ImportRequest& request) {
   const auto format = learning::answer_format_named(request.answer_format);
   learning::SampleSet answer = learning::check_answer(
       loaded.problem, learning::read_answer(read_file(request.answer), format, loaded.problem, source), source);
+  if (answer.row_count() == 0) throw InputError(source + ": the answer has no rows; sample the problem with reads");
   Json json = Json::object(), chains;
   if (sidecar.embedding)
     answer = unembed_answer(answer, sidecar, learning::broken_chains_named(request.chains), request.seed, chains);
+  if (answer.row_count() == 0)
+    throw InputError(source + ": every row has a broken chain; take another policy than discard, or stronger chains");
   if (sidecar.of_model()) {
-    const DecodedAnswer decoded = decode_answer(sidecar, answer, request.rule);
-    if (!request.rows.empty()) write_file_atomically(request.rows, rows_csv(sidecar, decoded));
-    json = summary_json(sidecar, decoded);
+    json = decoded_json(request, sidecar, sidecar.embedding ? sidecar.embedding->source : loaded.problem, answer);
   } else {
     double reads = 0;
     for (std::int64_t count : answer.occurrences) reads += double(count);
