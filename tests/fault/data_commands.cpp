@@ -6,6 +6,7 @@
 #include "pipeline/campaign/dataset/export.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/fault/program.h"
+#include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -44,6 +45,24 @@ TEST_CASE("gonogo design refuses a misspelt variable with the nearest one") {
   write_file_atomically(folder / "study.json", text);
   check_refusal(run_gonogo({"design", folder / "study.json"}), 2,
                 {"study.json", "design.ranges.slope_alnog", "did you mean \"slope_along\""});
+}
+
+TEST_CASE("gonogo design refuses what the study's campaign would refuse") {
+  const auto check = [](const char* section, const char* key, const Json& value, const std::string& message) {
+    StudyFolder s;
+    s.study["trial"][section][key] = value;
+    s.write();
+    check_refusal(run_gonogo({"design", s.path("study.json")}), 2, {"study.json", message});
+  };
+  check("drive", "time_limit_s", -1, "trial.drive.time_limit_s: value -1 is outside the allowed range");
+  check("numerics", "target", "culomb", "\"culomb\" is not one of: ccp, coulomb");
+  StudyFolder s;
+  s.study["compute"]["workers"] = 0;
+  s.write();
+  check_refusal(run_gonogo({"design", s.path("study.json")}), 2, {"compute.workers"});
+  s.study["compute"]["workers"] = 1;
+  s.write();
+  CHECK(run_gonogo({"design", s.path("study.json")}).exit_code == 0);
 }
 
 TEST_CASE("gonogo dataset exports exactly the table") {

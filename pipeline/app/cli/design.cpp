@@ -4,6 +4,7 @@
 
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/work/design_report.h"
+#include "pipeline/campaign/engine/study_campaign.h"
 #include "pipeline/campaign/study/study.h"
 
 namespace gonogo::app {
@@ -16,6 +17,7 @@ void add_design_command(CLI::App& app, const Globals& globals, const Work<Design
   add_examples(*command, {"gonogo design configs/studies/demo.json --csv > design.csv"});
   command->callback([options, with_region, &globals] {
     const campaign::Study study = campaign::read_study(options->study);
+    campaign::check_study(study);
     if (with_region && !study.region.empty()) return with_region(globals, *options);
     print_design(globals, campaign::read_design(study.section("design"), study.seed), options->csv, std::nullopt);
   });

@@ -45,6 +45,14 @@ void warn_of_other_numerics(const TrialSetup& setup) {
 
 }  // namespace
 
+void check_study(const Study& study) {
+  if (study.vehicle.empty() && !study.config.has("trial") && !study.config.has("soil")) return;
+  ComputeRequest anywhere;
+  anywhere.device = "cpu";  // this machine need not be the one that computes
+  read_compute(study, anywhere);
+  read_trial_setup(study, default_packing_folder(), sim::Backend::cpu);
+}
+
 CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder,
                                     const ComputeRequest& asked) {
   const ComputeSettings compute = read_compute(study, asked);

@@ -9,6 +9,10 @@
 
 namespace gonogo::campaign {
 
+/// Refuses a study whose campaign could not start: checks the sections vehicle, soil, trial and compute, where the
+/// study has any of the first three. One with a design alone passes. Throws InputError.
+void check_study(const Study& study);
+
 /// plan_campaign() for real trials. Checks the sections vehicle, soil, trial and compute. Results also depend on the
 /// calibration file and the device. `prepare` settles the beds of missing trials on the host before workers start.
 /// Throws InputError.
