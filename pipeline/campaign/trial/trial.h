@@ -28,7 +28,7 @@ struct TrialSample {
   double y = kNaN;                   // [m]
   double sinkage = kNaN;             // [m]
   double speed = kNaN;               // [m/s]
-  double slip = kNaN;                // of the whole way [-]
+  double slip = kNaN;                // of the latest 0.25 s [-]
   double torque = kNaN;              // [N m]
   double residual = 0;               // root mean square over contacts [m/s]
   int contacts = 0, iterations = 0;  // of the step

@@ -287,29 +287,32 @@ void TrialRun::remember_for_replay() {
   if (watch_.frame) before_ = simulation().snapshot(place_);
 }
 
-TrialSample TrialRun::seen(const sim::MonitorSample& s) const {
-  const double rolled = s.turned * setup_.rig.radius;
+double TrialRun::recent_slip(Index count, double x, double rolled) {
+  constexpr double window = 0.25, rolling = 0.01;  // [s], [m]
+  const Index back = Index(std::lround(window / numerics_.step));
+  double x_then = 0, rolled_then = 0;
+  if (count > back) {
+    const sim::MonitorSample then = simulation().samples(place_, 0, count - 1 - back, 1).front();
+    x_then = then.x;
+    rolled_then = setup_.whole ? seen_wheels(setup_, simulation(), place_, count - 1 - back).rolled
+                               : then.turned * setup_.rig.radius;
+  }
+  const double turned = rolled - rolled_then;
+  return turned > rolling ? 1 - (x - x_then) / turned : 0;
+}
+
+TrialSample TrialRun::seen(const sim::MonitorSample& s, const SeenWheels& wheels, Index count) {
+  const bool whole = setup_.whole.has_value();
   return {.time = s.step * numerics_.step,
           .x = s.x,
           .y = s.y,
-          .sinkage = s.drop,
+          .sinkage = whole ? wheels.sinkage : s.drop,
           .speed = s.speed,
-          .slip = rolled > 0 ? 1 - s.x / rolled : 0,
-          .torque = s.torque,
+          .slip = recent_slip(count, s.x, whole ? wheels.rolled : s.turned * setup_.rig.radius),
+          .torque = whole ? wheels.torque : s.torque,
           .residual = s.residual,
           .contacts = s.contact_count,
           .iterations = s.iterations};
-}
-
-/// Of a whole vehicle: slip, sinkage and torque are means of its wheels now. What little its wheels roll while it is
-/// let down with its brakes on is no slip.
-TrialSample TrialRun::seen_whole(const sim::MonitorSample& s, const SeenWheels& wheels) const {
-  constexpr double rolling = 0.02;  // [m]
-  TrialSample sample = seen(s);
-  sample.slip = wheels.rolled > rolling ? 1 - s.x / wheels.rolled : 0;
-  sample.sinkage = wheels.sinkage;
-  sample.torque = wheels.torque;
-  return sample;
 }
 
 /// Gives the observer the samples that it has not seen.
@@ -317,10 +320,11 @@ void TrialRun::show_samples() {
   if (!watch_.sample) return;
   const Index count = simulation().monitor(place_, 0).sample_count - shown_samples_;
   const auto samples = simulation().samples(place_, 0, shown_samples_, count);
-  for (Index k = 0; k < count; ++k)
-    watch_.sample(setup_.whole ? seen_whole(samples[std::size_t(k)],
-                                            seen_wheels(setup_, simulation(), place_, shown_samples_ + k))
-                               : seen(samples[std::size_t(k)]));
+  for (Index k = 0; k < count; ++k) {
+    const Index at = shown_samples_ + k;
+    const SeenWheels wheels = setup_.whole ? seen_wheels(setup_, simulation(), place_, at) : SeenWheels{};
+    watch_.sample(seen(samples[std::size_t(k)], wheels, at + 1));
+  }
   shown_samples_ += count;
 }
 
@@ -330,8 +334,9 @@ TrialFrame TrialRun::frame_of(const TrialSample& sample, sim::BodyIndex wheel) {
 
 void TrialRun::show_frame() {
   if (!watch_.frame) return;
-  const sim::MonitorSample now = simulation().monitor(place_, 0).now;
-  const TrialSample sample = setup_.whole ? seen_whole(now, seen_wheels(setup_, simulation(), place_)) : seen(now);
+  const sim::MonitorState monitor = simulation().monitor(place_, 0);
+  const SeenWheels wheels = setup_.whole ? seen_wheels(setup_, simulation(), place_) : SeenWheels{};
+  const TrialSample sample = seen(monitor.now, wheels, monitor.sample_count);
   watch_.frame(frame_of(sample, world_->monitor.front().body));
   pass_due_frames();
 }

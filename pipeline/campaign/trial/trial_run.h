@@ -89,8 +89,11 @@ class TrialRun {
   Index next_frame() const;
   void pass_due_frames();
   void remember_for_replay();
-  TrialSample seen(const sim::MonitorSample& s) const;
-  TrialSample seen_whole(const sim::MonitorSample& s, const SeenWheels& wheels) const;
+  /// Slip of the latest 0.25 s, of which `x` and `rolled` [m] are the end, the `count`-th recorded sample. Wheels that
+  /// hardly roll, as while the vehicle is let down with its brakes on, have none.
+  double recent_slip(Index count, double x, double rolled);
+  /// Of a whole vehicle, slip, sinkage and torque are those of `wheels`.
+  TrialSample seen(const sim::MonitorSample& s, const SeenWheels& wheels, Index count);
   void show_samples();
   TrialFrame frame_of(const TrialSample& sample, sim::BodyIndex wheel);
   void show_frame();
