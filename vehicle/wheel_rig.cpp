@@ -18,8 +18,9 @@ void read_wheel(const Config& wheel, WheelRig& rig) {
 
 }  // namespace
 
-WheelRig read_wheel_rig(const std::filesystem::path& path) {
-  const Config c = Config::read(path);
+WheelRig read_wheel_rig(const std::filesystem::path& path) { return read_wheel_rig(Config::read(path)); }
+
+WheelRig read_wheel_rig(const Config& c) {
   WheelRig rig;
   rig.name = c.text("vehicle");
   c.choice("kind", {"quarter"});

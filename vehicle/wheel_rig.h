@@ -25,8 +25,9 @@ struct WheelRig {
   double ground_clearance;           // under the hub at zero sinkage [m]
 };
 
-/// Reads and checks a quarter-vehicle file; see configs/vehicles/hmmwv_quarter.json.
+/// Reads and checks a quarter-vehicle file, or the text of one; see configs/vehicles/hmmwv_quarter.json.
 WheelRig read_wheel_rig(const std::filesystem::path& path);
+WheelRig read_wheel_rig(const Config& c);
 
 /// The rig in its world.
 struct RigBodies {

@@ -121,8 +121,9 @@ Axle read_axle(const Config& c) {
   return a;
 }
 
-Vehicle read_vehicle(const std::filesystem::path& path) {
-  const Config c = Config::read(path);
+Vehicle read_vehicle(const std::filesystem::path& path) { return read_vehicle(Config::read(path)); }
+
+Vehicle read_vehicle(const Config& c) {
   Vehicle v;
   v.name = c.text("vehicle");
   v.kind = kind_of(c.choice("kind", {"wheeled", "tracked", "single_wheel"}));

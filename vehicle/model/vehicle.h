@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json/config.h"
 #include "base/vec.h"
 
 namespace gonogo::vehicle {
@@ -174,8 +175,9 @@ struct Vehicle {
   Driver driver;
 };
 
-/// Reads and checks a vehicle file.
+/// Reads and checks a vehicle file, or the text of one.
 Vehicle read_vehicle(const std::filesystem::path& path);
+Vehicle read_vehicle(const Config& c);
 
 const Suspension& find_suspension(const Vehicle& v, const std::string& name);
 const Wheel& find_wheel(const Vehicle& v, const std::string& name);
