@@ -11,15 +11,35 @@ namespace gonogo {
 
 namespace fs = std::filesystem;
 
-std::vector<fs::path> shipped_folders(const std::string& kind) {
-  std::vector<fs::path> result{fs::path("configs") / kind};
-  if (const char* share = std::getenv("GONOGO_SHARE")) result.push_back(fs::path(share) / "configs" / kind);
+namespace {
+
+/// A folder of the source tree, here, in $GONOGO_SHARE and above the running program; those that exist.
+std::vector<fs::path> places_of(const fs::path& folder) {
+  std::vector<fs::path> result{folder};
+  if (const char* share = std::getenv("GONOGO_SHARE")) result.push_back(share / folder);
   std::error_code none;
   fs::path at = fs::read_symlink("/proc/self/exe", none).parent_path();
   for (int up = 0; !none && up < 5 && at.has_relative_path(); ++up, at = at.parent_path())
-    for (const char* place : {"configs", "share/gonogo/configs"}) result.push_back(at / place / kind);
+    for (const char* place : {"", "share/gonogo"}) result.push_back(at / place / folder);
   result.erase(std::remove_if(result.begin(), result.end(), [](const fs::path& p) { return !fs::is_directory(p); }),
                result.end());
+  return result;
+}
+
+}  // namespace
+
+std::vector<fs::path> shipped_folders(const std::string& kind) { return places_of(fs::path("configs") / kind); }
+
+std::vector<fs::path> shipped_data_folders(const std::string& file) {
+  std::vector<fs::path> result;
+  for (const fs::path& place : places_of("data"))
+    for (const auto& entry : fs::directory_iterator(place)) {
+      const auto same = [&](const fs::path& known) { return known.filename() == entry.path().filename(); };
+      if (fs::is_regular_file(entry.path() / file) && std::none_of(result.begin(), result.end(), same))
+        result.push_back(entry.path());
+    }
+  std::sort(result.begin(), result.end(),
+            [](const fs::path& a, const fs::path& b) { return a.filename() < b.filename(); });
   return result;
 }
 

@@ -1,4 +1,4 @@
-// Files that ship with the program, by name: configs/<kind>/<name>.json.
+// Files that ship with the program, by name: configs/<kind>/<name>.json and the folders data/<name>.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -9,6 +9,10 @@ namespace gonogo {
 /// The folders of this kind that exist, first one first: configs/<kind> here, in $GONOGO_SHARE, and above the running
 /// program: in its source tree or under share/gonogo of the prefix it is installed in.
 std::vector<std::filesystem::path> shipped_folders(const std::string& kind);
+
+/// The folders data/<name> that hold this file, sorted by name. They are sought in the same places; of two folders of
+/// one name the first counts.
+std::vector<std::filesystem::path> shipped_data_folders(const std::string& file);
 
 /// Sorted names of the JSON files in a folder, without those that begin with `left_out`.
 std::vector<std::string> shipped_names(const std::filesystem::path& folder, const std::string& left_out = {});

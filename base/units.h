@@ -11,6 +11,7 @@ inline constexpr double kPi = std::numbers::pi;
 inline constexpr double kDegree = kPi / 180;  // [rad]
 inline constexpr double kDegreesPerRadian = 180 / kPi;
 inline constexpr double kInch = 0.0254;              // [m]
+inline constexpr double kKmPerHour = 3.6;            // of one metre per second
 inline constexpr double kPoundForce = 4.4482216153;  // [N]
 inline constexpr double kPsi = 6894.757;             // pound-force per square inch [Pa]
 inline constexpr double kGravity = 9.81;             // that soils and vehicles are calibrated at [m/s^2]

@@ -1,4 +1,5 @@
-// Maps a region with a trained model: map_raster <model.h5> <vehicle.json> <region.json> <folder>
+// Maps an elevation raster with a trained model: map_raster <model> <elevation.tif> <soil> <folder>. The model is a
+// file, or the name of one that ships ("hmmwv"); the soil is a USDA texture or a soil of configs/soils.
 #include <gonogo/map.h>
 
 #include <cstdio>
@@ -7,11 +8,11 @@
 using namespace gonogo;
 
 int main(int argc, char** argv) try {
-  if (argc != 5) throw InputError("usage: map_raster <model.h5> <vehicle.json> <region.json> <folder>");
+  if (argc != 5) throw InputError("usage: map_raster <model> <elevation.tif> <soil> <folder>");
   map::MapFiles files;
   files.model = argv[1];
-  files.vehicle = argv[2];
-  files.region = argv[3];
+  files.dem = argv[2];
+  files.soil = argv[3];
   files.out = argv[4];
   const map::MapSummary map = map::make_map(map::read_map_request(files));
 

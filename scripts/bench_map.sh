@@ -16,7 +16,7 @@ pack="-q -co TILED=YES -co COMPRESS=DEFLATE -co PREDICTOR"
 cp "$region/sagehen/usda_texture_30m.tif" "$scratch/sagehen/"
 cp "$region/sagehen.json" "$scratch/"
 rm -rf "$scratch/map" "$scratch/copy"
-/usr/bin/time -f "%e %M" -o "$scratch/ours" "$gonogo" map --model "$model" --dataset "$dataset" --vehicle hmmwv \
+/usr/bin/time -f "%e %M" -o "$scratch/ours" "$gonogo" map --model "$model" --dataset "$dataset" --whole-vehicle hmmwv \
   --region "$scratch/sagehen.json" --out "$scratch/map" --threads "$threads" > "$scratch/log"
 mkdir "$scratch/copy"
 start=$(date +%s.%N)

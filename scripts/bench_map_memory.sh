@@ -37,7 +37,7 @@ for kind in unfinished whole; do
     [ $kind = unfinished ] || limit=100000
     status=0
     /usr/bin/time -f "%e %M" -o "$folder/time" timeout --signal=INT "$limit" "$gonogo" map --model "$model" \
-      --dataset "$dataset" --vehicle hmmwv --region "$folder/region.json" --out "$folder/map" --threads "$threads" \
+      --dataset "$dataset" --whole-vehicle hmmwv --region "$folder/region.json" --out "$folder/map" --threads "$threads" \
       > "$folder/log" 2> "$folder/progress" || status=$?
     tail -n 1 "$folder/time" | awk -v kind=$kind -v side=$side -v status=$status \
       '{ printf "%-10s %d x %d cells: %.0f MiB, %.0f s, exit status %d\n", kind, side, side, $2 / 1024, $1, status }'

@@ -15,5 +15,5 @@ mkdir -p "$scratch/sagehen"
 cp "$region/sagehen/usda_texture_30m.tif" "$scratch/sagehen/"
 cp "$region/sagehen.json" "$scratch/"
 /usr/bin/time -f "%e s, %U s of processor time, %M KiB" "$gonogo" route --model "$model" --dataset "$dataset" \
-  --vehicle hmmwv --region "$scratch/sagehen.json" --from 214700,4368000 --to 221600,4373400 --cost fastest \
+  --whole-vehicle hmmwv --region "$scratch/sagehen.json" --from 214700,4368000 --to 221600,4373400 --cost fastest \
   --out "$scratch/route.gpkg" --threads "$threads"

@@ -38,6 +38,7 @@ struct MapGrid {
   std::string crs_name;                    // "NAD83 / UTM zone 11N"
   std::string crs_code;                    // "EPSG:26911", or empty when the file names no authority
   std::string unit_name = "metre";         // of the CRS
+  double body_radius = 6378137;            // equatorial, of the body whose ground it is [m]
 
   double cell_width_m() const { return cell_width * metres_per_unit; }
   double cell_height_m() const { return cell_height * metres_per_unit; }

@@ -130,6 +130,7 @@ MapGrid describe_grid(int columns, int rows, const OGRSpatialReference& crs, con
   grid.metres_per_unit = crs.GetLinearUnits(&unit);
   if (unit) grid.unit_name = unit;
   grid.crs_wkt = export_wkt(crs);
+  grid.body_radius = crs.GetSemiMajor();
   if (const char* name = crs.GetName()) grid.crs_name = name;
   const char *authority = crs.GetAuthorityName(nullptr), *code = crs.GetAuthorityCode(nullptr);
   if (authority && code) grid.crs_code = std::string(authority) + ":" + code;

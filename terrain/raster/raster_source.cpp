@@ -160,6 +160,14 @@ Tile RasterSource::read(Window window) const {
   return tile;
 }
 
+std::vector<std::string> class_names(const RasterFiles& files) {
+  const OpenRaster raster = open_raster(files);
+  std::vector<std::string> names;
+  char** list = raster.dataset->GetRasterBand(1)->GetCategoryNames();
+  for (char** name = list; name && *name; ++name) names.emplace_back(*name);
+  return names;
+}
+
 std::vector<fs::path> files_behind(const RasterFiles& files) {
   std::vector<fs::path> list;
   for (const fs::path& file : files.file) {

@@ -54,6 +54,9 @@ class RasterSource {
   std::unique_ptr<State> state_;
 };
 
+/// Names that a raster of classes gives its codes, from code 0 on; empty where it gives none.
+std::vector<std::string> class_names(const RasterFiles& files);
+
 /// All files that these rasters read, also those that a VRT names.
 std::vector<std::filesystem::path> files_behind(const RasterFiles& files);
 

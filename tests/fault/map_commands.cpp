@@ -73,10 +73,10 @@ TEST_CASE("trials, a model with members, maps, a route and a comparison by the p
   const TemporaryFolder folder;
   make_region(folder, 60);
   train(folder, 3);
-  map(folder, "alone", {"--vehicle", kHmmwv});
+  map(folder, "alone", {"--whole-vehicle", kHmmwv});
   const Json spread = map(folder, "spread",
-                          {"--vehicle", kHmmwv, "--members", folder / "model.member1.h5", folder / "model.member2.h5",
-                           folder / "model.member3.h5"});
+                          {"--whole-vehicle", kHmmwv, "--members", folder / "model.member1.h5",
+                           folder / "model.member2.h5", folder / "model.member3.h5"});
   CHECK(spread.at("share").at("go").number() > 0.05);
   const auto width = [&](const std::string& name) {
     const Tile low = layer(folder / (name + "/p_go_low.tif")), high = layer(folder / (name + "/p_go_high.tif"));
@@ -94,8 +94,8 @@ TEST_CASE("trials, a model with members, maps, a route and a comparison by the p
 
   const auto routed = [&](const std::string& row) {  // straight uphill
     const Ending ending =
-        run_gonogo({"route", "--model", folder / "model.h5", "--region", folder / "region.json", "--vehicle", kHmmwv,
-                    "--from", "500055," + row, "--to", "500205," + row, "--json"});
+        run_gonogo({"route", "--model", folder / "model.h5", "--region", folder / "region.json", "--whole-vehicle",
+                    kHmmwv, "--from", "500055," + row, "--to", "500205," + row, "--json"});
     INFO(ending.err);
     REQUIRE(ending.exit_code == 0);
     return Json::parse(ending.out, "stdout").at("routes").items()[0].at("found").boolean();
@@ -113,7 +113,7 @@ TEST_CASE("the smallest ground that has a slope is three by three cells; of one 
   const TemporaryFolder folder;
   make_region(folder, 3);
   train(folder, 0);
-  const Json one = map(folder, "one", {"--vehicle", kHmmwv});
+  const Json one = map(folder, "one", {"--whole-vehicle", kHmmwv});
   CHECK(one.at("area_km2").number() == Approx(1e-4));
   make_region(folder, 1);
   check_refusal(

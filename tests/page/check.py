@@ -105,8 +105,9 @@ def check_route(browser, expected):
         if wanted.get(name) is None:
             continue
         cost = browser.js(f"(() => {{ route.cost = '{kind}'; return find_route().cost; }})()")
-        # The page stores P(go) in 16 bits, which shows in -ln P(go) near 1.
-        check(abs(cost - wanted[name]) < (1e-2 if kind == "risk" else 1e-5) * wanted[name], f"{name}: page {cost}, program {wanted[name]}")
+        # The page stores P(go) in 16 bits, which shows in -ln P(go) near 1, and speeds in steps of 0.01 km/h.
+        near = {"risk": 1e-2, "time": 2e-4, "length": 1e-5}[kind]
+        check(abs(cost - wanted[name]) < near * wanted[name], f"{name}: page {cost}, program {wanted[name]}")
     text = browser.js("document.getElementById('route').innerText")
     check("Length on the ground" in text and "Chance to get through" in text, f"the route tells its totals: {text!r}")
     check(browser.js("route.path.every((c) => [1, 2].includes(answer_of(c, 'best').verdict))"),

@@ -17,6 +17,7 @@ using Work = std::function<void(const Globals&, const Options&)>;
 // Names of values in help, the man page and completions, by which they are completed (complete.h).
 inline constexpr const char* kFile = "FILE";
 inline constexpr const char* kFolder = "FOLDER";
+inline constexpr const char* kModel = "MODEL";              // file, or name of one in data
 inline constexpr const char* kStudy = "STUDY";              // file
 inline constexpr const char* kVehicle = "VEHICLE";          // file, or name of one in configs/vehicles
 inline constexpr const char* kSoil = "SOIL";                // file, or name of one in configs/soils
@@ -48,6 +49,7 @@ void add_evaluate_command(CLI::App& app, const Globals& globals, const Work<Eval
 void add_capacity_command(CLI::App& app, const Globals& globals, const Work<CapacityOptions>& work);
 void add_infer_command(CLI::App& app, const Globals& globals);
 void add_qubo_command(CLI::App& app, const Globals& globals);
+void add_models_command(CLI::App& app, const Globals& globals);
 void add_map_command(CLI::App& app, const Globals& globals, const Work<map::MapFiles>& work);
 void add_route_command(CLI::App& app, const Globals& globals, const Work<RouteOptions>& work);
 void add_compare_command(CLI::App& app, const Globals& globals, const Work<map::CompareRequest>& work);

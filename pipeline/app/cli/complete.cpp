@@ -57,6 +57,12 @@ std::vector<Candidate> shipped(const std::string& kind, bool tables) {
   return result;
 }
 
+std::vector<Candidate> shipped_models() {
+  std::vector<Candidate> result;
+  for (const auto& folder : shipped_data_folders("model.h5")) result.push_back({folder.filename().string(), ""});
+  return result;
+}
+
 std::vector<Candidate> contract_names(const std::string& after, bool measures) {
   std::vector<Candidate> result;
   for (const auto& v : campaign::contract().variables) result.push_back({v.name + after, v.unit});
@@ -99,6 +105,7 @@ Answer values(const CLI::App& program, const Cursor& at, const CLI::Option& opti
   const Value value = value_of(option);
   if (value.name == kFolder) return {{}, ":folder"};
   if (value.name == kFile || value.name == kStudy) return {{}, ":file"};
+  if (value.name == kModel) return {shipped_models(), ":file"};
   if (value.name == kVehicle) return {shipped("vehicles", false), ":file"};
   if (value.name == kSoil) return {shipped("soils", false), ":file"};
   if (value.name == kTable) return {shipped("soils", true), ":file"};

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/learn/answer/named_values.h"
+#include "pipeline/map/model/trained_model.h"
 
 namespace gonogo::app {
 namespace {
@@ -23,7 +24,7 @@ void infer(const Options& options, const Globals& globals) {
   if (ways > 1 || (ways == 1 && (!options.set.empty() || !options.outcome.empty())))
     throw InputError("infer: give one point (--set, --outcome), or --csv, or --interactive");
   if (options.csv.empty() != options.out.empty()) throw InputError("infer: --csv and --out belong together");
-  const learn::Predictor predictor = learn::Predictor::read(options.model);
+  const learn::Predictor predictor = learn::Predictor::read(map::find_model(options.model));
   if (options.interactive) return learn::converse(predictor, std::cin, std::cout);
   if (!options.csv.empty()) {
     const std::size_t rows = learn::infer_csv(predictor, options.csv, options.out);
@@ -45,7 +46,7 @@ void add_infer_command(CLI::App& app, const Globals& globals) {
   CLI::App* command =
       app.add_subcommand("infer", "P(outcome) at one point or many; unknown variables are summed out or reconstructed");
   auto options = std::make_shared<Options>();
-  command->add_option("--model", options->model, "Model file")->type_name(kFile)->required();
+  command->add_option("--model", options->model, "Model file, or name of one that ships")->type_name(kModel)->required();
   command->add_option("--set", options->set, "Value of a variable, in the unit of the contract; may be repeated")
       ->type_name(kSetting);
   command->add_flag("--reconstruct", options->reconstruct,
@@ -57,7 +58,7 @@ void add_infer_command(CLI::App& app, const Globals& globals) {
   command->add_option("--out", options->out, "CSV to write for --csv: the same columns and the answers")
       ->type_name(kFile);
   command->add_flag("--interactive", options->interactive, "Ask line by line");
-  add_examples(*command, {"gonogo infer --model out/demo/model.h5 --set slope_along=12 --set friction_angle=32",
+  add_examples(*command, {"gonogo infer --model hmmwv --set slope_along=12 friction_angle=32 payload=500",
                           "gonogo infer --model out/demo/model.h5 --set slope_along=20 --outcome no_go/traction",
                           "gonogo infer --model out/demo/model.h5 --csv points.csv --out answers.csv"});
   command->callback([options, &globals] { infer(*options, globals); });

@@ -19,10 +19,12 @@ void add_map_command(CLI::App& app, const Globals& globals, const Work<map::MapF
       ->type_name(one_of({"uphill", "worst", "best"}));
   command->add_option("--out", files->out, "Folder of the map")->type_name(kFolder)->required();
   command->add_flag("--colour-blind-safe", files->colour_blind_safe, "Class colours that do not rely on red and green");
-  add_examples(*command, {"gonogo map --model out/demo/model.h5 --region configs/regions/sagehen.json --out out/map"},
+  add_examples(*command,
+               {"gonogo map --model hmmwv --dem elevation.tif --soil sand --moisture wet --out out/map",
+                "gonogo map --model out/demo/model.h5 --region configs/regions/sagehen.json --out out/map"},
                "Writes index.html, a page that opens from disk; go.tif (class), p_go.tif, reason.tif and more layers, "
-               "each\nwith a QGIS style; map.png, area.csv and map.json. Quarter vehicle; docs/map.md says what the "
-               "numbers mean.");
+               "each\nwith a QGIS style; map.png, area.csv and map.json. gonogo models lists the models that ship; "
+               "docs/map.md\nsays what the numbers mean.");
   command->callback([files, work, &globals] { work(globals, *files); });
 }
 

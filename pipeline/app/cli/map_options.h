@@ -4,7 +4,8 @@
 
 namespace gonogo::app {
 
-/// --model, --region, --study, --dataset, --vehicle, --moisture. `files` must outlive the parsing.
+/// --model, --dem, --soil, --region, --study and what else says of which ground and mission. `files` must outlive the
+/// parsing.
 void add_map_file_options(CLI::App& command, map::MapFiles& files);
 
 }  // namespace gonogo::app

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "base/error.h"
 #include "terrain/raster/slope.h"
@@ -108,7 +109,10 @@ CellState state_of(const SoilTable& table, const std::vector<LandRule>& land, co
     return {{*decides.verdict, decides.reason}, kNoData, nullptr};
   }
   if (decision.soil < 0) return {{campaign::Verdict::unknown, campaign::Reason::input_missing}, kNoData, nullptr};
-  return in_heading(table.responses[std::size_t(decision.soil)], rules, slope, aspect);
+  CellState state = in_heading(table.responses[std::size_t(decision.soil)], rules, slope, aspect);
+  const bool unknown = state.result.verdict == campaign::Verdict::unknown;
+  if (unknown && !table.soils[std::size_t(decision.soil)].given) state.result.reason = campaign::Reason::input_missing;
+  return state;
 }
 
 /// A soil in one moisture state; nothing if it has no sample in that state.
@@ -185,6 +189,21 @@ MapSources open_sources(const Region& region) {
   sources.moisture = open(region.moisture, RasterKind::continuous);
   sources.cone_index = open(region.cone_index, RasterKind::continuous);
   return sources;
+}
+
+Region with_occurring_soils(const Region& region, const MapSources& sources) {
+  constexpr int rows_at_once = 256;
+  if (!sources.soil_class) return region;
+  const MapGrid& grid = sources.elevation.grid();
+  std::set<int> codes;
+  for (int row = 0; row < grid.rows; row += rows_at_once) {
+    const Tile tile = sources.soil_class->read({0, row, grid.columns, std::min(rows_at_once, grid.rows - row)});
+    for (std::size_t i = 0; i < tile.value.size(); ++i)
+      if (const auto code = code_at(tile, i)) codes.insert(*code);
+  }
+  Region occurring = region;
+  std::erase_if(occurring.soils, [&](const Soil& soil) { return soil.draws > 0 && codes.count(soil.code) == 0; });
+  return occurring.soils.empty() ? region : occurring;
 }
 
 double gradient_error(const RegionRaster& elevation, const MapGrid& grid) {

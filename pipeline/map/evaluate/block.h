@@ -47,6 +47,10 @@ struct TileLayers {
   const terrain::Tile& reason() const { return layer[2]; }
 };
 
+/// The region without soils by name whose code does not occur on the map. Their tables would cost time and answer
+/// nothing.
+Region with_occurring_soils(const Region& region, const MapSources& sources);
+
 /// Standard error of Horn's gradient [rise per metre]: e sqrt(1 - r) sqrt(12) / (8 cell). e is the elevation's standard
 /// error [m], r its correlation between neighbouring cells. 12 is the sum of the squared weights 1 2 1 of both sides.
 double gradient_error(const RegionRaster& elevation, const terrain::MapGrid& grid);

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
 
 namespace gonogo::map {
@@ -73,8 +74,9 @@ std::vector<LegendEntry> p_go_legend() {
           {1, "1", "#fde725"}};
 }
 
-std::vector<MapLayer> map_layers(const MapRules& rules, bool has_measures, bool has_novelty, bool colour_blind_safe,
+std::vector<MapLayer> map_layers(const MapRules& rules, const OutcomeModel& model, bool colour_blind_safe,
                                  const Metadata& metadata) {
+  const bool has_measures = !model.measures.empty(), has_speed = bool(model.speed), has_novelty = bool(model.novelty);
   const std::string heading = heading_text(rules);
   const auto go = class_legend(colour_blind_safe), p = p_go_legend();
   std::vector<MapLayer> layers = {
@@ -104,11 +106,11 @@ std::vector<MapLayer> map_layers(const MapRules& rules, bool has_measures, bool 
                       numbers("distance to the nearest trial, 1 as near as trials are to one another", "1",
                               ramp(0, 4, "0: on a trial", "4: far from every trial"), metadata),
                       of_answer(&CellAnswer::novelty)});
+  if (has_speed)
+    layers.push_back(
+        {"speed", numbers("top speed, uphill", "km/h", ramp(0, 60, "0 km/h", "60 km/h"), metadata),
+         [](const CellState& cell) { return cell.answer ? float(kKmPerHour) * cell.answer->speed : kNoData; }});
   if (!has_measures) return layers;
-  layers.push_back(
-      {"speed",
-       numbers("expected speed made good of trials that pass, uphill", "m/s", ramp(0, 2, "0 m/s", "2 m/s"), metadata),
-       of_answer(&CellAnswer::speed)});
   layers.push_back({"slip", numbers("expected slip of trials that pass, uphill", "1", ramp(0, 1, "0", "1"), metadata),
                     of_answer(&CellAnswer::slip)});
   layers.push_back(

@@ -27,7 +27,7 @@ struct MapLayer {
 };
 
 /// All layers of a map. go, p_go, reason and outside_share are the first four (TileLayers relies on it).
-std::vector<MapLayer> map_layers(const MapRules& rules, bool has_measures, bool has_novelty, bool colour_blind_safe,
+std::vector<MapLayer> map_layers(const MapRules& rules, const OutcomeModel& model, bool colour_blind_safe,
                                  const Metadata& metadata);
 
 std::vector<terrain::LegendEntry> class_legend(bool colour_blind_safe);

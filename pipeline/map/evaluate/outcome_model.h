@@ -8,6 +8,7 @@
 
 #include "base/json/config.h"
 #include "pipeline/map/evaluate/measure_fit.h"
+#include "pipeline/map/evaluate/top_speed.h"
 
 namespace gonogo::map {
 
@@ -30,10 +31,13 @@ struct OutcomeModel {
   /// Distance of a point from the trials, as Predictor::novelty(). Empty: the map gets no novelty layer.
   std::function<double(std::span<const double> point)> novelty;
   std::vector<MeasureFit> measures;  // fitted to trials that passed; empty without a dataset
+  std::optional<SpeedModel> speed;   // none: no top speed is given
+  std::vector<std::string> remarks;  // one sentence each, for readers of the map
   std::vector<std::string> member_hashes;
   std::string dataset_hash;                 // of the file that `measures` come from; empty without one
   std::string hash;                         // of the model's file
   std::string vehicle;                      // name for titles, may be empty
+  bool whole_vehicle = false;               // measures are of all wheels, not of one
   std::optional<ConeIndexNeed> cone_index;  // of the vehicle; none: fine-grained soil is unknown
 };
 

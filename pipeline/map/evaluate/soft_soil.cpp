@@ -25,6 +25,7 @@ double estimated_index(const std::vector<double>& point) {
 
 std::string texture_text(const Region& region, const Soil& soil) {
   const std::string& texture = soil.texture.empty() ? region.texture : soil.texture;
+  if (!soil.given) return "where it is loam or finer";
   return texture.empty() ? line("a friction angle below %g degrees", kMinAngleOfSand) : texture;
 }
 
@@ -68,6 +69,10 @@ std::vector<std::string> sentences(const Weakness& found, std::size_t points, co
 }  // namespace
 
 std::optional<bool> is_fine_grained(const Region& region, const Soil& soil) {
+  std::optional<bool> fine;
+  for (const SoilSample& sample : soil.samples)
+    if (!sample.texture.empty()) fine = fine.value_or(false) || terrain::is_fine_grained(sample.texture);
+  if (fine) return fine;
   const std::string& texture = soil.texture.empty() ? region.texture : soil.texture;
   if (texture.empty()) return std::nullopt;
   return terrain::is_fine_grained(texture);
@@ -81,8 +86,11 @@ SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector
   SoftPoints soft{std::vector<char>(points.size(), 0), {}};
   Weakness found;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!fine.value_or(points[i][angle] < kMinAngleOfSand)) continue;
-    const std::optional<double> measured = soil.samples.empty() ? std::nullopt : soil.samples[i / draws].cone_index;
+    const SoilSample* sample = soil.samples.empty() ? nullptr : &soil.samples[i / draws];
+    const bool known = sample && !sample->texture.empty();
+    if (known ? !terrain::is_fine_grained(sample->texture) : !fine.value_or(points[i][angle] < kMinAngleOfSand))
+      continue;
+    const std::optional<double> measured = sample ? sample->cone_index : std::nullopt;
     const double index = measured ? *measured : estimated_index(points[i]);
     if (need && index >= need->fifty_passes) continue;
     soft.is_soft[i] = 1;

@@ -25,7 +25,7 @@ struct SoftPoints {
 SoftPoints soft_points(const Region& region, const Soil& soil, const std::vector<std::vector<double>>& points,
                        const std::optional<ConeIndexNeed>& need);
 
-/// Nothing if neither the soil nor the region gives a texture.
+/// Whether a texture of the soil's samples, the soil or the region is. Nothing if none of them gives one.
 std::optional<bool> is_fine_grained(const Region& region, const Soil& soil);
 
 }  // namespace gonogo::map

@@ -2,16 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <limits>
+
+#include "base/line.h"
 
 namespace gonogo::map {
 namespace {
 
-std::string describe_outside(const campaign::Variable& variable, double value, Range sampled) {
-  std::ostringstream text;
-  text << variable.name << " " << value << " " << variable.unit << " is outside " << sampled.minimum << " to "
-       << sampled.maximum << " " << variable.unit;
-  return text.str();
+std::string describe_outside(const campaign::Variable& variable, Range found, double share, Range sampled) {
+  const char* unit = variable.unit.c_str();
+  const std::string where = line(" %s is outside %g to %g %s", unit, sampled.minimum, sampled.maximum, unit);
+  if (found.minimum == found.maximum) return variable.name + line(" %g", found.minimum) + where;
+  return variable.name + line(" %.4g to %.4g", found.minimum, found.maximum) + where +
+         line(", %.0f %% of its points", 100 * share);
 }
 
 }  // namespace
@@ -33,15 +36,28 @@ SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double
     for (std::size_t v = 0; v < variables.size(); ++v) {
       if (std::isnan(point[v]) || contains(model.sampled[v], point[v])) continue;
       inside = false;
-      const std::string why = describe_outside(variables[v], point[v], model.sampled[v]);
-      if (std::find(outside_because_.begin(), outside_because_.end(), why) == outside_because_.end())
-        outside_because_.push_back(why);
     }
     if (!inside) continue;
     inside_.insert(inside_.end(), point.begin(), point.end());
     ++inside_count_;
   }
   soft_share_ = double(soft_count) / double(all_.size());
+  find_outside(model);
+}
+
+void SoilPoints::find_outside(const OutcomeModel& model) {
+  const auto& variables = campaign::contract().variables;
+  outside_share_.assign(variables.size(), 0);
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    Range found = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    for (const std::vector<double>& point : all_) {
+      if (std::isnan(point[v]) || contains(model.sampled[v], point[v])) continue;
+      outside_share_[v] += 1 / double(all_.size());
+      found = {std::min(found.minimum, point[v]), std::max(found.maximum, point[v])};
+    }
+    if (outside_share_[v] > 0)
+      outside_because_.push_back(describe_outside(variables[v], found, outside_share_[v], model.sampled[v]));
+  }
 }
 
 campaign::Reason SoilPoints::reason_outside() const { return reason_of_unknown(Prospect{{}, 1, soft_share_}); }
@@ -104,12 +120,16 @@ Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double sl
 
 double SoilPoints::novelty(const OutcomeModel& model, double slope_along, double slope_across) const {
   double sum = 0;
-  for (std::vector<double> point : all_) {
+  const std::size_t stride = std::max<std::size_t>(1, all_.size() / 16);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i<all_.size(); i += all_.size()> 32 ? stride : 1) {
+    std::vector<double> point = all_[i];
+    ++count;
     point[campaign::contract().variable_index("slope_along")] = slope_along;
     point[campaign::contract().variable_index("slope_across")] = slope_across;
     sum += model.novelty(point);
   }
-  return sum / double(all_.size());
+  return sum / double(count);
 }
 
 }  // namespace gonogo::map

@@ -25,7 +25,8 @@ class SoilPoints {
   /// The same. Also appends P(go) of every sampled point to `p_go_of_each`: by the model, then by each of its members.
   Prospect at(const OutcomeModel& model, double slope_along, double slope_across,
               std::vector<double>& p_go_of_each) const;
-  /// Mean of the model's novelty over all points, sampled or not. The model must have one.
+  /// Mean of the model's novelty over all points, sampled or not; of more than 32 points over every k-th, 16 to 32 of
+  /// them. The model must have one.
   double novelty(const OutcomeModel& model, double slope_along, double slope_across) const;
 
   std::size_t sampled_count() const { return inside_count_; }
@@ -35,13 +36,17 @@ class SoilPoints {
   campaign::Reason reason_outside() const;
   /// Every point, sampled or not.
   const std::vector<std::vector<double>>& all() const { return all_; }
-  /// "cohesion 6.1 kPa is outside 0 to 5 kPa", one for each variable that puts points outside the sampled box.
+  /// "cohesion 6.1 kPa is outside 0 to 5 kPa", one for each variable that puts points outside the sampled box. Several
+  /// values are "cohesion 6.1 to 9 kPa ..., 20 % of its points".
   const std::vector<std::string>& outside_because() const { return outside_because_; }
+  /// Share of the points whose value of this variable lies outside what was sampled.
+  double outside_share(std::size_t variable) const { return outside_share_[variable]; }
   const std::vector<std::string>& soft_because() const { return soft_.because; }
 
  private:
   using Probabilities = std::function<void(std::span<const double>, std::span<double>)>;
   std::vector<double> answers(const Probabilities& model, double slope_along, double slope_across) const;
+  void find_outside(const OutcomeModel& model);
   Prospect nothing_known() const;
   bool is_sampled(const OutcomeModel& model, double slope_along, double slope_across) const;
   Prospect mean_of(const std::vector<double>& answers) const;
@@ -53,6 +58,7 @@ class SoilPoints {
   SoftPoints soft_;
   double soft_share_ = 0;
   std::vector<std::string> outside_because_;
+  std::vector<double> outside_share_;  // [variables]
 };
 
 }  // namespace gonogo::map

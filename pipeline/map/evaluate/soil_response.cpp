@@ -43,6 +43,7 @@ SoilResponse::SoilResponse(const OutcomeModel& model, const MapRules& rules, std
   add_interval(gradient_error, 1 + model.members.size());
   p_each_ = {};
   add_measures(model);
+  add_speeds(model, rules);
 }
 
 void SoilResponse::tabulate(const OutcomeModel& model, const MapRules& rules) {
@@ -115,10 +116,24 @@ void SoilResponse::add_measures(const OutcomeModel& model) {
       if (found == measures_.end() || std::isnan(answer.p_go)) return kNoData;
       return float(found->second.at({double(i) / kSlopeSteps, 0}));
     };
-    answer.speed = value("mean_speed");
     answer.slip = value("slip");
     answer.sinkage = value("sinkage");
   }
+}
+
+void SoilResponse::add_speeds(const OutcomeModel& model, const MapRules& rules) {
+  for (CellAnswer& answer : table_) answer.speed = kNoData;
+  if (!model.speed) return;
+  const SoilSpeed speed(*model.speed, points_.all(), rules.max_speed);
+  const int width = headings_.across_count(), nodes = headings_.along_count() * width;
+  heading_speed_.resize(std::size_t(nodes));
+#pragma omp parallel for schedule(static)
+  for (int i = 0; i < nodes; ++i)
+    heading_speed_[std::size_t(i)] = float(speed.at(headings_.slopes(i / width, i % width)));
+#pragma omp parallel for schedule(static)
+  for (int i = 0; i <= kLastStep; ++i)
+    if (CellAnswer& answer = table_[std::size_t(i)]; !std::isnan(answer.p_go))
+      answer.speed = float(speed.at({i / kSlopeSteps, 0}));
 }
 
 const CellAnswer& SoilResponse::at(double slope_deg) const {

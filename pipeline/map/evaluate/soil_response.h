@@ -19,13 +19,14 @@ double rounded_slope(double slope_deg);
 
 /// What a map says about a cell that does not depend on its aspect.
 struct CellAnswer {
-  CellClass result;                        // uphill heading
-  float p_go = 0;                          // uphill; NaN: no point of the soil was sampled, or the slope is too steep
-  float p_slow = 0;                        // the part of p_go that is slow_go
-  float outside_share = 1;                 // share of the soil's points that no trial answers for, at this slope
-  float p_low = 0, p_high = 0;             // 5 % and 95 % points of P(go), uphill heading
-  float novelty = 0;                       // uphill heading; NaN: the model gives none
-  float speed = 0, slip = 0, sinkage = 0;  // [m/s], [-], [m] expected, uphill; NaN: not given
+  CellClass result;             // uphill heading
+  float p_go = 0;               // uphill; NaN: no point of the soil was sampled, or the slope is too steep
+  float p_slow = 0;             // the part of p_go that is slow_go
+  float outside_share = 1;      // share of the soil's points that no trial answers for, at this slope
+  float p_low = 0, p_high = 0;  // 5 % and 95 % points of P(go), uphill heading
+  float novelty = 0;            // uphill heading; NaN: the model gives none
+  float speed = 0;              // top speed uphill [m/s]; NaN: not given
+  float slip = 0, sinkage = 0;  // [-], [m] expected of trials that pass, uphill; NaN: not given
   HeadingRange headings;
 };
 
@@ -55,6 +56,12 @@ class SoilResponse {
   const HeadingTable& headings() const { return headings_; }
   /// Expected measures of trials that pass, by name. Empty without a dataset.
   const std::map<std::string, SlopeMeasure>& measures() const { return measures_; }
+  /// Whether the model gives top speeds.
+  bool has_speed() const { return !heading_speed_.empty(); }
+  /// Top speed [m/s] at node (along, across) of headings(), passable or not. The response must have speeds.
+  double heading_speed(int along, int across) const {
+    return heading_speed_[std::size_t(along) * std::size_t(headings_.across_count()) + std::size_t(across)];
+  }
   const std::vector<std::string>& outside_because() const { return points_.outside_because(); }
 
  private:
@@ -62,11 +69,13 @@ class SoilResponse {
   CellAnswer answer_at(const OutcomeModel& model, const MapRules& rules, int step);
   void add_interval(double gradient_error, std::size_t models);
   void add_measures(const OutcomeModel& model);
+  void add_speeds(const OutcomeModel& model, const MapRules& rules);
 
   SoilPoints points_;
   HeadingTable headings_;
   std::map<std::string, SlopeMeasure> measures_;
   Range sampled_slope_;
+  std::vector<float> heading_speed_;                  // [node of headings_] [m/s]; empty: not given
   std::vector<CellAnswer> table_;                     // [round(slope x kSlopeSteps)], 0 to 90 degrees
   std::vector<std::vector<double>> uphill_outcomes_;  // [step][outcome]; empty where nothing was sampled
   std::vector<std::vector<double>> p_each_;           // [step][sampled point]; freed after construction

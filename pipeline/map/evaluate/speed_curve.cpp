@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/line.h"
+#include "base/units.h"
 
 namespace gonogo::map {
 
@@ -15,7 +16,7 @@ int SpeedCurve::step_of(double speed) {
 std::string SpeedCurve::csv() const {
   std::uint64_t known = 0;
   for (const std::uint64_t cells : cells_) known += cells;
-  std::string text = "percent_of_known_area,slowest_m_s,mean_m_s\n";
+  std::string text = "percent_of_known_area,slowest_km_h,mean_km_h\n";
   std::uint64_t taken = 0;
   double time = 0;  // over the cells taken so far, one metre in each
   int step = kSteps - 1;
@@ -29,7 +30,8 @@ std::string SpeedCurve::csv() const {
       taken += some;
       left -= some;
     }
-    text += line("%d,%.2f,%.4f\n", percent, step * kStep, std::isinf(time) ? 0.0 : double(taken) / time);
+    text += line("%d,%.2f,%.4f\n", percent, kKmPerHour * step * kStep,
+                 std::isinf(time) ? 0.0 : kKmPerHour * double(taken) / time);
   }
   const std::uint64_t all = known + unknown_;
   return text + line("unknown,%.6f of all cells,\n", all > 0 ? double(unknown_) / double(all) : 0.0);

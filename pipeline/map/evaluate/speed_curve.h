@@ -17,8 +17,8 @@ class SpeedCurve {
   void add(int step, std::uint64_t cells) { cells_[std::size_t(step)] += cells; }
   void add_unknown(std::uint64_t cells) { unknown_ += cells; }
 
-  /// One line for each percent_of_known_area p from 1 to 100, fastest cells first. slowest_m_s is the min speed of the
-  /// fastest p percent. mean_m_s is their harmonic mean, called V50 at p = 50 in mobility studies. The last line gives
+  /// One line for each percent_of_known_area p from 1 to 100, fastest cells first. slowest_km_h is the min speed of the
+  /// fastest p percent. mean_km_h is their harmonic mean, called V50 at p = 50 in mobility studies. The last line gives
   /// the share of unknown cells.
   std::string csv() const;
 

@@ -79,6 +79,8 @@ class Soil {
     this.low = blob[`low_${index}`];
     this.high = blob[`high_${index}`];
     this.novelty = blob[`novelty_${index}`];
+    this.node_speed = blob[`heading_speed_${index}`];
+    this.uphill_speed = blob[`uphill_speed_${index}`];
     this.update();
   }
 
@@ -142,6 +144,12 @@ class Soil {
     this.passable[s] = passable / meta.headings;
   }
 
+  /// Top speed [km/h] of an entry of a table; NaN where there is none.
+  speed(table, index) {
+    const values = table === 'uphill' ? this.uphill_speed : this.node_speed;
+    return !values || index < 0 || values[index] === NONE16 ? NaN : values[index] / 100;
+  }
+
   measure(name, along, across) {
     const m = this.measures[name];
     if (!m) return NaN;
@@ -157,6 +165,12 @@ const height_of = (cell) => (blob.height[cell] === NONE16 ? NaN : meta.height.lo
 
 /// Answer for a cell under the chosen heading: {verdict, reason, p, slow, table, index}.
 function answer_of(cell, mode = state.mode, heading = state.heading) {
+  const answer = known_answer_of(cell, mode, heading);
+  if (answer && answer.verdict === UNKNOWN && answer.soil && !answer.soil.given) answer.reason = reason_code.input_missing;
+  return answer;
+}
+
+function known_answer_of(cell, mode, heading) {
   const unit = blob.soil[cell];
   if (unit === NO_DATA) return null;
   const rule = blob.rule ? blob.rule[cell] : 0;

@@ -60,7 +60,9 @@ function make_layers() {
     ramp_layer('passable', 'Headings', 'viridis', [0, 1], (c) => { const s = unit_of(c); return s ? s.passable[blob.slope[c]] : NaN; }, (v) => percent(v), 'Share of headings that are go or slow-go'),
     ramp_layer('novelty', 'Novelty', 'violet', [0, 4], (c) => { const s = unit_of(c); return s && s.novelty ? (s.novelty[blob.slope[c]] === NONE16 ? NaN : s.novelty[blob.slope[c]] / 1000) : NaN; }, (v) => fixed(v, 2), 'Distance to the nearest trial; 1: as near as trials are to one another'),
   ];
-  if (sample.mean_speed) list.push(ramp_layer('speed', 'Speed', 'cool', [0, meta.max_speed], measure('mean_speed'), (v) => (Number.isNaN(v) ? 'no value' : `${v.toFixed(2)} m/s`), 'Expected speed made good of trials that pass'));
+  // As the measures, the worst and best headings show it uphill.
+  const speed = (cell, a) => (!known(a) || Number.isNaN(a.p) || a.verdict === NO_GO ? NaN : state.mode === 'set' ? a.soil.speed(a.table, a.index) : a.soil.speed('uphill', blob.slope[cell]));
+  if (soils.some((s) => s.uphill_speed)) list.push(ramp_layer('speed', 'Top speed', 'cool', [0, meta.max_speed], speed, (v) => (Number.isNaN(v) ? 'no value' : `${v.toFixed(0)} km/h`), 'Where tractive force equals slope and motion resistance; not where it is no-go'));
   if (sample.slip) list.push(ramp_layer('slip', 'Slip', 'cool', [0, 0.6], measure('slip'), (v) => percent(v), 'Expected slip of trials that pass'));
   if (sample.sinkage) list.push(ramp_layer('sinkage', 'Sinkage', 'cool', [0, meta.max_sinkage], measure('sinkage'), (v) => (Number.isNaN(v) ? 'no value' : `${(100 * v).toFixed(1)} cm`), 'Expected sinkage of trials that pass'));
   list.push(ramp_layer('slope', 'Slope', 'slope', [0, 40], (c) => slope_of(c), grade, 'Degrees and per cent grade'));

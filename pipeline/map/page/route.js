@@ -4,7 +4,7 @@ const COSTS = [['time', 'Fastest'], ['risk', 'Safest'], ['energy', 'Least energy
 const STEPS = [[0, -1], [1, -1], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1]];  // from north, clockwise
 const step_heading = STEPS.map(([dx, dy]) => (Math.round(Math.atan2(dx * cell_w, -dy * cell_h) / DEGREE) + 360) % 360);
 const step_length = STEPS.map(([dx, dy]) => Math.hypot(dx * cell_w, dy * cell_h));
-const usable_costs = () => COSTS.filter(([id]) => (id === 'time' ? soils.some((s) => s.measures.mean_speed) : id === 'energy' ? soils.some((s) => s.measures.energy_per_metre) : true));
+const usable_costs = () => COSTS.filter(([id]) => (id === 'time' ? soils.some((s) => s.node_speed) : id === 'energy' ? soils.some((s) => s.measures.energy_per_metre) : true));
 
 /// Costs per metre of map distance at a node of a soil's heading table; null if it cannot be passed.
 function per_metre(soil, node) {
@@ -12,7 +12,7 @@ function per_metre(soil, node) {
   if (verdict !== GO && verdict !== SLOW_GO) return null;
   const along = (Math.floor(node / soil.across_count) + soil.first_along) / meta.heading_steps;
   const across = (node % soil.across_count + soil.first_across) / meta.heading_steps;
-  const length = 1 / Math.cos(along * DEGREE), speed = Math.max(meta.slowest_speed, soil.measure('mean_speed', along, across));
+  const length = 1 / Math.cos(along * DEGREE), speed = soil.speed('heading', node) / 3.6;  // m/s
   return {
     length, time: length / speed, risk: -Math.log(Math.min(1, soil.p_at(node))) * length / meta.rules.correlation_length_m,
     energy: length * Math.max(0, soil.measure('energy_per_metre', along, across)), p: soil.p_at(node),

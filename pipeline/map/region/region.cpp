@@ -2,7 +2,9 @@
 
 #include <set>
 
+#include "base/error.h"
 #include "base/units.h"
+#include "pipeline/map/region/named_soil.h"
 #include "terrain/soil/strength.h"
 #include "terrain/soil/texture.h"
 
@@ -51,12 +53,27 @@ std::string read_texture(const Config& config) {
   return config.has("texture") ? config.choice("texture", terrain::usda_textures()) : "";
 }
 
+/// Samples and texture of a soil that comes by name.
+void take_named(const Config& config, const std::string& key, Soil& soil) {
+  if (config.has("samples")) config.fail("samples", "and \"" + key + "\" are both given; keep one of them");
+  Soil named;
+  try {
+    named = named_soil(config.text(key), "");
+  } catch (const InputError& error) {
+    config.fail(key, error.what());
+  }
+  soil.samples = named.samples;
+  soil.draws = named.draws;
+  if (soil.texture.empty()) soil.texture = named.texture;
+}
+
 Soil read_soil(const Config& config) {
   Soil soil;
   soil.code = int(config.integer("code", {0, 65535}));
   soil.name = config.text("name");
   soil.note = config.text_or("note", "");
   soil.texture = read_texture(config);
+  if (config.has("like")) take_named(config, "like", soil);
   if (config.has("samples"))
     for (const Config& sample : config.objects("samples")) soil.samples.push_back(read_sample(sample));
   if (const auto values = config.object_if("values")) soil.values = read_spreads(*values);
@@ -154,6 +171,7 @@ Region read_region(const std::filesystem::path& path) {
     std::set<int> codes;
     for (const Config& entry : config.objects("soils")) {
       region.soils.push_back(read_soil(entry));
+      if (entry.has("like")) region.soil_text += soil_hash(entry.text("like")) + " ";
       if (!codes.insert(region.soils.back().code).second) entry.fail("code", "is given twice; keep one soil");
     }
   }
@@ -161,6 +179,14 @@ Region read_region(const std::filesystem::path& path) {
     config.fail("soils", region.soils.empty() ? "missing; say what the codes of the soil_class raster mean"
                                               : "no raster has the role \"soil_class\"; add one or remove the soils");
   region.texture = read_texture(config);
+  if (config.has("soil")) {
+    if (region.soil_class) config.fail("soil", "and a raster soil_class are both given; keep one of them");
+    Soil soil{
+        .code = 0, .name = config.text("soil"), .note = "", .texture = region.texture, .samples = {}, .values = {}};
+    take_named(config, "soil", soil);
+    region.soil_text = soil_hash(config.text("soil"));
+    region.soils.push_back(std::move(soil));
+  }
   if (const auto values = config.object_if("values")) region.values = read_spreads(*values);
   config.finish();
   return region;
@@ -187,12 +213,15 @@ std::vector<std::vector<double>> soil_points(const Region& region, const Soil& s
   std::vector<SoilSample> samples = soil.samples;
   if (samples.empty()) samples.emplace_back();
   std::vector<std::vector<double>> points;
+  int shift = 0;
   for (const SoilSample& sample : samples) {
     Spreads spreads = overriding;  // insert() keeps what is already there
     spreads.insert(sample.values.begin(), sample.values.end());
     spreads.insert(soil.values.begin(), soil.values.end());
     spreads.insert(region.values.begin(), region.values.end());
-    for (auto& point : spread_points(spreads, draws)) points.push_back(std::move(point));
+    for (auto& point : spread_points(spreads, soil.draws > 0 ? soil.draws : draws, shift))
+      points.push_back(std::move(point));
+    shift += soil.draws > 0;
   }
   return points;
 }

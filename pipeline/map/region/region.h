@@ -20,12 +20,14 @@ struct RegionRaster {
   double unit = 1;               // one count of a cone index raster [Pa]
 };
 
-/// Values measured together on one sample of a soil. Other variables follow the spreads of the soil.
+/// Values measured together on one sample of a soil, or the ranges of a soil that is known by name. Other variables
+/// follow the spreads of the soil.
 struct SoilSample {
-  Spreads values;  // all fixed
+  Spreads values;
   std::string source;
   std::optional<double> water_percent = std::nullopt;  // of the dry mass; none: not measured
   std::optional<double> cone_index = std::nullopt;     // [Pa]; none: not measured
+  std::string texture{};                               // empty: as the soil's
 };
 
 /// What a land cover code means. A verdict holds whatever the soil; without a verdict the soil decides.
@@ -49,6 +51,8 @@ struct Soil {
   std::string texture;              // one of terrain::usda_textures(); empty: as the region's
   std::vector<SoilSample> samples;  // equally likely; empty: `values` alone hold
   Spreads values;
+  int draws = 0;      // points drawn for each sample; 0: as the rules say
+  bool given = true;  // false: nobody said what the soil is, the samples are all that it may be
 };
 
 struct Region {
@@ -62,6 +66,7 @@ struct Region {
   std::vector<Soil> soils;               // empty without a soil raster: `values` hold everywhere
   std::string texture;                   // of soils without one of their own; empty: not known
   Spreads values;                        // for variables that a soil does not give
+  std::string soil_text{};               // names and hashes of soils that come by name; empty: none does
 };
 
 /// Samples of a soil in a moisture state. A sample without a measured water content belongs to every state.
@@ -79,7 +84,7 @@ inline std::size_t below_fifty_passes_rule(const Region& region) { return region
 
 /// Equally likely points of a soil over the variables of the contract [points][variable count]; slopes are NaN. Every
 /// sample is combined with every one of `draws` points of the ranges. `overriding` wins over the soil's values, and
-/// these win over the region's.
+/// these win over the region's. A soil's own number of draws wins over `draws`; its samples then take shifted sets.
 std::vector<std::vector<double>> soil_points(const Region& region, const Soil& soil, const Spreads& overriding,
                                              int draws);
 

@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/line.h"
+#include "base/units.h"
 
 namespace gonogo::map {
 namespace {
@@ -48,6 +49,7 @@ MapRules read_map_rules(const std::optional<Config>& section) {
   if (section->has("moisture")) rules.moisture = section->choice("moisture", {"dry", "moist", "wet"});
   rules.fidelity = section->text_or("fidelity", rules.fidelity);
   rules.correlation_length = section->number_or("correlation_length_m", rules.correlation_length, {1, 1e6});
+  if (section->has("max_speed_km_h")) rules.max_speed = section->number("max_speed_km_h", kMaxSpeedRange) / kKmPerHour;
   if (section->has("heading")) set_heading(rules, section->text("heading"), "map.heading");
   if (section->has("cone_index_of")) rules.cone_index_of = section->path("cone_index_of");
   if (const auto values = section->object_if("values")) rules.values = read_spreads(*values);

@@ -6,6 +6,7 @@
 // simulated. Points that are too soft (pipeline/map/evaluate/soft_soil.h) count as not sampled.
 #pragma once
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -29,9 +30,13 @@ struct MapRules {
   std::string moisture;                // "dry", "moist" or "wet" everywhere; empty: by the raster, or any
   int draws = 16;                      // points drawn from the ranges of a soil
   std::string fidelity = "fidelity of the trials not stated";  // printed under the title of the figure
+  double max_speed = std::numeric_limits<double>::infinity();  // of the mission: no faster, wherever [m/s]
   Spreads values;                       // of the mission, such as payload; win over soil and region
   std::filesystem::path cone_index_of;  // vehicle file; its VCI is the limit of fine-grained soil
 };
+
+/// Limits of the section's max_speed_km_h.
+inline constexpr Range kMaxSpeedRange = {1, 300};
 
 /// Reads the section; without one the defaults hold. Throws InputError.
 MapRules read_map_rules(const std::optional<Config>& section);

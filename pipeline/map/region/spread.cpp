@@ -1,6 +1,7 @@
 #include "pipeline/map/region/spread.h"
 
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "base/error.h"
@@ -47,12 +48,12 @@ Spreads read_spreads(const Config& config) {
   return spreads;
 }
 
-std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws) {
-  constexpr std::array<int, 9> kPrimes = {2, 3, 5, 7, 11, 13, 17, 19, 23};
+std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws, int shift) {
+  constexpr std::array<int, 10> kPrimes = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29};
   const auto& variables = campaign::contract().variables;
   int ranges = 0;
   for (const auto& [name, spread] : spreads) ranges += spread.kind == Spread::Kind::range;
-  if (ranges > int(kPrimes.size()) + 1)
+  if (ranges > int(kPrimes.size()))
     throw InputError("more ranges than the map can sample; fix some of these variables");
   std::vector<std::vector<double>> points(
       std::size_t(ranges > 0 ? draws : 1),
@@ -64,9 +65,11 @@ std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws
     const Spread& spread = found->second;
     const bool ranged = spread.kind == Spread::Kind::range;
     for (int i = 0; i < int(points.size()); ++i) {
-      const double share = !ranged          ? 0
-                           : dimension == 0 ? (i + 0.5) / draws
-                                            : radical_inverse(i + 1, kPrimes[std::size_t(dimension) - 1]);
+      double share = !ranged          ? 0
+                     : dimension == 0 ? (i + 0.5) / draws
+                                      : radical_inverse(i + 1, kPrimes[std::size_t(dimension) - 1]);
+      if (ranged && shift > 0)
+        share = std::fmod(share + shift * std::sqrt(double(kPrimes[std::size_t(dimension)])), 1.0);
       points[std::size_t(i)][v] = spread.low + (spread.high - spread.low) * share;
     }
     dimension += ranged;

@@ -26,7 +26,8 @@ Spreads read_spreads(const Config& config);
 
 /// Equally likely points over all variables of the contract [points][variable count]; NaN where unknown, as slopes are.
 /// They are the Hammersley set of `draws` points over the ranges, or one point without a range. No random numbers.
-/// Hammersley 1960, "Monte Carlo methods for solving multivariable problems".
-std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws);
+/// Hammersley 1960, "Monte Carlo methods for solving multivariable problems". Every `shift` is another set: it is
+/// rotated by shift times the square root of the dimension's prime, modulo 1 (Cranley and Patterson 1976).
+std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws, int shift = 0);
 
 }  // namespace gonogo::map

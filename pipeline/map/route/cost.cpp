@@ -19,14 +19,25 @@ const SlopeMeasure& require_measure(const SoilResponse& soil, const char* name) 
   return found->second;
 }
 
-double cost_per_metre(const SoilResponse& soil, const HeadingAnswer& answer, BedSlopes slopes, RouteCost cost,
-                      double correlation_length) {
+void require_speed(const SoilResponse& soil) {
+  if (!soil.has_speed())
+    throw InputError(
+        "route: the model gives no top speed, because its trials or the driveline of its vehicle are not known; give "
+        "the trials with --dataset, name the whole vehicle of a quarter with --whole-vehicle, or ask for the shortest "
+        "or "
+        "the safest way");
+}
+
+/// At node (along, across) of the soil's heading table.
+double cost_per_metre(const SoilResponse& soil, int along, int across, RouteCost cost, double correlation_length) {
+  const BedSlopes slopes = soil.headings().slopes(along, across);
   const double length = 1 / std::cos(slopes.along * kDegree);
   switch (cost) {
     case RouteCost::time:
-      return length / std::max(kMinSpeed, require_measure(soil, "mean_speed").at(slopes));
+      require_speed(soil);
+      return length / soil.heading_speed(along, across);
     case RouteCost::risk:
-      return -std::log(std::min(1.0, double(answer.p_go))) * length / correlation_length;
+      return -std::log(std::min(1.0, double(soil.headings().node(along, across).p_go))) * length / correlation_length;
     case RouteCost::energy:
       return length * std::max(0.0, require_measure(soil, "energy_per_metre").at(slopes));
     default:
@@ -76,11 +87,8 @@ RouteCosts::RouteCosts(const SoilTable& table, RouteCost cost, double correlatio
     std::vector<float> factor;
     for (int i = 0; i < headings.along_count(); ++i)
       for (int j = 0; j < headings.across_count(); ++j) {
-        const HeadingAnswer& answer = headings.node(i, j);
-        const BedSlopes slopes = headings.slopes(i, j);
-        factor.push_back(campaign::passes(answer.result.verdict)
-                             ? float(cost_per_metre(soil, answer, slopes, cost, correlation_length))
-                             : kImpassable);
+        const bool passes = campaign::passes(headings.node(i, j).result.verdict);
+        factor.push_back(passes ? float(cost_per_metre(soil, i, j, cost, correlation_length)) : kImpassable);
       }
     factor_.push_back(std::move(factor));
     std::vector<char> best;

@@ -4,9 +4,9 @@
 // node of the soil's heading table (heading_table.h). The node gives the cost per metre of map distance:
 //
 //   length   1 / cos(along)                          [m]     on the ground
-//   time     length / expected speed made good       [s]
+//   time     length / top speed                      [s]
 //   risk     -ln P(go) length / correlation length   [-]     -ln of the chance to get through
-//   energy   length x energy per metre               [J]     of one wheel
+//   energy   length x energy per metre               [J]     at the wheels, of a quarter vehicle at one wheel
 //
 // The chances of passing are equal within the correlation length and independent beyond it. The risk of a way therefore
 // does not depend on the cell size. A node that is neither go nor slow_go is impassable in that heading.

@@ -54,7 +54,7 @@ AllCosts all_costs(const SoilTable& table, const std::vector<RouteCost>& asked, 
   const auto& measures = table.responses.front().measures();
   AllCosts costs;
   for (const RouteCost cost : kRouteCosts) {
-    const bool told = cost == RouteCost::time     ? measures.count("mean_speed") > 0
+    const bool told = cost == RouteCost::time     ? table.responses.front().has_speed()
                       : cost == RouteCost::energy ? measures.count("energy_per_metre") > 0
                                                   : true;
     const bool wanted = std::find(asked.begin(), asked.end(), cost) != asked.end();
@@ -158,7 +158,8 @@ Json plan_route(const RouteRequest& request) {
   const MapRequest& map = request.map;
   const MapSources sources = open_sources(map.region);
   const terrain::MapGrid& grid = sources.elevation.grid();
-  const SoilTable table = make_soil_table(without_spread(map.model), map.region, map.rules, 0);
+  const SoilTable table =
+      make_soil_table(without_spread(map.model), with_occurring_soils(map.region, sources), map.rules, 0);
   const AllCosts costs = all_costs(table, request.costs, map.rules.correlation_length);
   const RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
   Json result = Json::object(), files = Json::array();

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/units.h"
 
 namespace gonogo::map {
 
@@ -78,7 +79,7 @@ std::map<std::uint32_t, std::uint64_t> speeds_of(const TileLayers& tile, const s
     if (std::isnan(verdict)) continue;
     const auto v = campaign::Verdict(int(verdict));
     const bool passed = campaign::passes(v);
-    const float metres = tile.layer[speed].value[i];
+    const float metres = tile.layer[speed].value[i] / float(kKmPerHour);  // in a second
     if (v == campaign::Verdict::unknown || (passed && std::isnan(metres)))
       ++cells[SpeedCurve::kSteps];
     else
@@ -93,12 +94,17 @@ std::string digest_of(const TileLayers& tile, const SoilTable& table, const MapG
                       const std::vector<MapLayer>& layers) {
   const std::size_t reasons = campaign::contract().reasons.size(), verdicts = campaign::contract().verdicts.size();
   std::vector<std::uint64_t> area((verdicts + 1) * reasons, 0), soils(table.soils.size(), 0);
+  std::uint64_t steeper = 0;
   for (std::size_t i = 0; i < tile.verdict().value.size(); ++i) {
     if (std::isnan(tile.verdict().value[i])) continue;
     ++area[std::size_t(tile.verdict().value[i]) * reasons + std::size_t(tile.reason().value[i])];
-    if (tile.soil.value[i] >= 0) ++soils[std::size_t(tile.soil.value[i])];
+    if (!(tile.soil.value[i] >= 0)) continue;
+    const auto soil = std::size_t(tile.soil.value[i]);
+    ++soils[soil];
+    steeper += double(tile.slope.value[i]) > table.responses[soil].sampled_slope().maximum;
   }
   std::string bytes;
+  put(bytes, steeper);
   for (const auto count : area) put(bytes, count);
   for (const auto count : soils) put(bytes, count);
   const auto speeds = speeds_of(tile, layers);
@@ -122,6 +128,7 @@ std::string digest_of(const TileLayers& tile, const SoilTable& table, const MapG
 void add_digest(const std::string& bytes, Window window, const MapGrid& grid, SoilTable& table, MapDigest& digest,
                 const std::string& where) {
   Reader reader(bytes, where);
+  digest.steeper += reader.get<std::uint64_t>();
   for (std::size_t verdict = 0; verdict <= campaign::contract().verdicts.size(); ++verdict)
     for (std::size_t reason = 0; reason < campaign::contract().reasons.size(); ++reason)
       if (const auto count = reader.get<std::uint64_t>())

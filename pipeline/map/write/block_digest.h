@@ -19,6 +19,7 @@ struct MapDigest {
   Picture picture;
   PageCells page;
   SpeedCurve speeds{};
+  std::uint64_t steeper = 0;  // cells with a known soil that are steeper than the steepest sampled slope
 };
 
 /// Digest of a tile as bytes. `shape` gives the sizes of picture and page; its contents are ignored.

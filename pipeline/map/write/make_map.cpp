@@ -1,10 +1,14 @@
 #include "pipeline/map/write/make_map.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
+#include "base/nearest.h"
+#include "base/units.h"
 #include "pipeline/map/write/map_blocks.h"
 #include "pipeline/map/write/map_exports.h"
 #include "pipeline/map/write/map_figure.h"
@@ -33,22 +37,52 @@ void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& po
     remarks.push_back(where +
                       "no texture is given; the vehicle's cone index is required only where the friction angle is " +
                       line("below %g degrees", kMinAngleOfSand));
-  const auto& because = points.outside_because();
-  if (because.empty()) return;
-  const std::string more = std::to_string(because.size() - 1);
-  remarks.push_back(where + because.front() +
-                    (because.size() > 1 ? ", and " + more + " more values of it are not sampled" : ""));
+  if (!points.outside_because().empty()) remarks.push_back(where + join_words(points.outside_because()));
 }
 
-std::vector<std::string> remarks_on(const MapSummary& summary, const Region& region, const SoilTable& table) {
-  std::vector<std::string> remarks;
+/// Which variables leave what trials sampled, and on which share of the area.
+void remark_on_ranges(const OutcomeModel& model, const MapDigest& digest, const SoilTable& table,
+                      std::vector<std::string>& remarks) {
+  const double total = double(digest.area.total());
+  const auto& variables = campaign::contract().variables;
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    const bool along = variables[v].name == "slope_along";
+    double cells = along ? double(digest.steeper) : 0;
+    for (std::size_t s = 0; s < table.soils.size() && !along; ++s)
+      cells += double(table.cells[s]) * table.responses[s].points().outside_share(v);
+    if (cells > 0)
+      remarks.push_back(
+          variables[v].name +
+          line(" lies outside what trials sampled, %g to %g ", model.sampled[v].minimum, model.sampled[v].maximum) +
+          variables[v].unit + ", on " + percent(cells / total) + " of the area" +
+          (along ? " (uphill)" : " (soils by their shares)"));
+  }
+}
+
+/// What the map does where nobody said what the soil is.
+void remark_on_no_soil(const MapSummary& summary, const SoilTable& table, std::vector<std::string>& remarks) {
+  const bool any = std::any_of(table.soils.begin(), table.soils.end(), [](const Soil& s) { return !s.given; });
+  if (any)
+    remarks.push_back("no soil was given: it may be any USDA texture, so that " +
+                      percent(summary.area.share(campaign::Verdict::unknown)) +
+                      " of the area is unknown; name a soil with --soil, and a moisture with --moisture");
+}
+
+std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest& request, const MapDigest& digest,
+                                    const SoilTable& table) {
+  const Region& region = request.region;
+  std::vector<std::string> remarks = request.model.remarks;
+  remark_on_no_soil(summary, table, remarks);
   for (std::size_t s = 0; s < table.soils.size(); ++s)
     if (table.cells[s] > 0)
       remark_on_soil(region, table.soils[s], table.responses[s].points(),
                      double(table.cells[s]) / double(summary.area.total()), remarks);
+  if (summary.area.total() > 0) remark_on_ranges(request.model, digest, table, remarks);
   if (summary.area.total() == 0)
     remarks.push_back("no cell has a slope: every cell is at the border or next to one without elevation");
-  if (const double share = summary.area.share(campaign::Verdict::unknown, campaign::Reason::input_missing); share > 0)
+  const bool given = std::all_of(table.soils.begin(), table.soils.end(), [](const Soil& s) { return s.given; });
+  if (const double share = summary.area.share(campaign::Verdict::unknown, campaign::Reason::input_missing);
+      given && share > 0)
     remarks.push_back("the soil is unknown on " + percent(share) +
                       " of the area: nodata, or a code the region's table does not list");
   if (const double share = summary.area.share(campaign::Verdict::unknown, campaign::Reason::land_unknown); share > 0)
@@ -80,6 +114,16 @@ void evaluate_or_forget(MapTiles& tiles, const MapSources& sources, const SoilTa
   }
 }
 
+/// Every trial has the gravity of the Earth.
+void require_gravity(const Region& region, const MapGrid& grid) {
+  constexpr double earth = 6.37e6, tolerance = 0.01;  // radius [m]
+  if (std::abs(grid.body_radius / earth - 1) > tolerance)
+    throw InputError(region.elevation.files.name() +
+                     line(": lies on a body with a radius of %.0f km, and all trials of "
+                          "this program have the Earth's gravity, %g m/s2; give ground of the Earth",
+                          grid.body_radius / 1e3, kGravity));
+}
+
 }  // namespace
 
 MapSummary make_map(const MapRequest& request) {
@@ -87,13 +131,12 @@ MapSummary make_map(const MapRequest& request) {
   const Json origin = map_inputs(request);
   if (auto finished = find_finished_map(request, origin)) return *finished;
   const MapGrid& grid = sources.elevation.grid();
-  SoilTable table =
-      make_soil_table(request.model, request.region, request.rules, gradient_error(request.region.elevation, grid));
+  require_gravity(request.region, grid);
+  SoilTable table = make_soil_table(request.model, with_occurring_soils(request.region, sources), request.rules,
+                                    gradient_error(request.region.elevation, grid));
   create_folder(request.out);
   const Metadata metadata = map_metadata(request, origin);
-  MapTiles tiles(request, grid,
-                 map_layers(request.rules, !request.model.measures.empty(), bool(request.model.novelty),
-                            request.colour_blind_safe, metadata),
+  MapTiles tiles(request, grid, map_layers(request.rules, request.model, request.colour_blind_safe, metadata),
                  origin.dump());
   MapDigest digest{{}, Picture(grid, kPictureCells), PageCells(grid)};
   evaluate_or_forget(tiles, sources, table, digest);
@@ -101,7 +144,7 @@ MapSummary make_map(const MapRequest& request) {
   MapSummary summary;
   summary.area = digest.area;
   summary.area_km2 = double(summary.area.total()) * grid.cell_area_m2() * 1e-6;
-  summary.remarks = remarks_on(summary, request.region, table);
+  summary.remarks = remarks_on(summary, request, digest, table);
   if (!sources.elevation.how_warped().empty()) summary.remarks.push_back(sources.elevation.how_warped());
   summary.tiles_found = tiles.found();
   summary.files = tiles.finish();

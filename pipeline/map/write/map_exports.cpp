@@ -2,6 +2,7 @@
 
 #include "base/file.h"
 #include "base/version.h"
+#include "pipeline/map/write/map_record.h"
 #include "terrain/raster/overlay.h"
 #include "terrain/raster/polygons.h"
 
@@ -30,8 +31,7 @@ Json outline(const MapGrid& grid) {
 Json properties(const MapRequest& request, const MapGrid& grid) {
   Json json = Json::object(), shape = Json::array();
   json["title"] = "Go/NoGo map: " + request.region.name;
-  json["description"] = "Mobility of the quarter vehicle " + request.model.vehicle + ", " +
-                        heading_text(request.rules) +
+  json["description"] = "Mobility of " + vehicle_text(request.model) + ", " + heading_text(request.rules) +
                         ". The time of the rasters is not stated: the interval stands for all times.";
   json["datetime"] = Json();
   json["start_datetime"] = "0001-01-01T00:00:00Z";
@@ -92,12 +92,12 @@ std::vector<fs::path> write_map_exports(const MapRequest& request, const MapGrid
   std::vector<fs::path> files = {request.out / "classes.gpkg", request.out / "overlay.png", request.out / "overlay.kml",
                                  request.out / "stac.json"};
   terrain::write_class_polygons(files[0], go, grid, legend);
-  std::string about = "Go/NoGo map, quarter vehicle " + request.model.vehicle + ", " + heading_text(request.rules) +
-                      ", " + request.rules.fidelity + ".";
+  std::string about = "Go/NoGo map of " + vehicle_text(request.model) + ", " + heading_text(request.rules) + ", " +
+                      request.rules.fidelity + ".";
   for (const std::string& remark : summary.remarks) about += " " + remark + ".";
   terrain::write_overlay(files[2], files[1], go, request.region.name, about, legend);
   write_file_atomically(files[3], stac_item(request, grid, layers).dump(2) + "\n");
-  if (!request.model.measures.empty()) {
+  if (request.model.speed) {
     files.push_back(request.out / "speed_curve.csv");
     write_file_atomically(files.back(), speeds.csv());
   }

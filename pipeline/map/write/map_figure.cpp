@@ -5,6 +5,7 @@
 
 #include "base/version.h"
 #include "pipeline/map/evaluate/layers.h"
+#include "pipeline/map/write/map_record.h"
 #include "pipeline/report/figure/figure.h"
 
 namespace gonogo::map {
@@ -72,9 +73,9 @@ void add_notes(const MapRequest& request, const terrain::MapGrid& grid, const Ma
 void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
                       const MapSummary& summary, const Picture& picture, const std::filesystem::path& path) {
   report::MapFigure figure;
-  figure.title = "Go/NoGo map: " + request.region.name;
-  figure.subtitle = "Quarter vehicle" + (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) + ", " +
-                    heading_text(request.rules) + ", " + request.rules.fidelity;
+  figure.title = (request.model.vehicle.empty() ? "" : request.model.vehicle + ", ") + request.region.name;
+  figure.subtitle = "Go/NoGo map of " + vehicle_text(request.model) + ", " + heading_text(request.rules) + ", " +
+                    request.rules.fidelity;
   figure.grid = grid;
   figure.shade = picture.shade;
   figure.verdict = picture.verdict;

@@ -6,6 +6,7 @@
 
 #include "base/file.h"
 #include "base/line.h"
+#include "base/units.h"
 #include "base/version.h"
 #include "pipeline/map/page/page.h"
 #include "pipeline/map/write/map_record.h"
@@ -133,6 +134,24 @@ std::string spaced(std::string name) {
   return name;
 }
 
+Json speed_note(const MapRequest& request) {
+  const ResistanceFit& fit = request.model.speed->resistance;
+  const double sampled = kKmPerHour * fit.fastest;
+  std::vector<std::string> lines = {
+      "Top speed is where the driveline's tractive force at full throttle equals slope and motion resistance; ride, "
+      "sight, brakes and bends are not in it",
+      line("Motion resistance over weight: %.3f + %.2f per metre of rut + %.3f slip + %.4f per m/s, error %.3f, "
+           "from %zu trials that measured %.2f to %.2f",
+           fit.constant, fit.per_rut, fit.per_slip, fit.per_speed, fit.error, fit.trials, fit.lowest, fit.highest),
+      line("Trials drove up to %.1f km/h. Faster speeds add the inertia of all soil in the ruts to their resistance; "
+           "no trial checks that",
+           sampled),
+      "Downhill it is no faster than on the level; where slope or soil were not sampled there is no speed"};
+  if (std::isfinite(request.rules.max_speed))
+    lines.push_back(line("No faster than %g km/h, the limit that was asked for", kKmPerHour * request.rules.max_speed));
+  return note("Top speed", lines);
+}
+
 Json notes_json(const MapRequest& request, const MapSummary& summary, const PageCells& cells) {
   const MapRules& rules = request.rules;
   Json notes = Json::array();
@@ -154,6 +173,7 @@ Json notes_json(const MapRequest& request, const MapSummary& summary, const Page
              "hold all of them",
              cells.step));
   notes.push_back(note("Limits", limits));
+  if (request.model.speed) notes.push_back(speed_note(request));
   if (request.model.measures.empty()) return notes;
   std::vector<std::string> fits;
   for (const MeasureFit& fit : request.model.measures)
@@ -185,6 +205,8 @@ Json provenance_json(const MapRequest& request, const terrain::MapGrid& grid, co
   return list;
 }
 
+constexpr double kFastestShown = 80;  // end of the ramp of speeds [km/h]
+
 double largest(const MapRequest& request, const std::string& name, double fallback) {
   for (const MeasureFit& fit : request.model.measures)
     if (fit.name == name && fit.highest > 0) return fit.highest;
@@ -209,9 +231,8 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   const Heights heights = heights_of(cells);
   std::vector<Blob> blobs = cell_blobs(cells, heights);
   Json meta = Json::object(), reduced = Json::object(), height = Json::object(), soils = Json::array();
-  meta["title"] = request.region.name;
-  meta["subtitle"] = "Go/NoGo map, quarter vehicle" +
-                     (request.model.vehicle.empty() ? "" : " " + request.model.vehicle) + ", " + request.rules.fidelity;
+  meta["title"] = map_title(request);
+  meta["subtitle"] = "Go/NoGo map of " + request.region.name + "; " + request.rules.fidelity;
   meta["about"] = request.region.about.empty() ? request.region.name : request.region.about;
   meta["grid"] = grid_json(grid);
   reduced["columns"] = cells.columns;
@@ -233,9 +254,9 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
     add_soil_blobs(table.responses[s], int(s), blobs);
   }
   meta["soils"] = soils;
-  meta["max_speed"] = largest(request, "mean_speed", 1);
+  meta["max_speed"] = kFastestShown;
   meta["max_sinkage"] = largest(request, "sinkage", 0.1);
-  meta["slowest_speed"] = kMinSpeed;
+  meta["energy_of"] = request.model.whole_vehicle ? "Energy at the wheels" : "Energy of one wheel";
   meta["not_modelled"] =
       texts({request.region.land_cover ? "obstacles and what other vehicles did to the ground"
                                        : "vegetation, water, obstacles and what other vehicles did to the ground"});

@@ -1,10 +1,11 @@
 #include "pipeline/map/write/map_record.h"
 
-#include <sstream>
+#include <cmath>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/units.h"
 #include "base/version.h"
 #include "terrain/raster/raster_source.h"
 
@@ -29,6 +30,15 @@ Json spreads_json(const Spreads& spreads) {
 
 }  // namespace
 
+std::string vehicle_text(const OutcomeModel& model) {
+  const std::string kind = model.whole_vehicle ? "the vehicle" : "the quarter vehicle";
+  return kind + (model.vehicle.empty() ? "" : " " + model.vehicle);
+}
+
+std::string map_title(const MapRequest& request) {
+  return request.model.vehicle.empty() ? request.region.name : request.model.vehicle;
+}
+
 Json rules_json(const MapRules& rules) {
   Json json = Json::object();
   json["go"] = rules.go;
@@ -39,6 +49,7 @@ Json rules_json(const MapRules& rules) {
   json["draws"] = rules.draws;
   json["moisture"] = rules.moisture;
   json["fidelity"] = rules.fidelity;
+  if (std::isfinite(rules.max_speed)) json["max_speed_km_h"] = kKmPerHour * rules.max_speed;
   json["values"] = spreads_json(rules.values);
   return json;
 }
@@ -76,6 +87,7 @@ Json map_inputs(const MapRequest& request) {
   }
   inputs["region"] = request.region.name;
   inputs["region_hash"] = file_hash(request.region.file);
+  if (!request.region.soil_text.empty()) inputs["soil"] = request.region.soil_text;
   for (const auto& [role, hash] : raster_hashes(request.region)) inputs[role + "_hash"] = hash;
   inputs["rules"] = rules_json(request.rules);
   inputs["colour_blind_safe"] = request.colour_blind_safe;
@@ -92,7 +104,7 @@ Metadata map_metadata(const MapRequest& request, const Json& inputs) {
   metadata.emplace_back("GONOGO_heading", heading_text(request.rules));
   if (const Json* need = inputs.find("vehicle_cone_index"))
     metadata.emplace_back("GONOGO_vehicle_cone_index", need->dump());
-  metadata.emplace_back("GONOGO_vehicle", "quarter vehicle " + request.model.vehicle);
+  metadata.emplace_back("GONOGO_vehicle", vehicle_text(request.model));
   return metadata;
 }
 

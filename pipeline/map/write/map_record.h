@@ -8,6 +8,11 @@
 
 namespace gonogo::map {
 
+/// "the vehicle hmmwv"; of trials of one wheel "the quarter vehicle hmmwv_quarter".
+std::string vehicle_text(const OutcomeModel& model);
+/// Title of page and figure: the vehicle's name, or the region's where the vehicle is not known.
+std::string map_title(const MapRequest& request);
+
 /// Pairs (role, hash) for every raster of a region. A raster of several files, or a VRT, is hashed over all of them.
 std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region);
 

@@ -9,23 +9,34 @@
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/study/study.h"
-#include "pipeline/learn/answer/predictor.h"
+#include "pipeline/learn/answer/named_values.h"
+#include "pipeline/map/model/speed_of_trials.h"
+#include "pipeline/map/model/trained_model.h"
+#include "pipeline/map/region/named_soil.h"
+#include "terrain/raster/raster_source.h"
 #include "terrain/soil/strength.h"
 #include "vehicle/semi_empirical/mobility_index.h"
 
 namespace gonogo::map {
 namespace {
 
-OutcomeModel read_outcome_model(const std::filesystem::path& file) {
-  const auto predictor = std::make_shared<const learn::Predictor>(learn::Predictor::read(file));
+OutcomeModel outcome_model_of(const TrainedModel& trained) {
+  const auto predictor = trained.predictor;
   OutcomeModel model;
-  model.hash = file_hash(file);
+  model.hash = file_hash(trained.file);
   for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v)
     model.sampled.push_back({predictor->model().sampled_lower[v], predictor->model().sampled_upper[v]});
   model.probabilities = [predictor](std::span<const double> points, std::span<double> result) {
     predictor->outcome_probabilities(points, result);
   };
   model.novelty = [predictor](std::span<const double> point) { return predictor->novelty(point); };
+  if (!trained.is_up_to_date)
+    model.remarks.push_back("the model was trained on other trials than those of " + trained.dataset_file.string() +
+                            " beside it, which tell its vehicle and measures; train it again (gonogo train)");
+  if (trained.vehicle) {
+    model.vehicle = trained.vehicle->name;
+    model.whole_vehicle = bool(trained.vehicle->whole);
+  }
   return model;
 }
 
@@ -46,13 +57,13 @@ void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& 
 }
 
 /// Measures of the trials that passed, fitted over the variables.
-void add_measures(OutcomeModel& model, const std::filesystem::path& file) {
-  const campaign::Dataset dataset = campaign::read_dataset(file);
-  model.dataset_hash = file_hash(file);
-  for (const char* name : {"mean_speed", "slip", "sinkage", "energy_per_metre"}) {
+void add_measures(OutcomeModel& model, const TrainedModel& trained) {
+  if (!trained.dataset) return;
+  model.dataset_hash = file_hash(trained.dataset_file);
+  for (const char* name : {"slip", "sinkage", "energy_per_metre"}) {
     std::vector<double> points, value;
     const std::size_t index = campaign::contract().measure_index(name);
-    for (const campaign::TrialRecord& record : dataset.records) {
+    for (const campaign::TrialRecord& record : trained.dataset->records) {
       if (!campaign::passes(record.verdict)) continue;
       points.insert(points.end(), record.point.variables.begin(), record.point.variables.end());
       value.push_back(record.measures[index]);
@@ -60,6 +71,100 @@ void add_measures(OutcomeModel& model, const std::filesystem::path& file) {
     model.measures.push_back(fit_measure(name, campaign::contract().measures[index].unit, points, value));
     if (model.measures.back().trials == 0) model.measures.pop_back();
   }
+}
+
+ConeIndexNeed cone_index_need(const vehicle::Vehicle& v) {
+  const vehicle::VehicleConeIndex index = vehicle::vehicle_index(v).cone_index;
+  return {v.name, index.one_pass * kPsi, index.fifty_passes * kPsi};
+}
+
+/// Nothing for a vehicle without one, such as a rover whose file gives no tyre size.
+std::optional<ConeIndexNeed> cone_index_if_any(const vehicle::Vehicle& v) {
+  try {
+    return cone_index_need(v);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+/// Cone index and top speed, of the model's own vehicle or of the one that its quarter stands for.
+void add_vehicle(OutcomeModel& model, const TrainedModel& trained, const std::filesystem::path& whole_file) {
+  if (!whole_file.empty()) model.cone_index = read_cone_index_need(whole_file);
+  std::optional<vehicle::Vehicle> whole;
+  if (trained.vehicle) whole = trained.vehicle->whole;
+  if (!whole && !whole_file.empty()) whole = vehicle::read_vehicle(whole_file);
+  if (!whole) return;
+  if (!model.cone_index) model.cone_index = cone_index_if_any(*whole);
+  if (trained.vehicle && trained.dataset) model.speed = speed_of_trials(*trained.dataset, *trained.vehicle, *whole);
+}
+
+/// Values of the mission that --set gives.
+void set_values(MapRules& rules, const std::vector<std::string>& texts) {
+  for (const auto& [name, value] : learn::parse_named_values(texts)) {
+    if (name == "slope_along" || name == "slope_across")
+      throw InputError("map: --set " + name + ": slopes come from the elevation raster; leave it out");
+    rules.values[name] = {Spread::Kind::fixed, value, value, "--set"};
+  }
+}
+
+/// Nobody gave the variables of the mission: they may be anywhere that trials sampled.
+void open_mission(Region& region, const OutcomeModel& model) {
+  for (std::size_t v = 0; v < model.sampled.size(); ++v) {
+    const campaign::Variable& variable = campaign::contract().variables[v];
+    const Range sampled = model.sampled[v];
+    if (variable.prior == "region" || !(sampled.minimum < sampled.maximum)) continue;
+    region.values[variable.name] = {Spread::Kind::range, sampled.minimum, sampled.maximum,
+                                    "not given: the range that trials sampled"};
+  }
+}
+
+bool is_raster(const std::string& soil) {
+  return std::filesystem::is_regular_file(soil) && std::filesystem::path(soil).extension() != ".json";
+}
+
+/// An elevation raster, and a soil that comes by name, by a raster of textures, or not at all.
+Region region_of_dem(const MapFiles& files) {
+  Region region;
+  region.file = files.dem;
+  region.name = files.dem.stem().string();
+  region.elevation.files = terrain::RasterFiles(files.dem);
+  region.elevation.source = files.dem.filename().string();
+  region.elevation.licence = "licence not stated";
+  if (is_raster(files.soil)) {
+    region.soil_class =
+        RegionRaster{.files = std::filesystem::path(files.soil),
+                     .source = std::filesystem::path(files.soil).filename().string() + ", USDA textures",
+                     .licence = "licence not stated"};
+    region.soils = texture_soils(terrain::class_names(region.soil_class->files), files.moisture, files.soil);
+    region.soil_text = "USDA textures, " + soil_hash("");
+    return region;
+  }
+  region.soils.push_back(files.soil.empty() ? soil_not_given(files.moisture) : named_soil(files.soil, files.moisture));
+  region.about = region.name + ", " + region.soils.front().name;
+  region.soil_text = region.soils.front().name + ", " + soil_hash(files.soil);
+  return region;
+}
+
+Region region_of(const MapFiles& files, const std::optional<campaign::Study>& study, const OutcomeModel& model) {
+  if (!files.dem.empty()) {
+    if (!files.region.empty()) throw InputError("map: --dem and --region are both given; keep one of them");
+    Region region = region_of_dem(files);
+    open_mission(region, model);
+    return region;
+  }
+  if (!files.soil.empty())
+    throw InputError("map: --soil goes with --dem; a region file says what its soils are (docs/map.md)");
+  const std::filesystem::path region = !files.region.empty() ? files.region : study ? study->region : "";
+  if (region.empty())
+    throw InputError(
+        "map: no region; give an elevation raster with --dem, a region file with --region, or a --study "
+        "that names one");
+  return read_region(region);
+}
+
+void check_moisture(const std::string& moisture) {
+  if (moisture != "" && moisture != "dry" && moisture != "moist" && moisture != "wet")
+    throw InputError("map: --moisture \"" + moisture + "\" is no scenario; use dry, moist or wet");
 }
 
 /// The vehicle's own name; the file's, if it gives none.
@@ -72,32 +177,31 @@ std::string vehicle_name(const std::filesystem::path& file) {
 }  // namespace
 
 ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
-  const vehicle::Vehicle vehicle = vehicle::read_vehicle(file);
-  const vehicle::VehicleConeIndex index = vehicle::vehicle_index(vehicle).cone_index;
-  return {vehicle.name, index.one_pass * kPsi, index.fifty_passes * kPsi};
+  return cone_index_need(vehicle::read_vehicle(file));
 }
 
 MapRequest read_map_request(const MapFiles& files) {
+  check_moisture(files.moisture);
   std::optional<campaign::Study> study;
   if (!files.study.empty()) study = campaign::read_study(files.study);
-  const std::filesystem::path region = !files.region.empty() ? files.region : study ? study->region : "";
-  if (region.empty()) throw InputError("map: no region; give --region, or a --study that names one");
+  const TrainedModel trained = read_trained_model(find_model(files.model.string()), files.dataset);
+  if (!files.vehicle.empty()) require_vehicle(trained, files.vehicle);
+  if (study) require_study(trained, files.study);
   MapRequest request;
-  request.region = read_region(region);
   request.rules = read_map_rules(study ? study->config.object_if("map") : std::nullopt);
-  request.model = read_outcome_model(files.model);
+  request.model = outcome_model_of(trained);
+  request.region = region_of(files, study, request.model);
   add_members(request.model, files.members);
-  if (!files.dataset.empty()) add_measures(request.model, files.dataset);
+  add_measures(request.model, trained);
   if (!files.heading.empty()) set_heading(request.rules, files.heading, "map: --heading");
-  if (!files.moisture.empty()) {
-    if (files.moisture != "dry" && files.moisture != "moist" && files.moisture != "wet")
-      throw InputError("map: --moisture \"" + files.moisture + "\" is no scenario; use dry, moist or wet");
-    request.rules.moisture = files.moisture;
-  }
-  if (!files.vehicle.empty()) request.rules.cone_index_of = files.vehicle;
-  if (!request.rules.cone_index_of.empty())
-    request.model.cone_index = read_cone_index_need(request.rules.cone_index_of);
-  if (study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);
+  if (files.dem.empty() && !files.moisture.empty()) request.rules.moisture = files.moisture;
+  set_values(request.rules, files.set);
+  if (files.max_speed_km_h > 0) request.rules.max_speed = files.max_speed_km_h / kKmPerHour;
+  if (!files.whole_vehicle.empty()) request.rules.cone_index_of = files.whole_vehicle;
+  add_vehicle(request.model, trained, request.rules.cone_index_of);
+  if (trained.vehicle && request.rules.fidelity == MapRules{}.fidelity)
+    request.rules.fidelity = trained.vehicle->fidelity();
+  if (!trained.vehicle && study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);
   request.out = files.out;
   request.colour_blind_safe = files.colour_blind_safe;
   request.threads = files.threads;

@@ -9,21 +9,27 @@
 namespace gonogo::map {
 
 struct MapFiles {
-  std::filesystem::path model;                   // model.h5
+  std::filesystem::path model;                   // as find_model() takes it: file, folder, or a shipped name
   std::vector<std::filesystem::path> members{};  // bootstrap members of the model; empty: none
   std::filesystem::path region;                  // region JSON; empty: as the study says
+  std::filesystem::path dem{};                   // elevation raster, in place of a region
+  std::string soil{};                            // with `dem`: as named_soil() takes it, or a raster of USDA textures
   std::filesystem::path study;                   // study JSON: sections map, region and vehicle; empty: defaults
-  std::filesystem::path dataset{};               // trials, for speed, slip and sinkage; empty: no such layers
-  std::filesystem::path vehicle{};               // for its VCI, the limit of fine-grained soil; empty: the study's
+  std::filesystem::path dataset{};               // trials of the model; empty: those beside the model, if any
+  std::filesystem::path vehicle{};               // must be the model's; empty: whichever that is
+  std::filesystem::path whole_vehicle{};         // that a quarter vehicle stands for; empty: the study's
   std::string moisture{};                        // "dry", "moist" or "wet"; empty: the study's
+  std::vector<std::string> set{};                // "payload=500": values of the mission
+  double max_speed_km_h = 0;                     // 0: the study's, or none
   std::string heading{};                         // as in set_heading(); empty: the study's
   std::filesystem::path out;                     // folder of the map
   bool colour_blind_safe = false;
   int threads = 0;  // 0: all cores
 };
 
-/// Reads the model, the region and the rules. Throws InputError for files that cannot be used, and if neither `region`
-/// nor the study names a region.
+/// Reads the model, the region and the rules. Variables of the mission that nobody gave take the range that trials
+/// sampled, where the region is an elevation raster alone; in a region file they are summed out. Throws InputError for
+/// files that cannot be used, for a model of another vehicle or other grains than asked, and without any region.
 MapRequest read_map_request(const MapFiles& files);
 
 /// VCI1 and VCI50 [Pa] of a vehicle file. Throws InputError for a vehicle without them, such as a rig of one wheel.

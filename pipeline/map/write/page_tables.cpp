@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/line.h"
+#include "base/units.h"
 
 namespace gonogo::map {
 namespace {
@@ -15,15 +16,31 @@ std::uint16_t stored(double p) {
   return std::isnan(p) ? kNone : std::uint16_t(std::lround(std::clamp(p, 0.0, 1.0) * 65534));
 }
 
+/// In steps of 0.01 km/h.
+std::uint16_t stored_speed(double metres_per_second) {
+  if (std::isnan(metres_per_second)) return kNone;
+  return std::uint16_t(std::lround(std::min(650.0, kKmPerHour * metres_per_second) * 100));
+}
+
+/// "cohesion 1.04 kPa", "cohesion 1 to 5 kPa".
+std::string value_text(const campaign::Variable& variable, const Spread& spread) {
+  std::string text = variable.label + line(" %g", spread.low);
+  if (spread.kind == Spread::Kind::range) text += line(" to %g", spread.high);
+  return variable.unit == "-" ? text : text + " " + variable.unit;
+}
+
+const campaign::Variable& variable_named(const std::string& name) {
+  return campaign::contract().variables[campaign::contract().variable_index(name)];
+}
+
 /// "friction angle 28 deg, cohesion 1.04 kPa: Wong, ..." for each sample.
 std::vector<std::string> inputs_of(const Soil& soil) {
+  if (!soil.given) return {line("nobody said what the soil is: %zu states of USDA textures", soil.samples.size())};
   std::vector<std::string> lines;
   for (const SoilSample& sample : soil.samples) {
     std::string text;
-    for (const auto& [name, spread] : sample.values) {
-      const campaign::Variable& v = campaign::contract().variables[campaign::contract().variable_index(name)];
-      text += line("%s%s %g %s", text.empty() ? "" : ", ", v.label.c_str(), spread.low, v.unit.c_str());
-    }
+    for (const auto& [name, spread] : sample.values)
+      text += (text.empty() ? "" : ", ") + value_text(variable_named(name), spread);
     lines.push_back(text + ". " + sample.source);
   }
   if (!soil.texture.empty()) lines.push_back("USDA texture " + soil.texture);
@@ -31,9 +48,21 @@ std::vector<std::string> inputs_of(const Soil& soil) {
   return lines;
 }
 
-/// Variables that the points leave open and those held fixed in all trials.
-std::vector<std::string> unknown_of(const MapRequest& request, const SoilResponse& response) {
+/// Values of the mission that a map by name leaves to the trials.
+std::vector<std::string> open_values_of(const MapRequest& request, const Soil& soil) {
   std::vector<std::string> lines;
+  for (const auto& [name, spread] : request.region.values) {
+    const bool in_sample = std::any_of(soil.samples.begin(), soil.samples.end(),
+                                       [&n = name](const SoilSample& sample) { return sample.values.count(n) > 0; });
+    if (spread.kind == Spread::Kind::range && request.rules.values.count(name) == 0 && !in_sample)
+      lines.push_back(value_text(variable_named(name), spread) + ", every value as likely");
+  }
+  return lines;
+}
+
+/// Variables that the points leave open and those held fixed in all trials.
+std::vector<std::string> unknown_of(const MapRequest& request, const Soil& soil, const SoilResponse& response) {
+  std::vector<std::string> lines = open_values_of(request, soil);
   const auto& variables = campaign::contract().variables;
   for (std::size_t v = 0; v < variables.size(); ++v) {
     if (variables[v].name == "slope_along" || variables[v].name == "slope_across") continue;
@@ -93,12 +122,16 @@ void add_heading_blobs(const SoilResponse& response, int index, std::vector<Blob
   const auto node = [&](std::size_t i) -> const HeadingAnswer& { return table.node(int(i / width), int(i % width)); };
   Blob go{"heading_go_" + std::to_string(index), 16, width, {}};
   Blob slow{"heading_slow_" + std::to_string(index), 16, width, {}};
+  Blob speed{"heading_speed_" + std::to_string(index), 16, width, {}};
   for (std::size_t i = 0; i < count; ++i) {
     go.value.push_back(stored(node(i).p_go));
     slow.value.push_back(stored(std::isnan(node(i).p_go) ? NAN : p_slow(node(i).prospect)));
+    if (response.has_speed())
+      speed.value.push_back(stored_speed(response.heading_speed(int(i / width), int(i % width))));
   }
   blobs.push_back(std::move(go));
   blobs.push_back(std::move(slow));
+  if (response.has_speed()) blobs.push_back(std::move(speed));
   add_reasons(
       "heading", index, count, width,
       [&](std::size_t i, std::size_t o) {
@@ -113,8 +146,9 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
   Json json = Json::object(), measures = Json::object(), outcomes = Json::array();
   json["name"] = soil.name;
   json["note"] = soil.note;
+  json["given"] = soil.given;
   json["inputs"] = Json(inputs_of(soil));
-  json["unknown"] = Json(unknown_of(request, response));
+  json["unknown"] = Json(unknown_of(request, soil, response));
   json["outside_because"] = Json(response.outside_because());
   json["soft_because"] = Json(response.points().soft_because());
   json["soft_share"] = response.points().soft_share();
@@ -140,17 +174,20 @@ void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& 
   const std::size_t count = std::size_t(90 * kSlopeSteps) + 1;
   const std::string end = "_" + std::to_string(index);
   Blob go{"uphill_go" + end, 16, count, {}}, slow{"uphill_slow" + end, 16, count, {}};
+  Blob speed{"uphill_speed" + end, 16, count, {}};
   Blob low{"low" + end, 16, count, {}}, high{"high" + end, 16, count, {}}, novelty{"novelty" + end, 16, count, {}};
   for (std::size_t i = 0; i < count; ++i) {
     const CellAnswer& answer = response.at(double(i) / kSlopeSteps);
     go.value.push_back(stored(answer.p_go));
     slow.value.push_back(stored(answer.p_slow));
+    speed.value.push_back(stored_speed(answer.speed));
     low.value.push_back(stored(answer.p_low));
     high.value.push_back(stored(answer.p_high));
     novelty.value.push_back(
         std::isnan(answer.novelty) ? kNone : std::uint16_t(std::lround(std::min(60.0, double(answer.novelty)) * 1000)));
   }
   for (Blob* blob : {&go, &slow, &low, &high, &novelty}) blobs.push_back(std::move(*blob));
+  if (response.has_speed()) blobs.push_back(std::move(speed));
   add_reasons(
       "uphill", index, count, count, [&](std::size_t i, std::size_t o) { return response.uphill_outcome(i, o); },
       blobs);

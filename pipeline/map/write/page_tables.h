@@ -12,7 +12,7 @@ namespace gonogo::map {
 Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& response);
 
 /// Appends the tables as blobs whose names end with `index`. P(go) is in steps of 1/65534 (65535: none). The
-/// probability of each no-go reason is in steps of 1/255.
+/// probability of each no-go reason is in steps of 1/255, speeds are in steps of 0.01 km/h (65535: none).
 void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs);
 
 }  // namespace gonogo::map

@@ -139,8 +139,9 @@ TEST_CASE("nothing outside what was sampled is ever go") {
   request.model.sampled[contract().variable_index("friction_angle")] = {10, 27};  // the soil has 28
   const MapSummary summary = make_map(request);
   CHECK(summary.area.cells(Verdict::unknown) == summary.area.total());
-  REQUIRE(summary.remarks.size() == 2);
+  REQUIRE(summary.remarks.size() == 4);
   CHECK(contains(summary.remarks[0], "friction_angle 28 deg is outside 10 to 27 deg"));
+  CHECK(contains(summary.remarks[2], "friction_angle lies outside what trials sampled, 10 to 27 deg, on "));
 }
 
 TEST_CASE("a map has the same bytes for any number of threads and any tile size") {

@@ -247,8 +247,8 @@ TEST_CASE("the curve of speeds: least and harmonic mean of the best share of the
   curve.add(0, 20);
   curve.add_unknown(100);
   const std::string text = curve.csv();
-  CHECK(contains(text, "\n50,2.00,2.0000\n"));
-  CHECK(contains(text, "\n80,1.00,1.4545\n"));  // 80 / (50/2 + 30/1)
+  CHECK(contains(text, "\n50,7.20,7.2000\n"));
+  CHECK(contains(text, "\n80,3.60,5.2364\n"));  // 80 / (50/2 + 30/1)
   CHECK(contains(text, "\n81,0.00,0.0000\n"));
   CHECK(contains(text, "unknown,0.500000"));
 }

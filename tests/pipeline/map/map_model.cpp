@@ -152,7 +152,7 @@ TEST_CASE("the vehicle whose cone index counts is the study's or the one asked f
     return read_map_request({.model = folder / "model.h5",
                              .region = kRegion,
                              .study = study.empty() ? "" : configs + study,
-                             .vehicle = vehicle.empty() ? "" : configs + vehicle,
+                             .whole_vehicle = vehicle.empty() ? "" : configs + vehicle,
                              .out = folder / "map"});
   };
   CHECK_FALSE(request("", "").model.cone_index);

@@ -45,13 +45,21 @@ OutcomeModel directional_model() {
   };
   model.cone_index = ConeIndexNeed{"a made vehicle", 69e3, 207e3};  // 30 psi: loam is too soft, clay loam is not
   model.novelty = [](std::span<const double>) { return 0.75; };
-  std::vector<double> points, speed;
+  std::vector<double> points, slip;
   for (int i = 0; i < 40; ++i) {
     for (std::size_t v = 0; v < width; ++v)
       points.push_back(v == along ? -20 + 50 * random_unit(8, 0, std::uint64_t(i)) : 1.0);
-    speed.push_back(1.6 - 0.02 * points[points.size() - width + along]);
+    slip.push_back(0.2 + 0.005 * points[points.size() - width + along]);
   }
-  model.measures.push_back(fit_measure("mean_speed", "m/s", points, speed));
+  model.measures.push_back(fit_measure("slip", "-", points, slip));
+  SpeedModel speed;
+  speed.drive = vehicle::TractiveForce(vehicle::read_vehicle(GONOGO_SOURCE_DIR "/configs/vehicles/hmmwv.json"));
+  speed.mass = 2600;
+  speed.rut_width = 0.5;
+  speed.resistance = {.constant = 0.1, .lowest = 0.1, .highest = 0.1, .fastest = 3, .trials = 1};
+  speed.slip = fit_measure("slip", "-", points, slip);
+  speed.sinkage = fit_measure("sinkage", "m", points, std::vector<double>(40, 0.03));
+  model.speed = speed;
   return model;
 }
 
@@ -200,7 +208,7 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
   }
   request.reach = folder / "reach.tif";
   request.isochrones = folder / "minutes.gpkg";
-  request.interval = 900;
+  request.interval = 60;
   request.regions = folder / "regions.gpkg";
   request.lines.clear();
   request.to.reset();  // not needed for what can be reached
@@ -213,7 +221,7 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
   const std::map<int, double> bands = test::areas_by_code(folder / "minutes.gpkg", "isochrones");
   std::map<int, double> expected;
   for (const float seconds : cost.read({0, 0, dem.grid().columns, dem.grid().rows}).value)
-    if (!std::isnan(seconds)) expected[int(seconds / 900)] += dem.grid().cell_area_m2() * 1e-6;
+    if (!std::isnan(seconds)) expected[int(seconds / 60)] += dem.grid().cell_area_m2() * 1e-6;
   REQUIRE(bands.size() == expected.size());
   CHECK(bands.size() > 2);
   for (const auto& [band, area] : expected) CHECK(bands.at(band) == Approx(area));

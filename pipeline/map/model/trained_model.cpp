@@ -1,0 +1,166 @@
+#include "pipeline/map/model/trained_model.h"
+
+#include <algorithm>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/line.h"
+#include "base/nearest.h"
+#include "base/shipped.h"
+#include "pipeline/campaign/study/study.h"
+
+namespace gonogo::map {
+namespace fs = std::filesystem;
+namespace {
+
+const std::string* text_of(const campaign::Provenance::Pairs& pairs, const char* name) {
+  for (const auto& [key, text] : pairs)
+    if (key == name) return &text;
+  return nullptr;
+}
+
+/// A vehicle file without its prose: what decides how it drives.
+Json numbers_of(const Json& file) {
+  Json numbers = Json::object();
+  for (const auto& [key, value] : file.members())
+    if (key != "about" && key != "sources" && key != "unsourced") numbers[key] = value;
+  return numbers;
+}
+
+/// The first part in which two vehicle files differ; empty where they agree.
+std::string difference(const Json& a, const Json& b) {
+  const Json one = numbers_of(a), two = numbers_of(b);
+  for (const auto* side : {&one, &two})
+    for (const auto& [key, value] : side->members()) {
+      const Json *left = one.find(key), *right = two.find(key);
+      if (!left || !right || left->dump() != right->dump()) return key;
+    }
+  return "";
+}
+
+double tyre_width(const TrialVehicle& v) {
+  if (v.rig) return v.rig->width;
+  return v.whole->track.empty() ? v.whole->wheel.front().width : v.whole->track[0].shoe_width;
+}
+
+/// Vehicle of a shipped model; empty where its dataset does not tell it.
+std::string vehicle_of(const fs::path& folder) {
+  if (!fs::is_regular_file(folder / "dataset.h5")) return "";
+  const fs::path file = folder / "dataset.h5";
+  const auto vehicle = trial_vehicle(campaign::read_dataset(file).provenance, file.string());
+  return vehicle ? vehicle->name : "";
+}
+
+[[noreturn]] void refuse_model(const std::string& model) {
+  std::vector<std::string> names;
+  for (const fs::path& folder : shipped_models()) {
+    names.push_back(folder.filename().string());
+    if (const std::string vehicle = vehicle_of(folder); !vehicle.empty()) names.push_back(vehicle);
+  }
+  if (names.empty()) throw InputError(model + ": no such model file, and no model ships beside this program");
+  throw InputError(model + ": no such model file, and no shipped model has that name (did you mean \"" +
+                   nearest_word(model, names) + "\"?); names of models and of their vehicles: " + join_words(names));
+}
+
+std::string model_vehicle(const TrainedModel& model) {
+  if (model.vehicle) return model.vehicle->name;
+  throw InputError(model.file.string() +
+                   ": does not say which vehicle it was trained on, because its trials are not beside it; give them "
+                   "with --dataset");
+}
+
+}  // namespace
+
+std::string TrialVehicle::fidelity() const {
+  return (rig ? "one wheel with a quarter of the vehicle" : std::string("whole vehicle")) +
+         line(" on grains of %.3g mm, %.1f across the %s", 1e3 * grain_diameter, tyre_width(*this) / grain_diameter,
+              whole && !whole->track.empty() ? "shoe" : "tyre");
+}
+
+std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance, const std::string& where) {
+  const std::string *text = text_of(provenance.files, "vehicle"), *soil = text_of(provenance.files, "calibration");
+  if (!text || !soil) return std::nullopt;
+  const Config file = Config::parse(*text, where + ": vehicle");
+  TrialVehicle v;
+  v.file = file.json();
+  v.name = file.text("vehicle");
+  if (file.text("kind") == "quarter")
+    v.rig = vehicle::read_wheel_rig(file);
+  else
+    v.whole = vehicle::read_vehicle(file);
+  v.grain_diameter = Json::parse(*soil, where + ": calibration").at("grain_diameter_m").number();
+  const Json study = Json::parse(provenance.study, where + ": study");
+  const Json* trial = study.find("trial");
+  const Json* compliant = trial ? trial->find("compliant_tyres") : nullptr;
+  v.compliant_tyres = compliant && compliant->boolean();
+  return v;
+}
+
+std::vector<fs::path> shipped_models() { return shipped_data_folders("model.h5"); }
+
+fs::path find_model(const std::string& model) {
+  if (fs::is_regular_file(model)) return model;
+  if (fs::is_regular_file(fs::path(model) / "model.h5")) return fs::path(model) / "model.h5";
+  std::vector<fs::path> of_vehicle;
+  for (const fs::path& folder : shipped_models()) {
+    if (folder.filename() == model) return folder / "model.h5";
+    if (vehicle_of(folder) == model) of_vehicle.push_back(folder);
+  }
+  if (of_vehicle.size() == 1) return of_vehicle.front() / "model.h5";
+  if (of_vehicle.empty()) refuse_model(model);
+  std::vector<std::string> names;
+  for (const fs::path& folder : of_vehicle) names.push_back(folder.filename().string());
+  throw InputError(model + ": several shipped models are of this vehicle; name one of them: " + join_words(names));
+}
+
+TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
+  TrainedModel model;
+  model.file = file;
+  model.predictor = std::make_shared<const learn::Predictor>(learn::Predictor::read(file));
+  model.dataset_file = dataset;
+  if (dataset.empty()) {
+    const fs::path beside = file.parent_path() / "dataset.h5";
+    const Json* hash = model.predictor->model().provenance.find("data_hash");
+    if (!hash || !fs::is_regular_file(beside)) return model;
+    model.is_up_to_date = file_hash(beside) == hash->string();
+    model.dataset_file = beside;
+  }
+  model.dataset = campaign::read_dataset(model.dataset_file);
+  model.vehicle = trial_vehicle(model.dataset->provenance, model.dataset_file.string());
+  return model;
+}
+
+void require_vehicle(const TrainedModel& model, const fs::path& vehicle_file) {
+  const std::string known = model_vehicle(model);
+  const Config asked = Config::read(vehicle_file);
+  const std::string name = asked.text("vehicle"), about = vehicle_file.string() + ": ";
+  if (name != known)
+    throw InputError(about + "the vehicle " + name + " is asked for, and the model " + model.file.string() +
+                     " was trained on trials of the vehicle " + known +
+                     "; another vehicle needs a model of its own (gonogo models lists those that ship)");
+  if (const std::string part = difference(asked.json(), model.vehicle->file); !part.empty())
+    throw InputError(about + "\"" + part + "\" differs from that of the vehicle " + known +
+                     " whose trials the model learned; simulate and train with this file, or leave --vehicle out");
+}
+
+void require_study(const TrainedModel& model, const fs::path& study_file) {
+  if (!model.vehicle) return;
+  const campaign::Study study = campaign::read_study(study_file);
+  if (!study.vehicle.empty()) {
+    const std::string name = Config::read(study.vehicle).text("vehicle");
+    if (name != model.vehicle->name)
+      throw InputError(study_file.string() + ": vehicle: is " + name + ", and the model " + model.file.string() +
+                       " was trained on trials of " + model.vehicle->name +
+                       "; give a study of that vehicle, or one without a vehicle");
+  }
+  const auto soil = study.config.object_if("soil");
+  if (!soil || !soil->has("calibration")) return;
+  const double grain = Config::read(soil->path("calibration")).number("grain_diameter_m");
+  if (grain != model.vehicle->grain_diameter)
+    throw InputError(
+        study_file.string() + ": soil.calibration: " +
+        line("has grains of %g m, and the trials of the model had %g m", grain, model.vehicle->grain_diameter) +
+        "; give the study of those trials, or one without a soil");
+}
+
+}  // namespace gonogo::map

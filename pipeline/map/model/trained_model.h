@@ -1,0 +1,59 @@
+// A trained model together with the trials that it learned from. The trials say which vehicle the model is of, on which
+// grains, and what their wheels measured. Models that ship lie in data/<name>: model.h5, dataset.h5, and README.md as
+// their card.
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/learn/answer/predictor.h"
+#include "vehicle/model/vehicle.h"
+#include "vehicle/wheel_rig.h"
+
+namespace gonogo::map {
+
+/// What was driven in the trials of a dataset.
+struct TrialVehicle {
+  std::string name;
+  std::optional<vehicle::Vehicle> whole;  // one of the two is set
+  std::optional<vehicle::WheelRig> rig;
+  bool compliant_tyres = false;  // tyres gave way in the trials
+  double grain_diameter = 0;     // [m]
+  Json file;                     // text of the vehicle's file
+
+  /// "whole vehicle on grains of 32 mm, 7.9 across the tyre"
+  std::string fidelity() const;
+};
+
+/// Reads it from the provenance. Nothing where the dataset does not hold the file of its vehicle.
+std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance, const std::string& where);
+
+struct TrainedModel {
+  std::filesystem::path file, dataset_file;  // dataset_file: empty without trials
+  std::shared_ptr<const learn::Predictor> predictor;
+  std::optional<campaign::Dataset> dataset;
+  std::optional<TrialVehicle> vehicle;
+  bool is_up_to_date = true;  // false: the dataset beside the model is not the one that it was trained on
+};
+
+/// The file of a model: `model` is a file, a folder that holds model.h5, the name of a shipped folder, or the vehicle
+/// of exactly one shipped model. Throws InputError with the nearest names.
+std::filesystem::path find_model(const std::string& model);
+
+/// Reads the model and its trials. `dataset`: empty to take dataset.h5 beside the model, where there is one. Throws
+/// InputError for files that cannot be read.
+TrainedModel read_trained_model(const std::filesystem::path& file, const std::filesystem::path& dataset = {});
+
+/// Folders of the models that ship, sorted by name.
+std::vector<std::filesystem::path> shipped_models();
+
+/// Throws InputError unless the vehicle of this file is the model's: of the same name, and with the same numbers.
+void require_vehicle(const TrainedModel& model, const std::filesystem::path& vehicle_file);
+
+/// Throws InputError where a study names another vehicle or other grains than the model's trials had.
+void require_study(const TrainedModel& model, const std::filesystem::path& study_file);
+
+}  // namespace gonogo::map

@@ -1,0 +1,175 @@
+// The models that ship: found by name, refused for another vehicle, and asked for what is known beforehand.
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
+#include "base/error.h"
+#include "base/file.h"
+#include "pipeline/map/model/trained_model.h"
+#include "pipeline/map/region/rules.h"
+#include "pipeline/map/write/map_request.h"
+#include "tests/support/catch.h"
+#include "tests/support/message.h"
+#include "tests/support/temporary_folder.h"
+
+using namespace gonogo;
+using namespace gonogo::campaign;
+using namespace gonogo::map;
+
+namespace {
+
+const std::string kSource = GONOGO_SOURCE_DIR;
+const std::string kDem = kSource + "/configs/regions/sagehen/elevation_10m.tif";
+
+/// A row of data/hmmwv_32mm/known_outcomes.csv.
+struct KnownOutcome {
+  std::string row, expected;
+  std::vector<double> variables;
+};
+
+std::vector<KnownOutcome> known_outcomes(const std::string& file) {
+  std::ifstream in(file);
+  std::string text;
+  std::getline(in, text);
+  std::vector<std::string> columns;
+  std::stringstream header(text);
+  for (std::string name; std::getline(header, name, ',');) columns.push_back(name);
+  std::vector<KnownOutcome> rows;
+  while (std::getline(in, text)) {
+    KnownOutcome known{text, "", std::vector<double>(contract().variables.size(), NAN)};
+    std::stringstream fields(text);
+    for (const std::string& column : columns) {
+      std::string field;
+      std::getline(fields, field, ',');
+      if (column == "expected") {
+        known.expected = field;
+        break;
+      }
+      known.variables[contract().variable_index(column)] = std::stod(field);
+    }
+    rows.push_back(known);
+  }
+  return rows;
+}
+
+MapFiles files_of(const TemporaryFolder& folder) {
+  MapFiles files;
+  files.model = "hmmwv";
+  files.dem = kDem;
+  files.out = folder / "map";
+  return files;
+}
+
+}  // namespace
+
+TEST_CASE("the shipped model of the HMMWV says what is known beforehand") {
+  const TrainedModel model = read_trained_model(find_model("hmmwv"));
+  const auto rows = known_outcomes(kSource + "/data/hmmwv_32mm/known_outcomes.csv");
+  REQUIRE(rows.size() >= 12);
+  for (const KnownOutcome& known : rows) {
+    CHECK(model.predictor->inside_sampled_box(known.variables));
+    const Prospect prospect{model.predictor->outcome_probabilities(known.variables), 0, 0};
+    const Verdict verdict = classify(prospect, MapRules{}).verdict;
+    INFO(known.row << " has P(go) " << prospect.p_go());
+    if (known.expected == "go") CHECK(verdict == Verdict::go);
+    if (known.expected == "passable") CHECK(passes(verdict));
+    if (known.expected == "no_go") CHECK(verdict == Verdict::no_go);
+    CHECK((known.expected == "go" || known.expected == "passable" || known.expected == "no_go"));
+  }
+}
+
+TEST_CASE("models that ship are found by name and by vehicle; their trials lie beside them") {
+  const std::filesystem::path file = find_model("hmmwv_32mm");
+  CHECK(find_model("hmmwv") == file);
+  CHECK(find_model(kSource + "/data/hmmwv_32mm").filename() == "model.h5");
+  const TrainedModel model = read_trained_model(file);
+  REQUIRE(model.vehicle);
+  if (!model.is_up_to_date) WARN("model.h5 is older than dataset.h5: train it again (data/hmmwv_32mm/README.md)");
+  CHECK(model.vehicle->name == "hmmwv");
+  CHECK(model.vehicle->whole);
+  CHECK(model.vehicle->fidelity() == "whole vehicle on grains of 32 mm, 7.9 across the tyre");
+  const std::string refused = input_error([] { find_model("hmvw"); });
+  CHECK(contains(refused, "did you mean \"hmmwv\"?"));
+  CHECK(contains(refused, "hmmwv_32mm"));
+}
+
+TEST_CASE("a map of an elevation raster takes the soil by name, and the mission's open values from the trials") {
+  const TemporaryFolder folder;
+  MapFiles files = files_of(folder);
+  files.soil = "Sandy loam";
+  files.moisture = "wet";
+  files.set = {"payload=500"};
+  const MapRequest request = read_map_request(files);
+  CHECK(request.model.vehicle == "hmmwv");
+  CHECK(request.model.whole_vehicle);
+  CHECK(request.model.cone_index->vehicle == "hmmwv");
+  CHECK(request.model.speed);
+  CHECK(request.rules.values.at("payload").low == 500);
+  REQUIRE(request.region.soils.size() == 1);
+  const Soil& soil = request.region.soils.front();
+  CHECK(soil.name == "sandy loam, wet");
+  REQUIRE(soil.samples.size() == 1);
+  CHECK(soil.samples[0].values.at("friction_angle").low == 11);
+  CHECK(soil.samples[0].values.at("friction_angle").high == 33.7);
+  const auto points = soil_points(request.region, soil, request.rules.values, request.rules.draws);
+  CHECK(points.size() == 64);
+  double lightest = 1, heaviest = 0;
+  for (const auto& point : points) {
+    CHECK(point[contract().variable_index("payload")] == 500);
+    const double friction = point[contract().variable_index("tyre_friction")];
+    lightest = std::min(lightest, friction);
+    heaviest = std::max(heaviest, friction);
+  }
+  CHECK(lightest < 0.35);  // anywhere that trials sampled
+  CHECK(heaviest > 0.95);
+}
+
+TEST_CASE("a map of an elevation raster takes a raster of textures by the names of its classes") {
+  const TemporaryFolder folder;
+  MapFiles files = files_of(folder);
+  files.soil = kSource + "/configs/regions/sagehen/usda_texture_30m.tif";
+  const Region region = read_map_request(files).region;
+  REQUIRE(region.soils.size() == 12);
+  CHECK(region.soils[3].code == 4);
+  CHECK(region.soils[3].name == "loam");
+  CHECK(region.soils[3].samples.size() == 3);  // dry, moist, wet
+}
+
+TEST_CASE("without a soil most of a map is unknown, says so, and is nowhere go for want of knowledge") {
+  const TemporaryFolder folder;
+  const MapSummary summary = make_map(read_map_request(files_of(folder)));
+  CHECK(summary.area.share(Verdict::unknown) > 0.5);
+  CHECK(summary.area.share(Verdict::go) == 0);
+  CHECK(summary.area.cells(Verdict::unknown) == summary.area.cells(Verdict::unknown, Reason::input_missing));
+  REQUIRE_FALSE(summary.remarks.empty());
+  CHECK(std::any_of(summary.remarks.begin(), summary.remarks.end(),
+                    [](const std::string& remark) { return contains(remark, "no soil was given"); }));
+  CHECK(std::any_of(summary.remarks.begin(), summary.remarks.end(), [](const std::string& remark) {
+    return contains(remark, "cohesion lies outside what trials sampled, 0") && contains(remark, "% of the area");
+  }));
+  const std::string page = read_file(folder / "map/index.html");
+  CHECK(contains(page, "\"title\":\"hmmwv\""));
+  CHECK_FALSE(contains(page, "quarter vehicle"));
+}
+
+TEST_CASE("what a shipped model is not made for is refused in one sentence") {
+  const TemporaryFolder folder;
+  const auto refusal = [&](auto change) {
+    MapFiles files = files_of(folder);
+    change(files);
+    return input_error([&] { read_map_request(files); });
+  };
+  CHECK(contains(refusal([](MapFiles& f) { f.vehicle = kSource + "/configs/vehicles/m113.json"; }),
+                 "the vehicle m113 is asked for"));
+  CHECK(contains(refusal([](MapFiles& f) { f.study = kSource + "/configs/studies/demo.json"; }), "hmmwv_quarter"));
+  CHECK(contains(refusal([](MapFiles& f) { f.soil = "sandy laom"; }), "did you mean \"sandy loam\"?"));
+  CHECK(contains(refusal([](MapFiles& f) { f.set = {"slope_along=5"}; }), "elevation raster"));
+  CHECK(contains(refusal([](MapFiles& f) { f.region = kSource + "/configs/regions/sagehen.json"; }), "--region"));
+  MapFiles files = files_of(folder);
+  files.vehicle = kSource + "/configs/vehicles/hmmwv.json";
+  CHECK_NOTHROW(read_map_request(files));
+  Json lighter = Json::read(files.vehicle);
+  lighter["chassis"]["mass_kg"] = 1000.0;
+  write_file_atomically(folder / "lighter.json", lighter.dump());
+  CHECK(contains(refusal([&](MapFiles& f) { f.vehicle = folder / "lighter.json"; }), "\"chassis\" differs"));
+}
