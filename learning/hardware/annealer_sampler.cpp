@@ -47,7 +47,7 @@ void append(SampleSet& all, const SampleSet& part) {
 
 AnnealerSampler::AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, std::size_t visible,
                                  std::size_t hidden, const AnnealerSettings& settings)
-    : AnnealerSampler(std::move(device), graph, embed_biclique(graph, visible, hidden), visible + hidden, settings) {}
+    : AnnealerSampler(std::move(device), graph, embed_two_sides(graph, visible, hidden), visible + hidden, settings) {}
 
 AnnealerSampler::AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, Embedding embedding,
                                  std::size_t variables, const AnnealerSettings& settings)

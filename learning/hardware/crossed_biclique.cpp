@@ -87,4 +87,19 @@ Embedding embed_crossed_biclique(const HardwareGraph& graph, std::size_t wide, s
   return embedding;
 }
 
+Embedding embed_two_sides(const HardwareGraph& graph, std::size_t left, std::size_t right) {
+  const std::size_t line_count = std::min(lines(graph.size(), 0).size(), lines(graph.size(), 1).size());
+  if (std::max(left, right) <= line_count) return embed_biclique(graph, left, right);
+  if (left >= right) return embed_crossed_biclique(graph, left, right);
+  Embedding found = embed_crossed_biclique(graph, right, left);
+  std::rotate(found.chains.begin(), found.chains.begin() + std::ptrdiff_t(right), found.chains.end());
+  for (auto& [a, b] : found.uncoupled) {
+    const std::uint32_t of_right = a + std::uint32_t(left);
+    a = b - std::uint32_t(right);
+    b = of_right;
+  }
+  std::sort(found.uncoupled.begin(), found.uncoupled.end());
+  return found;
+}
+
 }  // namespace gonogo::learning

@@ -53,16 +53,12 @@ Embedding embed_sides(const HardwareGraph& graph, const Problem& problem) {
   binary.vartype = Vartype::binary;  // only the couplings' places matter
   const auto sides = split_in_two(binary);
   if (!sides) throw InputError("embedding biclique: the variables do not fall into two sides; use clique or heuristic");
-  const bool turned = sides->left.size() < sides->right.size();
-  const auto &wide = turned ? sides->right : sides->left, &narrow = turned ? sides->left : sides->right;
-  const bool crossed = wide.size() > std::min(lines(graph.size(), 0).size(), lines(graph.size(), 1).size());
-  const auto &first = crossed ? wide : sides->left, &second = crossed ? narrow : sides->right;
-  const Embedding found = crossed ? embed_crossed_biclique(graph, first.size(), second.size())
-                                  : embed_biclique(graph, first.size(), second.size());
+  const Embedding found = embed_two_sides(graph, sides->left.size(), sides->right.size());
   Embedding result;
   result.chains.resize(problem.variable_count());
-  for (std::size_t k = 0; k < first.size(); ++k) result.chains[first[k]] = found.chains[k];
-  for (std::size_t k = 0; k < second.size(); ++k) result.chains[second[k]] = found.chains[first.size() + k];
+  for (std::size_t k = 0; k < sides->left.size(); ++k) result.chains[sides->left[k]] = found.chains[k];
+  for (std::size_t k = 0; k < sides->right.size(); ++k)
+    result.chains[sides->right[k]] = found.chains[sides->left.size() + k];
   return result;
 }
 

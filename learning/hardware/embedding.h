@@ -37,6 +37,9 @@ Embedding embed_biclique(const HardwareGraph& graph, std::size_t visible, std::s
 /// Deterministic. Throws InputError when there are too few lines.
 Embedding embed_crossed_biclique(const HardwareGraph& graph, std::size_t wide, std::size_t narrow);
 
+/// The first of the two unless a side is longer than the lines of a direction. Variables of the left side come first.
+Embedding embed_two_sides(const HardwareGraph& graph, std::size_t left, std::size_t right);
+
 /// Couples every variable with every other. Variable v is on parts of a vertical line and of the horizontal line of the
 /// same number, joined where they cross (Choi, arXiv:1001.3116; Boothby, King, Roy, arXiv:1507.04774). Deterministic.
 Embedding embed_clique(const HardwareGraph& graph, std::size_t variables);

@@ -25,8 +25,9 @@ const fs::path& demo_folder() {
     const fs::path demo = folder.path() / "out/demo";
     fs::create_directories(demo);
     campaign::write_dataset(demo / "dataset.h5", {learn::synthetic_trials(120, 1), {}});
+    const Config learning = Config::parse(R"({"epochs": 100, "folds": 2})", "study");
     learn::train_model(
-        {.dataset = demo / "dataset.h5", .model = demo / "model.h5", .seed = 3, .learning = {}, .design = {}});
+        {.dataset = demo / "dataset.h5", .model = demo / "model.h5", .seed = 3, .learning = learning, .design = {}});
     return folder.path();
   }();
   return path;

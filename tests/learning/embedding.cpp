@@ -195,6 +195,13 @@ TEST_CASE("a biclique with a side longer than the lines lies on crosses and the 
     CHECK(double(embedding.uncoupled.size()) <= (dead > 0 ? 0.05 : 0.0) * wide * narrow);
   }
   refused([] { embed_crossed_biclique(graph_named("chimera:12"), 90, 8); }, "do not fit");
+  const HardwareGraph graph = with_dead("chimera:12", 0.06, 2);
+  const Embedding turned = embed_two_sides(graph, 10, 60);
+  VariablePairs pairs;
+  for (std::uint32_t i = 0; i < 10; ++i)
+    for (std::uint32_t j = 10; j < 70; ++j) pairs.emplace_back(i, j);
+  CHECK(turned.chains.size() == 70);
+  CHECK(turned.uncoupled == uncoupled_pairs(graph, turned.chains, pairs));
   Problem problem = random_ising(60, 0, 1);
   for (std::uint32_t i = 0; i < 52; ++i)
     for (std::uint32_t j = 52; j < 60; ++j) problem.couplings.push_back({i, j, 0.1});
