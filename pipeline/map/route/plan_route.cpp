@@ -193,7 +193,7 @@ std::string route_text(const Json& result) {
     text += line("%-13s %8.3f km, chance to get through %.3f", cost.c_str(), route.at("length_m").number() / 1000,
                  route.at("chance").number());
     if (const Json* time = route.find("time_s")) text += line(", %.0f s", time->number());
-    if (const Json* energy = route.find("energy_j")) text += line(", %.3f MJ of one wheel", energy->number() / 1e6);
+    if (const Json* energy = route.find("energy_j")) text += line(", %.3f MJ of drive energy", energy->number() / 1e6);
     text += "\n";
   }
   if (const Json* regions = result.find("regions"))
