@@ -1,7 +1,5 @@
 #include "base/cancel.h"
 
-#include <csignal>
-
 #include "base/error.h"
 
 namespace gonogo {
@@ -14,6 +12,8 @@ void request(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
+void request_again_and_again(int) { requested = 1; }
+
 }  // namespace
 
 void install_cancel_handler() {
@@ -25,6 +25,18 @@ bool cancel_requested() { return requested != 0; }
 
 void stop_if_cancelled() {
   if (cancel_requested()) throw Cancelled();
+}
+
+CancelScope::CancelScope() {
+  struct sigaction ours = {};
+  ours.sa_handler = request_again_and_again;
+  sigemptyset(&ours.sa_mask);
+  sigaction(SIGINT, &ours, &host_);
+}
+
+CancelScope::~CancelScope() {
+  sigaction(SIGINT, &host_, nullptr);
+  requested = 0;
 }
 
 }  // namespace gonogo

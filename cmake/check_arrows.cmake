@@ -8,13 +8,14 @@
 
 cmake_minimum_required(VERSION 3.22)
 
-set(rooms base sim vehicle terrain learning pipeline tests)
+set(rooms base sim vehicle terrain learning pipeline python tests)
 set(allowed_base base)
 set(allowed_sim base sim)
 set(allowed_vehicle base sim vehicle)
 set(allowed_terrain base sim terrain)
 set(allowed_learning base learning)
 set(allowed_pipeline base sim vehicle terrain learning pipeline)
+set(allowed_python base sim vehicle terrain learning pipeline python)
 set(allowed_tests ${rooms})
 
 # Layers of each room, low to high. Sub-rooms in one layer ("a|b") stand beside each other: neither may include the other.
@@ -27,7 +28,7 @@ set(layers_pipeline report campaign learn map|lab app)
 set(most_sub_rooms 10)
 
 # library: pattern of its headers, folders that own it; tests of an owner may use the library as an independent oracle
-set(libraries nlohmann hdf5 gdal torch cli11 cairo boost_graph eigen xxhash mpi zlib catch2)
+set(libraries nlohmann hdf5 gdal torch cli11 cairo boost_graph eigen xxhash mpi zlib nanobind catch2)
 set(header_nlohmann "nlohmann/")
 set(header_hdf5 "(hdf5|H5[A-Za-z0-9]*)\\.h")
 set(header_gdal "(gdal|ogr|cpl|gnm|vrt)[a-z0-9_]*\\.h")
@@ -39,6 +40,7 @@ set(header_eigen "Eigen/")
 set(header_xxhash "xxhash\\.h")
 set(header_mpi "mpi\\.h")
 set(header_zlib "zlib\\.h")
+set(header_nanobind "nanobind/")
 set(header_catch2 "catch2/")
 set(owner_nlohmann base/json tests/base)
 set(owner_hdf5 base/hdf5 tests/base)
@@ -51,6 +53,7 @@ set(owner_eigen sim vehicle tests)
 set(owner_xxhash base)
 set(owner_mpi pipeline/campaign/engine/mpi)
 set(owner_zlib pipeline/map/page)
+set(owner_nanobind python/src)
 set(owner_catch2 tests/support)
 
 set(compute_node base sim vehicle terrain/bed terrain/soil pipeline/campaign)

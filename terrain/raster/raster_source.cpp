@@ -106,6 +106,19 @@ RasterSource RasterSource::open_elevation(const RasterFiles& files, const GridWi
   return source;
 }
 
+RasterSource RasterSource::open_as_it_lies(const RasterFiles& files) {
+  auto state = std::make_unique<State>();
+  state->raster = open_raster(files);
+  GDALDataset& dataset = *state->raster.dataset;
+  const OGRSpatialReference& crs = require_crs(dataset, state->raster.name);
+  const GeoTransform t = require_north_up(dataset, state->raster.name);
+  state->grid = describe_grid(dataset.GetRasterXSize(), dataset.GetRasterYSize(), crs, t);
+  state->scale = dataset.GetRasterBand(1)->GetScale();
+  state->offset = dataset.GetRasterBand(1)->GetOffset();
+  state->open = [files] { return open_raster(files); };
+  return RasterSource(std::move(state));
+}
+
 RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid& grid, RasterKind kind) {
   const OpenRaster original = open_raster(files);
   GDALDataset& dataset = *original.dataset;

@@ -27,6 +27,10 @@ class RasterSource {
   /// geotransform, rotated or south-up grid, wider than 12 degrees of longitude, nothing but nodata.
   static RasterSource open_elevation(const RasterFiles& files, const GridWish& wish = {});
 
+  /// Opens any raster as it lies: band 1 with scale and offset, on its own grid, in its own unit. Throws InputError: no
+  /// such file, not a raster, no coordinate system, no geotransform, rotated or south-up grid.
+  static RasterSource open_as_it_lies(const RasterFiles& files);
+
   /// Opens another raster, warped to `grid` while it is read. Throws InputError when it cannot be read, has no
   /// coordinate system, does not overlap the grid, or when no transformation between the datums is known.
   static RasterSource open_on_grid(const RasterFiles& files, const MapGrid& grid, RasterKind kind);

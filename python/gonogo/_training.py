@@ -1,0 +1,37 @@
+"""Training and evaluation of models."""
+import json
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from . import _core
+from ._files import PathLike, study_file
+from ._model import Model
+
+
+def _with_torch() -> Any:
+    try:
+        from . import _train
+    except ImportError as error:
+        raise _core.InputError("training needs LibTorch, which this build of gonogo was made without; build it with: "
+                               "pip install . -C cmake.define.GONOGO_TORCH=ON") from error
+    return _train
+
+
+def train(dataset: PathLike, out: PathLike, *, study: PathLike | None = None, learning: Mapping[str, Any] | None = None,
+          seed: int | None = None, hold_out: int = 0) -> Model:
+    """Trains a model on a dataset and writes it to `out`, byte for byte as `gonogo train` does.
+
+    study: file or shipped name whose sections "learning" and "design" count. learning: that section, as a dict; it wins
+    over the study's. seed: the study's, or 1. hold_out: number of trials kept back for evaluate().
+    """
+    _with_torch().train(os.fspath(dataset), os.fspath(out), study_file(study) if study is not None else "",
+                        json.dumps(learning) if learning is not None else "", seed, hold_out)
+    return Model(out)
+
+
+def evaluate(model: Model | PathLike, dataset: PathLike) -> dict[str, Any]:
+    """Scores a model on the trials that it was not trained on: the report of `gonogo evaluate --json`."""
+    file = os.fspath(model.path if isinstance(model, Model) else model)
+    report: dict[str, Any] = json.loads(_with_torch().evaluate(file, os.fspath(dataset)))
+    return report

@@ -1,0 +1,116 @@
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "base/line.h"
+#include "pipeline/campaign/study/contract.h"
+#include "pipeline/learn/answer/infer.h"
+#include "python/src/arrays.h"
+#include "python/src/calls.h"
+#include "python/src/module.h"
+
+namespace nb = nanobind;
+
+namespace gonogo::python {
+namespace {
+
+using Points = ArrayIn<double, 2>;
+
+[[noreturn]] void refuse(const std::vector<campaign::Variable>& variables, std::size_t k, double x) {
+  const campaign::Variable& v = variables[k % variables.size()];
+  throw InputError("points: row " + std::to_string(k / variables.size()) + ": " + v.name + ": " + line("%g", x) +
+                   " lies outside " + line("%g to %g ", v.minimum, v.maximum) + v.unit);
+}
+
+std::span<const double> checked(const Points& points) {
+  const auto& variables = campaign::contract().variables;
+  const std::size_t width = variables.size();
+  if (points.shape(1) != width)
+    throw InputError("points: " + std::to_string(points.shape(1)) + " columns given, " + std::to_string(width) +
+                     " needed, in the order of gonogo.variables()");
+  std::vector<double> low, high;
+  for (const campaign::Variable& v : variables) {
+    low.push_back(v.minimum);
+    high.push_back(v.maximum);
+  }
+  const std::span all(points.data(), points.size());
+  for (std::size_t row = 0; row < all.size(); row += width)
+    for (std::size_t v = 0; v < width; ++v)
+      if (const double x = all[row + v]; x < low[v] || x > high[v]) refuse(variables, row + v, x);
+  return all;
+}
+
+Array<double> p_go(const learn::Predictor& predictor, const Points& points) {
+  std::vector<double> result(points.shape(0));
+  long_call([&] { predictor.p_go(checked(points), result); });
+  return array_of(std::move(result));
+}
+
+Array<double> outcome_probabilities(const learn::Predictor& predictor, const Points& points) {
+  const std::size_t rows = points.shape(0), outcomes = predictor.model().layout.outcome_count();
+  std::vector<double> result(rows * outcomes);
+  long_call([&] { predictor.outcome_probabilities(checked(points), result); });
+  return array_of(std::move(result), {rows, outcomes});
+}
+
+/// f(point) for every row.
+template <class T, class F>
+Array<T> each_row(const Points& points, F&& f) {
+  const std::size_t width = points.shape(1);
+  std::vector<T> result(points.shape(0));
+  long_call([&] {
+    const auto all = checked(points);
+    for (std::size_t n = 0; n < result.size(); ++n) {
+      stop_if_cancelled();
+      result[n] = f(all.subspan(n * width, width));
+    }
+  });
+  return array_of(std::move(result));
+}
+
+std::string answer(const learn::Predictor& predictor, const Points& point, const std::optional<std::string>& outcome,
+                   bool reconstruct) {
+  learn::Question question;
+  if (outcome) question.outcome = learn::outcome_named(*outcome);
+  question.reconstruct = reconstruct;
+  return long_call([&] {
+    const auto all = checked(point);
+    question.variables.assign(all.begin(), all.end());
+    return learn::answer_question(predictor, question).dump();
+  });
+}
+
+}  // namespace
+
+void bind_model(nb::module_& m) {
+  m.def(
+      "variable_index", [](const std::string& name) { return campaign::contract().variable_index(name); },
+      nb::arg("name"), "Position of a variable in a point. Raises InputError that suggests the nearest name.");
+  nb::class_<learn::Predictor>(m, "Predictor", "A trained model. Points are [n, variable_count], NaN: unknown.")
+      .def_static(
+          "read", [](const std::string& path) { return long_call([&] { return learn::Predictor::read(path); }); },
+          nb::arg("path"))
+      .def("p_go", &p_go, nb::arg("points"), "P(go or slow_go) [n].")
+      .def("outcome_probabilities", &outcome_probabilities, nb::arg("points"), "P(outcome) [n, outcome_count].")
+      .def(
+          "novelty",
+          [](const learn::Predictor& p, const Points& points) {
+            return each_row<double>(points, [&](auto point) { return p.novelty(point); });
+          },
+          nb::arg("points"), "Distance to the nearest trial over the usual distance between trials [n].")
+      .def(
+          "inside_sampled_box",
+          [](const learn::Predictor& p, const Points& points) {
+            return each_row<std::uint8_t>(points, [&](auto point) { return p.inside_sampled_box(point); });
+          },
+          nb::arg("points"), "1 where all known variables lie in the sampled ranges, otherwise 0 [n].")
+      .def("answer", &answer, nb::arg("point"), nb::arg("outcome").none(), nb::arg("reconstruct"),
+           "JSON of the answer to one point [1, variable_count].")
+      .def_prop_ro("sampled_lower", [](const learn::Predictor& p) { return p.model().sampled_lower; })
+      .def_prop_ro("sampled_upper", [](const learn::Predictor& p) { return p.model().sampled_upper; })
+      .def_prop_ro("provenance", [](const learn::Predictor& p) { return p.model().provenance.dump(); });
+}
+
+}  // namespace gonogo::python

@@ -1,0 +1,42 @@
+import subprocess
+
+import numpy as np
+import pandas
+import pytest
+
+import gonogo
+
+
+def test_frame_has_the_programs_columns_and_bits(dataset_file, program, tmp_path):
+    dataset = gonogo.Dataset(dataset_file)
+    frame = dataset.to_pandas()
+    done = subprocess.run([program, "dataset", "export", dataset_file, "--out", tmp_path / "trials.csv"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "trials.csv").read_text() == dataset.to_csv()
+    table = pandas.read_csv(tmp_path / "trials.csv", keep_default_na=False, na_values=["nan"])
+    assert list(table.columns) == list(frame.columns)
+    assert len(frame) == len(dataset) == len(table)
+    for name in table.columns:
+        if pandas.api.types.is_numeric_dtype(table[name]):
+            assert np.array_equal(frame[name], table[name], equal_nan=table[name].dtype == float), name
+        else:
+            assert list(frame[name].astype(str)) == list(table[name].astype(str)), name
+
+
+def test_summary_counts_the_verdicts(dataset_file):
+    dataset = gonogo.Dataset(dataset_file)
+    counts = dataset.to_pandas()["verdict"].value_counts()
+    assert dataset.summary()["verdicts"] == {name: count for name, count in counts.items() if count}
+    assert dataset.provenance()["backend"]
+
+
+def test_written_file_is_the_read_one(dataset_file, tmp_path):
+    gonogo.Dataset(dataset_file).write(tmp_path / "copy.h5")
+    assert (tmp_path / "copy.h5").read_bytes() == dataset_file.read_bytes()
+
+
+def test_damage_is_told(tmp_path, dataset_file):
+    damaged = tmp_path / "damaged.h5"
+    damaged.write_bytes(dataset_file.read_bytes()[:5000])
+    with pytest.raises(gonogo.InputError, match="damaged.h5"):
+        gonogo.Dataset(damaged)

@@ -1,0 +1,24 @@
+"""The examples of docs/python.md."""
+import re
+
+import pytest
+
+
+@pytest.fixture(scope="module")
+def blocks(root):
+    text = (root / "docs" / "python.md").read_text()
+    return re.findall(r"^## ([^\n]+)\n(?:(?!^## ).)*?```python\n(.*?)```", text, re.S | re.M)
+
+
+def test_all_of_them_are_python(blocks):
+    assert len(blocks) >= 5
+    for title, code in blocks:
+        compile(code, title, "exec")
+
+
+def test_those_of_models_run(blocks, model_file):
+    scope = {}
+    code = dict(blocks)
+    for title in ("Ask a model", "Anneal"):
+        exec(code[title].replace("out/demo/model.h5", str(model_file)), scope)
+    assert scope["answer"].summary["energies"] == "verified"

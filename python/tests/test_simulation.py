@@ -1,0 +1,113 @@
+import numpy as np
+import pytest
+
+import gonogo
+
+
+def falling_sphere(**settings):
+    world = gonogo.World((4, 4, 4))
+    world.add_sphere((2, 2, 3), radius=0.1)
+    return gonogo.Simulation([world], **settings)
+
+
+def test_free_fall():
+    simulation = falling_sphere(step=1e-3)
+    simulation.step(500)
+    bodies = simulation.bodies()
+    assert bodies.position[0, 2] == pytest.approx(3 - 9.81 * 0.5**2 / 2, abs=9.81 * 0.5 * 1e-3)
+    assert bodies.velocity[0, 2] == pytest.approx(-9.81 * 0.5, rel=1e-4)
+    assert simulation.report().time == pytest.approx(0.5)
+
+
+def test_arrays_are_views_that_outlive_their_source():
+    simulation = falling_sphere()
+    bodies = simulation.bodies()
+    position, velocity = bodies.position, bodies.velocity
+    assert position.shape == velocity.shape == (1, 3)
+    assert position.dtype == np.float64 and velocity.dtype == np.float32
+    assert not position.flags.owndata and not position.flags.writeable
+    assert position.__array_interface__["data"][0] == bodies.position.__array_interface__["data"][0]
+    span = velocity.__array_interface__["data"][0] - position.__array_interface__["data"][0]
+    assert 0 < span < 64  # both look into one record
+    height = position[0, 2]
+    del bodies
+    simulation.step(100)
+    del simulation
+    assert position[0, 2] == height == 3
+
+
+def test_a_box_slides_as_far_as_friction_says():
+    world = gonogo.World((10, 4, 4))
+    floor = world.add_floor(0.0, material=1)
+    box = world.add_box((2, 2, 0.2), (0.3, 0.3, 0.2))
+    world.set_velocity(box, (3, 0, 0))
+    world.set_law(0, 1, friction=0.5)
+    simulation = gonogo.Simulation([world], step=1e-3, iterations=200, tolerance=1e-5)
+    simulation.step(1000)
+    travelled = simulation.bodies().position[box, 0] - 2
+    assert travelled == pytest.approx(3**2 / (2 * 0.5 * 9.81), rel=0.02)
+    contacts = simulation.contacts()
+    assert len(contacts) >= 3
+    assert set(contacts.body_a) | set(contacts.body_b) == {floor, box}
+    weight = 2650 * 8 * 0.3 * 0.3 * 0.2 * 9.81
+    assert simulation.contact_force(box)[2] == pytest.approx(weight, rel=0.02)
+    assert contacts.impulse[:, 2].sum() == pytest.approx(weight * 1e-3 * np.sign(contacts.normal[0, 2]), rel=0.02)
+
+
+def test_a_snapshot_continues_with_the_same_bits(bed):
+    simulation = gonogo.Simulation([bed.world(friction=0.4)], grain_diameter=bed.grain_diameter)
+    simulation.set_gravity((3.0, 0, -9.3))
+    simulation.step(20)
+    saved = simulation.snapshot()
+    simulation.step(20)
+    first = np.array(simulation.bodies().position)
+    simulation.restore(saved)
+    for _ in range(20):
+        simulation.step()
+    assert np.array_equal(simulation.bodies().position, first)
+
+
+def test_threads_and_neighbours_change_no_bit(bed):
+    def after(worlds, threads):
+        simulation = gonogo.Simulation(worlds, grain_diameter=bed.grain_diameter, threads=threads)
+        simulation.step(30)
+        return np.array(simulation.bodies(0).position)
+
+    one = after([bed.world(friction=0.4)], 1)
+    assert np.array_equal(after([bed.world(friction=0.4)], 2), one)
+    assert np.array_equal(after([bed.world(friction=0.4), bed.world(friction=0.8)], 2), one)
+
+
+def test_a_wheel_drives(root):
+    """At full grip the wheel takes the speed that its motor asks for."""
+    rig = gonogo.WheelRig.read(str(root / "configs" / "vehicles" / "hmmwv_quarter.json"))
+    world = gonogo.World((10, 2, 4))
+    world.add_floor(0.0, material=0)
+    for material in range(3):
+        world.set_law(0, material, friction=0.8)
+    wheel, sprung, motor = world.add_wheel_rig(rig, (1.0, 1.0, rig.radius + rig.lug_height))
+    simulation = gonogo.Simulation([world], iterations=100)
+    simulation.step(500)
+    simulation.set_motor(motor, 1.0 / rig.radius, rig.max_torque)
+    simulation.step(1000)
+    start = simulation.bodies().position[wheel, 0]
+    simulation.step(1000)
+    bodies = simulation.bodies()
+    assert bodies.position[wheel, 0] - start == pytest.approx(1.0 * (rig.radius + rig.lug_height) / rig.radius, rel=0.1)
+    assert bodies.position[sprung, 2] > bodies.position[wheel, 2]
+    assert simulation.contact_force(wheel)[2] > 1000
+    assert simulation.report().flags == 0
+
+
+def test_indices_are_checked():
+    simulation = falling_sphere()
+    with pytest.raises(gonogo.InputError, match="there are 1"):
+        simulation.bodies(1)
+    with pytest.raises(gonogo.InputError, match="body 7"):
+        simulation.contact_force(7)
+    with pytest.raises(gonogo.InputError, match="motor 0"):
+        simulation.set_motor(0, 1, 1)
+    with pytest.raises(gonogo.InputError):
+        gonogo.Simulation([])
+    with pytest.raises(gonogo.InputError):
+        simulation.step(-1)

@@ -1,0 +1,21 @@
+import pytest
+
+import gonogo
+
+
+def test_the_program_trains_the_same_bytes(model_file, dataset_file, tmp_path):
+    trained = gonogo.train(dataset_file, tmp_path / "model.h5", study=model_file.parent / "study.json")
+    assert (tmp_path / "model.h5").read_bytes() == model_file.read_bytes()
+    assert trained.predict({"slope_along": 5}) == gonogo.Model(model_file).predict({"slope_along": 5})
+
+
+def test_a_held_out_set_is_scored(dataset_file, tmp_path):
+    model = gonogo.train(dataset_file, tmp_path / "model.h5", learning={"hidden": 4, "epochs": 10, "folds": 2}, hold_out=60)
+    report = gonogo.evaluate(model, dataset_file)
+    assert report["trials"] > 40
+    assert report["scores"]
+
+
+def test_bad_settings_are_told(dataset_file, tmp_path):
+    with pytest.raises(gonogo.InputError, match="hiden"):
+        gonogo.train(dataset_file, tmp_path / "model.h5", learning={"hiden": 4})
