@@ -36,4 +36,11 @@ LocalSolution solve_nsgs(const LocalProblem& problem, const LocalSolveSettings& 
 LocalSolution solve_apgd(const LocalProblem& problem, const LocalSolveSettings& settings);
 LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& settings);
 
+/// Lowers the error of `best` from its impulses by proximal points, at most `max` Newton steps; adds to its iterations.
+void finish_by_proximal_points(const LocalProblem& problem, const LocalSolveSettings& settings, int max,
+                               BestSoFar& best);
+
+LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& settings);
+LocalSolution solve_admm(const LocalProblem& problem, const LocalSolveSettings& settings);
+
 }  // namespace gonogo::sim

@@ -148,22 +148,17 @@ bool newton(RegularisedProblem& f, std::vector<double>& r, int& steps) {
 
 }  // namespace
 
-LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& settings) {
-  constexpr int kSweeps = 200, kCheckEvery = 10;
+namespace {
+
+/// Proximal points from `r` with at most `max` Newton steps, counted in `best`; `rescue` is called where no
+/// regularisation helps, and ends the method when it returns false.
+template <class Rescue>
+void proximal_points(const LocalProblem& problem, const LocalSolveSettings& settings, int max, std::vector<double>& r,
+                     BestSoFar& best, Rescue rescue) {
   constexpr double kJump = 3;  // a growth of the error beyond this is another branch of solutions: refused
-  const int max = settings.max_iterations > 0 ? settings.max_iterations : 4000;
-  BestSoFar best(problem, settings.target);
-  std::vector<double> r = best.best.r;
-  double error = best.best.error;
-  const auto sweeps = [&] {
-    for (int k = 1; k <= kSweeps && error > settings.tolerance; ++k) {
-      sweep(problem, settings.target, r);
-      if (k % kCheckEvery == 0) error = best.offer(r);
-    }
-  };
-  sweeps();
   RegularisedProblem f(problem, settings.target);
   Regularisation regularisation;
+  double error = best.offer(r);
   int steps = 0;
   while (steps < max && best.best.error > settings.tolerance) {
     f.regularise(regularisation.alpha(), r);
@@ -177,13 +172,38 @@ LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& s
       error = next_error;
       regularisation.succeeded();
     } else if (regularisation.is_at_max()) {
-      sweeps();
+      if (!rescue(r, error)) break;
       regularisation.restart();
     } else {
       regularisation.failed();
     }
   }
-  best.best.iterations = steps;
+  best.best.iterations += steps;
+}
+
+}  // namespace
+
+void finish_by_proximal_points(const LocalProblem& problem, const LocalSolveSettings& settings, int max,
+                               BestSoFar& best) {
+  std::vector<double> r = best.best.r;
+  proximal_points(problem, settings, max, r, best, [](std::vector<double>&, double&) { return false; });
+}
+
+LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& settings) {
+  constexpr int kSweeps = 200, kCheckEvery = 10;
+  const int max = settings.max_iterations > 0 ? settings.max_iterations : 4000;
+  BestSoFar best(problem, settings.target);
+  std::vector<double> r = best.best.r;
+  double error = best.best.error;
+  const auto sweeps = [&](std::vector<double>& at, double& its_error) {
+    for (int k = 1; k <= kSweeps && its_error > settings.tolerance; ++k) {
+      sweep(problem, settings.target, at);
+      if (k % kCheckEvery == 0) its_error = best.offer(at);
+    }
+    return true;
+  };
+  sweeps(r, error);
+  proximal_points(problem, settings, max, r, best, sweeps);
   return best.best;
 }
 

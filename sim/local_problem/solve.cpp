@@ -7,9 +7,10 @@
 namespace gonogo::sim {
 
 LocalSolver local_solver(const std::string& name) {
-  for (const LocalSolver s : {LocalSolver::nsgs, LocalSolver::apgd, LocalSolver::ppa})
+  for (const LocalSolver s :
+       {LocalSolver::nsgs, LocalSolver::apgd, LocalSolver::ppa, LocalSolver::pdip, LocalSolver::admm})
     if (name == solver_name(s)) return s;
-  throw InputError("solver \"" + name + "\" is unknown; nsgs, apgd and ppa are possible");
+  throw InputError("solver \"" + name + "\" is unknown; nsgs, apgd, ppa, pdip and admm are possible");
 }
 
 const char* solver_name(LocalSolver solver) {
@@ -18,6 +19,10 @@ const char* solver_name(LocalSolver solver) {
       return "nsgs";
     case LocalSolver::apgd:
       return "apgd";
+    case LocalSolver::pdip:
+      return "pdip";
+    case LocalSolver::admm:
+      return "admm";
     default:
       return "ppa";
   }
@@ -73,6 +78,10 @@ LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& setti
       return solve_nsgs(problem, settings);
     case LocalSolver::apgd:
       return solve_apgd(problem, settings);
+    case LocalSolver::pdip:
+      return solve_pdip(problem, settings);
+    case LocalSolver::admm:
+      return solve_admm(problem, settings);
     default:
       return solve_ppa(problem, settings);
   }

@@ -6,6 +6,9 @@
 //   ppa   proximal points around a semismooth Newton method. (W + alpha D) r + q - alpha D r_k is solved for r_{k+1} on
 //         the function of Alart & Curnier (1991) with sparse LU; alpha falls as long as Newton converges. The most
 //         accurate and most expensive method: it reaches 1e-8 where the others stall.
+//   pdip  primal-dual interior point (pdip.cpp): 10 to 40 sparse factorisations, whatever the number of contacts; ends
+//         like ppa where rounding stops it
+//   admm  alternating directions with residual balancing (admm.cpp): one sparse factorisation for many iterations
 #pragma once
 #include <string>
 
@@ -13,7 +16,7 @@
 
 namespace gonogo::sim {
 
-enum class LocalSolver { nsgs, apgd, ppa };
+enum class LocalSolver { nsgs, apgd, ppa, pdip, admm };
 
 struct LocalSolveSettings {
   LocalSolver solver = LocalSolver::ppa;
@@ -30,7 +33,7 @@ struct LocalSolution {
 
 LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& settings);
 
-/// "nsgs", "apgd", "ppa". Throws InputError naming all of them for another word.
+/// "nsgs", "apgd", "ppa", "pdip", "admm". Throws InputError naming all of them for another word.
 LocalSolver local_solver(const std::string& name);
 const char* solver_name(LocalSolver solver);
 

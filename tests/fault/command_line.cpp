@@ -2,6 +2,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 
 #include "base/file.h"
@@ -158,6 +159,17 @@ TEST_CASE("validate fclib solves the problems it is given, and fails when one st
   CHECK(above.exit_code == 1);
   CHECK(contains(above.out, "Rover1040.dat"));
   CHECK(contains(above.err, "1 of 1 problems ended above the error 1e-12"));
+  const TemporaryFolder impulses;
+  const Ending two = run_gonogo(
+      {"validate", "fclib", file, "--solver", "ppa,pdip", "--limit", "1e-8", "--impulses", impulses.path(), "--json"});
+  CHECK(two.exit_code == 0);
+  const Json solutions = Json::parse(two.out, "stdout").at("problems");
+  CHECK(solutions.items().at(0).at("solver").string() == "ppa");
+  CHECK(solutions.items().at(1).at("solver").string() == "pdip");
+  const std::string by_pdip = read_file(impulses / "Rover1040.dat.pdip.txt");
+  CHECK(std::count(by_pdip.begin(), by_pdip.end(), '\n') == 5);
+  CHECK(std::count(by_pdip.begin(), by_pdip.end(), ' ') == 10);
+  CHECK(files_below(impulses.path()).size() == 2);
   check_refusal(run_gonogo({"validate", "fclib", "/none.dat"}), 2, {"/none.dat", "no such file or folder"});
   const TemporaryFolder folder;
   check_refusal(run_gonogo({"validate", "fclib", folder.path()}), 2, {"holds no .hdf5 or .dat file"});

@@ -36,13 +36,15 @@ double solve_file(const std::filesystem::path& file, const LocalSolveSettings& s
 
 }  // namespace
 
-TEST_CASE("every problem by others is solved to 1e-8 with exact Coulomb friction, and as its convex relaxation") {
+TEST_CASE(
+    "two methods solve every problem by others to 1e-8, with exact Coulomb friction, and as its convex relaxation") {
   const auto files = problems();
   REQUIRE(files.size() == 11);
   for (const auto& file : files)
     for (const Target target : {Target::coulomb, Target::ccp}) {
       INFO(file.filename());
-      CHECK(solve_file(file, {LocalSolver::ppa, target, 1e-8, 0}) <= 1e-8);
+      for (const LocalSolver solver : {LocalSolver::ppa, LocalSolver::pdip})
+        CHECK(solve_file(file, {solver, target, 1e-8, 0}) <= 1e-8);
     }
 }
 
@@ -54,6 +56,7 @@ TEST_CASE("first-order solvers reach 1e-4 with exact Coulomb friction on all but
     const bool rocks = name == "RockPile_tob1.dat", boxes = name == "fclib_local_problem_test.hdf5";
     const double gradients = rocks ? 1e-3 : 1e-4, sweeps = rocks || boxes ? 1e-3 : 1e-4;
     CHECK(solve_file(file, {LocalSolver::apgd, Target::coulomb, gradients, 0}) <= gradients);
+    CHECK(solve_file(file, {LocalSolver::admm, Target::coulomb, gradients, 0}) <= gradients);
     CHECK(solve_file(file, {LocalSolver::nsgs, Target::coulomb, sweeps, 0}) <= sweeps);
   }
 }

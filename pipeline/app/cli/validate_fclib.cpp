@@ -11,17 +11,19 @@ namespace {
 
 struct FclibRequest {
   std::vector<std::string> paths;
-  std::string solver = "ppa", target = "coulomb";
+  std::vector<std::string> solvers = {"ppa"};
+  std::string target = "coulomb";
+  std::filesystem::path impulses;  // folder; empty: none are written
   double limit = 1e-4;
   sim::LocalSolveSettings settings;
 };
 
-Json as_json(const lab::FclibResult& r, const FclibRequest& request) {
+Json as_json(const lab::FclibResult& r) {
   Json json;
   json["problem"] = r.name;
   json["dimension"] = r.dimension;
   json["contacts"] = r.contacts;
-  json["solver"] = request.solver;
+  json["solver"] = r.solver;
   json["iterations"] = r.iterations;
   json["siconos_error"] = r.coulomb_error;
   json["ccp_error"] = r.ccp_error;
@@ -29,36 +31,38 @@ Json as_json(const lab::FclibResult& r, const FclibRequest& request) {
   return json;
 }
 
-std::string as_line(const lab::FclibResult& r, const FclibRequest& request) {
+std::string as_line(const lab::FclibResult& r) {
   char line[160];
   std::snprintf(line, sizeof line, "%-34s %3d %8d  %-6s %10d %12.2e %10.2e %10.1f\n", r.name.c_str(), r.dimension,
-                r.contacts, request.solver.c_str(), r.iterations, r.coulomb_error, r.ccp_error, r.ms);
+                r.contacts, r.solver.c_str(), r.iterations, r.coulomb_error, r.ccp_error, r.ms);
   return line;
 }
 
 void validate_fclib(const Globals& globals, FclibRequest request) {
-  request.settings.solver = sim::local_solver(request.solver);
   request.settings.target = sim::target_named(request.target);
   const auto files = lab::fclib_files({request.paths.begin(), request.paths.end()});
   std::string text =
       "problem                            dim contacts  solver iterations  coulomb err    ccp err         ms\n";
   Json rows = Json::array();
   int above = 0;
-  for (const auto& file : files) {
-    stop_if_cancelled();
-    const lab::FclibResult r = lab::solve_fclib(file, request.settings);
-    rows.push_back(as_json(r, request));
-    text += as_line(r, request);
-    above += r.target_error > request.limit;
-  }
+  for (const auto& file : files)
+    for (const std::string& solver : request.solvers) {
+      stop_if_cancelled();
+      request.settings.solver = sim::local_solver(solver);
+      const lab::FclibResult r = lab::solve_fclib(file, request.settings);
+      if (!request.impulses.empty()) lab::write_impulses(request.impulses, r);
+      rows.push_back(as_json(r));
+      text += as_line(r);
+      above += r.target_error > request.limit;
+    }
   Json json;
   json["target"] = request.target;
   json["limit"] = request.limit;
   json["above_limit"] = above;
   json["problems"] = rows;
   char sentence[120];
-  std::snprintf(sentence, sizeof sentence, "%d of %zu problems ended above the error %g", above, files.size(),
-                request.limit);
+  std::snprintf(sentence, sizeof sentence, "%d of %zu problems ended above the error %g", above,
+                files.size() * request.solvers.size(), request.limit);
   if (above > 0) fail_with_result(globals, json, text, DeviceError(sentence));
   print_result(globals, json, text);
 }
@@ -72,9 +76,19 @@ void add_fclib_check(CLI::App& validate, const Globals& globals) {
   fclib->add_option("paths", request->paths, "Problem files, or folders of them (.hdf5, .dat)")
       ->type_name(kFile)
       ->required();
-  fclib->add_option("--solver", request->solver, "nsgs: block Gauss-Seidel; apgd: gradients; ppa: proximal Newton")
-      ->check(CLI::IsMember({"nsgs", "apgd", "ppa"}))
+  fclib
+      ->add_option("--solver", request->solvers,
+                   "nsgs: block Gauss-Seidel; apgd: gradients; ppa: proximal Newton; pdip: interior point; admm: "
+                   "alternating directions. Several are "
+                   "separated by commas")
+      ->check(CLI::IsMember({"nsgs", "apgd", "ppa", "pdip", "admm"}))
+      ->delimiter(',')
+      ->allow_extra_args(false)
       ->capture_default_str();
+  fclib
+      ->add_option("--impulses", request->impulses,
+                   "Folder for the impulses: a file per problem and solver, a line per contact, normal first")
+      ->type_name(kFile);
   fclib->add_option("--target", request->target, "coulomb, or ccp: its convex relaxation")
       ->check(CLI::IsMember(sim::target_names()))
       ->capture_default_str();
@@ -87,7 +101,8 @@ void add_fclib_check(CLI::App& validate, const Globals& globals) {
   fclib->add_option("--iterations", request->settings.max_iterations, "Max iterations; 0: the solver's own limit")
       ->check(CLI::Range(0, 100000000))
       ->capture_default_str();
-  add_examples(*fclib, {"gonogo validate fclib tests/data/fclib"});
+  add_examples(*fclib, {"gonogo validate fclib tests/data/fclib",
+                        "gonogo validate fclib tests/data/fclib --solver ppa,pdip --limit 1e-8  # which solves which"});
   fclib->callback([&globals, request] { validate_fclib(globals, *request); });
 }
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 
 #include "base/error.h"
+#include "base/file.h"
 #include "sim/local_problem/read.h"
 
 namespace gonogo::lab {
@@ -40,7 +42,21 @@ FclibResult solve_fclib(const fs::path& file, const sim::LocalSolveSettings& set
   result.ccp_error = sim::siconos_error(problem, solution.r, sim::Target::ccp);
   result.target_error = solution.error;
   result.ms = taken.count();
+  result.solver = sim::solver_name(settings.solver);
+  result.r = solution.r;
   return result;
+}
+
+void write_impulses(const fs::path& folder, const FclibResult& result) {
+  std::string text;
+  for (std::size_t k = 0; k < result.r.size(); ++k) {
+    char word[32];
+    std::snprintf(word, sizeof word, "%.17g", result.r[k]);
+    text += word;
+    text += (k + 1) % std::size_t(result.dimension) == 0 ? '\n' : ' ';
+  }
+  create_folder(folder);
+  write_file_atomically(folder / (result.name + "." + result.solver + ".txt"), text);
 }
 
 }  // namespace gonogo::lab

@@ -8,11 +8,12 @@
 namespace gonogo::lab {
 
 struct FclibResult {
-  std::string name;  // of the file
+  std::string name, solver;  // of the file; sim::solver_name
   int dimension = 0, contacts = 0, iterations = 0;
   double coulomb_error = 0, ccp_error = 0;  // sim::siconos_error of the impulses found, for both targets
   double target_error = 0;                  // the one of the target asked for
   double ms = 0;                            // solving, without reading
+  std::vector<double> r;                    // the impulses [contacts * dimension]
 };
 
 /// Files as given; a folder stands for its .hdf5 and .dat files, by name. Throws InputError for a path that is neither
@@ -21,5 +22,9 @@ std::vector<std::filesystem::path> fclib_files(const std::vector<std::filesystem
 
 /// Throws InputError for a malformed file; not reaching the tolerance is a result.
 FclibResult solve_fclib(const std::filesystem::path& file, const sim::LocalSolveSettings& settings);
+
+/// Writes `folder`/NAME.SOLVER.txt: a line per contact with its `dimension` impulses, normal first, to the last bit.
+/// Creates the folder. Throws as create_folder and write_file_atomically do.
+void write_impulses(const std::filesystem::path& folder, const FclibResult& result);
 
 }  // namespace gonogo::lab

@@ -1,0 +1,220 @@
+// Primal-dual interior point for r in K and z = s^* in the product of Lorentz cones, one per disc:
+//
+//   W r + q + sum_d c_d |z_d| e_n = A^T z      (the sum for `coulomb` alone)
+//   s = A r,  s o z = sigma gap e              s and z inside their cones, gap to 0
+//
+// Newton's steps are scaled by Nesterov & Todd, predicted and corrected by Mehrotra (1992). De Saxce's term enters
+// Newton's matrix, so that Coulomb's law needs no outer iteration (Acary, Armand, Nguyen & Shpakovych 2024). Where the
+// solution is degenerate, the error falls only with the root of the gap. Rounding then ends the steps above the
+// tolerance, and proximal points of ppa.cpp finish from there.
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseLU>
+#include <algorithm>
+
+#include "sim/local_problem/methods.h"
+#include "sim/local_problem/scaled_problem.h"
+#include "sim/local_problem/second_order_cone.h"
+
+namespace gonogo::sim {
+namespace {
+
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+/// One Lorentz cone: s = (c r_n, r_d) of one disc of a contact; s = r_n for a contact without friction.
+struct Cone {
+  Index normal = 0, first = 0;  // rows of r_n and r_d
+  int size = 0;                 // of r_d
+  double c = 1;
+  Vector3d s = Vector3d::Zero(), z = Vector3d::UnitX();
+  Vector3d ds = Vector3d::Zero(), dz = Vector3d::Zero();
+  Vector3d affine = Vector3d::Zero();  // (w^-1 ds) o (w dz) of the predictor
+  Matrix3d scaling = Matrix3d::Identity(), inverse = Matrix3d::Identity();
+
+  Vector3d image(const VectorXd& r) const {
+    Vector3d x = Vector3d::Zero();
+    x[0] = c * r[normal];
+    for (int a = 0; a < size; ++a) x[1 + a] = r[first + a];
+    return x;
+  }
+  void add_transposed(const Vector3d& x, VectorXd& r) const {
+    r[normal] += c * x[0];
+    for (int a = 0; a < size; ++a) r[first + a] += x[1 + a];
+  }
+  Index row(int a) const { return a == 0 ? normal : first + a - 1; }
+  double factor(int a) const { return a == 0 ? c : 1; }
+};
+
+struct Cones {
+  std::vector<Cone> cones;
+  std::vector<char> fixed;  // [row] 1: without friction, always 0
+
+  explicit Cones(const LocalProblem& p) : fixed(p.q.size(), 0) {
+    for (Index i = 0; i < p.contact_count(); ++i) {
+      const Index normal = i * p.dimension;
+      const std::size_t before = cones.size();
+      for (int d = 0; d < p.disc_count(); ++d) {
+        const FrictionDisc disc = p.disc(d);
+        const double c = p.coefficient(i, d);
+        if (c > 0)
+          cones.push_back({.normal = normal, .first = normal + disc.first, .size = disc.size, .c = c});
+        else
+          std::fill_n(fixed.begin() + normal + disc.first, disc.size, 1);
+      }
+      if (cones.size() == before) cones.push_back({.normal = normal, .first = normal});
+    }
+  }
+};
+
+class InteriorPoint {
+ public:
+  InteriorPoint(const LocalProblem& p, Target target) : target_(target), of_(p), cones_(p) {
+    r_ = VectorXd::Zero(of_.q.size());
+    for (const Cone& cone : cones_.cones) r_[cone.normal] = 1;
+    for (Cone& cone : cones_.cones) cone.s = cone.image(r_);
+  }
+
+  std::vector<double> impulses() const { return of_.impulses(r_); }
+  double gap() const { return gap_; }
+
+  /// One predictor and corrector (Mehrotra 1992); false when the matrix cannot be factorised.
+  bool step() {
+    evaluate();
+    if (!factorise()) return false;
+    const double mu = gap_;
+    if (!solve(0, false)) return false;
+    const double reach = longest_step(1);
+    double after = 0;
+    for (Cone& cone : cones_.cones) {
+      after += (cone.s + reach * cone.ds).dot(cone.z + reach * cone.dz);
+      cone.affine = jordan_product(cone.inverse * cone.ds, cone.scaling * cone.dz);
+    }
+    const double share = std::max(after, 0.0) / (mu * double(cones_.cones.size()));
+    const double sigma = std::clamp(share * share * share, 1e-8, 1.0);
+    if (!solve(sigma * mu, true)) return false;
+    move(std::min(1.0, 0.995 * longest_step(1.1)));
+    return true;
+  }
+
+ private:
+  void evaluate() {
+    gap_ = 0;
+    for (const Cone& cone : cones_.cones) gap_ += cone.s.dot(cone.z);
+    gap_ /= double(cones_.cones.size());
+    defect_ = of_.w * r_ + of_.q;
+    for (Cone& cone : cones_.cones) {
+      cone.add_transposed(-cone.z, defect_);
+      const NesterovTodd scaling(cone.s, cone.z);
+      cone.scaling = scaling.w;
+      cone.inverse = scaling.inverse;
+      if (target_ == Target::coulomb) defect_[cone.normal] += cone.c * slip(cone);
+    }
+    for (Eigen::Index k = 0; k < defect_.size(); ++k)
+      if (cones_.fixed[k]) defect_[k] = 0;
+  }
+
+  /// |u_d|, which is |z_d| at the solution, rounded at 0 by a width that shrinks with the gap.
+  double slip(const Cone& cone) const {
+    return cone.size > 0 ? std::hypot(tail_length(cone.z), std::min(gap_, 1.0)) : 0;
+  }
+
+  /// (W + B w^-2 A) dr = rhs with s = A r. B is the transpose of A, less the slip's derivative in the rows of the
+  /// normals, so that the pattern is that of W and its diagonal blocks.
+  bool factorise() {
+    std::vector<Eigen::Triplet<double>> entry;
+    for (const Cone& cone : cones_.cones) {
+      const Matrix3d square = cone.inverse * cone.inverse;
+      for (int a = 0; a <= cone.size; ++a)
+        for (int b = 0; b <= cone.size; ++b)
+          entry.emplace_back(cone.row(a), cone.row(b), cone.factor(a) * square(a, b) * cone.factor(b));
+      if (target_ == Target::ccp) continue;
+      const Eigen::RowVector3d slip = cone.c * slip_direction(cone).transpose() * square;
+      for (int b = 0; b <= cone.size; ++b) entry.emplace_back(cone.normal, cone.row(b), -slip[b] * cone.factor(b));
+    }
+    Sparse matrix(r_.size(), r_.size());
+    matrix.setFromTriplets(entry.begin(), entry.end());
+    matrix += of_.w;
+    for (Eigen::Index k = 0; k < matrix.outerSize(); ++k)
+      for (Sparse::InnerIterator it(matrix, k); it; ++it)
+        if (cones_.fixed[it.row()] || cones_.fixed[it.col()]) it.valueRef() = it.row() == it.col() ? 1 : 0;
+    if (target_ == Target::ccp) {
+      cholesky_.compute(matrix);
+      return cholesky_.info() == Eigen::Success;
+    }
+    lu_.compute(matrix);
+    return lu_.info() == Eigen::Success;
+  }
+
+  /// Derivative of slip() by z.
+  Vector3d slip_direction(const Cone& cone) const {
+    return cone.size > 0 ? Vector3d(Vector3d(0, cone.z[1], cone.z[2]) / slip(cone)) : Vector3d::Zero();
+  }
+
+  bool solve(double centre, bool corrected) {
+    VectorXd rhs = -defect_;
+    std::vector<Vector3d> drive;
+    for (const Cone& cone : cones_.cones) {
+      const Vector3d lambda = cone.scaling * cone.z;
+      Vector3d target = -jordan_product(lambda, lambda);
+      target[0] += centre;
+      if (corrected) target -= cone.affine;
+      drive.push_back(cone.inverse * jordan_quotient(lambda, target));
+      cone.add_transposed(drive.back(), rhs);
+      if (target_ == Target::coulomb) rhs[cone.normal] -= cone.c * slip_direction(cone).dot(drive.back());
+    }
+    for (Eigen::Index k = 0; k < rhs.size(); ++k)
+      if (cones_.fixed[k]) rhs[k] = 0;
+    dr_ = target_ == Target::ccp ? VectorXd(cholesky_.solve(rhs)) : VectorXd(lu_.solve(rhs));
+    if (!dr_.allFinite()) return false;
+    for (std::size_t k = 0; k < cones_.cones.size(); ++k) {
+      Cone& cone = cones_.cones[k];
+      cone.ds = cone.image(dr_);
+      cone.dz = drive[k] - cone.inverse * (cone.inverse * cone.ds);
+    }
+    return true;
+  }
+
+  double longest_step(double limit) const {
+    for (const Cone& cone : cones_.cones) {
+      limit = step_to_boundary(cone.s, cone.ds, limit);
+      limit = step_to_boundary(cone.z, cone.dz, limit);
+    }
+    return limit;
+  }
+
+  void move(double step) {
+    r_ += step * dr_;
+    for (Cone& cone : cones_.cones) {
+      cone.s = cone.image(r_);
+      cone.z += step * cone.dz;
+    }
+  }
+
+  Target target_;
+  ScaledProblem of_;
+  Cones cones_;
+  VectorXd r_, dr_, defect_;
+  double gap_ = 1;  // mean of s.z over the cones
+  Eigen::SimplicialLDLT<Sparse> cholesky_;
+  Eigen::SparseLU<Sparse> lu_;
+};
+
+}  // namespace
+
+LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& settings) {
+  constexpr int kPatience = 10;  // steps without a lower error: rounding has the last word
+  const int max = settings.max_iterations > 0 ? settings.max_iterations : 4000;
+  BestSoFar best(problem, settings.target);
+  InteriorPoint method(problem, settings.target);
+  int k = 0, latest_gain = 0;
+  while (k < max && best.best.error > settings.tolerance && k - latest_gain < kPatience && method.step()) {
+    const double before = best.best.error;
+    ++k;
+    if (best.offer(method.impulses()); best.best.error < before) latest_gain = k;
+  }
+  best.best.iterations = k;
+  if (k < max && best.best.error > settings.tolerance) finish_by_proximal_points(problem, settings, max - k, best);
+  return best.best;
+}
+
+}  // namespace gonogo::sim
