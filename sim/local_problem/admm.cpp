@@ -5,7 +5,7 @@
 // with -y -> u + s and, for `coulomb`, s_n = sum c_d |y_d| renewed at every iteration (Carpentier, Montaut & Le Lidec
 // 2024). rho follows the balance of the residuals |x - z| and rho |z - z_before| (Boyd et al. 2011, 3.4.1); the matrix
 // is factorised anew only then.
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseLU>
 
 #include "sim/local_problem/methods.h"
 #include "sim/local_problem/scaled_problem.h"
@@ -22,8 +22,7 @@ class AlternatingDirections {
     x_ = z_ = y_ = VectorXd::Zero(of_.q.size());
     identity_.resize(of_.w.rows(), of_.w.cols());
     identity_.setIdentity();
-    factor_.analyzePattern(Sparse(of_.w + identity_));
-    factor_.factorize(Sparse(of_.w + (rho_ + kEta) * identity_));
+    factorise();
   }
 
   bool is_factorised() const { return factor_.info() == Eigen::Success; }
@@ -50,10 +49,12 @@ class AlternatingDirections {
     const double factor = std::clamp(std::sqrt(primal_ / dual_), 1 / kMaxFactor, kMaxFactor);
     if (factor < kWorthwhile && factor > 1 / kWorthwhile) return;
     rho_ = std::clamp(rho_ * factor, 1e-8, 1e8);
-    factor_.factorize(Sparse(of_.w + (rho_ + kEta) * identity_));
+    factorise();
   }
 
  private:
+  void factorise() { factor_.compute(Sparse(of_.w + (rho_ + kEta) * identity_)); }
+
   static constexpr double kEta = 1e-9;  // keeps the matrix regular when rho is small
   const LocalProblem& p_;
   Target target_;
@@ -61,7 +62,7 @@ class AlternatingDirections {
   Sparse identity_;
   VectorXd x_, z_, y_;
   double rho_ = 0.1, primal_ = 0, dual_ = 0;
-  Eigen::SimplicialLDLT<Sparse> factor_;
+  Eigen::SparseLU<Sparse> factor_;  // not Cholesky: W of some files is symmetric to 1e-3 only
 };
 
 }  // namespace

@@ -68,7 +68,8 @@ struct Cones {
 
 class InteriorPoint {
  public:
-  InteriorPoint(const LocalProblem& p, Target target) : target_(target), of_(p), cones_(p) {
+  InteriorPoint(const LocalProblem& p, Target target)
+      : target_(target), of_(p), cones_(p), is_symmetric_(target == Target::ccp && is_symmetric(of_.w)) {
     r_ = VectorXd::Zero(of_.q.size());
     for (const Cone& cone : cones_.cones) r_[cone.normal] = 1;
     for (Cone& cone : cones_.cones) cone.s = cone.image(r_);
@@ -113,6 +114,12 @@ class InteriorPoint {
       if (cones_.fixed[k]) defect_[k] = 0;
   }
 
+  /// Files with few digits hold a W symmetric to 1e-3 only, for which Cholesky's steps would be wrong.
+  static bool is_symmetric(const Sparse& w) {
+    constexpr double kRounding = 1e-12;
+    return (w - Sparse(w.transpose())).norm() <= kRounding * w.norm();
+  }
+
   /// |u_d|, which is |z_d| at the solution, rounded at 0 by a width that shrinks with the gap.
   double slip(const Cone& cone) const {
     return cone.size > 0 ? std::hypot(tail_length(cone.z), std::min(gap_, 1.0)) : 0;
@@ -137,7 +144,7 @@ class InteriorPoint {
     for (Eigen::Index k = 0; k < matrix.outerSize(); ++k)
       for (Sparse::InnerIterator it(matrix, k); it; ++it)
         if (cones_.fixed[it.row()] || cones_.fixed[it.col()]) it.valueRef() = it.row() == it.col() ? 1 : 0;
-    if (target_ == Target::ccp) {
+    if (is_symmetric_) {
       cholesky_.compute(matrix);
       return cholesky_.info() == Eigen::Success;
     }
@@ -164,7 +171,7 @@ class InteriorPoint {
     }
     for (Eigen::Index k = 0; k < rhs.size(); ++k)
       if (cones_.fixed[k]) rhs[k] = 0;
-    dr_ = target_ == Target::ccp ? VectorXd(cholesky_.solve(rhs)) : VectorXd(lu_.solve(rhs));
+    dr_ = is_symmetric_ ? VectorXd(cholesky_.solve(rhs)) : VectorXd(lu_.solve(rhs));
     if (!dr_.allFinite()) return false;
     for (std::size_t k = 0; k < cones_.cones.size(); ++k) {
       Cone& cone = cones_.cones[k];
@@ -193,6 +200,7 @@ class InteriorPoint {
   Target target_;
   ScaledProblem of_;
   Cones cones_;
+  bool is_symmetric_;  // Newton's matrix
   VectorXd r_, dr_, defect_;
   double gap_ = 1;  // mean of s.z over the cones
   Eigen::SimplicialLDLT<Sparse> cholesky_;

@@ -56,7 +56,14 @@ TEST_CASE("first-order solvers reach 1e-4 with exact Coulomb friction on all but
     const bool rocks = name == "RockPile_tob1.dat", boxes = name == "fclib_local_problem_test.hdf5";
     const double gradients = rocks ? 1e-3 : 1e-4, sweeps = rocks || boxes ? 1e-3 : 1e-4;
     CHECK(solve_file(file, {LocalSolver::apgd, Target::coulomb, gradients, 0}) <= gradients);
-    CHECK(solve_file(file, {LocalSolver::admm, Target::coulomb, gradients, 0}) <= gradients);
     CHECK(solve_file(file, {LocalSolver::nsgs, Target::coulomb, sweeps, 0}) <= sweeps);
+  }
+}
+
+TEST_CASE("alternating directions reach 1e-8 on all problems but the rock pile, there 1e-5") {
+  for (const auto& file : problems()) {
+    INFO(file.filename());
+    const double error = file.filename() == "RockPile_tob1.dat" ? 1e-5 : 1e-8;
+    CHECK(solve_file(file, {LocalSolver::admm, Target::coulomb, error, 0}) <= error);
   }
 }
