@@ -78,7 +78,7 @@ class Writer {
     else if (json.is_integer())
       out += json.dump();
     else if (json.is_number())
-      out += python_number(json.number());
+      out += std::isfinite(json.number()) ? python_number(json.number()) : "null";
     else if (json.is_string())
       append_text(out, json.string());
     else if (json.is_array())

@@ -12,7 +12,7 @@ std::string python_number(double x);
 
 enum class JsonSpaces { compact, after };  // "," and ":"; or ", " and ": ", Python's default
 
-/// One line, keys in their order. Numbers must be finite.
+/// One line, keys in their order. NaN and infinities are null, as in Json::dump().
 std::string python_json(const Json& json, JsonSpaces spaces);
 
 }  // namespace gonogo::learning
