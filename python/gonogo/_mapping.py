@@ -84,7 +84,7 @@ def _elevation_file(dem: Any, crs: Any, transform: Any, folder: Path) -> str:
     path.write_text(_VRT.format(rows=values.shape[0], columns=values.shape[1], row_bytes=4 * values.shape[1],
                                 crs=escape(crs.to_wkt() if hasattr(crs, "to_wkt") else str(crs)),
                                 transform=", ".join(repr(x) for x in (c, a, b, f, d, e))))
-    return str(path)
+    return str(path.absolute())
 
 
 # A raster of GDAL over plain numbers.
@@ -113,7 +113,7 @@ def _region_file(elevation: str, soil: Soil, name: str, folder: Path) -> str:
         {"role": "elevation", "file": elevation, "source": "given in Python", "licence": "as its file says"}]}
     path = folder / "region.json"
     path.write_text(json.dumps(region, indent=2))
-    return str(path)
+    return str(path.absolute())
 
 
 def _model_file(model: Model | PathLike) -> str:
