@@ -46,7 +46,9 @@ void add_infer_command(CLI::App& app, const Globals& globals) {
   CLI::App* command =
       app.add_subcommand("infer", "P(outcome) at one point or many; unknown variables are summed out or reconstructed");
   auto options = std::make_shared<Options>();
-  command->add_option("--model", options->model, "Model file, or name of one that ships")->type_name(kModel)->required();
+  command->add_option("--model", options->model, "Model file, or name of one that ships")
+      ->type_name(kModel)
+      ->required();
   command->add_option("--set", options->set, "Value of a variable, in the unit of the contract; may be repeated")
       ->type_name(kSetting);
   command->add_flag("--reconstruct", options->reconstruct,

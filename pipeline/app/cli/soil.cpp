@@ -32,9 +32,7 @@ std::string table(const terrain::Calibration& c) {
   return text;
 }
 
-int thread_count(const Globals& globals) {
-  return threads_or_all(globals.threads);
-}
+int thread_count(const Globals& globals) { return threads_or_all(globals.threads); }
 
 void add_shape(CLI::App& command, terrain::GrainShape& shape) {
   command

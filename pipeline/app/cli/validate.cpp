@@ -17,7 +17,8 @@ struct VehiclesRequest {
 };
 
 void validate_vehicles(const Globals& globals, const VehiclesRequest& request) {
-  const vehicle::HardGroundRun run{request.gpu ? sim::Backend::cuda : sim::Backend::cpu, threads_or_all(globals.threads)};
+  const vehicle::HardGroundRun run{request.gpu ? sim::Backend::cuda : sim::Backend::cpu,
+                                   threads_or_all(globals.threads)};
   Json json;
   std::string text;
   int failed = 0;
