@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
 # The GPU check: builds the CUDA preset without GDAL, LibTorch and cairo for this machine's GPU, and checks it.
 #
-#   scripts/gpu_check.sh [--out FOLDER] [part...]        parts: build tests sanitizers bench; all of them when none is named
+#   scripts/gpu_check.sh [--out FOLDER] [part...]        parts: build tests validation sanitizers bench; all when none is named
 #
 #   build       the program and the tests; also the test of LibTorch's gradients, where python3 has a LibTorch with CUDA
 #   tests       the engine's tests on CPU and GPU, and those gradients
+#   validation  the engine against closed forms and published values, on CPU and GPU
 #   sanitizers  the tiny worlds of test_sim_sanitize under compute-sanitizer: memcheck, racecheck, initcheck
 #   bench       times of the bench scenes and of the demo's trials
 #
@@ -20,15 +21,15 @@ parts=()
 while (($# > 0)); do
   case $1 in
     --out) (($# > 1)) || fail "--out needs a folder"; results=$2; shift ;;
-    build | tests | sanitizers | bench) parts+=("$1") ;;
-    *) fail "no part '$1'; there are: build tests sanitizers bench, and --out FOLDER before them" ;;
+    build | tests | validation | sanitizers | bench) parts+=("$1") ;;
+    *) fail "no part '$1'; there are: build tests validation sanitizers bench, and --out FOLDER before them" ;;
   esac
   shift
 done
-((${#parts[@]} > 0)) || parts=(build tests sanitizers bench)
+((${#parts[@]} > 0)) || parts=(build tests validation sanitizers bench)
 mkdir -p "$results"
 failed=()
-engine='(sim|validation|base_kernels|terrain_beds|pipeline_batch|learning_gpu)'
+engine='(sim|base_kernels|terrain_beds|pipeline_batch|learning_gpu)'
 program=build/cuda-release/gonogo
 use_carried_headers
 
@@ -57,17 +58,21 @@ build_all() {
   local tests
   configure_gpu "$results/configure.log" -DGONOGO_TORCH=OFF
   grep 'The tests use Catch2' "$results/configure.log"
-  mapfile -t tests < <(cmake --build build/cuda-release --target help | grep -oE "^test_${engine}[a-z_]*" | sort -u)
+  mapfile -t tests < <(cmake --build build/cuda-release --target help | grep -oE "^test_(${engine}|validation)[a-z_]*" | sort -u)
   ((${#tests[@]} > 0)) || fail "the build has no test of the engine"
   cmake --build build/cuda-release -j "$(nproc)" --target gonogo "${tests[@]}" > "$results/build.log" 2>&1 ||
     { tail -40 "$results/build.log"; fail "the build failed"; }
   build_gradients
 }
 
+# run_ctest <part> <pattern of names>
+run_ctest() {
+  ctest --test-dir build/cuda-release -j 4 -R "^$2" --output-on-failure 2>&1 | tee "$results/$1.log" | tail -40 || failed+=("$1")
+}
+
 run_tests() {
   local gradients=build/torch/tests/learning/test_learning_gpu_gradients
-  ctest --test-dir build/cuda-release -j 4 -R "^$engine" --output-on-failure 2>&1 | tee "$results/ctest.log" | tail -40 ||
-    failed+=(tests)
+  run_ctest tests "$engine"
   if [[ -x $gradients ]]; then
     "$gradients" || failed+=(gradients)
   fi
@@ -121,6 +126,7 @@ for part in "${parts[@]}"; do
   case $part in
     build) ;;
     tests) run_tests ;;
+    validation) run_ctest validation validation ;;
     sanitizers) run_sanitizers ;;
     bench) run_bench ;;
   esac

@@ -62,6 +62,8 @@ TEST_CASE("under --json an error is an object on stdout, too") {
   CHECK(syntax.at("column").integer() == 9);
   CHECK(syntax.find("path") == nullptr);
   Json value = Json::read(GONOGO_SOURCE_DIR "/configs/studies/demo.json");
+  value["vehicle"] = GONOGO_SOURCE_DIR "/configs/vehicles/hmmwv_quarter.json";  // the study's folder is another one
+  value["soil"]["calibration"] = GONOGO_SOURCE_DIR "/configs/soils/calibration_90mm.json";
   value["design"]["points"] = "many";
   const Json schema = check_json_refusal(design(value.dump()), 2, "bad_input", {"design.points"});
   CHECK(schema.at("file").string() == study);
