@@ -45,10 +45,9 @@ function(gonogo_library name)
   add_library(gonogo_${name} STATIC ${ARG_SOURCES})
   add_library(gonogo::${name} ALIAS gonogo_${name})
   gonogo_defaults(gonogo_${name})
-  if(GONOGO_PYTHON)  # the module is a shared library; hidden names are called directly, as in a program
-    set_target_properties(gonogo_${name} PROPERTIES
-      POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
-  endif()
+  # For shared libraries of users and for the Python module. Hidden names are called directly, as in a program.
+  set_target_properties(gonogo_${name} PROPERTIES
+    POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_link_libraries(gonogo_${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
   set_property(GLOBAL APPEND PROPERTY gonogo_libraries ${name})  # for gonogo_install.cmake
 endfunction()
