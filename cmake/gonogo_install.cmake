@@ -85,10 +85,7 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/gonogoConfig.cmake" "${CMAKE_CURRENT_
 
 # The files that ship by name: vehicles, soils, studies, regions and their schema. pipeline/app/cli installs the program.
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION "${CMAKE_INSTALL_DATADIR}/gonogo")
-# Trained models with their trials and cards; found by name as well.
-file(GLOB models RELATIVE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/data/*/model.h5")
-foreach(model ${models})
-  get_filename_component(folder "${model}" DIRECTORY)
-  install(FILES "${folder}/model.h5" "${folder}/dataset.h5" "${folder}/README.md" DESTINATION "${CMAKE_INSTALL_DATADIR}/gonogo/${folder}")
-endforeach()
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/python/qgis/gonogo" DESTINATION "${CMAKE_INSTALL_DATADIR}/gonogo/qgis"
+        PATTERN __pycache__ EXCLUDE)
+gonogo_install_models("${CMAKE_INSTALL_DATADIR}/gonogo")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" "${PROJECT_SOURCE_DIR}/README.md" DESTINATION "${CMAKE_INSTALL_DOCDIR}")

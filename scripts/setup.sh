@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what the build needs and is missing, on Debian 12 or Ubuntu 24.04, as root or with sudo.
 #   scripts/setup.sh [--tests] [--clang] [--no-torch]
-#     --tests     also what only tests use: Slurm and MPI on this machine, clang-format
+#     --tests     also what only tests use: Slurm and MPI on this machine, clang-format, a Python with nanobind and pytest
 #     --clang     also Clang with its OpenMP, for the preset cpu-tsan, and clang-tidy
 #     --no-torch  without LibTorch, for builds with -DGONOGO_TORCH=OFF
 set -euo pipefail
@@ -16,9 +16,14 @@ packages=(
 )
 
 torch=true
+python=false
 for option in "$@"; do
   case $option in
-    --tests) packages+=(slurm-wlm munge openmpi-bin libopenmpi-dev clang-format-14) ;;  # engines of campaigns; format.sh
+    --tests)
+      packages+=(slurm-wlm munge openmpi-bin libopenmpi-dev clang-format-14)  # engines of campaigns; format.sh
+      packages+=(python3-qgis)                                                # the plug-in, headless
+      python=true
+      ;;
     --clang) packages+=(clang libomp-dev llvm clang-tidy-14) ;;  # cpu-tsan, its symbolizer; tidy.sh
     --no-torch) torch=false ;;
     *) fail "no option '$option'; there are --tests, --clang and --no-torch" ;;
@@ -119,6 +124,21 @@ provide_browser() {
   say "no package of Chromium here: the tests of the page will be left out"
 }
 
+# The Python module and its tests need packages of PyPI, named in pyproject.toml; where it cannot be reached, scripts/test.sh
+# leaves them out and says so.
+provide_python() {
+  local venv=.cache/python requirements
+  rm -f .cache/no_python
+  [[ -f $(python3 -c 'import sysconfig; print(sysconfig.get_path("include"))')/Python.h ]] || apt_install python3-dev
+  python3 -c 'import ensurepip' 2>/dev/null || apt_install python3-venv
+  [[ -x $venv/bin/python ]] || python3 -m venv "$venv"
+  mapfile -t requirements < <(python3 scripts/python_requirements.py)
+  if ! "$venv/bin/pip" install --quiet --disable-pip-version-check "${requirements[@]}"; then
+    touch .cache/no_python
+    say "PyPI cannot be reached: the Python module and its tests will be left out"
+  fi
+}
+
 command -v apt-get >/dev/null || fail "needs apt-get (Debian 12, Ubuntu 24.04); elsewhere install by hand: ${packages[*]} libtorch-dev"
 missing=()
 for package in "${packages[@]}"; do is_installed "$package" || missing+=("$package"); done
@@ -128,4 +148,5 @@ if ((${#missing[@]} > 0)); then
 fi
 if $torch; then provide_torch; fi
 provide_browser
+if $python; then provide_python; fi
 say "everything the build needs is installed"

@@ -16,7 +16,13 @@ if [[ -e .cache/no_browser ]]; then
   browser_tests=OFF
   say "the page is not tested: no package of Chromium on this system"
 fi
-configure cpu-release -DGONOGO_BROWSER_TESTS=$browser_tests -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON -DGONOGO_MPI=ON "$@"
+python=(-DGONOGO_PYTHON=ON "-DPython_EXECUTABLE=$PWD/.cache/python/bin/python")
+if [[ -e .cache/no_python ]]; then
+  [[ -z ${GONOGO_REQUIRE_INTEROP:-} ]] || fail "the Python module cannot be tested without the packages of PyPI"
+  python=(-DGONOGO_PYTHON=OFF)
+  say "the Python module is not tested: PyPI cannot be reached"
+fi
+configure cpu-release "${python[@]}" -DGONOGO_BROWSER_TESTS=$browser_tests -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON -DGONOGO_MPI=ON "$@"
 build cpu-release
 registered=$(ctest --test-dir "$folder" -N | sed -n 's/^Total Tests: //p')
 ((registered > 0)) || fail "no test is registered"

@@ -1,6 +1,6 @@
 """Go/NoGo mobility maps for off-road vehicles: trials, models of them, and annealing problems.
 
-    >>> model = gonogo.Model("out/demo/model.h5")
+    >>> model = gonogo.Model("hmmwv")
     >>> model.predict({"slope_along": [0, 10, 20], "friction_angle": 32})
     array([...])
 

@@ -7,7 +7,11 @@ PathLike = str | os.PathLike[str]
 
 
 def shipped(kind: str) -> Sequence[str]:
-    """Names of the shipped files of a kind: "vehicles", "soils" or "studies"."""
+    """Names of what ships of a kind: "models", "vehicles", "soils" or "studies"."""
+    if kind == "models":
+        from . import _core
+
+        return _core.shipped_models()
     return sorted(path.stem for path in (Path(os.environ["GONOGO_SHARE"]) / "configs" / kind).glob("*.json"))
 
 

@@ -14,7 +14,7 @@ from . import _core
 from ._files import PathLike
 from ._model import Model
 
-Soil = Mapping[str, float | tuple[float, float]]
+Soil = str | Mapping[str, float | tuple[float, float]]
 Place = tuple[float, float]
 
 
@@ -103,7 +103,7 @@ _VRT = """<VRTDataset rasterXSize="{columns}" rasterYSize="{rows}">
 """
 
 
-def _region_file(elevation: str, soil: Soil, name: str, folder: Path) -> str:
+def _region_file(elevation: str, soil: Mapping[str, float | tuple[float, float]], name: str, folder: Path) -> str:
     """A region of one soil: numbers are fixed, pairs are ranges."""
     values: dict[str, Any] = {}
     for variable, value in soil.items():
@@ -120,48 +120,62 @@ def _model_file(model: Model | PathLike) -> str:
     return os.fspath(model.path if isinstance(model, Model) else model)
 
 
+def _place(dem: Any, soil: Soil | None, region: PathLike | None, folder: Path, crs: Any, transform: Any) -> dict[str, str]:
+    """Arguments of MapFiles that say what is mapped."""
+    if (region is None) == (dem is None):
+        raise _core.InputError("map: give dem, or a region file; one of the two")
+    if region is not None:
+        if soil is not None:
+            raise _core.InputError("map: the region file names its soil; leave soil out")
+        return {"region": os.fspath(region)}
+    elevation = _elevation_file(dem, crs, transform, folder)
+    if isinstance(soil, Mapping):
+        return {"region": _region_file(elevation, soil, Path(elevation).stem, folder)}
+    return {"dem": elevation, "soil": soil or ""}
 
 
 def _request(dem: Any, model: Model | PathLike, soil: Soil | None, region: PathLike | None, folder: Path, crs: Any,
-             transform: Any, vehicle: str, dataset: PathLike | None, moisture: str, heading: str) -> Any:
-    if (region is None) == (soil is None):
-        raise _core.InputError("map: give dem and soil, or a region file; one of the two")
-    if region is not None and dem is not None:
-        raise _core.InputError("map: the region file names its elevation raster; leave dem out")
-    if soil is not None:
-        elevation = _elevation_file(dem, crs, transform, folder)
-        region = _region_file(elevation, soil, Path(elevation).stem, folder)
-    return _with_gdal().MapFiles(_model_file(model), os.fspath(region or ""), vehicle,
-                                 os.fspath(dataset) if dataset is not None else "", moisture, heading)
+             transform: Any, vehicle: str, dataset: PathLike | None, moisture: str, heading: str,
+             settings: Mapping[str, float] | None, max_speed: float) -> Any:
+    place = _place(dem, soil, region, folder, crs, transform)
+    return _with_gdal().MapFiles(_model_file(model), **place, vehicle=vehicle,
+                                 dataset=os.fspath(dataset) if dataset is not None else "", moisture=moisture,
+                                 heading=heading, settings=[f"{name}={value!r}" for name, value in (settings or {}).items()],
+                                 max_speed_km_h=max_speed)
 
 
 def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None, *, out: PathLike,
         region: PathLike | None = None, crs: Any = None, transform: Any = None, vehicle: str = "",
-        dataset: PathLike | None = None, moisture: str = "", heading: str = "") -> Map:
+        dataset: PathLike | None = None, moisture: str = "", heading: str = "", settings: Mapping[str, float] | None = None,
+        max_speed: float = 0) -> Map:
     """The Go/NoGo map of a region, as `gonogo map` makes it.
 
     dem: elevation [m]: a path, a rasterio dataset, an xarray array with rio, or a numpy array [row, column] with crs and
-    transform. soil: variable -> number or (low, high), in the units of the contract; or region: a region file, which
-    names its rasters. out: folder of the map. vehicle: name or file, for its cone index limits. dataset: trials, for
-    layers of speed, slip and sinkage.
+    transform. soil: USDA texture or name of a shipped soil, at a moisture ("dry", "moist", "wet") or any; or variable ->
+    number or (low, high), in the units of the contract; without it the soil may be anything. region: in place of dem, a
+    region file, which names its rasters. out: folder of the map. vehicle: name or file; refused unless the model is of it.
+    dataset: trials, for layers of speed, slip and sinkage; by default those beside the model. settings: values of the
+    mission, such as payload=500. max_speed: never exceeded [km/h]; 0: the driveline's.
     """
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
-    files = _request(dem, model, soil, region, folder, crs, transform, vehicle, dataset, moisture, heading)
+    files = _request(dem, model, soil, region, folder, crs, transform, vehicle, dataset, moisture, heading, settings, max_speed)
     return Map(folder, json.loads(_with_gdal().make_map(files, str(folder))))
 
 
 def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None, *, start: Place | None = None,
           end: Place | None = None, costs: Iterable[str] = ("safest",), lines: PathLike = "", reach: PathLike = "",
           region: PathLike | None = None, crs: Any = None, transform: Any = None, vehicle: str = "",
-          dataset: PathLike | None = None, moisture: str = "", heading: str = "") -> dict[str, Any]:
+          dataset: PathLike | None = None, moisture: str = "", heading: str = "", settings: Mapping[str, float] | None = None,
+          max_speed: float = 0) -> dict[str, Any]:
     """Routes over a region, as `gonogo route` plans them.
 
     start, end: (x, y) in the region's coordinate system. costs: "shortest", "fastest", "safest", "least-energy". lines:
     .gpkg, .geojson or .gpx to write; reach: .tif of the min cost from `start`. Region as in map().
     """
     with tempfile.TemporaryDirectory() as name:
-        files = _request(dem, model, soil, region, Path(name), crs, transform, vehicle, dataset, moisture, heading)
+        files = _request(dem, model, soil, region, Path(name), crs, transform, vehicle, dataset, moisture, heading, settings,
+                         max_speed)
         result: dict[str, Any] = json.loads(_with_gdal().plan_route(files, start, end, list(costs), os.fspath(lines), os.fspath(reach)))
     return result
 

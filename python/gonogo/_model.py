@@ -45,10 +45,13 @@ class Model:
     raise InputError. Bits are those of `gonogo infer`, for any number of threads.
     """
 
-    def __init__(self, path: PathLike) -> None:
-        """Reads model.h5. Raises InputError for a file that is missing, damaged or of another contract."""
-        self.path = Path(path)
-        self._predictor = _core.Predictor.read(os.fspath(path))
+    def __init__(self, model: PathLike) -> None:
+        """Reads a model: a file, a folder that holds model.h5, or the name of a shipped model or of its vehicle.
+
+        Raises InputError for an unknown name, with the nearest ones, and for a file that is damaged or of another contract.
+        """
+        self.path = Path(_core.find_model(os.fspath(model)))
+        self._predictor = _core.Predictor.read(os.fspath(self.path))
 
     def __repr__(self) -> str:
         return f"gonogo.Model({str(self.path)!r})"

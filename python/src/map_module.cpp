@@ -20,15 +20,25 @@ namespace nb = nanobind;
 namespace gonogo::python {
 namespace {
 
-map::MapFiles files_of(const std::string& model, const std::string& region, const std::string& vehicle,
-                       const std::string& dataset, const std::string& moisture, const std::string& heading) {
+map::MapFiles files_of(const std::string& model, const std::string& region, const std::string& dem,
+                       const std::string& soil, const std::string& vehicle, const std::string& whole_vehicle,
+                       const std::string& dataset, const std::string& moisture, const std::string& heading,
+                       std::vector<std::string> settings, double max_speed_km_h) {
+  const auto vehicle_file = [](const std::string& name) {
+    return name.empty() ? std::filesystem::path() : shipped_file("vehicles", "vehicle", name);
+  };
   map::MapFiles files;
   files.model = model;
   files.region = region;
+  files.dem = dem;
+  files.soil = soil;
+  files.vehicle = vehicle_file(vehicle);
+  files.whole_vehicle = vehicle_file(whole_vehicle);
   files.dataset = dataset;
   files.moisture = moisture;
   files.heading = heading;
-  if (!vehicle.empty()) files.vehicle = shipped_file("vehicles", "vehicle", vehicle);
+  files.set = std::move(settings);
+  files.max_speed_km_h = max_speed_km_h;
   return files;
 }
 
@@ -101,11 +111,16 @@ NB_MODULE(_map, m) {
   nb::class_<map::MapFiles>(m, "MapFiles", "The files that a map is made from; \"\" leaves one out.")
       .def(
           "__init__",
-          [](map::MapFiles* self, const std::string& model, const std::string& region, const std::string& vehicle,
-             const std::string& dataset, const std::string& moisture, const std::string& heading) {
-            new (self) map::MapFiles(python::files_of(model, region, vehicle, dataset, moisture, heading));
+          [](map::MapFiles* self, const std::string& model, const std::string& region, const std::string& dem,
+             const std::string& soil, const std::string& vehicle, const std::string& whole_vehicle,
+             const std::string& dataset, const std::string& moisture, const std::string& heading,
+             std::vector<std::string> settings, double max_speed_km_h) {
+            new (self) map::MapFiles(python::files_of(model, region, dem, soil, vehicle, whole_vehicle, dataset,
+                                                      moisture, heading, std::move(settings), max_speed_km_h));
           },
-          "model"_a, "region"_a, "vehicle"_a = "", "dataset"_a = "", "moisture"_a = "", "heading"_a = "");
+          "model"_a, "region"_a = "", "dem"_a = "", "soil"_a = "", "vehicle"_a = "", "whole_vehicle"_a = "",
+          "dataset"_a = "", "moisture"_a = "", "heading"_a = "", "settings"_a = std::vector<std::string>(),
+          "max_speed_km_h"_a = 0.0);
   m.def("make_map", &python::make_map, "files"_a, "out"_a, "Writes the map's folder. Returns JSON of the summary.");
   m.def("plan_route", &python::plan_route, "files"_a, "start"_a.none(), "end"_a.none(), "costs"_a, "lines"_a = "",
         "reach"_a = "", "Writes the files asked for. Returns JSON of the routes.");

@@ -7,6 +7,7 @@
 #include "base/line.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/learn/answer/infer.h"
+#include "pipeline/map/model/trained_model.h"
 #include "python/src/arrays.h"
 #include "python/src/calls.h"
 #include "python/src/module.h"
@@ -88,6 +89,17 @@ void bind_model(nb::module_& m) {
   m.def(
       "variable_index", [](const std::string& name) { return campaign::contract().variable_index(name); },
       nb::arg("name"), "Position of a variable in a point. Raises InputError that suggests the nearest name.");
+  m.def(
+      "find_model", [](const std::string& name) { return map::find_model(name).string(); }, nb::arg("name"),
+      "Path of a model: a file, a folder that holds model.h5, or the name of a shipped model or of its vehicle.");
+  m.def(
+      "shipped_models",
+      [] {
+        std::vector<std::string> names;
+        for (const auto& folder : map::shipped_models()) names.push_back(folder.filename().string());
+        return names;
+      },
+      "Names of the models that ship.");
   nb::class_<learn::Predictor>(m, "Predictor", "A trained model. Points are [n, variable_count], NaN: unknown.")
       .def_static(
           "read", [](const std::string& path) { return long_call([&] { return learn::Predictor::read(path); }); },

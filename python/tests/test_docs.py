@@ -20,5 +20,5 @@ def test_those_of_models_run(blocks, model_file):
     scope = {}
     code = dict(blocks)
     for title in ("Ask a model", "Anneal"):
-        exec(code[title].replace("out/demo/model.h5", str(model_file)), scope)
+        exec(code[title].replace('gonogo.Model("hmmwv")', f"gonogo.Model({str(model_file)!r})"), scope)
     assert scope["answer"].summary["energies"] == "verified"

@@ -52,6 +52,16 @@ def test_the_program_makes_the_same_bits(made, model_file, program, tmp_path):
         assert (tmp_path / "map" / layer).read_bytes() == (made.folder / layer).read_bytes(), layer
 
 
+def test_a_shipped_model_and_a_named_soil(hill, program, tmp_path):
+    files = dict(soil="sandy loam", moisture="wet", settings={"payload": 500.0}, max_speed=40.0)
+    made = gonogo.map(hill, "hmmwv", **files, out=tmp_path / "map", crs="EPSG:32610", transform=TRANSFORM)
+    subprocess.run([program, "map", "--model", "hmmwv", "--dem", tmp_path / "map/elevation.vrt", "--soil", "sandy loam", "--moisture",
+                    "wet", "--set", "payload=500", "--max-speed", "40", "--out", tmp_path / "same"], check=True, capture_output=True)
+    for layer in ("go.tif", "p_go.tif", "speed.tif"):
+        assert (tmp_path / "map" / layer).read_bytes() == (tmp_path / "same" / layer).read_bytes(), layer
+    assert "p_go" in made.layers
+
+
 def test_a_written_raster_reads_back(made, hill):
     again = gonogo.read_raster(made.folder / "elevation.vrt")
     assert np.array_equal(again.values, hill)
@@ -73,7 +83,11 @@ def test_errors_say_what_to_do(hill, model, tmp_path):
     with pytest.raises(gonogo.InputError, match="crs= and transform="):
         gonogo.map(hill, model, SOIL, out=tmp_path)
     with pytest.raises(gonogo.InputError, match="one of the two"):
-        gonogo.map(hill, model, out=tmp_path)
+        gonogo.map(model=model, out=tmp_path)
+    with pytest.raises(gonogo.InputError, match="leave soil out"):
+        gonogo.map(model=model, soil="sand", region="region.json", out=tmp_path)
+    with pytest.raises(gonogo.InputError, match="sandy loam"):
+        gonogo.map(hill, "hmmwv", "sandy lom", out=tmp_path, crs="EPSG:32610", transform=TRANSFORM)
     with pytest.raises(gonogo.InputError, match="no_such.tif"):
         gonogo.map("no_such.tif", model, SOIL, out=tmp_path)
     with pytest.raises(gonogo.InputError, match="no finished map"):

@@ -36,6 +36,15 @@ def test_the_program_gives_the_same_bits(model, model_file, program, tmp_path):
     assert answer == model.infer(one)
 
 
+def test_shipped_models_have_names():
+    assert "hmmwv_32mm" in gonogo.shipped("models")
+    by_vehicle, by_name = gonogo.Model("hmmwv"), gonogo.Model("hmmwv_32mm")
+    assert by_vehicle.path == by_name.path
+    assert by_name.predict({"slope_along": 0}) > by_name.predict({"slope_along": 25})
+    with pytest.raises(gonogo.InputError, match="hmmwv"):
+        gonogo.Model("humvee")
+
+
 def test_frames_dicts_and_arrays_agree(model):
     table = points(50)
     p = model.predict(table)

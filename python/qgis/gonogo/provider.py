@@ -1,0 +1,36 @@
+"""The group "gonogo" of the Processing toolbox."""
+from qgis.core import QgsProcessingProvider
+
+from .compare import CompareAlgorithm
+from .map import MapAlgorithm
+from .program import SETTING
+from .route import RouteAlgorithm
+
+
+class GonogoProvider(QgsProcessingProvider):
+    def id(self):
+        return "gonogo"
+
+    def name(self):
+        return "gonogo"
+
+    def longName(self):
+        return "gonogo: Go/NoGo mobility maps"
+
+    def load(self):
+        from processing.core.ProcessingConfig import ProcessingConfig, Setting
+
+        ProcessingConfig.settingIcons[self.name()] = self.icon()
+        ProcessingConfig.addSetting(Setting(self.name(), SETTING, "Program gonogo (empty: the one on PATH)", ""))
+        ProcessingConfig.readSettings()
+        self.refreshAlgorithms()
+        return True
+
+    def unload(self):
+        from processing.core.ProcessingConfig import ProcessingConfig
+
+        ProcessingConfig.removeSetting(SETTING)
+
+    def loadAlgorithms(self):
+        for algorithm in (MapAlgorithm, RouteAlgorithm, CompareAlgorithm):
+            self.addAlgorithm(algorithm())
