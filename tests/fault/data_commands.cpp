@@ -116,6 +116,10 @@ TEST_CASE("gonogo dataset plot draws what it is asked for into a page that needs
   const std::string page = read_file(folder / "plots/report.html");
   CHECK(contains(page, "data:image/png;base64,iVBORw0KGgo"));
   CHECK_FALSE(contains(page, "://"));
+  const Ending by_reason = run_gonogo({"dataset", "plot", file, "--out", folder / "reasons", "--by-reason"});
+  REQUIRE(by_reason.exit_code == 0);
+  CHECK(read_file(folder / "reasons/pairs.png") == read_file(folder / "plots/pairs.png"));
+  CHECK(read_file(folder / "reasons/boundary.png") != read_file(folder / "plots/boundary.png"));
   check_refusal(run_gonogo({"dataset", "plot", file, "--out", folder / "none", "--x", "slope_allong"}), 2,
                 {"slope_allong", "did you mean \"slope_along\""});
   CHECK_FALSE(std::filesystem::exists(folder / "none"));

@@ -9,6 +9,7 @@
 #include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/campaign/engine/replay.h"
 #include "pipeline/learn/importance/dataset_report.h"
+#include "pipeline/map/model/trained_model.h"
 #include "pipeline/report/figure/pictures.h"
 
 namespace gonogo::app {
@@ -18,6 +19,7 @@ struct Options {
   std::string dataset, other, format = "csv", out, model, x = "slope_along", y = "friction_angle";
   std::vector<std::string> parts;
   std::uint64_t trial = 0;
+  bool by_reason = false;
 };
 
 void add_summary(CLI::App& parent, const Globals& globals) {
@@ -157,15 +159,17 @@ void add_plot(CLI::App& parent, const Globals& globals) {
   command->add_option("--y", options->y, "Variable or measure of the vertical axis")
       ->type_name(kVariable)
       ->capture_default_str();
+  command->add_flag("--by-reason", options->by_reason, "Colour trials that did not pass by their reason");
   command->add_option("--model", options->model, "Model trained on it, for the importance of variables")
-      ->type_name(kFile);
+      ->type_name(kModel);
   add_examples(*command, {"gonogo dataset plot out/demo/dataset.h5 --model out/demo/model.h5 --out out/demo/plots"});
   command->callback([options, &globals] {
     report::require_pictures("dataset plot");
     const campaign::Dataset dataset = campaign::read_dataset(options->dataset);
-    learn::ReportRequest request{.name = options->dataset, .x = options->x, .y = options->y, .importance = {}};
+    learn::ReportRequest request{
+        .name = options->dataset, .x = options->x, .y = options->y, .by_reason = options->by_reason, .importance = {}};
     if (!options->model.empty())
-      request.importance = learn::model_importance(learn::Predictor::read(options->model), dataset);
+      request.importance = learn::model_importance(learn::Predictor::read(map::find_model(options->model)), dataset);
     const auto files = learn::write_dataset_report(options->out, dataset, request);
     Json result = Json::object();
     result["files"] = Json::array();

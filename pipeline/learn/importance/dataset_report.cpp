@@ -1,6 +1,7 @@
 #include "pipeline/learn/importance/dataset_report.h"
 
 #include <algorithm>
+#include <map>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -47,6 +48,28 @@ report::ScatterTable table_of(const campaign::Dataset& dataset, const std::strin
   for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts)
     table.classes.push_back({verdict.label, verdict.colour});
   for (const campaign::TrialRecord& record : dataset.records) table.class_of_row.push_back(int(record.verdict) - 1);
+  return table;
+}
+
+/// Trials that passed by verdict, the others by the reason; only reasons that occur.
+report::ScatterTable table_by_reason(const campaign::Dataset& dataset, const std::string& title) {
+  report::ScatterTable table{.title = title, .columns = {}, .classes = {}, .class_of_row = {}};
+  std::map<std::pair<int, int>, int> class_of;  // (verdict, reason; 0 for those that passed) -> class
+  for (const campaign::TrialRecord& record : dataset.records)
+    class_of[{int(record.verdict), campaign::passes(record.verdict) ? 0 : int(record.reason)}] = 0;
+  for (auto& [outcome, index] : class_of) {
+    const campaign::VerdictInfo& verdict = campaign::contract().info(campaign::Verdict(outcome.first));
+    index = int(table.classes.size());
+    if (outcome.second == 0) {
+      table.classes.push_back({verdict.label, verdict.colour});
+    } else {
+      const campaign::ReasonInfo& reason = campaign::contract().info(campaign::Reason(outcome.second));
+      table.classes.push_back({verdict.label + ": " + reason.label, reason.colour});
+    }
+  }
+  for (const campaign::TrialRecord& record : dataset.records)
+    table.class_of_row.push_back(
+        class_of.at({int(record.verdict), campaign::passes(record.verdict) ? 0 : int(record.reason)}));
   return table;
 }
 
@@ -101,7 +124,8 @@ report::Bars bars_of(const std::vector<VariableImportance>& importance) {
 std::vector<fs::path> write_dataset_report(const fs::path& folder, const campaign::Dataset& dataset,
                                            const ReportRequest& request) {
   report::require_pictures("dataset report");
-  report::ScatterTable boundary = table_of(dataset, request.name + ": trials by verdict");
+  report::ScatterTable boundary = request.by_reason ? table_by_reason(dataset, request.name + ": trials by reason")
+                                                    : table_of(dataset, request.name + ": trials by verdict");
   boundary.columns = {named_column(dataset, request.x), named_column(dataset, request.y)};
   report::ScatterTable pairs = table_of(dataset, request.name + ": every pair of variables");
   if (dataset.records.empty()) throw InputError(request.name + ": holds no trial; there is nothing to draw");

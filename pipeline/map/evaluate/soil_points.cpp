@@ -9,11 +9,15 @@
 namespace gonogo::map {
 namespace {
 
-std::string describe_outside(const campaign::Variable& variable, Range found, double share, Range sampled) {
-  const char* unit = variable.unit.c_str();
-  const std::string where = line(" %s is outside %g to %g %s", unit, sampled.minimum, sampled.maximum, unit);
-  if (found.minimum == found.maximum) return variable.name + line(" %g", found.minimum) + where;
-  return variable.name + line(" %.4g to %.4g", found.minimum, found.maximum) + where +
+constexpr Range kNothing = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+
+Range widened(Range found, double value) { return {std::min(found.minimum, value), std::max(found.maximum, value)}; }
+
+/// "cohesion 9 <unit> <what>", or "cohesion 6.1 to 9 <unit> <what>, 20 % of its points".
+std::string describe(const campaign::Variable& variable, Range found, double share, const std::string& what) {
+  const std::string tail = " " + variable.unit + " " + what;
+  if (found.minimum == found.maximum) return variable.name + line(" %g", found.minimum) + tail;
+  return variable.name + line(" %.4g to %.4g", found.minimum, found.maximum) + tail +
          line(", %.0f %% of its points", 100 * share);
 }
 
@@ -27,6 +31,7 @@ bool contains(Range sampled, double value) {
 SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft)
     : all_(std::move(points)), soft_(std::move(soft)) {
   const auto& variables = campaign::contract().variables;
+  limit_strength(model);
   soft_.is_soft.resize(all_.size(), 0);
   std::size_t soft_count = 0;
   for (std::size_t i = 0; i < all_.size(); ++i) {
@@ -45,18 +50,41 @@ SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double
   find_outside(model);
 }
 
+void SoilPoints::limit_strength(const OutcomeModel& model) {
+  for (const char* name : {"friction_angle", "cohesion"}) {
+    const std::size_t v = campaign::contract().variable_index(name);
+    const Range sampled = model.sampled[v];
+    Range found = kNothing;
+    std::size_t count = 0;
+    for (std::vector<double>& point : all_) {
+      if (!(point[v] > sampled.maximum) || contains(sampled, point[v])) continue;
+      found = widened(found, point[v]);
+      point[v] = sampled.maximum;
+      ++count;
+    }
+    if (count == 0) continue;
+    const campaign::Variable& variable = campaign::contract().variables[v];
+    stronger_because_.push_back(
+        describe(variable, found, double(count) / double(all_.size()),
+                 line("counts as %g %s, the most that was sampled", sampled.maximum, variable.unit.c_str())));
+  }
+}
+
 void SoilPoints::find_outside(const OutcomeModel& model) {
   const auto& variables = campaign::contract().variables;
   outside_share_.assign(variables.size(), 0);
   for (std::size_t v = 0; v < variables.size(); ++v) {
-    Range found = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+    const Range sampled = model.sampled[v];
+    Range found = kNothing;
     for (const std::vector<double>& point : all_) {
-      if (std::isnan(point[v]) || contains(model.sampled[v], point[v])) continue;
+      if (std::isnan(point[v]) || contains(sampled, point[v])) continue;
       outside_share_[v] += 1 / double(all_.size());
-      found = {std::min(found.minimum, point[v]), std::max(found.maximum, point[v])};
+      found = widened(found, point[v]);
     }
     if (outside_share_[v] > 0)
-      outside_because_.push_back(describe_outside(variables[v], found, outside_share_[v], model.sampled[v]));
+      outside_because_.push_back(
+          describe(variables[v], found, outside_share_[v],
+                   line("is outside %g to %g %s", sampled.minimum, sampled.maximum, variables[v].unit.c_str())));
   }
 }
 

@@ -1,6 +1,8 @@
 // What one soil may be, as equally likely points over the variables of the contract, and the model's mean answer.
 // SoilPoints::at() is where P(go) of a cell is computed: the mean of the model over these points.
 // Points outside the sampled box and points that are too soft are not put to the model. They count as not answered.
+// Stronger soil is no harder to drive on. So a cohesion or friction angle above what was sampled counts as the largest
+// that was, which is on the safe side.
 #pragma once
 #include <string>
 #include <vector>
@@ -34,11 +36,13 @@ class SoilPoints {
   double soft_share() const { return soft_share_; }
   /// Reason of an unknown cell whose slopes lie outside the sampled box.
   campaign::Reason reason_outside() const;
-  /// Every point, sampled or not.
+  /// Every point, sampled or not; strengths above what was sampled as they count.
   const std::vector<std::vector<double>>& all() const { return all_; }
   /// "cohesion 6.1 kPa is outside 0 to 5 kPa", one for each variable that puts points outside the sampled box. Several
   /// values are "cohesion 6.1 to 9 kPa ..., 20 % of its points".
   const std::vector<std::string>& outside_because() const { return outside_because_; }
+  /// "cohesion 15.2 to 68 kPa counts as 15 kPa, the most that was sampled, 83 % of its points".
+  const std::vector<std::string>& stronger_because() const { return stronger_because_; }
   /// Share of the points whose value of this variable lies outside what was sampled.
   double outside_share(std::size_t variable) const { return outside_share_[variable]; }
   const std::vector<std::string>& soft_because() const { return soft_.because; }
@@ -46,6 +50,7 @@ class SoilPoints {
  private:
   using Probabilities = std::function<void(std::span<const double>, std::span<double>)>;
   std::vector<double> answers(const Probabilities& model, double slope_along, double slope_across) const;
+  void limit_strength(const OutcomeModel& model);
   void find_outside(const OutcomeModel& model);
   Prospect nothing_known() const;
   bool is_sampled(const OutcomeModel& model, double slope_along, double slope_across) const;
@@ -57,7 +62,7 @@ class SoilPoints {
   std::size_t inside_count_ = 0;
   SoftPoints soft_;
   double soft_share_ = 0;
-  std::vector<std::string> outside_because_;
+  std::vector<std::string> outside_because_, stronger_because_;
   std::vector<double> outside_share_;  // [variables]
 };
 

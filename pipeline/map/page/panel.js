@@ -177,6 +177,7 @@ function show_inputs(box, soil) {
   box.append(element('h3', {}, 'What the model does not know here'));
   const unknown = element('ul', { class: 'plain' });
   for (const text of soil.unknown) unknown.append(element('li', {}, text));
+  for (const text of soil.stronger_because) unknown.append(element('li', {}, text));
   for (const text of soil.soft_because) unknown.append(element('li', {}, text));
   for (const text of soil.outside_because) unknown.append(element('li', {}, `not sampled: ${text}`));
   for (const text of meta.not_modelled) unknown.append(element('li', {}, text));

@@ -37,6 +37,7 @@ void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& po
     remarks.push_back(where +
                       "no texture is given; the vehicle's cone index is required only where the friction angle is " +
                       line("below %g degrees", kMinAngleOfSand));
+  for (const std::string& because : points.stronger_because()) remarks.push_back(where + because);
   if (!points.outside_because().empty()) remarks.push_back(where + join_words(points.outside_because()));
 }
 

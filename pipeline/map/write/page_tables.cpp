@@ -150,6 +150,7 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
   json["inputs"] = Json(inputs_of(soil));
   json["unknown"] = Json(unknown_of(request, soil, response));
   json["outside_because"] = Json(response.outside_because());
+  json["stronger_because"] = Json(response.points().stronger_because());
   json["soft_because"] = Json(response.points().soft_because());
   json["soft_share"] = response.points().soft_share();
   json["outside_share"] = 1 - double(response.points().sampled_count()) / double(response.points().all().size());

@@ -66,12 +66,25 @@ void draw_histogram(const Canvas& canvas, Box box, const ScatterTable& table, st
   canvas.outline(box, kFrame, 1.5);
 }
 
+std::string legend_text(const ScatterTable& table, std::size_t k) {
+  const auto rows = std::count(table.class_of_row.begin(), table.class_of_row.end(), int(k));
+  return table.classes[k].label + line(" (%td)", rows);
+}
+
 void draw_legend(const Canvas& canvas, double left, double top, const ScatterTable& table) {
   for (std::size_t k = 0; k < table.classes.size(); ++k) {
-    const auto rows = std::count(table.class_of_row.begin(), table.class_of_row.end(), int(k));
     canvas.fill({left, top + 32 * double(k), 22, 22}, colour_from(table.classes[k].colour));
-    canvas.text(left + 32, top + 32 * double(k) + 19, table.classes[k].label + line(" (%td)", rows), 20);
+    canvas.text(left + 32, top + 32 * double(k) + 19, legend_text(table, k), 20);
   }
+}
+
+/// Pixels from the legend's left edge to the end of its longest line.
+double legend_width(const ScatterTable& table) {
+  const Canvas measure(1, 1);
+  double width = 0;
+  for (std::size_t k = 0; k < table.classes.size(); ++k)
+    width = std::max(width, 32 + measure.text_width(legend_text(table, k), 20));
+  return width;
 }
 
 void draw_ticks(const Canvas& canvas, Box box, Range range, bool upright) {
@@ -92,8 +105,8 @@ void draw_ticks(const Canvas& canvas, Box box, Range range, bool upright) {
 }  // namespace
 
 void draw_scatter(const std::filesystem::path& path, const ScatterTable& table, std::size_t x, std::size_t y) {
-  const Canvas canvas(1400, 1000);
   const Box box{150, 90, 960, 790};
+  const Canvas canvas(std::max(1400, int(box.right() + 48 + legend_width(table))), 1000);
   canvas.text(box.left, 50, table.title, 28, Align::left, true);
   draw_ticks(canvas, box, range_of(table.columns[x].values), false);
   draw_ticks(canvas, box, range_of(table.columns[y].values), true);

@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import threading
+import time
 
 from qgis.core import QgsProcessingException
 
@@ -31,19 +32,17 @@ def run_program(arguments, feedback):
     """Returns the result of `gonogo --json <arguments>`. Raises QgsProcessingException with the program's sentence."""
     command = [program_path(), "--json", *arguments]
     feedback.pushCommandInfo(" ".join(command))
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    lines = []
-    reader = threading.Thread(target=lambda: lines.extend(process.stdout), daemon=True)
-    reader.start()
-    stopper = threading.Thread(target=_stop_when_cancelled, args=(process, feedback), daemon=True)
-    stopper.start()
-    for line in process.stderr:
-        report(line.rstrip(), feedback)
-    status = process.wait()
-    reader.join()
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        lines = []
+        reader = threading.Thread(target=lambda: lines.extend(process.stdout), daemon=True)
+        reader.start()
+        threading.Thread(target=_stop_when_cancelled, args=(process, feedback), daemon=True).start()
+        for line in process.stderr:
+            report(line.rstrip(), feedback)
+        reader.join()
     if feedback.isCanceled():
         raise QgsProcessingException("cancelled")
-    return result_of(lines, status)
+    return result_of(lines, process.returncode)
 
 
 def _stop_when_cancelled(process, feedback):
@@ -52,7 +51,7 @@ def _stop_when_cancelled(process, feedback):
         if feedback.isCanceled():
             process.send_signal(signal.SIGINT)
             return
-        threading.Event().wait(0.2)
+        time.sleep(0.2)
 
 
 def report(line, feedback):

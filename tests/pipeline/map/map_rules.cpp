@@ -148,15 +148,32 @@ TEST_CASE("a range is averaged like its integral") {
 TEST_CASE("soil values outside the sampled box count as not sampled and are named") {
   AnalyticModel model;
   OutcomeModel narrow = model.outcome_model();
-  narrow.sampled[index("cohesion")] = {0, 5};
+  narrow.sampled[index("cohesion")] = {1, 5};
   const Soil soil = loam({{{"friction_angle", fixed(30)}, {"cohesion", fixed(2)}},
-                          {{"friction_angle", fixed(30)}, {"cohesion", fixed(9)}}});
+                          {{"friction_angle", fixed(30)}, {"cohesion", fixed(0.5)}}});
   const SoilResponse table(narrow, MapRules{}, soil_points({}, soil, {}, 1));
   CHECK(table.at(0).outside_share == 0.5);
   CHECK(table.at(0).p_go == float(model.p_go(0, 30, 2)));
   CHECK(table.at(0).result.verdict == Verdict::unknown);
   REQUIRE(table.outside_because().size() == 1);
-  CHECK(table.outside_because()[0] == "cohesion 9 kPa is outside 0 to 5 kPa");
+  CHECK(table.outside_because()[0] == "cohesion 0.5 kPa is outside 1 to 5 kPa");
+  CHECK(table.points().stronger_because().empty());
+}
+
+TEST_CASE("soil stronger than sampled counts as the strongest that was, and is named") {
+  const AnalyticModel model;
+  OutcomeModel narrow = model.outcome_model();
+  narrow.sampled[index("cohesion")] = {0, 5};
+  narrow.sampled[index("friction_angle")] = {15, 35};
+  const Soil soil = loam({{{"friction_angle", fixed(30)}, {"cohesion", fixed(9)}},
+                          {{"friction_angle", fixed(40)}, {"cohesion", fixed(2)}}});
+  const SoilResponse table(narrow, MapRules{}, soil_points({}, soil, {}, 1));
+  CHECK(table.at(20).outside_share == 0);
+  CHECK(table.at(20).p_go == float((model.p_go(20, 30, 5) + model.p_go(20, 35, 2)) / 2));
+  CHECK(table.outside_because().empty());
+  CHECK(table.points().stronger_because() ==
+        std::vector<std::string>{"friction_angle 40 deg counts as 35 deg, the most that was sampled",
+                                 "cohesion 9 kPa counts as 5 kPa, the most that was sampled"});
 }
 
 TEST_CASE("steeper than sampled is no-go upslope of a sampled no-go, otherwise unknown, and never has a P(go)") {
