@@ -20,7 +20,7 @@ set(allowed_tests ${rooms})
 
 # Layers of each room, low to high. Sub-rooms in one layer ("a|b") stand beside each other: neither may include the other.
 set(layers_base json|hdf5)
-set(layers_sim shape state contact|joint element|solver scene simulation io|local_problem)
+set(layers_sim shape state contact|joint solver scene simulation io|local_problem|elastic)
 set(layers_vehicle model multibody|semi_empirical feasible|hard_ground)
 set(layers_terrain bed soil|soil_test calibration|raster)
 set(layers_learning qubo encoding model sampler hardware|likelihood rbm|score)
