@@ -4,6 +4,7 @@
 
 namespace gonogo::app {
 
+void add_elastic_check(CLI::App& validate, const Globals& globals);
 void add_fclib_check(CLI::App& validate, const Globals& globals);
 void add_soils_check(CLI::App& validate, const Globals& globals);
 /// patch, folded, drawbar, grade

@@ -1,0 +1,109 @@
+// Integrators on a vibrating plate: energy of Newmark's method, and the bound of central differences.
+#include <algorithm>
+
+#include "base/line.h"
+#include "pipeline/lab/validate/elastic/elastic.h"
+#include "pipeline/lab/validate/elastic/parts.h"
+
+namespace gonogo::lab {
+namespace {
+
+constexpr double kYoung = 1e7, kPoisson = 0.3, kDensity = 1000;  // rubber-like: [Pa], [-], [kg/m^3]
+
+/// A cantilever of 0.4 m by 0.1 m, bent by an initial velocity.
+el::Simulation cantilever() {
+  el::Model model;
+  model.body = {{"beam", el::make_rectangle(el::even(0, 0.4, 16), el::even(0, 0.1, 4)), {kYoung, kPoisson, kDensity}}};
+  const auto root = el::nodes_where(model.body[0].mesh, [](const Vec3d& x) { return near(x.x, 0); });
+  model.fixed = {{0, root, 0}, {0, root, 1}};
+  el::Simulation s(std::move(model));
+  s.set_velocity(0, [](const Vec3d& x) { return Vec3d{0, 2 * x.x * x.x, 0}; });
+  return s;
+}
+
+/// Energy over the first energy, every step.
+std::vector<double> energies(const el::NewmarkSettings& newmark, int steps, double step) {
+  el::Simulation s = cantilever();
+  const double first = s.energy().total();
+  std::vector<double> over{1};
+  need_finished(s.newmark({.end = steps * step, .step = step, .newmark = newmark, .watch = [&](const el::Simulation& now) {
+    over.push_back(now.energy().total() / first);
+    return true;
+  }}), "vibrating beam");
+  return over;
+}
+
+/// Largest displacement after each step, over that of the first hundred.
+std::vector<double> amplitudes(double share) {
+  el::Simulation s = cantilever();
+  std::vector<double> amplitude;
+  s.central_difference({.end = 1e9, .step = share * s.critical_step().by_iteration, .refuse_above_critical = false,
+                        .watch = [&](const el::Simulation& now) {
+    double largest = 0;
+    for (const double u : now.state().u) largest = std::max(largest, std::fabs(u));
+    amplitude.push_back(largest);
+    return amplitude.size() < 3000 && largest < 1e30;
+  }});
+  const double first = *std::max_element(amplitude.begin(), amplitude.begin() + std::min<long>(100, long(amplitude.size())));
+  for (double& x : amplitude) x /= first;
+  return amplitude;
+}
+
+report::PlotLine over_steps(const std::string& label, const std::vector<double>& y, double (*of)(double)) {
+  report::PlotLine l{.label = label};
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    l.x.push_back(double(i));
+    l.y.push_back(of(y[i]));
+  }
+  return l;
+}
+
+}  // namespace
+
+ElasticFigure elastic_energy() {
+  constexpr int steps = 1000;
+  constexpr double step = 5e-4;  // [s], a hundredth of the first period
+  const auto kept = energies({}, steps, step), lost = energies(el::hht(-0.1), steps, step);
+  double drift = 0;
+  ElasticFigure figure{.name = "elastic_energy", .csv = "step,conservative,hht\n"};
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    drift = std::max(drift, std::fabs(kept[i] - 1));
+    figure.csv += line("%zu,%.12f,%.12f\n", i, kept[i], lost[i]);
+  }
+  figure.check = {
+      {"newmark_energy_drift", "Newmark, beta 1/4, gamma 1/2: largest energy drift of 1,000 steps", 0, 1e-6, drift},
+      {"hht_energy_left", "HHT, alpha -0.1: energy left after 1,000 steps, below 1", 0.01, 0.999, lost.back()}};
+  const auto same = [](double x) { return x; };
+  figure.plot = {.title = "Energy of a vibrating beam", .x_label = "step", .y_label = "energy over the first",
+                 .lines = {over_steps("beta 1/4, gamma 1/2", kept, same), over_steps("HHT, alpha -0.1", lost, same)}};
+  return figure;
+}
+
+ElasticFigure elastic_critical() {
+  const auto below = amplitudes(0.95), above = amplitudes(1.05);
+  const auto largest = [](const std::vector<double>& x) { return *std::max_element(x.begin(), x.end()); };
+  ElasticFigure figure{.name = "elastic_critical", .csv = "step,at_0.95,at_1.05\n"};
+  for (std::size_t i = 0; i < std::min(below.size(), above.size()); ++i)
+    figure.csv += line("%zu,%.6g,%.6g\n", i, below[i], above[i]);
+  int refused = 0;
+  try {
+    el::Simulation s = cantilever();
+    s.central_difference({.end = 1, .step = 1.05 * s.critical_step().by_iteration});
+  } catch (const InputError&) {
+    refused = 1;
+  }
+  const el::CriticalStep step = cantilever().critical_step();
+  figure.check = {
+      {"central_growth_at_0.95", "Central differences at 0.95 of the critical step: largest growth", 0, 20, largest(below)},
+      {"central_growth_at_1.05", "Central differences at 1.05 of it: largest growth", 1e6, 1e300, largest(above)},
+      {"central_refused_at_1.05", "Central differences at 1.05 of it: refused, 1 is yes", 1, 1, double(refused)},
+      {"central_step_over_wave", "Critical step over least height over wave speed", 0.5, 1.5, step.by_iteration / step.by_wave}};
+  const auto log = [](double x) { return std::log10(std::max(x, 1e-3)); };
+  figure.plot = {.title = "Central differences about the critical step", .x_label = "step",
+                 .y_label = "log10 of the largest displacement over the first",
+                 .lines = {over_steps("0.95 of it", below, log), over_steps("1.05 of it", above, log)},
+                 .from_zero = false};
+  return figure;
+}
+
+}  // namespace gonogo::lab
