@@ -9,19 +9,22 @@ namespace {
 
 struct Residual {
   Vector r;  // [free]
-  double norm = 0, scale = 0;
+  double norm = 0, scale = 0, round_off = 0;  // [N]
   double compliance_energy = 0;
   double relative() const { return scale > 0 ? norm / scale : norm; }
 };
 
 Residual residual_of(const ImplicitStep& s, const Vector& u, Triplets* tangent, std::vector<ContactPoint>* points) {
+  Residual out;
   const Forces f = forces_at(s.system, u, s.velocity(u), s.rate, s.time, s.step, tangent, points);
   Vector all = (1 + s.alpha) * f.g;
-  Residual out;
+  const double eps = std::numeric_limits<double>::epsilon();
+  out.round_off = eps * s.system.stiffest * u.norm();  // displacements are known to eps of themselves
   out.scale = f.scale;
   if (s.inertia > 0) {
     const Vector inertial = s.system.mass * s.acceleration(u);
     all -= inertial;
+    out.round_off += eps * s.inertia * s.system.lumped.maxCoeff() * u.norm();
     if (s.alpha != 0) all -= s.alpha * s.g_before;
     out.scale = std::max(out.scale, inertial.norm());
   }
@@ -79,7 +82,7 @@ Vector searched(const ImplicitStep& s, const Vector& u, const Vector& du, double
 Forces forces_at(const System& system, const Vector& u, const Vector& v, double rate, double time, double step,
                  Triplets* tangent, std::vector<ContactPoint>* points) {
   Forces f;
-  const Vector loads = system.loads(time), elastic = system.stiffness * u;
+  const Vector loads = system.loads(time), elastic = system.stiffness * system.strained(u);
   Vector contact = Vector::Zero(system.dofs);
   f.compliance_energy = system.contact.add({u, v, rate, time, step}, contact, tangent, points);
   f.scale = std::max({loads.norm(), elastic.norm(), contact.norm()});
@@ -94,7 +97,7 @@ NewtonResult solve_step(const ImplicitStep& step, Vector u, const NewtonSettings
     const Residual r = residual_of(step, u, &tangent, &result.points);
     report.residual.push_back(r.relative());
     report.iterations = i;
-    if (r.relative() <= settings.tolerance) {
+    if (r.norm <= std::max(settings.tolerance * r.scale, r.round_off)) {
       result.converged = true;
       result.compliance_energy = r.compliance_energy;
       break;

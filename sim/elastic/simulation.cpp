@@ -78,7 +78,7 @@ Vec3d Simulation::contact_force(int contact) const {
 Vec3d Simulation::reaction(int fixed) const {
   const System& s = parts_->system;
   const Vector u = as_vector(parts_->state.u), v = as_vector(parts_->state.v);
-  Vector force = s.stiffness * u - s.loads(parts_->state.time), contact = Vector::Zero(s.dofs);
+  Vector force = s.stiffness * s.strained(u) - s.loads(parts_->state.time), contact = Vector::Zero(s.dofs);
   s.contact.add({u, v, 0, parts_->state.time, 0}, contact, nullptr, nullptr);
   force -= contact;
   const Fixed& f = s.model.fixed.at(std::size_t(fixed));
@@ -92,7 +92,8 @@ Energy Simulation::energy() const {
   const Vector u = as_vector(parts_->state.u), v = as_vector(parts_->state.v);
   Energy e;
   e.kinetic = parts_->lumped_mass ? 0.5 * v.dot(s.lumped.cwiseProduct(v)) : 0.5 * v.dot(s.mass * v);
-  e.strain = 0.5 * u.dot(s.stiffness * u);
+  const Vector strained = s.strained(u);
+  e.strain = 0.5 * strained.dot(s.stiffness * strained);
   e.compliance = parts_->compliance_energy;
   e.load = -s.loads(parts_->state.time).dot(u);
   return e;

@@ -58,6 +58,7 @@ System::System(Model given)
     }
   stiffness = square(dofs, k);
   mass = square(dofs, m);
+  stiffest = stiffness.diagonal().maxCoeff();
   for (const Fixed& f : model.fixed)
     for (const Index n : f.node) free[std::size_t(dof(f.body, n, f.component))] = -1;
   for (int& f : free)
@@ -88,6 +89,20 @@ Vector System::loads(double time) const {
     }
   }
   return f;
+}
+
+Vector System::strained(const Vector& u) const {
+  Vector rest = u;
+  for (std::size_t b = 0; b < model.body.size(); ++b) {
+    const bool axisymmetric = dimension == 2 && model.body[b].plane == Plane::axisymmetric;
+    for (int c = axisymmetric ? 1 : 0; c < dimension; ++c) {
+      double sum = 0;
+      for (int i = first[b] + c; i < first[b + 1]; i += dimension) sum += u[i];
+      const double mean = sum / double(model.body[b].mesh.node.size());
+      for (int i = first[b] + c; i < first[b + 1]; i += dimension) rest[i] -= mean;
+    }
+  }
+  return rest;
 }
 
 void System::fix(double time, Vector& u) const {

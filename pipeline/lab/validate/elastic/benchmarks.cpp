@@ -33,11 +33,11 @@ constexpr double kLoad = 35e3, kRoller = 0.05, kThickness = 1e-3;  // [N], [m], 
 
 /// Half of roller and block, cut at x = 0; the roller's lower half. Starts with a small overlap, so that the load is held.
 el::Simulation pressed_roller() {
-  constexpr double cell = 0.4e-3, wide = 9e-3;
+  constexpr double cell = 0.25e-3, wide = 8e-3;
   const double du = cell / (kRoller / std::numbers::sqrt2);
   std::vector<double> up, down;
-  for (const double v : el::graded(0, 12 * du, 1, du, 1.3)) up.push_back(v - 1);
-  for (const double v : el::graded(0, 12 * cell, 0.2, cell, 1.3)) down.insert(down.begin(), -v);
+  for (const double v : el::graded(0, 12 * du, 1, du, 1.4)) up.push_back(v - 1);
+  for (const double v : el::graded(0, 12 * cell, 0.2, cell, 1.4)) down.insert(down.begin(), -v);
   const el::Mesh disc = el::moved(el::make_quarter_disc(kRoller, el::graded(0, wide / cell * du, 1, du, 1.3), up),
                                   [](const Vec3d& x) { return x + Vec3d{0, kRoller, 0}; });
   const el::Mesh block = el::make_rectangle(el::graded(0, wide, 0.1, cell, 1.3), down);
@@ -49,9 +49,9 @@ el::Simulation pressed_roller() {
   model.fixed = {{0, el::nodes_where(block, middle), 0}, {1, el::nodes_where(disc, middle), 0}, {0, bottom, 1}};
   model.traction = {{1, el::faces_where(disc, [](const Vec3d& x) { return near(x.y, kRoller); }),
                      [](double t) { return Vec3d{0, -kLoad / 2 / (kRoller * kThickness) * t, 0}; }}};
-  const auto low = [](const Vec3d& x) { return x.x < 9e-3 && std::fabs(x.y) < 1e-3; };
+  const auto low = [](const Vec3d& x) { return x.x < 8e-3 && std::fabs(x.y) < 1e-3; };
   model.contact = {{.body = 1, .face = el::faces_where(disc, low), .other = 0, .other_face = el::faces_where(block, low),
-                    .law = el::penalty_law(1e16, 0.1, 1e-7), .points = 4, .reach = 1e-3}};
+                    .law = el::penalty_law(2e15, 0.1, 1e-7), .points = 4, .reach = 1e-3}};
   el::Simulation s(std::move(model));
   s.set_displacement(1, [](const Vec3d&) { return Vec3d{0, -2e-5, 0}; });
   return s;
@@ -68,7 +68,7 @@ ElasticFigure elastic_plate() {
   };
   constexpr Published published[] = {
       {"A", 0, 2.86e-5}, {"B", 1.25e-3, 2.72e-5}, {"C", 5e-3, 2.28e-5}, {"D", 7.5e-3, 1.98e-5}, {"E", 11.25e-3, 1.5e-5}};
-  ElasticFigure figure{.name = "elastic_plate", .csv = "x_m,displacement_m\n"};
+  ElasticFigure figure = figure_of("elastic_plate", "x_m,displacement_m\n");
   report::PlotLine ours{.label = "finite elements"}, theirs{.label = "mean of codes, 5 %", .points = true};
   const el::Mesh& mesh = s.model().body[0].mesh;
   for (const Index n : el::nodes_where(mesh, [](const Vec3d& x) { return near(x.y, 0); })) {
@@ -85,8 +85,8 @@ ElasticFigure elastic_plate() {
       theirs.upper.push_back(1.05e6 * p.u);
     }
   }
-  figure.plot = {.title = "Plate pressed along a rigid plane", .x_label = "x [mm]", .y_label = "displacement along x [um]",
-                 .lines = {ours, theirs}};
+  figure.plot = plot_of("Plate pressed along a rigid plane", "x [mm]", "displacement along x [um]",
+                        {ours, theirs});
   return figure;
 }
 
@@ -96,7 +96,7 @@ ElasticFigure elastic_roller() {
   const double modulus = 1 / ((1 - 0.09) / 70e9 + (1 - 0.09) / 210e9);
   const double a = std::sqrt(4 * kLoad / kThickness * kRoller / (std::numbers::pi * modulus));
   const double p0 = 2 * kLoad / kThickness / (std::numbers::pi * a);
-  ElasticFigure figure{.name = "elastic_roller", .csv = "x_m,pressure_pa,hertz_pa\n"};
+  ElasticFigure figure = figure_of("elastic_roller", "x_m,pressure_pa,hertz_pa\n");
   report::PlotLine ours{.label = "finite elements, friction 0.1", .points = true}, hertz{.label = "Hertz"};
   double highest = 0;
   for (const el::ContactPoint& p : s.contact_points()) {
@@ -116,8 +116,8 @@ ElasticFigure elastic_roller() {
       {"roller_displacement_ratio", "Roller: displacement below the roller over MARC's -1.3026 mm", 0.97, 1.03,
        s.displacement(0, b).y / -1.3026e-3},
       {"roller_width_ratio", "Roller: half-width over Hertz", 0.97, 1.03, extent(s.contact_points(), 1, touches) / a}};
-  figure.plot = {.title = "Steel roller on an aluminium block, 35 kN", .x_label = "x [mm]", .y_label = "pressure [MPa]",
-                 .lines = {hertz, ours}};
+  figure.plot = plot_of("Steel roller on an aluminium block, 35 kN", "x [mm]", "pressure [MPa]",
+                        {hertz, ours});
   return figure;
 }
 

@@ -33,7 +33,7 @@ std::vector<double> energies(const el::NewmarkSettings& newmark, int steps, doub
   return over;
 }
 
-/// Largest displacement after each step, over that of the first hundred.
+/// Largest displacement after each step [m].
 std::vector<double> amplitudes(double share) {
   el::Simulation s = cantilever();
   std::vector<double> amplitude;
@@ -44,8 +44,6 @@ std::vector<double> amplitudes(double share) {
     amplitude.push_back(largest);
     return amplitude.size() < 3000 && largest < 1e30;
   }});
-  const double first = *std::max_element(amplitude.begin(), amplitude.begin() + std::min<long>(100, long(amplitude.size())));
-  for (double& x : amplitude) x /= first;
   return amplitude;
 }
 
@@ -65,7 +63,7 @@ ElasticFigure elastic_energy() {
   constexpr double step = 5e-4;  // [s], a hundredth of the first period
   const auto kept = energies({}, steps, step), lost = energies(el::hht(-0.1), steps, step);
   double drift = 0;
-  ElasticFigure figure{.name = "elastic_energy", .csv = "step,conservative,hht\n"};
+  ElasticFigure figure = figure_of("elastic_energy", "step,conservative,hht\n");
   for (std::size_t i = 0; i < kept.size(); ++i) {
     drift = std::max(drift, std::fabs(kept[i] - 1));
     figure.csv += line("%zu,%.12f,%.12f\n", i, kept[i], lost[i]);
@@ -74,15 +72,18 @@ ElasticFigure elastic_energy() {
       {"newmark_energy_drift", "Newmark, beta 1/4, gamma 1/2: largest energy drift of 1,000 steps", 0, 1e-6, drift},
       {"hht_energy_left", "HHT, alpha -0.1: energy left after 1,000 steps, below 1", 0.01, 0.999, lost.back()}};
   const auto same = [](double x) { return x; };
-  figure.plot = {.title = "Energy of a vibrating beam", .x_label = "step", .y_label = "energy over the first",
-                 .lines = {over_steps("beta 1/4, gamma 1/2", kept, same), over_steps("HHT, alpha -0.1", lost, same)}};
+  figure.plot = plot_of("Energy of a vibrating beam", "step", "energy over the first",
+                        {over_steps("beta 1/4, gamma 1/2", kept, same), over_steps("HHT, alpha -0.1", lost, same)});
   return figure;
 }
 
 ElasticFigure elastic_critical() {
-  const auto below = amplitudes(0.95), above = amplitudes(1.05);
+  auto below = amplitudes(0.95), above = amplitudes(1.05);
+  const double first = *std::max_element(below.begin(), below.begin() + 100);  // both start alike
+  for (std::vector<double>* run : {&below, &above})
+    for (double& x : *run) x /= first;
   const auto largest = [](const std::vector<double>& x) { return *std::max_element(x.begin(), x.end()); };
-  ElasticFigure figure{.name = "elastic_critical", .csv = "step,at_0.95,at_1.05\n"};
+  ElasticFigure figure = figure_of("elastic_critical", "step,at_0.95,at_1.05\n");
   for (std::size_t i = 0; i < std::min(below.size(), above.size()); ++i)
     figure.csv += line("%zu,%.6g,%.6g\n", i, below[i], above[i]);
   int refused = 0;
@@ -99,10 +100,8 @@ ElasticFigure elastic_critical() {
       {"central_refused_at_1.05", "Central differences at 1.05 of it: refused, 1 is yes", 1, 1, double(refused)},
       {"central_step_over_wave", "Critical step over least height over wave speed", 0.5, 1.5, step.by_iteration / step.by_wave}};
   const auto log = [](double x) { return std::log10(std::max(x, 1e-3)); };
-  figure.plot = {.title = "Central differences about the critical step", .x_label = "step",
-                 .y_label = "log10 of the largest displacement over the first",
-                 .lines = {over_steps("0.95 of it", below, log), over_steps("1.05 of it", above, log)},
-                 .from_zero = false};
+  figure.plot = plot_of("Central differences about the critical step", "step", "log10 of the largest displacement over the first",
+                        {over_steps("0.95 of it", below, log), over_steps("1.05 of it", above, log)}, false);
   return figure;
 }
 

@@ -15,12 +15,12 @@ namespace {
 constexpr double kYoung = 1e9, kPoisson = 0.3, kFriction = 0.3;  // [Pa], [-], [-]
 constexpr double kRadius = 1, kContact = 0.05;                   // of the pair [m]; about the half-width [m]
 constexpr double kFar = 30 * kContact;
-constexpr double kPress = 3.2e-3, kShear = 5.2e-4;  // displacements of the far sides [m], by trial, for c / a about 0.6
+constexpr double kPress = 3.2e-3, kShear = 8e-4;  // displacements of the far sides [m], by trial, for c / a about 0.6
 
 /// Flat below y = 0, or the same mirrored upwards with a round underside.
 el::Mesh half(bool upper) {
-  const auto x = el::mirrored(el::graded(0, 1.25 * kContact, kFar, kContact / 24, 1.4));
-  const auto depth = el::graded(0, kContact / 2, kFar, kContact / 24, 1.4);
+  const auto x = el::mirrored(el::graded(0, 1.25 * kContact, kFar, kContact / 40, 1.4));
+  const auto depth = el::graded(0, kContact / 2, kFar, kContact / 40, 1.4);
   std::vector<double> y = depth;
   if (!upper) {
     y.clear();
@@ -50,7 +50,7 @@ el::Model two_cylinders() {
     });
   };
   model.contact = {{.body = 1, .face = surface(1), .other = 0, .other_face = surface(0),
-                    .law = el::penalty_law(1e4 * kYoung, kFriction, 2e-6), .points = 4}};
+                    .law = el::penalty_law(5e3 * kYoung, kFriction, 2e-6), .points = 4}};
   return model;
 }
 
@@ -69,7 +69,7 @@ ElasticFigure elastic_mindlin() {
   const double hertz_a = std::sqrt(4 * load * kRadius / (std::numbers::pi * modulus));
   const double closed_c = hertz_a * std::sqrt(1 - share), p0 = 2 * load / (std::numbers::pi * hertz_a);
   report::PlotLine measured{.label = "finite elements", .points = true}, closed{.label = "Cattaneo-Mindlin"};
-  ElasticFigure figure{.name = "elastic_mindlin", .csv = "x_m,pressure_pa,shear_pa,closed_shear_pa\n"};
+  ElasticFigure figure = figure_of("elastic_mindlin", "x_m,pressure_pa,shear_pa,closed_shear_pa\n");
   const auto bell = [](double x, double w) { return std::fabs(x) < w ? std::sqrt(1 - x * x / (w * w)) : 0; };
   for (const el::ContactPoint& p : points) {
     const double x = p.place.x;
@@ -83,8 +83,8 @@ ElasticFigure elastic_mindlin() {
   figure.check = {{"mindlin_load_share", "Cattaneo-Mindlin: tangential load over mu P", 0.3, 0.9, share},
                   {"mindlin_stick_ratio", "Cattaneo-Mindlin: stick half-width over closed form", 0.97, 1.03, c / closed_c},
                   {"mindlin_contact_ratio", "Cattaneo-Mindlin: contact half-width over Hertz", 0.98, 1.02, a / hertz_a}};
-  figure.plot = {.title = "Two equal cylinders, sheared", .x_label = "x / a", .y_label = "q / (mu p0)",
-                 .lines = {closed, measured}};
+  figure.plot = plot_of("Two equal cylinders, sheared", "x / a", "q / (mu p0)",
+                        {closed, measured});
   return figure;
 }
 

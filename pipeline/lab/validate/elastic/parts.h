@@ -2,14 +2,35 @@
 #pragma once
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/error.h"
+#include "pipeline/lab/validate/elastic/elastic.h"
 #include "sim/elastic/make_mesh.h"
 #include "sim/elastic/simulation.h"
 
 namespace gonogo::lab {
 
 namespace el = sim::elastic;
+
+inline ElasticFigure figure_of(const std::string& name, const std::string& csv_header) {
+  ElasticFigure f;
+  f.name = name;
+  f.csv = csv_header;
+  return f;
+}
+
+inline report::LinePlot plot_of(const std::string& title, const std::string& x, const std::string& y,
+                                std::vector<report::PlotLine> lines, bool from_zero = true) {
+  report::LinePlot p;
+  p.title = title;
+  p.x_label = x;
+  p.y_label = y;
+  p.lines = std::move(lines);
+  p.from_zero = from_zero;
+  return p;
+}
 
 inline bool near(double a, double b) { return std::fabs(a - b) < 1e-9; }
 

@@ -70,7 +70,7 @@ ElasticFigure elastic_patch() {
                                    {"q4_axisymmetric", el::ElementKind::q4, el::Plane::axisymmetric},
                                    {"t4", el::ElementKind::t4},
                                    {"h8", el::ElementKind::h8}};
-  ElasticFigure figure{.name = "elastic_patch", .csv = "element,relative_error\n"};
+  ElasticFigure figure = figure_of("elastic_patch", "element,relative_error\n");
   report::PlotLine line_of{.label = "error", .points = true};
   for (const Patch& p : patches) {
     const double error = error_of(p);
@@ -79,8 +79,8 @@ ElasticFigure elastic_patch() {
     line_of.x.push_back(double(line_of.x.size()));
     line_of.y.push_back(std::log10(std::max(error, 1e-18)));
   }
-  figure.plot = {.title = "Patch test", .x_label = "element: t3, q4, plane stress t3, q4, axisymmetric q4, t4, h8",
-                 .y_label = "log10 of the relative error", .lines = {line_of}, .notes = {"bound: -12"}};
+  figure.plot = plot_of("Patch test", "element: t3, q4, plane stress t3, q4, axisymmetric q4, t4, h8", "log10 of the relative error",
+                        {line_of});
   return figure;
 }
 

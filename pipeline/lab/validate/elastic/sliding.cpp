@@ -67,7 +67,7 @@ Slide slide(double epsilon, double until, double step) {
 
 ElasticFigure elastic_block() {
   const Slide s = slide(1e-3, 1.1 * kStop, 2e-3);
-  ElasticFigure figure{.name = "elastic_block", .csv = "time_s,speed_m_s,way_m,coulomb_speed_m_s\n"};
+  ElasticFigure figure = figure_of("elastic_block", "time_s,speed_m_s,way_m,coulomb_speed_m_s\n");
   report::PlotLine measured{.label = "finite elements", .points = true}, closed{.label = "Coulomb"};
   for (std::size_t i = 0; i < s.time.size(); ++i) {
     const double coulomb = std::max(0.0, kSpeed * (1 - s.time[i] / kStop));
@@ -81,13 +81,13 @@ ElasticFigure elastic_block() {
                   {"block_way_ratio", "Block: way to rest over v^2 / (2 mu g)", 0.99, 1.01, s.way.back() / kWay},
                   {"block_stick_halvings", "Block: steps shortened where slip turns to stick", 1, 1e4,
                    double(s.report.stick_halvings)}};
-  figure.plot = {.title = "A block slides to rest", .x_label = "time [s]", .y_label = "speed [m/s]",
-                 .lines = {closed, measured}};
+  figure.plot = plot_of("A block slides to rest", "time [s]", "speed [m/s]",
+                        {closed, measured});
   return figure;
 }
 
 ElasticFigure elastic_epsilon() {
-  ElasticFigure figure{.name = "elastic_epsilon", .csv = "epsilon_m_s,speed_left_m_s,closed_m_s\n"};
+  ElasticFigure figure = figure_of("elastic_epsilon", "epsilon_m_s,speed_left_m_s,closed_m_s\n");
   report::PlotLine measured{.label = "finite elements", .points = true}, closed{.label = "rigid block, closed form"};
   std::vector<double> left;
   for (const double epsilon : {0.16, 0.08, 0.04, 0.02}) {
@@ -103,8 +103,8 @@ ElasticFigure elastic_epsilon() {
   figure.check = {{"epsilon_order", "Regularised friction: order of the error in epsilon", 0.95, 3, order},
                   {"epsilon_error", "Regularised friction at the least epsilon: speed left at Coulomb's stop, m/s", 0, 0.01,
                    std::fabs(left.back())}};
-  figure.plot = {.title = "Regularised friction tends to Coulomb's", .x_label = "log10 epsilon [m/s]",
-                 .y_label = "log10 of the speed left [m/s]", .lines = {closed, measured}, .from_zero = false};
+  figure.plot = plot_of("Regularised friction tends to Coulomb's", "log10 epsilon [m/s]", "log10 of the speed left [m/s]",
+                        {closed, measured}, false);
   return figure;
 }
 

@@ -30,7 +30,7 @@ ElasticFigure elastic_wave() {
   el::Simulation s(model);
   const double step = 0.9 * s.critical_step().by_iteration;
   report::PlotLine line_of[2] = {{.label = "at L / 4"}, {.label = "at 3 L / 4"}};
-  ElasticFigure figure{.name = "elastic_wave", .csv = "time_s,velocity_quarter_m_s,velocity_three_quarters_m_s\n"};
+  ElasticFigure figure = figure_of("elastic_wave", "time_s,velocity_quarter_m_s,velocity_three_quarters_m_s\n");
   Arrivals arrival;
   double last[2] = {0, 0};
   need_finished(s.central_difference({.end = 0.95 * kLength / c, .step = step, .watch = [&](const el::Simulation& now) {
@@ -49,8 +49,8 @@ ElasticFigure elastic_wave() {
   }}), "wave along a bar");
   const double speed = kLength / 2 / (arrival.at[1] - arrival.at[0]);
   figure.check = {{"wave_speed_ratio", "Bar: speed of a wave over sqrt(E / rho)", 0.99, 1.01, speed / c}};
-  figure.plot = {.title = "Step of stress along a bar", .x_label = "time [us]", .y_label = "v rho c / sigma",
-                 .lines = {line_of[0], line_of[1]}};
+  figure.plot = plot_of("Step of stress along a bar", "time [us]", "v rho c / sigma",
+                        {line_of[0], line_of[1]});
   return figure;
 }
 
