@@ -90,10 +90,8 @@ void central_step(Parts& p, double h) {
 
 void start(Parts& p) {
   const System& s = p.system;
-  const Forces f =
-      forces_at(s, as_vector(p.state.u), as_vector(p.state.v), 0, p.state.time, 0, nullptr, &p.points);
-  for (int i = 0; i < s.dofs; ++i)
-    p.state.a[std::size_t(i)] = s.free[std::size_t(i)] < 0 ? 0 : f.g[i] / s.lumped[i];
+  const Forces f = forces_at(s, as_vector(p.state.u), as_vector(p.state.v), 0, p.state.time, 0, nullptr, &p.points);
+  for (int i = 0; i < s.dofs; ++i) p.state.a[std::size_t(i)] = s.free[std::size_t(i)] < 0 ? 0 : f.g[i] / s.lumped[i];
   p.lumped_mass = true;
   p.accelerated = false;  // of the lumped mass: Newmark's method starts anew
 }
@@ -128,9 +126,10 @@ MarchReport Simulation::central_difference(const CentralSettings& settings) {
   if (!(settings.step > 0)) throw InputError(line("step is %g s; it must be above 0", settings.step));
   const CriticalStep first = critical_step();
   if (settings.refuse_above_critical && settings.step > bound_of(first))
-    throw InputError(line("step is %.4g s, above the critical one of central differences, %.4g s (elements %.4g s, "
-                          "friction %.4g s); take a shorter step or Newmark's method",
-                          settings.step, bound_of(first), first.by_iteration, first.by_friction));
+    throw InputError(
+        line("step is %.4g s, above the critical one of central differences, %.4g s (elements %.4g s, "
+             "friction %.4g s); take a shorter step or Newmark's method",
+             settings.step, bound_of(first), first.by_iteration, first.by_friction));
   start(p);
   MarchReport report;
   double checked_depth = deepest(p.points);

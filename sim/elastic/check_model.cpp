@@ -16,13 +16,14 @@ void check_body(const Body& b, int dimension) {
   if (!(m.young > 0) || !std::isfinite(m.young))
     throw InputError(b.name + line(": Young's modulus is %g Pa; it must be above 0", m.young));
   if (!(m.poisson > -1 && m.poisson < 0.5))
-    throw InputError(b.name + line(": Poisson's ratio is %g; it must be above -1 and below 0.5, as 0.49 for rubber",
-                                   m.poisson));
+    throw InputError(b.name +
+                     line(": Poisson's ratio is %g; it must be above -1 and below 0.5, as 0.49 for rubber", m.poisson));
   if (!(m.density >= 0)) throw InputError(b.name + line(": density is %g kg/m^3; it must be 0 or above", m.density));
   if (!(b.thickness > 0)) throw InputError(b.name + line(": thickness is %g m; it must be above 0", b.thickness));
   if (dimension == 2 && b.plane == Plane::axisymmetric)
     for (const Vec3d& x : b.mesh.node)
-      if (x.x < 0) throw InputError(b.name + line(": a node has radius %g m; axisymmetric meshes need x of 0 or above", x.x));
+      if (x.x < 0)
+        throw InputError(b.name + line(": a node has radius %g m; axisymmetric meshes need x of 0 or above", x.x));
 }
 
 void check_index(int body, const Model& model, const std::string& what) {

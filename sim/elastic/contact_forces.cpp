@@ -11,9 +11,7 @@
 namespace gonogo::sim::elastic {
 namespace {
 
-Vec3d vector_at(const Vector& u, int at, int dimension) {
-  return {u[at], u[at + 1], dimension == 3 ? u[at + 2] : 0.0};
-}
+Vec3d vector_at(const Vector& u, int at, int dimension) { return {u[at], u[at + 1], dimension == 3 ? u[at + 2] : 0.0}; }
 
 /// Degrees of freedom of the corners of one or two faces.
 struct LocalDofs {
@@ -67,8 +65,7 @@ Traction3<N> traction_of(const ContactLaw& law, const Gap<Dual<N>>& gap, const V
   const Dual<N> w = -gap.gap;
   t.pressure = Dual<N>(law.c_n) * power(w, law.m_n);
   t.sliding = velocity - gap.normal * dot(velocity, gap.normal);
-  if (law.c_t > 0)
-    t.shear = friction_direction(t.sliding, law.epsilon) * (Dual<N>(-law.c_t) * power(w, law.m_t));
+  if (law.c_t > 0) t.shear = friction_direction(t.sliding, law.epsilon) * (Dual<N>(-law.c_t) * power(w, law.m_t));
   return t;
 }
 
@@ -195,8 +192,7 @@ double ContactForces::with_slopes(const Place& p, int other_face, const Motion& 
   } else {
     const Vec3d by = c.shape.displacement(motion.time);
     on.gap = gap_above(c.shape, by, x);
-    if (motion.step > 0)
-      v -= constant<D>((by - c.shape.displacement(motion.time - motion.step)) * (1 / motion.step));
+    if (motion.step > 0) v -= constant<D>((by - c.shape.displacement(motion.time - motion.step)) * (1 / motion.step));
   }
   const Traction3<N> t = traction_of<N>(c.law, on.gap, v);
   const Vec3T<D> pull = (on.gap.normal * t.pressure + t.shear) * D(p.area);

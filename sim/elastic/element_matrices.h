@@ -11,7 +11,8 @@ using ElementMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eige
 using StrainMatrix = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, 24>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Stress from strain, both as xx, yy, zz, xy, yz, zx with engineering shear; Hughes, section 2.7. Plane stress: zz is 0.
+/// Stress from strain, both as xx, yy, zz, xy, yz, zx with engineering shear; Hughes, section 2.7. Plane stress: zz is
+/// 0.
 Matrix6 elasticity(const Material& material, bool plane_stress);
 /// Strain from the corners' displacements. `radius` above 0: hoop strain u_x / radius.
 StrainMatrix strain_matrix(int corners, int dimension, const Gradient& gradient, const ShapeValues& values,

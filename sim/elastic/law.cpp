@@ -35,9 +35,10 @@ ContactLaw penalty_law(double c_n, double friction, double epsilon) {
 
 ContactLaw rough_law(const RoughSurface& s, double epsilon) {
   if (!(s.density > 0 && s.radius > 0 && s.height > 0 && s.modulus > 0 && s.friction >= 0))
-    throw InputError(line("rough surface: density %g 1/m^2, radius %g m, height %g m and modulus %g Pa must be above 0, ",
-                          s.density, s.radius, s.height, s.modulus) +
-                     line("friction %g must be 0 or above", s.friction));
+    throw InputError(
+        line("rough surface: density %g 1/m^2, radius %g m, height %g m and modulus %g Pa must be above 0, ", s.density,
+             s.radius, s.height, s.modulus) +
+        line("friction %g must be 0 or above", s.friction));
   const double c_n = 8.0 / 15 * s.modulus * std::sqrt(s.radius) * s.density / s.height;
   return {.c_n = c_n, .m_n = 2.5, .c_t = s.friction * c_n, .m_t = 2.5, .epsilon = epsilon};
 }

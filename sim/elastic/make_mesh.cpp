@@ -26,7 +26,8 @@ void check_kind(ElementKind kind, int dimension) {
 
 std::vector<double> even(double from, double to, int count) {
   if (!(from < to) || count < 1)
-    throw InputError(line("even places from %g to %g in %d steps: needs from < to and at least 1 step", from, to, count));
+    throw InputError(
+        line("even places from %g to %g in %d steps: needs from < to and at least 1 step", from, to, count));
   std::vector<double> p;
   for (int i = 0; i <= count; ++i) p.push_back(from + (to - from) * i / count);
   return p;
@@ -34,8 +35,8 @@ std::vector<double> even(double from, double to, int count) {
 
 std::vector<double> graded(double from, double fine_until, double to, double first, double ratio) {
   if (!(from < fine_until && fine_until < to && first > 0 && ratio > 1 && ratio <= 3))
-    throw InputError(line("graded places %g, %g, %g, step %g, ratio %g: needs from < fine_until < to, step above 0, ", from,
-                          fine_until, to, first, ratio) +
+    throw InputError(line("graded places %g, %g, %g, step %g, ratio %g: needs from < fine_until < to, step above 0, ",
+                          from, fine_until, to, first, ratio) +
                      "ratio above 1 and at most 3");
   std::vector<double> p = even(from, fine_until, std::max(1, int(std::lround((fine_until - from) / first))));
   double step = p[1] - p[0];
@@ -89,7 +90,8 @@ Mesh make_box(const std::vector<double>& x, const std::vector<double>& y, const 
     for (const double b : y)
       for (const double a : x) mesh.node.push_back({a, b, c});
   // Six tetrahedra about the diagonal from corner 0 to corner 6.
-  static constexpr int kuhn[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
+  static constexpr int kuhn[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6},
+                                     {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
   const Index row = Index(x.size()), plane = row * Index(y.size());
   for (Index k = 0; k + 1 < Index(z.size()); ++k)
     for (Index j = 0; j + 1 < Index(y.size()); ++j)
@@ -97,7 +99,8 @@ Mesh make_box(const std::vector<double>& x, const std::vector<double>& y, const 
         const Index a = k * plane + j * row + i;
         const std::array<Index, 8> h{a,         a + 1,         a + 1 + row,         a + row,
                                      a + plane, a + 1 + plane, a + 1 + row + plane, a + row + plane};
-        if (kind == ElementKind::h8) mesh.element.push_back(h);
+        if (kind == ElementKind::h8)
+          mesh.element.push_back(h);
         else
           for (const auto& t : kuhn) mesh.element.push_back({h[t[0]], h[t[1]], h[t[2]], h[t[3]]});
       }

@@ -26,8 +26,8 @@ Mesh make_ring_sector(const std::vector<double>& radius, const std::vector<doubl
 /// Sector of a hollow cylinder about z.
 Mesh make_cylinder_sector(const std::vector<double>& radius, const std::vector<double>& angle,
                           const std::vector<double>& z, ElementKind kind = ElementKind::h8);
-/// Quarter of a disc about the origin, x >= 0 and y <= 0. `across` and `up` are places in a square that is bent onto the
-/// disc: across in [0, 1] from the axis, up in [-1, 0] from the arc. Elliptical grid mapping (Nowell; Fong 2015):
+/// Quarter of a disc about the origin, x >= 0 and y <= 0. `across` and `up` are places in a square that is bent onto
+/// the disc: across in [0, 1] from the axis, up in [-1, 0] from the arc. Elliptical grid mapping (Nowell; Fong 2015):
 /// x = R u sqrt(1 - v^2 / 2), y = R v sqrt(1 - u^2 / 2); the arc's lower half is v = -1.
 Mesh make_quarter_disc(double radius, const std::vector<double>& across, const std::vector<double>& up);
 

@@ -25,9 +25,10 @@ void check_settings(const MarchSettings& s) {
 
 void check_newmark(const NewmarkSettings& n) {
   if (n.alpha == 0 && !(n.gamma >= 0.5 && n.beta >= n.gamma / 2))
-    throw InputError(line("Newmark's beta %g and gamma %g: stable at any step are gamma of at least 1/2 and beta of at "
-                          "least gamma / 2; 0.25 and 0.5 conserve energy",
-                          n.beta, n.gamma));
+    throw InputError(
+        line("Newmark's beta %g and gamma %g: stable at any step are gamma of at least 1/2 and beta of at "
+             "least gamma / 2; 0.25 and 0.5 conserve energy",
+             n.beta, n.gamma));
   if (!(n.alpha >= -1.0 / 3 && n.alpha <= 0)) throw InputError(line("alpha is %g; allowed is -1/3 to 0", n.alpha));
 }
 

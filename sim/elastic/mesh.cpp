@@ -20,10 +20,14 @@ const std::vector<Corners>& face_corners(ElementKind kind) {
   static const std::vector<Corners> h8{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                                        {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
   switch (kind) {
-    case ElementKind::t3: return t3;
-    case ElementKind::q4: return q4;
-    case ElementKind::t4: return t4;
-    default: return h8;
+    case ElementKind::t3:
+      return t3;
+    case ElementKind::q4:
+      return q4;
+    case ElementKind::t4:
+      return t4;
+    default:
+      return h8;
   }
 }
 
@@ -140,7 +144,8 @@ Box box_of(const Mesh& mesh) {
 }
 
 void check_mesh(const Mesh& mesh, const std::string& name) {
-  if (mesh.element.empty() || mesh.node.empty()) throw InputError(name + ": the mesh has no element; give at least one");
+  if (mesh.element.empty() || mesh.node.empty())
+    throw InputError(name + ": the mesh has no element; give at least one");
   std::vector<bool> used(mesh.node.size(), false);
   check_corners(mesh, name, used);
   const auto lone = std::find(used.begin(), used.end(), false);

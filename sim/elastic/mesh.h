@@ -13,8 +13,8 @@ namespace gonogo::sim::elastic {
 /// Linear triangle, bilinear quadrilateral, linear tetrahedron, trilinear hexahedron; corners in VTK's order.
 enum class ElementKind { t3, q4, t4, h8 };
 
-int dimension_of(ElementKind kind);      // 2 or 3
-int corner_count(ElementKind kind);      // 3, 4, 4, 8
+int dimension_of(ElementKind kind);  // 2 or 3
+int corner_count(ElementKind kind);  // 3, 4, 4, 8
 std::string name_of(ElementKind kind);
 
 /// An edge (2-D) or face (3-D) of the boundary. Its corners run so that the normal points out of the body.
@@ -26,8 +26,8 @@ struct Face {
 
 struct Mesh {
   ElementKind kind = ElementKind::q4;
-  std::vector<Vec3d> node;                    // [m]; 2-D: z = 0; axisymmetric: x is the radius, y the axis
-  std::vector<std::array<Index, 8>> element;  // the first corner_count(kind) count
+  std::vector<Vec3d> node;                           // [m]; 2-D: z = 0; axisymmetric: x is the radius, y the axis
+  std::vector<std::array<Index, 8>> element;         // the first corner_count(kind) count
   std::map<std::string, std::vector<Face>> group{};  // named parts of the boundary
 };
 

@@ -1,5 +1,5 @@
-// What is simulated: elastic bodies, what holds and loads them, what they touch. Small strains, so that rotations must stay
-// small too; contact follows the displaced surfaces, so that bodies may slide by any way.
+// What is simulated: elastic bodies, what holds and loads them, what they touch. Small strains, so that rotations must
+// stay small too; contact follows the displaced surfaces, so that bodies may slide by any way.
 #pragma once
 #include <functional>
 #include <string>
@@ -27,14 +27,14 @@ struct Body {
   double thickness = 1;  // [m], of plane strain and stress
 };
 
-using OverTime = std::function<double(double)>;     // of the time [s]
+using OverTime = std::function<double(double)>;       // of the time [s]
 using VectorOverTime = std::function<Vec3d(double)>;  // of the time [s]
 
 /// A component of the displacement is given (Dirichlet).
 struct Fixed {
   int body = 0;
   std::vector<Index> node;
-  int component = 0;                                     // 0, 1, 2: x, y, z
+  int component = 0;                                   // 0, 1, 2: x, y, z
   OverTime displacement = [](double) { return 0.0; };  // [m]
 };
 
@@ -55,7 +55,7 @@ enum class RigidKind {
 struct RigidShape {
   RigidKind kind = RigidKind::half_space;
   Vec3d point{}, axis{0, 1, 0};
-  double radius = 0;  // [m]
+  double radius = 0;                                             // [m]
   VectorOverTime displacement = [](double) { return Vec3d{}; };  // [m]
 };
 
@@ -81,8 +81,8 @@ struct Model {
   Vec3d gravity{};  // [m/s^2]
 };
 
-/// Throws InputError for a model that cannot be computed: see check_mesh, check_law; materials and indices out of range;
-/// bodies of both dimensions; an axisymmetric node at a radius below 0.
+/// Throws InputError for a model that cannot be computed: see check_mesh, check_law; materials and indices out of
+/// range; bodies of both dimensions; an axisymmetric node at a radius below 0.
 void check_model(const Model& model);
 /// Throws InputError for a body that neither fixed displacements nor a contact keep from moving as a whole.
 void check_held(const Model& model);

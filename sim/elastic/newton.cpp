@@ -8,7 +8,7 @@ namespace gonogo::sim::elastic {
 namespace {
 
 struct Residual {
-  Vector r;  // [free]
+  Vector r;                                   // [free]
   double norm = 0, scale = 0, round_off = 0;  // [N]
   double compliance_energy = 0;
   double relative() const { return scale > 0 ? norm / scale : norm; }

@@ -4,8 +4,8 @@
 
 namespace gonogo::sim::elastic {
 
-/// Unknown: displacements u at the end of the step. Velocity v = rate u + v_rest and acceleration a = inertia u + a_rest
-/// are linear in it. Equations on free degrees of freedom, with g(u, v) = loads - K u + contact:
+/// Unknown: displacements u at the end of the step. Velocity v = rate u + v_rest and acceleration a = inertia u +
+/// a_rest are linear in it. Equations on free degrees of freedom, with g(u, v) = loads - K u + contact:
 ///   (1 + alpha) g(u, v) - alpha g_before - M a = 0
 struct ImplicitStep {
   const System& system;

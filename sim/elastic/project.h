@@ -1,5 +1,5 @@
-// Closest point of a face of another body, for plain numbers and for Dual. The projection of a Dual is found on its value;
-// one more Newton step in Dual arithmetic gives its derivative, by the theorem of implicit functions.
+// Closest point of a face of another body, for plain numbers and for Dual. The projection of a Dual is found on its
+// value; one more Newton step in Dual arithmetic gives its derivative, by the theorem of implicit functions.
 #pragma once
 #include <optional>
 
@@ -14,8 +14,8 @@ struct Projection {
   double distance = 0;        // to the closest point [m]
 };
 
-/// Of an edge from corner[0] to corner[1], body on the left. Beyond an end the closest point is the end itself, which counts
-/// only where the surface goes on there, by `goes_on`.
+/// Of an edge from corner[0] to corner[1], body on the left. Beyond an end the closest point is the end itself, which
+/// counts only where the surface goes on there, by `goes_on`.
 template <class T>
 std::optional<Projection<T>> onto_edge(const Vec3T<T>& x, const std::array<Vec3T<T>, 4>& corner,
                                        const std::array<bool, 2>& goes_on) {

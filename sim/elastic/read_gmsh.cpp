@@ -54,22 +54,29 @@ struct Block {  // elements of one entity
 };
 
 struct Content {
-  std::map<std::pair<int, int>, std::string> physical_name;         // dimension, number
-  std::map<std::pair<int, int>, std::vector<int>> physical_of;      // dimension, entity
-  std::map<long, Vec3d> node;                                       // by tag
+  std::map<std::pair<int, int>, std::string> physical_name;     // dimension, number
+  std::map<std::pair<int, int>, std::vector<int>> physical_of;  // dimension, entity
+  std::map<long, Vec3d> node;                                   // by tag
   std::vector<Block> block;
 };
 
 /// Corners by Gmsh's type of element; 0: not read here.
 int corners_of(int type) {
   switch (type) {
-    case 1: return 2;
-    case 2: return 3;
-    case 3: return 4;
-    case 4: return 4;
-    case 5: return 8;
-    case 15: return 1;
-    default: return 0;
+    case 1:
+      return 2;
+    case 2:
+      return 3;
+    case 3:
+      return 4;
+    case 4:
+      return 4;
+    case 5:
+      return 8;
+    case 15:
+      return 1;
+    default:
+      return 0;
   }
 }
 
@@ -124,9 +131,10 @@ void read_elements(Words& in, Content& c) {
     Block block{int(head[0]), int(head[1]), int(head[2]), {}};
     const int corners = corners_of(block.type);
     if (corners == 0)
-      in.fail(line("elements of type %d are not read, only first-order lines, triangles, quadrilaterals, tetrahedra and "
-                   "hexahedra",
-                   block.type));
+      in.fail(
+          line("elements of type %d are not read, only first-order lines, triangles, quadrilaterals, tetrahedra and "
+               "hexahedra",
+               block.type));
     for (long i = 0; i < long(head[3]); ++i) {
       const std::vector<double> v = in.numbers(std::size_t(corners) + 1);
       block.corner.emplace_back();
@@ -149,7 +157,8 @@ Content read_content(Words& in) {
     const std::string head = in.line_text();
     if (head.empty()) continue;
     const std::string name = head.substr(1);
-    if (head[0] != '$' || (first && name != "MeshFormat")) in.fail("'" + head.substr(0, 40) + "' should be $MeshFormat");
+    if (head[0] != '$' || (first && name != "MeshFormat"))
+      in.fail("'" + head.substr(0, 40) + "' should be $MeshFormat");
     first = false;
     const auto reader = readers.find(name);
     if (reader != readers.end()) reader->second(in, c);

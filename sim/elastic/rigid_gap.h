@@ -16,8 +16,8 @@ Vec3d value_of(const Vec3T<T>& v) {
 
 template <class T>
 struct Gap {
-  T gap{};             // [m], below 0: overlap
-  Vec3T<T> normal{};   // unit, out of the obstacle
+  T gap{};            // [m], below 0: overlap
+  Vec3T<T> normal{};  // unit, out of the obstacle
 };
 
 /// `shape` displaced by `by`. The centre of a ball and the axis of a cylinder have no normal: the x axis stands in.

@@ -47,7 +47,8 @@ std::vector<QuadraturePoint> cube_points(int dimension) {
 
 /// Degree 2: points on the lines from the centre to the corners; Hughes, tables 3.I.1 and 3.I.2.
 std::vector<QuadraturePoint> simplex_points(int dimension) {
-  const double far = dimension == 2 ? 2.0 / 3 : 0.5854101966249685, near = dimension == 2 ? 1.0 / 6 : 0.1381966011250105;
+  const double far = dimension == 2 ? 2.0 / 3 : 0.5854101966249685,
+               near = dimension == 2 ? 1.0 / 6 : 0.1381966011250105;
   std::vector<QuadraturePoint> points;
   for (int k = 0; k <= dimension; ++k) {
     QuadraturePoint q;
@@ -65,9 +66,12 @@ struct LinePoint {
 /// Gauss-Legendre on [-1, 1], weights adding up to 2.
 std::vector<LinePoint> gauss(int points) {
   switch (points) {
-    case 1: return {{0, 2}};
-    case 2: return {{-kGauss2, 1}, {kGauss2, 1}};
-    case 3: return {{-0.774596669241483377, 5.0 / 9}, {0, 8.0 / 9}, {0.774596669241483377, 5.0 / 9}};
+    case 1:
+      return {{0, 2}};
+    case 2:
+      return {{-kGauss2, 1}, {kGauss2, 1}};
+    case 3:
+      return {{-0.774596669241483377, 5.0 / 9}, {0, 8.0 / 9}, {0.774596669241483377, 5.0 / 9}};
     case 4:
       return {{-0.861136311594052575, 0.347854845137453857},
               {-0.339981043584856265, 0.652145154862546143},

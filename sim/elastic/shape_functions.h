@@ -8,8 +8,8 @@
 namespace gonogo::sim::elastic {
 
 struct ShapeValues {
-  std::array<double, 8> n{};                    // value of each corner's function
-  std::array<std::array<double, 3>, 8> slope{}; // by local coordinates
+  std::array<double, 8> n{};                     // value of each corner's function
+  std::array<std::array<double, 3>, 8> slope{};  // by local coordinates
 };
 
 struct QuadraturePoint {

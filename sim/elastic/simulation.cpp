@@ -109,7 +109,8 @@ std::vector<std::array<double, 6>> Simulation::node_stress(int body) const {
   for (std::size_t e = 0; e < b.mesh.element.size(); ++e) {
     Vector u(corners * s.dimension);
     for (int i = 0; i < u.size(); ++i)
-      u[i] = parts_->state.u[std::size_t(s.dof(body, b.mesh.element[e][std::size_t(i / s.dimension)], i % s.dimension))];
+      u[i] =
+          parts_->state.u[std::size_t(s.dof(body, b.mesh.element[e][std::size_t(i / s.dimension)], i % s.dimension))];
     for (const QuadraturePoint& q : quadrature_of(b.mesh.kind)) {
       const ShapeValues n = shape_values(b.mesh.kind, q.at);
       const Gradient g = gradient_of(b.mesh, e, n);

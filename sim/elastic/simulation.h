@@ -14,7 +14,7 @@ namespace gonogo::sim::elastic {
 
 /// Degree of freedom k of node n of a body: first of the body + n * dimension + k.
 struct State {
-  double time = 0;           // [s]
+  double time = 0;              // [s]
   std::vector<double> u, v, a;  // [dof]: [m], [m/s], [m/s^2]
 };
 
@@ -46,10 +46,10 @@ struct MarchSettings {
 
 /// One step tried.
 struct StepReport {
-  double time = 0, step = 0;     // at its end [s]
+  double time = 0, step = 0;  // at its end [s]
   bool accepted = false;
-  int iterations = 0, halvings = 0;  // of Newton; of corrections by the line search
-  std::vector<double> residual{};  // relative, before each correction and after the last
+  int iterations = 0, halvings = 0;   // of Newton; of corrections by the line search
+  std::vector<double> residual{};     // relative, before each correction and after the last
   int open = 0, stick = 0, slip = 0;  // Gauss points at its end
 };
 
@@ -69,7 +69,7 @@ struct CriticalStep {
 };
 
 struct CentralSettings {
-  double end = 1, step = 0;       // [s]
+  double end = 1, step = 0;           // [s]
   bool refuse_above_critical = true;  // false: for studies of the bound itself
   std::function<bool(const Simulation&)> watch{};
 };
@@ -94,15 +94,15 @@ class Simulation {
   void set_velocity(int body, const std::function<Vec3d(const Vec3d& node)>& velocity);
   void set_displacement(int body, const std::function<Vec3d(const Vec3d& node)>& displacement);
 
-  /// Load increments until `end`. Newmark's numbers do not count. Throws InputError as check_held does and for steps not
-  /// above 0. Failing to converge is a result.
+  /// Load increments until `end`. Newmark's numbers do not count. Throws InputError as check_held does and for steps
+  /// not above 0. Failing to converge is a result.
   MarchReport statics(const MarchSettings& settings);
   /// Throws InputError for a body without density, beta or gamma that make the method unstable.
   MarchReport newmark(const MarchSettings& settings);
 
   CriticalStep critical_step() const;
-  /// Throws InputError for a body without density and for a step above the critical one. Where contact stiffens on the way
-  /// the bound is computed again; the run ends with a reason when the step is above it.
+  /// Throws InputError for a body without density and for a step above the critical one. Where contact stiffens on the
+  /// way the bound is computed again; the run ends with a reason when the step is above it.
   MarchReport central_difference(const CentralSettings& settings);
 
   Vec3d displacement(int body, Index node) const;

@@ -15,8 +15,7 @@ Model checked(Model model) {
 
 std::vector<int> first_dofs(const Model& model) {
   std::vector<int> first{0};
-  for (const Body& b : model.body)
-    first.push_back(first.back() + int(b.mesh.node.size()) * dimension_of(b.mesh.kind));
+  for (const Body& b : model.body) first.push_back(first.back() + int(b.mesh.node.size()) * dimension_of(b.mesh.kind));
   return first;
 }
 

@@ -17,13 +17,14 @@ struct System {
   std::vector<int> free;   // [dof] place among those that move freely; -1: fixed
   Sparse stiffness, mass;  // of all degrees of freedom [N/m], [kg]
   Sparse free_stiffness, free_mass;
-  Vector lumped;  // [dof] [kg]
+  Vector lumped;        // [dof] [kg]
   double stiffest = 0;  // largest diagonal entry of the stiffness [N/m]
   ContactForces contact;
 
   int dof(int body, Index node, int component) const { return first[std::size_t(body)] + node * dimension + component; }
   Vector loads(double time) const;  // gravity and tractions [N]
-  /// Displacements less the mean of each body where it may move so without strain: K u of a body that slid far stays exact.
+  /// Displacements less the mean of each body where it may move so without strain: K u of a body that slid far stays
+  /// exact.
   Vector strained(const Vector& u) const;
   /// Sets fixed displacements of a time.
   void fix(double time, Vector& u) const;

@@ -39,10 +39,14 @@ std::string stresses(const std::vector<std::array<double, 6>>& stress) {
 
 std::string cells(const Mesh& mesh) {
   const int corners = corner_count(mesh.kind);
-  const int type = mesh.kind == ElementKind::t3 ? 5 : mesh.kind == ElementKind::q4 ? 9 : mesh.kind == ElementKind::t4 ? 10 : 12;
+  const int type = mesh.kind == ElementKind::t3   ? 5
+                   : mesh.kind == ElementKind::q4 ? 9
+                   : mesh.kind == ElementKind::t4 ? 10
+                                                  : 12;
   std::string nodes, ends, types;
   for (std::size_t e = 0; e < mesh.element.size(); ++e) {
-    for (int k = 0; k < corners; ++k) nodes += std::to_string(mesh.element[e][std::size_t(k)]) + (k + 1 < corners ? " " : "\n");
+    for (int k = 0; k < corners; ++k)
+      nodes += std::to_string(mesh.element[e][std::size_t(k)]) + (k + 1 < corners ? " " : "\n");
     ends += std::to_string((e + 1) * std::size_t(corners)) + "\n";
     types += std::to_string(type) + "\n";
   }
@@ -58,8 +62,10 @@ std::string vtu_bytes(const Simulation& simulation, int body) {
   const std::size_t count = mesh.node.size();
   return "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n"
          "  <UnstructuredGrid>\n    <FieldData>\n" +
-         line("      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">%.9g</DataArray>\n",
-              simulation.state().time) +
+         line(
+             "      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" "
+             "format=\"ascii\">%.9g</DataArray>\n",
+             simulation.state().time) +
          line("    </FieldData>\n    <Piece NumberOfPoints=\"%zu\" NumberOfCells=\"%zu\">\n      <Points>\n", count,
               mesh.element.size()) +
          vectors("Points", count, [&](std::size_t i) { return mesh.node[i]; }) + "      </Points>\n" + cells(mesh) +

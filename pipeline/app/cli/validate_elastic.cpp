@@ -30,7 +30,8 @@ void validate_elastic(const Globals& globals, const ElasticRequest& request) {
   json["failed"] = failed;
   json["checks"] = checks;
   if (failed > 0)
-    fail_with_result(globals, json, text, DeviceError(std::to_string(failed) + " checks of elastic bodies do not hold"));
+    fail_with_result(globals, json, text,
+                     DeviceError(std::to_string(failed) + " checks of elastic bodies do not hold"));
   print_result(globals, json, text);
 }
 
@@ -38,7 +39,8 @@ void validate_elastic(const Globals& globals, const ElasticRequest& request) {
 
 void add_elastic_check(CLI::App& validate, const Globals& globals) {
   CLI::App* elastic = validate.add_subcommand(
-      "elastic", "Elastic bodies in compliant contact against closed forms and two benchmarks; fails when one does not hold");
+      "elastic",
+      "Elastic bodies in compliant contact against closed forms and two benchmarks; fails when one does not hold");
   auto request = std::make_shared<ElasticRequest>();
   elastic->add_option("figures", request->figures, "Figures to make; default: all")
       ->check(CLI::IsMember(lab::elastic_figures()));

@@ -32,8 +32,13 @@ Model good() {
   m.body = {{"block", make_rectangle(even(0, 1, 2), even(0, 1, 2)), {1e7, 0.3, 1000}}};
   const auto bottom = nodes_where(m.body[0].mesh, [](const Vec3d& x) { return x.y < 1e-9; });
   m.fixed = {{0, bottom, 0}, {0, bottom, 1}};
-  m.contact = {{.name = "top", .face = faces_where(m.body[0].mesh, [](const Vec3d& x) { return x.y > 0.99; }),
-                .shape = {.point = {0, 2, 0}, .axis = {0, -1, 0}}, .law = {.c_n = 1e9}}};
+  Contact c;
+  c.name = "top";
+  c.face = faces_where(m.body[0].mesh, [](const Vec3d& x) { return x.y > 0.99; });
+  c.shape.point = {0, 2, 0};
+  c.shape.axis = {0, -1, 0};
+  c.law.c_n = 1e9;
+  m.contact.push_back(c);
   return m;
 }
 
@@ -61,7 +66,9 @@ const char* const kSquare =
 
 }  // namespace
 
-TEST_CASE("A good model is taken") { CHECK(refused([](Model&) {}).empty()); }
+TEST_CASE("A good model is taken") {
+  CHECK(refused([](Model&) {}).empty());
+}
 
 TEST_CASE("Bad meshes are refused") {
   CHECK(has(refused([](Model& m) { std::swap(m.body[0].mesh.element[1][1], m.body[0].mesh.element[1][3]); }),
@@ -83,13 +90,15 @@ TEST_CASE("Bad numbers are refused") {
   CHECK(has(refused([](Model& m) { m.body[0].material.poisson = 0.5; }), "Poisson's ratio is 0.5"));
   CHECK(has(refused([](Model& m) { m.contact[0].law.c_n = -5; }), "top: stiffness c_n is -5"));
   CHECK(has(refused([](Model& m) { m.contact[0].law.c_t = -5; }), "top: friction c_t is -5"));
-  CHECK(has(refused([](Model& m) { m.contact[0].law.m_n = 0.5; }), "exponent m_n is 0.5; allowed is 1 and above in 2-D"));
+  CHECK(
+      has(refused([](Model& m) { m.contact[0].law.m_n = 0.5; }), "exponent m_n is 0.5; allowed is 1 and above in 2-D"));
   CHECK(has(refused([](Model& m) { m.contact[0].law = {.c_n = 1, .c_t = 1, .epsilon = 0}; }), "epsilon is 0 m/s"));
   CHECK(has(refused([](Model& m) { m.contact[0].points = 6; }), "6 Gauss points; allowed are 1 to 5"));
   CHECK(has(refused([](Model& m) { m.contact[0].shape.axis = {0, 2, 0}; }), "length 2; it must be 1"));
   CHECK(has(refused([](Model& m) { m.fixed[0].component = 2; }), "components are 0 to 1"));
   CHECK(has(refused([](Model& m) { m.fixed[0].body = 3; }), "names body 3; bodies are 0 to 0"));
-  CHECK(has(said([] { check_law({.c_n = 1, .m_n = 3.5}, 3, "tyre"); }), "tyre: exponent m_n is 3.5; allowed is 1 to 3 in 3-D"));
+  CHECK(has(said([] { check_law({.c_n = 1, .m_n = 3.5}, 3, "tyre"); }),
+            "tyre: exponent m_n is 3.5; allowed is 1 to 3 in 3-D"));
   CHECK(said([] { check_law({.c_n = 1, .m_n = 3.5}, 2, "tyre"); }).empty());
   CHECK(has(said([] { rough_law({.density = 0}, 1e-3); }), "density 0 1/m^2"));
   CHECK(has(said([] { even(1, 0, 3); }), "from < to"));

@@ -25,7 +25,11 @@ ContactLaw law(double m_n, double m_t) { return {.c_n = 1e6, .m_n = m_n, .c_t = 
 Model on_shape(ElementKind kind, RigidShape shape) {
   Model m;
   m.body = {{"block", block(dimension_of(kind) == 3, kind), {1e7, 0.3, 0}}};
-  m.contact = {{.face = side(m.body[0].mesh, 0), .shape = shape, .law = law(1.5, 2.5)}};
+  Contact c;
+  c.face = side(m.body[0].mesh, 0);
+  c.shape = shape;
+  c.law = law(1.5, 2.5);
+  m.contact.push_back(c);
   return m;
 }
 
@@ -37,7 +41,14 @@ Model on_block(ElementKind own, ElementKind other) {
   });
   m.body = {{"lower", block(solid, other), {1e7, 0.3, 0}}, {"upper", upper, {1e7, 0.3, 0}}};
   const auto low = faces_where(upper, [&](const Vec3d& x) { return x.y < 1.02 && x.y > 0.9; });
-  m.contact = {{.body = 1, .face = low, .other = 0, .other_face = side(m.body[0].mesh, 1), .law = law(2, 1), .reach = 0.5}};
+  Contact c;
+  c.body = 1;
+  c.face = low;
+  c.other = 0;
+  c.other_face = side(m.body[0].mesh, 1);
+  c.law = law(2, 1);
+  c.reach = 0.5;
+  m.contact.push_back(c);
   return m;
 }
 
@@ -59,8 +70,7 @@ State1 random_state(int dofs, double u, double v) {
 /// Largest difference of the tangent from central differences, over the largest of its entries.
 double tangent_error(const Model& model, double spread_v) {
   std::vector<int> first{0};
-  for (const Body& b : model.body)
-    first.push_back(first.back() + int(b.mesh.node.size()) * dimension_of(b.mesh.kind));
+  for (const Body& b : model.body) first.push_back(first.back() + int(b.mesh.node.size()) * dimension_of(b.mesh.kind));
   const ContactForces forces(model, first);
   const int dofs = first.back();
   const double rate = 30;
@@ -124,8 +134,8 @@ TEST_CASE("Bodies push each other with equal forces and moments") {
       for (int n = 0; n < nodes; ++n) {
         const int at = (b * nodes + n) * d;
         const Vec3d g{f[at], f[at + 1], d == 3 ? f[at + 2] : 0};
-        const Vec3d x = m.body[std::size_t(b)].mesh.node[std::size_t(n)] +
-                        Vec3d{s.u[at], s.u[at + 1], d == 3 ? s.u[at + 2] : 0};
+        const Vec3d x =
+            m.body[std::size_t(b)].mesh.node[std::size_t(n)] + Vec3d{s.u[at], s.u[at + 1], d == 3 ? s.u[at + 2] : 0};
         force += g;
         moment += cross(x, g);
         scale += length(g);

@@ -95,8 +95,9 @@ TEST_CASE("Thick tube under pressure against Lame") {
   model.body = {{"tube", make_rectangle(even(a, b, 40), {0, 0.01}), {young, nu, 0}, Plane::axisymmetric}};
   const Mesh& mesh = model.body[0].mesh;
   model.fixed = {{0, nodes_where(mesh, [](const Vec3d&) { return true; }), 1}};
-  model.traction = {{0, faces_where(mesh, [&](const Vec3d& x) { return std::fabs(x.x - a) < 1e-9; }),
-                     [p](double) { return Vec3d{p, 0, 0}; }}};
+  model.traction = {{0, faces_where(mesh, [&](const Vec3d& x) { return std::fabs(x.x - a) < 1e-9; }), [p](double) {
+                       return Vec3d{p, 0, 0};
+                     }}};
   Simulation s(model);
   REQUIRE(s.statics({.end = 1, .step = 1}).finished);
   CHECK(std::fabs(s.displacement(0, 0).x / closed - 1) < 2e-3);

@@ -26,10 +26,15 @@ std::vector<double> energies(const el::NewmarkSettings& newmark, int steps, doub
   el::Simulation s = cantilever();
   const double first = s.energy().total();
   std::vector<double> over{1};
-  need_finished(s.newmark({.end = steps * step, .step = step, .newmark = newmark, .watch = [&](const el::Simulation& now) {
-    over.push_back(now.energy().total() / first);
-    return true;
-  }}), "vibrating beam");
+  need_finished(s.newmark({.end = steps * step,
+                           .step = step,
+                           .newmark = newmark,
+                           .watch =
+                               [&](const el::Simulation& now) {
+                                 over.push_back(now.energy().total() / first);
+                                 return true;
+                               }}),
+                "vibrating beam");
   return over;
 }
 
@@ -37,13 +42,15 @@ std::vector<double> energies(const el::NewmarkSettings& newmark, int steps, doub
 std::vector<double> amplitudes(double share) {
   el::Simulation s = cantilever();
   std::vector<double> amplitude;
-  s.central_difference({.end = 1e9, .step = share * s.critical_step().by_iteration, .refuse_above_critical = false,
+  s.central_difference({.end = 1e9,
+                        .step = share * s.critical_step().by_iteration,
+                        .refuse_above_critical = false,
                         .watch = [&](const el::Simulation& now) {
-    double largest = 0;
-    for (const double u : now.state().u) largest = std::max(largest, std::fabs(u));
-    amplitude.push_back(largest);
-    return amplitude.size() < 3000 && largest < 1e30;
-  }});
+                          double largest = 0;
+                          for (const double u : now.state().u) largest = std::max(largest, std::fabs(u));
+                          amplitude.push_back(largest);
+                          return amplitude.size() < 3000 && largest < 1e30;
+                        }});
   return amplitude;
 }
 
@@ -95,13 +102,16 @@ ElasticFigure elastic_critical() {
   }
   const el::CriticalStep step = cantilever().critical_step();
   figure.check = {
-      {"central_growth_at_0.95", "Central differences at 0.95 of the critical step: largest growth", 0, 20, largest(below)},
+      {"central_growth_at_0.95", "Central differences at 0.95 of the critical step: largest growth", 0, 20,
+       largest(below)},
       {"central_growth_at_1.05", "Central differences at 1.05 of it: largest growth", 1e6, 1e300, largest(above)},
       {"central_refused_at_1.05", "Central differences at 1.05 of it: refused, 1 is yes", 1, 1, double(refused)},
-      {"central_step_over_wave", "Critical step over least height over wave speed", 0.5, 1.5, step.by_iteration / step.by_wave}};
+      {"central_step_over_wave", "Critical step over least height over wave speed", 0.5, 1.5,
+       step.by_iteration / step.by_wave}};
   const auto log = [](double x) { return std::log10(std::max(x, 1e-3)); };
-  figure.plot = plot_of("Central differences about the critical step", "step", "log10 of the largest displacement over the first",
-                        {over_steps("0.95 of it", below, log), over_steps("1.05 of it", above, log)}, false);
+  figure.plot =
+      plot_of("Central differences about the critical step", "step", "log10 of the largest displacement over the first",
+              {over_steps("0.95 of it", below, log), over_steps("1.05 of it", above, log)}, false);
   return figure;
 }
 

@@ -1,4 +1,5 @@
-// Hertz contact: a rigid sphere on an elastic half-space. Johnson, Contact Mechanics, 1985, section 3.4 and eq. (4.22) to (4.24):
+// Hertz contact: a rigid sphere on an elastic half-space. Johnson, Contact Mechanics, 1985, section 3.4 and eq. (4.22)
+// to (4.24):
 //   a = (3 F R / (4 E*))^(1/3),  approach = a^2 / R,  p_0 = 3 F / (2 pi a^2),  p = p_0 sqrt(1 - r^2 / a^2)
 #include <algorithm>
 #include <numbers>
@@ -26,14 +27,15 @@ el::Simulation pressed(el::Body body, const char* what) {
   fix(0, [](const Vec3d& x) { return near(x.x, 0); });
   fix(1, [&](const Vec3d& x) { return near(x.y, box.low.y); });
   if (solid) fix(2, [](const Vec3d& x) { return near(x.z, 0); });
-  el::Contact c{.face = el::faces_where(body.mesh, [](const Vec3d& x) {
-                  return near(x.y, 0) && x.x < 1.4 * kContact && x.z < 1.4 * kContact;
-                }),
-                .law = {.c_n = kStiffness},
-                .points = solid ? 2 : 4};
-  c.shape = {.kind = el::RigidKind::ball, .point = {0, kRadius, 0}, .radius = kRadius,
-             .displacement = [](double t) { return Vec3d{0, -kApproach * t, 0}; }};
-  model.contact = {c};
+  el::Contact c{
+      .face = el::faces_where(
+          body.mesh, [](const Vec3d& x) { return near(x.y, 0) && x.x < 1.4 * kContact && x.z < 1.4 * kContact; }),
+      .law = {.c_n = kStiffness},
+      .points = solid ? 2 : 4};
+  c.shape = {.kind = el::RigidKind::ball, .point = {0, kRadius, 0}, .radius = kRadius, .displacement = [](double t) {
+               return Vec3d{0, -kApproach * t, 0};
+             }};
+  model.contact.push_back(c);
   model.body = {std::move(body)};
   el::Simulation s(std::move(model));
   need_finished(s.statics({.end = 1, .step = 1}), what);
@@ -45,7 +47,8 @@ double force_in_space() {
   const auto places = el::graded(0, 1.2 * kContact, 60 * kContact, kContact / 5, 1.7);
   std::vector<double> down;
   for (const double x : el::graded(0, kContact / 2, 60 * kContact, kContact / 5, 1.7)) down.insert(down.begin(), -x);
-  const el::Simulation s = pressed({"block", el::make_box(places, down, places), {kYoung, kPoisson, 0}}, "3-D Hertz contact");
+  const el::Simulation s =
+      pressed({"block", el::make_box(places, down, places), {kYoung, kPoisson, 0}}, "3-D Hertz contact");
   return 4 * std::fabs(s.contact_force(0).y);  // a quarter is modelled
 }
 
@@ -71,15 +74,16 @@ ElasticFigure elastic_hertz() {
     closed.x.push_back(r / a);
     closed.y.push_back(hertz / p0);
   }
-  const double in_space = force_in_space(), by_approach = 4.0 / 3 * kModulus * std::sqrt(kRadius) * std::pow(kApproach, 1.5);
+  const double in_space = force_in_space(),
+               by_approach = 4.0 / 3 * kModulus * std::sqrt(kRadius) * std::pow(kApproach, 1.5);
   figure.check = {
       {"hertz_pressure_ratio", "Hertz contact: highest pressure over closed form", 0.98, 1.02, highest / p0},
-      {"hertz_radius_ratio", "Hertz contact: radius over closed form", 0.98, 1.02, extent(s.contact_points(), 1, touches) / a},
+      {"hertz_radius_ratio", "Hertz contact: radius over closed form", 0.98, 1.02,
+       extent(s.contact_points(), 1, touches) / a},
       {"hertz_approach_ratio", "Hertz contact: approach over closed form", 0.98, 1.02, kApproach / (a * a / kRadius)},
       {"hertz_force_ratio_h8", "Hertz contact, coarse 3-D hexahedra: force over closed form", 0.94, 1.06,
        in_space / by_approach}};
-  figure.plot = plot_of("Rigid sphere on an elastic half-space", "r / a", "p / p0",
-                        {closed, measured});
+  figure.plot = plot_of("Rigid sphere on an elastic half-space", "r / a", "p / p0", {closed, measured});
   return figure;
 }
 

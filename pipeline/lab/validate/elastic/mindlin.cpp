@@ -1,7 +1,7 @@
 // Cattaneo-Mindlin: two equal cylinders pressed together, then sheared by Q < mu P. The middle sticks, the edges slip:
 //   c = a sqrt(1 - Q / (mu P)),  q = mu p_0 (sqrt(1 - x^2/a^2) - c/a sqrt(1 - x^2/c^2))
-// Cattaneo 1938, Mindlin 1949; Johnson, Contact Mechanics, eq. (7.25) to (7.28). Equal materials, so that pressure moves no point
-// of one surface over the other.
+// Cattaneo 1938, Mindlin 1949; Johnson, Contact Mechanics, eq. (7.25) to (7.28). Equal materials, so that pressure
+// moves no point of one surface over the other.
 #include <algorithm>
 #include <numbers>
 
@@ -45,12 +45,17 @@ el::Model two_cylinders() {
   fix(1, kFar, 0, [](double t) { return t < 1 ? 0 : kShear * (t - 1); });
   fix(1, kFar, 1, [](double t) { return -kPress * std::min(t, 1.0); });
   const auto surface = [&](int body) {
-    return el::faces_where(model.body[std::size_t(body)].mesh, [](const Vec3d& x) {
-      return std::fabs(x.x) < 1.25 * kContact && std::fabs(x.y) < 3e-3;
-    });
+    return el::faces_where(model.body[std::size_t(body)].mesh,
+                           [](const Vec3d& x) { return std::fabs(x.x) < 1.25 * kContact && std::fabs(x.y) < 3e-3; });
   };
-  model.contact = {{.body = 1, .face = surface(1), .other = 0, .other_face = surface(0),
-                    .law = el::penalty_law(5e3 * kYoung, kFriction, 2e-6), .points = 4}};
+  el::Contact contact;
+  contact.body = 1;
+  contact.face = surface(1);
+  contact.other = 0;
+  contact.other_face = surface(0);
+  contact.law = el::penalty_law(5e3 * kYoung, kFriction, 2e-6);
+  contact.points = 4;
+  model.contact.push_back(contact);
   return model;
 }
 
@@ -80,11 +85,11 @@ ElasticFigure elastic_mindlin() {
     closed.x.push_back(x / hertz_a);
     closed.y.push_back(q / (kFriction * p0));
   }
-  figure.check = {{"mindlin_load_share", "Cattaneo-Mindlin: tangential load over mu P", 0.3, 0.9, share},
-                  {"mindlin_stick_ratio", "Cattaneo-Mindlin: stick half-width over closed form", 0.97, 1.03, c / closed_c},
-                  {"mindlin_contact_ratio", "Cattaneo-Mindlin: contact half-width over Hertz", 0.98, 1.02, a / hertz_a}};
-  figure.plot = plot_of("Two equal cylinders, sheared", "x / a", "q / (mu p0)",
-                        {closed, measured});
+  figure.check = {
+      {"mindlin_load_share", "Cattaneo-Mindlin: tangential load over mu P", 0.3, 0.9, share},
+      {"mindlin_stick_ratio", "Cattaneo-Mindlin: stick half-width over closed form", 0.97, 1.03, c / closed_c},
+      {"mindlin_contact_ratio", "Cattaneo-Mindlin: contact half-width over Hertz", 0.98, 1.02, a / hertz_a}};
+  figure.plot = plot_of("Two equal cylinders, sheared", "x / a", "q / (mu p0)", {closed, measured});
   return figure;
 }
 

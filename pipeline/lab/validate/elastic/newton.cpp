@@ -1,5 +1,5 @@
-// Newton's residuals of one contact step, with friction and a power law: near the solution each is below a constant times the
-// square of the one before.
+// Newton's residuals of one contact step, with friction and a power law: near the solution each is below a constant
+// times the square of the one before.
 #include <algorithm>
 
 #include "base/line.h"
@@ -18,9 +18,10 @@ el::Simulation block() {
   model.fixed = {{0, bottom, 0}, {0, bottom, 1}};
   el::Contact c{.face = el::faces_where(mesh, [](const Vec3d& x) { return near(x.y, 0); }),
                 .law = {.c_n = 1e12, .m_n = 2, .c_t = 4e11, .m_t = 2, .epsilon = 1e-3}};
-  c.shape = {.kind = el::RigidKind::ball, .point = {0, 0.1, 0}, .radius = 0.1,
-             .displacement = [](double t) { return Vec3d{2e-3 * t, -2e-3 * t, 0}; }};
-  model.contact = {c};
+  c.shape = {.kind = el::RigidKind::ball, .point = {0, 0.1, 0}, .radius = 0.1, .displacement = [](double t) {
+               return Vec3d{2e-3 * t, -2e-3 * t, 0};
+             }};
+  model.contact.push_back(c);
   return el::Simulation(std::move(model));
 }
 
@@ -41,11 +42,12 @@ ElasticFigure elastic_newton() {
     if (i < 2 || residual[i - 2] > 0.1 || residual[i] < 1e-12) continue;  // far away; round-off
     order = std::max(order, std::log(residual[i] / residual[i - 1]) / std::log(residual[i - 1] / residual[i - 2]));
   }
-  figure.check = {{"newton_order", "Newton near the solution: order of the last residuals above round-off", 1.8, 3, order},
-                  {"newton_iterations", "Newton: iterations of the step", 1, 30, double(r.step.back().iterations)},
-                  {"newton_halved_steps", "Newton: steps that had to be halved", 0, 0, double(r.newton_failures)}};
-  figure.plot = plot_of("Newton's method on a contact step with friction", "iteration", "log10 of the relative residual",
-                        {l}, false);
+  figure.check = {
+      {"newton_order", "Newton near the solution: order of the last residuals above round-off", 1.8, 3, order},
+      {"newton_iterations", "Newton: iterations of the step", 1, 30, double(r.step.back().iterations)},
+      {"newton_halved_steps", "Newton: steps that had to be halved", 0, 0, double(r.newton_failures)}};
+  figure.plot = plot_of("Newton's method on a contact step with friction", "iteration",
+                        "log10 of the relative residual", {l}, false);
   return figure;
 }
 

@@ -1,5 +1,5 @@
-// Patch test: displacements that are linear in space, given on the boundary of a distorted mesh, must come out exactly inside
-// (Irons 1966; Hughes, The Finite Element Method, section 4.6).
+// Patch test: displacements that are linear in space, given on the boundary of a distorted mesh, must come out exactly
+// inside (Irons 1966; Hughes, The Finite Element Method, section 4.6).
 #include <algorithm>
 
 #include "base/line.h"
@@ -79,8 +79,8 @@ ElasticFigure elastic_patch() {
     line_of.x.push_back(double(line_of.x.size()));
     line_of.y.push_back(std::log10(std::max(error, 1e-18)));
   }
-  figure.plot = plot_of("Patch test", "element: t3, q4, plane stress t3, q4, axisymmetric q4, t4, h8", "log10 of the relative error",
-                        {line_of});
+  figure.plot = plot_of("Patch test", "element: t3, q4, plane stress t3, q4, axisymmetric q4, t4, h8",
+                        "log10 of the relative error", {line_of});
   return figure;
 }
 

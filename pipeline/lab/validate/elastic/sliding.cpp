@@ -1,5 +1,6 @@
-// A block with friction slides to rest: Coulomb's closed forms are the stop at v_0 / (mu g) after v_0^2 / (2 mu g). Regularised
-// friction of a rigid block leaves v = 2 epsilon / (1 + e^2) at that time, which falls in proportion to epsilon.
+// A block with friction slides to rest: Coulomb's closed forms are the stop at v_0 / (mu g) after v_0^2 / (2 mu g).
+// Regularised friction of a rigid block leaves v = 2 epsilon / (1 + e^2) at that time, which falls in proportion to
+// epsilon.
 #include <algorithm>
 
 #include "base/line.h"
@@ -21,7 +22,7 @@ el::Simulation resting_block(double epsilon) {
   el::Contact c{.face = el::faces_where(model.body[0].mesh, [](const Vec3d& x) { return near(x.y, 0); }),
                 .law = el::penalty_law(1e8, kFriction, epsilon)};
   c.shape.displacement = [](double) { return Vec3d{0, 1e-7, 0}; };  // touches from the start
-  model.contact = {c};
+  model.contact.push_back(c);
   el::Simulation s(std::move(model));
   need_finished(s.statics({.end = 1, .step = 1}), "block at rest");
   s.set_velocity(0, [](const Vec3d&) { return Vec3d{kSpeed, 0, 0}; });
@@ -40,25 +41,29 @@ Slide slide(double epsilon, double until, double step) {
   Slide found;
   const double start = s.state().time;
   double way = 0, last = kSpeed, before = start;
-  found.report = s.newmark({.end = start + until, .step = step, .stick_step = step / 32, .newmark = el::hht(-0.1),
+  found.report = s.newmark({.end = start + until,
+                            .step = step,
+                            .stick_step = step / 32,
+                            .newmark = el::hht(-0.1),
                             .watch = [&](const el::Simulation& now) {
-    const double t = now.state().time - start, v = now.mean_velocity(0).x;
-    way += (v + last) / 2 * (now.state().time - before);
-    if (t >= kStop && (found.time.empty() || found.time.back() < kStop)) {
-      const double past = found.time.empty() ? 0 : found.time.back();
-      found.left = last + (v - last) * (kStop - past) / (t - past);
-    }
-    const auto& points = now.contact_points();
-    const bool slips = std::any_of(points.begin(), points.end(), [](const auto& p) { return p.touch == el::Touch::slip; });
-    if (!slips && found.stop == 0) found.stop = t;
-    if (slips) found.stop = 0;
-    found.time.push_back(t);
-    found.speed.push_back(v);
-    found.way.push_back(way);
-    last = v;
-    before = now.state().time;
-    return true;
-  }});
+                              const double t = now.state().time - start, v = now.mean_velocity(0).x;
+                              way += (v + last) / 2 * (now.state().time - before);
+                              if (t >= kStop && (found.time.empty() || found.time.back() < kStop)) {
+                                const double past = found.time.empty() ? 0 : found.time.back();
+                                found.left = last + (v - last) * (kStop - past) / (t - past);
+                              }
+                              const auto& points = now.contact_points();
+                              const bool slips = std::any_of(points.begin(), points.end(),
+                                                             [](const auto& p) { return p.touch == el::Touch::slip; });
+                              if (!slips && found.stop == 0) found.stop = t;
+                              if (slips) found.stop = 0;
+                              found.time.push_back(t);
+                              found.speed.push_back(v);
+                              found.way.push_back(way);
+                              last = v;
+                              before = now.state().time;
+                              return true;
+                            }});
   need_finished(found.report, "sliding block");
   return found;
 }
@@ -81,8 +86,7 @@ ElasticFigure elastic_block() {
                   {"block_way_ratio", "Block: way to rest over v^2 / (2 mu g)", 0.99, 1.01, s.way.back() / kWay},
                   {"block_stick_halvings", "Block: steps shortened where slip turns to stick", 1, 1e4,
                    double(s.report.stick_halvings)}};
-  figure.plot = plot_of("A block slides to rest", "time [s]", "speed [m/s]",
-                        {closed, measured});
+  figure.plot = plot_of("A block slides to rest", "time [s]", "speed [m/s]", {closed, measured});
   return figure;
 }
 
@@ -101,10 +105,10 @@ ElasticFigure elastic_epsilon() {
   }
   const double order = std::log(left.front() / left.back()) / std::log(8.0);
   figure.check = {{"epsilon_order", "Regularised friction: order of the error in epsilon", 0.95, 3, order},
-                  {"epsilon_error", "Regularised friction at the least epsilon: speed left at Coulomb's stop, m/s", 0, 0.01,
-                   std::fabs(left.back())}};
-  figure.plot = plot_of("Regularised friction tends to Coulomb's", "log10 epsilon [m/s]", "log10 of the speed left [m/s]",
-                        {closed, measured}, false);
+                  {"epsilon_error", "Regularised friction at the least epsilon: speed left at Coulomb's stop, m/s", 0,
+                   0.01, std::fabs(left.back())}};
+  figure.plot = plot_of("Regularised friction tends to Coulomb's", "log10 epsilon [m/s]",
+                        "log10 of the speed left [m/s]", {closed, measured}, false);
   return figure;
 }
 
