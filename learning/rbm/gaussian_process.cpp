@@ -90,7 +90,7 @@ KernelLogs searched(const LabelledInputs& rows, const GaussianProcessSettings& s
                                 torch::optim::LBFGSOptions(1)
                                     .max_iter(std::int64_t(settings.search_steps))
                                     .tolerance_grad(1e-2)
-                                    .tolerance_change(1e-4)
+                                    .tolerance_change(1e-2)
                                     .line_search_fn("strong_wolfe"));
   optimizer.step([&] { return search(); });
   return search.values();

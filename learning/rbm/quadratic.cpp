@@ -63,7 +63,7 @@ double chosen_ridge(const TrainingTable& terms, std::span<const int> label, std:
 }  // namespace
 
 double QuadraticModel::operator()(std::span<const double> variables) const {
-  return of_terms(terms_of(*this, variables));
+  return std::clamp(of_terms(terms_of(*this, variables)), kLeast, 1 - kLeast);
 }
 
 QuadraticModel fit_quadratic(const TrainingTable& table, std::span<const int> label, std::uint64_t seed) {

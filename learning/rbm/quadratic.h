@@ -19,7 +19,7 @@ struct QuadraticModel : Standardisation {
   double operator()(std::span<const double> variables) const;
 };
 
-/// Chooses the ridge among 10^-2.5, 10^-2, ..., 10^1.5 by five-fold cross-validation of the weighted log loss, groups
+/// Probabilities lie in [1e-12, 1 - 1e-12]. Chooses the ridge among 10^-2.5, 10^-2, ..., 10^1.5 by five-fold cross-validation of the weighted log loss, groups
 /// together, then fits on all rows. label: [row_count()] of {0, 1}. Deterministic in the seed.
 QuadraticModel fit_quadratic(const TrainingTable& table, std::span<const int> label, std::uint64_t seed = 1);
 
