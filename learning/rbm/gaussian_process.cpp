@@ -55,16 +55,15 @@ LabelledInputs some_rows(const LabelledInputs& rows, std::size_t most, std::uint
 /// Minus the log of evidence times prior, as LBFGS wants it: leaves its gradient in the parameter.
 class Search {
  public:
-  Search(const LabelledInputs& rows, const GaussianProcessSettings& settings) : rows_(rows), width_(settings.prior_width) {
+  Search(const LabelledInputs& rows, const GaussianProcessSettings& settings)
+      : rows_(rows), width_(settings.prior_width) {
     std::vector<double> centre(std::size_t(rows.Z.size(1)), std::log(settings.prior_length));
     centre.push_back(std::log(settings.prior_variance));
     centre_ = torch::tensor(centre, torch::kFloat64);
     logs_ = centre_.clone().set_requires_grad(true);
   }
   torch::Tensor& logs() { return logs_; }
-  KernelLogs values() const {
-    return KernelLogs(logs_.data_ptr<double>(), logs_.data_ptr<double>() + logs_.numel());
-  }
+  KernelLogs values() const { return KernelLogs(logs_.data_ptr<double>(), logs_.data_ptr<double>() + logs_.numel()); }
   torch::Tensor operator()() {
     stop_if_cancelled();
     const torch::NoGradGuard constants;
@@ -98,18 +97,18 @@ KernelLogs searched(const LabelledInputs& rows, const GaussianProcessSettings& s
 
 /// Mean of sigmoid(f) for a normal f: 20-point Gauss-Hermite quadrature on the nodes of exp(-t^2).
 double mean_sigmoid(const Latent& f) {
-  constexpr std::array<double, 10> kNode = {0.24534070830090124, 0.7374737285453944, 1.2340762153953231,
-                                            1.7385377121165861,  2.2549740020892757, 2.7888060584281305,
-                                            3.3478545673832163,  3.9447640401156252, 4.6036824495507442,
-                                            5.3874808900112328};
-  constexpr std::array<double, 10> kWeight = {0.4622436696006101,   0.28667550536283415,   0.10901720602002329,
+  constexpr std::array<double, 10> kNode = {
+      0.24534070830090124, 0.7374737285453944, 1.2340762153953231, 1.7385377121165861, 2.2549740020892757,
+      2.7888060584281305,  3.3478545673832163, 3.9447640401156252, 4.6036824495507442, 5.3874808900112328};
+  constexpr std::array<double, 10> kWeight = {0.4622436696006101,    0.28667550536283415,   0.10901720602002329,
                                               0.024810520887463643,  0.0032437733422378566, 0.00022833863601635308,
                                               7.8025564785320636e-6, 1.0860693707692822e-7, 4.3993409922731809e-10,
                                               2.2293936455341515e-13};
   const double scale = std::sqrt(2 * f.variance);
   double sum = 0;
   for (std::size_t k = 0; k < kNode.size(); ++k)
-    sum += kWeight[k] * (1 / (1 + std::exp(-f.mean - scale * kNode[k])) + 1 / (1 + std::exp(-f.mean + scale * kNode[k])));
+    sum +=
+        kWeight[k] * (1 / (1 + std::exp(-f.mean - scale * kNode[k])) + 1 / (1 + std::exp(-f.mean + scale * kNode[k])));
   return sum / std::sqrt(kPi);
 }
 

@@ -19,8 +19,9 @@ struct QuadraticModel : Standardisation {
   double operator()(std::span<const double> variables) const;
 };
 
-/// Probabilities lie in [1e-12, 1 - 1e-12]. Chooses the ridge among 10^-2.5, 10^-2, ..., 10^1.5 by five-fold cross-validation of the weighted log loss, groups
-/// together, then fits on all rows. label: [row_count()] of {0, 1}. Deterministic in the seed.
+/// Probabilities lie in [1e-12, 1 - 1e-12]. Chooses the ridge among 10^-2.5, 10^-2, ..., 10^1.5 by five-fold
+/// cross-validation of the weighted log loss, groups together, then fits on all rows. label: [row_count()] of {0, 1}.
+/// Deterministic in the seed.
 QuadraticModel fit_quadratic(const TrainingTable& table, std::span<const int> label, std::uint64_t seed = 1);
 
 /// P(1) of every row by a model fitted without the row's fold.

@@ -113,8 +113,9 @@ TEST_CASE("evidence and its gradient agree with dense determinants and finite di
       KernelLogs more = logs, less = logs;
       more[k] += h;
       less[k] -= h;
-      const double slope = (Dense(inputs, label, table.weight, more).evidence() -
-                            Dense(inputs, label, table.weight, less).evidence()) / (2 * h);
+      const double slope =
+          (Dense(inputs, label, table.weight, more).evidence() - Dense(inputs, label, table.weight, less).evidence()) /
+          (2 * h);
       CHECK(found.gradient[k] == Approx(slope).epsilon(1e-4).margin(1e-6));
     }
   }
@@ -156,7 +157,8 @@ TEST_CASE("a row of weight two counts as the row twice") {
 }
 
 TEST_CASE("the search climbs the evidence, is a function of its seed, and the process learns a curved edge") {
-  const TrainingTable table = boundary_table(300, 4, Boundary::curved), fresh = boundary_table(2000, 99, Boundary::curved);
+  const TrainingTable table = boundary_table(300, 4, Boundary::curved),
+                      fresh = boundary_table(2000, 99, Boundary::curved);
   const std::vector<int> label = labels_of(table);
   GaussianProcessSettings settings;
   settings.search_rows = 200;
@@ -167,8 +169,7 @@ TEST_CASE("the search climbs the evidence, is a function of its seed, and the pr
   const auto evidence = [&](const KernelLogs& logs) {
     const Standardisation scaling = standardisation_of(table);
     std::vector<double> rows = table.variables;
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      rows[k] = scaling.standardised(k % table.variable_count, rows[k]);
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k] = scaling.standardised(k % table.variable_count, rows[k]);
     return laplace_evidence(rows, label, table.weight, logs).value;
   };
   KernelLogs start(table.variable_count, std::log(3.0));
@@ -179,13 +180,14 @@ TEST_CASE("the search climbs the evidence, is a function of its seed, and the pr
   const LogisticModel logistic = fit_logistic(table, label);
   for (std::size_t n = 0; n < fresh.row_count(); ++n) straight.push_back(logistic(fresh.row(n)));
   const double brier = brier_score(p, labels_of(fresh));
-  std::printf("curved edge, 300 rows in %.1f s: Brier of the process %.4f, of logistic regression %.4f\n", seconds, brier,
-              brier_score(straight, labels_of(fresh)));
+  std::printf("curved edge, 300 rows in %.1f s: Brier of the process %.4f, of logistic regression %.4f\n", seconds,
+              brier, brier_score(straight, labels_of(fresh)));
   CHECK(brier < 0.8 * brier_score(straight, labels_of(fresh)));
 }
 
 TEST_CASE("quadratic regression finds a quadratic edge that a straight one cannot follow") {
-  const TrainingTable table = boundary_table(600, 4, Boundary::curved), fresh = boundary_table(2000, 99, Boundary::curved);
+  const TrainingTable table = boundary_table(600, 4, Boundary::curved),
+                      fresh = boundary_table(2000, 99, Boundary::curved);
   const std::vector<int> label = labels_of(table);
   const QuadraticModel model = fit_quadratic(table, label);
   const LogisticModel straight = fit_logistic(table, label);

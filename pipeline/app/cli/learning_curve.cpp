@@ -13,7 +13,9 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals, const Wor
       ->add_option("--study", options->study,
                    "Study whose sections \"learning\" and \"design\" apply; defaults without")
       ->type_name(kStudy);
-  command->add_option("--out", options->out, "Folder for models, learning_curve.json, learning_curve.csv and learning_curve.png")
+  command
+      ->add_option("--out", options->out,
+                   "Folder for models, learning_curve.json, learning_curve.csv and learning_curve.png")
       ->type_name(kFolder)
       ->required();
   command->add_option("--trials", options->trials, "Numbers of trials to train on")
@@ -26,8 +28,9 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals, const Wor
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1");
-  add_examples(*command, {"gonogo learning-curve --dataset data/quarter_wheel_32mm/dataset.h5 \\\n"
-                          "      --study configs/studies/quarter_wheel_32mm.json --trials 100,300,1000,3004 --out curve"},
+  add_examples(*command,
+               {"gonogo learning-curve --dataset data/quarter_wheel_32mm/dataset.h5 \\\n"
+                "      --study configs/studies/quarter_wheel_32mm.json --trials 100,300,1000,3004 --out curve"},
                "The same command goes on after an interruption.");
   command->callback([options, work, &globals] { work(globals, *options); });
 }

@@ -46,9 +46,9 @@ struct EvaluateOptions {
 };
 
 struct LearningCurveOptions {
-  std::filesystem::path dataset, study, out;             // study: empty for defaults
-  std::optional<std::uint64_t> seed;                     // nothing: the study's, or 1
-  std::vector<std::size_t> trials = {100, 300, 1000};    // numbers to train on
+  std::filesystem::path dataset, study, out;           // study: empty for defaults
+  std::optional<std::uint64_t> seed;                   // nothing: the study's, or 1
+  std::vector<std::size_t> trials = {100, 300, 1000};  // numbers to train on
   std::size_t hold_out = 1000, subsets = 5;
 };
 

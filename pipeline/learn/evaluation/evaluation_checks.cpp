@@ -52,8 +52,8 @@ Json evaluation_checks(const Json& report) {
   if (const Json* found = report.find("reconstruction"); found && !found->find("left_out")) {
     const Json &coverage = found->at("coverage"), &gain = found->at("gain_nat");
     const double miss = std::abs(coverage.at("value").number() - 0.9);
-    checks.push_back(check("two inputs reconstructed: coverage of intervals of 90 % away from 0.9", miss <= kMaxCoverageMiss,
-                           miss, kMaxCoverageMiss));
+    checks.push_back(check("two inputs reconstructed: coverage of intervals of 90 % away from 0.9",
+                           miss <= kMaxCoverageMiss, miss, kMaxCoverageMiss));
     Json loss;
     loss["low"] = -gain.at("high").number();
     loss["high"] = -gain.at("low").number();

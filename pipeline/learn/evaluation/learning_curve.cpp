@@ -40,9 +40,9 @@ std::vector<Point> points_of(const LearningCurveRequest& request, std::size_t le
   std::vector<Point> points;
   for (std::size_t trials : request.trials) {
     if (trials < 10 || trials > left)
-      throw InputError("learning curve: " + std::to_string(trials) + " trials to train on; give a number between 10 and " +
-                       std::to_string(left) + ", which are left after holding out " +
-                       std::to_string(request.training.hold_out));
+      throw InputError("learning curve: " + std::to_string(trials) +
+                       " trials to train on; give a number between 10 and " + std::to_string(left) +
+                       ", which are left after holding out " + std::to_string(request.training.hold_out));
     for (std::size_t k = 1; k <= (trials == left ? 1 : request.subsets); ++k) points.push_back({trials, k});
   }
   return points;

@@ -29,11 +29,10 @@ learning::GaussianProcessModel process_of(const learning::TrainingTable& table) 
 
 std::shared_ptr<const learning::Teaching> taught(double weight, std::vector<double> points,
                                                  std::vector<double> probability) {
-  return std::make_shared<const learning::Teaching>(learning::Teaching{
-      .weight = weight,
-      .points = std::move(points),
-      .probability = std::move(probability),
-      .label = passable_outcomes()});
+  return std::make_shared<const learning::Teaching>(learning::Teaching{.weight = weight,
+                                                                       .points = std::move(points),
+                                                                       .probability = std::move(probability),
+                                                                       .label = passable_outcomes()});
 }
 
 }  // namespace

@@ -63,8 +63,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     training.seed = random_bits(request.seed, 1, std::uint64_t(member));
     learning::Model model = base;
     const auto lesson = teach_all(table, data.lower, data.upper, taught, training.seed);
-    model.weights =
-        learning::train_rbm(base.layout, table, training, *sampler, {}, nullptr, lesson.get()).weights;
+    model.weights = learning::train_rbm(base.layout, table, training, *sampler, {}, nullptr, lesson.get()).weights;
     model.provenance["member"] = member;
     learning::write_model(files.back(), model);
     kept.keep_member(files.back());

@@ -179,8 +179,7 @@ Json train_model(const TrainRequest& request) {
         progress.machine_done(done);
         source.begin();
       },
-      progress.watch(), fold_store(kept, progress, source),
-      [&](std::size_t fold) { return teacher.of_fold(fold); });
+      progress.watch(), fold_store(kept, progress, source), [&](std::size_t fold) { return teacher.of_fold(fold); });
   training.epochs = validation.best_epoch;
   progress.last_machine(training.epochs);
   if (settings.calibrate) model.calibration_power = calibrate(data, validation, folds, training.seed);

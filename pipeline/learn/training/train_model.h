@@ -20,7 +20,7 @@ struct TrainRequest {
   std::size_t hold_out = 0;        // size of the held-out set, drawn from the seed; evaluate scores it
   std::size_t trials = 0;          // so many of those that are not held out train, drawn by `subset`; 0: all
   std::uint64_t subset = 0;
-  bool members_follow = false;     // train_members() comes next: finished folds are kept for its interruption
+  bool members_follow = false;  // train_members() comes next: finished folds are kept for its interruption
 };
 
 /// As read_learning_settings(). Also throws InputError for settings that LibTorch on this machine does not support.

@@ -45,8 +45,7 @@ learning::TrainingTable drawn_from(const Predictor& predictor, std::size_t rows,
   for (std::size_t n = 0; n < rows; ++n) {
     std::vector<double> x;
     for (std::size_t v = 0; v < table.variable_count; ++v)
-      x.push_back(model.sampled_lower[v] +
-                  (model.sampled_upper[v] - model.sampled_lower[v]) * random_unit(seed, n, v));
+      x.push_back(model.sampled_lower[v] + (model.sampled_upper[v] - model.sampled_lower[v]) * random_unit(seed, n, v));
     const std::vector<double> p = predictor.outcome_probabilities(x);
     std::size_t y = 0;
     for (double u = random_unit(seed, n, 99) - p[0]; u >= 0 && y + 1 < p.size();) u -= p[++y];
