@@ -175,6 +175,19 @@ std::vector<double> GaussianProcessModel::probabilities(std::span<const double> 
   return p;
 }
 
+std::vector<double> GaussianProcessModel::most_probable(std::span<const double> points) const {
+  const OneTorchThread one_thread;
+  const torch::Tensor all = standardised_rows(scaling_, points);
+  std::vector<double> p;
+  for (std::int64_t first = 0; first < all.size(0); first += kBlock) {
+    stop_if_cancelled();
+    const torch::Tensor k = kernel(rows_->Z, all.slice(0, first, std::min(first + kBlock, all.size(0))), logs_);
+    const torch::Tensor block = torch::sigmoid(torch::mv(k.t(), rows_->slope)).contiguous();
+    p.insert(p.end(), block.data_ptr<double>(), block.data_ptr<double>() + block.numel());
+  }
+  return p;
+}
+
 double GaussianProcessModel::operator()(std::span<const double> variables) const { return probabilities(variables)[0]; }
 
 }  // namespace gonogo::learning

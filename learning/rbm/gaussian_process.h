@@ -47,6 +47,9 @@ class GaussianProcessModel {
   /// Many points at once are much faster than one by one. points: [point count x variable count]; NaN counts as the
   /// variable's mean. Throws nothing.
   std::vector<double> probabilities(std::span<const double> points) const;
+  /// sigmoid of the mean of f: the class probability at the most probable latent function (section 3.4.2). On few
+  /// trials the mean of sigmoid(f) is too unsure, because Laplace's approximation is too wide.
+  std::vector<double> most_probable(std::span<const double> points) const;
   std::vector<Latent> latent(std::span<const double> points) const;
   double operator()(std::span<const double> variables) const;
   const KernelLogs& logs() const { return logs_; }

@@ -131,11 +131,13 @@ TEST_CASE("the posterior at fresh points agrees with dense algebra, its mean pro
   const Dense dense(matrix_of(rows, 2), labels_of(table), table.weight, logs);
   const std::vector<Latent> found = model.latent(fresh);
   const std::vector<double> p = model.probabilities(fresh);
+  const std::vector<double> mode = model.most_probable(fresh);
   for (std::size_t n = 0; n < found.size(); ++n) {
     const Eigen::Vector2d x(scaling.standardised(0, fresh[2 * n]), scaling.standardised(1, fresh[2 * n + 1]));
     const Latent expected = dense.latent(x);
     CHECK(found[n].mean == Approx(expected.mean).epsilon(1e-5).margin(1e-8));
     CHECK(found[n].variance == Approx(expected.variance).epsilon(1e-5));
+    CHECK(mode[n] == Approx(1 / (1 + std::exp(-expected.mean))).epsilon(1e-5));
     CHECK(p[n] == Approx(mean_sigmoid(expected)).margin(2e-4));
     CHECK(p[n] == Approx(model(std::span(fresh).subspan(2 * n, 2))));
   }

@@ -54,7 +54,7 @@ const ProcessAnswers& Teacher::answers(std::size_t fold) {
   for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == fold ? held_out : training).push_back(n);
   const learning::GaussianProcessModel process = process_of(data_.table.subset(training));
   ProcessAnswers fresh{process.probabilities(data_.table.subset(held_out).variables),
-                       weight_ > 0 ? process.probabilities(points_) : std::vector<double>()};
+                       weight_ > 0 ? process.most_probable(points_) : std::vector<double>()};
   kept_.keep_process(fold, fresh);
   return answers_.emplace(fold, std::move(fresh)).first->second;
 }
@@ -64,7 +64,7 @@ std::shared_ptr<const learning::Teaching> Teacher::of_fold(std::size_t fold) {
 }
 
 std::shared_ptr<const learning::Teaching> Teacher::of_all() {
-  return weight_ > 0 ? taught(weight_, points_, process_of(data_.table).probabilities(points_)) : nullptr;
+  return weight_ > 0 ? taught(weight_, points_, process_of(data_.table).most_probable(points_)) : nullptr;
 }
 
 std::vector<double> Teacher::held_out() {
@@ -79,7 +79,7 @@ std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTabl
                                                     double weight, std::uint64_t seed) {
   if (weight == 0) return nullptr;
   std::vector<double> points = points_of(lower, upper, seed);
-  std::vector<double> probability = process_of(table).probabilities(points);
+  std::vector<double> probability = process_of(table).most_probable(points);
   return taught(weight, std::move(points), std::move(probability));
 }
 
