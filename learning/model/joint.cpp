@@ -21,28 +21,35 @@ Posterior::Question Posterior::question(std::span<const double> variables, std::
   return asked;
 }
 
+namespace {
+
+/// Value below which `share` of the probability lies. half: half widths of the bins, over which it is spread evenly.
+double quantile(std::span<const double> middle, std::span<const double> half, std::span<const double> probability,
+                double share) {
+  double below = 0;
+  for (std::size_t bin = 0; bin < middle.size(); ++bin) {
+    const double p = probability[bin];
+    if (p > 0 && below + p >= share) return middle[bin] + half[bin] * (2 * (share - below) / p - 1);
+    below += p;
+  }
+  return middle.back() + half.back();  // probabilities that sum to a little less than `share`
+}
+
+}  // namespace
+
 /// Mean, deviation and quantiles of every unknown variable from its probabilities.
 JointAnswer Posterior::finish(const Question& asked, JointAnswer answer) const {
   for (std::size_t v : asked.unknown) {
     UnknownVariable& variable = answer.variables[v];
-    const std::vector<double>& middle = nodes_[v].middle;
-    double square = 0, sum = 0;
-    variable.low = variable.high = middle.back();
-    bool low_found = false, high_found = false;
-    for (std::size_t bin = 0; bin < middle.size(); ++bin) {
-      const double p = variable.probability[bin];
-      variable.mean += p * middle[bin];
-      square += p * middle[bin] * middle[bin];
-      sum += p;
-      if (!low_found && sum >= 0.05) {
-        variable.low = middle[bin];
-        low_found = true;
-      }
-      if (!high_found && sum >= 0.95) {
-        variable.high = middle[bin];
-        high_found = true;
-      }
+    const Nodes& nodes = nodes_[v];
+    double square = 0;
+    for (std::size_t bin = 0; bin < nodes.middle.size(); ++bin) {
+      const double p = variable.probability[bin], x = nodes.middle[bin];
+      variable.mean += p * x;
+      square += p * (x * x + nodes.half[bin] * nodes.half[bin] / 3);
     }
+    variable.low = quantile(nodes.middle, nodes.half, variable.probability, 0.05);
+    variable.high = quantile(nodes.middle, nodes.half, variable.probability, 0.95);
     variable.deviation = std::sqrt(std::max(0.0, square - variable.mean * variable.mean));
   }
   return answer;

@@ -30,6 +30,7 @@ Posterior::Posterior(const VisibleLayout& layout, const RbmWeights& weights, con
     for (int bin = 0; bin < encoder.bin_count(); ++bin) {
       encoder.encode(bin, word);
       nodes.middle.push_back(encoder.value(bin));
+      nodes.half.push_back(nodes.smooth ? encoder.resolution(bin) : 0);
       nodes.bias.push_back(0);
       nodes.field.resize(nodes.field.size() + hidden, 0.0);
       double* field = nodes.field.data() + std::size_t(bin) * hidden;

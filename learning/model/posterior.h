@@ -42,8 +42,9 @@ struct MarginalOptions {
 /// Distribution of one unknown variable.
 struct UnknownVariable {
   std::vector<double> probability, standard_error;  // [bin]; standard errors 0 when exact
-  double mean = 0, deviation = 0;                   // [unit of the variable] over the middles of bins
-  double low = 0, high = 0;                         // [unit] middles of the bins with the 5 % and 95 % quantiles
+  // [unit of the variable], probability spread evenly over each bin; of categories, on their values
+  double mean = 0, deviation = 0;
+  double low = 0, high = 0;  // 5 % and 95 % quantiles
 };
 struct JointAnswer {
   std::vector<UnknownVariable> variables;  // [variable count]; empty for known and fixed ones
@@ -71,6 +72,7 @@ class Posterior {
  private:
   struct Nodes {                 // one variable: contributions of each bin's code word
     std::vector<double> middle;  // [bin count] middles of the bins [unit of the variable]
+    std::vector<double> half;    // [bin count] half of their widths; 0 of categories
     std::vector<double> field;   // [bin count x hidden count]
     std::vector<double> bias;    // [bin count]: visible biases of the code word, or the log of the prior
     std::vector<double> factor;  // exp(field)

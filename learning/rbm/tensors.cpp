@@ -48,17 +48,6 @@ std::vector<double> values_of(const torch::Tensor& tensor) {
   return std::vector<double>(flat.data_ptr<double>(), flat.data_ptr<double>() + flat.numel());
 }
 
-/// -F(v, y) for every row of code units and every outcome: [row x outcome]; one column in a machine without outcomes.
-torch::Tensor negative_free_energy(const Machine& m, const torch::Tensor& inputs) {
-  const std::int64_t n = m.input_units, visible = m.weight.size(0);
-  const torch::Tensor bias = m.visible_bias();
-  const torch::Tensor field = torch::matmul(inputs, m.weight.slice(0, 0, n)) + m.hidden_bias();
-  const torch::Tensor of_inputs = torch::matmul(inputs, bias.slice(0, 0, n)).unsqueeze(1);
-  if (visible == n) return torch::softplus(field).sum(1, true) + of_inputs;
-  const torch::Tensor all = field.unsqueeze(1) + m.weight.slice(0, n, visible).unsqueeze(0);
-  return torch::softplus(all).sum(2) + bias.slice(0, n, visible) + of_inputs;
-}
-
 /// log of the sum over each row's completions: [row x outcome]. Rows without unknown variables pass through.
 torch::Tensor sum_completions(const torch::Tensor& scores, const std::vector<std::int64_t>& first) {
   if (scores.size(0) + 1 == std::int64_t(first.size())) return scores;
@@ -159,6 +148,16 @@ torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std
     chosen.push_back(rows.first[n] + std::int64_t(k));
   }
   return visible.index_select(0, torch::tensor(chosen, torch::kInt64).to(visible.device()));
+}
+
+torch::Tensor negative_free_energy(const Machine& m, const torch::Tensor& inputs) {
+  const std::int64_t n = m.input_units, visible = m.weight.size(0);
+  const torch::Tensor bias = m.visible_bias();
+  const torch::Tensor field = torch::matmul(inputs, m.weight.slice(0, 0, n)) + m.hidden_bias();
+  const torch::Tensor of_inputs = torch::matmul(inputs, bias.slice(0, 0, n)).unsqueeze(1);
+  if (visible == n) return torch::softplus(field).sum(1, true) + of_inputs;
+  const torch::Tensor all = field.unsqueeze(1) + m.weight.slice(0, n, visible).unsqueeze(0);
+  return torch::softplus(all).sum(2) + bias.slice(0, n, visible) + of_inputs;
 }
 
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,

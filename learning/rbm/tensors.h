@@ -60,6 +60,9 @@ struct Machine {
 /// One completion of each row, drawn by the machine's probabilities: [row x visible].
 torch::Tensor completed_rows(const Machine& machine, const RowTensors& rows, std::uint64_t seed, std::uint64_t update);
 
+/// -F(v, y) for every row of code units and every outcome: [row x outcome]; one column in a machine without outcomes.
+torch::Tensor negative_free_energy(const Machine& machine, const torch::Tensor& inputs);
+
 /// L of train.h; negative: [row x visible], or undefined without a generative term. table_rows is N.
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
                         const TrainingSettings& settings, std::size_t table_rows);

@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/normal.h"
 #include "learning/rbm/negative.h"
+#include "learning/rbm/teaching_term.h"
 
 namespace gonogo::learning {
 namespace {
@@ -92,13 +93,14 @@ torch::Tensor coupled_weights(const TrainingSettings& settings, const RbmWeights
 class Run {
  public:
   Run(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings, const Sampler& sampler,
-      const RbmWeights& start)
+      const RbmWeights& start, const Teaching* teaching)
       : layout_(layout),
         table_(table),
         settings_(settings),
         machine_(start, layout.input_unit_count(), torch_device(settings.gradients)),
         optimizer_(make_optimizer(machine_, settings)),
         negative_(layout, settings, sampler, start.visible_bias) {
+    if (teaching && teaching->weight > 0) teaching_.emplace(layout, *teaching, machine_.device());
     if (!settings.masked.empty()) coupled_ = coupled_weights(settings, start).to(machine_.device());
     mask_weights();
     if (settings.centred) centre_on_table();
@@ -122,7 +124,9 @@ class Run {
     torch::Tensor drawn;
     if (settings_.generative > 0) drawn = negative_.draw(machine_.weights(), data).to(machine_.device());
     optimizer_->zero_grad();
-    objective(machine_, rows, drawn, settings_, table_.row_count()).backward();
+    torch::Tensor loss = objective(machine_, rows, drawn, settings_, table_.row_count());
+    if (teaching_) loss = loss + teaching_->next(machine_, row_numbers.size());
+    loss.backward();
     optimizer_->step();
     mask_weights();
     if (!settings_.centred) return;
@@ -150,6 +154,7 @@ class Run {
   Machine machine_;
   std::unique_ptr<torch::optim::Optimizer> optimizer_;
   NegativePhase negative_;
+  std::optional<TeachingTerm> teaching_;
   torch::Tensor coupled_;  // 0 where a weight is masked, 1 elsewhere; undefined without masks
   std::uint64_t updates_ = 0;
 };
@@ -168,10 +173,11 @@ double conditional_loss(const Posterior& posterior, const TrainingTable& table) 
 }
 
 TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
-                         const Sampler& sampler, const EpochHook& hook, const RbmWeights* start) {
+                         const Sampler& sampler, const EpochHook& hook, const RbmWeights* start,
+                         const Teaching* teaching) {
   check_table(layout, table, settings);
   const OneTorchThread one_thread;
-  Run run(layout, table, settings, sampler, start ? *start : initial_weights(layout, table, settings));
+  Run run(layout, table, settings, sampler, start ? *start : initial_weights(layout, table, settings), teaching);
   TrainingResult result;
   for (std::size_t epoch = 1; epoch <= settings.epochs; ++epoch) {
     stop_if_cancelled();
@@ -187,14 +193,15 @@ TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table
 }
 
 Objective training_objective(const RbmWeights& weights, const VisibleLayout& layout, const TrainingTable& table,
-                             const TrainingSettings& settings, const SampleSet& negative) {
+                             const TrainingSettings& settings, const SampleSet& negative, const Teaching* teaching) {
   const OneTorchThread one_thread;
   Machine machine(weights, layout.input_unit_count(), torch_device(settings.gradients));
   std::vector<std::size_t> all(table.row_count());
   std::iota(all.begin(), all.end(), std::size_t(0));
   const torch::Tensor drawn = rows_tensor(negative, weights.visible_count).to(machine.device());
-  const torch::Tensor loss =
+  torch::Tensor loss =
       objective(machine, make_rows(layout, table, all, machine.device()), drawn, settings, table.row_count());
+  if (teaching) loss = loss + TeachingTerm(layout, *teaching, machine.device()).all(machine);
   loss.backward();
   return {loss.item<double>(), machine.gradient()};
 }
@@ -204,7 +211,7 @@ namespace {
 /// Trains without `held_out`, whose probabilities it takes at every report epoch.
 FoldResult train_fold(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
                       const Sampler& sampler, const std::vector<std::size_t>& training,
-                      const std::vector<std::size_t>& held_out, const EpochHook& watch) {
+                      const std::vector<std::size_t>& held_out, const EpochHook& watch, const Teaching* teaching) {
   FoldResult result;
   const auto look = [&](std::size_t epoch, const RbmWeights& weights) {
     if (watch) watch(epoch, weights);
@@ -215,7 +222,7 @@ FoldResult train_fold(const VisibleLayout& layout, const TrainingTable& table, c
     }
     return true;
   };
-  result.log = train_rbm(layout, table.subset(training), settings, sampler, look).log;
+  result.log = train_rbm(layout, table.subset(training), settings, sampler, look, nullptr, teaching).log;
   return result;
 }
 
@@ -240,7 +247,7 @@ void add_fold(const FoldResult& fold, const std::vector<std::size_t>& held_out, 
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
                                const std::function<void(std::size_t)>& progress, const EpochHook& watch,
-                               const FoldStore& store) {
+                               const FoldStore& store, const FoldTeaching& teaching) {
   check_table(layout, table, settings);
   const std::size_t outcomes = layout.outcome_count();
   const std::vector<std::size_t> fold = assign_folds(table, fold_count, settings.seed);
@@ -252,7 +259,8 @@ CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable&
     if (training.empty()) throw InputError("cross-validation: fewer groups of trials than folds");
     std::optional<FoldResult> done = store.find ? store.find(f) : std::nullopt;
     if (!done) {
-      done = train_fold(layout, table, settings, sampler, training, held_out, watch);
+      const auto taught = teaching ? teaching(f) : nullptr;
+      done = train_fold(layout, table, settings, sampler, training, held_out, watch, taught.get());
       if (store.keep) store.keep(f, *done);
     }
     add_fold(*done, held_out, fold_count, table.row_count(), outcomes, result, probability);

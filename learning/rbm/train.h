@@ -15,6 +15,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,6 +24,7 @@
 #include "learning/model/model.h"
 #include "learning/model/posterior.h"
 #include "learning/model/weights.h"
+#include "learning/rbm/teaching.h"
 #include "learning/sampler/sampler.h"
 #include "learning/table.h"
 #include "learning/training_settings.h"
@@ -41,10 +43,12 @@ bool gradients_on_gpu();
 using EpochHook = std::function<bool(std::size_t epoch, const RbmWeights& weights)>;
 
 /// Trains on all rows, from small random weights or from `start`. A layout without outcomes gives a density of the
-/// variables (with discriminative 0, and outcomes 0 in the table). Throws InputError for a table that is empty or does
+/// variables (with discriminative 0, and outcomes 0 in the table). With a teacher every update also takes as many of
+/// its points as the minibatch has rows. Throws InputError for a table that is empty or does
 /// not match the layout.
 TrainingResult train_rbm(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings,
-                         const Sampler& sampler, const EpochHook& hook = {}, const RbmWeights* start = nullptr);
+                         const Sampler& sampler, const EpochHook& hook = {}, const RbmWeights* start = nullptr,
+                         const Teaching* teaching = nullptr);
 
 /// L at fixed negative-phase rows, and its gradient by automatic differentiation, for tests with finite differences.
 struct Objective {
@@ -52,7 +56,8 @@ struct Objective {
   RbmWeights gradient;
 };
 Objective training_objective(const RbmWeights& weights, const VisibleLayout& layout, const TrainingTable& table,
-                             const TrainingSettings& settings, const SampleSet& negative);
+                             const TrainingSettings& settings, const SampleSet& negative,
+                             const Teaching* teaching = nullptr);
 
 /// Weighted mean over rows of -log P(y_n | x_n).
 double conditional_loss(const Posterior& posterior, const TrainingTable& table);
@@ -69,6 +74,9 @@ struct FoldStore {
   std::function<void(std::size_t fold, const FoldResult& result)> keep;
 };
 
+/// The teaching of the machine that does not see a fold; it may be empty or give none.
+using FoldTeaching = std::function<std::shared_ptr<const Teaching>(std::size_t fold)>;
+
 /// k-fold cross-validation with early stopping. `watch` is called with every fold's machine at its report epochs.
 struct CrossValidation {
   std::size_t best_epoch = 0;       // epoch of the smallest held-out loss over all folds
@@ -78,6 +86,7 @@ struct CrossValidation {
 CrossValidation cross_validate(const VisibleLayout& layout, const TrainingTable& table,
                                const TrainingSettings& settings, const Sampler& sampler, std::size_t fold_count,
                                const std::function<void(std::size_t folds_done)>& progress = {},
-                               const EpochHook& watch = {}, const FoldStore& store = {});
+                               const EpochHook& watch = {}, const FoldStore& store = {},
+                               const FoldTeaching& teaching = {});
 
 }  // namespace gonogo::learning

@@ -315,3 +315,24 @@ TEST_CASE("the score floor is what perfectly calibrated forecasts reach") {
   CHECK(inside >= 178);  // 95 % of 200, minus four standard deviations
   CHECK(inside <= 200);
 }
+
+TEST_CASE("quantiles and deviation of an unknown variable spread probability over the width of its bins") {
+  const VisibleLayout layout({Encoder::by_range("a", "-", Code::thermometer, 5, 10, 20),
+                              Encoder::by_edges("b", "-", Code::thermometer, {1, 7}, 0, 8)},
+                             {"go", "no_go"});
+  const RbmWeights nothing = RbmWeights::zeros(layout.unit_count(), 2);  // outcomes say nothing: the prior stays
+  const std::vector<double> x = {kUnknown, kUnknown};
+  const JointAnswer even = Posterior(layout, nothing, uniform_prior(layout)).joint(x, 1);
+  CHECK(even.variables[0].low == Approx(10.5));
+  CHECK(even.variables[0].high == Approx(19.5));
+  CHECK(even.variables[0].deviation == Approx(10 / std::sqrt(12.0)));
+  CHECK(even.variables[1].low == Approx(0.4));
+  CHECK(even.variables[1].high == Approx(7.6));
+  CHECK(even.variables[1].deviation == Approx(8 / std::sqrt(12.0)));
+  // 0.5 in the first bin of b, 0.5 in the last: a tenth and nine tenths of them are below the quantiles.
+  const JointAnswer ends = Posterior(layout, nothing, {{0, 0, 1, 0, 0}, {0.5, 0, 0.5}}).joint(x, 0);
+  CHECK(ends.variables[0].low == Approx(14.1));
+  CHECK(ends.variables[0].high == Approx(15.9));
+  CHECK(ends.variables[1].low == Approx(0.1));
+  CHECK(ends.variables[1].high == Approx(7.9));
+}

@@ -46,6 +46,7 @@ void add_soil_command(CLI::App& app, const Globals& globals);
 void add_vehicle_command(CLI::App& app, const Globals& globals);
 void add_train_command(CLI::App& app, const Globals& globals, const Work<TrainOptions>& work);
 void add_evaluate_command(CLI::App& app, const Globals& globals, const Work<EvaluateOptions>& work);
+void add_learning_curve_command(CLI::App& app, const Globals& globals, const Work<LearningCurveOptions>& work);
 void add_capacity_command(CLI::App& app, const Globals& globals, const Work<CapacityOptions>& work);
 void add_infer_command(CLI::App& app, const Globals& globals);
 void add_qubo_command(CLI::App& app, const Globals& globals);

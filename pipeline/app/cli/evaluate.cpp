@@ -7,8 +7,8 @@ namespace gonogo::app {
 void add_evaluate_command(CLI::App& app, const Globals& globals, const Work<EvaluateOptions>& work) {
   CLI::App* command = app.add_subcommand(
       "evaluate",
-      "Score a model beside logistic regression, a neural network and the base rate, on held-out trials or by "
-      "cross-validation");
+      "Score a model beside logistic and quadratic regression, a Gaussian process, a neural network and the base rate, "
+      "on held-out trials or by cross-validation");
   const auto options = std::make_shared<EvaluateOptions>();
   command->add_option("--model", options->model, "Model file")->type_name(kFile)->required();
   command

@@ -45,6 +45,13 @@ struct EvaluateOptions {
   std::filesystem::path model, dataset, out;  // dataset, out: empty for none
 };
 
+struct LearningCurveOptions {
+  std::filesystem::path dataset, study, out;           // study: empty for defaults
+  std::optional<std::uint64_t> seed;                   // nothing: the study's, or 1
+  std::vector<std::size_t> trials = {100, 300, 1000};  // numbers to train on
+  std::size_t hold_out = 1000, subsets = 5;
+};
+
 struct CapacityOptions {
   std::filesystem::path study, out;  // empty: defaults, no file
   learn::CapacityRequest request;    // without its sections
@@ -67,6 +74,7 @@ void view_work(const Globals& globals, const ViewOptions& options);
 // With LibTorch: in gonogo-learn.
 void train_work(const Globals& globals, const TrainOptions& options);
 void evaluate_work(const Globals& globals, const EvaluateOptions& options);
+void learning_curve_work(const Globals& globals, const LearningCurveOptions& options);
 void capacity_work(const Globals& globals, const CapacityOptions& options);
 void active_work(const Globals& globals, const ActiveOptions& options);
 

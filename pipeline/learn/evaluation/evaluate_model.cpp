@@ -2,37 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/error.h"
-#include "learning/rbm/logistic.h"
-#include "learning/rbm/network.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/evaluation/evaluation_checks.h"
 #include "pipeline/learn/evaluation/missing_curve.h"
+#include "pipeline/learn/evaluation/reconstruction.h"
+#include "pipeline/learn/training/baselines.h"
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/training_data.h"
 
 namespace gonogo::learn {
 namespace {
 
-/// What the model was trained on, with passable or not as label.
+std::vector<double> comparable(std::span<const double> point) {
+  std::vector<double> key(point.begin(), point.end());
+  for (double& x : key)
+    if (std::isnan(x)) x = INFINITY;
+  return key;
+}
+
+/// What the model was trained on. Trials at one point, which are replicates, are one group.
 learning::TrainingTable training_table(const learning::Model& model) {
   learning::TrainingTable table;
   table.variable_count = model.layout.variable_count();
   table.variables = model.training_points;
   for (std::int32_t y : model.training_outcomes) table.outcome.push_back(std::size_t(y));
   table.weight = model.training_weights;
-  table.group.assign(table.outcome.size(), 0);
+  std::map<std::vector<double>, std::uint64_t> group;
+  for (std::size_t n = 0; n < table.outcome.size(); ++n)
+    table.group.push_back(group.try_emplace(comparable(table.row(n)), n).first->second);
   return table;
-}
-
-std::vector<double> comparable(std::span<const double> point) {
-  std::vector<double> key(point.begin(), point.end());
-  for (double& x : key)
-    if (std::isnan(x)) x = INFINITY;
-  return key;
 }
 
 /// Settings for about 100,000 answers with many unknown variables: short sums, few draws and Markov chains.
@@ -55,12 +58,7 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
   const TrainingData data = make_training_data(campaign::read_dataset(dataset).records, {});
   const std::vector<int> passable = passable_outcomes();
   std::vector<int> label;
-  double base = 0.5;  // half a trial of each kind: never exactly 0 or 1
   for (std::size_t y : trained.outcome) label.push_back(passable[y]);
-  for (int y : label) base += y;
-  base /= double(label.size()) + 1;
-  const learning::LogisticModel logistic = learning::fit_logistic(trained, label);
-  const learning::NetworkModel network = learning::fit_network(trained, label);
   std::set<std::vector<double>> seen;
   for (std::size_t n = 0; n < trained.row_count(); ++n) seen.insert(comparable(trained.row(n)));
 
@@ -76,9 +74,6 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
     }
     const std::vector<double> p = predictor.outcome_probabilities(row);
     forecasts.model.push_back(std::min(1.0, predictor.p_go(row)));
-    forecasts.logistic.push_back(logistic(row));
-    forecasts.network.push_back(network(row));
-    forecasts.base_rate.push_back(base);
     unseen.push_back(n);
     forecasts.happened.push_back(passable[data.table.outcome[n]]);
     outcome_loss -= std::log(p[data.table.outcome[n]]);
@@ -86,6 +81,9 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
   if (forecasts.happened.empty())
     throw InputError(dataset.string() +
                      ": all its valid trials were trained on; give trials that the model has not seen");
+  const Baselines baselines = fit_baselines(trained, label);
+  const learning::TrainingTable scored = data.table.subset(unseen);
+  forecasts.baselines = baselines.forecasts(scored.variables);
   Json json;
   json["trials"] = Json(std::uint64_t(forecasts.happened.size()));
   json["left_out_unknown"] = Json(std::uint64_t(data.failed));
@@ -94,10 +92,12 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
   json["scores"] = score_forecasts(forecasts, 1);
   json["missing"] =
       missing_curve({{"model", [&](std::span<const double> x) { return predictor.p_go(x, kQuickMarginal); }},
-                     {"logistic_regression", [&](std::span<const double> x) { return logistic(x); }},
-                     {"neural_network", [&](std::span<const double> x) { return network(x); }},
-                     {"base_rate", [&](std::span<const double>) { return base; }}},
-                    data.table.subset(unseen), forecasts.happened, varying(predictor.model()));
+                     {"logistic_regression", [&](std::span<const double> x) { return baselines.logistic(x); }},
+                     {"quadratic_logistic", [&](std::span<const double> x) { return baselines.quadratic(x); }},
+                     {"neural_network", [&](std::span<const double> x) { return baselines.network(x); }},
+                     {"base_rate", [&](std::span<const double>) { return baselines.base_rate; }}},
+                    scored, forecasts.happened, varying(predictor.model()));
+  json["reconstruction"] = reconstruction_scores(predictor, scored);
   json["checks"] = evaluation_checks(json);
   return json;
 }

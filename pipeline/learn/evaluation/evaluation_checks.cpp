@@ -1,5 +1,7 @@
 #include "pipeline/learn/evaluation/evaluation_checks.h"
 
+#include <cmath>
+
 #include "base/line.h"
 
 namespace gonogo::learn {
@@ -46,6 +48,18 @@ Json evaluation_checks(const Json& report) {
                               brier.at("value").number() < 0, brier.at("value").number(), 0),
                         brier));
     }
+  }
+  if (const Json* found = report.find("reconstruction"); found && !found->find("left_out")) {
+    const Json &coverage = found->at("coverage"), &gain = found->at("gain_nat");
+    const double miss = std::abs(coverage.at("value").number() - 0.9);
+    checks.push_back(check("two inputs reconstructed: coverage of intervals of 90 % away from 0.9",
+                           miss <= kMaxCoverageMiss, miss, kMaxCoverageMiss));
+    Json loss;
+    loss["low"] = -gain.at("high").number();
+    loss["high"] = -gain.at("low").number();
+    checks.push_back(with_interval(check("two inputs reconstructed: log loss minus that of their prior",
+                                         gain.at("value").number() > 0, -gain.at("value").number(), 0),
+                                   loss));
   }
   return checks;
 }

@@ -51,6 +51,26 @@ void KeptWork::keep_fold(std::size_t fold, const learning::FoldResult& result) c
   out.save(part("fold" + std::to_string(fold) + ".h5"));
 }
 
+std::optional<ProcessAnswers> KeptWork::process(std::size_t fold) const {
+  const fs::path path = part("process" + std::to_string(fold) + ".h5");
+  if (!fs::exists(path)) return std::nullopt;
+  try {
+    const Hdf5Reader in(path);
+    return ProcessAnswers{in.array<double>("held_out"), in.array<double>("taught")};
+  } catch (const InputError& damaged) {
+    log_line("train", std::string(damaged.what()) + "; the Gaussian process is fitted again");
+    return std::nullopt;
+  }
+}
+
+void KeptWork::keep_process(std::size_t fold, const ProcessAnswers& answers) const {
+  Hdf5Writer out;
+  out.array("held_out", answers.held_out);
+  out.array("taught", answers.taught);
+  create_folder(folder_);
+  out.save(part("process" + std::to_string(fold) + ".h5"));
+}
+
 bool KeptWork::has_member(const fs::path& file) const {
   const fs::path record = part(file.filename().string() + ".hash");
   return fs::exists(record) && fs::exists(file) && read_file(record) == file_hash(file);

@@ -4,10 +4,17 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "learning/rbm/train.h"
 
 namespace gonogo::learn {
+
+/// What a Gaussian process that has not seen a fold says (teacher.h).
+struct ProcessAnswers {
+  std::vector<double> held_out;  // P(go) of the fold's trials
+  std::vector<double> taught;    // P(go) of the taught points; empty where nothing is taught
+};
 
 class KeptWork {
  public:
@@ -18,6 +25,10 @@ class KeptWork {
   /// A finished fold of the cross-validation. None: it was not kept, or its file is damaged.
   std::optional<learning::FoldResult> fold(std::size_t fold) const;
   void keep_fold(std::size_t fold, const learning::FoldResult& result) const;
+
+  /// The answers of a fold's Gaussian process, likewise.
+  std::optional<ProcessAnswers> process(std::size_t fold) const;
+  void keep_process(std::size_t fold, const ProcessAnswers& answers) const;
 
   /// Whether `file` is a member that this run finished, with the bytes it had then.
   bool has_member(const std::filesystem::path& file) const;

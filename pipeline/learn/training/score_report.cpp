@@ -16,15 +16,12 @@ using Terms = std::vector<double> (*)(std::span<const double>, std::span<const i
 
 /// The model's terms minus those of the baseline whose own mean is least.
 Json minus_best(const Forecasts& forecasts, Terms terms, std::uint64_t seed) {
-  const std::vector<std::pair<std::string, const std::vector<double>*>> baselines = {
-      {"logistic_regression", &forecasts.logistic},
-      {"neural_network", &forecasts.network},
-      {"base_rate", &forecasts.base_rate}};
   const auto total = [](const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); };
   std::string best;
   std::vector<double> least;
-  for (const auto& [name, forecast] : baselines) {
-    std::vector<double> now = terms(*forecast, forecasts.happened);
+  for (const char* name : kBaselines) {
+    if (!forecasts.baselines.count(name)) continue;
+    std::vector<double> now = terms(forecasts.baselines.at(name), forecasts.happened);
     if (!least.empty() && !(total(now) < total(least))) continue;
     best = name;
     least = std::move(now);
@@ -51,9 +48,9 @@ Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed) {
   const std::size_t bins = std::clamp<std::size_t>(forecasts.happened.size() / 20, 2, 10);
   Json json;
   json["model"] = learning::score_report(forecasts.model, forecasts.happened, bins, seed);
-  json["logistic_regression"] = learning::score_report(forecasts.logistic, forecasts.happened, bins, seed);
-  json["neural_network"] = learning::score_report(forecasts.network, forecasts.happened, bins, seed);
-  json["base_rate"] = learning::score_report(forecasts.base_rate, forecasts.happened, bins, seed);
+  for (const char* name : kBaselines)
+    if (const auto found = forecasts.baselines.find(name); found != forecasts.baselines.end())
+      json[name] = learning::score_report(found->second, forecasts.happened, bins, seed);
   Json rest = Json::object();
   rest["brier"] = minus_best(forecasts, learning::brier_terms, seed);
   rest["log_loss_nat"] = minus_best(forecasts, learning::log_loss_terms, seed);
@@ -62,10 +59,17 @@ Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed) {
 }
 
 std::vector<std::string> forecaster_names(const Json& scores) {
-  std::vector<std::string> names;
-  for (const char* who : {"model", "logistic_regression", "neural_network", "base_rate"})
+  std::vector<std::string> names = {"model"};
+  for (const char* who : kBaselines)
     if (scores.find(who)) names.push_back(who);
   return names;
+}
+
+std::string best_forecaster(const Json& scores, const std::string& score) {
+  std::string best;
+  for (const std::string& who : forecaster_names(scores))
+    if (best.empty() || scores.at(who).at(score).number() < scores.at(best).at(score).number()) best = who;
+  return best;
 }
 
 std::string scores_text(const Json& scores) {
@@ -81,6 +85,8 @@ std::string scores_text(const Json& scores) {
                 ? line(" %.2f +- %.2f\n", s.at("calibration_slope").number(), s.at("calibration_slope_error").number())
                 : "\n";
   }
+  text += "best by Brier score: " + best_forecaster(scores, "brier") +
+          "; best by log loss: " + best_forecaster(scores, "log_loss_nat") + "\n";
   const Json &model = scores.at("model"), &rest = scores.at("model_minus_best");
   for (const auto& [score, name] : {std::pair("brier", "Brier score"), std::pair("log_loss_nat", "log loss")})
     text += line("%s, model minus %s: %+.4f [%+.4f, %+.4f]\n", name, rest.at(score).at("baseline").string().c_str(),

@@ -64,6 +64,7 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   if (training.negative != learning::NegativePhaseKind::persistent && settings.sampler != "block_gibbs")
     section->fail("negative", "only persistent chains can come from the sampler " + settings.sampler);
   settings.importance = section->number_or("importance", settings.importance, {.minimum = 0, .maximum = 1});
+  if (section->has("teacher")) settings.teacher = section->number("teacher", {.minimum = 0, .maximum = 100});
   settings.calibrate = section->boolean_or("calibrate", settings.calibrate);
   if (section->has("unknown_inputs"))
     settings.uniform_inputs = section->choice("unknown_inputs", {"prior", "machine"}) == "prior";
@@ -102,6 +103,7 @@ Json to_json(const LearningSettings& settings) {
   json["sweeps"] = Json(std::uint64_t(training.sweeps));
   json["folds"] = Json(std::uint64_t(settings.folds));
   json["importance"] = settings.importance;
+  json["teacher"] = settings.teacher ? Json(*settings.teacher) : Json("auto");
   json["calibrate"] = settings.calibrate;
   json["unknown_inputs"] = settings.uniform_inputs ? "prior" : "machine";
   json["gpu"] = settings.gpu ? "auto" : "never";

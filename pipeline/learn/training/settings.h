@@ -30,6 +30,8 @@
 //   no) unknown_inputs  "prior" (default): answers sum unknown variables out over the design's distribution, uniform
 //   over
 //                   the sampled box; "machine": over the machine's joint distribution
+//   teacher         weight of the soft labels of a Gaussian process (default by the number of trials, see teacher.h;
+//                   0: none)
 //   bins            "range" (default) or "quantile"
 //   encoders        { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }; default: the
 //   contract's.
@@ -59,6 +61,7 @@ struct LearningSettings {
   bool quantile_bins = false;
   bool calibrate = false;
   double importance = 1;                                  // see temper_weights() in training_data.h
+  std::optional<double> teacher;                          // weight; none: by the number of trials
   bool uniform_inputs = true;                             // unknown_inputs is "prior"
   std::vector<std::string> command;                       // for the sampler "command"
   std::string stand_in = "block_gibbs";                   // for a sampler that fails

@@ -12,6 +12,7 @@
 #include "learning/sampler/stand_in.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/learn/training/kept_work.h"
+#include "pipeline/learn/training/teacher.h"
 #include "pipeline/learn/training/training_data.h"
 
 namespace gonogo::learn {
@@ -45,6 +46,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
   training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());
   const bool outside = settings.sampler == "command" || settings.sampler == "emulator";  // members take the stand-in
   const auto sampler = learning::make_sampler(outside ? settings.stand_in : settings.sampler);
+  const double taught = settings.teacher.value_or(teacher_weight(data.table.row_count()));
   std::vector<std::filesystem::path> files;
   const KeptWork kept(request.model, work_key(request, settings));
   Progress progress("train", "members", std::size_t(count));
@@ -60,7 +62,8 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     reweigh(table, request.seed, member);
     training.seed = random_bits(request.seed, 1, std::uint64_t(member));
     learning::Model model = base;
-    model.weights = learning::train_rbm(base.layout, table, training, *sampler).weights;
+    const auto lesson = teach_all(table, data.lower, data.upper, taught, training.seed);
+    model.weights = learning::train_rbm(base.layout, table, training, *sampler, {}, nullptr, lesson.get()).weights;
     model.provenance["member"] = member;
     learning::write_model(files.back(), model);
     kept.keep_member(files.back());

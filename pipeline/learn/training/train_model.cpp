@@ -8,12 +8,13 @@
 #include "base/version.h"
 #include "learning/model/model.h"
 #include "learning/rbm/logistic.h"
-#include "learning/rbm/network.h"
 #include "learning/rbm/train.h"
 #include "learning/score/calibration.h"
 #include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/learn/training/baselines.h"
 #include "pipeline/learn/training/kept_work.h"
 #include "pipeline/learn/training/score_report.h"
+#include "pipeline/learn/training/teacher.h"
 #include "pipeline/learn/training/training_progress.h"
 #include "pipeline/learn/training/training_sampler.h"
 
@@ -30,7 +31,7 @@ std::size_t usable_folds(const learning::TrainingTable& table, std::size_t asked
 
 /// Scores of P(go) on rows that each forecaster did not train on.
 Json cross_validation_scores(const TrainingData& data, const learning::CrossValidation& folds, std::size_t fold_count,
-                             std::uint64_t seed) {
+                             std::uint64_t seed, Teacher& teacher) {
   const std::vector<int> passable = passable_outcomes();
   const auto& table = data.table;
   const std::vector<std::size_t> fold = learning::assign_folds(table, fold_count, seed);
@@ -41,17 +42,8 @@ Json cross_validation_scores(const TrainingData& data, const learning::CrossVali
     forecasts.model.push_back(p);
     forecasts.happened.push_back(passable[table.outcome[n]]);
   }
-  forecasts.logistic = learning::cross_validate_logistic(table, forecasts.happened, fold, fold_count);
-  forecasts.network = learning::cross_validate_network(table, forecasts.happened, fold, fold_count);
-  for (std::size_t n = 0; n < table.row_count(); ++n) {
-    double go = 0.5, count = 1;  // half a trial of each kind: never exactly 0 or 1
-    for (std::size_t other = 0; other < table.row_count(); ++other) {
-      if (fold[other] == fold[n]) continue;
-      go += forecasts.happened[other];
-      count += 1;
-    }
-    forecasts.base_rate.push_back(go / count);
-  }
+  forecasts.baselines = cross_validate_baselines(table, forecasts.happened, fold, fold_count);
+  forecasts.baselines["gaussian_process"] = teacher.held_out();
   return score_forecasts(forecasts, seed);
 }
 
@@ -148,6 +140,7 @@ std::string work_key(const TrainRequest& request, const LearningSettings& settin
   key["settings"] = to_json(settings);
   if (request.design) key["design"] = request.design->json();
   key["hold_out"] = Json(std::uint64_t(request.hold_out));
+  if (request.trials > 0) key["subset"] = std::to_string(request.trials) + " " + std::to_string(request.subset);
   key["seed"] = Json(request.seed);
   return content_hash(key.dump());
 }
@@ -168,6 +161,7 @@ Json train_model(const TrainRequest& request) {
   temper_weights(data, settings.importance);
   learning::TrainingTable held_out;
   if (request.hold_out > 0) held_out = hold_out(data, request.hold_out, request.seed);
+  if (request.trials > 0) thin(data, request.trials, request.subset);
   learning::Model model;
   model.layout = make_layout(data, settings);
   learning::TrainingSettings training = training_settings(settings, data.table.row_count(), request.seed);
@@ -177,17 +171,21 @@ Json train_model(const TrainRequest& request) {
 
   const KeptWork kept(request.model, work_key(request, settings));
   TrainingProgress progress(folds, training.epochs, source.watch());
+  const double taught = settings.teacher.value_or(teacher_weight(data.table.row_count()));
+  Teacher teacher(data, taught, learning::assign_folds(data.table, folds, training.seed), request.seed, kept);
   learning::CrossValidation validation = cross_validate(
       model.layout, data.table, training, source.sampler(), folds,
       [&](std::size_t done) {
         progress.machine_done(done);
         source.begin();
       },
-      progress.watch(), fold_store(kept, progress, source));
+      progress.watch(), fold_store(kept, progress, source), [&](std::size_t fold) { return teacher.of_fold(fold); });
   training.epochs = validation.best_epoch;
   progress.last_machine(training.epochs);
   if (settings.calibrate) model.calibration_power = calibrate(data, validation, folds, training.seed);
-  model.weights = train_rbm(model.layout, data.table, training, source.sampler(), progress.watch()).weights;
+  const auto lesson = teacher.of_all();
+  model.weights =
+      train_rbm(model.layout, data.table, training, source.sampler(), progress.watch(), nullptr, lesson.get()).weights;
   model.log = validation.log;
   model.sampled_lower = data.lower;
   model.sampled_upper = data.upper;
@@ -204,12 +202,13 @@ Json train_model(const TrainRequest& request) {
   report["calibration_power"] = model.calibration_power;
   report["seed"] = Json(request.seed);
   report["settings"] = to_json(settings);
+  report["teacher_weight"] = taught;
   report["batch"] = Json(std::uint64_t(training.batch));
   report["epochs"] = Json(std::uint64_t(validation.best_epoch));
   report["counts"] = counts_report(data);
   report["counts"]["held_out"] = Json(std::uint64_t(held_out.row_count()));
   report["failures"] = failure_report(data, held_out);
-  report["cross_validation"] = cross_validation_scores(data, validation, folds, training.seed);
+  report["cross_validation"] = cross_validation_scores(data, validation, folds, training.seed, teacher);
   report["cross_validation"]["folds"] = Json(std::uint64_t(folds));
   learning::write_model(request.model, model);
   if (!request.members_follow) kept.remove();

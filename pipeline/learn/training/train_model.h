@@ -18,7 +18,9 @@ struct TrainRequest {
   std::optional<Config> learning;  // section of the study; none: defaults
   std::optional<Config> design;    // section of the study, for the sampled ranges; none: as the trials span
   std::size_t hold_out = 0;        // size of the held-out set, drawn from the seed; evaluate scores it
-  bool members_follow = false;     // train_members() comes next: finished folds are kept for its interruption
+  std::size_t trials = 0;          // so many of those that are not held out train, drawn by `subset`; 0: all
+  std::uint64_t subset = 0;
+  bool members_follow = false;  // train_members() comes next: finished folds are kept for its interruption
 };
 
 /// As read_learning_settings(). Also throws InputError for settings that LibTorch on this machine does not support.

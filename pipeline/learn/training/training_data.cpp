@@ -93,29 +93,65 @@ void temper_weights(TrainingData& data, double importance) {
   make_mean_one(data.table.weight);
 }
 
-learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed) {
-  constexpr std::uint64_t kHoldOut = 0x686f6c64;  // stream of random numbers
+namespace {
+
+struct DrawnGroups {
+  std::vector<char> drawn;      // [row]
+  std::size_t groups_left = 0;  // that were not drawn
+};
+
+/// Whole groups of at least `count` rows together, or all of them, drawn by the seed.
+DrawnGroups draw_groups(const learning::TrainingTable& table, std::size_t count, std::uint64_t seed,
+                        std::uint64_t stream) {
   std::map<std::uint64_t, std::vector<std::size_t>> groups;
-  for (std::size_t n = 0; n < data.table.row_count(); ++n) groups[data.table.group[n]].push_back(n);
+  for (std::size_t n = 0; n < table.row_count(); ++n) groups[table.group[n]].push_back(n);
   std::vector<const std::vector<std::size_t>*> members;
   for (const auto& [group, rows] : groups) members.push_back(&rows);
-  std::vector<char> out(data.table.row_count(), 0);
-  std::size_t taken = 0, groups_left = members.size();
-  for (std::size_t g : learning::permutation(members.size(), seed, kHoldOut)) {
+  DrawnGroups result{std::vector<char>(table.row_count(), 0), members.size()};
+  std::size_t taken = 0;
+  for (std::size_t g : learning::permutation(members.size(), seed, stream)) {
     if (taken >= count) break;
-    for (std::size_t row : *members[g]) out[row] = 1;
+    for (std::size_t row : *members[g]) result.drawn[row] = 1;
     taken += members[g]->size();
-    --groups_left;
+    --result.groups_left;
   }
-  if (groups_left < 2)
+  return result;
+}
+
+/// Makes the rows that are marked the whole table.
+void keep_rows(TrainingData& data, const std::vector<char>& marked) {
+  std::vector<std::size_t> rows;
+  for (std::size_t n = 0; n < marked.size(); ++n)
+    if (marked[n])
+      rows.push_back(n);
+    else
+      --data.outcome_count[data.table.outcome[n]];
+  data.table = data.table.subset(rows);
+}
+
+}  // namespace
+
+learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed) {
+  constexpr std::uint64_t kHoldOut = 0x686f6c64;  // stream of random numbers
+  DrawnGroups groups = draw_groups(data.table, count, seed, kHoldOut);
+  if (groups.groups_left < 2)
     throw InputError("dataset: " + std::to_string(count) + " trials cannot be held out of " +
                      std::to_string(data.table.row_count()) + " valid ones; leave trials at two points to train on");
-  std::vector<std::size_t> kept, held;
-  for (std::size_t n = 0; n < out.size(); ++n) (out[n] ? held : kept).push_back(n);
+  std::vector<std::size_t> held;
+  for (std::size_t n = 0; n < groups.drawn.size(); ++n)
+    if (groups.drawn[n]) held.push_back(n);
   learning::TrainingTable held_out = data.table.subset(held);
-  for (std::size_t y : held_out.outcome) --data.outcome_count[y];
-  data.table = data.table.subset(kept);
+  for (char& drawn : groups.drawn) drawn = !drawn;
+  keep_rows(data, groups.drawn);
   return held_out;
+}
+
+void thin(TrainingData& data, std::size_t count, std::uint64_t seed) {
+  constexpr std::uint64_t kThin = 0x7468696e;  // stream of random numbers
+  if (count > data.table.row_count())
+    throw InputError("dataset: " + std::to_string(count) + " trials to train on where " +
+                     std::to_string(data.table.row_count()) + " are left");
+  keep_rows(data, draw_groups(data.table, count, seed, kThin).drawn);
 }
 
 learning::VisibleLayout make_layout(const TrainingData& data, const LearningSettings& settings) {

@@ -33,6 +33,10 @@ void temper_weights(TrainingData& data, double importance);
 /// together; the seed draws them. Throws InputError if fewer than two groups would be left.
 learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed);
 
+/// Leaves `count` trials in the table, or a few more where the last group has replicates. The seed draws the groups.
+/// Throws InputError if the table has fewer.
+void thin(TrainingData& data, std::size_t count, std::uint64_t seed);
+
 /// Units of the machine. Encoders come from the study or the contract, over the sampled box. A variable that was held
 /// fixed gets no units.
 learning::VisibleLayout make_layout(const TrainingData& data, const LearningSettings& settings);

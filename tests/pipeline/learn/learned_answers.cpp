@@ -14,6 +14,7 @@
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/evaluation/evaluate_model.h"
 #include "pipeline/learn/evaluation/evaluation_checks.h"
+#include "pipeline/learn/training/score_report.h"
 #include "tests/pipeline/learn/trained_model.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -124,12 +125,18 @@ TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
   CHECK(model.at("brier_high").number() > model.at("brier").number());
   CHECK(model.at("calibration_slope").number() == Approx(1).margin(4 * model.at("calibration_slope_error").number()));
   CHECK(scores.at("neural_network").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
+  CHECK(scores.at("gaussian_process").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
+  CHECK(scores.at("quadratic_logistic").at("brier").number() < 0.7 * scores.at("base_rate").at("brier").number());
+  const std::string best_of_all = best_forecaster(scores, "brier");
+  for (const std::string& who : forecaster_names(scores))
+    CHECK(scores.at(best_of_all).at("brier").number() <= scores.at(who).at("brier").number());
+  CHECK(scores_text(scores).find("best by Brier score: " + best_of_all) != std::string::npos);
   const Json& rest = scores.at("model_minus_best");
   for (const char* score : {"brier", "log_loss_nat"}) {
     const Json& best = rest.at(score);
     CHECK(best.at("value").number() ==
           Approx(model.at(score).number() - scores.at(best.at("baseline").string()).at(score).number()));
-    for (const char* baseline : {"logistic_regression", "neural_network", "base_rate"})
+    for (const char* baseline : kBaselines)
       CHECK(scores.at(best.at("baseline").string()).at(score).number() <= scores.at(baseline).at(score).number());
   }
 
@@ -154,7 +161,7 @@ TEST_CASE("evaluation scores unseen trials only, beside the baselines") {
   const auto files = write_evaluation(scratch() / "scores", report, scores);
   CHECK(Json::read(files[0]).dump() == report.dump());
   const std::string csv = read_file(files[1]);
-  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 4 * 10);
+  CHECK(std::count(csv.begin(), csv.end(), '\n') == 1 + 6 * 10);
   for (const auto& file : files) CHECK(fs::file_size(file) > 100);
   refused([] { evaluate_model(model_file(), model_dataset()); }, "trained on");
 }

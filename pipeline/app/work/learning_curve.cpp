@@ -1,0 +1,28 @@
+#include "pipeline/learn/evaluation/learning_curve.h"
+
+#include "pipeline/app/work/work.h"
+#include "pipeline/campaign/study/study.h"
+
+namespace gonogo::app {
+
+void learning_curve_work(const Globals& globals, const LearningCurveOptions& options) {
+  learn::LearningCurveRequest request;
+  request.training.dataset = options.dataset;
+  request.training.seed = options.seed.value_or(1);
+  request.training.hold_out = options.hold_out;
+  request.trials = options.trials;
+  request.subsets = options.subsets;
+  request.folder = options.out;
+  if (!options.study.empty()) {
+    const campaign::Study study = campaign::read_study(options.study);
+    if (!options.seed) request.training.seed = study.seed;
+    request.training.learning = study.config.object_if("learning");
+    request.training.design = study.config.object_if("design");
+  }
+  const Json curve = learn::learning_curve(request);
+  std::string text = learn::learning_curve_text(curve);
+  for (const auto& file : learn::write_learning_curve(options.out, curve)) text += file.string() + "\n";
+  print_result(globals, curve, text);
+}
+
+}  // namespace gonogo::app

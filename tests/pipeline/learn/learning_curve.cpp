@@ -1,0 +1,148 @@
+// Learning curves, and the reconstruction of hidden inputs.
+#include "pipeline/learn/evaluation/learning_curve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/file.h"
+#include "learning/score/score.h"
+#include "pipeline/learn/answer/predictor.h"
+#include "pipeline/learn/evaluation/reconstruction.h"
+#include "pipeline/learn/training/score_report.h"
+#include "pipeline/learn/training/teacher.h"
+#include "tests/pipeline/learn/trained_model.h"
+#include "tests/support/catch.h"
+#include "tests/support/refused.h"
+
+using namespace gonogo;
+using namespace gonogo::learn;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::optional<Config> section(const std::string& text) { return Config::parse(text, "test"); }
+
+LearningCurveRequest small_request(const std::string& folder) {
+  LearningCurveRequest request;
+  request.training = {.dataset = model_dataset(),
+                      .model = {},
+                      .seed = 3,
+                      .learning = section(R"({"epochs": 20, "folds": 2})"),
+                      .design = {},
+                      .hold_out = 40};
+  request.trials = {20, 40};
+  request.subsets = 2;
+  request.folder = scratch() / folder;
+  return request;
+}
+
+/// Points uniform over the model's box with outcomes drawn from its own P(outcome | variables).
+learning::TrainingTable drawn_from(const Predictor& predictor, std::size_t rows, std::uint64_t seed) {
+  const learning::Model& model = predictor.model();
+  learning::TrainingTable table;
+  table.variable_count = model.layout.variable_count();
+  for (std::size_t n = 0; n < rows; ++n) {
+    std::vector<double> x;
+    for (std::size_t v = 0; v < table.variable_count; ++v)
+      x.push_back(model.sampled_lower[v] + (model.sampled_upper[v] - model.sampled_lower[v]) * random_unit(seed, n, v));
+    const std::vector<double> p = predictor.outcome_probabilities(x);
+    std::size_t y = 0;
+    for (double u = random_unit(seed, n, 99) - p[0]; u >= 0 && y + 1 < p.size();) u -= p[++y];
+    table.variables.insert(table.variables.end(), x.begin(), x.end());
+    table.outcome.push_back(y);
+    table.weight.push_back(1);
+    table.group.push_back(n);
+  }
+  return table;
+}
+
+}  // namespace
+
+TEST_CASE("a learning curve scores each subset once, goes on where it was, and starts anew for other inputs") {
+  LearningCurveRequest request = small_request("curve");
+  const Json curve = learning_curve(request);
+  REQUIRE(curve.at("points").items().size() == 4);
+  const Json& first = curve.at("points").items().front();
+  CHECK(first.at("brier").members().size() == 1 + std::size(kBaselines));
+  // The model file of a subset, asked again: the same score on the same held-out trials.
+  const Predictor predictor = Predictor::read(request.folder / "trials_20_subset_1.h5");
+  CHECK(predictor.model().training_outcomes.size() >= 20);
+  CHECK(predictor.model().training_outcomes.size() <= 21);
+  TrainingData data = make_training_data(campaign::read_dataset(model_dataset()).records, {});
+  const learning::TrainingTable held_out = hold_out(data, 40, 3);
+  double brier = 0;
+  for (std::size_t n = 0; n < held_out.row_count(); ++n)
+    brier += std::pow(predictor.p_go(held_out.row(n)) - passable_outcomes()[held_out.outcome[n]], 2);
+  CHECK(first.at("brier").at("model").number() == Approx(brier / double(held_out.row_count())));
+
+  const fs::path file = request.folder / "learning_curve.json";
+  Json shorter = Json::read(file), points = Json::array();
+  points.push_back(shorter.at("points").items()[1]);
+  shorter["points"] = points;
+  write_file_atomically(file, shorter.dump(2));
+  const auto untouched = fs::last_write_time(request.folder / "trials_20_subset_2.h5");
+  const Json again = learning_curve(request);
+  CHECK(fs::last_write_time(request.folder / "trials_20_subset_2.h5") == untouched);
+  CHECK(again.at("points").items().size() == 4);
+  CHECK(learning_curve_text(again) == learning_curve_text(curve));
+  request.training.seed = 4;
+  CHECK(learning_curve(request).at("key").string() != curve.at("key").string());
+
+  const std::string text = learning_curve_text(curve);
+  CHECK(text.find("best") != std::string::npos);
+  for (const fs::path& written : write_learning_curve(request.folder, curve)) CHECK(fs::file_size(written) > 100);
+}
+
+TEST_CASE("a learning curve refuses numbers of trials that there are not") {
+  LearningCurveRequest request = small_request("refused");
+  request.trials = {20, 90};
+  refused([&] { learning_curve(request); }, "90 trials to train on; give a number between 10 and");
+  request.trials = {};
+  refused([&] { learning_curve(request); }, "one number of trials");
+  request = small_request("refused");
+  request.training.hold_out = 0;
+  refused([&] { learning_curve(request); }, "hold trials out");
+  CHECK_FALSE(fs::exists(request.folder));
+}
+
+TEST_CASE("the teacher helps few trials, its weight is a setting, and the same seed gives the same bytes") {
+  const fs::path data = dataset_file("few.h5", 60, 8);
+  const auto trained = [&](const std::string& name, const std::string& learning) {
+    const fs::path file = scratch() / (name + ".h5");
+    train_model({.dataset = data, .model = file, .seed = 3, .learning = section(learning), .design = {}});
+    return file;
+  };
+  const auto error = [&](const fs::path& file) {  // against the true probabilities
+    const Predictor predictor = Predictor::read(file);
+    double sum = 0;
+    for (const auto& record : synthetic_trials(1000, 91)) {
+      const auto& x = record.point.variables;
+      sum += std::pow(predictor.p_go(x) - synthetic_p_go(x[0], x[2]), 2) / 1000;
+    }
+    return sum;
+  };
+  const double alone = error(trained("alone", R"({"teacher": 0})")), taught = error(trained("taught", "{}"));
+  std::printf("60 trials, mean square error of P(go): alone %.4f, taught %.4f\n", alone, taught);
+  CHECK(taught < 1.05 * alone);
+  CHECK(read_file(trained("again", "{}")) == read_file(scratch() / "taught.h5"));
+  CHECK(learning::read_model(scratch() / "taught.h5").provenance.at("teacher_weight").number() == teacher_weight(58));
+  refused([&] { read_learning_settings(section(R"({"teacher": -1})")); }, "teacher");
+}
+
+TEST_CASE("rows drawn from the model itself lie in its intervals as often as these promise") {
+  const Predictor predictor = Predictor::read(model_file());
+  const learning::TrainingTable own = drawn_from(predictor, 250, 12);
+  const Json scores = reconstruction_scores(predictor, own);
+  std::printf("%s", reconstruction_text(scores).c_str());
+  CHECK(scores.at("pairs").integer() == 21);
+  CHECK(scores.at("coverage").at("value").number() == Approx(0.9).margin(0.025));
+  CHECK(scores.at("gain_nat").at("low").number() > 0);
+  CHECK(scores.at("variables").at("slope_along").at("gain_nat").number() >
+        scores.at("variables").at("payload").at("gain_nat").number());
+  // Outcomes of other rows mislead: what they say about slope and friction is wrong.
+  learning::TrainingTable wrong = own;
+  std::rotate(wrong.outcome.begin(), wrong.outcome.begin() + 1, wrong.outcome.end());
+  CHECK(reconstruction_scores(predictor, wrong).at("gain_nat").at("value").number() <
+        scores.at("gain_nat").at("low").number());
+}
