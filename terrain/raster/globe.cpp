@@ -123,6 +123,27 @@ GlobeAnswer place_on_globe(const MapGrid& grid) {
   return {std::nullopt, "the map's place in degrees cannot be told (" + call.message() + ")"};
 }
 
+std::optional<DegreeNodes> degree_nodes(const MapGrid& grid, const GlobePlace& place, int most) {
+  const GdalCall call;
+  if (place.box.width() > 180) return std::nullopt;
+  OGRSpatialReference degrees;
+  degrees.importFromWkt(place.wkt.c_str());
+  degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const OGRSpatialReference from = system_of(grid);
+  const Transformation turn(OGRCreateCoordinateTransformation(&from, &degrees));
+  DegreeNodes nodes{.columns = std::min(most, grid.columns + 1), .rows = std::min(most, grid.rows + 1), .longitude = {}, .latitude = {}};
+  const double middle = place.box.west + place.box.width() / 2;
+  for (int j = 0; j < nodes.rows; ++j)
+    for (int i = 0; i < nodes.columns; ++i) {
+      double x = grid.west + grid.columns * grid.cell_width * i / (nodes.columns - 1);
+      double y = grid.north - grid.rows * grid.cell_height * j / (nodes.rows - 1);
+      if (!turn || !turn->Transform(1, &x, &y)) return std::nullopt;
+      nodes.longitude.push_back(middle + std::remainder(x - middle, 360.0));
+      nodes.latitude.push_back(y);
+    }
+  return nodes;
+}
+
 std::string remark_on(const GlobePlace& place) {
   if (place.is_wgs84) return "";
   return "the map's longitudes and latitudes are fixed to " +

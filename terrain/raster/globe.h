@@ -37,6 +37,15 @@ struct GlobeAnswer {
 };
 GlobeAnswer place_on_globe(const MapGrid& grid);
 
+/// Longitude and latitude of nodes that divide the grid evenly, corners included, row by row from the north [rows *
+/// columns]. Longitudes run on beyond 180 where they must, so that neighbours are near each other.
+struct DegreeNodes {
+  int columns = 0, rows = 0;
+  std::vector<double> longitude, latitude;  // [deg]
+};
+/// At most `most` nodes a side. Nothing for a grid that holds a pole, where longitudes cannot be interpolated.
+std::optional<DegreeNodes> degree_nodes(const MapGrid& grid, const GlobePlace& place, int most);
+
 /// "the map's degrees are fixed to the Moon (GCS_Moon_2000), not WGS 84"; empty for WGS 84.
 std::string remark_on(const GlobePlace& place);
 

@@ -177,7 +177,7 @@ TEST_CASE("whole metres make plains flat, which is no water; a lake among them i
   make_raster(folder / "lake.tif", recipe(lake));
   const RasterSource source = open(folder / "lake.tif");
   CHECK(source.read_flat({100, 100, 1, 1}).at(0, 0) == 1);
-  CHECK(source.read_flat({10, 100, 1, 1}).at(0, 0) == 0);
+  CHECK(source.read_flat({60, 100, 1, 1}).at(0, 0) == 0);  // borders on lower ground
 }
 
 TEST_CASE("pictures, classes and complex values are no heights, in one sentence") {
@@ -214,7 +214,7 @@ TEST_CASE("the unit of heights comes from the band, the coordinate system or the
   make_raster(file, recipe);
   CHECK(first() == Approx(stored));
   CHECK(first({.unit = "ft"}) == Approx(0.3048 * stored));
-  CHECK(first({.unit = "us-ft"}) == Approx(1200.0 / 3937.0 * stored).epsilon(1e-8));
+  CHECK(first({.unit = "us-ft"}) == Approx(1200.0 / 3937.0 * stored).epsilon(1e-7));
 
   recipe.unit = "ft";
   make_raster(file, recipe);
