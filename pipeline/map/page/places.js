@@ -5,7 +5,7 @@
 function degrees_of(x, y) {
   const d = meta.degrees;
   if (!d) return null;
-  const u = Math.min(d.columns - 1, Math.max(0, x / map_w() * (d.columns - 1))), v = Math.min(d.rows - 1, Math.max(0, y / map_h() * (d.rows - 1)));
+  const u = Math.min(d.columns - 1, Math.max(0, x / (meta.grid.columns * meta.grid.cell_width_m) * (d.columns - 1))), v = Math.min(d.rows - 1, Math.max(0, y / (meta.grid.rows * meta.grid.cell_height_m) * (d.rows - 1)));
   const i = Math.min(d.columns - 2, Math.floor(u)), j = Math.min(d.rows - 2, Math.floor(v)), s = u - i, t = v - j;
   const at = (list) => {
     const k = j * d.columns + i;
