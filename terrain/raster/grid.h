@@ -28,6 +28,12 @@ struct GridWish {
   double cell_size = 0;  // [m]
 };
 
+/// What is known of the heights of an elevation raster beyond what it says itself.
+struct HeightWish {
+  std::string unit;             // "m", "ft" or "us-ft"; empty: as the raster says
+  bool flat_is_ground = false;  // large exactly flat areas are ground, neither water nor voids
+};
+
 /// A north-up grid of equal cells in a projected coordinate system. Row 0 is the northernmost.
 struct MapGrid {
   int columns = 0, rows = 0;

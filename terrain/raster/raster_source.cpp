@@ -8,6 +8,9 @@
 
 #include "base/error.h"
 #include "base/line.h"
+#include "terrain/raster/derived_dataset.h"
+#include "terrain/raster/height_doubt.h"
+#include "terrain/raster/heights.h"
 #include "terrain/raster/raster_open.h"
 #include "terrain/raster/raster_warp.h"
 
@@ -19,7 +22,10 @@ struct RasterSource::State {
   MapGrid grid;
   double scale = 1, offset = 0;  // stored value -> value
   std::string how_warped;
-  std::function<OpenRaster()> open;  // the same once more
+  std::vector<std::string> remarks;
+  std::function<OpenRaster()> open;       // the same once more
+  std::optional<OpenRaster> flat;         // open_flat(), where there are flat areas
+  std::function<OpenRaster()> open_flat;  // empty without flat areas
 };
 
 namespace {
@@ -49,6 +55,54 @@ std::string resampling_of(RasterKind kind, double cell, double source_cell, bool
   return "bilinear";
 }
 
+OpenRaster open_without(const RasterFiles& files, const std::vector<FoundVoid>& voids) {
+  OpenRaster raster = open_raster(files);
+  if (!voids.empty()) leave_out_voids(raster, voids);
+  return raster;
+}
+
+OpenRaster open_flat_of(const RasterFiles& files, const std::shared_ptr<const CellRuns>& runs) {
+  OpenRaster raster = open_raster(files);
+  mark_runs(raster, runs);
+  return raster;
+}
+
+/// Values of the window; NaN: nodata, infinities and what lies outside of the grid.
+Tile read_window(const OpenRaster& raster, const MapGrid& grid, Window window, double scale, double offset) {
+  Tile tile(window.columns, window.rows, kNoData);
+  const int left = std::max(0, window.column), top = std::max(0, window.row);
+  const int right = std::min(grid.columns, window.column + window.columns);
+  const int bottom = std::min(grid.rows, window.row + window.rows);
+  if (left >= right || top >= bottom) return tile;
+  const int columns = right - left, rows = bottom - top;
+  std::vector<float> value(std::size_t(columns) * rows);
+  std::vector<unsigned char> valid(value.size());
+  GdalCall call;
+  GDALRasterBand& band = *raster.dataset->GetRasterBand(1);
+  if (band.RasterIO(GF_Read, left, top, columns, rows, value.data(), columns, rows, GDT_Float32, 0, 0, nullptr) !=
+          CE_None ||
+      band.GetMaskBand()->RasterIO(GF_Read, left, top, columns, rows, valid.data(), columns, rows, GDT_Byte, 0, 0,
+                                   nullptr) != CE_None)
+    throw InputError(raster.name + ": reading its cells failed (" + call.message() +
+                     "); the file is damaged or incomplete, fetch it again");
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const std::size_t i = std::size_t(row) * columns + column;
+      if (valid[i] && std::isfinite(value[i]))
+        tile.at(left - window.column + column, top - window.row + row) = float(value[i] * scale + offset);
+    }
+  return tile;
+}
+
+std::function<OpenRaster()> warping(const std::function<OpenRaster()>& open, const MapGrid& grid,
+                                    const std::string& resampling) {
+  return [open, grid, resampling] {
+    OpenRaster raster = open();
+    warp_to(raster, grid, resampling);
+    return raster;
+  };
+}
+
 }  // namespace
 
 RasterSource::RasterSource(std::unique_ptr<State> state) : state_(std::move(state)) {}
@@ -59,6 +113,8 @@ RasterSource::~RasterSource() = default;
 const MapGrid& RasterSource::grid() const { return state_->grid; }
 std::string RasterSource::name() const { return state_->raster.name; }
 const std::string& RasterSource::how_warped() const { return state_->how_warped; }
+const std::vector<std::string>& RasterSource::remarks() const { return state_->remarks; }
+bool RasterSource::has_flat() const { return state_->flat.has_value(); }
 
 RasterSource RasterSource::again() const {
   auto state = std::make_unique<State>();
@@ -66,23 +122,43 @@ RasterSource RasterSource::again() const {
   state->scale = state_->scale;
   state->offset = state_->offset;
   state->how_warped = state_->how_warped;
+  state->remarks = state_->remarks;
   state->open = state_->open;
+  state->open_flat = state_->open_flat;
   state->raster = state->open();
+  if (state->open_flat) state->flat = state->open_flat();
   return RasterSource(std::move(state));
 }
 
 RasterSource RasterSource::open_elevation(const RasterFiles& files, const GridWish& wish) {
+  return open(files, wish, nullptr);
+}
+
+RasterSource RasterSource::open_heights(const RasterFiles& files, const GridWish& wish, const HeightWish& heights) {
+  return open(files, wish, &heights);
+}
+
+RasterSource RasterSource::open(const RasterFiles& files, const GridWish& wish, const HeightWish* heights) {
   auto state = std::make_unique<State>();
   state->raster = open_raster(files);
   GDALDataset& dataset = *state->raster.dataset;
+  if (heights) require_heights(dataset, state->raster.name);
   const OGRSpatialReference crs = require_crs(dataset, state->raster.name);
   const GeoTransform t = require_north_up(dataset, state->raster.name);
   GDALRasterBand& band = *dataset.GetRasterBand(1);
-  const double metres = vertical_metres(band, state->raster.name);
+  const double metres = heights ? height_unit(dataset, crs, state->raster.name, heights->unit, state->remarks)
+                                : vertical_metres(band, state->raster.name);
   state->scale = band.GetScale() * metres;
   state->offset = band.GetOffset() * metres;
-  state->open = [files] { return open_raster(files); };
-  if (const auto grid = grid_for(state->raster, crs, t, wish)) {
+  const auto grid = grid_for(state->raster, crs, t, wish);
+  HeightDoubt doubt;
+  if (heights) {
+    const HeightScale scale = height_scale(dataset, t, crs, state->scale, state->offset);
+    doubt = doubt_heights(dataset, state->raster.name, scale, *heights, state->remarks);
+  }
+  state->open = [files, doubt] { return open_without(files, doubt.voids); };
+  if (doubt.flat) state->open_flat = [files, doubt] { return open_flat_of(files, doubt.flat); };
+  if (grid) {
     const OGRSpatialReference target = system_of(*grid);
     require_known_shift(crs, target, state->raster.name);
     const auto extent = extent_on(dataset, t, crs, target);
@@ -92,15 +168,13 @@ RasterSource RasterSource::open_elevation(const RasterFiles& files, const GridWi
     state->how_warped =
         line("elevation was warped from %s to %s, cells of %g m, %s", crs.GetName() ? crs.GetName() : "?",
              grid->crs_name.c_str(), grid->cell_width_m(), resampling.c_str());
-    state->open = [files, grid = *grid, resampling] {
-      OpenRaster raster = open_raster(files);
-      warp_to(raster, grid, resampling);
-      return raster;
-    };
-    state->raster = state->open();
+    state->open = warping(state->open, *grid, resampling);
+    if (state->open_flat) state->open_flat = warping(state->open_flat, *grid, "near");
   } else {
     state->grid = describe_grid(dataset.GetRasterXSize(), dataset.GetRasterYSize(), crs, t);
   }
+  if (grid || !doubt.voids.empty()) state->raster = state->open();
+  if (state->open_flat) state->flat = state->open_flat();
   RasterSource source(std::move(state));
   require_some_value(source);
   return source;
@@ -122,6 +196,7 @@ RasterSource RasterSource::open_as_it_lies(const RasterFiles& files) {
 RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid& grid, RasterKind kind) {
   const OpenRaster original = open_raster(files);
   GDALDataset& dataset = *original.dataset;
+  require_one_value(dataset, original.name);
   const OGRSpatialReference& crs = require_crs(dataset, original.name);
   const GeoTransform t = require_north_up(dataset, original.name);
   const OGRSpatialReference target = system_of(grid);
@@ -147,29 +222,13 @@ RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid&
 }
 
 Tile RasterSource::read(Window window) const {
-  Tile tile(window.columns, window.rows, kNoData);
-  const int left = std::max(0, window.column), top = std::max(0, window.row);
-  const int right = std::min(state_->grid.columns, window.column + window.columns);
-  const int bottom = std::min(state_->grid.rows, window.row + window.rows);
-  if (left >= right || top >= bottom) return tile;
-  const int columns = right - left, rows = bottom - top;
-  std::vector<float> value(std::size_t(columns) * rows);
-  std::vector<unsigned char> valid(value.size());
-  GdalCall call;
-  GDALRasterBand& band = *state_->raster.dataset->GetRasterBand(1);
-  if (band.RasterIO(GF_Read, left, top, columns, rows, value.data(), columns, rows, GDT_Float32, 0, 0, nullptr) !=
-          CE_None ||
-      band.GetMaskBand()->RasterIO(GF_Read, left, top, columns, rows, valid.data(), columns, rows, GDT_Byte, 0, 0,
-                                   nullptr) != CE_None)
-    throw InputError(state_->raster.name + ": reading its cells failed (" + call.message() +
-                     "); the file is damaged or incomplete, fetch it again");
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      const std::size_t i = std::size_t(row) * columns + column;
-      if (valid[i] && std::isfinite(value[i]))
-        tile.at(left - window.column + column, top - window.row + row) =
-            float(value[i] * state_->scale + state_->offset);
-    }
+  return read_window(state_->raster, state_->grid, window, state_->scale, state_->offset);
+}
+
+Tile RasterSource::read_flat(Window window) const {
+  if (!state_->flat) return Tile(window.columns, window.rows, 0);
+  Tile tile = read_window(*state_->flat, state_->grid, window, 1, 0);
+  for (float& v : tile.value) v = v == 1 ? 1 : 0;
   return tile;
 }
 

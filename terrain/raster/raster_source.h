@@ -27,6 +27,11 @@ class RasterSource {
   /// geotransform, rotated or south-up grid, wider than 12 degrees of longitude, nothing but nodata.
   static RasterSource open_elevation(const RasterFiles& files, const GridWish& wish = {});
 
+  /// As open_elevation(), but looks at every cell first and says what it found. Undeclared voids are left out; large
+  /// exactly flat areas are told by read_flat(). Throws InputError also for pictures, complex values, a unit of heights
+  /// that is not known or contradicts itself, and heights that no ground has. See terrain/raster/height_scan.h.
+  static RasterSource open_heights(const RasterFiles& files, const GridWish& wish, const HeightWish& heights);
+
   /// Opens any raster as it lies: band 1 with scale and offset, on its own grid, in its own unit. Throws InputError: no
   /// such file, not a raster, no coordinate system, no geotransform, rotated or south-up grid.
   static RasterSource open_as_it_lies(const RasterFiles& files);
@@ -47,13 +52,20 @@ class RasterSource {
   std::string name() const;
   /// One sentence about the warping; empty for rasters that are not warped.
   const std::string& how_warped() const;
+  /// One sentence each, without a full stop: what open_heights() found.
+  const std::vector<std::string>& remarks() const;
 
   /// Values of the window. Nodata, infinities and cells outside the raster are NaN. Throws InputError for a damaged
   /// file. Not thread-safe.
   Tile read(Window window) const;
 
+  /// 1 in cells of large exactly flat areas, which may be water or voids, 0 elsewhere. Not thread-safe.
+  bool has_flat() const;
+  Tile read_flat(Window window) const;
+
  private:
   struct State;
+  static RasterSource open(const RasterFiles& files, const GridWish& wish, const HeightWish* heights);
   explicit RasterSource(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
+#include <limits>
 
 #include "base/error.h"
 #include "base/line.h"
@@ -16,6 +17,7 @@ namespace gonogo::terrain {
 namespace {
 
 constexpr double kScaleTolerance = 0.01;  // of a map's metres against the ground's
+constexpr double kFarScale = 0.03;        // the same of a system that was asked for
 constexpr double kWidest = 12;            // [deg] of longitude on one UTM grid: 0.5 % of scale at its edges
 constexpr double kPolar = 84;             // [deg] beyond which UTM is not defined
 
@@ -45,18 +47,25 @@ std::vector<std::array<double, 2>> probes(int columns, int rows) {
   return list;
 }
 
+/// How far the map's metres are off the ground's at the worst place: |ground / map - 1|. Infinite where a place has none.
+double scale_error(const OGRSpatialReference& crs, OGRCoordinateTransformation& to_degrees, int columns, int rows,
+                   const GeoTransform& t) {
+  const double metres = crs.GetLinearUnits();
+  double worst = 0;
+  for (const auto& [column, row] : probes(columns, rows)) {
+    const auto size = ground_size(crs, to_degrees, t, column, row);
+    if (!size) return std::numeric_limits<double>::infinity();
+    worst = std::max({worst, std::abs((*size)[0] / (t.value[1] * metres) - 1),
+                      std::abs((*size)[1] / (-t.value[5] * metres) - 1)});
+  }
+  return worst;
+}
+
 /// Whether the map's metres are the ground's within the tolerance everywhere.
 bool in_ground_metres(const OGRSpatialReference& crs, OGRCoordinateTransformation& to_degrees, GDALDataset& dataset,
                       const GeoTransform& t) {
-  if (!crs.IsProjected()) return false;
-  const double metres = crs.GetLinearUnits();
-  for (const auto& [column, row] : probes(dataset.GetRasterXSize(), dataset.GetRasterYSize())) {
-    const auto size = ground_size(crs, to_degrees, t, column, row);
-    if (!size || std::abs((*size)[0] / (t.value[1] * metres) - 1) > kScaleTolerance ||
-        std::abs((*size)[1] / (-t.value[5] * metres) - 1) > kScaleTolerance)
-      return false;
-  }
-  return true;
+  return crs.IsProjected() && scale_error(crs, to_degrees, dataset.GetRasterXSize(), dataset.GetRasterYSize(), t) <=
+                                  kScaleTolerance;
 }
 
 OGRSpatialReference traditional(OGRSpatialReference crs) {
@@ -118,7 +127,34 @@ double width_in_degrees(const std::array<double, 4>& degrees) {
   return width < 0 ? width + 360 : width;
 }
 
+/// Refuses a system whose metres are not the ground's on this grid.
+void require_near(const OGRSpatialReference& crs, const MapGrid& grid, const std::string& name) {
+  OGRSpatialReference degrees;
+  degrees.CopyGeogCSFrom(&crs);
+  degrees = traditional(degrees);
+  const Transformation to_degrees(OGRCreateCoordinateTransformation(&crs, &degrees));
+  const GeoTransform t = {{grid.west, grid.cell_width, 0, grid.north, 0, -grid.cell_height}};
+  const double error = to_degrees ? scale_error(crs, *to_degrees, grid.columns, grid.rows, t)
+                                  : std::numeric_limits<double>::infinity();
+  if (error <= kFarScale) return;
+  throw InputError(name + ": the grid's system \"" + grid.crs_name + "\" belongs to another part of the globe, " +
+                   (std::isfinite(error) ? line("its metres are %.3g %% off those of the ground there", 100 * error)
+                                         : "in which the raster has no place") +
+                   line("; at most %g %% will do: choose the UTM zone of the region, or leave \"crs\" out",
+                        100 * kFarScale));
+}
+
 }  // namespace
+
+std::optional<std::array<double, 2>> middle_cell_size(GDALDataset& dataset, const GeoTransform& t,
+                                                      const OGRSpatialReference& crs) {
+  OGRSpatialReference degrees;
+  degrees.CopyGeogCSFrom(&crs);
+  degrees = traditional(degrees);
+  const Transformation to_degrees(OGRCreateCoordinateTransformation(&crs, &degrees));
+  if (!to_degrees) return std::nullopt;
+  return ground_size(crs, *to_degrees, t, dataset.GetRasterXSize() / 2.0 - 0.5, dataset.GetRasterYSize() / 2.0 - 0.5);
+}
 
 std::optional<std::array<double, 4>> extent_on(GDALDataset& dataset, const GeoTransform& t,
                                                const OGRSpatialReference& from, const OGRSpatialReference& to) {
@@ -170,7 +206,9 @@ std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialRefere
   const auto extent = extent_on(dataset, t, crs, target);
   if (!extent) throw refuse("cannot be carried over to the map's grid (" + call.message() + ")");
   const double cell = wish.cell_size > 0 ? wish.cell_size : rounded_cell(std::sqrt((*size)[0] * (*size)[1]));
-  return grid_over(*extent, target, cell, raster.name);
+  const MapGrid grid = grid_over(*extent, target, cell, raster.name);
+  if (!wish.crs.empty()) require_near(target, grid, raster.name);
+  return grid;
 }
 
 void require_known_shift(const OGRSpatialReference& from, const OGRSpatialReference& to, const std::string& name) {

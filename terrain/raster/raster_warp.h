@@ -12,8 +12,13 @@ namespace gonogo::terrain {
 std::optional<std::array<double, 4>> extent_on(GDALDataset& dataset, const GeoTransform& t,
                                                const OGRSpatialReference& from, const OGRSpatialReference& to);
 
+/// Ground size of the cell in the middle [m]: {eastward, southward}; nothing when it has no place on the ground.
+std::optional<std::array<double, 2>> middle_cell_size(GDALDataset& dataset, const GeoTransform& t,
+                                                      const OGRSpatialReference& crs);
+
 /// Grid that the elevation must be warped to; empty when its own grid serves. Throws InputError when neither is
-/// possible.
+/// possible, and when the metres of a wished system are more than 3 % off those of the ground, because it belongs to
+/// another part of the globe.
 std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialReference& crs, const GeoTransform& t,
                                 const GridWish& wish);
 

@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "terrain/raster/gdal_support.h"
+#include "terrain/raster/to_wgs84.h"
 #include "terrain/raster/vector_style.h"
 
 namespace gonogo::terrain {
@@ -56,8 +57,8 @@ void write_format(const fs::path& path, const Format& format, const MapGrid& gri
   OGRSpatialReference from = system_of(grid), wgs84;
   wgs84.importFromEPSG(4326);
   wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  std::unique_ptr<OGRCoordinateTransformation> turn(format.wgs84 ? OGRCreateCoordinateTransformation(&from, &wgs84)
-                                                                 : nullptr);
+  std::unique_ptr<OGRCoordinateTransformation> turn;
+  if (format.wgs84) turn = to_wgs84(grid, path);
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(format.driver);
   if (!driver) throw DeviceError("this GDAL has no " + std::string(format.driver) + " driver");
   DatasetHandle file(driver->Create(path.c_str(), 0, 0, 0, GDT_Unknown, nullptr));

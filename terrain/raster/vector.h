@@ -16,7 +16,8 @@ struct LineFeature {
   std::vector<std::pair<std::string, double>> attribute;  // one column each; not kept in GPX
 };
 
-/// Throws InputError for extensions other than .gpkg, .geojson, .json and .gpx, DeviceError when writing fails. The
+/// Throws InputError for extensions other than .gpkg, .geojson, .json and .gpx, and where a format needs WGS 84 and no
+/// way to it is known; DeviceError when writing fails. The
 /// file is whole or absent.
 void write_lines(const std::filesystem::path& path, const MapGrid& grid, const std::string& layer,
                  const std::vector<LineFeature>& lines);

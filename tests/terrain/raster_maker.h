@@ -25,15 +25,21 @@ struct RasterRecipe {
   std::string unit = {};
   double scale = 1, offset = 0;
   GDALDataType type = GDT_Float32;
+  std::string crs = {};  // any form that PROJ reads; wins over epsg
+  int bands = 1;         // further ones are copies
 };
 
 inline void make_raster(const std::filesystem::path& path, const RasterRecipe& recipe) {
   GDALAllRegister();
   GDALDataset* raster = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(path.c_str(), recipe.columns,
-                                                                                 recipe.rows, 1, recipe.type, nullptr);
-  if (recipe.epsg != 0) {
+                                                                                 recipe.rows, recipe.bands, recipe.type,
+                                                                                 nullptr);
+  if (recipe.epsg != 0 || !recipe.crs.empty()) {
     OGRSpatialReference crs;
-    crs.importFromEPSG(recipe.epsg);
+    if (recipe.crs.empty())
+      crs.importFromEPSG(recipe.epsg);
+    else
+      crs.SetFromUserInput(recipe.crs.c_str());
     crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
     raster->SetSpatialRef(&crs);
   }
@@ -47,9 +53,10 @@ inline void make_raster(const std::filesystem::path& path, const RasterRecipe& r
   std::vector<float> value = recipe.value;
   for (int i = int(value.size()); i < recipe.columns * recipe.rows; ++i)
     value.push_back(float(i % recipe.columns + 10 * (i / recipe.columns)));
-  if (band.RasterIO(GF_Write, 0, 0, recipe.columns, recipe.rows, value.data(), recipe.columns, recipe.rows, GDT_Float32,
-                    0, 0, nullptr) != CE_None)
-    throw std::runtime_error("cannot make " + path.string());
+  for (int b = 1; b <= recipe.bands; ++b)
+    if (raster->GetRasterBand(b)->RasterIO(GF_Write, 0, 0, recipe.columns, recipe.rows, value.data(), recipe.columns,
+                                           recipe.rows, GDT_Float32, 0, 0, nullptr) != CE_None)
+      throw std::runtime_error("cannot make " + path.string());
   GDALClose(raster);
 }
 

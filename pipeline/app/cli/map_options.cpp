@@ -19,6 +19,11 @@ void add_map_file_options(CLI::App& command, map::MapFiles& files) {
       ->type_name(kSetting);
   command.add_option("--region", files.region, "Region file; by default the one that the study names")
       ->type_name(kFile);
+  command.add_option("--height-unit", files.height_unit, "Unit of the elevations; by default as the raster says, or metres")
+      ->type_name(one_of({"m", "ft", "us-ft"}))
+      ->check(CLI::IsMember({"m", "ft", "us-ft"}));
+  command.add_flag("--flat-is-ground", files.flat_is_ground,
+                   "Large areas of exactly one height are ground; by default unknown, as water and voids are such");
   command.add_option("--study", files.study, "Study file: thresholds and mission values of its section \"map\"")
       ->type_name(kStudy);
   command.add_option("--dataset", files.dataset, "Trials of the model; by default dataset.h5 beside it")

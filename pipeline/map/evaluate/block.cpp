@@ -19,9 +19,9 @@ namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 
-/// Codes, water contents, land cover and cone indices of a tile, as far as the region has them.
+/// Codes, water contents, land cover, cone indices and flat areas of a tile, as far as the region has them.
 struct Readings {
-  std::optional<Tile> soil, moisture, land, cone_index;
+  std::optional<Tile> soil, moisture, land, cone_index, flat;
 };
 
 /// A whole number that a raster holds, or nothing.
@@ -54,7 +54,7 @@ int soil_of(const SoilTable& table, const Readings& readings, int state, std::si
 
 /// 0: the soil decides; 1 + position in land_rules().
 int rule_of(const Region& region, const Readings& readings, std::size_t cell) {
-  if (!readings.land) return 0;
+  if (!readings.land) return readings.flat && readings.flat->value[cell] > 0 ? int(flat_rule(region)) + 1 : 0;
   const auto code = code_at(*readings.land, cell);
   std::size_t r = 0;
   while (r < region.land.size() && !(code && region.land[r].code == *code)) ++r;
@@ -170,7 +170,7 @@ MapSources MapSources::again() const {
 }
 
 MapSources open_sources(const Region& region) {
-  MapSources sources{.elevation = RasterSource::open_elevation(region.elevation.files, region.grid),
+  MapSources sources{.elevation = RasterSource::open_heights(region.elevation.files, region.grid, region.elevation.heights),
                      .soil_class = {},
                      .land_cover = {},
                      .moisture = {},
@@ -245,7 +245,10 @@ TileLayers evaluate_tile(const MapSources& sources, const Region& region, const 
   const Readings readings = {.soil = read_part(sources.soil_class, window),
                              .moisture = read_part(sources.moisture, window),
                              .land = read_part(sources.land_cover, window),
-                             .cone_index = read_part(sources.cone_index, window)};
+                             .cone_index = read_part(sources.cone_index, window),
+                             .flat = sources.elevation.has_flat()
+                                         ? std::optional(sources.elevation.read_flat(window))
+                                         : std::nullopt};
   const std::vector<LandRule> land = land_rules(region);
   const terrain::CellSize cell = {grid.cell_width_m(), grid.cell_height_m()};
   const Tile empty(window.columns, window.rows, kNoData);

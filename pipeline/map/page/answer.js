@@ -4,6 +4,7 @@ const GO = 1, SLOW_GO = 2, NO_GO = 3, UNKNOWN = 4;
 const DEGREE = Math.PI / 180;
 const state = {
   layer: 'class', mode: 'uphill', heading: 0, opacity: 0.8, go: meta.rules.go, no_go: meta.rules.no_go, safe_colours: false,
+  terms: 'model',
 };
 const reason_code = {};
 for (const r of meta.reasons) reason_code[r.name] = r.code;

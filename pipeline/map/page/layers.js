@@ -20,6 +20,13 @@ function on_ramp(name, share) {
   return stops[i].map((c, k) => Math.round(c + (stops[i + 1][k] - c) * (x - i)));
 }
 
+/// Names of the classes: the model's own, those of NG-NRMM (AMSP-06), and those of cross-country mobility overlays (FM
+/// 5-33, MCOO).
+const TERMS = {
+  model: {}, nrmm: { [GO]: 'GO', [SLOW_GO]: 'SLOW GO', [NO_GO]: 'NO GO' },
+  ccm: { [GO]: 'unrestricted', [SLOW_GO]: 'restricted', [NO_GO]: 'severely restricted' },
+};
+const verdict_label = (code) => TERMS[state.terms][code] ?? verdict_info(code).label;
 const verdict_info = (code) => meta.verdicts.find((v) => v.code === code);
 const verdict_colour = (code) => hex(state.safe_colours ? verdict_info(code).colour_blind_safe : verdict_info(code).colour);
 const reason_info = (code) => meta.reasons.find((r) => r.code === code);
@@ -53,7 +60,7 @@ function make_layers() {
   const table = (name) => (cell) => { const s = unit_of(cell); return s && s[name] ? probability(s[name][blob.slope[cell]]) : NaN; };
   const spread = (cell) => table('high')(cell) - table('low')(cell);
   const list = [
-    class_layer('class', 'Go / no-go', (c, a) => a.verdict, () => meta.verdicts.map((v) => ({ code: v.code, label: v.label, rgb: verdict_colour(v.code) }))),
+    class_layer('class', 'Go / no-go', (c, a) => a.verdict, () => meta.verdicts.map((v) => ({ code: v.code, label: verdict_label(v.code), rgb: verdict_colour(v.code) }))),
     ramp_layer('p_go', 'P(go)', 'viridis', [0, 1], (c, a) => a.p, (v) => fixed(v, 3), 'Probability that a valid trial ends in go or slow-go'),
     class_layer('reason', 'Reason', (c, a) => a.reason, () => meta.reasons.map((r) => ({ code: r.code, label: r.label, rgb: hex(r.colour) })), 'Why the class is what it is'),
     ramp_layer('spread', 'Uncertainty', 'violet', [0, 1], spread, (v) => fixed(v, 3), 'Width of the 90 % interval on P(go), uphill'),
@@ -107,6 +114,7 @@ function show_legend() {
     if (!['slope', 'height'].includes(layer.id)) list.append(item(NO_VALUE, 'no value'));
   }
   box.append(list);
+  if (bands.lines) list.append(element('li', { class: 'bands' }, element('b'), `every ${cost_text(route.cost, bands.interval)} from A`));
   if (layer.note) { const p = document.createElement('div'); p.className = 'quiet'; p.textContent = layer.note; box.append(p); }
 }
 

@@ -1,14 +1,19 @@
 // Connects the controls to the view.
-let painting = 0;
+let painting = 0, counting = false;
+/// What was asked for since the last frame is done together: a later call without counts must not lose those of an
+/// earlier one.
 function refresh(counts = true) {
   cancelAnimationFrame(painting);
+  counting = counting || counts;
   painting = requestAnimationFrame(() => {
     paint_layer();
     show_legend();
     show_heading();
     show_thresholds();
-    if (counts) show_shares();
+    if (counting) show_shares();
+    counting = false;
     show_cell();
+    remember();
   });
 }
 
@@ -37,12 +42,14 @@ function set_thresholds(go, no_go, moved) {
 
 function choose(cell) {
   if (cell < 0) return;
+  if (measure.on) { add_measured(cell); return; }
   if (route.drawing) { place_route_point(cell); return; }
   view.chosen = cell;
   show_cell();
   if (view.pointed) show_served_cell(view.pointed);
   show_tab('cell');
   view.dirty = true;
+  remember();
 }
 
 function place_route_point(cell) {
@@ -54,6 +61,7 @@ function place_route_point(cell) {
 function update_route() {
   if (route.start !== null && route.end !== null) show_route(find_route());
   route.reach = route.reaching && route.start !== null ? dijkstra(route.start, -1, route.cost).cost : null;
+  make_bands();
   $('route-reach').setAttribute('aria-pressed', route.reaching);
   refresh(false);
 }
@@ -62,6 +70,8 @@ function draw_route() {
   show_tab('route');
   route.drawing = true;
   route.start = route.end = route.path = route.reach = null;
+  make_bands();
+  if (measure.on) toggle_measure();
   $('route').replaceChildren();
   $('route-hint').textContent = 'Click the start on the map (or press Enter at the crosshair).';
   refresh(false);
@@ -81,6 +91,7 @@ function listen_to_keys() {
     else if (e.key === '-') zoom_at(canvas.clientWidth / 2, canvas.clientHeight / 2, 1 / 1.4);
     else if (e.key === '0') fit();
     else if (e.key === 'r' || e.key === 'R') draw_route();
+    else if (e.key === 'm' || e.key === 'M') toggle_measure();
     else if (e.key === '[') set_heading(state.heading - 5);
     else if (e.key === ']') set_heading(state.heading + 5);
     else if (layers[Number(e.key) - 1]) { state.layer = layers[Number(e.key) - 1].id; show_layers(); refresh(); }
@@ -112,6 +123,9 @@ function listen_to_controls() {
   $('zoom-in').addEventListener('click', () => zoom_at(canvas.clientWidth / 2, canvas.clientHeight / 2, 1.6));
   $('zoom-out').addEventListener('click', () => zoom_at(canvas.clientWidth / 2, canvas.clientHeight / 2, 1 / 1.6));
   $('zoom-fit').addEventListener('click', fit);
+  $('measure').addEventListener('click', toggle_measure);
+  $('terms').addEventListener('change', (e) => { state.terms = e.target.value; show_layers(); refresh(); });
+  window.addEventListener('hashchange', () => { if (location.hash.slice(1) !== linked) { follow_link(); show_state(); } });
   $('route-draw').addEventListener('click', draw_route);
   $('route-reach').addEventListener('click', () => { route.reaching = !route.reaching; if (route.start === null) $('route-hint').textContent = 'Draw a start first.'; update_route(); });
   $('route-clear').addEventListener('click', () => { Object.assign(route, { start: null, end: null, path: null, reach: null, drawing: false, reaching: false }); $('route').replaceChildren(); update_route(); });
@@ -150,6 +164,17 @@ function make_costs() {
   }
 }
 
+/// Brings controls and picture in line with the state that an address gave.
+function show_state() {
+  $('opacity').value = Math.round(100 * state.opacity);
+  $('opacity-value').textContent = `${$('opacity').value} %`;
+  $('terms').value = state.terms;
+  for (const input of document.getElementsByName('cost')) input.checked = input.value === route.cost;
+  set_palette();
+  if (route.start !== null) update_route();
+  if (view.chosen !== null) show_tab('cell');
+}
+
 async function start() {
   $('title').textContent = document.title = meta.title;
   $('subtitle').textContent = meta.subtitle;
@@ -166,13 +191,17 @@ async function start() {
   make_relief();
   make_costs();
   draw_ticks();
+  follow_link();
   set_palette();
   listen_to_controls();
   listen_to_keys();
   listen_to_pointers(choose, (cell) => show_readout(cell));
-  new ResizeObserver(() => { const first = canvas.width === 300; resize(); if (first) fit(); }).observe(canvas);
+  new ResizeObserver(() => { resize(); }).observe(canvas);
   resize();
   fit();
+  follow_link();
+  show_state();
+  show_readout(-1);
   frame();
   $('wait').hidden = true;
   $('app').setAttribute('aria-busy', 'false');

@@ -64,7 +64,7 @@ function show_shares() {
     part.style.cssText = `width:${100 * share}%;background:${css(verdict_colour(v.code))}`;
     chip.style.background = css(verdict_colour(v.code));
     bar.append(part);
-    list.append(chip, element('span', {}, v.label), element('span', {}, small(100 * share, n, ' %')), element('span', { class: 'quiet' }, small(n * km2, n, ' km²')));
+    list.append(chip, element('span', {}, verdict_label(v.code)), element('span', {}, small(100 * share, n, ' %')), element('span', { class: 'quiet' }, small(n * km2, n, ' km²')));
   }
   bar.after(list);
 }
@@ -92,13 +92,13 @@ function show_thresholds() {
 
 /// Probabilities of a cell by outcome: [{label, p, rgb}].
 function outcomes_of(answer) {
-  const rows = [{ label: 'go', p: answer.p - answer.slow, rgb: verdict_colour(GO) }, { label: 'slow-go', p: answer.slow, rgb: verdict_colour(SLOW_GO) }];
+  const rows = [{ label: verdict_label(GO), p: answer.p - answer.slow, rgb: verdict_colour(GO) }, { label: verdict_label(SLOW_GO), p: answer.slow, rgb: verdict_colour(SLOW_GO) }];
   for (const outcome of answer.soil.no_go_outcomes) {
     const q = blob[`${answer.table}_${answer.soil.index}_${outcome.reason}`];
-    if (q && answer.index >= 0) rows.push({ label: `no-go: ${reason_info(reason_code[outcome.reason]).label}`, p: q[answer.index] / 255, rgb: verdict_colour(NO_GO) });
+    if (q && answer.index >= 0) rows.push({ label: `${verdict_label(NO_GO)}: ${reason_info(reason_code[outcome.reason]).label}`, p: q[answer.index] / 255, rgb: verdict_colour(NO_GO) });
   }
   const shown = rows.filter((r, i) => i < 2 || r.p >= 0.005), rest = 1 - shown.reduce((sum, r) => sum + r.p, 0);
-  return rest >= 0.005 ? [...shown, { label: 'no-go: other', p: rest, rgb: verdict_colour(NO_GO) }] : shown;
+  return rest >= 0.005 ? [...shown, { label: `${verdict_label(NO_GO)}: other`, p: rest, rgb: verdict_colour(NO_GO) }] : shown;
 }
 
 /// Verdict of every heading as a rose; the grey needle points downhill.
@@ -128,16 +128,16 @@ function show_cell() {
   const answer = answer_of(cell);
   box.replaceChildren();
   if (!answer) { box.append(element('p', { class: 'hint' }, 'No elevation here: no data.')); return; }
-  const info = verdict_info(answer.verdict), big = element('span', { class: 'big' });
+  const big = element('span', { class: 'big' });
   big.style.background = css(verdict_colour(answer.verdict));
   const why = answer.verdict === GO || answer.verdict === SLOW_GO ? '' : reason_info(answer.reason).label;
-  box.append(element('div', { class: 'verdict' }, big, element('div', {}, element('strong', {}, info.label), element('span', {}, [why, mode_text()].filter(Boolean).join(', ')))));
+  box.append(element('div', { class: 'verdict' }, big, element('div', {}, element('strong', {}, verdict_label(answer.verdict)), element('span', {}, [why, mode_text()].filter(Boolean).join(', ')))));
   if (known(answer)) show_evidence(box, cell, answer);
   const [e, n] = coordinates_of(cell), unit = meta.grid.unit_name === 'metre' ? 'm' : meta.grid.unit_name;
   box.append(element('h3', {}, 'Ground'), facts([
     ['Slope', grade(slope_of(cell))], ['Falls towards', slope_of(cell) > 0 ? `${blob.aspect[cell]}° ${compass(blob.aspect[cell])}` : 'flat'],
     ['Elevation', fixed(height_of(cell), 1, ' m')], ['Soil', layer_of('soil').read(cell, answer)], ...(blob.rule && blob.rule[cell] ? [[meta.land[blob.rule[cell] - 1].of, meta.land[blob.rule[cell] - 1].name]] : []),
-    ['Easting', `${e.toFixed(1)} ${unit}`], ['Northing', `${n.toFixed(1)} ${unit}`]]));
+    ['Easting', `${e.toFixed(1)} ${unit}`], ['Northing', `${n.toFixed(1)} ${unit}`], ...place_rows(cell)]));
   if (known(answer)) show_inputs(box, answer.soil);
 }
 
@@ -184,21 +184,18 @@ function show_inputs(box, soil) {
   box.append(unknown);
 }
 
+/// One line below the map: it covers nothing.
 function show_readout(cell) {
   const box = $('readout'), answer = cell >= 0 ? answer_of(cell) : null;
   box.classList.toggle('on', Boolean(answer));
-  if (!answer) return;
-  const chip = element('b'), list = element('dl');
+  if (!answer) { box.replaceChildren(element('span', { class: 'quiet' }, 'Point at the map to read it.')); return; }
+  const chip = element('b'), [e, n] = coordinates_of(cell), rows = [];
   chip.style.background = css(verdict_colour(answer.verdict));
-  for (const layer of layers) {
-    if (layer.id === 'class') continue;
-    const name = element('dt', {}, layer.label), value = element('dd', {}, layer.read(cell, answer));
-    if (!['p_go', 'slope', 'soil', 'height', 'reason'].includes(layer.id)) name.className = value.className = 'wide';
-    list.append(name, value);
-  }
-  const [e, n] = coordinates_of(cell);
-  list.append(element('dt', { class: 'wide' }, 'E, N'), element('dd', { class: 'wide' }, `${e.toFixed(0)}, ${n.toFixed(0)}`));
-  box.replaceChildren(element('div', { class: 'head' }, chip, verdict_info(answer.verdict).label), list);
+  if (route.reach && Number.isFinite(route.reach[cell])) rows.push(['From A', cost_text(route.cost, route.reach[cell], true)]);
+  for (const id of ['p_go', 'slope', 'height', 'reason', 'soil']) rows.push([layer_of(id).label, layer_of(id).read(cell, answer)]);
+  rows.push(...place_rows(cell), ['E, N', `${e.toFixed(0)}, ${n.toFixed(0)}`]);
+  for (const layer of layers) if (!['class', 'p_go', 'slope', 'height', 'reason', 'soil'].includes(layer.id)) rows.push([layer.label, layer.read(cell, answer)]);
+  box.replaceChildren(element('span', { class: 'head' }, chip, verdict_label(answer.verdict)), ...rows.map(([name, value]) => element('span', {}, element('i', {}, name), ` ${value}`)));
 }
 
 const duration = (s) => (s >= 3600 ? `${Math.floor(s / 3600)} h ${Math.round(s % 3600 / 60)} min` : s >= 120 ? `${Math.round(s / 60)} min` : `${s.toFixed(0)} s`);
@@ -215,7 +212,7 @@ function show_route(result) {
   rows.push(['Chance to get through', percent(Math.exp(-result.risk), 1)], ['Lowest P(go) on the way', fixed(result.min_p, 3)]);
   if (Number.isFinite(result.energy)) rows.push([meta.energy_of, `${(result.energy / 1e6).toFixed(2)} MJ`]);
   box.append(facts(rows), element('h3', {}, 'Elevation along the route'), profile_of(route.path));
-  box.append(element('p', { class: 'hint' }, `Chance: independent every ${meta.rules.correlation_length_m} m, the same within.`));
+  box.append(element('p', { class: 'hint' }, `Chance: independent every ${meta.rules.correlation_length_m} m, the same within.`), export_buttons());
 }
 
 function profile_of(path) {
@@ -230,11 +227,11 @@ function profile_of(path) {
 /// Text below a printed map: the layer, the shares of the classes, the sources.
 function show_print_note() {
   const { count, total } = count_classes(), km2 = cell_w * cell_h * 1e-6, box = $('print-note');
-  const shares = meta.verdicts.map((v) => `${v.label} ${small(total ? 100 * count.get(v.code) / total : 0, count.get(v.code), ' %')}, ${small(count.get(v.code) * km2, count.get(v.code), ' km²')}`);
+  const shares = meta.verdicts.map((v) => `${verdict_label(v.code)} ${small(total ? 100 * count.get(v.code) / total : 0, count.get(v.code), ' %')}, ${small(count.get(v.code) * km2, count.get(v.code), ' km²')}`);
   box.replaceChildren(
     element('p', {}, `${mode_text()}: ${shares.join('; ')}. Go from P(go) ${state.go.toFixed(2)}, no-go below ${state.no_go.toFixed(2)}.`),
     element('p', {}, meta.about), ...meta.notes.map(([title, lines]) => element('p', {}, `${title}: ${lines.join('; ')}.`)),
-    element('p', {}, meta.provenance.map(([name, value]) => `${name}: ${value}`).join('; ')));
+    element('p', {}, meta.provenance.filter(([name]) => !/hash$/.test(name) && name !== 'rules').map(([name, value]) => `${name}: ${value}`).join('; ')));
 }
 
 function show_about() {
@@ -249,5 +246,5 @@ function show_about() {
   const table = element('table');
   for (const [name, value] of meta.provenance) table.append(element('tr', {}, element('td', {}, name), element('td', {}, value)));
   box.append(element('h3', {}, 'Where it comes from'), table, element('h3', {}, 'Keys'));
-  box.append(element('p', {}, 'Tab: next control. On the map: arrows move the crosshair, Enter asks, + and − zoom, 0 whole region, R draws a route, [ and ] turn the heading. 1 to 9: layers.'));
+  box.append(element('p', {}, 'Tab: next control. On the map: arrows move the crosshair, Enter asks, + and − zoom, 0 whole region, R draws a route, [ and ] turn the heading. 1 to 9: layers, m measures. The address holds what you see: keep it as a bookmark.'));
 }

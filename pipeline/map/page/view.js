@@ -25,6 +25,7 @@ function paint_layer() {
     const answer = answer_of(c), rgb = layer.colour(c, answer), k = 4 * c;
     const light = flat + depth * relief[c], shine = Math.min(0.3, Math.max(0, light - 1)), grey = 255 * Math.min(1, 0.12 + 1.12 * relief[c]);
     const fade = reach && !Number.isFinite(reach[c]) ? 0.25 * strength : strength;
+    if (bands.lines && bands.lines[c]) { out[k] = 91; out[k + 1] = 11; out[k + 2] = 67; out[k + 3] = 255; continue; }
     for (let i = 0; i < 3; ++i) out[k + i] = grey * (1 - fade) + (rgb[i] * Math.min(1, light) + (255 - rgb[i]) * shine) * fade;
     out[k + 3] = 255;
   }
@@ -109,10 +110,12 @@ function draw() {
   context.imageSmoothingQuality = 'high';
   context.drawImage(picture, x, y, map_w() * view.scale, map_h() * view.scale);
   draw_served();
+  draw_bands();
   const magenta = style.getPropertyValue('--route').trim();
   if (route.path) { stroke_path(route.path, 'rgb(255 255 255 / .95)', 7); stroke_path(route.path, magenta, 3.5); }
   if (route.start !== null) pin(route.start, 'A', magenta);
   if (route.end !== null) pin(route.end, 'B', magenta);
+  draw_measure();
   if (view.chosen !== null) mark_cell(view.chosen, '#111', 6);
   if (view.cross !== null && document.activeElement === canvas && canvas.matches(':focus-visible')) mark_cell(view.cross, magenta, 9);
   draw_scale();
@@ -126,7 +129,7 @@ function draw_scale() {
 }
 
 function frame() {
-  if (view.dirty) { view.dirty = false; draw(); }
+  if (view.dirty) { view.dirty = false; draw(); remember(); }
   requestAnimationFrame(frame);
 }
 

@@ -23,6 +23,10 @@ RegionRaster read_raster(const Config& config, const std::string& role) {
   raster.source = config.text("source");
   raster.licence = config.text("licence");
   if (role == "cone_index") raster.unit = config.choice("unit", {"psi", "kPa"}) == "psi" ? kPsi : 1e3;
+  if (role == "elevation") {
+    if (config.has("unit")) raster.heights.unit = config.choice("unit", {"m", "ft", "us-ft"});
+    if (config.has("flat")) raster.heights.flat_is_ground = config.choice("flat", {"unknown", "ground"}) == "ground";
+  }
   if (role == "elevation" && config.has("error_m")) {
     raster.error = config.number("error_m", {0, 1000});
     raster.error_correlation = config.number_or("error_correlation", 0, {0, 0.9999});
@@ -197,6 +201,7 @@ std::vector<LandRule> land_rules(const Region& region) {
   rules.push_back({-1, "land cover not known", campaign::Verdict::unknown, campaign::Reason::land_unknown});
   rules.push_back({-1, "measured cone index below VCI1", campaign::Verdict::no_go, campaign::Reason::soft_soil});
   rules.push_back({-1, "measured cone index below VCI50", campaign::Verdict::unknown, campaign::Reason::soft_soil});
+  rules.push_back({-1, "exactly flat: water or a void", campaign::Verdict::unknown, campaign::Reason::land_unknown});
   return rules;
 }
 

@@ -18,6 +18,7 @@ struct RegionRaster {
   double error = 0;              // standard error of elevations [m]; 0: not stated
   double error_correlation = 0;  // of that error between neighbouring cells [-1, 1]
   double unit = 1;               // one count of a cone index raster [Pa]
+  terrain::HeightWish heights{};  // of the elevation
 };
 
 /// Values measured together on one sample of a soil, or the ranges of a soil that is known by name. Other variables
@@ -75,12 +76,15 @@ std::vector<SoilSample> samples_in(const Soil& soil, const MoistureState& state)
 /// Reads a region file. Paths in it are relative to its folder. Does not open the rasters. Throws InputError.
 Region read_region(const std::filesystem::path& path);
 
-/// Rules that decide before the soil does. First come the region's own, in their order. Three follow: for a land cover
-/// code that the region does not list, and for a measured cone index below VCI1 and below VCI50.
+/// Rules that decide before the soil does. First come the region's own, in their order. Four follow: for a land cover
+/// code that the region does not list, for a measured cone index below VCI1 and below VCI50, and for large exactly flat
+/// areas of which nobody said what they are.
 std::vector<LandRule> land_rules(const Region& region);
 inline std::size_t land_unknown_rule(const Region& region) { return region.land.size(); }
 inline std::size_t below_one_pass_rule(const Region& region) { return region.land.size() + 1; }
 inline std::size_t below_fifty_passes_rule(const Region& region) { return region.land.size() + 2; }
+
+inline std::size_t flat_rule(const Region& region) { return region.land.size() + 3; }
 
 /// Equally likely points of a soil over the variables of the contract [points][variable count]; slopes are NaN. Every
 /// sample is combined with every one of `draws` points of the ranges. `overriding` wins over the soil's values, and

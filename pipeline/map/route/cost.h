@@ -36,8 +36,10 @@ struct RouteCells {
   double cell_width = 1, cell_height = 1;  // [m]
   std::vector<std::uint16_t> slope;        // [1 / kSlopeSteps deg]
   std::vector<std::uint16_t> aspect;       // whole degrees [0, 360), downhill, clockwise from grid north
-  std::vector<std::uint8_t> soil;  // position in the soil table; kNowhere: no slope, unknown soil, or a land rule
-  static constexpr std::uint8_t kNowhere = 255;
+  std::vector<std::uint8_t> soil;  // position in the soil table, or one of the following
+  static constexpr std::uint8_t kNowhere = 255;  // no slope, unknown soil, or unknown by a land rule
+  static constexpr std::uint8_t kClosed = 254;   // no-go by a land rule, or to be avoided
+  bool is_open(std::size_t cell) const { return soil[cell] < kClosed; }
 };
 
 /// The eight steps, clockwise from north.
@@ -71,7 +73,7 @@ class RouteCosts {
   /// Cost per metre of map distance in `cell`. heading: whole degrees [0, 360). kImpassable if it cannot be passed.
   float per_metre(const RouteCells& cells, std::size_t cell, int heading) const {
     const std::uint8_t soil = cells.soil[cell];
-    if (soil == RouteCells::kNowhere) return kImpassable;
+    if (soil >= RouteCells::kClosed) return kImpassable;
     int psi = heading - cells.aspect[cell] + 180;  // both 0 to 359
     psi += psi < 0 ? 360 : psi >= 360 ? -360 : 0;
     const std::size_t node = nodes_.node(cells.slope[cell], psi);
@@ -80,7 +82,7 @@ class RouteCosts {
   /// Whether some heading of the cell can be passed.
   bool ever_passable(const RouteCells& cells, std::size_t cell) const {
     const std::uint8_t soil = cells.soil[cell];
-    return soil != RouteCells::kNowhere && best_[soil][cells.slope[cell]];
+    return soil < RouteCells::kClosed && best_[soil][cells.slope[cell]];
   }
   static constexpr float kImpassable = std::numeric_limits<float>::infinity();
 

@@ -14,13 +14,15 @@ namespace {
 
 constexpr int kBandRows = 128;
 
-void take(const TileLayers& tile, RouteCells& cells) {
+void take(const TileLayers& tile, const std::vector<LandRule>& land, RouteCells& cells) {
   for (int row = 0; row < tile.window.rows; ++row)
     for (int column = 0; column < tile.window.columns; ++column) {
       const float slope = tile.slope.at(column, row), aspect = tile.aspect.at(column, row);
       const float soil = tile.soil.at(column, row);
-      if (std::isnan(soil) || soil < 0 || tile.rule.at(column, row) > 0) continue;
+      const auto rule = std::size_t(tile.rule.at(column, row));
       const std::size_t i = std::size_t(tile.window.row + row) * std::size_t(cells.columns) + std::size_t(column);
+      if (rule > 0 && land[rule - 1].verdict == campaign::Verdict::no_go) cells.soil[i] = RouteCells::kClosed;
+      if (std::isnan(soil) || soil < 0 || rule > 0) continue;
       cells.slope[i] = std::uint16_t(std::lround(slope * kSlopeSteps));
       cells.aspect[i] = std::isnan(aspect) ? 0 : std::uint16_t(rounded_aspect(aspect));
       cells.soil[i] = std::uint8_t(soil);
@@ -32,9 +34,9 @@ void take(const TileLayers& tile, RouteCells& cells) {
 RouteCells read_route_cells(const MapSources& sources, const Region& region, const SoilTable& table,
                             const MapRules& rules, int threads) {
   const terrain::MapGrid& grid = sources.elevation.grid();
-  if (table.soils.size() >= RouteCells::kNowhere)
+  if (table.soils.size() >= RouteCells::kClosed)
     throw InputError("route: the region lists " + std::to_string(table.soils.size()) +
-                     " soils; at most 254 can be used");
+                     " soils; at most 253 can be used");
   RouteCells cells;
   cells.columns = grid.columns;
   cells.rows = grid.rows;
@@ -45,6 +47,7 @@ RouteCells read_route_cells(const MapSources& sources, const Region& region, con
   cells.aspect.assign(count, 0);
   cells.soil.assign(count, RouteCells::kNowhere);
   const int bands = (grid.rows + kBandRows - 1) / kBandRows;
+  const std::vector<LandRule> land = land_rules(region);
   FirstError error;
 #pragma omp parallel num_threads(threads > 0 ? threads : omp_get_max_threads())
   {
@@ -57,7 +60,7 @@ RouteCells read_route_cells(const MapSources& sources, const Region& region, con
         const int row = band * kBandRows;
         take(
             evaluate_tile(*own, region, table, {}, rules, {0, row, grid.columns, std::min(kBandRows, grid.rows - row)}),
-            cells);
+            land, cells);
       });
   }
   error.rethrow();

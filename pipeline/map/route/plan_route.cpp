@@ -3,15 +3,22 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <map>
 
 #include "base/error.h"
 #include "base/line.h"
+#include "pipeline/map/route/any_angle.h"
 #include "pipeline/map/route/map_cells.h"
 #include "pipeline/map/route/reach_files.h"
+#include "pipeline/map/route/robot_files.h"
 #include "pipeline/map/route/search.h"
+#include "pipeline/map/route/track.h"
 #include "pipeline/map/write/map_record.h"
+#include "terrain/raster/gpx.h"
+#include "terrain/raster/polygon_cells.h"
 #include "terrain/raster/vector.h"
 
 namespace gonogo::map {
@@ -27,23 +34,17 @@ std::uint32_t cell_at(const Place& place, const terrain::MapGrid& grid, const Ro
              which, place.x, place.y, grid.west, grid.west + grid.columns * grid.cell_width,
              grid.north - grid.rows * grid.cell_height, grid.north));
   const auto cell = std::uint32_t(row) * std::uint32_t(grid.columns) + std::uint32_t(column);
-  if (cells.soil[cell] == RouteCells::kNowhere)
-    throw InputError(line("route: %s %.10g,%.10g has no elevation or no known soil; choose a place next to it", which,
+  if (!cells.is_open(cell))
+    throw InputError(line("route: %s %.10g,%.10g has no elevation or no known soil, or is closed by land cover or a polygon to avoid; choose "
+                          "a place next to it", which,
                           place.x, place.y));
   return cell;
 }
 
 /// Cost of a way by another measure than the one it was found with.
 double cost_along(const FoundRoute& route, const RouteCells& cells, const RouteCosts& costs) {
-  const auto steps = route_steps(cells.cell_width, cells.cell_height);
   double sum = 0;
-  for (std::size_t i = 1; i < route.cell.size(); ++i) {
-    const int columns = cells.columns, a = int(route.cell[i - 1]), b = int(route.cell[i]);
-    for (const RouteStep& step : steps)
-      if (b % columns - a % columns == step.column && b / columns - a / columns == step.row)
-        for (const int cell : {a, b})
-          sum += step.length / 2 * double(costs.per_metre(cells, std::size_t(cell), step.heading));
-  }
+  for (std::size_t i = 1; i < route.cell.size(); ++i) sum += line_cost(cells, costs, route.cell[i - 1], route.cell[i]);
   return sum;
 }
 
@@ -81,9 +82,10 @@ terrain::LineFeature line_of(const FoundRoute& route, const terrain::MapGrid& gr
   terrain::LineFeature line;
   line.name = name_of(cost);
   line.colour = kLineColours[std::size_t(cost)];
-  for (const std::uint32_t cell : route.cell)
-    line.point.push_back({grid.west + (cell % std::uint32_t(grid.columns) + 0.5) * grid.cell_width,
-                          grid.north - (cell / std::uint32_t(grid.columns) + 0.5) * grid.cell_height});
+  for (const std::uint32_t cell : route.cell) {
+    const terrain::TrackPoint at = centre_of(cell, grid);
+    line.point.push_back({at.x, at.y});
+  }
   for (const auto& [key, value] : totals.members()) line.attribute.emplace_back(key, value.number());
   return line;
 }
@@ -102,37 +104,107 @@ void require_places(const RouteRequest& request) {
     throw InputError("route: --from is missing: the place to start from, easting,northing");
   if (!request.to && !request.lines.empty())
     throw InputError("route: --to is missing: the end of the lines in --out, easting,northing");
-  if (!request.to && !spread && request.regions.empty())
+  if (!request.to && !request.via.empty())
+    throw InputError("route: --to is missing: the end of the way over --via, easting,northing");
+  const bool for_robots = !request.costmap.empty() || !request.grid_map.empty();
+  if (!request.to && !spread && !for_robots && request.regions.empty())
     throw InputError(
         "route: nothing is asked for; give --from and --to for a way, --from with --reach or --isochrones for what can "
-        "be reached, or --regions for the connected regions");
+        "be reached, --regions for the connected regions, or --costmap or --grid-map for a robot");
 }
+
+/// The places to pass, as cells.
+std::vector<std::uint32_t> stops_of(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells) {
+  std::vector<std::uint32_t> stops = {cell_at(*request.from, grid, cells, "--from")};
+  for (const Place& place : request.via) stops.push_back(cell_at(place, grid, cells, "--via"));
+  stops.push_back(cell_at(*request.to, grid, cells, "--to"));
+  return stops;
+}
+
+/// The cheapest way over all stops; nothing if one cannot be reached from the one before.
+std::optional<FoundRoute> way_over(const std::vector<std::uint32_t>& stops, const RouteRequest& request,
+                                   const RouteCells& cells, const RouteCosts& costs) {
+  FoundRoute whole{0, {stops.front()}};
+  for (std::size_t i = 1; i < stops.size(); ++i) {
+    const auto leg = request.eight_directions ? find_route(cells, costs, stops[i - 1], stops[i])
+                                              : find_any_angle(cells, costs, stops[i - 1], stops[i]);
+    if (!leg) return std::nullopt;
+    whole.cost += leg->cost;
+    whole.cell.insert(whole.cell.end(), leg->cell.begin() + 1, leg->cell.end());
+  }
+  return whole;
+}
+
+/// A way that was found.
+struct Found {
+  RouteCost cost;
+  FoundRoute route;
+};
 
 /// The cheapest way by each cost asked for: what it costs, and its line where one was found.
 Json find_routes(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells,
-                 const AllCosts& costs, std::vector<terrain::LineFeature>& lines) {
-  const std::uint32_t start = cell_at(*request.from, grid, cells, "--from");
-  const std::uint32_t end = cell_at(*request.to, grid, cells, "--to");
+                 const AllCosts& costs, std::vector<terrain::LineFeature>& lines, std::vector<Found>& ways) {
+  const std::vector<std::uint32_t> stops = stops_of(request, grid, cells);
   Json routes = Json::array();
   for (const RouteCost cost : request.costs) {
-    const auto found = find_route(cells, costs.at(cost), start, end);
+    const auto found = way_over(stops, request, cells, costs.at(cost));
     Json entry = Json::object();
     entry["cost"] = name_of(cost);
     entry["found"] = bool(found);
     if (found) {
       const Json sums = totals_of(*found, cells, costs);
       for (const auto& [key, value] : sums.members()) entry[key] = value;
+      entry["corners"] = std::uint64_t(found->cell.size());
       lines.push_back(line_of(*found, grid, sums, cost));
+      ways.push_back({cost, *found});
     }
     routes.push_back(entry);
   }
   return routes;
 }
 
+/// Tracks with heights, and with times if the model tells them.
+void write_tracks(const RouteRequest& request, const MapSources& sources, const RouteCells& cells, const AllCosts& costs,
+                  const std::vector<Found>& ways) {
+  const terrain::MapGrid& grid = sources.elevation.grid();
+  const auto time = costs.find(RouteCost::time);
+  const TrackTolerance most{.distance = 0.25 * std::min(grid.cell_width, grid.cell_height)};
+  std::vector<terrain::Track> tracks;
+  for (const Found& way : ways)
+    tracks.push_back({name_of(way.cost), simplified(track_of(way.route, cells, time == costs.end() ? nullptr : &time->second,
+                                                             sources.elevation),
+                                                    most)});
+  std::vector<terrain::Stop> stops;
+  const std::vector<std::uint32_t> places = stops_of(request, grid, cells);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    terrain::TrackPoint at = centre_of(places[i], grid);
+    at.height = height_at(sources.elevation, at.x, at.y);
+    stops.push_back({i == 0 ? "start" : i + 1 == places.size() ? "end" : line("waypoint %zu", i), at});
+  }
+  terrain::write_gpx(request.lines, grid, stops, tracks, request.departure);
+}
+
+void write_ways(const RouteRequest& request, const MapSources& sources, const RouteCells& cells, const AllCosts& costs,
+                const std::vector<terrain::LineFeature>& lines, const std::vector<Found>& ways) {
+  if (request.lines.extension() == ".gpx")
+    write_tracks(request, sources, cells, costs, ways);
+  else
+    terrain::write_lines(request.lines, sources.elevation.grid(), "routes", lines);
+}
+
+/// Closes the cells that a polygon touches.
+void avoid(const std::filesystem::path& polygons, const terrain::MapGrid& grid, RouteCells& cells) {
+  if (polygons.empty()) return;
+  const std::vector<std::uint8_t> under = terrain::cells_under(polygons, grid);
+  for (std::size_t c = 0; c < under.size(); ++c)
+    if (under[c] && cells.soil[c] != RouteCells::kNowhere) cells.soil[c] = RouteCells::kClosed;
+}
+
 void write_spread(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells,
                   const RouteCosts& costs) {
   const RouteCost cost = request.costs.front();
-  const std::vector<float> least = reach(cells, costs, cell_at(*request.from, grid, cells, "--from"));
+  const std::uint32_t start = cell_at(*request.from, grid, cells, "--from");
+  const std::vector<float> least = request.eight_directions ? reach(cells, costs, start) : reach_any_angle(cells, costs, start);
   if (!request.reach.empty())
     write_reach(request.reach, grid, cost, least, map_metadata(request.map, map_inputs(request.map)),
                 request.map.threads);
@@ -153,6 +225,19 @@ Place parse_place(const std::string& text, const std::string& where) {
   return place;
 }
 
+std::int64_t parse_departure(const std::string& text, const std::string& where) {
+  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, used = 0;
+  const bool read = std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2dZ%n", &year, &month, &day, &hour, &minute, &second,
+                                &used) == 6 &&
+                    used == int(text.size()) && text.size() == 20;
+  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(unsigned(month)),
+                                         std::chrono::day(unsigned(day))};
+  if (!read || !date.ok() || hour > 23 || minute > 59 || second > 59)
+    throw InputError(where + ": \"" + text + "\" is no time; give it as in 2026-05-01T06:00:00Z");
+  const auto days = std::chrono::sys_days(date).time_since_epoch().count();
+  return std::int64_t(days) * 86400 + hour * 3600 + minute * 60 + second;
+}
+
 Json plan_route(const RouteRequest& request) {
   require_places(request);
   const MapRequest& map = request.map;
@@ -161,21 +246,31 @@ Json plan_route(const RouteRequest& request) {
   const SoilTable table =
       make_soil_table(without_spread(map.model), with_occurring_soils(map.region, sources), map.rules, 0);
   const AllCosts costs = all_costs(table, request.costs, map.rules.correlation_length);
-  const RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
+  RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
+  avoid(request.avoid, grid, cells);
   Json result = Json::object(), files = Json::array();
   result["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_code;
   result["cells"] = std::uint64_t(cells.soil.size());
+  result["directions"] = request.eight_directions ? "eight" : "any";
   std::vector<terrain::LineFeature> lines;
-  result["routes"] = request.to ? find_routes(request, grid, cells, costs, lines) : Json::array();
+  std::vector<Found> ways;
+  result["routes"] = request.to ? find_routes(request, grid, cells, costs, lines, ways) : Json::array();
   if (!request.lines.empty() && !lines.empty()) {
-    terrain::write_lines(request.lines, grid, "routes", lines);
+    write_ways(request, sources, cells, costs, lines, ways);
     files.push_back(request.lines.string());
   }
   if (!request.reach.empty() || !request.isochrones.empty())
     write_spread(request, grid, cells, costs.at(request.costs.front()));
   if (!request.regions.empty())
     result["regions"] = write_regions(request.regions, grid, connected_regions(cells, costs.at(RouteCost::length)));
-  for (const auto& file : {request.reach, request.isochrones, request.regions})
+  if (!request.costmap.empty()) {
+    write_costmap(request.costmap, grid, table, cells, costs.at(request.costs.front()), request.costs.front());
+    files.push_back(std::filesystem::path(request.costmap).replace_extension(".pgm").string());
+  }
+  if (!request.grid_map.empty())
+    write_grid_map(request.grid_map, sources.elevation, table, cells, costs.at(request.costs.front()),
+                   request.costs.front());
+  for (const auto& file : {request.reach, request.isochrones, request.regions, request.costmap, request.grid_map})
     if (!file.empty()) files.push_back(file.string());
   result["files"] = files;
   return result;

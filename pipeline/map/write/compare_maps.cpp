@@ -203,6 +203,24 @@ double significance(double p1, double low1, double high1, double p2, double low2
   return difference == 0 ? 0 : std::copysign(std::numeric_limits<double>::infinity(), difference);
 }
 
+namespace {
+
+/// The overlay's files. Without one, "remark" of the result says why.
+std::vector<std::filesystem::path> write_change_overlay(const CompareRequest& request, const OneMap& a, const OneMap& b,
+                                                        const MapGrid& grid,
+                                                        const std::vector<terrain::LegendEntry>& legend, Json& result) {
+  const terrain::GlobeAnswer globe = terrain::place_on_globe(grid);
+  terrain::OverlayAnswer overlay{{}, globe.why_not};
+  if (globe.place)
+    overlay = terrain::write_overlay(request.out / "change.kml", request.out / "change.png", request.out / "change.tif",
+                                     *globe.place, "Which map passes", "First: " + a.name + ". Second: " + b.name,
+                                     legend);
+  if (!overlay.why_not.empty()) result["remark"] = "there is no change.kml for globes: " + overlay.why_not;
+  return overlay.files;
+}
+
+}  // namespace
+
 PassChange pass_change(int verdict1, int verdict2) {
   if (verdict1 == int(campaign::Verdict::unknown) || verdict2 == int(campaign::Verdict::unknown))
     return PassChange::unknown;
@@ -252,12 +270,11 @@ Json compare_maps(const CompareRequest& request) {
   result["change"] = counted(layers[0].legend, pass, grid, csv, "change");
   result["significance"] = counted(layers[3].legend, go, grid, csv, "change_significance");
   write_file_atomically(request.out / "compare.csv", csv);
-  terrain::write_overlay(request.out / "change.kml", request.out / "change.png", request.out / names[0],
-                         "Which map passes", "First: " + a.name + ". Second: " + b.name, layers[0].legend);
+  const std::vector<std::filesystem::path> overlay = write_change_overlay(request, a, b, grid, layers[0].legend, result);
   for (const char* name : names) files.push_back(Json((request.out / name).string()));
   write_figure(request.out / "compare.png", a, b, grid, layers, reduced, result);
-  for (const char* name : {"compare.png", "change.png", "change.kml", "compare.csv"})
-    files.push_back(Json((request.out / name).string()));
+  for (const char* name : {"compare.png", "compare.csv"}) files.push_back(Json((request.out / name).string()));
+  for (const auto& file : overlay) files.push_back(Json(file.string()));
   result["files"] = files;
   return result;
 }
@@ -268,6 +285,7 @@ std::string compare_text(const Json& result) {
     for (const Json& row : result.at(part).items())
       text += line("  %6.2f %%  %10.3f km2  ", 100 * row.at("share").number(), row.at("area_km2").number()) +
               row.at("class").string() + "\n";
+  if (const Json* remark = result.find("remark")) text += remark->string() + "\n";
   for (const Json& file : result.at("files").items()) text += file.string() + "\n";
   return text;
 }

@@ -94,15 +94,35 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest&
   return remarks;
 }
 
+void remark_on_elevation(const terrain::RasterSource& elevation, std::vector<std::string>& remarks) {
+  constexpr double coarse = 100;  // [m]
+  for (const std::string& remark : elevation.remarks()) remarks.push_back(remark);
+  if (!elevation.how_warped().empty()) remarks.push_back(elevation.how_warped());
+  const double cell = std::max(elevation.grid().cell_width_m(), elevation.grid().cell_height_m());
+  if (cell > coarse)
+    remarks.push_back(line("cells are %.4g m wide: slopes are means over such lengths, and ground that a vehicle meets is "
+                           "steeper in places; cells of at most %g m show more",
+                           cell, coarse));
+}
+
+/// What the map cannot say about its place on the globe.
+void remark_on_place(const terrain::GlobeAnswer& globe, std::vector<std::string>& remarks) {
+  if (!globe.place)
+    remarks.push_back(no_overlay(globe.why_not));
+  else if (const std::string remark = terrain::remark_on(*globe.place); !remark.empty())
+    remarks.push_back(remark);
+}
+
 /// Writes the files that need every tile.
 void finish_map(const MapRequest& request, const MapGrid& grid, const SoilTable& table, const Metadata& metadata,
                 const std::vector<MapLayer>& layers, const MapDigest& digest, MapSummary& summary) {
+  const terrain::GlobeAnswer globe = terrain::place_on_globe(grid);
+  remark_on_place(globe, summary.remarks);
   write_file_atomically(request.out / "area.csv", summary.area.csv(grid.cell_area_m2()));
   write_map_figure(request, grid, table, summary, digest.picture, request.out / "map.png");
   write_map_page(request, grid, table, summary, digest.page, metadata, request.out / "index.html");
   for (const char* name : {"area.csv", "map.png", "index.html"}) summary.files.push_back(request.out / name);
-  for (const fs::path& file : write_map_exports(request, grid, layers, summary, digest.speeds))
-    summary.files.push_back(file);
+  write_map_exports(request, {grid, layers, digest.speeds, globe.place}, summary);
 }
 
 /// Removes the scratch files after InputError. After other errors the next run continues from them.
@@ -146,7 +166,7 @@ MapSummary make_map(const MapRequest& request) {
   summary.area = digest.area;
   summary.area_km2 = double(summary.area.total()) * grid.cell_area_m2() * 1e-6;
   summary.remarks = remarks_on(summary, request, digest, table);
-  if (!sources.elevation.how_warped().empty()) summary.remarks.push_back(sources.elevation.how_warped());
+  remark_on_elevation(sources.elevation, summary.remarks);
   summary.tiles_found = tiles.found();
   summary.files = tiles.finish();
   finish_map(request, grid, table, metadata, tiles.layers(), digest, summary);

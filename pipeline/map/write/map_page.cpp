@@ -11,6 +11,7 @@
 #include "pipeline/map/page/page.h"
 #include "pipeline/map/write/map_record.h"
 #include "pipeline/map/write/page_tables.h"
+#include "terrain/raster/globe.h"
 
 namespace gonogo::map {
 namespace {
@@ -73,6 +74,27 @@ Json grid_json(const terrain::MapGrid& grid) {
   json["metres_per_unit"] = grid.metres_per_unit;
   json["unit_name"] = grid.unit_name;
   json["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_name + " (" + grid.crs_code + ")";
+  return json;
+}
+
+/// Null where longitude and latitude are not known. Steps of 1e-7 degrees, 1 cm.
+Json degrees_json(const terrain::MapGrid& grid) {
+  constexpr int most = 33;
+  const terrain::GlobeAnswer globe = terrain::place_on_globe(grid);
+  if (!globe.place) return Json();
+  const auto nodes = terrain::degree_nodes(grid, *globe.place, most);
+  if (!nodes) return Json();
+  Json json = Json::object();
+  const auto list = [](const std::vector<double>& values) {
+    Json array = Json::array();
+    for (const double v : values) array.push_back(Json(std::round(v * 1e7) / 1e7));
+    return array;
+  };
+  json["wgs84"] = globe.place->is_wgs84;
+  json["columns"] = nodes->columns;
+  json["rows"] = nodes->rows;
+  json["longitude"] = list(nodes->longitude);
+  json["latitude"] = list(nodes->latitude);
   return json;
 }
 
@@ -235,6 +257,7 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   meta["subtitle"] = "Go/NoGo map of " + request.region.name + "; " + request.rules.fidelity;
   meta["about"] = request.region.about.empty() ? request.region.name : request.region.about;
   meta["grid"] = grid_json(grid);
+  meta["degrees"] = degrees_json(grid);
   reduced["columns"] = cells.columns;
   reduced["rows"] = cells.rows;
   reduced["step"] = cells.step;

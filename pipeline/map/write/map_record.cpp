@@ -89,6 +89,8 @@ Json map_inputs(const MapRequest& request) {
   inputs["region_hash"] = file_hash(request.region.file);
   if (!request.region.soil_text.empty()) inputs["soil"] = request.region.soil_text;
   for (const auto& [role, hash] : raster_hashes(request.region)) inputs[role + "_hash"] = hash;
+  if (!request.region.elevation.heights.unit.empty()) inputs["height_unit"] = request.region.elevation.heights.unit;
+  if (request.region.elevation.heights.flat_is_ground) inputs["flat"] = "ground";
   inputs["rules"] = rules_json(request.rules);
   inputs["colour_blind_safe"] = request.colour_blind_safe;
   return inputs;

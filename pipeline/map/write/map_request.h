@@ -14,6 +14,8 @@ struct MapFiles {
   std::filesystem::path region;                  // region JSON; empty: as the study says
   std::filesystem::path dem{};                   // elevation raster, in place of a region
   std::string soil{};                            // with `dem`: as named_soil() takes it, or a raster of USDA textures
+  std::string height_unit{};                     // "m", "ft" or "us-ft"; empty: as region and raster say
+  bool flat_is_ground = false;                   // large exactly flat areas are ground
   std::filesystem::path study;                   // study JSON: sections map, region and vehicle; empty: defaults
   std::filesystem::path dataset{};               // trials of the model; empty: those beside the model, if any
   std::filesystem::path vehicle{};               // must be the model's; empty: whichever that is

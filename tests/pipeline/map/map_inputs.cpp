@@ -229,11 +229,54 @@ TEST_CASE("the exports of a map open, hold its areas, and show hostile text as t
   const Json item = Json::read(folder / "map/stac.json");
   CHECK(item.at("type").string() == "Feature");
   CHECK(item.at("properties").at("proj:epsg").integer() == 32610);
-  const auto corners = terrain::degree_corners(RasterSource::open_elevation(folder / "dem.tif").grid());
-  CHECK(corners[3][0] == Approx(-123).margin(1e-6));  // the central meridian of zone 10 is the western edge
-  CHECK(item.at("bbox").items()[1].number() == Approx(corners[0][1]).margin(1e-5));
+  const auto& ring = item.at("geometry").at("coordinates").items()[0].items();
+  CHECK(ring[3].items()[0].number() == Approx(-123).margin(1e-6));  // the central meridian is the western edge
+  CHECK(item.at("bbox").items()[1].number() == Approx(ring[0].items()[1].number()).margin(1e-5));
   for (const auto& [name, asset] : item.at("assets").members())
     CHECK(std::filesystem::exists(folder / "map" / asset.at("href").string()));
+}
+
+namespace {
+
+/// A map of waves of 30 m over cells of 100 m, anywhere on any body.
+Json map_at(const TemporaryFolder& folder, const std::string& crs, double west, double north) {
+  std::vector<float> height;
+  for (int i = 0; i < kSide * kSide; ++i)
+    height.push_back(float(1000 + 30 * std::sin(i % kSide / 3.0) * std::cos(i / kSide / 4.0)));
+  test::make_raster(folder / "dem.tif", {.columns = kSide,
+                                         .rows = kSide,
+                                         .transform = {west, 100, 0, north, 0, -100},
+                                         .value = height,
+                                         .crs = crs});
+  write_file_atomically(folder / "region.json", R"({"schema": "gonogo/region/1", "region": "made",
+    "rasters": [{"role": "elevation", "file": "dem.tif", "source": "made", "licence": "none"}]})");
+  MapRequest request;
+  request.model = AnalyticModel{}.outcome_model();
+  request.region = read_region(folder / "region.json");
+  request.out = folder / "map";
+  make_map(request);
+  for (const char* file : {"go.tif", "index.html", "classes.gpkg", "map.json"})
+    CHECK(std::filesystem::exists(folder / "map" / file));
+  return Json::read(folder / "map/stac.json");
+}
+
+}  // namespace
+
+TEST_CASE("a region on the antimeridian, at a pole or on a sphere without a way to WGS 84 has a whole map") {
+  const TemporaryFolder folder;
+  const Json across = map_at(folder, "EPSG:32701", 180000, 8118000);
+  CHECK(across.at("geometry").at("type").string() == "MultiPolygon");
+  CHECK(across.at("bbox").items()[0].number() > across.at("bbox").items()[2].number());
+  CHECK(std::filesystem::exists(folder / "map/overlay_2.png"));
+  const Json pole = map_at(folder, "EPSG:32761", 1998000, 2002000);
+  CHECK(pole.at("bbox").items()[1].number() == Approx(-90));
+  CHECK(std::filesystem::exists(folder / "map/overlay.png"));
+  CHECK_FALSE(std::filesystem::exists(folder / "map/overlay_2.png"));  // the earlier map's
+  // As large as the Earth, so that the gravity of the trials holds, but of no datum that PROJ relates to WGS 84.
+  const Json sphere = map_at(folder, "+proj=laea +lat_0=-20 +lon_0=30 +R=6330000 +units=m", -2000, 2000);
+  CHECK(sphere.at("properties").find("gonogo:degrees"));
+  CHECK(sphere.at("bbox").items()[0].number() == Approx(30).margin(0.1));
+  CHECK(contains(Json::read(folder / "map/map.json").at("remarks").dump(), "WGS 84"));
 }
 
 TEST_CASE("control characters have no place in XML and become spaces") {

@@ -6,56 +6,19 @@
 #include "base/units.h"
 #include "pipeline/map/route/bands.h"
 #include "pipeline/map/route/search.h"
-#include "tests/pipeline/map/analytic_model.h"
+#include "tests/pipeline/map/made_ground.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 
 using namespace gonogo;
 using namespace gonogo::campaign;
 using namespace gonogo::map;
+using test::index;
+using test::made_cells;
+using test::made_p_go;
+using test::made_table;
 
 namespace {
-
-std::size_t index(const char* name) { return contract().variable_index(name); }
-
-double made_p_go(double along, double across) { return 1 / (1 + std::exp((along + std::abs(across) - 16) / 3)); }
-
-/// Two soils; the second one is weaker by its friction angle.
-SoilTable made_table() {
-  OutcomeModel model = test::AnalyticModel{}.outcome_model();
-  model.sampled[index("slope_along")] = {-20, 30};
-  model.sampled[index("slope_across")] = {-20, 20};
-  model.probabilities = [](std::span<const double> points, std::span<double> result) {
-    const std::size_t width = contract().variables.size(), outcomes = contract().outcomes.size();
-    std::fill(result.begin(), result.end(), 0.0);
-    for (std::size_t i = 0; i * width < points.size(); ++i) {
-      const double weaker = 35 - points[i * width + index("friction_angle")];
-      const double p =
-          made_p_go(points[i * width + index("slope_along")] + weaker, points[i * width + index("slope_across")]);
-      result[i * outcomes + contract().outcome_index(Verdict::go, Reason::none)] = p;
-      result[i * outcomes + contract().outcome_index(Verdict::no_go, Reason::traction)] = 1 - p;
-    }
-  };
-  SoilTable table;
-  for (const double angle : {35.0, 31.0}) {
-    std::vector<double> point(contract().variables.size(), NAN);
-    point[index("friction_angle")] = angle;
-    table.responses.emplace_back(model, MapRules{}, std::vector<std::vector<double>>{point});
-  }
-  return table;
-}
-
-RouteCells made_cells(int columns, int rows, std::uint64_t seed) {
-  RouteCells cells{
-      .columns = columns, .rows = rows, .cell_width = 10, .cell_height = 12, .slope = {}, .aspect = {}, .soil = {}};
-  for (std::uint64_t i = 0; i < std::uint64_t(columns) * std::uint64_t(rows); ++i) {
-    const double u = random_unit(seed, 0, i);
-    cells.slope.push_back(std::uint16_t(std::lround(13 * random_unit(seed, 1, i) * kSlopeSteps)));
-    cells.aspect.push_back(std::uint16_t(random_bits(seed, 2, i) % 360));
-    cells.soil.push_back(u < 0.1 ? RouteCells::kNowhere : u < 0.6 ? 0 : 1);
-  }
-  return cells;
-}
 
 /// Cost of half a step from the formulas, without the tables of pipeline/route; infinity where it cannot be passed.
 double half_step(const RouteCells& cells, int cell, int dx, int dy, RouteCost cost) {

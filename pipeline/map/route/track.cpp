@@ -1,0 +1,109 @@
+#include "pipeline/map/route/track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/map/route/line_walk.h"
+
+namespace gonogo::map {
+
+using terrain::TrackPoint;
+
+namespace {
+
+/// Largest excess over the tolerances, as a factor, of the points between `first` and `last`, and where it is.
+struct Excess {
+  double factor = 0;
+  std::size_t at = 0;
+};
+
+Excess excess_between(const std::vector<TrackPoint>& track, const std::vector<double>& way, std::size_t first,
+                      std::size_t last, const TrackTolerance& most) {
+  Excess worst;
+  const TrackPoint &a = track[first], &b = track[last];
+  const double length = way[last] - way[first];
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const TrackPoint& p = track[i];
+    const double t = length > 0 ? (way[i] - way[first]) / length : 0;
+    const auto off = [t](double from, double value, double to) { return std::abs(from + t * (to - from) - value); };
+    double factor = std::hypot(off(a.x, p.x, b.x), off(a.y, p.y, b.y)) / most.distance;
+    if (const double h = off(a.height, p.height, b.height); !std::isnan(h)) factor = std::max(factor, h / most.height);
+    if (const double s = off(a.seconds, p.seconds, b.seconds); !std::isnan(s))
+      factor = std::max(factor, s / most.seconds);
+    if (factor > worst.factor) worst = {factor, i};
+  }
+  return worst;
+}
+
+}  // namespace
+
+TrackPoint centre_of(std::uint32_t cell, const terrain::MapGrid& grid) {
+  return {.x = grid.west + (cell % std::uint32_t(grid.columns) + 0.5) * grid.cell_width,
+          .y = grid.north - (cell / std::uint32_t(grid.columns) + 0.5) * grid.cell_height};
+}
+
+double height_at(const terrain::RasterSource& elevation, double x, double y) {
+  const terrain::MapGrid& grid = elevation.grid();
+  const double column = std::clamp((x - grid.west) / grid.cell_width - 0.5, 0.0, double(grid.columns - 1));
+  const double row = std::clamp((grid.north - y) / grid.cell_height - 0.5, 0.0, double(grid.rows - 1));
+  const int left = std::min(int(column), grid.columns - 2), top = std::min(int(row), grid.rows - 2);
+  const terrain::Tile tile = elevation.read({left, top, 2, 2});
+  const double u = column - left, v = row - top;
+  const auto between = [u](double a, double b) { return u == 0 ? a : u == 1 ? b : a + u * (b - a); };
+  const double above = between(double(tile.at(0, 0)), double(tile.at(1, 0)));
+  const double below = between(double(tile.at(0, 1)), double(tile.at(1, 1)));
+  return v == 0 ? above : v == 1 ? below : above + v * (below - above);
+}
+
+std::vector<TrackPoint> track_of(const FoundRoute& route, const RouteCells& cells, const RouteCosts* time,
+                                 const terrain::RasterSource& elevation) {
+  const terrain::MapGrid& grid = elevation.grid();
+  std::vector<TrackPoint> track;
+  double seconds = 0;
+  const auto add = [&](double x, double y) {
+    track.push_back({x, y, height_at(elevation, x, y), time ? seconds : std::nan("")});
+  };
+  for (std::size_t i = 1; i < route.cell.size(); ++i) {
+    const TrackPoint a = centre_of(route.cell[i - 1], grid), b = centre_of(route.cell[i], grid);
+    if (i == 1) add(a.x, a.y);
+    const LineOfCells line(cells, route.cell[i - 1], route.cell[i]);
+    walk_line(
+        cells.columns, route.cell[i - 1], route.cell[i],
+        [&](std::uint32_t cell, double begin, double end) {
+          if (time) seconds += line.length * (end - begin) * double(time->per_metre(cells, cell, line.heading));
+          add(end == 1 ? b.x : a.x + end * (b.x - a.x), end == 1 ? b.y : a.y + end * (b.y - a.y));
+          return true;
+        },
+        [](std::uint32_t, std::uint32_t) { return true; });
+  }
+  if (route.cell.size() == 1) {
+    const TrackPoint only = centre_of(route.cell[0], grid);
+    add(only.x, only.y);
+  }
+  return track;
+}
+
+std::vector<TrackPoint> simplified(const std::vector<TrackPoint>& track, const TrackTolerance& most) {
+  if (track.size() < 3) return track;
+  std::vector<double> way(track.size(), 0);
+  for (std::size_t i = 1; i < track.size(); ++i)
+    way[i] = way[i - 1] + std::hypot(track[i].x - track[i - 1].x, track[i].y - track[i - 1].y);
+  std::vector<char> kept(track.size());
+  kept.front() = kept.back() = 1;
+  std::vector<std::pair<std::size_t, std::size_t>> open = {{0, track.size() - 1}};
+  while (!open.empty()) {
+    const auto [first, last] = open.back();
+    open.pop_back();
+    const Excess worst = excess_between(track, way, first, last, most);
+    if (worst.factor <= 1) continue;
+    kept[worst.at] = 1;
+    open.emplace_back(first, worst.at);
+    open.emplace_back(worst.at, last);
+  }
+  std::vector<TrackPoint> rest;
+  for (std::size_t i = 0; i < track.size(); ++i)
+    if (kept[i]) rest.push_back(track[i]);
+  return rest;
+}
+
+}  // namespace gonogo::map

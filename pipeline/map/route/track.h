@@ -1,0 +1,33 @@
+// A way as points with heights and times, and without those that tell nothing.
+#pragma once
+#include <vector>
+
+#include "pipeline/map/route/any_angle.h"
+#include "terrain/raster/gpx.h"
+#include "terrain/raster/raster_source.h"
+
+namespace gonogo::map {
+
+/// Centre of a cell in the grid's coordinate system.
+terrain::TrackPoint centre_of(std::uint32_t cell, const terrain::MapGrid& grid);
+
+/// Height at a place, bilinear between the centres of cells [m]. NaN where one of them has none.
+double height_at(const terrain::RasterSource& elevation, double x, double y);
+
+/// Points of the way: its corners and all places where it enters another cell. Heights are bilinear; seconds add up the
+/// costs `time` and are left out without them.
+std::vector<terrain::TrackPoint> track_of(const FoundRoute& route, const RouteCells& cells, const RouteCosts* time,
+                                          const terrain::RasterSource& elevation);
+
+/// How far what is left out may lie from the line between its neighbours.
+struct TrackTolerance {
+  double distance = 1;  // [units of the grid]
+  double height = 1;    // [m]
+  double seconds = 5;
+};
+
+/// Leaves out points by the method of Ramer (1972) and Douglas and Peucker (1973), with places, heights and seconds of a
+/// point compared with those at its share of the way between the points that stay.
+std::vector<terrain::TrackPoint> simplified(const std::vector<terrain::TrackPoint>& track, const TrackTolerance& most);
+
+}  // namespace gonogo::map
