@@ -1,7 +1,5 @@
 #include "pipeline/lab/soil/soil_numbers.h"
 
-#include <cmath>
-
 #include "base/error.h"
 #include "base/format.h"
 #include "base/json/config.h"
@@ -14,8 +12,6 @@
 
 namespace gonogo::lab {
 namespace {
-
-constexpr double kNearLimit = 0.95;  // of the shear strength: beyond, ln(1 - t) is noise
 
 terrain::SoilState state_of(const std::filesystem::path& file, const std::string& wanted) {
   std::vector<std::string> names;
@@ -52,26 +48,13 @@ Measure janosi_of(const std::vector<terrain::ShearResult>& results, double grain
       displacement.push_back(s.travel * grain_diameter);
       stress.push_back(s.shear_stress);
     }
-    k.push_back(fit_janosi(displacement, stress, r.shear_stress));
+    k.push_back(terrain::fit_janosi(displacement, stress, r.shear_stress));
   }
   const terrain::MeanError mean = terrain::mean_error(k);
   return {mean.mean, mean.error};
 }
 
 }  // namespace
-
-double fit_janosi(const std::vector<double>& displacement, const std::vector<double>& stress, double max_stress) {
-  double above = 0, below = 0;
-  for (std::size_t i = 0; i < displacement.size() && stress[i] < kNearLimit * max_stress; ++i) {
-    const double left = 1 - stress[i] / max_stress, j = displacement[i];
-    above += left * left * j * j;
-    below += left * left * j * std::log(left);
-  }
-  if (!(below < 0))
-    throw InputError("shear test: the stress is at its limit from the first sample on, so that no K can be fitted; "
-                     "take finer grains");
-  return -above / below;
-}
 
 SoilNumbers measure_soil_numbers(const SoilNumbersRequest& r) {
   const terrain::SoilState state = state_of(r.soil, r.state);

@@ -41,13 +41,6 @@ struct SoilNumbersRequest {
 /// Runs the tests with the table's numerics. Throws InputError for a soil that the table does not reach.
 SoilNumbers measure_soil_numbers(const SoilNumbersRequest& request);
 
-/// K of tau = tau_max (1 - exp(-j / K)) from samples (j, tau) up to where tau first reaches 95 % of tau_max [m], by
-/// Wong's weighted least squares (Journal of Terramechanics 17 (1980) 5-21):
-///   K = - sum (1 - t)^2 j^2 / sum (1 - t)^2 j ln(1 - t), t = tau / tau_max,
-/// which weighs by what is left to the limit, since the logarithm grows as it is neared. Throws InputError when no
-/// sample lies below.
-double fit_janosi(const std::vector<double>& displacement, const std::vector<double>& stress, double max_stress);
-
 /// "bekker": a file of our own with errors; "scm": the arguments of Project Chrono's SCMTerrain::SetSoilParameters, less
 /// elastic_K and damping_R, which no test here measures.
 Json numbers_json(const SoilNumbers& numbers, const std::string& format);
