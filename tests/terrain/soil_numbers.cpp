@@ -1,6 +1,7 @@
 // What is derived from soil tests, on made-up measurements of known soils.
 #include <cmath>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "base/units.h"
 #include "sim/shape/triangle_mesh.h"
@@ -179,7 +180,7 @@ TEST_CASE("Janosi's K is that of the curve, with noise within the scatter, whate
   for (int i = 1; i <= 80; ++i) {
     j.push_back(0.0015 * i);
     tau.push_back(limit * (1 - std::exp(-j.back() / k)));
-    noisy.push_back(tau.back() + 150 * (2 * uniform(7, 1, std::uint64_t(i)) - 1));
+    noisy.push_back(tau.back() + 150 * (2 * random_unit(7, 1, std::uint64_t(i)) - 1));
   }
   CHECK(fit_janosi(j, tau, limit) == Approx(k));
   CHECK(fit_janosi(j, noisy, limit) == Approx(k).epsilon(0.1));

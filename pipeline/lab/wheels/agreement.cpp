@@ -44,7 +44,7 @@ Agreement agreement_of(const std::vector<ComparedValue>& values) {
     const double off = v.predicted - v.measured;
     plain.add(off, a.points);
     over_load.add(off / v.load, a.points);
-    if (std::fabs(v.measured) > kZero) {
+    if (std::fabs(v.measured) > kZero || std::isnan(off)) {
       relative.push_back(std::fabs(off / v.measured));
       const double worst = factor(v.predicted, v.measured);
       a.worst_factor = std::isnan(worst) || worst > a.worst_factor ? worst : a.worst_factor;
