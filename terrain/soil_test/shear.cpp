@@ -8,10 +8,10 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr double kSample = 0.05;    // travel between samples, in grain diameters
-constexpr double kRecovery = 0.03;  // speed at which overlaps are pushed out, in diameters per stress time
+constexpr double kSample = 0.05;     // travel between samples, in grain diameters
+constexpr double kRecovery = 0.03;   // speed at which overlaps are pushed out, in diameters per stress time
 constexpr double kNearLimit = 0.95;  // of the shear strength: beyond, its logarithm is noise
-constexpr double kPressTimes = 12;  // stress times under load before the plate moves
+constexpr double kPressTimes = 12;   // stress times under load before the plate moves
 
 double stress_time(const BedSpec& s, double stress) {
   return terrain::stress_time(s.grain_diameter, s.grain_density, stress);
@@ -162,8 +162,9 @@ double fit_janosi(const std::vector<double>& displacement, const std::vector<dou
     below += left * left * j * std::log(left);
   }
   if (!(below < 0))
-    throw InputError("shear test: the stress is at its limit from the first sample on, so that no K can be fitted; "
-                     "take finer grains");
+    throw InputError(
+        "shear test: the stress is at its limit from the first sample on, so that no K can be fitted; "
+        "take finer grains");
   return -above / below;
 }
 

@@ -32,7 +32,12 @@ WheeledIndexInput hmmwv(double pounds, double clearance_inches) {
 
 /// LETE sand (Wong).
 BekkerSoil lete_sand() {
-  return {.n = 0.79, .k_c = 102e3, .k_phi = 5301e3, .cohesion = 1300, .friction_angle = 31.1 * kDegree, .shear_modulus = 0.012};
+  return {.n = 0.79,
+          .k_c = 102e3,
+          .k_phi = 5301e3,
+          .cohesion = 1300,
+          .friction_angle = 31.1 * kDegree,
+          .shear_modulus = 0.012};
 }
 
 /// The regolith simulant and the wheel of Ishigami et al. 2007, their table 1.
@@ -55,18 +60,20 @@ double quadrature(const std::function<double(double)>& f, double a, double b, in
   return quadrature(f, a, m, depth - 1) + quadrature(f, m, b, depth - 1);
 }
 
-/// Ishigami's forces by his formulas in slip s_x = 1 - v_x / (r w) and slip angle, integrated on each side of the largest
-/// stress. Written apart from the library: slip and angle as he has them, no shared code.
+/// Ishigami's forces by his formulas in slip s_x = 1 - v_x / (r w) and slip angle, integrated on each side of the
+/// largest stress. Written apart from the library: slip and angle as he has them, no shared code.
 WheelForces by_quadrature(const BekkerSoil& soil, double r, double b, double s_x, double beta, double front) {
-  const double largest = (0.4 + 0.2 * s_x) * front, k = soil.k_c / b + soil.k_phi, tan_phi = std::tan(soil.friction_angle);
+  const double largest = (0.4 + 0.2 * s_x) * front, k = soil.k_c / b + soil.k_phi,
+               tan_phi = std::tan(soil.friction_angle);
   const auto sigma = [&](double t) {
     const double u = t < largest ? front - t * (front - largest) / largest : t;
     return k * std::pow(r, soil.n) * std::pow(std::max(0.0, std::cos(u) - std::cos(front)), soil.n);
   };
-  const auto grown = [&](double j) { return j < 0 ? std::exp(j / soil.shear_modulus) - 1 : 1 - std::exp(-j / soil.shear_modulus); };
+  const auto grown = [&](double j) {
+    return j < 0 ? std::exp(j / soil.shear_modulus) - 1 : 1 - std::exp(-j / soil.shear_modulus);
+  };
   const auto tau_x = [&](double t) {
-    return (soil.cohesion + sigma(t) * tan_phi) *
-           grown(r * (front - t - (1 - s_x) * (std::sin(front) - std::sin(t))));
+    return (soil.cohesion + sigma(t) * tan_phi) * grown(r * (front - t - (1 - s_x) * (std::sin(front) - std::sin(t))));
   };
   const auto tau_y = [&](double t) {
     return (soil.cohesion + sigma(t) * tan_phi) * grown(r * (1 - s_x) * (front - t) * std::tan(beta));
@@ -76,7 +83,10 @@ WheelForces by_quadrature(const BekkerSoil& soil, double r, double b, double s_x
                d2 = 1 / std::tan(x) + std::pow(1 / std::tan(x), 2) * tan_phi;
   const auto bulldozed = [&](double t) {
     const double h = r * (std::cos(t) - std::cos(front));
-    return d1 * (soil.cohesion * h + d2 * soil.unit_weight * h * h / 2) * (r - h * std::cos(t)) * (beta > 0 ? 1 : beta < 0 ? -1 : 0);
+    return d1 * (soil.cohesion * h + d2 * soil.unit_weight * h * h / 2) * (r - h * std::cos(t)) *
+           (beta > 0   ? 1
+            : beta < 0 ? -1
+                       : 0);
   };
   const auto both = [&](const std::function<double(double)>& f) {
     return quadrature(f, 0, largest) + quadrature(f, largest, front);

@@ -33,9 +33,9 @@ struct Stresses {
 /// A wheel in one state of motion at one entry angle.
 struct WheelInSoil {
   const BekkerSoil& soil;
-  double radius, width;         // over the lugs [m]
-  double along, across;         // speed of the axle along and across the heading, over that of the tips
-  double entry, largest = 0;    // angles of entry and of the largest normal stress [rad]
+  double radius, width;       // over the lugs [m]
+  double along, across;       // speed of the axle along and across the heading, over that of the tips
+  double entry, largest = 0;  // angles of entry and of the largest normal stress [rad]
 
   /// Wong & Reece: behind the largest stress its front part is stretched over what is left to the exit at the lowest
   /// point.

@@ -35,9 +35,9 @@ struct WheelStress {
   double c1 = 0.4, c2 = 0.2;
 };
 
-/// A rigid wheel. Lugs stand so close that the soil between them turns with the wheel: it rolls and shears on the circle
-/// through their tips. Soil shears beside the lugs too, which raises cohesion by 1 + 2 h / b and tan(phi) by
-/// 1 + 0.64 (h / b) arccot(h / b) (Bekker 1969, for grousers of height h).
+/// A rigid wheel. Lugs stand so close that the soil between them turns with the wheel: it rolls and shears on the
+/// circle through their tips. Soil shears beside the lugs too, which raises cohesion by 1 + 2 h / b and tan(phi) by 1 +
+/// 0.64 (h / b) arccot(h / b) (Bekker 1969, for grousers of height h).
 struct RigidWheel {
   double radius = 0, width = 0, lug_height = 0;  // without lugs [m]
   double reach() const { return radius + lug_height; }

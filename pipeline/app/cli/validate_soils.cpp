@@ -41,9 +41,8 @@ void validate_soils(const Globals& globals, SoilsRequest& request) {
 }  // namespace
 
 void add_soils_check(CLI::App& validate, const Globals& globals) {
-  CLI::App* soils = validate.add_subcommand(
-      "soils",
-      "Soil tests, and soils through the calibration; fails when a bound is not kept");
+  CLI::App* soils =
+      validate.add_subcommand("soils", "Soil tests, and soils through the calibration; fails when a bound is not kept");
   auto request = std::make_shared<SoilsRequest>();
   request->figures = lab::soil_figures();
   const std::vector<std::string> all = request->figures;

@@ -59,8 +59,8 @@ std::vector<lab::Predictor> formulas_of(const lab::Benchmark& b, const Numbers& 
     missing.push_back("no Bekker-Wong with measured numbers: the soil file has no n, k_c, k_phi and K");
   const auto own = numbers.find(key_of(b.soil_file, b.soil.name));
   if (own != numbers.end())
-    formulas.push_back(
-        lab::analytic_predictor(b, lab::exported_numbers(own->second), "Bekker-Wong, our soil tests", own->second.table));
+    formulas.push_back(lab::analytic_predictor(b, lab::exported_numbers(own->second), "Bekker-Wong, our soil tests",
+                                               own->second.table));
   else
     missing.push_back("no Bekker-Wong with numbers of our tests: give --soil-numbers, or run without --quick");
   return formulas;
@@ -133,7 +133,9 @@ void add_wheels_check(CLI::App& validate, const Globals& globals) {
                    "Three points, one bed, coarse grains, small beds, no band, no soil tests: minutes on two cores");
   wheels->add_flag("--nominal", r->nominal, "No trials at the ends of what is assumed");
   wheels->add_flag("--formulas", r->formulas, "Only the formulas, without trials");
-  wheels->add_option("--soil-numbers", r->numbers, "Numbers by gonogo soil export --format bekker; default: tests are run")
+  wheels
+      ->add_option("--soil-numbers", r->numbers,
+                   "Numbers by gonogo soil export --format bekker; default: tests are run")
       ->type_name(kFile);
   wheels->add_option("--state", r->run.state, "State of the soil; default: the benchmark's");
   wheels->add_option("--wheel-friction", r->wheel_friction, "Of grains on the wheels [-]; default: the benchmark's")
@@ -141,9 +143,9 @@ void add_wheels_check(CLI::App& validate, const Globals& globals) {
   wheels->add_flag("--gpu", r->run.gpu, "Run on the GPU, all trials of one grain size side by side");
   wheels->add_option("--out", r->folder, "Folder for tables, figures and JSON")->type_name(kFolder);
   add_bed_options(*wheels, r->run);
-  add_examples(*wheels,
-               {"gonogo validate wheels --quick", "gonogo validate wheels ding_lugs my_wheel.json --grain 0.016 --gpu --out out/wheels",
-                "gonogo validate wheels --formulas  # seconds"});
+  add_examples(*wheels, {"gonogo validate wheels --quick",
+                         "gonogo validate wheels ding_lugs my_wheel.json --grain 0.016 --gpu --out out/wheels",
+                         "gonogo validate wheels --formulas  # seconds"});
   wheels->callback([&globals, r, wheels] {
     if (r->run.quick && wheels->get_option("--seeds")->count() == 0) r->run.seeds = 1;
     validate_wheels(globals, *r);

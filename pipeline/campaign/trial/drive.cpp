@@ -80,8 +80,8 @@ void add_tow(const TrialSetup& setup, const TrialConditions& conditions, sim::Bo
 
 /// A carriage that moves along x at the speed of the given slip and leads the wheel, which turns at the commanded speed
 /// from the beginning, by a damped spring along its way. With a slip angle another one holds it across.
-void add_carriage(const TrialTask& task, double rim_speed, double radius, double mass,
-                  const vehicle::RigBodies& bodies, sim::SceneWorld& world) {
+void add_carriage(const TrialTask& task, double rim_speed, double radius, double mass, const vehicle::RigBodies& bodies,
+                  sim::SceneWorld& world) {
   const Vec3 velocity{Real(rim_speed * (1 - *task.given_slip())), 0, 0};
   const double yaw = task.slip_angle().value_or(0), turning = rim_speed / radius;
   sim::BodyState& wheel = world.body[std::size_t(bodies.wheel)];
@@ -92,8 +92,8 @@ void add_carriage(const TrialTask& task, double rim_speed, double radius, double
   world.spring.push_back(
       sim::spring_along(world, bodies.wheel, carriage, at, at, {1, 0, 0}, kCarriageStiffness, carriage_damping(mass)));
   if (task.slip_angle())
-    world.spring.push_back(
-        sim::spring_along(world, bodies.wheel, carriage, at, at, {0, 1, 0}, kCarriageStiffness, carriage_damping(mass)));
+    world.spring.push_back(sim::spring_along(world, bodies.wheel, carriage, at, at, {0, 1, 0}, kCarriageStiffness,
+                                             carriage_damping(mass)));
   world.controller.back().command = {{0, turning}};
 }
 

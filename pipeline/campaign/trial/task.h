@@ -67,8 +67,8 @@ class TrialTask {
   virtual TowPlan tow() const { return {}; }
   /// Slip at which a carriage leads the wheel of a quarter vehicle.
   virtual std::optional<double> given_slip() const { return std::nullopt; }
-  /// From the carriage's way to that wheel's heading, to the left [rad]. A carriage with a slip angle, be it zero, holds
-  /// the wheel sideways; one without lets it go there.
+  /// From the carriage's way to that wheel's heading, to the left [rad]. A carriage with a slip angle, be it zero,
+  /// holds the wheel sideways; one without lets it go there.
   virtual std::optional<double> slip_angle() const { return std::nullopt; }
   virtual std::pair<Verdict, Reason> judge(const DriveEnd& end) const { return {end.verdict, end.reason}; }
 };

@@ -17,22 +17,22 @@ struct Measure {
 };
 
 struct SoilNumbers {
-  std::string soil, state, table;  // names: of the soil's file, of its state, of the calibration's file
-  double grain_diameter = 0;       // [m]
-  Measure n{}, k_c{}, k_phi{};     // [-], [N/m^(n+1)], [N/m^(n+2)]
+  std::string soil, state, table;                  // names: of the soil's file, of its state, of the calibration's file
+  double grain_diameter = 0;                       // [m]
+  Measure n{}, k_c{}, k_phi{};                     // [-], [N/m^(n+1)], [N/m^(n+2)]
   Measure cohesion{}, friction_angle{};            // of steady shear [Pa], [deg]
   Measure peak_cohesion{}, peak_friction_angle{};  // [Pa], [deg]
   Measure janosi{};                                // K [m]
-  double bulk_density = 0;                     // [kg/m^3]
+  double bulk_density = 0;                         // [kg/m^3]
   double plate_r2 = 0, shear_r2 = 0;
   std::vector<double> plate_widths{}, stresses{};  // [m], [Pa]
 };
 
 struct SoilNumbersRequest {
   std::filesystem::path soil, calibration;
-  std::string state;                          // empty: the first
-  double grain = 0;                           // [m]; 0: the table's
-  std::vector<double> plate_widths{4, 8};     // in grain diameters
+  std::string state;                              // empty: the first
+  double grain = 0;                               // [m]; 0: the table's
+  std::vector<double> plate_widths{4, 8};         // in grain diameters
   std::vector<double> stresses{5e3, 10e3, 20e3};  // normal [Pa]
   int seeds = 2, threads = 1;
   bool quick = false;
@@ -41,8 +41,8 @@ struct SoilNumbersRequest {
 /// Runs the tests with the table's numerics. Throws InputError for a soil that the table does not reach.
 SoilNumbers measure_soil_numbers(const SoilNumbersRequest& request);
 
-/// "bekker": a file of our own with errors; "scm": the arguments of Project Chrono's SCMTerrain::SetSoilParameters, less
-/// elastic_K and damping_R, which no test here measures.
+/// "bekker": a file of our own with errors; "scm": the arguments of Project Chrono's SCMTerrain::SetSoilParameters,
+/// less elastic_K and damping_R, which no test here measures.
 Json numbers_json(const SoilNumbers& numbers, const std::string& format);
 std::string numbers_text(const SoilNumbers& numbers);
 /// Reads a "bekker" file back.

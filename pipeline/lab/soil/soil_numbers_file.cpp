@@ -78,8 +78,8 @@ Json numbers_json(const SoilNumbers& s, const std::string& format) {
 }
 
 std::string numbers_text(const SoilNumbers& s) {
-  std::string text = line("%s, %s: grains of %g m by %s\n", s.soil.c_str(), s.state.c_str(), s.grain_diameter,
-                          s.table.c_str());
+  std::string text =
+      line("%s, %s: grains of %g m by %s\n", s.soil.c_str(), s.state.c_str(), s.grain_diameter, s.table.c_str());
   text += line("n          %8.3f +- %.3f\n", s.n.value, s.n.error);
   text += line("k_c        %8.1f +- %.1f kN/m^(n+1)\n", s.k_c.value / 1e3, s.k_c.error / 1e3);
   text += line("k_phi      %8.0f +- %.0f kN/m^(n+2)\n", s.k_phi.value / 1e3, s.k_phi.error / 1e3);

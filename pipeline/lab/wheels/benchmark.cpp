@@ -97,7 +97,8 @@ void read_mover(const Config& c, Benchmark& b) {
   b.vehicle = named_file(c, "vehicle", "vehicles", "vehicle");
   const bool quarter = Config::read(b.vehicle).text("kind") == "quarter";
   if (!quarter && b.leads(Quantity::slip_angle))
-    c.fail("led", "slip_angle of a whole vehicle; a carriage turns one wheel: name a vehicle of kind quarter or a wheel");
+    c.fail("led",
+           "slip_angle of a whole vehicle; a carriage turns one wheel: name a vehicle of kind quarter or a wheel");
   if (!quarter && b.leads(Quantity::slip))
     c.fail("led", "slip of a whole vehicle; a carriage leads one wheel: name a vehicle of kind quarter or a wheel");
 }
@@ -169,9 +170,8 @@ void read_published(const Config& c, Benchmark& b) {
   for (const Config& one : c.objects("others")) {
     PublishedPrediction p{one.text("name"), one.text("source"), read_points(one.path("points"), b.led)};
     one.finish();
-    std::sort(p.point.begin(), p.point.end(), [&](const auto& x, const auto& y) {
-      return x.led.at(b.led.front()) < y.led.at(b.led.front());
-    });
+    std::sort(p.point.begin(), p.point.end(),
+              [&](const auto& x, const auto& y) { return x.led.at(b.led.front()) < y.led.at(b.led.front()); });
     b.published.push_back(std::move(p));
   }
 }
@@ -238,9 +238,7 @@ double Benchmark::scatter_at(const BenchmarkPoint& p, Quantity q) const {
   return std::max(of_repeats, stated == scatter.end() ? 0 : stated->second);
 }
 
-bool is_whole(const Benchmark& b) {
-  return !b.vehicle.empty() && Config::read(b.vehicle).text("kind") != "quarter";
-}
+bool is_whole(const Benchmark& b) { return !b.vehicle.empty() && Config::read(b.vehicle).text("kind") != "quarter"; }
 
 void choose_state(Benchmark& b, const std::string& state) {
   if (state.empty()) return;

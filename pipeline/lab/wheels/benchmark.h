@@ -62,7 +62,7 @@ struct Benchmark {
   vehicle::WheelRig rig{};                                   // under the least load
   double load = 0;                                           // on the wheel; 0: by point, or the vehicle's weight [N]
   Assumed wheel_friction;                                    // [-]
-  std::string soil_file;  // its name
+  std::string soil_file;                                     // its name
   std::filesystem::path soil_path;
   terrain::SoilState soil;
   double rim_turning = 0;  // [rad/s]; 0: by rule

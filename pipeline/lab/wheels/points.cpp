@@ -123,7 +123,8 @@ Quantity quantity_named(const std::string& name, const Config& where, const std:
 std::vector<BenchmarkPoint> read_points(const std::filesystem::path& file, const std::vector<Quantity>& led) {
   const std::vector<Row> rows = rows_of(file);
   for (const Quantity q : led)
-    if (!rows.front().count(q)) throw InputError(file.string() + ": has no column \"" + column_of(q) + "\", which is led");
+    if (!rows.front().count(q))
+      throw InputError(file.string() + ": has no column \"" + column_of(q) + "\", which is led");
   const auto together = [&](const Row& a, const Row& b) {
     return std::all_of(led.begin(), led.end(), [&](Quantity q) { return a.at(q) == b.at(q); });
   };

@@ -187,10 +187,11 @@ std::string as_text(const WheelReport& r) {
   const WheelOutcome& o = r.outcome;
   std::string text = r.benchmark.title + "\n";
   if (o.trials > 0)
-    text += line("  grains of %.3g mm, %.1f per wheel width%s; bed %.2f x %.2f x %.2f m; %.1f s; %d trials, %d failed\n",
-               1e3 * o.bed.grain, o.grains_per_width,
-               o.coarse() ? line(", COARSE: lugs are %.1f of half a grain", o.lug_grains).c_str() : "", o.bed.length,
-               o.bed.width, o.bed.depth, o.bed.time, o.trials, o.failed);
+    text +=
+        line("  grains of %.3g mm, %.1f per wheel width%s; bed %.2f x %.2f x %.2f m; %.1f s; %d trials, %d failed\n",
+             1e3 * o.bed.grain, o.grains_per_width,
+             o.coarse() ? line(", COARSE: lugs are %.1f of half a grain", o.lug_grains).c_str() : "", o.bed.length,
+             o.bed.width, o.bed.depth, o.bed.time, o.trials, o.failed);
   for (const std::string& why : r.missing) text += "  " + why + "\n";
   for (const Quantity q : r.benchmark.measured()) {
     text += table_of(r, q);

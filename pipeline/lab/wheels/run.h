@@ -10,17 +10,17 @@ namespace gonogo::lab {
 
 /// How benchmarks are run. Sizes of zero are by rule, the same for all wheels (bed_of).
 struct WheelRun {
-  std::filesystem::path calibration;                    // of the grains
+  std::filesystem::path calibration;                   // of the grains
   double grain = 0, depth = 0, length = 0, width = 0;  // of the grains; of the bed [m]
-  double time = 0;                                      // of driving; its last half counts [s]
-  int seeds = 2;                                        // beds per point
-  int threads = 1;                                      // trials at a time
-  bool gpu = false;                                     // all trials of one grain size as one batch
-  bool quick = false;                                   // coarse grains, small beds, few points, no band
-  bool band = true;                                     // also at both ends of every range
-  std::string state;                                    // of the soil; empty: the benchmark's
-  std::optional<double> wheel_friction;                 // in the place of the benchmark's
-  terrain::AskedNumerics numerics;                      // in the place of the table's
+  double time = 0;                                     // of driving; its last half counts [s]
+  int seeds = 2;                                       // beds per point
+  int threads = 1;                                     // trials at a time
+  bool gpu = false;                                    // all trials of one grain size as one batch
+  bool quick = false;                                  // coarse grains, small beds, few points, no band
+  bool band = true;                                    // also at both ends of every range
+  std::string state;                                   // of the soil; empty: the benchmark's
+  std::optional<double> wheel_friction;                // in the place of the benchmark's
+  terrain::AskedNumerics numerics;                     // in the place of the table's
 };
 
 /// Grains and bed of a benchmark by the rule, or as asked: for a wheel of reach R (with lugs) and width b, grains of
@@ -45,10 +45,10 @@ struct Predictor {
 struct WheelOutcome {
   Predictor predictor;
   WheelBed bed;
-  double lug_grains = 0;               // height of the lugs over the grains' radius; 0: no lugs
+  double lug_grains = 0;  // height of the lugs over the grains' radius; 0: no lugs
   double grains_per_width = 0;
-  std::vector<std::string> varied;     // what the band is over
-  int trials = 0, failed = 0;          // run; of them, unknown
+  std::vector<std::string> varied;                  // what the band is over
+  int trials = 0, failed = 0;                       // run; of them, unknown
   std::vector<std::vector<double>> slip_over_time;  // [point] of each second on a given slope
   bool coarse() const { return lug_grains > 0 && lug_grains < 1; }
 };
@@ -56,8 +56,8 @@ struct WheelOutcome {
 /// Points of the benchmark that a quick run takes: at most three, first, middle and last of the order led.
 void keep_quick_points(Benchmark& b);
 
-/// Runs all benchmarks side by side. Throws InputError that begins with the benchmark for a soil that the table does not
-/// reach and for a bed too small. Outcomes in the order of the benchmarks.
+/// Runs all benchmarks side by side. Throws InputError that begins with the benchmark for a soil that the table does
+/// not reach and for a bed too small. Outcomes in the order of the benchmarks.
 std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run);
 
 /// The wheel that slip, sinkage and pressures belong to, and the load on it at a point.

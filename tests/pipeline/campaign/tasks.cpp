@@ -177,7 +177,8 @@ TEST_CASE("a wheel that is led has the slip it is given, and the carriage carrie
   CHECK(pull[0] < 0);
 }
 
-TEST_CASE("a wheel led at a slip angle is pushed aside by what its grains do to it, and the mirrored wheel the other way") {
+TEST_CASE(
+    "a wheel led at a slip angle is pushed aside by what its grains do to it, and the mirrored wheel the other way") {
   double side[2], pull[2];
   for (const int k : {0, 1}) {
     const double angle = k == 0 ? 20 : -20;
@@ -201,8 +202,8 @@ TEST_CASE("a wheel led at a slip angle is pushed aside by what its grains do to 
     for (std::size_t i = half; i < force.size(); ++i) mean += force[i] * (1 / double(count));
     const Vec3d left_over = mean - (velocity.back() - velocity[half]) * (1 / (double(count - 1) * 0.002 * kGravity));
     const double c = std::cos(angle * kDegree), n = std::sin(angle * kDegree);
-    CHECK(agrees("pull along the heading, of the contacts per weight", c * left_over.x + n * left_over.y, r.pull[0].pull,
-                 0.02));
+    CHECK(agrees("pull along the heading, of the contacts per weight", c * left_over.x + n * left_over.y,
+                 r.pull[0].pull, 0.02));
     CHECK(agrees("side force to the left, of the contacts per weight", c * left_over.y - n * left_over.x,
                  r.pull[0].side, 0.02));
     CHECK(agrees("drift of a wheel that is held [m]", 0, measure_of(r, "drift"), 0.01));

@@ -78,9 +78,10 @@ TEST_CASE("a prediction that equals what was measured keeps all bounds, one that
 }
 
 TEST_CASE("agreement has the numbers worked by hand") {
-  const std::vector<ComparedValue> values{{.measured = 10, .predicted = 12, .scatter = 1, .load = 20, .low = 11, .high = 13},
-                                          {.measured = -4, .predicted = -3, .scatter = 2, .load = 10, .low = -3, .high = -3},
-                                          {.measured = 5, .predicted = 4, .load = 40, .low = 4, .high = 4}};
+  const std::vector<ComparedValue> values{
+      {.measured = 10, .predicted = 12, .scatter = 1, .load = 20, .low = 11, .high = 13},
+      {.measured = -4, .predicted = -3, .scatter = 2, .load = 10, .low = -3, .high = -3},
+      {.measured = 5, .predicted = 4, .load = 40, .low = 4, .high = 4}};
   const Agreement a = agreement_of(values);
   CHECK(a.rms == Approx(std::sqrt((4 + 1 + 1) / 3.0)));
   CHECK(a.bias == Approx((2 + 1 - 1) / 3.0));
@@ -124,15 +125,23 @@ TEST_CASE("a wheel's rig carries its load, and each point of CMU its own") {
 
 TEST_CASE("formulas climb the slope on which their pull is the load's part along it") {
   Benchmark b = read_benchmark("mgru3");
-  BekkerCases sand{{{.n = 1.1, .k_c = 990, .k_phi = 1.528e6, .cohesion = 0, .friction_angle = 0.67, .shear_modulus = 0.012, .unit_weight = 1.7e4}}};
+  BekkerCases sand{{{.n = 1.1,
+                     .k_c = 990,
+                     .k_phi = 1.528e6,
+                     .cohesion = 0,
+                     .friction_angle = 0.67,
+                     .shear_modulus = 0.012,
+                     .unit_weight = 1.7e4}}};
   const Predictor p = analytic_predictor(b, sand, "formula", "");
   const vehicle::WheelRig w = wheel_of(b);
   for (std::size_t i = 0; i < b.point.size(); ++i) {
     const double slip = p.point[i].at(Quantity::slip).mean;
     if (slip >= 1) continue;  // does not climb
     const double load = load_at(b, b.point[i]);
-    const auto f = vehicle::wheel_forces_under(sand.soil[0], vehicle::RigidWheel{w.radius, w.width, w.lug_height}, {slip, 0}, load);
-    CHECK(f.drawbar_pull / load == Approx(std::tan(b.point[i].led.at(Quantity::slope) * 3.14159265 / 180)).margin(2e-3));
+    const auto f = vehicle::wheel_forces_under(sand.soil[0], vehicle::RigidWheel{w.radius, w.width, w.lug_height},
+                                               {slip, 0}, load);
+    CHECK(f.drawbar_pull / load ==
+          Approx(std::tan(b.point[i].led.at(Quantity::slope) * 3.14159265 / 180)).margin(2e-3));
   }
   CHECK(p.point[0].at(Quantity::slip).mean < p.point[3].at(Quantity::slip).mean);
 }
