@@ -1,5 +1,7 @@
 #include "vehicle/wheel_rig.h"
 
+#include <cmath>
+
 #include "base/error.h"
 #include "sim/scene/build_joint.h"
 
@@ -48,7 +50,7 @@ double rig_mass(const WheelRig& rig, double payload) {
 }
 
 RigBodies add_wheel_rig(sim::SceneWorld& world, const WheelRig& rig, const Vec3d& axle, double payload,
-                        int tool_material) {
+                        int tool_material, double yaw) {
   const double carried = rig.sprung_mass + payload / rig.wheels_per_vehicle;
   const auto along = Real(1 / rig_mass(rig, payload));
   sim::BodyMass hub;
@@ -57,7 +59,7 @@ RigBodies add_wheel_rig(sim::SceneWorld& world, const WheelRig& rig, const Vec3d
   hub.isotropic = 0;
   sim::BodyMass sprung;
   sprung.inverse_mass = {0, 0, Real(1 / carried)};
-  const RigBodies bodies{world.add_body({axle, {}, {}, {}}, hub),
+  const RigBodies bodies{world.add_body({axle, {Real(std::cos(yaw / 2)), 0, 0, Real(std::sin(yaw / 2))}, {}, {}}, hub),
                          world.add_body({axle + Vec3d{0, 0, 1}, {}, {}, {}}, sprung), Index(world.motor.size())};
   sim::Shape shape;
   shape.type = sim::ShapeType::wheel;
@@ -67,7 +69,8 @@ RigBodies add_wheel_rig(sim::SceneWorld& world, const WheelRig& rig, const Vec3d
   shape.lug_count = rig.lug_count;
   shape.lug_thickness = Real(rig.lug_thickness);
   world.add_shape(shape);
-  world.motor.push_back(sim::speed_motor(world, bodies.wheel, sim::kWorld, {0, 1, 0}, 0, rig.max_torque));
+  const Vec3d axis{0 - std::sin(yaw), std::cos(yaw), 0};
+  world.motor.push_back(sim::speed_motor(world, bodies.wheel, sim::kWorld, axis, 0, rig.max_torque));
   // Along the sprung mass's axis, which keeps upright while the wheel turns and runs ahead.
   world.spring.push_back(sim::spring_along(world, bodies.wheel, bodies.sprung, axle, axle + Vec3d{0, 0, 1}, {0, 0, -1},
                                            rig.spring_stiffness, rig.spring_damping));

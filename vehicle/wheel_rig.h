@@ -36,9 +36,10 @@ struct RigBodies {
 };
 
 /// Adds the rig with its axle at `axle` and its spring unloaded; it settles under its own weight. `payload` is the
-/// whole vehicle's [kg]. `tool_material` is the tyre's material in the world.
+/// whole vehicle's [kg]. `tool_material` is the tyre's material in the world. `yaw`: of the wheel's heading from x
+/// towards y [rad].
 RigBodies add_wheel_rig(sim::SceneWorld& world, const WheelRig& rig, const Vec3d& axle, double payload,
-                        int tool_material);
+                        int tool_material, double yaw = 0);
 
 /// Mass that moves along the slope [kg].
 double rig_mass(const WheelRig& rig, double payload);

@@ -46,6 +46,7 @@ SoilState read_state(const Config& c) {
   if (v.has("bekker_n") || v.has("bekker_k_c_kN_per_m_n_plus_1") || v.has("bekker_k_phi_kN_per_m_n_plus_2"))
     s.bekker = Bekker{read_value(v, "bekker_n", {0.01, 3}), read_value(v, "bekker_k_c_kN_per_m_n_plus_1", {-1e5, 1e5}),
                       read_value(v, "bekker_k_phi_kN_per_m_n_plus_2", {0, 1e6})};
+  if (v.has("janosi_K_mm")) s.janosi = read_value(v, "janosi_K_mm", {0.01, 1000});
   v.finish();
   c.finish();
   return s;

@@ -31,6 +31,7 @@ struct SoilState {
   SoilValue bulk_density;      // [kg/m^3]
   SoilValue relative_density;  // [-]
   std::optional<Bekker> bekker;
+  std::optional<SoilValue> janosi;  // shear displacement K of Janosi and Hanamoto [mm]
 
   /// The middle of every range.
   MacroscopicSoil macroscopic() const;

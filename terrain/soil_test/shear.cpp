@@ -8,9 +8,10 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr double kSample = 0.05;    // travel between samples, in grain diameters
-constexpr double kRecovery = 0.03;  // speed at which overlaps are pushed out, in diameters per stress time
-constexpr double kPressTimes = 12;  // stress times under load before the plate moves
+constexpr double kSample = 0.05;     // travel between samples, in grain diameters
+constexpr double kRecovery = 0.03;   // speed at which overlaps are pushed out, in diameters per stress time
+constexpr double kNearLimit = 0.95;  // of the shear strength: beyond, its logarithm is noise
+constexpr double kPressTimes = 12;   // stress times under load before the plate moves
 
 double stress_time(const BedSpec& s, double stress) {
   return terrain::stress_time(s.grain_diameter, s.grain_density, stress);
@@ -151,6 +152,20 @@ ShearStrength shear_strength(const std::vector<ShearResult>& results) {
           .steady_cohesion_error = q.intercept_error,
           .peak_r2 = p.r2,
           .steady_r2 = q.r2};
+}
+
+double fit_janosi(const std::vector<double>& displacement, const std::vector<double>& stress, double max_stress) {
+  double above = 0, below = 0;
+  for (std::size_t i = 0; i < displacement.size() && stress[i] < kNearLimit * max_stress; ++i) {
+    const double left = 1 - stress[i] / max_stress, j = displacement[i];
+    above += left * left * j * j;
+    below += left * left * j * std::log(left);
+  }
+  if (!(below < 0))
+    throw InputError(
+        "shear test: the stress is at its limit from the first sample on, so that no K can be fitted; "
+        "take finer grains");
+  return -above / below;
 }
 
 }  // namespace gonogo::terrain

@@ -50,4 +50,11 @@ struct ShearStrength {
 };
 ShearStrength shear_strength(const std::vector<ShearResult>& results);
 
+/// K of tau = tau_max (1 - exp(-j / K)) from samples (j, tau) up to where tau first reaches 95 % of tau_max [m], by
+/// Wong's weighted least squares (Journal of Terramechanics 17 (1980) 5-21):
+///   K = - sum (1 - t)^2 j^2 / sum (1 - t)^2 j ln(1 - t), t = tau / tau_max,
+/// which weighs by what is left to the limit, since the logarithm grows as it is neared. Throws InputError when no
+/// sample lies below.
+double fit_janosi(const std::vector<double>& displacement, const std::vector<double>& stress, double max_stress);
+
 }  // namespace gonogo::terrain

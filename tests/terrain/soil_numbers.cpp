@@ -1,6 +1,7 @@
 // What is derived from soil tests, on made-up measurements of known soils.
 #include <cmath>
 
+#include "base/error.h"
 #include "base/random.h"
 #include "base/units.h"
 #include "sim/shape/triangle_mesh.h"
@@ -171,6 +172,26 @@ TEST_CASE("clays that Wong measured wet are below the 39 psi of an HMMWV's fifty
   CHECK(psi(6.1, 26.6) > 39);  // North Gower clayey loam, 46 %: 36 psi of cohesion and 4 of the soil above
   CHECK(psi(68.95, 20) > 78);  // lean clay, 22 %
   CHECK(psi(68.95, 34) > 78);  // heavy clay, 25 %
+}
+
+TEST_CASE("Janosi's K is that of the curve, with noise within the scatter, whatever lies beyond the limit") {
+  const double k = 0.012, limit = 5e3;
+  std::vector<double> j, tau, noisy;
+  for (int i = 1; i <= 80; ++i) {
+    j.push_back(0.0015 * i);
+    tau.push_back(limit * (1 - std::exp(-j.back() / k)));
+    noisy.push_back(tau.back() + 150 * (2 * random_unit(7, 1, std::uint64_t(i)) - 1));
+  }
+  CHECK(fit_janosi(j, tau, limit) == Approx(k));
+  CHECK(fit_janosi(j, noisy, limit) == Approx(k).epsilon(0.1));
+  // What the stress does after it has reached the limit does not count.
+  std::vector<double> humped = tau;
+  for (std::size_t i = 40; i < humped.size(); ++i) humped[i] = 1.3 * limit;
+  CHECK(fit_janosi(j, humped, limit) == Approx(k));
+  // Half as stiff a soil has twice the K.
+  for (double& x : j) x *= 2;
+  CHECK(fit_janosi(j, tau, limit) == Approx(2 * k));
+  CHECK_THROWS_AS(fit_janosi({0.001}, {limit}, limit), InputError);
 }
 
 }  // namespace gonogo::terrain

@@ -22,6 +22,7 @@ inline constexpr const char* kStudy = "STUDY";              // file
 inline constexpr const char* kVehicle = "VEHICLE";          // file, or name of one in configs/vehicles
 inline constexpr const char* kSoil = "SOIL";                // file, or name of one in configs/soils
 inline constexpr const char* kTable = "TABLE";              // calibration: file, or name of one in configs/soils
+inline constexpr const char* kBenchmark = "BENCHMARK";      // file, or name of one in configs/benchmarks
 inline constexpr const char* kVariable = "VARIABLE";        // of the contract, or a measure
 inline constexpr const char* kSetting = "VARIABLE=NUMBER";  // of the contract
 inline constexpr const char* kCommand = "COMMAND";          // of this program

@@ -108,6 +108,7 @@ Answer values(const CLI::App& program, const Cursor& at, const CLI::Option& opti
   if (value.name == kModel) return {shipped_models(), ":file"};
   if (value.name == kVehicle) return {shipped("vehicles", false), ":file"};
   if (value.name == kSoil) return {shipped("soils", false), ":file"};
+  if (value.name == kBenchmark) return {shipped("benchmarks", false), ":file"};
   if (value.name == kTable) return {shipped("soils", true), ":file"};
   if (value.name == kVariable) return {contract_names("", true)};
   if (value.name == kSetting) return {contract_names("=", false)};

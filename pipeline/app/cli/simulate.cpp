@@ -177,8 +177,10 @@ void add_pull(const campaign::TrialRecord& record, Json& json, std::string& text
     point["speed_m_per_s"] = p.speed;
     point["sinkage_m"] = p.sinkage;
     point["torque_N_m"] = p.torque;
+    if (p.side != 0) point["side_per_weight"] = p.side;
     json["pull"].push_back(std::move(point));
     text += line("%11.3f  %6.3f  %11.3f  %12.1f  %12.0f\n", p.pull, p.slip, p.speed, 1e3 * p.sinkage, p.torque);
+    if (p.side != 0) text += line("side force over weight %.3f, to the left of the heading\n", p.side);
   }
 }
 

@@ -5,6 +5,7 @@
 #include "base/cores.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/cli/numerics_options.h"
+#include "pipeline/app/cli/soil_parts.h"
 #include "pipeline/campaign/trial/setup.h"
 #include "pipeline/lab/soil/library.h"
 #include "pipeline/lab/soil/soil_tests.h"
@@ -195,6 +196,7 @@ void add_soil_command(CLI::App& app, const Globals& globals) {
   add_tests(*soil, globals);
   add_calibrate(*soil, globals);
   add_library(*soil, globals);
+  add_soil_export(*soil, globals);
 }
 
 }  // namespace gonogo::app

@@ -58,6 +58,7 @@ void add_validate_command(CLI::App& app, const Globals& globals) {
   add_examples(*command, {"gonogo validate fclib tests/data/fclib"});
   add_vehicles(*command, globals);
   add_soils_check(*command, globals);
+  add_wheels_check(*command, globals);
   add_trial_checks(*command, globals);
   add_fclib_check(*command, globals);
   add_elastic_check(*command, globals);

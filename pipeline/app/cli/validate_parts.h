@@ -7,6 +7,7 @@ namespace gonogo::app {
 void add_elastic_check(CLI::App& validate, const Globals& globals);
 void add_fclib_check(CLI::App& validate, const Globals& globals);
 void add_soils_check(CLI::App& validate, const Globals& globals);
+void add_wheels_check(CLI::App& validate, const Globals& globals);
 /// patch, folded, drawbar, grade
 void add_trial_checks(CLI::App& validate, const Globals& globals);
 

@@ -20,6 +20,10 @@ constexpr int kGathered = 4;
 
 }  // namespace
 
+bool same_steps(const TrialSetup& a, const TrialSetup& b) {
+  return a.calibration.grain_diameter == b.calibration.grain_diameter && a.numerics == b.numerics;
+}
+
 TrialBatch::TrialBatch(const TrialSetup& setup, const BatchSettings& settings) : setup_(setup), settings_(settings) {
   if (settings.places < 1) throw InputError("a batch needs at least one place");
 }
@@ -42,8 +46,14 @@ TrialBatch::Lane& TrialBatch::lane(std::uint64_t attempt) {
 }
 
 void TrialBatch::start(const DesignPoint& point, const TrialWatch& watch, const TrialCheckpoint& checkpoint) {
+  start(setup_, point, watch, checkpoint);
+}
+
+void TrialBatch::start(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
+                       const TrialCheckpoint& checkpoint) {
   if (free_places() < 1) throw InputError("the batch has no free place");
-  auto trial = std::make_unique<TrialRun>(setup_, point, watch, checkpoint);
+  if (!same_steps(setup, setup_)) throw InputError("trials of one batch need the same grains, step and iterations");
+  auto trial = std::make_unique<TrialRun>(setup, point, watch, checkpoint);
   trial->enter(lane(trial->attempt()).places);
   trial_.push_back(std::move(trial));
 }

@@ -16,6 +16,9 @@ struct BatchSettings {
   int threads = 1;  // of the cpu backend
 };
 
+/// Whether trials of both may stand in one batch: same grains, step and iterations.
+bool same_steps(const TrialSetup& a, const TrialSetup& b);
+
 class TrialBatch {
  public:
   /// `setup` must outlive it.
@@ -29,6 +32,10 @@ class TrialBatch {
 
   /// Needs a free place. Throws InputError for a design point or a checkpoint that cannot be used.
   void start(const DesignPoint& point, const TrialWatch& watch = {}, const TrialCheckpoint& checkpoint = {});
+  /// A trial of another setup, which must outlive the batch too. Throws InputError for one with other grains or
+  /// numerics: all worlds of a batch take the same steps.
+  void start(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch = {},
+             const TrialCheckpoint& checkpoint = {});
 
   /// Takes all trials to the next look; returns the records of those that ended. On Ctrl-C Cancelled is thrown;
   /// trials with a checkpoint have been saved.

@@ -39,12 +39,16 @@ sim::Monitor stopping_monitor(const TrialSetup& setup, sim::BodyIndex body) {
   return m;
 }
 
-/// Height of the axle at which a wheel just clears every grain. `reach`: its radius with lugs [m].
-double resting_axle_height(const terrain::Packing& packing, double reach, double width, double x, double y) {
+/// Height of the axle at which a wheel just clears every grain. `reach`: its radius with lugs [m]; `yaw`: of its
+/// heading from x [rad].
+double resting_axle_height(const terrain::Packing& packing, double reach, double width, double x, double y,
+                           double yaw = 0) {
+  const double c = std::cos(yaw), s = std::sin(yaw);
   double height = packing.surface + reach;
   for (const terrain::Grain& g : terrain::lobes_of(packing)) {
-    const double dx = std::remainder(g.position.x - x, packing.spec.length),
-                 dy = std::remainder(g.position.y - y, packing.spec.width);
+    const double x_W = std::remainder(g.position.x - x, packing.spec.length),
+                 y_W = std::remainder(g.position.y - y, packing.spec.width);
+    const double dx = c * x_W + s * y_W, dy = c * y_W - s * x_W;
     const double free = reach + g.radius;
     if (std::fabs(dx) >= free || std::fabs(dy) >= width / 2 + g.radius) continue;
     height = std::max(height, g.position.z + std::sqrt(free * free - dx * dx));
@@ -59,7 +63,7 @@ double sinkage_reference(const TrialSetup& setup, const terrain::Packing& packin
   const Course c = setup.course(packing.surface);
   if (setup.task->obstacle_end() > 0)
     return untouched_axle_height(packing, reach, width, y, c.start - c.rear, c.front + c.rear);
-  return untouched_axle_height(packing, reach, width, y, 0, c.length);
+  return untouched_axle_height(packing, reach, width, y, 0, c.length, setup.task->slip_angle().value_or(0));
 }
 
 /// Load of a drawbar sweep, along the bed.
@@ -74,19 +78,23 @@ void add_tow(const TrialSetup& setup, const TrialConditions& conditions, sim::Bo
   world.force.push_back(load);
 }
 
-/// A carriage that moves at the speed of the given slip and leads the wheel, which turns at the commanded speed from
-/// the beginning, by a damped spring along its way.
-void add_carriage(double slip, double rim_speed, double radius, double mass, const vehicle::RigBodies& bodies,
+/// A carriage that moves along x at the speed of the given slip and leads the wheel, which turns at the commanded speed
+/// from the beginning, by a damped spring along its way. With a slip angle another one holds it across.
+void add_carriage(const TrialTask& task, double rim_speed, double radius, double mass, const vehicle::RigBodies& bodies,
                   sim::SceneWorld& world) {
-  const Vec3 velocity{Real(rim_speed * (1 - slip)), 0, 0};
+  const Vec3 velocity{Real(rim_speed * (1 - *task.given_slip())), 0, 0};
+  const double yaw = task.slip_angle().value_or(0), turning = rim_speed / radius;
   sim::BodyState& wheel = world.body[std::size_t(bodies.wheel)];
   wheel.velocity = velocity;
-  wheel.angular_velocity = {0, Real(rim_speed / radius), 0};
+  wheel.angular_velocity = {Real(0 - turning * std::sin(yaw)), Real(turning * std::cos(yaw)), 0};
   const Vec3d at = wheel.position;
   const sim::BodyIndex carriage = world.add_body({at, {}, velocity, {}}, sim::fixed_body());
   world.spring.push_back(
       sim::spring_along(world, bodies.wheel, carriage, at, at, {1, 0, 0}, kCarriageStiffness, carriage_damping(mass)));
-  world.controller.back().command = {{0, rim_speed / radius}};
+  if (task.slip_angle())
+    world.spring.push_back(sim::spring_along(world, bodies.wheel, carriage, at, at, {0, 1, 0}, kCarriageStiffness,
+                                             carriage_damping(mass)));
+  world.controller.back().command = {{0, turning}};
 }
 
 /// The wheel of a quarter vehicle. Its drop below the height at which it would roll over grains that do not give way is
@@ -95,12 +103,14 @@ void add_rig(const TrialSetup& setup, const TrialConditions& conditions, const t
              sim::SceneWorld& world) {
   const vehicle::WheelRig& rig = setup.rig;
   const double x = setup.course(0).start, y = 0.5 * packing.spec.width;
-  const double height = resting_axle_height(packing, rig.radius + rig.lug_height, rig.width, x, y);
-  const auto bodies = vehicle::add_wheel_rig(world, rig, {x, y, height}, conditions.payload, terrain::tool_material);
+  const double yaw = setup.task->slip_angle().value_or(0);
+  const double height = resting_axle_height(packing, rig.radius + rig.lug_height, rig.width, x, y, yaw);
+  const auto bodies =
+      vehicle::add_wheel_rig(world, rig, {x, y, height}, conditions.payload, terrain::tool_material, yaw);
   world.controller.push_back(driver(setup, conditions, bodies.motor));
   add_tow(setup, conditions, bodies.wheel, {}, world);
-  if (const auto slip = setup.task->given_slip())
-    add_carriage(*slip, conditions.speed, rig.radius, vehicle::rig_mass(rig, conditions.payload), bodies, world);
+  if (setup.task->given_slip())
+    add_carriage(*setup.task, conditions.speed, rig.radius, vehicle::rig_mass(rig, conditions.payload), bodies, world);
   sim::Monitor m = stopping_monitor(setup, bodies.wheel);
   m.motor = bodies.motor;
   m.height = sinkage_reference(setup, packing, rig.radius + rig.lug_height, rig.width, y);

@@ -166,18 +166,26 @@ class Judge {
     }
   }
 
-  /// Of a wheel that a carriage leads: the mean force of the carriage's spring and damper over the last half.
+  /// Of a wheel that a carriage leads: the mean forces of the carriage's springs and dampers over the last half.
   PullPoint led_point(const DriveOutcome& o, double slip) const {
     const double speed = conditions_.speed * (1 - slip), weight = setup_.weight(conditions_.payload);
-    const auto ahead = [&](const sim::MonitorSample& s) { return s.x - speed * s.step * step_; };
     const Index first = end_.sample_count / 2, count = end_.sample_count - first;
     const auto samples = simulation_.samples(world_, 0, first, count);
-    double mean = 0;
-    for (const sim::MonitorSample& s : samples) mean += ahead(s) / count;
-    const double rate = (ahead(samples.back()) - ahead(samples.front())) / ((count - 1) * step_);
-    const double force = kCarriageStiffness * mean + carriage_damping(weight / kGravity) * rate;
-    return {
-        .pull = force / weight, .slip = o.slip, .speed = o.mean_speed, .sinkage = o.sinkage, .torque = o.mean_torque};
+    const auto force = [&](auto stretch) {
+      double mean = 0;
+      for (const sim::MonitorSample& s : samples) mean += stretch(s) / count;
+      const double rate = (stretch(samples.back()) - stretch(samples.front())) / ((count - 1) * step_);
+      return kCarriageStiffness * mean + carriage_damping(weight / kGravity) * rate;
+    };
+    const double along = force([&](const sim::MonitorSample& s) { return s.x - speed * s.step * step_; });
+    PullPoint p{
+        .pull = along / weight, .slip = o.slip, .speed = o.mean_speed, .sinkage = o.sinkage, .torque = o.mean_torque};
+    if (const auto angle = setup_.task->slip_angle()) {
+      const double across = force([](const sim::MonitorSample& s) { return s.y; });
+      p.pull = (std::cos(*angle) * along + std::sin(*angle) * across) / weight;
+      p.side = (std::cos(*angle) * across - std::sin(*angle) * along) / weight;
+    }
+    return p;
   }
 
   /// Between two samples, under a mean load.

@@ -60,13 +60,14 @@ struct WheelRecord {
   double torque = 0;   // driving [N m]
 };
 
-/// Means over a part of a drawbar sweep.
+/// Means over a part of a drawbar sweep, or over the last half of a led wheel's way.
 struct PullPoint {
-  double pull = 0;     // load at the hitch over the vehicle's weight [-]
+  double pull = 0;     // load at the hitch over the vehicle's weight [-]; of a led wheel along its heading
   double slip = 0;     // [-]
   double speed = 0;    // [m/s]
   double sinkage = 0;  // [m]
   double torque = 0;   // per driven wheel [N m]
+  double side = 0;     // force of the soil to the wheel's left over the weight, of a wheel led at a slip angle [-]
 };
 
 struct TrialRecord {

@@ -190,7 +190,8 @@ void fit_to_task(TrialSetup& s) {
   const double end = s.task->obstacle_end(), sweep = s.task->tow().ramp;
   if (sweep > 0) s.time_limit = s.ramp_time + s.min_drive_time + sweep + s.thresholds.immobile_time;
   if (s.whole && s.task->given_slip())
-    throw InputError("a trial of type " + s.task->name() + " leads one wheel; name a vehicle of kind quarter");
+    throw InputError("a trial of type " + s.task->name() + " leads one wheel" +
+                     (s.task->slip_angle() ? " at a slip angle" : "") + "; name a vehicle of kind quarter");
   if (!(end > 0)) return;
   const Course c = s.course(0);
   const double needed = c.front + c.rear + end;

@@ -62,9 +62,12 @@ class Drawbar final : public TrialTask {
 /// The carriage makes the way; what counts is whether the wheel pulls it.
 class SingleWheel final : public TrialTask {
  public:
-  explicit SingleWheel(const Config& c) : slip_(c.number("slip", {-0.9, 1})) {}
+  explicit SingleWheel(const Config& c) : slip_(c.number("slip", {-0.9, 1})) {
+    if (c.has("slip_angle_deg")) angle_ = to_radians(c.number("slip_angle_deg", {-90, 90}));
+  }
   std::string name() const override { return "single_wheel"; }
   std::optional<double> given_slip() const override { return slip_; }
+  std::optional<double> slip_angle() const override { return angle_; }
   std::pair<Verdict, Reason> judge(const DriveEnd& end) const override {
     const bool pulls = !end.pull.empty() && end.pull.back().pull > 0;
     return pulls ? std::pair{Verdict::go, Reason::none} : std::pair{Verdict::no_go, Reason::traction};
@@ -72,6 +75,7 @@ class SingleWheel final : public TrialTask {
 
  private:
   double slip_;
+  std::optional<double> angle_;
 };
 
 /// Something across the way that has to be crossed from end to end.

@@ -4,7 +4,7 @@
 //   climb         up or down a slope, as the point's slopes say; the default
 //   side_slope    along the contour: sliding sideways ends it
 //   drawbar       pulled back by a load that grows until the vehicle stops
-//   single_wheel  a quarter vehicle's wheel towed at a given slip
+//   single_wheel  a quarter vehicle's wheel towed at a given slip, or slip and slip angle
 //   step          over a rigid sill across the way
 //   ditch         through a trench across the way
 //   crossing      through a strip of softer soil
@@ -67,6 +67,9 @@ class TrialTask {
   virtual TowPlan tow() const { return {}; }
   /// Slip at which a carriage leads the wheel of a quarter vehicle.
   virtual std::optional<double> given_slip() const { return std::nullopt; }
+  /// From the carriage's way to that wheel's heading, to the left [rad]. A carriage with a slip angle, be it zero,
+  /// holds the wheel sideways; one without lets it go there.
+  virtual std::optional<double> slip_angle() const { return std::nullopt; }
   virtual std::pair<Verdict, Reason> judge(const DriveEnd& end) const { return {end.verdict, end.reason}; }
 };
 

@@ -18,11 +18,12 @@ double touching_height(const terrain::Grain& g, double reach, double width, doub
 }  // namespace
 
 double untouched_axle_height(const terrain::Packing& packing, double reach, double width, double y, double from,
-                             double way) {
+                             double way, double yaw) {
   const terrain::BedSpec& bed = packing.spec;
+  const double c = std::cos(yaw), s = std::sin(yaw), half_lane = width / 2 * c + reach * std::fabs(s);
   std::vector<terrain::Grain> lane;
   for (const terrain::Grain& g : terrain::lobes_of(packing))
-    if (std::fabs(std::remainder(g.position.y - y, bed.width)) < width / 2 + g.radius) lane.push_back(g);
+    if (std::fabs(std::remainder(g.position.y - y, bed.width)) < half_lane + g.radius) lane.push_back(g);
   // Highest first: once a wheel stands higher than on top of the next grain, none of the others touches it.
   const auto top = [](const terrain::Grain& g) { return g.position.z + g.radius; };
   std::sort(lane.begin(), lane.end(), [&](const auto& a, const auto& b) { return top(a) > top(b); });
@@ -33,8 +34,8 @@ double untouched_axle_height(const terrain::Packing& packing, double reach, doub
     double height = reach;
     for (const terrain::Grain& g : lane) {
       if (top(g) + reach <= height) break;
-      height = std::max(height, touching_height(g, reach, width, std::remainder(g.position.x - x, bed.length),
-                                                std::remainder(g.position.y - y, bed.width)));
+      const double dx = std::remainder(g.position.x - x, bed.length), dy = std::remainder(g.position.y - y, bed.width);
+      height = std::max(height, touching_height(g, reach, width, c * dx + s * dy, c * dy - s * dx));
     }
     sum += height;
   }

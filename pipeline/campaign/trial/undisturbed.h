@@ -9,8 +9,9 @@ namespace gonogo::campaign {
 ///
 /// Sinkage of plates and wheels is zero at the first touch (bevameter tests; Wong, Theory of Ground Vehicles, 2.4). A
 /// wheel rests on the highest grains under it. The mean top of the bed includes the gaps between grains and lies up to
-/// half a grain lower. Counted from there, a wheel that has not sunk would have a negative sinkage.
+/// half a grain lower. Counted from there, a wheel that has not sunk would have a negative sinkage. `yaw`: of the wheel
+/// from x towards y [rad].
 double untouched_axle_height(const terrain::Packing& packing, double reach, double width, double y, double from,
-                             double way);
+                             double way, double yaw = 0);
 
 }  // namespace gonogo::campaign

@@ -110,7 +110,7 @@ void report_cone(SoilTestOutcome& o, const std::vector<terrain::ConeResult>& res
 
 }  // namespace
 
-SoilTestOutcome plate(const SoilTestRequest& r) {
+std::vector<terrain::PlateResult> run_plates(const SoilTestRequest& r, terrain::TestScene* scene) {
   if (r.plate_widths.size() < 2)
     throw InputError("soil test plate: two plate widths or more are needed for k_c and k_phi");
   const std::vector<terrain::PlateSettings> settings = plate_settings(r);
@@ -118,14 +118,19 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
   for (const terrain::PlateSettings& s : settings) steps = std::max(steps, terrain::plate_steps(s));
   const std::size_t count = settings.size() * std::size_t(r.seeds);
   std::vector<terrain::PlateResult> results(count);
-  SoilTestOutcome o = begin("plate", r);
   Runs runs("plate", r, count, steps);
   runs([&](std::size_t k, const terrain::TestPace& pace) {
     results[k] = plate_test(seeded(r, k / settings.size()), settings[k % settings.size()], pace,
-                            k + 1 == count ? &o.scene : nullptr);
+                            k + 1 == count ? scene : nullptr);
   });
+  return results;
+}
+
+SoilTestOutcome plate(const SoilTestRequest& r) {
+  SoilTestOutcome o = begin("plate", r);
+  const std::vector<terrain::PlateResult> results = run_plates(r, &o.scene);
   const terrain::BekkerFit fit = fit_bekker(results);
-  draw_plates(o, results, settings.size(), fit, r.soil.seed);
+  draw_plates(o, results, r.plate_widths.size(), fit, r.soil.seed);
   report_bekker(o, fit);
   double worst = 0;
   for (const terrain::PlateResult& result : results) worst = std::max(worst, result.worst_residual);

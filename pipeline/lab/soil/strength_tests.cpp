@@ -46,12 +46,11 @@ void report_triaxial(SoilTestOutcome& o, const terrain::TriaxialStrength& streng
 
 }  // namespace
 
-SoilTestOutcome shear(const SoilTestRequest& r) {
+std::vector<terrain::ShearResult> run_shear(const SoilTestRequest& r, terrain::TestScene* scene) {
   const std::vector<Load> loads = loads_of(r);
   terrain::ShearSettings settings;
   if (r.quick) settings.travel = 2;
   std::vector<terrain::ShearResult> results(loads.size());
-  SoilTestOutcome o = begin("shear", r);
   Runs runs("shear", r, loads.size(), terrain::shear_steps(settings));
   runs([&](std::size_t k, const terrain::TestPace& pace) {
     terrain::ShearSettings own = settings;
@@ -59,8 +58,15 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
     own.steps_per_time = steps_per_stress_time(own.normal_stress, own.steps_per_time, r);
     const terrain::TestSoil soil = seeded(r, loads[k].seed);
     results[k] = shear_test(terrain::test_bed(soil, 10, 6, 8, pace.threads), soil.laws(), own, pace,
-                            k + 1 == loads.size() ? &o.scene : nullptr);
+                            k + 1 == loads.size() ? scene : nullptr);
   });
+  return results;
+}
+
+SoilTestOutcome shear(const SoilTestRequest& r) {
+  const std::vector<Load> loads = loads_of(r);
+  SoilTestOutcome o = begin("shear", r);
+  const std::vector<terrain::ShearResult> results = run_shear(r, &o.scene);
   o.csv = "normal_stress_Pa,seed,travel_grains,shear_stress_Pa,measured_normal_stress_Pa,rise_grains\n";
   o.plot.x_label = "travel of the plate, grain diameters";
   o.plot.y_label = "shear stress [kPa]";

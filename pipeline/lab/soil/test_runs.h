@@ -8,6 +8,8 @@
 #include "base/progress.h"
 #include "pipeline/lab/soil/soil_tests.h"
 #include "terrain/soil_test/line_fit.h"
+#include "terrain/soil_test/plate.h"
+#include "terrain/soil_test/shear.h"
 
 namespace gonogo::lab {
 
@@ -57,6 +59,11 @@ SoilTestOutcome begin(const std::string& test, const SoilTestRequest& r);
 void finish(SoilTestOutcome& o, double worst_residual);
 
 Json angle_json(const terrain::Angle& a);
+
+/// Results of all plates, the widths of one seed after those of another; and of shear tests, as loads_of() lists them.
+/// `scene`: of the last one; may be null. run_plates throws InputError for fewer than two widths.
+std::vector<terrain::PlateResult> run_plates(const SoilTestRequest& r, terrain::TestScene* scene);
+std::vector<terrain::ShearResult> run_shear(const SoilTestRequest& r, terrain::TestScene* scene);
 
 SoilTestOutcome shear(const SoilTestRequest& r);
 SoilTestOutcome triaxial(const SoilTestRequest& r);

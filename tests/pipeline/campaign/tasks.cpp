@@ -177,7 +177,47 @@ TEST_CASE("a wheel that is led has the slip it is given, and the carriage carrie
   CHECK(pull[0] < 0);
 }
 
+TEST_CASE(
+    "a wheel led at a slip angle is pushed aside by what its grains do to it, and the mirrored wheel the other way") {
+  double side[2], pull[2];
+  for (const int k : {0, 1}) {
+    const double angle = k == 0 ? 20 : -20;
+    TrialSetup s = rig_setup("single_wheel:slip=0.2,slip_angle_deg=" + std::to_string(angle));
+    s.bed_length = 3.6;
+    s.time_limit = 1.6;
+    const DesignPoint p = design_point(0, 38, 0.3);
+    prepare_trials(s, {&p, 1}, 1);
+    TrialWatch watch;
+    watch.frame_interval = 0.002;
+    std::vector<Vec3d> force, velocity;  // on and of the wheel in every step
+    watch.frame = [&](const TrialFrame& f) {
+      if (f.wheel < 0) return;
+      force.push_back(static_cast<Vec3d>(f.simulation.contact_force(f.place, f.wheel)) * (1 / s.weight(0)));
+      velocity.push_back(static_cast<Vec3d>(f.simulation.body(f.place, f.wheel).velocity));
+    };
+    const TrialRecord r = run_trial(s, p, watch);
+    REQUIRE(r.pull.size() == 1);
+    const std::size_t half = force.size() / 2, count = force.size() - half;
+    Vec3d mean;
+    for (std::size_t i = half; i < force.size(); ++i) mean += force[i] * (1 / double(count));
+    const Vec3d left_over = mean - (velocity.back() - velocity[half]) * (1 / (double(count - 1) * 0.002 * kGravity));
+    const double c = std::cos(angle * kDegree), n = std::sin(angle * kDegree);
+    CHECK(agrees("pull along the heading, of the contacts per weight", c * left_over.x + n * left_over.y,
+                 r.pull[0].pull, 0.02));
+    CHECK(agrees("side force to the left, of the contacts per weight", c * left_over.y - n * left_over.x,
+                 r.pull[0].side, 0.02));
+    CHECK(agrees("drift of a wheel that is held [m]", 0, measure_of(r, "drift"), 0.01));
+    side[k] = r.pull[0].side;
+    pull[k] = r.pull[0].pull;
+  }
+  CHECK(side[0] > 0.05);
+  CHECK(side[1] < -0.05);
+  CHECK(agrees("the mirrored wheel's side force, another place of the same bed", -side[0], side[1], 0.3 * side[0]));
+  CHECK(agrees("the mirrored wheel's pull", pull[0], pull[1], 0.1));
+}
+
 TEST_CASE("tasks that cannot be done are refused") {
+  refused([] { parse_task("single_wheel:slip=0.2,slip_angle_deg=91"); }, "slip_angle_deg");
   refused([] { parse_task("jump"); }, "type");
   refused([] { parse_task("step:height_m=high"); }, "type:name=number");
   refused([] { parse_task("step"); }, "height_m");
@@ -190,6 +230,13 @@ TEST_CASE("tasks that cannot be done are refused") {
                             parse_task("single_wheel:slip=0.2"));
       },
       "quarter");
+  refused(
+      [] {
+        vehicle_trial_setup(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/vehicles/hmmwv.json",
+                            std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/soils/calibration_90mm.json",
+                            parse_task("single_wheel:slip=0.2,slip_angle_deg=10"));
+      },
+      "slip angle");
   CHECK(parse_task("climb")->name() == "climb");
   const auto judged = [](const char* task, Verdict verdict, Reason reason, double travelled, double drift) {
     return parse_task(task)->judge({.verdict = verdict,

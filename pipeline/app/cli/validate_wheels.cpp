@@ -1,0 +1,155 @@
+#include <map>
+#include <memory>
+
+#include "base/cancel.h"
+#include "base/cores.h"
+#include "base/shipped.h"
+#include "pipeline/app/cli/numerics_options.h"
+#include "pipeline/app/cli/validate_parts.h"
+#include "pipeline/lab/wheels/analytic.h"
+#include "pipeline/lab/wheels/report.h"
+
+namespace gonogo::app {
+namespace {
+
+struct WheelsRequest {
+  std::vector<std::string> benchmarks;
+  std::string calibration = "calibration_32mm", folder;
+  std::vector<std::string> numbers;  // files of gonogo soil export
+  bool nominal = false, formulas = false;
+  double wheel_friction = -1;
+  lab::WheelRun run;
+};
+
+using Numbers = std::map<std::string, lab::SoilNumbers>;  // by key_of
+
+std::string key_of(const std::string& soil, const std::string& state) { return soil + ", " + state; }
+
+/// Numbers that files give, and those of all other soils by tests, unless the run is quick or without trials.
+Numbers soil_numbers(const WheelsRequest& request, const std::vector<lab::Benchmark>& benchmarks) {
+  Numbers numbers;
+  for (const std::string& file : request.numbers) {
+    const lab::SoilNumbers n = lab::read_soil_numbers(file);
+    numbers.emplace(key_of(n.soil, n.state), n);
+  }
+  if (request.run.quick || request.formulas) return numbers;
+  for (const lab::Benchmark& b : benchmarks) {
+    const std::string key = key_of(b.soil_file, b.soil.name);
+    if (numbers.count(key)) continue;
+    stop_if_cancelled();
+    lab::SoilNumbersRequest tests;
+    tests.soil = b.soil_path;
+    tests.state = b.soil.name;
+    tests.calibration = request.run.calibration;
+    tests.grain = request.run.grain;
+    tests.seeds = request.run.seeds;
+    tests.threads = request.run.threads;
+    numbers.emplace(key, lab::measure_soil_numbers(tests));
+  }
+  return numbers;
+}
+
+/// The formulas that this benchmark's soil has numbers for; the others are named in `missing`.
+std::vector<lab::Predictor> formulas_of(const lab::Benchmark& b, const Numbers& numbers,
+                                        std::vector<std::string>& missing) {
+  std::vector<lab::Predictor> formulas;
+  if (const auto measured = lab::measured_numbers(b))
+    formulas.push_back(lab::analytic_predictor(b, *measured, "Bekker-Wong, measured soil", b.soil_file));
+  else
+    missing.push_back("no Bekker-Wong with measured numbers: the soil file has no n, k_c, k_phi and K");
+  const auto own = numbers.find(key_of(b.soil_file, b.soil.name));
+  if (own != numbers.end())
+    formulas.push_back(lab::analytic_predictor(b, lab::exported_numbers(own->second), "Bekker-Wong, our soil tests",
+                                               own->second.table));
+  else
+    missing.push_back("no Bekker-Wong with numbers of our tests: give --soil-numbers, or run without --quick");
+  return formulas;
+}
+
+std::vector<lab::Benchmark> benchmarks_of(const WheelsRequest& request) {
+  std::vector<lab::Benchmark> benchmarks;
+  for (const std::string& name : request.benchmarks.empty() ? lab::benchmark_names() : request.benchmarks) {
+    lab::Benchmark b = lab::read_benchmark(name);
+    // A rover takes longer than all wheels together: a quick run of everything leaves it out.
+    if (request.run.quick && request.benchmarks.empty() && lab::is_whole(b)) continue;
+    lab::choose_state(b, request.run.state);
+    if (request.run.quick) lab::keep_quick_points(b);
+    benchmarks.push_back(std::move(b));
+  }
+  return benchmarks;
+}
+
+void validate_wheels(const Globals& globals, WheelsRequest& request) {
+  request.run.calibration = shipped_file("soils", "calibration", request.calibration);
+  request.run.threads = threads_or_all(globals.threads);
+  request.run.band = !request.nominal;
+  if (request.wheel_friction >= 0) request.run.wheel_friction = request.wheel_friction;
+  const std::vector<lab::Benchmark> benchmarks = benchmarks_of(request);
+  const Numbers numbers = soil_numbers(request, benchmarks);
+  std::vector<lab::WheelOutcome> outcomes(benchmarks.size());
+  if (!request.formulas) outcomes = lab::run_wheels(benchmarks, request.run);
+  std::vector<lab::WheelReport> reports;
+  Json json = Json::object();
+  std::string text;
+  int failed = 0;
+  for (std::size_t i = 0; i < benchmarks.size(); ++i) {
+    std::vector<std::string> missing;
+    const auto formulas = formulas_of(benchmarks[i], numbers, missing);
+    reports.push_back(lab::report_of(benchmarks[i], outcomes[i], formulas, missing));
+    json[benchmarks[i].name] = lab::as_json(reports.back());
+    text += lab::as_text(reports.back());
+    failed += lab::failures(reports.back());
+  }
+  if (!request.folder.empty()) lab::write_reports(request.folder, reports);
+  json["failed"] = failed;
+  if (failed > 0)
+    fail_with_result(globals, json, text, DeviceError(std::to_string(failed) + " bounds of wheels do not hold"));
+  print_result(globals, json, text);
+}
+
+void add_bed_options(CLI::App& wheels, lab::WheelRun& run) {
+  CLI::App& of = *wheels.add_option_group("bed", "Grains and bed; what is not given follows from the wheel's size");
+  of.add_option("--grain", run.grain, "Grain diameter [m]; default: a tenth of the wheel's width")
+      ->check(CLI::Range(0.0005, 0.2));
+  of.add_option("--depth", run.depth, "Depth of the bed [m]; default: 0.8 radii")->check(CLI::Range(0.01, 2.0));
+  of.add_option("--length", run.length, "Length of the bed [m]; default: 8 radii")->check(CLI::Range(0.1, 20.0));
+  of.add_option("--width", run.width, "Width of the bed [m]; default: 3.5 widths of the wheel")
+      ->check(CLI::Range(0.05, 10.0));
+  of.add_option("--time", run.time, "Time driven [s], of which the last half counts; default: by way")
+      ->check(CLI::Range(0.1, 1000.0));
+  add_asked_numerics_options(of, run.numerics, "Trials");
+}
+
+}  // namespace
+
+void add_wheels_check(CLI::App& validate, const Globals& globals) {
+  CLI::App* wheels = validate.add_subcommand(
+      "wheels", "Wheels measured by others: trials and formulas beside them; fails when a bound is not kept");
+  auto r = std::make_shared<WheelsRequest>();
+  wheels->add_option("benchmarks", r->benchmarks, "Benchmarks; default: all that ship")->type_name(kBenchmark);
+  wheels->add_option("--calibration", r->calibration, "Table of the grains")->type_name(kTable)->capture_default_str();
+  wheels->add_option("--seeds", r->run.seeds, "Beds per point")->check(CLI::Range(1, 100))->capture_default_str();
+  wheels->add_flag("--quick", r->run.quick,
+                   "Three points, one bed, coarse grains, small beds, no band, no soil tests: minutes on two cores");
+  wheels->add_flag("--nominal", r->nominal, "No trials at the ends of what is assumed");
+  wheels->add_flag("--formulas", r->formulas, "Only the formulas, without trials");
+  wheels
+      ->add_option("--soil-numbers", r->numbers,
+                   "Numbers by gonogo soil export --format bekker; default: tests are run")
+      ->type_name(kFile);
+  wheels->add_option("--state", r->run.state, "State of the soil; default: the benchmark's");
+  wheels->add_option("--wheel-friction", r->wheel_friction, "Of grains on the wheels [-]; default: the benchmark's")
+      ->check(CLI::Range(0.0, 2.0));
+  wheels->add_flag("--gpu", r->run.gpu, "Run on the GPU, all trials of one grain size side by side");
+  wheels->add_option("--out", r->folder, "Folder for tables, figures and JSON")->type_name(kFolder);
+  add_bed_options(*wheels, r->run);
+  add_examples(*wheels, {"gonogo validate wheels --quick",
+                         "gonogo validate wheels ding_lugs my_wheel.json --grain 0.016 --gpu --out out/wheels",
+                         "gonogo validate wheels --formulas  # seconds"});
+  wheels->callback([&globals, r, wheels] {
+    if (r->run.quick && wheels->get_option("--seeds")->count() == 0) r->run.seeds = 1;
+    validate_wheels(globals, *r);
+  });
+}
+
+}  // namespace gonogo::app

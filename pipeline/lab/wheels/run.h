@@ -1,0 +1,73 @@
+// Benchmarks of wheels through a calibration, untuned: trials on beds of grains that have the benchmark's soil.
+#pragma once
+#include <memory>
+#include <optional>
+
+#include "pipeline/campaign/trial/batch.h"
+#include "pipeline/lab/wheels/benchmark.h"
+
+namespace gonogo::lab {
+
+/// How benchmarks are run. Sizes of zero are by rule, the same for all wheels (bed_of).
+struct WheelRun {
+  std::filesystem::path calibration;                   // of the grains
+  double grain = 0, depth = 0, length = 0, width = 0;  // of the grains; of the bed [m]
+  double time = 0;                                     // of driving; its last half counts [s]
+  int seeds = 2;                                       // beds per point
+  int threads = 1;                                     // trials at a time
+  bool gpu = false;                                    // all trials of one grain size as one batch
+  bool quick = false;                                  // coarse grains, small beds, few points, no band
+  bool band = true;                                    // also at both ends of every range
+  std::string state;                                   // of the soil; empty: the benchmark's
+  std::optional<double> wheel_friction;                // in the place of the benchmark's
+  terrain::AskedNumerics numerics;                     // in the place of the table's
+};
+
+/// Grains and bed of a benchmark by the rule, or as asked: for a wheel of reach R (with lugs) and width b, grains of
+/// b / 10, a bed 8 R long, 3.5 times as wide as the wheel across the way and 0.8 R deep, driven over 6.4 radii of rim.
+/// Whole vehicles: 14 R long, folded, driven three times as far. Quick: b / 5, 6 R, 2.5, 0.6 R, half as far.
+struct WheelBed {
+  double grain = 0, length = 0, width = 0, depth = 0, time = 0;  // [m], [s]; width 0: folded
+};
+
+/// A quantity at a point: mean and standard error over the beds, and its least and greatest mean over what is assumed.
+struct Predicted {
+  double mean = campaign::kNaN, error = 0, low = campaign::kNaN, high = campaign::kNaN;
+};
+
+/// Predictions for each point of a benchmark, and where they come from.
+struct Predictor {
+  std::string name, about;
+  std::vector<std::map<Quantity, Predicted>> point;
+};
+
+/// What trials of a benchmark gave.
+struct WheelOutcome {
+  Predictor predictor;
+  WheelBed bed;
+  double lug_grains = 0;  // height of the lugs over the grains' radius; 0: no lugs
+  double grains_per_width = 0;
+  std::vector<std::string> varied;                  // what the band is over
+  int trials = 0, failed = 0;                       // run; of them, unknown
+  std::vector<std::vector<double>> slip_over_time;  // [point] of each second on a given slope
+  bool coarse() const { return lug_grains > 0 && lug_grains < 1; }
+};
+
+/// Points of the benchmark that a quick run takes: at most three, first, middle and last of the order led.
+void keep_quick_points(Benchmark& b);
+
+/// Runs all benchmarks side by side. Throws InputError that begins with the benchmark for a soil that the table does
+/// not reach and for a bed too small. Outcomes in the order of the benchmarks.
+std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run);
+
+/// The wheel that slip, sinkage and pressures belong to, and the load on it at a point.
+vehicle::WheelRig wheel_of(const Benchmark& b);
+double load_at(const Benchmark& b, const BenchmarkPoint& p);
+
+/// Slip at the benchmark's circle from that of the rim, and back. Both are 1 - v / (w r).
+double slip_from_rim(const Benchmark& b, const vehicle::WheelRig& wheel, double slip);
+double slip_of_rim(const Benchmark& b, const vehicle::WheelRig& wheel, double slip);
+/// Sinkage as the benchmark counts it from that of the tips [m].
+double sinkage_from_tips(const Benchmark& b, const vehicle::WheelRig& wheel, double sinkage);
+
+}  // namespace gonogo::lab
