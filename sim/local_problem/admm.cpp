@@ -70,12 +70,12 @@ class AlternatingDirections {
 LocalSolution solve_admm(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kCheckEvery = 10, kBalanceEvery = 50;  // a balance restarts the convergence of y: not too often
   const int max = settings.max_iterations > 0 ? settings.max_iterations : 20000;
-  BestSoFar best(problem, settings.target);
+  BestSoFar best(problem, settings);
   AlternatingDirections method(problem, settings.target);
   int k = 0;
   while (k < max && best.best.error > settings.tolerance && method.is_factorised()) {
     method.step();
-    if (++k % kCheckEvery == 0 || k == max) best.offer(method.impulses());
+    if (++k % kCheckEvery == 0 || k == max) best.offer(method.impulses(), k);
     if (k % kBalanceEvery == 0) method.balance();
   }
   best.best.iterations = k;

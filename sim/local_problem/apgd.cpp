@@ -140,15 +140,15 @@ class SlipFollowing {
 LocalSolution solve_apgd(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kCheckEvery = 10;
   const int max = settings.max_iterations > 0 ? settings.max_iterations : 100000;
-  BestSoFar best(problem, settings.target);
+  BestSoFar best(problem, settings);
   Accelerated method(problem);
   SlipFollowing slip(1e-4 * settings.tolerance);
   int k = 0;
   while (k < max && best.best.error > settings.tolerance) {
     const double change = method.step();
-    if (++k % kCheckEvery == 0 || k == max) best.offer(method.impulses());
+    if (++k % kCheckEvery == 0 || k == max) best.offer(method.impulses(), k);
     if (settings.target == Target::ccp || !slip.due(change)) continue;
-    best.offer(method.impulses());
+    best.offer(method.impulses(), k);
     slip.judge(best.best.error);
     method.follow_slip(slip.share());
   }

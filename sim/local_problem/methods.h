@@ -1,29 +1,41 @@
 // The methods behind solve(). Inside sim/local_problem.
 #pragma once
+#include <chrono>
+
 #include "sim/local_problem/solve.h"
 
 namespace gonogo::sim {
 
-/// Keeps the best impulses offered.
+/// Keeps the best impulses offered, and the way there when the settings ask for it.
 struct BestSoFar {
   const LocalProblem& problem;
-  Target target;
+  const LocalSolveSettings& settings;
   LocalSolution best;
 
-  BestSoFar(const LocalProblem& p, Target t) : problem(p), target(t) {
+  BestSoFar(const LocalProblem& p, const LocalSolveSettings& s) : problem(p), settings(s) {
     best.r.assign(p.q.size(), 0.0);
-    best.error = siconos_error(p, best.r, t);
+    best.error = siconos_error(p, best.r, s.target);
+    note(0);
   }
 
-  /// Returns the error of r.
-  double offer(const std::vector<double>& r) {
-    const double error = siconos_error(problem, r, target);
+  /// Returns the error of r, found after `iteration` iterations.
+  double offer(const std::vector<double>& r, int iteration) {
+    const double error = siconos_error(problem, r, settings.target);
     if (error < best.error) {
       best.error = error;
       best.r = r;
     }
+    note(iteration);
     return error;
   }
+
+ private:
+  void note(int iteration) {
+    if (!settings.keeps_trace) return;
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    best.trace.push_back({iteration, taken.count(), best.error});
+  }
+  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
 };
 
 /// Diagonal of W, averaged over each disc: one value per normal and disc, in every row of the disc.
@@ -40,6 +52,15 @@ LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& s
 void finish_by_proximal_points(const LocalProblem& problem, const LocalSolveSettings& settings, int max,
                                BestSoFar& best);
 
+/// lemke, pgs, fb_newton and qp, on polygons in place of the friction discs.
+LocalSolution solve_faceted(const LocalProblem& problem, const LocalSolveSettings& settings);
+
+/// jacobi and gauss_seidel with relaxation and smoothing; nesterov: as published; minres: on faces of the cone. `ccp`.
+LocalSolution solve_fixed_point(const LocalProblem& problem, const LocalSolveSettings& settings);
+LocalSolution solve_nesterov(const LocalProblem& problem, const LocalSolveSettings& settings);
+LocalSolution solve_minres(const LocalProblem& problem, const LocalSolveSettings& settings);
+
+/// With sparse direct factorisations, and with a preconditioned Krylov method in their place.
 LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& settings);
 LocalSolution solve_admm(const LocalProblem& problem, const LocalSolveSettings& settings);
 

@@ -7,11 +7,10 @@
 // Newton's matrix, so that Coulomb's law needs no outer iteration (Acary, Armand, Nguyen & Shpakovych 2024). Where the
 // solution is degenerate, the error falls only with the root of the gap. Rounding then ends the steps above the
 // tolerance, and proximal points of ppa.cpp finish from there.
-#include <Eigen/SparseCholesky>
-#include <Eigen/SparseLU>
 #include <algorithm>
 
 #include "sim/local_problem/methods.h"
+#include "sim/local_problem/newton_system.h"
 #include "sim/local_problem/scaled_problem.h"
 #include "sim/local_problem/second_order_cone.h"
 
@@ -68,15 +67,16 @@ struct Cones {
 
 class InteriorPoint {
  public:
-  InteriorPoint(const LocalProblem& p, Target target)
-      : target_(target), of_(p), cones_(p), is_symmetric_(target == Target::ccp && is_symmetric(of_.w)) {
+  InteriorPoint(const LocalProblem& p, const LocalSolveSettings& settings)
+      : target_(settings.target), of_(p), cones_(p) {
+    system_ = make_newton_system(settings.solver, target_ == Target::ccp && is_symmetric(of_.w));
     r_ = VectorXd::Zero(of_.q.size());
     for (const Cone& cone : cones_.cones) r_[cone.normal] = 1;
     for (Cone& cone : cones_.cones) cone.s = cone.image(r_);
   }
 
   std::vector<double> impulses() const { return of_.impulses(r_); }
-  double gap() const { return gap_; }
+  LinearWork work() const { return system_->work(); }
 
   /// One predictor and corrector (Mehrotra 1992); false when the matrix cannot be factorised.
   bool step() {
@@ -144,12 +144,7 @@ class InteriorPoint {
     for (Eigen::Index k = 0; k < matrix.outerSize(); ++k)
       for (Sparse::InnerIterator it(matrix, k); it; ++it)
         if (cones_.fixed[it.row()] || cones_.fixed[it.col()]) it.valueRef() = it.row() == it.col() ? 1 : 0;
-    if (is_symmetric_) {
-      cholesky_.compute(matrix);
-      return cholesky_.info() == Eigen::Success;
-    }
-    lu_.compute(matrix);
-    return lu_.info() == Eigen::Success;
+    return system_->factorise(matrix);
   }
 
   /// Derivative of slip() by z.
@@ -171,8 +166,7 @@ class InteriorPoint {
     }
     for (Eigen::Index k = 0; k < rhs.size(); ++k)
       if (cones_.fixed[k]) rhs[k] = 0;
-    dr_ = is_symmetric_ ? VectorXd(cholesky_.solve(rhs)) : VectorXd(lu_.solve(rhs));
-    if (!dr_.allFinite()) return false;
+    if (!system_->solve(rhs, dr_)) return false;
     for (std::size_t k = 0; k < cones_.cones.size(); ++k) {
       Cone& cone = cones_.cones[k];
       cone.ds = cone.image(dr_);
@@ -200,11 +194,9 @@ class InteriorPoint {
   Target target_;
   ScaledProblem of_;
   Cones cones_;
-  bool is_symmetric_;  // Newton's matrix
+  std::unique_ptr<NewtonSystem> system_;
   VectorXd r_, dr_, defect_;
   double gap_ = 1;  // mean of s.z over the cones
-  Eigen::SimplicialLDLT<Sparse> cholesky_;
-  Eigen::SparseLU<Sparse> lu_;
 };
 
 }  // namespace
@@ -212,16 +204,19 @@ class InteriorPoint {
 LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kPatience = 10;  // steps without a lower error: rounding has the last word
   const int max = settings.max_iterations > 0 ? settings.max_iterations : 4000;
-  BestSoFar best(problem, settings.target);
-  InteriorPoint method(problem, settings.target);
+  BestSoFar best(problem, settings);
+  InteriorPoint method(problem, settings);
   int k = 0, latest_gain = 0;
   while (k < max && best.best.error > settings.tolerance && k - latest_gain < kPatience && method.step()) {
     const double before = best.best.error;
     ++k;
-    if (best.offer(method.impulses()); best.best.error < before) latest_gain = k;
+    if (best.offer(method.impulses(), k); best.best.error < before) latest_gain = k;
   }
   best.best.iterations = k;
-  if (k < max && best.best.error > settings.tolerance) finish_by_proximal_points(problem, settings, max - k, best);
+  best.best.linear = method.work();
+  const bool is_direct = settings.solver == LocalSolver::pdip;  // the others show what Krylov methods reach alone
+  if (is_direct && k < max && best.best.error > settings.tolerance)
+    finish_by_proximal_points(problem, settings, max - k, best);
   return best.best;
 }
 

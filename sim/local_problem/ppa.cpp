@@ -158,7 +158,7 @@ void proximal_points(const LocalProblem& problem, const LocalSolveSettings& sett
   constexpr double kJump = 3;  // a growth of the error beyond this is another branch of solutions: refused
   RegularisedProblem f(problem, settings.target);
   Regularisation regularisation;
-  double error = best.offer(r);
+  double error = best.offer(r, best.best.iterations);
   int steps = 0;
   while (steps < max && best.best.error > settings.tolerance) {
     f.regularise(regularisation.alpha(), r);
@@ -166,7 +166,7 @@ void proximal_points(const LocalProblem& problem, const LocalSolveSettings& sett
     const int before = steps;
     const bool converged = newton(f, next, steps);
     if (steps == before) break;  // r solves the regularised problem within rounding: nothing is left to gain
-    const double next_error = converged ? best.offer(next) : 0;
+    const double next_error = converged ? best.offer(next, best.best.iterations + steps) : 0;
     if (converged && next_error < kJump * error) {
       r = next;
       error = next_error;
@@ -192,13 +192,13 @@ void finish_by_proximal_points(const LocalProblem& problem, const LocalSolveSett
 LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kSweeps = 200, kCheckEvery = 10;
   const int max = settings.max_iterations > 0 ? settings.max_iterations : 4000;
-  BestSoFar best(problem, settings.target);
+  BestSoFar best(problem, settings);
   std::vector<double> r = best.best.r;
   double error = best.best.error;
   const auto sweeps = [&](std::vector<double>& at, double& its_error) {
     for (int k = 1; k <= kSweeps && its_error > settings.tolerance; ++k) {
       sweep(problem, settings.target, at);
-      if (k % kCheckEvery == 0) its_error = best.offer(at);
+      if (k % kCheckEvery == 0) its_error = best.offer(at, best.best.iterations + k);
     }
     return true;
   };

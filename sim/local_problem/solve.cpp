@@ -1,31 +1,36 @@
 #include "sim/local_problem/solve.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "base/error.h"
+#include "base/format.h"
 #include "sim/local_problem/methods.h"
 #include "sim/local_problem/one_contact.h"
 
 namespace gonogo::sim {
 
-LocalSolver local_solver(const std::string& name) {
-  for (const LocalSolver s :
-       {LocalSolver::nsgs, LocalSolver::apgd, LocalSolver::ppa, LocalSolver::pdip, LocalSolver::admm})
-    if (name == solver_name(s)) return s;
-  throw InputError("solver \"" + name + "\" is unknown; nsgs, apgd, ppa, pdip and admm are possible");
+const std::vector<std::string>& solver_names() {
+  static const std::vector<std::string> names = {"nsgs",         "apgd",     "ppa",       "pdip",       "admm",
+                                                 "lemke",        "pgs",      "fb_newton", "qp",         "jacobi",
+                                                 "gauss_seidel", "nesterov", "minres",    "pdip_spike", "pdip_krylov"};
+  return names;
 }
 
-const char* solver_name(LocalSolver solver) {
-  switch (solver) {
-    case LocalSolver::nsgs:
-      return "nsgs";
-    case LocalSolver::apgd:
-      return "apgd";
-    case LocalSolver::pdip:
-      return "pdip";
-    case LocalSolver::admm:
-      return "admm";
-    default:
-      return "ppa";
-  }
+LocalSolver local_solver(const std::string& name) {
+  const auto& names = solver_names();
+  const auto at = std::find(names.begin(), names.end(), name);
+  if (at != names.end()) return LocalSolver(at - names.begin());
+  std::string all;
+  for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+  throw InputError("solver \"" + name + "\" is unknown; possible are " + all);
+}
+
+const char* solver_name(LocalSolver solver) { return solver_names()[std::size_t(solver)].c_str(); }
+
+double claimed_error(const LocalSolution& solution) {
+  if (!solution.refusal.empty()) return std::numeric_limits<double>::infinity();
+  return solution.facets > 0 ? solution.lcp_error : solution.error;
 }
 
 std::vector<double> diagonal_weight(const LocalProblem& problem) {
@@ -61,29 +66,61 @@ void sweep(const LocalProblem& problem, Target target, std::vector<double>& r) {
 LocalSolution solve_nsgs(const LocalProblem& problem, const LocalSolveSettings& settings) {
   constexpr int kCheckEvery = 10;  // sweeps; an error costs as much as a sweep
   const int max = settings.max_iterations > 0 ? settings.max_iterations : 20000;
-  BestSoFar best(problem, settings.target);
+  BestSoFar best(problem, settings);
   std::vector<double> r = best.best.r;
   int k = 0;
   while (k < max && best.best.error > settings.tolerance) {
     sweep(problem, settings.target, r);
-    if (++k % kCheckEvery == 0 || k == max) best.offer(r);
+    if (++k % kCheckEvery == 0 || k == max) best.offer(r, k);
   }
   best.best.iterations = k;
   return best.best;
 }
 
+namespace {
+
+bool is_for_ccp_alone(LocalSolver solver) {
+  return solver == LocalSolver::jacobi || solver == LocalSolver::gauss_seidel || solver == LocalSolver::nesterov ||
+         solver == LocalSolver::minres;
+}
+
+}  // namespace
+
 LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& settings) {
+  if (settings.facets < 4 || settings.facets > 256 || settings.facets % 2 != 0)
+    throw InputError("facets = " + std::to_string(settings.facets) + "; an even number from 4 to 256 is needed");
+  if (!(settings.omega >= 0 && settings.omega < 2) || !(settings.lambda > 0 && settings.lambda <= 1))
+    throw InputError("omega = " + number_text(settings.omega) + " and lambda = " + number_text(settings.lambda) +
+                     "; 0 <= omega < 2 and 0 < lambda <= 1 are needed");
+  if (settings.target == Target::coulomb && is_for_ccp_alone(settings.solver)) {
+    LocalSolution none;
+    none.r.assign(problem.q.size(), 0.0);
+    none.error = siconos_error(problem, none.r, settings.target);
+    none.refusal = std::string(solver_name(settings.solver)) + " refuses coulomb; it solves the convex relaxation, ccp";
+    return none;
+  }
   switch (settings.solver) {
     case LocalSolver::nsgs:
       return solve_nsgs(problem, settings);
     case LocalSolver::apgd:
       return solve_apgd(problem, settings);
+    case LocalSolver::ppa:
+      return solve_ppa(problem, settings);
     case LocalSolver::pdip:
+    case LocalSolver::pdip_spike:
+    case LocalSolver::pdip_krylov:
       return solve_pdip(problem, settings);
     case LocalSolver::admm:
       return solve_admm(problem, settings);
+    case LocalSolver::jacobi:
+    case LocalSolver::gauss_seidel:
+      return solve_fixed_point(problem, settings);
+    case LocalSolver::nesterov:
+      return solve_nesterov(problem, settings);
+    case LocalSolver::minres:
+      return solve_minres(problem, settings);
     default:
-      return solve_ppa(problem, settings);
+      return solve_faceted(problem, settings);
   }
 }
 

@@ -9,31 +9,87 @@
 //   pdip  primal-dual interior point (pdip.cpp): 10 to 40 sparse factorisations, whatever the number of contacts; ends
 //         like ppa where rounding stops it
 //   admm  alternating directions with residual balancing (admm.cpp): one sparse factorisation for many iterations
+//
+//   lemke, pgs, fb_newton, qp: linear complementarity with a polygon in each friction disc (faceted.h, lcp/lcp.h).
+//   Their
+//         error to the round cone falls with the number of facets, to about 3 / facets where contacts slide.
+//
+//   pdip_spike, pdip_krylov: pdip with BiCGStab in place of factorisations, preconditioned by truncated SPIKE in single
+//         precision on 96 off-diagonals (banded/spike.h), and not preconditioned
+//   jacobi, gauss_seidel, nesterov (reference.cpp), minres (minres.cpp): for `ccp` alone; the first three as published
 #pragma once
+#include <cstddef>
 #include <string>
+#include <vector>
 
 #include "sim/local_problem/residual.h"
 
 namespace gonogo::sim {
 
-enum class LocalSolver { nsgs, apgd, ppa, pdip, admm };
+enum class LocalSolver {
+  nsgs,
+  apgd,
+  ppa,
+  pdip,
+  admm,
+  lemke,
+  pgs,
+  fb_newton,
+  qp,
+  jacobi,
+  gauss_seidel,
+  nesterov,
+  minres,
+  pdip_spike,
+  pdip_krylov
+};
 
 struct LocalSolveSettings {
   LocalSolver solver = LocalSolver::ppa;
   Target target = Target::coulomb;
-  double tolerance = 1e-8;  // of siconos_error for the target
-  int max_iterations = 0;   // 0: the solver's own; sweeps, gradient steps or Newton steps
+  double tolerance = 1e-8;       // of siconos_error for the target; of lcp_error for the LCP family
+  int max_iterations = 0;        // 0: the solver's own; sweeps, gradient steps, Newton steps or pivots
+  int facets = 8;                // of the LCP family, per friction disc in space: even, 4 .. 256
+  double omega = 0, lambda = 1;  // relaxation and smoothing of jacobi and gauss_seidel; omega 0: 0.2 and 1
+  bool keeps_trace = false;
+};
+
+/// Work of the linear systems inside a solver.
+struct LinearWork {
+  long solves = 0, inner_iterations = 0;
+  double setup_ms = 0, solve_ms = 0;       // ordering and factors; iterations
+  std::size_t bytes = 0;                   // of the largest factors
+  std::ptrdiff_t half = 0, full_half = 0;  // half-bandwidth kept, and after reordering
+  int partitions = 0;
+  double dropped = 0;  // largest share of a matrix's Frobenius norm outside of the band
+};
+
+struct TracePoint {
+  int iteration;
+  double seconds, error;  // since the start; lowest siconos_error so far
 };
 
 struct LocalSolution {
-  std::vector<double> r;  // the best impulses found
-  double error = 0;       // siconos_error for the target; may exceed the tolerance when the iterations ran out
-  int iterations = 0;     // of the solver's own kind
+  std::vector<double> r;          // the best impulses found
+  double error = 0;               // siconos_error for the target; may exceed the tolerance when the iterations ran out
+  int iterations = 0;             // of the solver's own kind
+  int facets = 0;                 // of the LCP family; otherwise 0
+  double lcp_error = 0;           // natural residual of the problem with facets, relative to its q; `error` is what is
+                                  // left to the round cone
+  std::string refusal;            // one sentence, why the solver does not take the problem; r is 0 then. Empty: it does
+  LinearWork linear;              // of pdip_spike, pdip_krylov and minres (its products with W alone)
+  std::vector<TracePoint> trace;  // with keeps_trace
 };
 
+/// What the solver claims to have solved: lcp_error for the LCP family, otherwise error; infinite for a refusal.
+double claimed_error(const LocalSolution& solution);
+
+/// Throws InputError for a number of facets out of range.
 LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& settings);
 
-/// "nsgs", "apgd", "ppa", "pdip", "admm". Throws InputError naming all of them for another word.
+/// All names, in the order of the enumeration.
+const std::vector<std::string>& solver_names();
+/// Throws InputError naming all of them for another word.
 LocalSolver local_solver(const std::string& name);
 const char* solver_name(LocalSolver solver);
 

@@ -225,5 +225,5 @@ TEST_CASE("problems that make no sense are refused by name and value") {
   refused(make_with(3, {{0, 3, 1}}, {0, 0, 0}, {0.5}), "W(0, 3) lies outside the matrix of 3 rows");
   refused(make_with(3, {{0, 0, INFINITY}}, {0, 0, 0}, {0.5}), "W(0, 0) = inf");
   refused(make_with(3, {{1, 1, 1}, {2, 2, 1}}, {0, 0, 0}, {0.5}), "contact 0 has W_nn = 0");
-  refused([] { local_solver("magic"); }, "\"magic\" is unknown; nsgs, apgd, ppa, pdip and admm");
+  refused([] { local_solver("magic"); }, "\"magic\" is unknown; possible are nsgs, apgd, ppa, pdip, admm");
 }

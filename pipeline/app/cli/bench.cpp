@@ -222,6 +222,7 @@ void add_bench_command(CLI::App& app, const Globals& globals) {
   add_wheel(*command, globals);
   add_gibbs(*command, globals);
   add_large_scenes(*command, globals);
+  add_solver_bench(*command, globals);
 }
 
 }  // namespace gonogo::app

@@ -42,6 +42,9 @@ inline void add_solver(CLI::App& command, sim::Solver& solver) {
 /// One core unless more are asked for.
 inline int bench_threads(const Globals& globals) { return globals.threads > 0 ? globals.threads : 1; }
 
+/// Reference solvers on problems from files.
+void add_solver_bench(CLI::App& bench, const Globals& globals);
+
 /// Scenes of many bodies.
 void add_large_scenes(CLI::App& bench, const Globals& globals);
 

@@ -10,23 +10,6 @@
 namespace gonogo::app {
 namespace {
 
-void print_export(const Globals& globals, const std::string& path, const learn::Exported& exported) {
-  const learn::Sidecar& sidecar = exported.sidecar;
-  Json json;
-  json["problem"] = path;
-  json["sidecar"] = learning::sidecar_path(path).string();
-  json["problem_hash"] = sidecar.problem_hash;
-  json["format"] = learning::facts(sidecar.format).name;
-  json["variables"] = Json(std::uint64_t(sidecar.labels.size()));
-  json["vartype"] = learning::vartype_name(sidecar.vartype);
-  json["notes"] = Json(exported.notes);
-  std::string text = path + ": " + std::to_string(sidecar.labels.size()) + " variables, " +
-                     learning::vartype_name(sidecar.vartype) + ", " + learning::facts(sidecar.format).about +
-                     "; sidecar " + learning::sidecar_path(path).string() + "\n";
-  for (const std::string& note : exported.notes) text += "note: " + note + "\n";
-  print_result(globals, json, text);
-}
-
 void add_export(CLI::App& qubo, const SharedQubo& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("export", "Write a model's machine as an annealing problem, with a sidecar");
   command->add_option("--model", options->model, "Model file")->type_name(kFile)->required();
@@ -211,6 +194,23 @@ void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& global
 
 }  // namespace
 
+void print_export(const Globals& globals, const std::string& path, const learn::Exported& exported) {
+  const learn::Sidecar& sidecar = exported.sidecar;
+  Json json;
+  json["problem"] = path;
+  json["sidecar"] = learning::sidecar_path(path).string();
+  json["problem_hash"] = sidecar.problem_hash;
+  json["format"] = learning::facts(sidecar.format).name;
+  json["variables"] = Json(std::uint64_t(sidecar.labels.size()));
+  json["vartype"] = learning::vartype_name(sidecar.vartype);
+  json["notes"] = Json(exported.notes);
+  std::string text = path + ": " + std::to_string(sidecar.labels.size()) + " variables, " +
+                     learning::vartype_name(sidecar.vartype) + ", " + learning::facts(sidecar.format).about +
+                     "; sidecar " + learning::sidecar_path(path).string() + "\n";
+  for (const std::string& note : exported.notes) text += "note: " + note + "\n";
+  print_result(globals, json, text);
+}
+
 std::vector<std::string> format_names() {
   std::vector<std::string> names;
   for (const learning::FormatFacts& format : learning::problem_formats()) names.emplace_back(format.name);
@@ -240,6 +240,7 @@ void add_qubo_command(CLI::App& app, const Globals& globals) {
   add_embed(*qubo, options, globals);
   add_sample(*qubo, options, globals);
   add_qubo_import(*qubo, options, globals);
+  add_qubo_contact(*qubo, globals);
 }
 
 }  // namespace gonogo::app

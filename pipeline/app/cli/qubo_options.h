@@ -37,6 +37,9 @@ std::vector<std::string> format_names();
 /// Options of a file that is read.
 void add_input_options(CLI::App* command, const SharedQubo& options);
 
+void print_export(const Globals& globals, const std::string& path, const learn::Exported& exported);
+
+void add_qubo_contact(CLI::App& qubo, const Globals& globals);
 void add_qubo_import(CLI::App& qubo, const SharedQubo& options, const Globals& globals);
 
 }  // namespace gonogo::app

@@ -40,7 +40,10 @@ FclibResult solve_fclib(const fs::path& file, const sim::LocalSolveSettings& set
   result.iterations = solution.iterations;
   result.coulomb_error = sim::siconos_error(problem, solution.r, sim::Target::coulomb);
   result.ccp_error = sim::siconos_error(problem, solution.r, sim::Target::ccp);
-  result.target_error = solution.error;
+  result.claimed_error = sim::claimed_error(solution);
+  result.facets = solution.facets;
+  result.refusal = solution.refusal;
+  result.linear = solution.linear;
   result.ms = taken.count();
   result.solver = sim::solver_name(settings.solver);
   result.r = solution.r;

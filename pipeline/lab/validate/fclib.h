@@ -11,9 +11,12 @@ struct FclibResult {
   std::string name, solver;  // of the file; sim::solver_name
   int dimension = 0, contacts = 0, iterations = 0;
   double coulomb_error = 0, ccp_error = 0;  // sim::siconos_error of the impulses found, for both targets
-  double target_error = 0;                  // the one of the target asked for
-  double ms = 0;                            // solving, without reading
-  std::vector<double> r;                    // the impulses [contacts * dimension]
+  double claimed_error = 0;                 // sim::claimed_error for the target asked for
+  int facets = 0;                           // of the LCP family; its lcp_error is the claimed error
+  std::string refusal;                      // why the solver did not take the problem; empty: it did
+  sim::LinearWork linear;
+  double ms = 0;          // solving, without reading
+  std::vector<double> r;  // the impulses [contacts * dimension]
 };
 
 /// Files as given; a folder stands for its .hdf5 and .dat files, by name. Throws InputError for a path that is neither

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <cmath>
+
+#include "base/file.h"
+#include "base/line.h"
+#include "pipeline/lab/solver_bench/solver_bench.h"
+#include "pipeline/report/figure/line_plot.h"
+
+namespace gonogo::lab {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string curves_csv(const std::vector<SolverRun>& runs) {
+  std::string csv = "problem,contacts,solver,iteration,seconds,error\n";
+  for (const SolverRun& run : runs)
+    for (const sim::TracePoint& p : run.trace)
+      csv += line("%s,%d,%s,%d,%.6g,%.6g\n", run.problem.c_str(), run.contacts, run.solver.c_str(), p.iteration,
+                  p.seconds, p.error);
+  return csv;
+}
+
+std::string times_csv(const SolverBench& bench, const std::vector<SolverRun>& runs) {
+  std::string csv =
+      "problem,contacts,solver,tolerance,seconds,iterations,final_error,inner_iterations,setup_ms,solve_ms,bytes\n";
+  for (const SolverRun& run : runs)
+    for (const double tolerance : bench.tolerances) {
+      const double seconds = run.seconds_to(tolerance);
+      csv += line("%s,%d,%s,%g,", run.problem.c_str(), run.contacts, run.solver.c_str(), tolerance);
+      csv += std::isfinite(seconds) ? line("%.6g,%.0f,", seconds, run.iterations_to(tolerance)) : ",,";
+      csv += line("%.6g,%ld,%.6g,%.6g,%zu\n", run.error, run.linear.inner_iterations, run.linear.setup_ms,
+                  run.linear.solve_ms, run.linear.bytes);
+    }
+  return csv;
+}
+
+/// Steps of a profile over log2 tau, as corners.
+report::PlotLine steps(const std::string& label, const std::vector<double>& tau, const std::vector<double>& share) {
+  report::PlotLine out{.label = label};
+  for (std::size_t k = 0; k < tau.size(); ++k) {
+    if (k > 0) out.x.push_back(std::log2(tau[k])), out.y.push_back(share[k - 1]);
+    out.x.push_back(std::log2(tau[k]));
+    out.y.push_back(share[k]);
+  }
+  return out;
+}
+
+void draw_curves(const fs::path& folder, const std::string& problem, const std::vector<const SolverRun*>& runs) {
+  report::LinePlot plot{.title = problem, .x_label = "log10 time [s]", .y_label = "log10 error", .from_zero = false};
+  for (const SolverRun* run : runs) {
+    report::PlotLine curve{.label = run->solver};
+    for (const sim::TracePoint& p : run->trace)
+      if (p.seconds > 0 && p.error > 0) {
+        curve.x.push_back(std::log10(std::max(p.seconds, 1e-6)));
+        curve.y.push_back(std::log10(std::max(p.error, 1e-16)));
+      }
+    if (!curve.x.empty()) plot.lines.push_back(curve);
+  }
+  if (!plot.lines.empty()) report::draw_line_plot(folder / ("curve_" + problem + ".png"), plot);
+}
+
+}  // namespace
+
+void write_solver_bench(const fs::path& folder, const SolverBench& bench, const std::vector<SolverRun>& runs) {
+  create_folder(folder);
+  write_file_atomically(folder / "curves.csv", curves_csv(runs));
+  write_file_atomically(folder / "times.csv", times_csv(bench, runs));
+  std::string csv = "tolerance,solver,tau,share\n";
+  for (const double tolerance : bench.tolerances) {
+    const Profile profile = time_profile(bench, runs, tolerance);
+    report::LinePlot plot{.title = line("Share of problems ended at error %g", tolerance),
+                          .x_label = "log2 (time / that of the fastest)",
+                          .y_label = "share of problems"};
+    for (std::size_t s = 0; s < bench.solvers.size(); ++s) {
+      const char* const name = sim::solver_name(bench.solvers[s]);
+      for (std::size_t k = 0; k < profile.tau.size(); ++k)
+        csv += line("%g,%s,%.6g,%.6g\n", tolerance, name, profile.tau[k], profile.share[s][k]);
+      plot.lines.push_back(steps(name, profile.tau, profile.share[s]));
+    }
+    report::draw_line_plot(folder / line("profile_%g.png", tolerance), plot);
+  }
+  write_file_atomically(folder / "profile.csv", csv);
+  const std::size_t per_problem = bench.solvers.size();
+  for (std::size_t first = 0; first < runs.size(); first += per_problem) {
+    std::vector<const SolverRun*> of_problem;
+    for (std::size_t k = first; k < first + per_problem; ++k) of_problem.push_back(&runs[k]);
+    draw_curves(folder, runs[first].problem, of_problem);
+  }
+}
+
+}  // namespace gonogo::lab

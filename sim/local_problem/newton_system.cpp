@@ -1,0 +1,66 @@
+#include "sim/local_problem/newton_system.h"
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseLU>
+
+#include "sim/local_problem/banded/spike_preconditioner.h"
+
+namespace gonogo::sim {
+namespace {
+
+using Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+
+template <class Factors>
+class Direct final : public NewtonSystem {
+ public:
+  bool factorise(const Sparse& matrix) override {
+    factors_.compute(matrix);
+    return factors_.info() == Eigen::Success;
+  }
+  bool solve(const VectorXd& rhs, VectorXd& x) override {
+    x = factors_.solve(rhs);
+    return x.allFinite();
+  }
+
+ private:
+  Factors factors_;
+};
+
+class Krylov final : public NewtonSystem {
+ public:
+  explicit Krylov(bool preconditioned) : method_(settings(preconditioned)) {}
+
+  bool factorise(const Sparse& matrix) override {
+    method_.factorise(matrix);
+    return true;
+  }
+  /// A direction that misses the tolerance is still taken: the step to the boundary keeps it harmless.
+  bool solve(const VectorXd& rhs, VectorXd& x) override {
+    method_.solve(rhs, x);
+    return x.allFinite();
+  }
+  LinearWork work() const override {
+    const KrylovWork& work = method_.work();
+    return {work.solves, work.inner_iterations, work.setup_ms,   work.solve_ms, work.bytes,
+            work.half,   work.full_half,        work.partitions, work.dropped};
+  }
+
+ private:
+  static PreconditionerSettings settings(bool preconditioned) {
+    PreconditionerSettings s;
+    s.is_used = preconditioned;
+    return s;
+  }
+  PreconditionedKrylov method_;
+};
+
+}  // namespace
+
+std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_symmetric) {
+  if (solver != LocalSolver::pdip) return std::make_unique<Krylov>(solver == LocalSolver::pdip_spike);
+  if (is_symmetric) return std::make_unique<Direct<Eigen::SimplicialLDLT<Sparse>>>();
+  return std::make_unique<Direct<Eigen::SparseLU<Sparse>>>();
+}
+
+}  // namespace gonogo::sim
