@@ -48,6 +48,7 @@ void add_train_command(CLI::App& app, const Globals& globals, const Work<TrainOp
 void add_evaluate_command(CLI::App& app, const Globals& globals, const Work<EvaluateOptions>& work);
 void add_capacity_command(CLI::App& app, const Globals& globals, const Work<CapacityOptions>& work);
 void add_infer_command(CLI::App& app, const Globals& globals);
+void add_sample_command(CLI::App& app, const Globals& globals);
 void add_qubo_command(CLI::App& app, const Globals& globals);
 void add_models_command(CLI::App& app, const Globals& globals);
 void add_map_command(CLI::App& app, const Globals& globals, const Work<map::MapFiles>& work);

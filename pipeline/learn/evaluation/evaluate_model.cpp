@@ -10,6 +10,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/evaluation/evaluation_checks.h"
+#include "pipeline/learn/evaluation/joint_scores.h"
 #include "pipeline/learn/evaluation/missing_curve.h"
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/training_data.h"
@@ -98,6 +99,7 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
                      {"neural_network", [&](std::span<const double> x) { return network(x); }},
                      {"base_rate", [&](std::span<const double>) { return base; }}},
                     data.table.subset(unseen), forecasts.happened, varying(predictor.model()));
+  json["joint"] = joint_scores(predictor, trained, data.table.subset(unseen), 1);
   json["checks"] = evaluation_checks(json);
   return json;
 }

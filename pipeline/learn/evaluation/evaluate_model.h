@@ -8,9 +8,10 @@ namespace gonogo::learn {
 
 /// Scores P(go) on the valid trials of `dataset` whose point was not trained on. Logistic regression, a neural network
 /// and the base rate are trained on the model's own training trials and scored beside it. "missing" says how the scores
-/// worsen when variables are hidden (missing_curve.h); "checks" are those of evaluation_checks.h:
+/// worsen when variables are hidden (missing_curve.h). "joint" scores the joint distribution (joint_scores.h). "checks"
+/// are those of evaluation_checks.h:
 /// { "trials", "left_out_unknown", "left_out_trained_on", "outcome_log_loss_nat", "scores": {...}, "missing": [...],
-///   "checks": [...] }. Throws InputError if no trial is left to score.
+///   "joint": {...}, "checks": [...] }. Throws InputError if no trial is left to score.
 Json evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset);
 
 /// The missing-variable curve as a table for people: model, baselines, and the model minus each baseline.
