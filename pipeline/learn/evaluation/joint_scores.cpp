@@ -140,7 +140,7 @@ SampledRows model_rows(const Predictor& predictor, RowSource source, std::size_t
                      .known = std::vector<double>(predictor.model().layout.variable_count(), NAN),
                      .outcome = {},
                      .source = source,
-                     .chains = 50,
+                     .chains = 20,
                      .rungs = 4,
                      .burn_in = 500,
                      .every = 20,

@@ -85,7 +85,7 @@ std::size_t batch_size(const LearningSettings& settings, std::size_t trials) {
 }  // namespace
 
 LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials) {
-  constexpr std::size_t kUpdates = 4000;
+  constexpr std::size_t kUpdates = 7000;
   learning::TrainingSettings& training = settings.training;
   const bool other_rows =
       settings.sampler != "block_gibbs" ||
@@ -96,9 +96,10 @@ LearningSettings settings_for_trials(LearningSettings settings, std::size_t tria
   };
   set("negative", training.negative, learning::NegativePhaseKind::code_words);
   set("hidden", training.hidden, std::size_t(48));
-  set("generative", training.generative, 0.1);
+  set("generative", training.generative, 0.07);
   set("weight_decay", training.weight_decay, 0.3);
-  set("chains", training.chains, std::size_t(128));
+  set("chains", training.chains, std::size_t(256));
+  set("calibrate", settings.calibrate, true);
   set("sweeps", training.sweeps, std::size_t(1));
   set("final_learning_rate", training.final_learning_rate, 0.05);
   const std::size_t updates = std::max<std::size_t>(1, trials / batch_size(settings, trials));  // of an epoch
