@@ -92,8 +92,8 @@ double autocorrelation(const Chains& chains, const Variances& v, std::size_t lag
   return 1 - (v.within - covariance) / v.total;
 }
 
-/// Sums of two neighbouring lags are added up while they are positive, none larger than the one before. Of the first that
-/// is not, and of the last that a chain has, an even lag that is positive counts once (as in ArviZ).
+/// Sums of two neighbouring lags are added up while they are positive, none larger than the one before. Of the first
+/// that is not, and of the last that a chain has, an even lag that is positive counts once (as in ArviZ).
 double effective_size(const Chains& chains) {
   const Variances v = variances(chains);
   const std::size_t length = chains.front().size();

@@ -4,7 +4,7 @@
 //   learning_joint [dataset=data/quarter_wheel_32mm/dataset.h5] [seeds=32,33,...] [hold_out=1000] [thinned=0|1]
 //                  [out=folder for models and the dataset] [name=value ...]      settings of the section "learning"
 //
-// `thinned` keeps a trial with probability max(0.1, 4 p (1 - p)), where p is P(go) of a neural network fitted to all
+// `thinned` keeps a trial with probability max(0.35, 4 p (1 - p)), where p is P(go) of a neural network fitted to all
 // trials. What is left crowds at the boundary, as the trials of an active design do.
 #include <algorithm>
 #include <cstdio>
@@ -34,7 +34,7 @@ std::vector<campaign::TrialRecord> thinned(const std::vector<campaign::TrialReco
   std::vector<campaign::TrialRecord> kept;
   for (const campaign::TrialRecord& record : records) {
     const double p = network(record.point.variables);
-    if (random_unit(5, 0, record.point.index) < std::max(0.1, 4 * p * (1 - p))) kept.push_back(record);
+    if (random_unit(5, 0, record.point.index) < std::max(0.35, 4 * p * (1 - p))) kept.push_back(record);
   }
   return kept;
 }
