@@ -8,11 +8,12 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr std::array<std::pair<const char*, NegativePhaseKind>, 4> kNegativePhases = {
+constexpr std::array<std::pair<const char*, NegativePhaseKind>, 5> kNegativePhases = {
     {{"persistent", NegativePhaseKind::persistent},
      {"contrastive", NegativePhaseKind::contrastive},
      {"tempering", NegativePhaseKind::tempering},
-     {"trajectory", NegativePhaseKind::trajectory}}};
+     {"trajectory", NegativePhaseKind::trajectory},
+     {"code_words", NegativePhaseKind::code_words}}};
 constexpr std::array<std::pair<const char*, Optimizer>, 2> kOptimizers = {
     {{"adam", Optimizer::adam}, {"sgd", Optimizer::sgd}}};
 constexpr std::array<std::pair<const char*, GradientDevice>, 2> kGradientDevices = {

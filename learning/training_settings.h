@@ -12,7 +12,8 @@ enum class NegativePhaseKind {
   persistent,   // the last update's rows (Tieleman 2008)
   contrastive,  // the rows of the minibatch: CD-k with k = sweeps (Hinton 2002)
   tempering,    // persistent, on a ladder of temperatures (Desjardins et al. 2010)
-  trajectory    // persistent, on a ladder of earlier machines of the run (Bereux et al. 2024)
+  trajectory,   // persistent, on a ladder of earlier machines of the run (Bereux et al. 2024)
+  code_words    // persistent, a whole code word at a time: the machine has no other words (sampler/word_machine.h)
 };
 
 enum class Optimizer { adam, sgd };

@@ -7,4 +7,5 @@
 #include "pipeline/learn/evaluation/evaluate_model.h"
 #include "pipeline/learn/qubo/qubo_embed.h"
 #include "pipeline/learn/qubo/qubo_exchange.h"
+#include "pipeline/learn/sampling/sample_rows.h"
 #include "pipeline/learn/training/train_model.h"

@@ -46,19 +46,39 @@ torch::Tensor rows_tensor(const SampleSet& samples, std::size_t visible) {
 
 NegativePhase::NegativePhase(const VisibleLayout& layout, const TrainingSettings& settings, const Sampler& sampler,
                              std::vector<double> base)
-    : labels_(layout.unit_labels()), settings_(settings), sampler_(sampler), base_(std::move(base)) {
+    : layout_(layout), labels_(layout.unit_labels()), settings_(settings), sampler_(sampler), base_(std::move(base)) {
   if (settings.negative == NegativePhaseKind::persistent) return;
   if (sampler.name() != "block_gibbs")
     throw InputError("training: a negative phase that is not persistent needs the sampler block_gibbs, not " +
                      sampler.name());
   if (settings.negative == NegativePhaseKind::contrastive) return;
+  const std::uint64_t seed = random_bits(settings.seed, kChains, 0);
+  if (settings.negative == NegativePhaseKind::code_words) {
+    words_.emplace(settings.chains, std::size_t(1), seed);
+    return;
+  }
   if (settings.rungs < 2 || settings.rungs > LadderChains::kMaxRungs)
     throw InputError("training: rungs must lie between 2 and 64");
-  ladder_.emplace(settings.chains, layout.unit_count(), settings.hidden, random_bits(settings.seed, kChains, 0));
+  ladder_.emplace(settings.chains, layout.unit_count(), settings.hidden, seed);
 }
 
 torch::Tensor NegativePhase::draw(const RbmWeights& weights, const torch::Tensor& data) {
+  if (words_) return from_words(weights);
   return ladder_ ? from_ladder(weights) : from_sampler(weights, data);
+}
+
+torch::Tensor NegativePhase::from_words(const RbmWeights& weights) {
+  const WordMachine machine(layout_, weights);
+  words_->run(machine, settings_.sweeps);
+  torch::Tensor result =
+      torch::empty({std::int64_t(words_->chains()), std::int64_t(weights.visible_count)}, torch::kFloat64);
+  double* out = result.data_ptr<double>();
+  std::vector<Bit> units(weights.visible_count, 0);
+  for (std::size_t chain = 0; chain < words_->chains(); ++chain) {
+    machine.write_units(words_->row(chain), units);
+    for (Bit bit : units) *out++ = bit;
+  }
+  return result;
 }
 
 torch::Tensor NegativePhase::from_sampler(const RbmWeights& weights, const torch::Tensor& data) {

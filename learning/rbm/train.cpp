@@ -7,7 +7,7 @@
 
 #include "base/cancel.h"
 #include "base/error.h"
-#include "base/normal.h"
+#include "learning/rbm/initial_weights.h"
 #include "learning/rbm/negative.h"
 #include "learning/rbm/teaching_term.h"
 
@@ -15,7 +15,7 @@ namespace gonogo::learning {
 namespace {
 
 /// Streams of random numbers under one seed.
-enum Stream : std::uint64_t { kInitial = 1, kCompletions = 3, kBatches = 1000 };  // 2: the negative phase
+enum Stream : std::uint64_t { kCompletions = 3, kBatches = 1000 };  // 1: initial weights, 2: the negative phase
 
 void check_table(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings) {
   if (table.row_count() == 0) throw InputError("training table: no valid trial to train on");
@@ -27,31 +27,6 @@ void check_table(const VisibleLayout& layout, const TrainingTable& table, const 
   for (std::size_t y : table.outcome)
     if (y >= std::max<std::size_t>(layout.outcome_count(), 1))
       throw InputError("training table: outcome " + std::to_string(y) + " does not exist");
-}
-
-/// Small random weights; visible biases at the log odds of the data, half a row added to both sides so that an outcome
-/// that never happened starts rare but possible.
-RbmWeights initial_weights(const VisibleLayout& layout, const TrainingTable& table, const TrainingSettings& settings) {
-  RbmWeights weights = RbmWeights::zeros(layout.unit_count(), settings.hidden);
-  for (std::size_t k = 0; k < weights.weight.size(); ++k)
-    weights.weight[k] = settings.initial_weight * random_normal(settings.seed, kInitial, k);
-  std::vector<double> on(layout.unit_count(), 0.0), known(layout.unit_count(), 0.0);
-  std::vector<Bit> units(layout.input_unit_count());
-  const std::size_t inputs = layout.input_unit_count();
-  for (std::size_t n = 0; n < table.row_count(); ++n) {
-    layout.encode(table.row(n), units);
-    for (std::size_t v = 0; v < layout.variable_count(); ++v) {
-      if (std::isnan(table.row(n)[v])) continue;
-      for (std::size_t i = layout.offset(v); i < layout.offset(v + 1); ++i) {
-        on[i] += units[i];
-        known[i] += 1;
-      }
-    }
-    if (inputs < on.size()) on[inputs + table.outcome[n]] += 1;
-  }
-  for (std::size_t i = 0; i < inputs; ++i) weights.visible_bias[i] = std::log((on[i] + 0.5) / (known[i] - on[i] + 0.5));
-  for (std::size_t i = inputs; i < on.size(); ++i) weights.visible_bias[i] = std::log(on[i] + 0.5);
-  return weights;
 }
 
 std::unique_ptr<torch::optim::Optimizer> make_optimizer(const Machine& machine, const TrainingSettings& settings) {

@@ -50,6 +50,7 @@ void add_evaluate_command(CLI::App& app, const Globals& globals, const Work<Eval
 void add_learning_curve_command(CLI::App& app, const Globals& globals, const Work<LearningCurveOptions>& work);
 void add_capacity_command(CLI::App& app, const Globals& globals, const Work<CapacityOptions>& work);
 void add_infer_command(CLI::App& app, const Globals& globals);
+void add_sample_command(CLI::App& app, const Globals& globals);
 void add_qubo_command(CLI::App& app, const Globals& globals);
 void add_models_command(CLI::App& app, const Globals& globals);
 void add_map_command(CLI::App& app, const Globals& globals, const Work<map::MapFiles>& work);

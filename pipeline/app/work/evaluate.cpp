@@ -3,6 +3,7 @@
 #include "pipeline/learn/evaluation/evaluate_model.h"
 #include "pipeline/learn/evaluation/evaluation_checks.h"
 #include "pipeline/learn/evaluation/reconstruction.h"
+#include "pipeline/learn/evaluation/joint_scores.h"
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/train_model.h"
 
@@ -14,7 +15,8 @@ std::string held_out_text(const Json& report) {
          " failed and " + report.at("left_out_trained_on").dump() +
          " trained on are left out); log loss over all outcomes " + report.at("outcome_log_loss_nat").dump() +
          " nat\n" + learn::scores_text(report.at("scores")) + learn::missing_text(report.at("missing")) +
-         learn::reconstruction_text(report.at("reconstruction")) + learn::checks_text(report.at("checks"));
+         learn::reconstruction_text(report.at("reconstruction")) + learn::joint_text(report.at("joint")) +
+         learn::checks_text(report.at("checks"));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/evaluation/evaluation_checks.h"
+#include "pipeline/learn/evaluation/joint_scores.h"
 #include "pipeline/learn/evaluation/missing_curve.h"
 #include "pipeline/learn/evaluation/reconstruction.h"
 #include "pipeline/learn/training/baselines.h"
@@ -98,6 +99,7 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
                      {"base_rate", [&](std::span<const double>) { return baselines.base_rate; }}},
                     scored, forecasts.happened, varying(predictor.model()));
   json["reconstruction"] = reconstruction_scores(predictor, scored);
+  json["joint"] = joint_scores(predictor, trained, scored, 1);
   json["checks"] = evaluation_checks(json);
   return json;
 }

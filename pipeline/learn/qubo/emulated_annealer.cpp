@@ -3,7 +3,6 @@
 #include <map>
 
 #include "base/error.h"
-#include "learning/hardware/corrected_annealer.h"
 
 namespace gonogo::learn {
 namespace {
@@ -39,19 +38,24 @@ learning::SampleSet on_qubits(const learning::SampleSet& rows, const learning::P
   return result;
 }
 
+learning::CorrectedAnnealer corrected(const learning::Device& device, learning::Embedding embedding,
+                                      std::size_t post_sweeps) {
+  learning::CorrectionSettings settings;
+  settings.first_scale = device.temperature;
+  settings.susceptibility = device.errors.susceptibility;
+  settings.ranges = device.ranges;
+  settings.post_sweeps = post_sweeps;
+  return learning::CorrectedAnnealer(std::make_shared<learning::Emulator>(device), device.graph, std::move(embedding),
+                                     settings);
+}
+
 learning::SampleSet corrected_rows(const LoadedProblem& loaded, const learning::Device& device,
                                    const learning::SampleRequest& request, std::size_t post_sweeps) {
   const bool embedded = loaded.sidecar && loaded.sidecar->embedding;
   const learning::Problem logical = embedded ? loaded.sidecar->embedding->source : learning::to_ising(loaded.problem);
   learning::Embedding embedding = embedded ? recorded_embedding(*loaded.sidecar->embedding, device.graph)
                                            : learning::embed(device.graph, logical, "auto");
-  learning::CorrectionSettings settings;
-  settings.first_scale = device.temperature;
-  settings.susceptibility = device.errors.susceptibility;
-  settings.ranges = device.ranges;
-  settings.post_sweeps = post_sweeps;
-  const learning::CorrectedAnnealer annealer(std::make_shared<learning::Emulator>(device), device.graph,
-                                             std::move(embedding), settings);
+  const learning::CorrectedAnnealer annealer = corrected(device, std::move(embedding), post_sweeps);
   if (embedded) return on_qubits(annealer.sample(logical, request), loaded.problem, *loaded.sidecar);
   return annealer.sample(loaded.problem, request);
 }
@@ -65,6 +69,11 @@ learning::Device emulated_device(const DeviceChoice& choice) {
           .temperature = choice.temperature,
           .auto_scale = false,
           .serial = choice.graph.dead_seed};
+}
+
+learning::CorrectedAnnealer corrected_annealer(const learning::Problem& problem, const learning::Device& device,
+                                               std::size_t post_sweeps) {
+  return corrected(device, learning::embed(device.graph, learning::to_ising(problem), "auto"), post_sweeps);
 }
 
 Json sample_emulated(const std::filesystem::path& problem, const std::filesystem::path& answer,

@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 
+#include "learning/hardware/corrected_annealer.h"
 #include "learning/hardware/emulator.h"
 #include "pipeline/learn/qubo/qubo_embed.h"
 
@@ -16,6 +17,10 @@ struct DeviceChoice {
 
 /// The device with the errors of a D-Wave 2X on the chosen graph.
 learning::Device emulated_device(const DeviceChoice& choice);
+
+/// The corrected sampler of `problem`, which is over variables and is embedded here.
+learning::CorrectedAnnealer corrected_annealer(const learning::Problem& problem, const learning::Device& device,
+                                               std::size_t post_sweeps);
 
 /// Samples a problem on the device. Corrected rows (corrected_annealer.h) answer a problem over variables, which is
 /// embedded here, or one that gonogo qubo embed wrote; its chains then come back unbroken. Writes the answer as

@@ -165,6 +165,7 @@ Json measure_capacity(const CapacityRequest& request) {
                             variables.size() * request.variable_bits.size();
   Progress progress("capacity", "machines", count);
   Json report, entries = Json::array();
+  settings.given.insert("hidden");
   std::size_t done = 0;
   for (int bits : request.bits)
     for (std::size_t hidden : request.hidden)

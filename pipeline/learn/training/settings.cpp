@@ -25,6 +25,7 @@ void read_encoders(const Config& section, LearningSettings& settings) {
 LearningSettings read_learning_settings(const std::optional<Config>& section) {
   LearningSettings settings;
   if (!section) return settings;
+  for (const auto& [key, value] : section->json().members()) settings.given.insert(key);
   learning::TrainingSettings& training = settings.training;
   const auto count = [&](const char* key, std::size_t fallback, double least, double most) {
     return std::size_t(section->integer_or(key, std::int64_t(fallback), {.minimum = least, .maximum = most}));
@@ -40,7 +41,6 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   training.hidden = count("hidden", training.hidden, 1, 1024);
   training.epochs = count("epochs", training.epochs, 1, 1e6);
   training.batch = count("batch", training.batch, 1, 1e6);
-  settings.batch_given = section->has("batch");
   training.chains = count("chains", training.chains, 1, 1e6);
   training.sweeps = count("sweeps", training.sweeps, 1, 1e6);
   settings.folds = count("folds", settings.folds, 2, 100);
@@ -60,7 +60,7 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
     training.gradients = learning::gradient_device_named(section->choice("gradients", {"cpu", "cuda"}));
   if (section->has("negative"))
     training.negative = learning::negative_phase_named(
-        section->choice("negative", {"persistent", "contrastive", "tempering", "trajectory"}));
+        section->choice("negative", {"persistent", "contrastive", "tempering", "trajectory", "code_words"}));
   if (training.negative != learning::NegativePhaseKind::persistent && settings.sampler != "block_gibbs")
     section->fail("negative", "only persistent chains can come from the sampler " + settings.sampler);
   settings.importance = section->number_or("importance", settings.importance, {.minimum = 0, .maximum = 1});
@@ -74,11 +74,44 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   return settings;
 }
 
+namespace {
+
+/// Trials of a minibatch. Unless the study gives it, an epoch has at most 32 minibatches.
+std::size_t batch_size(const LearningSettings& settings, std::size_t trials) {
+  constexpr std::size_t kMaxBatches = 32;
+  return settings.given.count("batch") ? settings.training.batch
+                                       : std::max(settings.training.batch, trials / kMaxBatches);
+}
+
+}  // namespace
+
+LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials) {
+  constexpr std::size_t kUpdates = 7000;
+  learning::TrainingSettings& training = settings.training;
+  const bool other_rows =
+      settings.sampler != "block_gibbs" ||
+      (settings.given.count("negative") && training.negative != learning::NegativePhaseKind::code_words);
+  if (trials < kManyTrials || other_rows) return settings;
+  const auto set = [&](const char* key, auto& value, auto many) {
+    if (!settings.given.count(key)) value = many;
+  };
+  set("negative", training.negative, learning::NegativePhaseKind::code_words);
+  set("hidden", training.hidden, std::size_t(48));
+  set("generative", training.generative, 0.07);
+  set("weight_decay", training.weight_decay, 0.3);
+  set("chains", training.chains, std::size_t(256));
+  set("calibrate", settings.calibrate, true);
+  set("sweeps", training.sweeps, std::size_t(1));
+  set("final_learning_rate", training.final_learning_rate, 0.05);
+  const std::size_t updates = std::max<std::size_t>(1, trials / batch_size(settings, trials));  // of an epoch
+  set("epochs", training.epochs, std::max<std::size_t>(1, kUpdates / updates));
+  return settings;
+}
+
 learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed) {
-  constexpr std::size_t kMaxBatches = 32;  // of an epoch
-  learning::TrainingSettings training = settings.training;
+  learning::TrainingSettings training = settings_for_trials(settings, trials).training;
   training.seed = seed;
-  if (!settings.batch_given) training.batch = std::max(training.batch, trials / kMaxBatches);
+  training.batch = batch_size(settings, trials);
   return training;
 }
 
@@ -88,7 +121,7 @@ Json to_json(const LearningSettings& settings) {
   json["sampler"] = settings.sampler;
   json["hidden"] = Json(std::uint64_t(training.hidden));
   json["epochs"] = Json(std::uint64_t(training.epochs));
-  json["batch"] = settings.batch_given ? Json(std::uint64_t(training.batch)) : Json("auto");
+  json["batch"] = settings.given.count("batch") ? Json(std::uint64_t(training.batch)) : Json("auto");
   json["learning_rate"] = training.learning_rate;
   json["weight_decay"] = training.weight_decay;
   json["generative"] = training.generative;

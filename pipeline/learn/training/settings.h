@@ -24,7 +24,8 @@
 //   final_learning_rate  share of the learning rate at the last epoch (default 1)
 //   centred         gradients in centred units (default no)
 //   negative        how the chains of the negative phase start: "persistent" (default), "contrastive", "tempering" or
-//                   "trajectory"; the last two have "rungs" machines on a ladder
+//                   "trajectory"; these two have "rungs" machines on a ladder. "code_words" (default from 500 trials)
+//                   draws whole code words, and the machine is one of code words only
 //   importance      power in [0, 1] of the trials' weights prior / proposal density (default 1)
 //   calibrate       whether to sharpen or blunt all probabilities by a power that the held-out folds choose (default
 //   no) unknown_inputs  "prior" (default): answers sum unknown variables out over the design's distribution, uniform
@@ -37,10 +38,12 @@
 //   contract's.
 //                   "edges" in place of "bits" gives the inner edges of the bins [unit of the variable], increasing
 //
-// Other defaults are those of learning::TrainingSettings. docs/learning.md shows the experiments behind them.
+// Other defaults are those of learning::TrainingSettings, and from 500 trials those of settings_for_trials().
+// docs/learning.md shows the experiments behind them.
 #pragma once
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,7 +60,7 @@ struct LearningSettings {
   EmulatorChoice emulator;  // for the sampler "emulator"
   std::size_t folds = 5;
   learning::TrainingSettings training;  // training_settings() sets seed and minibatch
-  bool batch_given = false;
+  std::set<std::string> given;          // keys of the section
   bool quantile_bins = false;
   bool calibrate = false;
   double importance = 1;                                  // see temper_weights() in training_data.h
@@ -73,7 +76,15 @@ struct LearningSettings {
 /// unknown variables.
 LearningSettings read_learning_settings(const std::optional<Config>& section);
 
-/// Settings for training on so many trials. Unless the study gives `batch`, an epoch has at most 32 minibatches.
+/// From kManyTrials trials on, keys that are not given get the defaults for a machine whose joint distribution is
+/// right: code_words, 48 hidden units, generative 0.07, weight_decay 0.3, calibrate, 256 chains of one sweep an update,
+/// and 7,000 updates with the learning rate falling to 0.05 of itself. Settings stay where the study chooses another
+/// negative phase or another sampler.
+inline constexpr std::size_t kManyTrials = 500;
+LearningSettings settings_for_trials(LearningSettings settings, std::size_t trials);
+
+/// settings_for_trials() as the trainer takes them. Unless the study gives `batch`, an epoch has at most 32
+/// minibatches.
 learning::TrainingSettings training_settings(const LearningSettings& settings, std::size_t trials, std::uint64_t seed);
 
 Json to_json(const LearningSettings& settings);

@@ -38,10 +38,11 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
   if (base.provenance.at("data_hash").string() != file_hash(request.dataset))
     throw InputError(request.model.string() + ": was trained on other trials than " + request.dataset.string() +
                      "; train it anew with gonogo train");
-  const LearningSettings settings = trainable_settings(request.learning);
+  LearningSettings settings = trainable_settings(request.learning);
   TrainingData data = make_training_data(campaign::read_dataset(request.dataset).records, request.design);
   temper_weights(data, settings.importance);
   if (request.hold_out > 0) hold_out(data, request.hold_out, request.seed);
+  settings = settings_for_trials(std::move(settings), data.table.row_count());
   learning::TrainingSettings training = training_settings(settings, data.table.row_count(), request.seed);
   training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());
   const bool outside = settings.sampler == "command" || settings.sampler == "emulator";  // members take the stand-in

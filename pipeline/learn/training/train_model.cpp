@@ -155,13 +155,14 @@ LearningSettings trainable_settings(const std::optional<Config>& section) {
 }
 
 Json train_model(const TrainRequest& request) {
-  const LearningSettings settings = trainable_settings(request.learning);
+  LearningSettings settings = trainable_settings(request.learning);
   const campaign::Dataset dataset = campaign::read_dataset(request.dataset);
   TrainingData data = make_training_data(dataset.records, request.design);
   temper_weights(data, settings.importance);
   learning::TrainingTable held_out;
   if (request.hold_out > 0) held_out = hold_out(data, request.hold_out, request.seed);
   if (request.trials > 0) thin(data, request.trials, request.subset);
+  settings = settings_for_trials(std::move(settings), data.table.row_count());
   learning::Model model;
   model.layout = make_layout(data, settings);
   learning::TrainingSettings training = training_settings(settings, data.table.row_count(), request.seed);

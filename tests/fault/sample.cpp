@@ -1,0 +1,74 @@
+// gonogo sample at the command line: what it writes and prints, and what it answers to bad input.
+#include <algorithm>
+#include <sstream>
+
+#include "base/file.h"
+#include "base/hdf5/hdf5.h"
+#include "tests/fault/program.h"
+#include "tests/support/catch.h"
+#include "tests/support/temporary_folder.h"
+
+namespace gonogo {
+namespace {
+
+TEST_CASE("gonogo sample writes rows of the shipped model, the same ones every time") {
+  const TemporaryFolder folder;
+  const std::vector<std::string> words = {"sample", "--model",     "hmmwv",  "--set", "slope_along=12",
+                                          "--set",  "payload=500", "--rows", "300",   "--seed",
+                                          "4",      "--json",      "--out"};
+  const auto to = [&](const std::string& name, const std::string& threads) {
+    std::vector<std::string> line = words;
+    line.push_back(folder / name);
+    line.insert(line.end(), {"--threads", threads});
+    return run_gonogo(line);
+  };
+  const Ending first = to("a.csv", "1"), second = to("b.csv", "2");
+  REQUIRE(first.exit_code == 0);
+  CHECK(read_file(folder / "a.csv") == read_file(folder / "b.csv"));
+  const Json report = Json::parse(first.out, "stdout");
+  CHECK(report.at("rows").integer() == 300);
+  CHECK(report.at("known").at("payload").number() == 500);
+  CHECK(report.at("mixed").boolean());
+  CHECK(report.at("least_effective_rows").number() > 100);
+  std::istringstream csv(read_file(folder / "a.csv"));
+  std::string line;
+  std::size_t lines = 0;
+  while (std::getline(csv, line)) lines += lines == 0 || line.rfind("12,", 0) == 0;
+  CHECK(lines == 301);
+
+  REQUIRE(to("rows.h5", "1").exit_code == 0);
+  const Hdf5Reader in(folder / "rows.h5");
+  CHECK(in.array<std::int32_t>("outcome").size() == 300);
+}
+
+TEST_CASE("gonogo sample from the prior agrees with gonogo infer") {
+  const TemporaryFolder folder;
+  const Ending infer = run_gonogo({"infer", "--model", "hmmwv", "--set", "slope_along=12", "--json"});
+  const Ending rows = run_gonogo({"sample", "--model", "hmmwv", "--set", "slope_along=12", "--from", "prior", "--rows",
+                                  "4000", "--json", "--out", folder / "rows.csv"});
+  REQUIRE(rows.exit_code == 0);
+  const double own = Json::parse(infer.out, "stdout").at("p_go").number();
+  CHECK(Json::parse(rows.out, "stdout").at("p_go").number() == Approx(own).margin(0.04));
+}
+
+TEST_CASE("gonogo sample refuses bad input in one sentence and writes nothing") {
+  const TemporaryFolder folder;
+  const auto refuse = [&](std::vector<std::string> words, const std::vector<std::string>& parts,
+                          const std::string& file = "rows.csv") {
+    words.insert(words.begin(), "sample");
+    words.insert(words.end(), {"--out", folder / file});
+    check_refusal(run_gonogo(words), 2, parts);
+    CHECK_FALSE(std::filesystem::exists(folder / file));
+  };
+  refuse({"--model", "/none.h5"}, {"/none.h5"});
+  refuse({"--model", "hmmwv"}, {"rows.txt", ".csv or .h5"}, "rows.txt");
+  refuse({"--model", "hmmwv", "--set", "slope_alnog=3"}, {"slope_alnog", "slope_along"});
+  refuse({"--model", "hmmwv", "--set", "slope_along=300"}, {"slope_along=300", "outside the allowed range"});
+  refuse({"--model", "hmmwv", "--outcome", "gone"}, {"gone"});
+  refuse({"--model", "hmmwv", "--rows", "0"}, {"--rows"});
+  refuse({"--model", "hmmwv", "--sampler", "gibs"}, {"--sampler", "gibs"});
+  refuse({"--model", "hmmwv", "--from", "prior", "--sampler", "anneal"}, {"leave out the sampler anneal"});
+}
+
+}  // namespace
+}  // namespace gonogo
