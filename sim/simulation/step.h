@@ -4,9 +4,9 @@
 #pragma once
 #include "base/beside.h"
 #include "sim/contact/find.h"
+#include "sim/joint/prepare.h"
 #include "sim/simulation/element/drive.h"
 #include "sim/simulation/element/watch.h"
-#include "sim/joint/prepare.h"
 #include "sim/simulation/spin.h"
 #include "sim/simulation/stages.h"
 #include "sim/solver/storage.h"

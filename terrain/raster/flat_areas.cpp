@@ -7,14 +7,15 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr int kShortest = 4;            // run [cells]
-constexpr std::uint64_t kCells = 400;   // of an area
-constexpr double kHectare = 1e4;        // [m2]
+constexpr int kShortest = 4;             // run [cells]
+constexpr std::uint64_t kCells = 400;    // of an area
+constexpr double kHectare = 1e4;         // [m2]
 constexpr double kOfWholeNumbers = 1e6;  // [m2]
-constexpr double kLowerShare = 0.05;    // of all borders
+constexpr double kLowerShare = 0.05;     // of all borders
 
 int root_of(std::vector<int>& parent, int node) {
-  while (parent[std::size_t(node)] != node) node = parent[std::size_t(node)] = parent[std::size_t(parent[std::size_t(node)])];
+  while (parent[std::size_t(node)] != node)
+    node = parent[std::size_t(node)] = parent[std::size_t(parent[std::size_t(node)])];
   return node;
 }
 

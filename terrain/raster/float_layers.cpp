@@ -26,8 +26,9 @@ void fill(GDALDataset& file, const MapGrid& grid, const std::vector<FloatLayer>&
   for (int row = 0; row < grid.rows; ++row)
     for (std::size_t l = 0; l < layers.size(); ++l) {
       std::vector<float> value = row_of(l, row);
-      if (file.GetRasterBand(int(l) + 1)->RasterIO(GF_Write, 0, row, grid.columns, 1, value.data(), grid.columns, 1,
-                                                   GDT_Float32, 0, 0, nullptr) != CE_None)
+      if (file.GetRasterBand(int(l) + 1)
+              ->RasterIO(GF_Write, 0, row, grid.columns, 1, value.data(), grid.columns, 1, GDT_Float32, 0, 0,
+                         nullptr) != CE_None)
         refuse_to_write(path, call);
     }
 }
@@ -38,8 +39,8 @@ DatasetHandle make_tiff(const fs::path& path, const MapGrid& grid, const std::ve
   CPLStringList options;
   for (const char* option : {"COMPRESS=DEFLATE", "PREDICTOR=3", "INTERLEAVE=BAND", "BIGTIFF=IF_SAFER"})
     options.AddString(option);
-  DatasetHandle file(driver_named("GTiff").Create(path.c_str(), grid.columns, grid.rows, int(layers.size()), GDT_Float32,
-                                                  options.List()));
+  DatasetHandle file(driver_named("GTiff").Create(path.c_str(), grid.columns, grid.rows, int(layers.size()),
+                                                  GDT_Float32, options.List()));
   if (!file) refuse_to_write(path, call);
   const OGRSpatialReference crs = system_of(grid);
   double transform[6] = {grid.west, grid.cell_width, 0, grid.north, 0, -grid.cell_height};
@@ -79,8 +80,8 @@ void write_float_layers(const fs::path& path, const MapGrid& grid, const std::ve
       CPLStringList options;
       for (const char* option : {"FORMAT=NC4C", "COMPRESS=DEFLATE", "WRITE_GDAL_HISTORY=NO", "WRITE_GDAL_VERSION=NO"})
         options.AddString(option);
-      const DatasetHandle copy(driver_named("netCDF").CreateCopy(temporary.c_str(), source.get(), FALSE, options.List(),
-                                                                nullptr, nullptr));
+      const DatasetHandle copy(
+          driver_named("netCDF").CreateCopy(temporary.c_str(), source.get(), FALSE, options.List(), nullptr, nullptr));
       if (!copy) refuse_to_write(path, call);
     }
     std::error_code ignored;

@@ -66,7 +66,11 @@ bool turn_corners(OGRCoordinateTransformation& turn, const MapGrid& grid, Corner
 }
 
 DegreeRing ring_of(const DegreeBox& box) {
-  return {{box.west, box.south}, {box.east, box.south}, {box.east, box.north}, {box.west, box.north}, {box.west, box.south}};
+  return {{box.west, box.south},
+          {box.east, box.south},
+          {box.east, box.north},
+          {box.west, box.north},
+          {box.west, box.south}};
 }
 
 /// The part of a convex ring west (side -1) or east (+1) of the antimeridian (Sutherland and Hodgman 1974). Longitudes
@@ -131,7 +135,10 @@ std::optional<DegreeNodes> degree_nodes(const MapGrid& grid, const GlobePlace& p
   degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   const OGRSpatialReference from = system_of(grid);
   const Transformation turn(OGRCreateCoordinateTransformation(&from, &degrees));
-  DegreeNodes nodes{.columns = std::min(most, grid.columns + 1), .rows = std::min(most, grid.rows + 1), .longitude = {}, .latitude = {}};
+  DegreeNodes nodes{.columns = std::min(most, grid.columns + 1),
+                    .rows = std::min(most, grid.rows + 1),
+                    .longitude = {},
+                    .latitude = {}};
   const double middle = place.box.west + place.box.width() / 2;
   for (int j = 0; j < nodes.rows; ++j)
     for (int i = 0; i < nodes.columns; ++i) {

@@ -34,7 +34,8 @@ class GpxText {
   std::string point(const char* element, const TrackPoint& point, const std::string& name) const {
     double x = point.x, y = point.y;
     if (!turn_->Transform(1, &x, &y))
-      throw InputError(path_.string() + line(": the place %.10g,%.10g has no longitude and latitude", point.x, point.y));
+      throw InputError(path_.string() +
+                       line(": the place %.10g,%.10g has no longitude and latitude", point.x, point.y));
     std::string text = line("<%s lat=\"%.8f\" lon=\"%.8f\">", element, y, x);
     if (!std::isnan(point.height)) text += line("<ele>%.2f</ele>", point.height);
     if (!std::isnan(point.seconds)) text += "<time>" + time_text(departure_, point.seconds) + "</time>";

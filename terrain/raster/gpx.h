@@ -11,7 +11,7 @@
 namespace gonogo::terrain {
 
 struct TrackPoint {
-  double x = 0, y = 0;                                         // in the grid's coordinate system
+  double x = 0, y = 0;                                        // in the grid's coordinate system
   double height = std::numeric_limits<double>::quiet_NaN();   // [m]; NaN: not written
   double seconds = std::numeric_limits<double>::quiet_NaN();  // since the departure [s]; NaN: not written
 };
@@ -27,8 +27,8 @@ struct Stop {
   TrackPoint at;
 };
 
-/// `departure`: seconds since 1970-01-01T00:00:00Z. The file is whole or absent. Throws InputError where no way to WGS 84
-/// is known, DeviceError when writing fails.
+/// `departure`: seconds since 1970-01-01T00:00:00Z. The file is whole or absent. Throws InputError where no way to WGS
+/// 84 is known, DeviceError when writing fails.
 void write_gpx(const std::filesystem::path& path, const MapGrid& grid, const std::vector<Stop>& stops,
                const std::vector<Track>& tracks, std::int64_t departure);
 

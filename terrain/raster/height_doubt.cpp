@@ -23,16 +23,17 @@ HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const H
   HeightScan scan = scan_heights(dataset, name, scale);
   HeightDoubt doubt;
   for (const FoundVoid& found : scan.voids)
-    remarks.push_back(line("%llu cells of the elevation hold %g, which is no height there; they count as without "
-                           "elevation. Declare it with gdal_edit.py -a_nodata %g",
-                           static_cast<unsigned long long>(found.cells), found.value, found.value));
+    remarks.push_back(
+        line("%llu cells of the elevation hold %g, which is no height there; they count as without "
+             "elevation. Declare it with gdal_edit.py -a_nodata %g",
+             static_cast<unsigned long long>(found.cells), found.value, found.value));
   doubt.voids = std::move(scan.voids);
   if (scan.flat_cells == 0 || wish.flat_is_ground) return doubt;
-  remarks.push_back(line("%d areas of the elevation, %.3g km2 in all, have exactly one height each, as water and voids "
-                         "have; they are unknown unless land cover tells what they are. If they are ground, say "
-                         "\"flat\": \"ground\" in the region, or --flat-is-ground",
-                         scan.flat_areas,
-                         double(scan.flat_cells) * scale.cell_width * scale.cell_height * 1e-6));
+  remarks.push_back(
+      line("%d areas of the elevation, %.3g km2 in all, have exactly one height each, as water and voids "
+           "have; they are unknown unless land cover tells what they are. If they are ground, say "
+           "\"flat\": \"ground\" in the region, or --flat-is-ground",
+           scan.flat_areas, double(scan.flat_cells) * scale.cell_width * scale.cell_height * 1e-6));
   doubt.flat = std::make_shared<const CellRuns>(std::move(scan.flat));
   return doubt;
 }

@@ -79,10 +79,11 @@ class Voids {
       }
   }
   [[noreturn]] void refuse(const std::string& name) const {
-    throw InputError(line("%s: heights such as %.5g and %.5g m do not occur on %s; if they are feet, say so with \"unit\": "
-                          "\"ft\" of the elevation in the region or --height-unit ft, and declare what is no height with "
-                          "gdal_edit.py -a_nodata",
-                          name.c_str(), lowest_, highest_, scale_.on_earth ? "the Earth" : "a solid body"));
+    throw InputError(
+        line("%s: heights such as %.5g and %.5g m do not occur on %s; if they are feet, say so with \"unit\": "
+             "\"ft\" of the elevation in the region or --height-unit ft, and declare what is no height with "
+             "gdal_edit.py -a_nodata",
+             name.c_str(), lowest_, highest_, scale_.on_earth ? "the Earth" : "a solid body"));
   }
 
   HeightScale scale_;

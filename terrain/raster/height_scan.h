@@ -12,7 +12,7 @@ namespace gonogo::terrain {
 
 /// What stored values mean.
 struct HeightScale {
-  double scale = 1, offset = 0;  // height [m] = scale stored + offset
+  double scale = 1, offset = 0;            // height [m] = scale stored + offset
   double cell_width = 1, cell_height = 1;  // on the ground [m]
   bool on_earth = true;
 };
@@ -28,13 +28,14 @@ using CellRuns = std::vector<std::vector<std::pair<int, int>>>;
 
 struct HeightScan {
   std::vector<FoundVoid> voids;
-  CellRuns flat;                 // [row]; empty when no area is flat
+  CellRuns flat;  // [row]; empty when no area is flat
   int flat_areas = 0;
   std::uint64_t flat_cells = 0;
 };
 
 /// Reads all cells once, row by row. Voids are
-///   - -9999, and values outside of -11,500 to 9,000 m on the Earth or +-30,000 m elsewhere, if there are at most three;
+///   - -9999, and values outside of -11,500 to 9,000 m on the Earth or +-30,000 m elsewhere, if there are at most
+///   three;
 ///   - -999, -99 and 0, if at least half of their borders with other heights are steeper than 60 degrees.
 /// Flat are connected areas of one height with at least 400 cells and 1 ha. Where all heights are whole numbers, plains
 /// have such areas too; there it takes 1 km2 that hardly borders on anything lower. Fringes less than four cells wide

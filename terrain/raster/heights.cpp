@@ -37,18 +37,22 @@ bool differ(double a, double b) { return std::abs(a / b - 1) > 1e-3; }
 void require_one_value(GDALDataset& dataset, const std::string& name) {
   refuse_complex(dataset, name);
   if (dataset.GetRasterCount() >= 3 && dataset.GetRasterBand(1)->GetColorInterpretation() == GCI_RedBand)
-    throw InputError(name + ": is a picture with bands of red, green and blue, whose colours are no values; give the raster that it shows");
+    throw InputError(
+        name +
+        ": is a picture with bands of red, green and blue, whose colours are no values; give the raster that it shows");
 }
 
 void require_heights(GDALDataset& dataset, const std::string& name) {
   refuse_complex(dataset, name);
   if (dataset.GetRasterCount() > 2)
-    throw InputError(line("%s: has %d bands, and an elevation raster has one; a picture in colour tells no heights. If one "
-                          "band holds them, take it out with: gdal_translate -b 1 ",
-                          name.c_str(), dataset.GetRasterCount()) +
-                     name + " heights.tif");
+    throw InputError(
+        line("%s: has %d bands, and an elevation raster has one; a picture in colour tells no heights. If one "
+             "band holds them, take it out with: gdal_translate -b 1 ",
+             name.c_str(), dataset.GetRasterCount()) +
+        name + " heights.tif");
   if (dataset.GetRasterBand(1)->GetColorTable())
-    throw InputError(name + ": has a colour table, so it holds classes or a picture, not heights; give an elevation raster");
+    throw InputError(name +
+                     ": has a colour table, so it holds classes or a picture, not heights; give an elevation raster");
 }
 
 double height_unit(GDALDataset& dataset, const OGRSpatialReference& crs, const std::string& name,
@@ -65,7 +69,8 @@ double height_unit(GDALDataset& dataset, const OGRSpatialReference& crs, const s
                         unit_name(*said));
     return metres;
   }
-  const std::string remedy = "; say which holds with \"unit\" of the elevation in the region, or --height-unit: m, ft or us-ft";
+  const std::string remedy =
+      "; say which holds with \"unit\" of the elevation in the region, or --height-unit: m, ft or us-ft";
   if (of_band && of_system && differ(*of_band, *of_system))
     throw InputError(name + ": its band says that heights are in " + unit_name(*of_band) +
                      ", and its coordinate system that they are in " + unit_name(*of_system) + remedy);

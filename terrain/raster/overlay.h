@@ -21,8 +21,7 @@ struct OverlayAnswer {
 /// written. Throws DeviceError when writing fails.
 OverlayAnswer write_overlay(const std::filesystem::path& kml, const std::filesystem::path& png,
                             const std::filesystem::path& layer, const GlobePlace& place, const std::string& title,
-                            const std::string& description, const std::vector<LegendEntry>& legend,
-                            int longest = 2048);
+                            const std::string& description, const std::vector<LegendEntry>& legend, int longest = 2048);
 
 /// Escapes text for XML. Control characters, which XML does not allow, become spaces.
 std::string xml_escaped(const std::string& text);

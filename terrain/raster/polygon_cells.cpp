@@ -53,8 +53,8 @@ std::vector<std::uint8_t> cells_under(const fs::path& file, const MapGrid& grid)
   std::vector<std::unique_ptr<OGRGeometry>> polygons;
   for (OGRLayer* layer : vector->GetLayers()) take_polygons(*layer, crs, file, polygons);
   std::vector<std::uint8_t> cells(std::size_t(grid.columns) * std::size_t(grid.rows), 0);
-  DatasetHandle raster(GetGDALDriverManager()->GetDriverByName("MEM")->Create("", grid.columns, grid.rows, 1, GDT_Byte,
-                                                                             nullptr));
+  DatasetHandle raster(
+      GetGDALDriverManager()->GetDriverByName("MEM")->Create("", grid.columns, grid.rows, 1, GDT_Byte, nullptr));
   double transform[6] = {grid.west, grid.cell_width, 0, grid.north, 0, -grid.cell_height};
   raster->SetGeoTransform(transform);
   std::vector<OGRGeometryH> shapes;

@@ -47,7 +47,8 @@ std::vector<std::array<double, 2>> probes(int columns, int rows) {
   return list;
 }
 
-/// How far the map's metres are off the ground's at the worst place: |ground / map - 1|. Infinite where a place has none.
+/// How far the map's metres are off the ground's at the worst place: |ground / map - 1|. Infinite where a place has
+/// none.
 double scale_error(const OGRSpatialReference& crs, OGRCoordinateTransformation& to_degrees, int columns, int rows,
                    const GeoTransform& t) {
   const double metres = crs.GetLinearUnits();
@@ -55,8 +56,8 @@ double scale_error(const OGRSpatialReference& crs, OGRCoordinateTransformation& 
   for (const auto& [column, row] : probes(columns, rows)) {
     const auto size = ground_size(crs, to_degrees, t, column, row);
     if (!size) return std::numeric_limits<double>::infinity();
-    worst = std::max({worst, std::abs((*size)[0] / (t.value[1] * metres) - 1),
-                      std::abs((*size)[1] / (-t.value[5] * metres) - 1)});
+    worst = std::max(
+        {worst, std::abs((*size)[0] / (t.value[1] * metres) - 1), std::abs((*size)[1] / (-t.value[5] * metres) - 1)});
   }
   return worst;
 }
@@ -64,8 +65,8 @@ double scale_error(const OGRSpatialReference& crs, OGRCoordinateTransformation& 
 /// Whether the map's metres are the ground's within the tolerance everywhere.
 bool in_ground_metres(const OGRSpatialReference& crs, OGRCoordinateTransformation& to_degrees, GDALDataset& dataset,
                       const GeoTransform& t) {
-  return crs.IsProjected() && scale_error(crs, to_degrees, dataset.GetRasterXSize(), dataset.GetRasterYSize(), t) <=
-                                  kScaleTolerance;
+  return crs.IsProjected() &&
+         scale_error(crs, to_degrees, dataset.GetRasterXSize(), dataset.GetRasterYSize(), t) <= kScaleTolerance;
 }
 
 OGRSpatialReference traditional(OGRSpatialReference crs) {
@@ -134,14 +135,14 @@ void require_near(const OGRSpatialReference& crs, const MapGrid& grid, const std
   degrees = traditional(degrees);
   const Transformation to_degrees(OGRCreateCoordinateTransformation(&crs, &degrees));
   const GeoTransform t = {{grid.west, grid.cell_width, 0, grid.north, 0, -grid.cell_height}};
-  const double error = to_degrees ? scale_error(crs, *to_degrees, grid.columns, grid.rows, t)
-                                  : std::numeric_limits<double>::infinity();
+  const double error =
+      to_degrees ? scale_error(crs, *to_degrees, grid.columns, grid.rows, t) : std::numeric_limits<double>::infinity();
   if (error <= kFarScale) return;
-  throw InputError(name + ": the grid's system \"" + grid.crs_name + "\" belongs to another part of the globe, " +
-                   (std::isfinite(error) ? line("its metres are %.3g %% off those of the ground there", 100 * error)
-                                         : "in which the raster has no place") +
-                   line("; at most %g %% will do: choose the UTM zone of the region, or leave \"crs\" out",
-                        100 * kFarScale));
+  throw InputError(
+      name + ": the grid's system \"" + grid.crs_name + "\" belongs to another part of the globe, " +
+      (std::isfinite(error) ? line("its metres are %.3g %% off those of the ground there", 100 * error)
+                            : "in which the raster has no place") +
+      line("; at most %g %% will do: choose the UTM zone of the region, or leave \"crs\" out", 100 * kFarScale));
 }
 
 }  // namespace

@@ -13,7 +13,8 @@ std::unique_ptr<OGRCoordinateTransformation> to_wgs84(const MapGrid& grid, const
   to.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   std::unique_ptr<OGRCoordinateTransformation> turn(OGRCreateCoordinateTransformation(&from, &to));
   if (!turn)
-    throw InputError(path.string() + ": this format holds longitude and latitude on WGS 84, to which no way is known from \"" +
+    throw InputError(path.string() +
+                     ": this format holds longitude and latitude on WGS 84, to which no way is known from \"" +
                      grid.crs_name + "\"; write a GeoPackage (.gpkg)");
   return turn;
 }

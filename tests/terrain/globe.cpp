@@ -83,8 +83,8 @@ TEST_CASE("a grid on the antimeridian has two pieces, an outline of two polygons
   for (const auto& [longitude, latitude] : place.outline[1]) CHECK((longitude < -179.5 && longitude >= -180));
   REQUIRE(overlay_of(folder, grid, place).files.size() == 3);
   const std::string kml = read_file(folder / "o.kml");
-  for (const char* part : {"<href>o.png</href>", "<href>o_2.png</href>", "<east>180.000000000</east>",
-                           "<west>-180.000000000</west>"})
+  for (const char* part :
+       {"<href>o.png</href>", "<href>o_2.png</href>", "<east>180.000000000</east>", "<west>-180.000000000</west>"})
     CHECK(contains(kml, part));
   const Picture first = picture_of(folder / "o.png"), second = picture_of(folder / "o_2.png");
   CHECK(first.west > 0.8);

@@ -114,7 +114,8 @@ TEST_CASE("flat areas are those that a flood fill finds") {
     for (int column = 0; column < side; ++column) {
       double sum = 0;
       for (std::uint64_t k = 0; k < 6; ++k)
-        sum += std::sin(column * 0.15 * random_unit(seed, 0, k) + row * 0.15 * random_unit(seed, 1, k) + 6 * random_unit(seed, 2, k));
+        sum += std::sin(column * 0.15 * random_unit(seed, 0, k) + row * 0.15 * random_unit(seed, 1, k) +
+                        6 * random_unit(seed, 2, k));
       value.push_back(float(100.25 + 0.37 * std::floor(1.5 * sum)));
     }
   make_raster(folder / "dem.tif", {.columns = side, .rows = side, .nodata = {}, .value = value});
@@ -199,12 +200,14 @@ TEST_CASE("pictures, classes and complex values are no heights, in one sentence"
   make_raster(folder / "dem.tif", {});
   make_raster(folder / "land.tif", {.type = GDT_CInt16});
   CHECK(contains(input_error([&] {
-                   RasterSource::open_on_grid(folder / "land.tif", open(folder / "dem.tif").grid(), RasterKind::classes);
+                   RasterSource::open_on_grid(folder / "land.tif", open(folder / "dem.tif").grid(),
+                                              RasterKind::classes);
                  }),
                  "complex values"));
 }
 
-TEST_CASE("the unit of heights comes from the band, the coordinate system or the user, and contradictions are refused") {
+TEST_CASE(
+    "the unit of heights comes from the band, the coordinate system or the user, and contradictions are refused") {
   const TemporaryFolder folder;
   const auto file = folder / "dem.tif";
   const auto first = [&](const HeightWish& wish = {}) { return double(open(file, wish).read({3, 3, 1, 1}).at(0, 0)); };

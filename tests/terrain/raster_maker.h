@@ -31,9 +31,8 @@ struct RasterRecipe {
 
 inline void make_raster(const std::filesystem::path& path, const RasterRecipe& recipe) {
   GDALAllRegister();
-  GDALDataset* raster = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(path.c_str(), recipe.columns,
-                                                                                 recipe.rows, recipe.bands, recipe.type,
-                                                                                 nullptr);
+  GDALDataset* raster = GetGDALDriverManager()->GetDriverByName("GTiff")->Create(
+      path.c_str(), recipe.columns, recipe.rows, recipe.bands, recipe.type, nullptr);
   if (recipe.epsg != 0 || !recipe.crs.empty()) {
     OGRSpatialReference crs;
     if (recipe.crs.empty())

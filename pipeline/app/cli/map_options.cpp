@@ -19,7 +19,9 @@ void add_map_file_options(CLI::App& command, map::MapFiles& files) {
       ->type_name(kSetting);
   command.add_option("--region", files.region, "Region file; by default the one that the study names")
       ->type_name(kFile);
-  command.add_option("--height-unit", files.height_unit, "Unit of the elevations; by default as the raster says, or metres")
+  command
+      .add_option("--height-unit", files.height_unit,
+                  "Unit of the elevations; by default as the raster says, or metres")
       ->type_name(one_of({"m", "ft", "us-ft"}))
       ->check(CLI::IsMember({"m", "ft", "us-ft"}));
   command.add_flag("--flat-is-ground", files.flat_is_ground,

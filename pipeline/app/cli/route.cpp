@@ -13,7 +13,9 @@ void add_route_command(CLI::App& app, const Globals& globals, const Work<RouteOp
       ->type_name("E,N");
   command->add_option("--to", options->to, "End, likewise")->type_name("E,N");
   command->add_option("--via", options->via, "Places to pass between, in this order")->type_name("E,N");
-  command->add_option("--avoid", options->avoid, "Polygons that no way may touch: GeoJSON, GeoPackage or another format of GDAL")
+  command
+      ->add_option("--avoid", options->avoid,
+                   "Polygons that no way may touch: GeoJSON, GeoPackage or another format of GDAL")
       ->type_name(kFile);
   command->add_flag("--eight-directions", options->eight_directions,
                     "Steps to the eight neighbours only, as the page takes; quicker, up to 8 % longer");
@@ -21,7 +23,8 @@ void add_route_command(CLI::App& app, const Globals& globals, const Work<RouteOp
       ->type_name(one_of({"fastest", "safest", "least-energy", "shortest"}))
       ->delimiter(',')
       ->capture_default_str();
-  command->add_option("--out", options->out, "Lines: .gpkg, .geojson, or .gpx with elevation and time")->type_name(kFile);
+  command->add_option("--out", options->out, "Lines: .gpkg, .geojson, or .gpx with elevation and time")
+      ->type_name(kFile);
   command
       ->add_option("--departure", options->departure,
                    "When the track of a .gpx starts, such as 2026-05-01T06:00:00Z; by default the first second of 2000")

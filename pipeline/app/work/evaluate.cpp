@@ -2,8 +2,8 @@
 #include "pipeline/app/work/work.h"
 #include "pipeline/learn/evaluation/evaluate_model.h"
 #include "pipeline/learn/evaluation/evaluation_checks.h"
-#include "pipeline/learn/evaluation/reconstruction.h"
 #include "pipeline/learn/evaluation/joint_scores.h"
+#include "pipeline/learn/evaluation/reconstruction.h"
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/train_model.h"
 

@@ -23,11 +23,11 @@ struct DesignOptions {
 
 struct RouteOptions {
   map::MapFiles files;
-  std::string from, to;                         // "easting,northing"; empty: not asked
-  std::vector<std::string> via;                 // places between
-  std::string avoid, departure;                 // polygons; time of GPX tracks, empty: kNoDate
+  std::string from, to;          // "easting,northing"; empty: not asked
+  std::vector<std::string> via;  // places between
+  std::string avoid, departure;  // polygons; time of GPX tracks, empty: kNoDate
   bool eight_directions = false;
-  std::string costmap, grid_map;  // files; empty: not written
+  std::string costmap, grid_map;                // files; empty: not written
   std::vector<std::string> costs{"safest"};     // names; the first one also bands and reaches
   std::string out, reach, isochrones, regions;  // files; empty: not written
   double interval = 0;                          // width of a band, in the unit of the first cost; 0: a round one

@@ -9,8 +9,9 @@ namespace gonogo::learn {
 /// Scores P(go) on the valid trials of `dataset` whose point was not trained on. The baselines (baselines.h) are
 /// trained on the model's own training trials and scored beside it. "missing" says how the scores worsen when variables
 /// are hidden (missing_curve.h), without the Gaussian process, which takes too long for so many answers.
-/// "reconstruction" is that of reconstruction.h, "joint" that of joint_scores.h, "checks" are those of evaluation_checks.h: { "trials",
-/// "left_out_unknown", "left_out_trained_on", "outcome_log_loss_nat", "scores": {...}, "missing": [...],
+/// "reconstruction" is that of reconstruction.h, "joint" that of joint_scores.h, "checks" are those of
+/// evaluation_checks.h: { "trials", "left_out_unknown", "left_out_trained_on", "outcome_log_loss_nat", "scores": {...},
+/// "missing": [...],
 ///   "reconstruction": {...}, "joint": {...}, "checks": [...] }. Throws InputError if no trial is left to score.
 Json evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset);
 

@@ -170,11 +170,12 @@ MapSources MapSources::again() const {
 }
 
 MapSources open_sources(const Region& region) {
-  MapSources sources{.elevation = RasterSource::open_heights(region.elevation.files, region.grid, region.elevation.heights),
-                     .soil_class = {},
-                     .land_cover = {},
-                     .moisture = {},
-                     .cone_index = {}};
+  MapSources sources{
+      .elevation = RasterSource::open_heights(region.elevation.files, region.grid, region.elevation.heights),
+      .soil_class = {},
+      .land_cover = {},
+      .moisture = {},
+      .cone_index = {}};
   const MapGrid& grid = sources.elevation.grid();
   if (grid.columns < 3 || grid.rows < 3)
     throw InputError(region.elevation.files.file.front().string() + ": makes a map of " + std::to_string(grid.columns) +
@@ -242,13 +243,12 @@ TileLayers evaluate_tile(const MapSources& sources, const Region& region, const 
   const MapGrid& grid = sources.elevation.grid();
   const Tile bordered =
       sources.elevation.read({window.column - 1, window.row - 1, window.columns + 2, window.rows + 2});
-  const Readings readings = {.soil = read_part(sources.soil_class, window),
-                             .moisture = read_part(sources.moisture, window),
-                             .land = read_part(sources.land_cover, window),
-                             .cone_index = read_part(sources.cone_index, window),
-                             .flat = sources.elevation.has_flat()
-                                         ? std::optional(sources.elevation.read_flat(window))
-                                         : std::nullopt};
+  const Readings readings = {
+      .soil = read_part(sources.soil_class, window),
+      .moisture = read_part(sources.moisture, window),
+      .land = read_part(sources.land_cover, window),
+      .cone_index = read_part(sources.cone_index, window),
+      .flat = sources.elevation.has_flat() ? std::optional(sources.elevation.read_flat(window)) : std::nullopt};
   const std::vector<LandRule> land = land_rules(region);
   const terrain::CellSize cell = {grid.cell_width_m(), grid.cell_height_m()};
   const Tile empty(window.columns, window.rows, kNoData);

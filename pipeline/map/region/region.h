@@ -15,9 +15,9 @@ namespace gonogo::map {
 struct RegionRaster {
   terrain::RasterFiles files;
   std::string source, licence;
-  double error = 0;              // standard error of elevations [m]; 0: not stated
-  double error_correlation = 0;  // of that error between neighbouring cells [-1, 1]
-  double unit = 1;               // one count of a cone index raster [Pa]
+  double error = 0;               // standard error of elevations [m]; 0: not stated
+  double error_correlation = 0;   // of that error between neighbouring cells [-1, 1]
+  double unit = 1;                // one count of a cone index raster [Pa]
   terrain::HeightWish heights{};  // of the elevation
 };
 

@@ -47,7 +47,8 @@ bool holds_slope(const campaign::DesignSpec& spec, double slope) {
 }  // namespace
 
 double share_inside(const Region& region, const campaign::DesignSpec& spec) {
-  const RasterSource elevation = RasterSource::open_heights(region.elevation.files, region.grid, region.elevation.heights);
+  const RasterSource elevation =
+      RasterSource::open_heights(region.elevation.files, region.grid, region.elevation.heights);
   const terrain::MapGrid& grid = elevation.grid();
   std::optional<RasterSource> soils;
   if (region.soil_class) soils = RasterSource::open_on_grid(region.soil_class->files, grid, RasterKind::classes);

@@ -118,8 +118,7 @@ class Search {
     float sum = cost[cell];
     for (int k = 0; k < step.pieces && sum < known; ++k) {
       const Step::Piece& piece = step.piece[std::size_t(k)];
-      sum += piece.length *
-             costs_.per_metre(cells_, std::size_t(std::ptrdiff_t(cell) + piece.offset), step.heading);
+      sum += piece.length * costs_.per_metre(cells_, std::size_t(std::ptrdiff_t(cell) + piece.offset), step.heading);
     }
     return sum;
   }

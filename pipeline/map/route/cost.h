@@ -33,10 +33,10 @@ const char* unit_of(RouteCost cost);
 /// Inputs of all cells of a map [cell], row by row from the north.
 struct RouteCells {
   int columns = 0, rows = 0;
-  double cell_width = 1, cell_height = 1;  // [m]
-  std::vector<std::uint16_t> slope;        // [1 / kSlopeSteps deg]
-  std::vector<std::uint16_t> aspect;       // whole degrees [0, 360), downhill, clockwise from grid north
-  std::vector<std::uint8_t> soil;  // position in the soil table, or one of the following
+  double cell_width = 1, cell_height = 1;        // [m]
+  std::vector<std::uint16_t> slope;              // [1 / kSlopeSteps deg]
+  std::vector<std::uint16_t> aspect;             // whole degrees [0, 360), downhill, clockwise from grid north
+  std::vector<std::uint8_t> soil;                // position in the soil table, or one of the following
   static constexpr std::uint8_t kNowhere = 255;  // no slope, unknown soil, or unknown by a land rule
   static constexpr std::uint8_t kClosed = 254;   // no-go by a land rule, or to be avoided
   bool is_open(std::size_t cell) const { return soil[cell] < kClosed; }

@@ -5,8 +5,8 @@
 
 namespace gonogo::map {
 
-/// Walks from the centre of cell `from` to that of cell `to` on a grid of `columns`, after Amanatides and Woo (1987), in
-/// whole numbers. Calls enter(cell, begin, end) for each cell with the share of the line inside of it [0, 1], and
+/// Walks from the centre of cell `from` to that of cell `to` on a grid of `columns`, after Amanatides and Woo (1987),
+/// in whole numbers. Calls enter(cell, begin, end) for each cell with the share of the line inside of it [0, 1], and
 /// corner(cell, cell) for the two cells beside a corner that the line passes through. Either may return false to stop.
 /// Returns whether the end was reached.
 template <class Enter, class Corner>

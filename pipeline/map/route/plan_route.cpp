@@ -35,9 +35,11 @@ std::uint32_t cell_at(const Place& place, const terrain::MapGrid& grid, const Ro
              grid.north - grid.rows * grid.cell_height, grid.north));
   const auto cell = std::uint32_t(row) * std::uint32_t(grid.columns) + std::uint32_t(column);
   if (!cells.is_open(cell))
-    throw InputError(line("route: %s %.10g,%.10g has no elevation or no known soil, or is closed by land cover or a polygon to avoid; choose "
-                          "a place next to it", which,
-                          place.x, place.y));
+    throw InputError(
+        line("route: %s %.10g,%.10g has no elevation or no known soil, or is closed by land cover or a polygon to "
+             "avoid; choose "
+             "a place next to it",
+             which, place.x, place.y));
   return cell;
 }
 
@@ -114,7 +116,8 @@ void require_places(const RouteRequest& request) {
 }
 
 /// The places to pass, as cells.
-std::vector<std::uint32_t> stops_of(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells) {
+std::vector<std::uint32_t> stops_of(const RouteRequest& request, const terrain::MapGrid& grid,
+                                    const RouteCells& cells) {
   std::vector<std::uint32_t> stops = {cell_at(*request.from, grid, cells, "--from")};
   for (const Place& place : request.via) stops.push_back(cell_at(place, grid, cells, "--via"));
   stops.push_back(cell_at(*request.to, grid, cells, "--to"));
@@ -164,16 +167,17 @@ Json find_routes(const RouteRequest& request, const terrain::MapGrid& grid, cons
 }
 
 /// Tracks with heights, and with times if the model tells them.
-void write_tracks(const RouteRequest& request, const MapSources& sources, const RouteCells& cells, const AllCosts& costs,
-                  const std::vector<Found>& ways) {
+void write_tracks(const RouteRequest& request, const MapSources& sources, const RouteCells& cells,
+                  const AllCosts& costs, const std::vector<Found>& ways) {
   const terrain::MapGrid& grid = sources.elevation.grid();
   const auto time = costs.find(RouteCost::time);
   const TrackTolerance most{.distance = 0.25 * std::min(grid.cell_width, grid.cell_height)};
   std::vector<terrain::Track> tracks;
   for (const Found& way : ways)
-    tracks.push_back({name_of(way.cost), simplified(track_of(way.route, cells, time == costs.end() ? nullptr : &time->second,
-                                                             sources.elevation),
-                                                    most)});
+    tracks.push_back(
+        {name_of(way.cost),
+         simplified(track_of(way.route, cells, time == costs.end() ? nullptr : &time->second, sources.elevation),
+                    most)});
   std::vector<terrain::Stop> stops;
   const std::vector<std::uint32_t> places = stops_of(request, grid, cells);
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -204,7 +208,8 @@ void write_spread(const RouteRequest& request, const terrain::MapGrid& grid, con
                   const RouteCosts& costs) {
   const RouteCost cost = request.costs.front();
   const std::uint32_t start = cell_at(*request.from, grid, cells, "--from");
-  const std::vector<float> least = request.eight_directions ? reach(cells, costs, start) : reach_any_angle(cells, costs, start);
+  const std::vector<float> least =
+      request.eight_directions ? reach(cells, costs, start) : reach_any_angle(cells, costs, start);
   if (!request.reach.empty())
     write_reach(request.reach, grid, cost, least, map_metadata(request.map, map_inputs(request.map)),
                 request.map.threads);
@@ -227,8 +232,8 @@ Place parse_place(const std::string& text, const std::string& where) {
 
 std::int64_t parse_departure(const std::string& text, const std::string& where) {
   int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, used = 0;
-  const bool read = std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2dZ%n", &year, &month, &day, &hour, &minute, &second,
-                                &used) == 6 &&
+  const bool read = std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2dZ%n", &year, &month, &day, &hour, &minute,
+                                &second, &used) == 6 &&
                     used == int(text.size()) && text.size() == 20;
   const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(unsigned(month)),
                                          std::chrono::day(unsigned(day))};

@@ -42,8 +42,8 @@ std::string yaml_text(const std::filesystem::path& pgm, const terrain::MapGrid& 
   const std::string unit = std::string(unit_of(cost)) + "/m";
   return "# Costmap for nav2_map_server (mode raw), " + grid.crs_name + ".\n" +
          "# 0 to 99: cost per metre of the dearest of eight headings that pass, 100: no-go, 255: unknown.\n" +
-         line("# cost = %.9g + value / 99 * (%.9g - %.9g) %s, by the cost \"%s\"; what is dearer has the value 99.\n", scale.at_0,
-              scale.at_99, scale.at_0, unit.c_str(), name_of(cost).c_str()) +
+         line("# cost = %.9g + value / 99 * (%.9g - %.9g) %s, by the cost \"%s\"; what is dearer has the value 99.\n",
+              scale.at_0, scale.at_99, scale.at_0, unit.c_str(), name_of(cost).c_str()) +
          "# Let the costmap's static layer use trinary_costmap: false and track_unknown_space: true.\n" +
          "image: " + Json(pgm.filename().string()).dump() + "\nmode: raw\n" +
          line("resolution: %.9g\norigin: [%.9f, %.9f, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n",
@@ -70,8 +70,9 @@ std::vector<std::pair<std::string, std::string>> grid_map_metadata(const terrain
           {"grid_map_position_x", line("%.9f", grid.west * m + length_x / 2)},
           {"grid_map_position_y", line("%.9f", grid.north * m - length_y / 2)},
           {"gonogo_cost", name_of(cost)},
-          {"gonogo_headings", "degrees clockwise from grid north; cost_*: NaN where the heading does not pass; go_*: 1 "
-                              "passes, 0 no-go, NaN unknown"}};
+          {"gonogo_headings",
+           "degrees clockwise from grid north; cost_*: NaN where the heading does not pass; go_*: 1 "
+           "passes, 0 no-go, NaN unknown"}};
 }
 
 }  // namespace
@@ -103,7 +104,8 @@ std::vector<std::uint8_t> costmap_of(const SoilTable& table, const RouteCells& c
   }
   std::vector<std::uint8_t> map(worst.size());
   for (std::size_t c = 0; c < map.size(); ++c) {
-    const double share = scale.at_99 > scale.at_0 ? (double(worst[c].per_metre) - scale.at_0) / (scale.at_99 - scale.at_0) : 0;
+    const double share =
+        scale.at_99 > scale.at_0 ? (double(worst[c].per_metre) - scale.at_0) / (scale.at_99 - scale.at_0) : 0;
     map[c] = worst[c].passage == Passage::passes  ? std::uint8_t(std::lround(99 * std::clamp(share, 0.0, 1.0)))
              : worst[c].passage == Passage::no_go ? kLethal
                                                   : kUnknownCost;
@@ -116,9 +118,10 @@ void write_costmap(const std::filesystem::path& yaml, const terrain::MapGrid& gr
   if (yaml.extension() != ".yaml")
     throw InputError("route: --costmap: \"" + yaml.string() + "\" is no name of a costmap; give it as .yaml");
   if (std::abs(cells.cell_width / cells.cell_height - 1) > kSquare)
-    throw InputError(line("route: --costmap: cells are %.9g x %.9g m, and a costmap has square ones; choose a grid with "
-                          "\"cell_m\" in the region",
-                          cells.cell_width, cells.cell_height));
+    throw InputError(
+        line("route: --costmap: cells are %.9g x %.9g m, and a costmap has square ones; choose a grid with "
+             "\"cell_m\" in the region",
+             cells.cell_width, cells.cell_height));
   std::filesystem::path pgm = yaml;
   pgm.replace_extension(".pgm");
   CostmapScale scale;

@@ -33,9 +33,9 @@ std::vector<std::uint8_t> costmap_of(const SoilTable& table, const RouteCells& c
 void write_costmap(const std::filesystem::path& yaml, const terrain::MapGrid& grid, const SoilTable& table,
                    const RouteCells& cells, const RouteCosts& costs, RouteCost cost);
 
-/// Writes .tif or .nc with the layers elevation [m], cost_000 to cost_315 [unit_of(cost) / m], NaN where the heading does
-/// not pass, and go_000 to go_315: 1 passes, 0 no-go, NaN unknown. Metadata give resolution, lengths and position as
-/// grid_map has them.
+/// Writes .tif or .nc with the layers elevation [m], cost_000 to cost_315 [unit_of(cost) / m], NaN where the heading
+/// does not pass, and go_000 to go_315: 1 passes, 0 no-go, NaN unknown. Metadata give resolution, lengths and position
+/// as grid_map has them.
 void write_grid_map(const std::filesystem::path& path, const terrain::RasterSource& elevation, const SoilTable& table,
                     const RouteCells& cells, const RouteCosts& costs, RouteCost cost);
 

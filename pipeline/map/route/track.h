@@ -26,8 +26,8 @@ struct TrackTolerance {
   double seconds = 5;
 };
 
-/// Leaves out points by the method of Ramer (1972) and Douglas and Peucker (1973), with places, heights and seconds of a
-/// point compared with those at its share of the way between the points that stay.
+/// Leaves out points by the method of Ramer (1972) and Douglas and Peucker (1973), with places, heights and seconds of
+/// a point compared with those at its share of the way between the points that stay.
 std::vector<terrain::TrackPoint> simplified(const std::vector<terrain::TrackPoint>& track, const TrackTolerance& most);
 
 }  // namespace gonogo::map

@@ -212,9 +212,9 @@ std::vector<std::filesystem::path> write_change_overlay(const CompareRequest& re
   const terrain::GlobeAnswer globe = terrain::place_on_globe(grid);
   terrain::OverlayAnswer overlay{{}, globe.why_not};
   if (globe.place)
-    overlay = terrain::write_overlay(request.out / "change.kml", request.out / "change.png", request.out / "change.tif",
-                                     *globe.place, "Which map passes", "First: " + a.name + ". Second: " + b.name,
-                                     legend);
+    overlay =
+        terrain::write_overlay(request.out / "change.kml", request.out / "change.png", request.out / "change.tif",
+                               *globe.place, "Which map passes", "First: " + a.name + ". Second: " + b.name, legend);
   if (!overlay.why_not.empty()) result["remark"] = "there is no change.kml for globes: " + overlay.why_not;
   return overlay.files;
 }
@@ -270,7 +270,8 @@ Json compare_maps(const CompareRequest& request) {
   result["change"] = counted(layers[0].legend, pass, grid, csv, "change");
   result["significance"] = counted(layers[3].legend, go, grid, csv, "change_significance");
   write_file_atomically(request.out / "compare.csv", csv);
-  const std::vector<std::filesystem::path> overlay = write_change_overlay(request, a, b, grid, layers[0].legend, result);
+  const std::vector<std::filesystem::path> overlay =
+      write_change_overlay(request, a, b, grid, layers[0].legend, result);
   for (const char* name : names) files.push_back(Json((request.out / name).string()));
   write_figure(request.out / "compare.png", a, b, grid, layers, reduced, result);
   for (const char* name : {"compare.png", "compare.csv"}) files.push_back(Json((request.out / name).string()));

@@ -100,9 +100,10 @@ void remark_on_elevation(const terrain::RasterSource& elevation, std::vector<std
   if (!elevation.how_warped().empty()) remarks.push_back(elevation.how_warped());
   const double cell = std::max(elevation.grid().cell_width_m(), elevation.grid().cell_height_m());
   if (cell > coarse)
-    remarks.push_back(line("cells are %.4g m wide: slopes are means over such lengths, and ground that a vehicle meets is "
-                           "steeper in places; cells of at most %g m show more",
-                           cell, coarse));
+    remarks.push_back(
+        line("cells are %.4g m wide: slopes are means over such lengths, and ground that a vehicle meets is "
+             "steeper in places; cells of at most %g m show more",
+             cell, coarse));
 }
 
 /// What the map cannot say about its place on the globe.

@@ -243,11 +243,9 @@ Json map_at(const TemporaryFolder& folder, const std::string& crs, double west, 
   std::vector<float> height;
   for (int i = 0; i < kSide * kSide; ++i)
     height.push_back(float(1000 + 30 * std::sin(i % kSide / 3.0) * std::cos(i / kSide / 4.0)));
-  test::make_raster(folder / "dem.tif", {.columns = kSide,
-                                         .rows = kSide,
-                                         .transform = {west, 100, 0, north, 0, -100},
-                                         .value = height,
-                                         .crs = crs});
+  test::make_raster(
+      folder / "dem.tif",
+      {.columns = kSide, .rows = kSide, .transform = {west, 100, 0, north, 0, -100}, .value = height, .crs = crs});
   write_file_atomically(folder / "region.json", R"({"schema": "gonogo/region/1", "region": "made",
     "rasters": [{"role": "elevation", "file": "dem.tif", "source": "made", "licence": "none"}]})");
   MapRequest request;
