@@ -1,6 +1,6 @@
-// The teacher of a machine: a Gaussian process fitted to the same trials says P(go) at points without a trial
-// (learning/rbm/teaching.h). In cross-validation every fold has a teacher that has not seen it, and the teacher's
-// forecasts of the fold's trials score it as a baseline.
+// The teacher of a machine: a Gaussian process fitted to the same trials says P(go) at points without a trial, at its
+// most probable latent function (learning/rbm/teaching.h). In cross-validation every fold has a teacher that has not
+// seen it, and that process's forecasts of the fold's trials score it as a baseline.
 #pragma once
 #include <map>
 #include <memory>
