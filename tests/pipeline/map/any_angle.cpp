@@ -41,8 +41,9 @@ std::vector<double> eikonal(const RouteCells& cells, const RouteCosts& costs, st
   std::vector<char> fixed(u.size());
   const int sx = int(start) % cells.columns * finer + finer / 2, sy = int(start) / cells.columns * finer + finer / 2;
   for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) f[at(x, y)] = double(costs.per_metre(cells, coarse(x, y), 0));
+  for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; ++x) {
-      f[at(x, y)] = double(costs.per_metre(cells, coarse(x, y), 0));
       const double distance = h * std::hypot(x - sx, y - sy);
       if (distance > 4 * cells.cell_width) continue;
       REQUIRE(f[at(x, y)] == f[at(sx, sy)]);
@@ -102,13 +103,17 @@ TEST_CASE("a line costs what fine samples of it add up to, and corners beside ob
     const int heading = (int(std::lround(std::atan2(dx * 10, -dy * 12) / kDegree)) + 360) % 360;
     constexpr int samples = 20011;
     double sum = 0;
+    int blocked = 0;
     for (int i = 0; i < samples; ++i) {
       const double t = (i + 0.5) / samples;
-      sum += double(costs.per_metre(cells, cell_at(cells, int(x0 + t * dx), int(y0 + t * dy)), heading)) / samples;
+      const float cost = costs.per_metre(cells, cell_at(cells, int(x0 + t * dx), int(y0 + t * dy)), heading);
+      blocked += !std::isfinite(cost);
+      sum += std::isfinite(cost) ? double(cost) / samples : 0;
     }
+    if (blocked > 0 && blocked < 4) continue;  // a corner, on whose side a sample falls by rounding
     sum *= std::hypot(dx * 10, dy * 12);
     const double found = line_cost(cells, costs, from, to);
-    if (!std::isfinite(sum)) CHECK(std::isinf(found));
+    if (blocked > 0) CHECK(std::isinf(found));
     if (!std::isfinite(found)) continue;
     ++finite;
     CHECK(found == Approx(sum).epsilon(2e-3));
