@@ -50,6 +50,8 @@ class Krylov final : public NewtonSystem {
   static PreconditionerSettings settings(bool preconditioned) {
     PreconditionerSettings s;
     s.is_used = preconditioned;
+    s.is_single = false;  // near the end the condition of Newton's matrix exceeds what float holds
+    s.tolerance = 1e-12;
     return s;
   }
   PreconditionedKrylov method_;

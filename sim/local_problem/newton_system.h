@@ -18,7 +18,7 @@ class NewtonSystem {
 };
 
 /// pdip: sparse Cholesky when `is_symmetric`, otherwise sparse LU. pdip_spike: BiCGStab preconditioned by truncated
-/// SPIKE in single precision. pdip_krylov: BiCGStab alone.
+/// SPIKE. pdip_krylov: BiCGStab alone.
 std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_symmetric);
 
 }  // namespace gonogo::sim

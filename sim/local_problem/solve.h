@@ -14,8 +14,8 @@
 //   Their
 //         error to the round cone falls with the number of facets, to about 3 / facets where contacts slide.
 //
-//   pdip_spike, pdip_krylov: pdip with BiCGStab in place of factorisations, preconditioned by truncated SPIKE in single
-//         precision on 96 off-diagonals (banded/spike.h), and not preconditioned
+//   pdip_spike, pdip_krylov: pdip with BiCGStab in place of factorisations, preconditioned by truncated SPIKE on 96
+//         off-diagonals (banded/spike.h), and not preconditioned
 //   jacobi, gauss_seidel, nesterov (reference.cpp), minres (minres.cpp): for `ccp` alone; the first three as published
 #pragma once
 #include <cstddef>

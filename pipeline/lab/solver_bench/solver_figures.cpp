@@ -46,7 +46,11 @@ report::PlotLine steps(const std::string& label, const std::vector<double>& tau,
 }
 
 void draw_curves(const fs::path& folder, const std::string& problem, const std::vector<const SolverRun*>& runs) {
-  report::LinePlot plot{.title = problem, .x_label = "log10 time [s]", .y_label = "log10 error", .from_zero = false};
+  report::LinePlot plot;
+  plot.title = problem;
+  plot.x_label = "log10 time [s]";
+  plot.y_label = "log10 error";
+  plot.from_zero = false;
   for (const SolverRun* run : runs) {
     report::PlotLine curve{.label = run->solver};
     for (const sim::TracePoint& p : run->trace)
@@ -68,9 +72,10 @@ void write_solver_bench(const fs::path& folder, const SolverBench& bench, const 
   std::string csv = "tolerance,solver,tau,share\n";
   for (const double tolerance : bench.tolerances) {
     const Profile profile = time_profile(bench, runs, tolerance);
-    report::LinePlot plot{.title = line("Share of problems ended at error %g", tolerance),
-                          .x_label = "log2 (time / that of the fastest)",
-                          .y_label = "share of problems"};
+    report::LinePlot plot;
+    plot.title = line("Share of problems ended at error %g", tolerance);
+    plot.x_label = "log2 (time / that of the fastest)";
+    plot.y_label = "share of problems";
     for (std::size_t s = 0; s < bench.solvers.size(); ++s) {
       const char* const name = sim::solver_name(bench.solvers[s]);
       for (std::size_t k = 0; k < profile.tau.size(); ++k)
