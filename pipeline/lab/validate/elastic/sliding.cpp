@@ -19,8 +19,9 @@ el::Simulation resting_block(double epsilon) {
   el::Model model;
   model.body = {{"block", el::make_rectangle(el::even(0, 0.2, 16), el::even(0, 0.05, 4)), {1e9, 0.3, 2000}}};
   model.gravity = {0, -kGravity, 0};
-  el::Contact c{.face = el::faces_where(model.body[0].mesh, [](const Vec3d& x) { return near(x.y, 0); }),
-                .law = el::penalty_law(1e8, kFriction, epsilon)};
+  el::Contact c;
+  c.face = el::faces_where(model.body[0].mesh, [](const Vec3d& x) { return near(x.y, 0); });
+  c.law = el::penalty_law(1e8, kFriction, epsilon);
   c.shape.displacement = [](double) { return Vec3d{0, 1e-7, 0}; };  // touches from the start
   model.contact.push_back(c);
   el::Simulation s(std::move(model));
