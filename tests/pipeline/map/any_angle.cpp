@@ -25,7 +25,8 @@ std::uint32_t cell_at(const RouteCells& cells, int column, int row) {
 
 void block(RouteCells& cells, int left, int top, int width, int height, std::uint8_t soil = RouteCells::kNowhere) {
   for (int y = std::max(0, top); y < std::min(cells.rows, top + height); ++y)
-    for (int x = std::max(0, left); x < std::min(cells.columns, left + width); ++x) cells.soil[cell_at(cells, x, y)] = soil;
+    for (int x = std::max(0, left); x < std::min(cells.columns, left + width); ++x)
+      cells.soil[cell_at(cells, x, y)] = soil;
 }
 
 /// Travel costs from `start` by the eikonal equation |grad u| = f, on cells divided in `finer` x `finer`: fast sweeping
@@ -40,8 +41,9 @@ std::vector<double> eikonal(const RouteCells& cells, const RouteCosts& costs, st
   std::vector<char> fixed(u.size());
   const int sx = int(start) % cells.columns * finer + finer / 2, sy = int(start) / cells.columns * finer + finer / 2;
   for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) f[at(x, y)] = double(costs.per_metre(cells, coarse(x, y), 0));
+  for (int y = 0; y < rows; ++y)
     for (int x = 0; x < columns; ++x) {
-      f[at(x, y)] = double(costs.per_metre(cells, coarse(x, y), 0));
       const double distance = h * std::hypot(x - sx, y - sy);
       if (distance > 4 * cells.cell_width) continue;
       REQUIRE(f[at(x, y)] == f[at(sx, sy)]);
@@ -96,17 +98,22 @@ TEST_CASE("a line costs what fine samples of it add up to, and corners beside ob
   for (std::uint64_t k = 0; k < 400; ++k) {
     const auto from = std::uint32_t(random_bits(1, 0, k) % 1200), to = std::uint32_t(random_bits(1, 1, k) % 1200);
     if (from == to) continue;
-    const double x0 = from % 40 + 0.5, y0 = from / 40 + 0.5, dx = double(to % 40) - from % 40, dy = double(to / 40) - from / 40;
+    const double x0 = from % 40 + 0.5, y0 = from / 40 + 0.5, dx = double(to % 40) - from % 40,
+                 dy = double(to / 40) - from / 40;
     const int heading = (int(std::lround(std::atan2(dx * 10, -dy * 12) / kDegree)) + 360) % 360;
     constexpr int samples = 20011;
     double sum = 0;
+    int blocked = 0;
     for (int i = 0; i < samples; ++i) {
       const double t = (i + 0.5) / samples;
-      sum += double(costs.per_metre(cells, cell_at(cells, int(x0 + t * dx), int(y0 + t * dy)), heading)) / samples;
+      const float cost = costs.per_metre(cells, cell_at(cells, int(x0 + t * dx), int(y0 + t * dy)), heading);
+      blocked += !std::isfinite(cost);
+      sum += std::isfinite(cost) ? double(cost) / samples : 0;
     }
+    if (blocked > 0 && blocked < 4) continue;  // a corner, on whose side a sample falls by rounding
     sum *= std::hypot(dx * 10, dy * 12);
     const double found = line_cost(cells, costs, from, to);
-    if (!std::isfinite(sum)) CHECK(std::isinf(found));
+    if (blocked > 0) CHECK(std::isinf(found));
     if (!std::isfinite(found)) continue;
     ++finite;
     CHECK(found == Approx(sum).epsilon(2e-3));
@@ -161,7 +168,8 @@ TEST_CASE("around one obstacle the way is the closed form's: two tangents and an
   CHECK(over->cost == Approx(10 * closed).epsilon(1e-3));
 }
 
-TEST_CASE("ways through fields of obstacles are within 1.5 % of a continuous solver's, those in eight directions are not") {
+TEST_CASE(
+    "ways through fields of obstacles are within 1.5 % of a continuous solver's, those in eight directions are not") {
   const auto table = made_table();
   const RouteCosts costs(table, RouteCost::length, 100);
   double worst = 0, least = 1, plain = 0;
@@ -225,12 +233,14 @@ TEST_CASE("on rough ground a way in any direction costs no more than one in eigh
     for (const RouteCost cost : {RouteCost::length, RouteCost::risk}) {
       const RouteCosts costs(table, cost, 100);
       for (std::uint64_t k = 0; k < 40; ++k) {
-        const auto start = std::uint32_t(random_bits(seed, 7, k) % 1200), end = std::uint32_t(random_bits(seed, 8, k) % 1200);
+        const auto start = std::uint32_t(random_bits(seed, 7, k) % 1200),
+                   end = std::uint32_t(random_bits(seed, 8, k) % 1200);
         const auto plain = find_route(cells, costs, start, end), any = find_any_angle(cells, costs, start, end);
         if (plain) REQUIRE(any);
         if (!any) continue;
         double sum = 0;
-        for (std::size_t i = 1; i < any->cell.size(); ++i) sum += line_cost(cells, costs, any->cell[i - 1], any->cell[i]);
+        for (std::size_t i = 1; i < any->cell.size(); ++i)
+          sum += line_cost(cells, costs, any->cell[i - 1], any->cell[i]);
         CHECK(any->cost == Approx(sum).margin(1e-9));
         CHECK(any->cell.front() == start);
         CHECK(any->cell.back() == end);
