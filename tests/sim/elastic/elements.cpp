@@ -3,6 +3,7 @@
 
 #include "sim/elastic/element_matrices.h"
 #include "sim/elastic/make_mesh.h"
+#include "sim/elastic/simulation.h"
 #include "tests/support/catch.h"
 
 namespace {
