@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import sys
+from xml.etree import ElementTree
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import checks  # noqa: E402
@@ -114,6 +115,47 @@ def check_route(browser, expected):
           "a route keeps to cells that some heading passes")
 
 
+def check_route_tools(browser):
+    """With a route drawn: shares follow the thresholds, lines of equal cost, files, measuring, and the address."""
+    shares = lambda: browser.js("document.querySelector('.share-list').innerText")
+    before = shares()
+    browser.js("(() => { const e = document.getElementById('go'); e.value = 99; e.dispatchEvent(new Event('input')); })()")
+    browser.settle()
+    check(shares() != before, "shares follow the thresholds while a route is drawn")
+    browser.js("document.getElementById('reset').click()")
+    browser.settle()
+    check(shares() == before and browser.js("route.path !== null"), "shares and route come back")
+    gpx = ElementTree.fromstring(browser.js("route_gpx()"))
+    points = gpx.findall(".//{*}trkpt")
+    check(len(points) == browser.js("route.path.length"), "a GPX holds every cell of the route")
+    start = browser.js("degrees_of(...centre_of(route.start))")
+    check(abs(float(points[0].get("lon")) - start[0]) < 1e-6 and abs(float(points[0].get("lat")) - start[1]) < 1e-6,
+          "a GPX starts at the start")
+    line = json.loads(browser.js("route_geojson()"))["features"][0]
+    check(len(line["geometry"]["coordinates"]) == len(points) and line["properties"]["length_m"] > 0, "so does GeoJSON")
+    check(browser.js("mgrs_of(44.4, 33.3)") == "38SMB 44140 84706", "MGRS as GeographicLib gives it")
+    browser.js("document.getElementById('route-reach').click()")
+    browser.settle()
+    check(browser.js("bands.labels.length > 0") and "every " in browser.js("document.getElementById('legend').innerText"),
+          "the reachable area has lines of equal cost")
+    browser.js("show_readout(route.start)")
+    check(browser.js("document.getElementById('readout').getBoundingClientRect().top"
+                     " >= canvas.getBoundingClientRect().bottom"), "the readout covers nothing of the map")
+    browser.js("toggle_measure(); add_measured(0); add_measured(cells.columns - 1)")
+    check("in all" in browser.js("document.getElementById('measured').textContent"), "measuring tells a length")
+    browser.js("toggle_measure()")
+    browser.until("location.hash.includes('reach=1')")
+    kept = browser.js("[route.start, route.end, state.layer, route.reaching]")
+    address = browser.js("location.hash")
+    browser.js("document.getElementById('route-clear').click()")
+    browser.until("!location.hash.includes('reach=1')")
+    browser.js(f"location.hash = {json.dumps(address)}")
+    browser.until("route.reaching")
+    check(browser.js("[route.start, route.end, state.layer, route.reaching]") == kept, "the address brings the state back")
+    browser.js("document.getElementById('route-clear').click()")
+    browser.settle()
+
+
 def check_hostile(browser, expected):
     check(browser.js("document.getElementById('title').textContent") == expected["title"], "the title shows as text")
     check(browser.js("window.broken === undefined"), "no script of the metadata ran")
@@ -133,6 +175,7 @@ def check_print(browser):
     text = browser.js("document.getElementById('print-note').innerText")
     for verdict in browser.js("meta.verdicts.map((v) => v.label)"):
         check(verdict in text, f"the printed note tells the share of {verdict}: {text!r}")
+    check("hash" not in text, "paper holds no hashes")
     check(browser.js("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)", "paper is white")
     browser.call("Emulation.setEmulatedMedia", media="")
     browser.js("set_theme('light')")
@@ -172,6 +215,7 @@ def main():
     check_settings(browser)
     check_keyboard(browser)
     check_route(browser, expected)
+    check_route_tools(browser)
     check_shares(browser)
     check_print(browser)
     if pictures:

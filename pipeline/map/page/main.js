@@ -37,7 +37,7 @@ function set_thresholds(go, no_go, moved) {
   state.no_go = no_go;
   for (const soil of soils) soil.update();
   refresh();
-  if (route.path || route.reach) update_route();
+  if (route.end !== null || route.reach) update_route();
 }
 
 function choose(cell) {
