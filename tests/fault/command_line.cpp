@@ -33,7 +33,7 @@ TEST_CASE("options that are unknown are answered with the nearest one") {
   refused({"doctor", "--thread", "2"}, "--threads");
   refused({"train", "--datset", "a.h5", "--out", "b.h5"}, "--dataset");  // rather than that --dataset is missing
   refused({"train", "--dataset", "a.h5", "--out", "b.h5", "--hold-uot=5"}, "--hold-out");
-  refused({"validate", "soils", "--wheel-frictoin", "1"}, "--wheel-friction");  // of an option group
+  refused({"validate", "wheels", "--nomnial"}, "--nominal");
   check_refusal(run_gonogo({"--jsn", "doctor"}), 2, {"\"--jsn\" is no option of gonogo", "\"--json\""});
   const Ending far = run_gonogo({"doctor", "--zzzzzzzzzz"});
   check_refusal(far, 2, {"\"--zzzzzzzzzz\" is no option of gonogo doctor", "see gonogo doctor --help"});

@@ -136,12 +136,12 @@ TEST_CASE("every cell of made ground gets the class that its slope and soil ask 
 TEST_CASE("nothing outside what was sampled is ever go") {
   const TemporaryFolder folder;
   MapRequest request = small_request(folder);
-  request.model.sampled[contract().variable_index("friction_angle")] = {10, 27};  // the soil has 28
+  request.model.sampled[contract().variable_index("friction_angle")] = {29, 45};  // the soil has 28
   const MapSummary summary = make_map(request);
   CHECK(summary.area.cells(Verdict::unknown) == summary.area.total());
   REQUIRE(summary.remarks.size() == 4);
-  CHECK(contains(summary.remarks[0], "friction_angle 28 deg is outside 10 to 27 deg"));
-  CHECK(contains(summary.remarks[2], "friction_angle lies outside what trials sampled, 10 to 27 deg, on "));
+  CHECK(contains(summary.remarks[0], "friction_angle 28 deg is outside 29 to 45 deg"));
+  CHECK(contains(summary.remarks[2], "friction_angle lies outside what trials sampled, 29 to 45 deg, on "));
 }
 
 TEST_CASE("a map has the same bytes for any number of threads and any tile size") {
