@@ -16,14 +16,14 @@ struct ReadLines {
   bool degrees = false;
 };
 
-/// The first layer that holds features.
+/// The first layer that holds features other than points, which are waypoints of GPX.
 inline ReadLines read_lines(const std::filesystem::path& path) {
   GDALAllRegister();
   std::unique_ptr<GDALDataset> file(GDALDataset::Open(path.c_str(), GDAL_OF_VECTOR));
   if (!file) throw std::runtime_error(path.string() + " cannot be opened");
   for (int l = 0; l < file->GetLayerCount(); ++l) {
     OGRLayer& layer = *file->GetLayer(l);
-    if (layer.GetFeatureCount() == 0) continue;
+    if (layer.GetFeatureCount() == 0 || wkbFlatten(layer.GetGeomType()) == wkbPoint) continue;
     OGREnvelope box;
     if (layer.GetExtent(&box) != OGRERR_NONE) throw std::runtime_error(path.string() + " has no extent");
     return {layer.GetFeatureCount(), box.MinX, bool(layer.GetSpatialRef()->IsGeographic())};
