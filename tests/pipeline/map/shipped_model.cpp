@@ -141,7 +141,8 @@ TEST_CASE("without a soil most of a map is unknown, says so, and is nowhere go f
   const MapSummary summary = make_map(read_map_request(files_of(folder)));
   CHECK(summary.area.share(Verdict::unknown) > 0.5);
   CHECK(summary.area.share(Verdict::go) == 0);
-  CHECK(summary.area.cells(Verdict::unknown, Reason::input_missing) > 0.9 * double(summary.area.cells(Verdict::unknown)));
+  CHECK(summary.area.cells(Verdict::unknown, Reason::input_missing) >
+        0.9 * double(summary.area.cells(Verdict::unknown)));
   REQUIRE_FALSE(summary.remarks.empty());
   CHECK(std::any_of(summary.remarks.begin(), summary.remarks.end(),
                     [](const std::string& remark) { return contains(remark, "no soil was given"); }));
