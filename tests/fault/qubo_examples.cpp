@@ -18,12 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder with out/demo/model.h5: 52 visible units, as in the demo.
+/// A folder with out/demo/model.h5, 52 visible units as in the demo, and the source tree's tests/.
 const fs::path& demo_folder() {
   static const TemporaryFolder folder;
   static const fs::path path = [] {
     const fs::path demo = folder.path() / "out/demo";
     fs::create_directories(demo);
+    fs::create_directory_symlink(GONOGO_SOURCE_DIR "/tests", folder.path() / "tests");  // of the source tree's problems
     campaign::write_dataset(demo / "dataset.h5", {learn::synthetic_trials(120, 1), {}});
     const Config learning = Config::parse(R"({"epochs": 100, "folds": 2})", "study");
     learn::train_model(
