@@ -50,6 +50,22 @@ OGRSpatialReference system_of(const MapGrid& grid) {
   return crs;
 }
 
+OGRSpatialReference wgs84() {
+  OGRSpatialReference crs;
+  crs.importFromEPSG(4326);
+  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return crs;
+}
+
+std::string export_wkt(const OGRSpatialReference& crs) {
+  char* text = nullptr;
+  const char* const options[] = {"FORMAT=WKT2_2019", "MULTILINE=NO", nullptr};
+  crs.exportToWkt(&text, options);
+  std::string wkt = text ? text : "";
+  CPLFree(text);
+  return wkt;
+}
+
 DatasetHandle open_reduced(const std::filesystem::path& layer, double max_cells) {
   const GdalCall call;
   const auto open = [&](const char* const* options) {

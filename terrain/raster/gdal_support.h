@@ -45,6 +45,12 @@ class FixedDate {
 /// The grid's coordinate system, with axes in the order x, y.
 OGRSpatialReference system_of(const MapGrid& grid);
 
+/// Longitude and latitude on WGS 84, in this order.
+OGRSpatialReference wgs84();
+
+/// As WKT2 of 2019 in one line; empty where GDAL cannot.
+std::string export_wkt(const OGRSpatialReference& crs);
+
 /// The layer, or its largest overview of at most `max_cells` cells.
 DatasetHandle open_reduced(const std::filesystem::path& layer, double max_cells);
 

@@ -15,27 +15,11 @@ namespace {
 using Transformation = std::unique_ptr<OGRCoordinateTransformation>;
 using Corners = std::array<std::array<double, 2>, 4>;
 
-OGRSpatialReference wgs84() {
-  OGRSpatialReference crs;
-  crs.importFromEPSG(4326);
-  crs.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
-  return crs;
-}
-
 OGRSpatialReference own_degrees(const OGRSpatialReference& crs) {
   OGRSpatialReference degrees;
   degrees.CopyGeogCSFrom(&crs);
   degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
   return degrees;
-}
-
-std::string wkt_of(const OGRSpatialReference& crs) {
-  char* text = nullptr;
-  const char* const options[] = {"FORMAT=WKT2_2019", "MULTILINE=NO", nullptr};
-  crs.exportToWkt(&text, options);
-  std::string wkt = text ? text : "";
-  CPLFree(text);
-  return wkt;
 }
 
 /// By the mean or equatorial radius [m] within 1 %.
@@ -110,7 +94,7 @@ bool place_in(const OGRSpatialReference& degrees, const MapGrid& grid, GlobePlac
   Corners corners;
   if (!turn_bounds(turn.get(), grid, place.box) || !turn_corners(*turn, grid, corners)) return false;
   place.system = degrees.GetName() ? degrees.GetName() : "unnamed";
-  place.wkt = wkt_of(degrees);
+  place.wkt = export_wkt(degrees);
   add_pieces(place, corners);
   return true;
 }

@@ -26,15 +26,6 @@ DatasetHandle open_dataset(const fs::path& path) {
   return dataset;
 }
 
-std::string export_wkt(const OGRSpatialReference& crs) {
-  char* text = nullptr;
-  const char* const options[] = {"FORMAT=WKT2_2019", "MULTILINE=NO", nullptr};
-  crs.exportToWkt(&text, options);
-  std::string wkt = text ? text : "";
-  CPLFree(text);
-  return wkt;
-}
-
 bool same_place_system(GDALDataset& a, GDALDataset& b) {
   const OGRSpatialReference *first = a.GetSpatialRef(), *second = b.GetSpatialRef();
   if (!first || !second) return first == second;

@@ -7,10 +7,7 @@ namespace gonogo::terrain {
 
 std::unique_ptr<OGRCoordinateTransformation> to_wgs84(const MapGrid& grid, const std::filesystem::path& path) {
   const GdalCall call;
-  const OGRSpatialReference from = system_of(grid);
-  OGRSpatialReference to;
-  to.importFromEPSG(4326);
-  to.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const OGRSpatialReference from = system_of(grid), to = wgs84();
   std::unique_ptr<OGRCoordinateTransformation> turn(OGRCreateCoordinateTransformation(&from, &to));
   if (!turn)
     throw InputError(path.string() +

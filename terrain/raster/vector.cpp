@@ -54,9 +54,7 @@ VectorStyle style_of(const std::vector<LineFeature>& lines) {
 void write_format(const fs::path& path, const Format& format, const MapGrid& grid, const std::string& name,
                   const std::vector<LineFeature>& lines) {
   GdalCall call;
-  OGRSpatialReference from = system_of(grid), wgs84;
-  wgs84.importFromEPSG(4326);
-  wgs84.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  OGRSpatialReference from = system_of(grid), degrees = wgs84();
   std::unique_ptr<OGRCoordinateTransformation> turn;
   if (format.wgs84) turn = to_wgs84(grid, path);
   GDALDriver* driver = GetGDALDriverManager()->GetDriverByName(format.driver);
@@ -66,7 +64,7 @@ void write_format(const fs::path& path, const Format& format, const MapGrid& gri
   CPLStringList options;
   if (std::string(format.driver) == "GeoJSON") options.SetNameValue("RFC7946", "YES");
   const bool gpx = std::string(format.driver) == "GPX";
-  OGRLayer* layer = file->CreateLayer(gpx ? "tracks" : name.c_str(), format.wgs84 ? &wgs84 : &from,
+  OGRLayer* layer = file->CreateLayer(gpx ? "tracks" : name.c_str(), format.wgs84 ? &degrees : &from,
                                       gpx ? wkbMultiLineString : wkbLineString, options.List());
   if (!layer) refuse_to_write(path, call);
   if (format.attributes) {
