@@ -13,12 +13,6 @@ using namespace gonogo::learning;
 
 namespace {
 
-std::vector<int> labels_of(const TrainingTable& table) {
-  std::vector<int> label;
-  for (std::size_t y : table.outcome) label.push_back(y < 2);
-  return label;
-}
-
 template <class Model>
 double brier_of(const Model& model, const TrainingTable& table) {
   std::vector<double> p;

@@ -19,12 +19,6 @@ using namespace gonogo::learning;
 
 namespace {
 
-std::vector<int> labels_of(const TrainingTable& table) {
-  std::vector<int> label;
-  for (std::size_t y : table.outcome) label.push_back(y < 2);
-  return label;
-}
-
 /// 14 rows of two variables on a curved edge, with unequal weights.
 TrainingTable small_table() {
   TrainingTable table;

@@ -57,4 +57,11 @@ inline VisibleLayout boundary_layout() {
                                              "no_go/f", "no_go/g", "no_go/h"});
 }
 
+/// 1 for go and slow_go, 0 for the others [rows].
+inline std::vector<int> labels_of(const TrainingTable& table) {
+  std::vector<int> label;
+  for (std::size_t y : table.outcome) label.push_back(y < 2);
+  return label;
+}
+
 }  // namespace gonogo::learning

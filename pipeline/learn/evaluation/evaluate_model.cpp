@@ -58,8 +58,7 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
   const learning::TrainingTable trained = training_table(predictor.model());
   const TrainingData data = make_training_data(campaign::read_dataset(dataset).records, {});
   const std::vector<int> passable = passable_outcomes();
-  std::vector<int> label;
-  for (std::size_t y : trained.outcome) label.push_back(passable[y]);
+  const std::vector<int> label = passable_labels(trained);
   std::set<std::vector<double>> seen;
   for (std::size_t n = 0; n < trained.row_count(); ++n) seen.insert(comparable(trained.row(n)));
 

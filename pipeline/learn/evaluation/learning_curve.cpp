@@ -48,18 +48,11 @@ std::vector<Point> points_of(const LearningCurveRequest& request, std::size_t le
   return points;
 }
 
-std::vector<int> labels_of(const learning::TrainingTable& table) {
-  const std::vector<int> passable = passable_outcomes();
-  std::vector<int> label;
-  for (std::size_t y : table.outcome) label.push_back(passable[y]);
-  return label;
-}
-
 std::map<std::string, std::vector<double>> forecasts_of(const TrainRequest& request, const Split& split) {
   TrainingData fewer = split.training;
   thin(fewer, request.trials, request.subset);
   std::map<std::string, std::vector<double>> forecasts =
-      fit_baselines(fewer.table, labels_of(fewer.table)).forecasts(split.held_out.variables);
+      fit_baselines(fewer.table, passable_labels(fewer.table)).forecasts(split.held_out.variables);
   std::vector<double> p(split.held_out.row_count());
   Predictor::read(request.model).p_go(split.held_out.variables, p);
   for (double& x : p) x = std::clamp(x, 1e-12, 1 - 1e-12);
@@ -73,7 +66,7 @@ Json measured(const LearningCurveRequest& request, const Split& split, const Poi
   training.subset = point.subset;
   training.model = request.folder / line("trials_%zu_subset_%zu.h5", point.trials, point.subset);
   train_model(training);
-  const std::vector<int> happened = labels_of(split.held_out);
+  const std::vector<int> happened = passable_labels(split.held_out);
   Json entry, brier = Json::object(), loss = Json::object();
   for (const auto& [name, p] : forecasts_of(training, split)) {
     brier[name] = learning::brier_score(p, happened);

@@ -16,15 +16,8 @@ std::vector<double> points_of(const std::vector<double>& lower, const std::vecto
   return points;
 }
 
-std::vector<int> labels_of(const learning::TrainingTable& table) {
-  const std::vector<int> passable = passable_outcomes();
-  std::vector<int> label;
-  for (std::size_t y : table.outcome) label.push_back(passable[y]);
-  return label;
-}
-
 learning::GaussianProcessModel process_of(const learning::TrainingTable& table) {
-  return learning::fit_gaussian_process(table, labels_of(table));
+  return learning::fit_gaussian_process(table, passable_labels(table));
 }
 
 std::shared_ptr<const learning::Teaching> taught(double weight, std::vector<double> points,

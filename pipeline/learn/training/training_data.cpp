@@ -52,6 +52,13 @@ std::vector<int> passable_outcomes() {
   return passable;
 }
 
+std::vector<int> passable_labels(const learning::TrainingTable& table) {
+  const std::vector<int> passable = passable_outcomes();
+  std::vector<int> label;
+  for (std::size_t y : table.outcome) label.push_back(passable[y]);
+  return label;
+}
+
 TrainingData make_training_data(const std::vector<campaign::TrialRecord>& records,
                                 const std::optional<Config>& design) {
   TrainingData data;

@@ -44,4 +44,7 @@ learning::VisibleLayout make_layout(const TrainingData& data, const LearningSett
 /// 1 for go and slow_go, 0 for no_go, in the order of contract().outcomes [outcome count].
 std::vector<int> passable_outcomes();
 
+/// The same of every row of the table [rows].
+std::vector<int> passable_labels(const learning::TrainingTable& table);
+
 }  // namespace gonogo::learn
