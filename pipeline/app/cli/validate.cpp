@@ -2,12 +2,37 @@
 #include <memory>
 #include <string>
 
+#include "base/cancel.h"
 #include "base/cores.h"
 #include "pipeline/app/cli/validate_parts.h"
 #include "pipeline/lab/validate/vehicles.h"
 #include "pipeline/lab/vehicle/locate.h"
 
 namespace gonogo::app {
+
+void report_figures(const Globals& globals, const std::vector<std::string>& names, const std::string& folder,
+                    const std::string& what, const std::function<lab::SoilFigure(const std::string&)>& make) {
+  Json json = Json::object(), checks = Json::object();
+  std::string text;
+  int failed = 0;
+  for (const std::string& name : names) {
+    stop_if_cancelled();
+    const lab::SoilFigure figure = make(name);
+    if (!folder.empty()) lab::write_figure(folder, figure);
+    text += lab::as_text(figure);
+    for (const lab::SoilCheck& c : figure.check) {
+      json[c.key] = c.measured;
+      failed += !c.holds();
+    }
+    checks[name] = lab::as_json(figure);
+  }
+  json["failed"] = failed;
+  json["checks"] = checks;
+  if (failed > 0)
+    fail_with_result(globals, json, text, DeviceError(std::to_string(failed) + " checks of " + what + " do not hold"));
+  print_result(globals, json, text);
+}
+
 namespace {
 
 struct VehiclesRequest {

@@ -1,6 +1,5 @@
 #include <memory>
 
-#include "base/cancel.h"
 #include "pipeline/app/cli/validate_parts.h"
 #include "pipeline/lab/validate/elastic/elastic.h"
 
@@ -13,26 +12,7 @@ struct ElasticRequest {
 };
 
 void validate_elastic(const Globals& globals, const ElasticRequest& request) {
-  Json json = Json::object(), checks = Json::object();
-  std::string text;
-  int failed = 0;
-  for (const std::string& name : request.figures) {
-    stop_if_cancelled();
-    const lab::ElasticFigure figure = lab::elastic_figure(name);
-    if (!request.folder.empty()) lab::write_figure(request.folder, figure);
-    text += lab::as_text(figure);
-    for (const lab::SoilCheck& c : figure.check) {
-      json[c.key] = c.measured;
-      failed += !c.holds();
-    }
-    checks[name] = lab::as_json(figure);
-  }
-  json["failed"] = failed;
-  json["checks"] = checks;
-  if (failed > 0)
-    fail_with_result(globals, json, text,
-                     DeviceError(std::to_string(failed) + " checks of elastic bodies do not hold"));
-  print_result(globals, json, text);
+  report_figures(globals, request.figures, request.folder, "elastic bodies", lab::elastic_figure);
 }
 
 }  // namespace

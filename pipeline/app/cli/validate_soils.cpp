@@ -1,6 +1,5 @@
 #include <memory>
 
-#include "base/cancel.h"
 #include "base/cores.h"
 #include "base/shipped.h"
 #include "pipeline/app/cli/validate_parts.h"
@@ -17,25 +16,8 @@ struct SoilsRequest {
 
 void validate_soils(const Globals& globals, SoilsRequest& request) {
   request.tests.threads = threads_or_all(globals.threads);
-  Json json = Json::object(), checks = Json::object();
-  std::string text;
-  int failed = 0;
-  for (const std::string& name : request.figures) {
-    stop_if_cancelled();
-    const lab::SoilFigure figure = lab::soil_figure(name, request.tests);
-    if (!request.folder.empty()) lab::write_figure(request.folder, figure);
-    text += lab::as_text(figure);
-    for (const lab::SoilCheck& c : figure.check) {
-      json[c.key] = c.measured;
-      failed += !c.holds();
-    }
-    checks[name] = lab::as_json(figure);
-  }
-  json["failed"] = failed;
-  json["checks"] = checks;
-  if (failed > 0)
-    fail_with_result(globals, json, text, DeviceError(std::to_string(failed) + " checks of soils do not hold"));
-  print_result(globals, json, text);
+  report_figures(globals, request.figures, request.folder, "soils",
+                 [&](const std::string& name) { return lab::soil_figure(name, request.tests); });
 }
 
 }  // namespace
