@@ -9,12 +9,6 @@ namespace {
 
 using Values = std::vector<double>;
 
-double dot(const Values& a, const Values& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 /// min 1/2 r W r + (q + s) r over K, by accelerated projected gradients in the metric of one number per contact (so
 /// that the projection stays the plain one). The step is 1 / L with L the largest eigenvalue of D^-1/2 W D^-1/2.
 class Accelerated {

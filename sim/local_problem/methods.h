@@ -6,6 +6,12 @@
 
 namespace gonogo::sim {
 
+inline double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
 /// Keeps the best impulses offered, and the way there when the settings ask for it.
 struct BestSoFar {
   const LocalProblem& problem;

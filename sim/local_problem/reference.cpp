@@ -15,12 +15,6 @@ namespace {
 
 using Values = std::vector<double>;
 
-double dot(const Values& a, const Values& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
-}
-
 Values difference(const Values& a, const Values& b) {
   Values d(a.size());
   for (std::size_t i = 0; i < a.size(); ++i) d[i] = a[i] - b[i];

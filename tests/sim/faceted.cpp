@@ -1,9 +1,8 @@
 // Contacts on polyhedral cones: in the plane the cone is exact; in space the error falls with the number of facets.
-#include <Eigen/Dense>
-#include <random>
 
 #include "sim/local_problem/read.h"
 #include "sim/local_problem/solve.h"
+#include "tests/sim/random_problem.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 
@@ -15,22 +14,6 @@ namespace {
 const std::vector<LocalSolver> kFamily = {LocalSolver::lemke, LocalSolver::pgs, LocalSolver::fb_newton,
                                           LocalSolver::qp};
 
-LocalProblem random_problem(unsigned seed, int dimension, int contacts, int freedoms) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal;
-  const int size = dimension * contacts;
-  Eigen::MatrixXd h(freedoms, size);
-  for (int i = 0; i < freedoms; ++i)
-    for (int j = 0; j < size; ++j) h(i, j) = normal(generator);
-  const Eigen::MatrixXd w = h.transpose() * h;
-  std::vector<Triplet> entry;
-  for (int i = 0; i < size; ++i)
-    for (int j = 0; j < size; ++j) entry.push_back({i, j, w(i, j)});
-  std::vector<double> q;
-  for (int i = 0; i < size; ++i) q.push_back(normal(generator) - (i % dimension == 0 ? 1.5 : 0));
-  return make_problem("random", dimension, entry, q, std::vector<double>(std::size_t(contacts), 0.4));
-}
-
 LocalProblem from_file(const std::string& name) { return read_problem(GONOGO_SOURCE_DIR "/tests/data/fclib/" + name); }
 
 }  // namespace
@@ -38,7 +21,7 @@ LocalProblem from_file(const std::string& name) { return read_problem(GONOGO_SOU
 TEST_CASE("in the plane the polygon is the cone: the whole family agrees with the interior point") {
   for (unsigned seed = 1; seed <= 20; ++seed)
     for (const Target target : {Target::ccp, Target::coulomb}) {
-      const LocalProblem p = random_problem(seed, 2, 4, 10);
+      const LocalProblem p = random_problem(seed, 2, 4, 10, 1.5, 0.4);
       const LocalSolution reference = solve(p, {LocalSolver::pdip, target, 1e-11, 0});
       for (const LocalSolver solver : kFamily) {
         const LocalSolution x = solve(p, {solver, target, 1e-10, 0});
@@ -53,7 +36,7 @@ TEST_CASE("in the plane the polygon is the cone: the whole family agrees with th
 
 TEST_CASE("in space the error falls with the number of facets, by all methods to the same impulses") {
   for (const Target target : {Target::ccp, Target::coulomb}) {
-    const LocalProblem p = random_problem(3, 3, 5, 20);
+    const LocalProblem p = random_problem(3, 3, 5, 20, 1.5, 0.4);
     std::vector<double> error;
     for (const int facets : {4, 8, 16, 32, 64}) {
       LocalSolveSettings settings{LocalSolver::lemke, target, 1e-10, 0};

@@ -1,9 +1,8 @@
 // Methods as published, the minimal-residual method and Krylov interior points, against the interior point method.
-#include <Eigen/Dense>
-#include <random>
 
 #include "sim/local_problem/read.h"
 #include "sim/local_problem/solve.h"
+#include "tests/sim/random_problem.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 
@@ -11,23 +10,6 @@ using namespace gonogo;
 using namespace gonogo::sim;
 
 namespace {
-
-LocalProblem random_problem(unsigned seed, int dimension, int contacts, int freedoms) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> normal;
-  const int size = dimension * contacts;
-  Eigen::MatrixXd h(freedoms, size);
-  for (int i = 0; i < freedoms; ++i)
-    for (int j = 0; j < size; ++j) h(i, j) = normal(generator);
-  const Eigen::MatrixXd w = h.transpose() * h;
-  std::vector<Triplet> entry;
-  for (int i = 0; i < size; ++i)
-    for (int j = 0; j < size; ++j) entry.push_back({i, j, w(i, j)});
-  std::vector<double> q;
-  for (int i = 0; i < size; ++i) q.push_back(normal(generator) - (i % dimension == 0 ? 1 : 0));
-  const std::vector<double> mu(std::size_t(contacts), 0.5);
-  return make_problem("random", dimension, entry, q, mu, dimension == 5 ? mu : std::vector<double>{});
-}
 
 LocalProblem from_file(const std::string& name) { return read_problem(GONOGO_SOURCE_DIR "/tests/data/fclib/" + name); }
 
@@ -53,7 +35,7 @@ TEST_CASE("published methods and the minimal-residual method find the interior p
     for (unsigned seed = 1; seed <= 10; ++seed) {
       const int contacts = 4;
       const LocalProblem p =
-          random_problem(seed, dimension, contacts, dimension * contacts + 6);  // W regular: one solution
+          random_problem(seed, dimension, contacts, dimension * contacts + 6, 1, 0.5);  // W regular: one solution
       const LocalSolution reference = solve(p, {LocalSolver::pdip, Target::ccp, 1e-12, 0});
       for (const auto& [solver, error] : {std::pair{LocalSolver::gauss_seidel, 1e-9},
                                           {LocalSolver::minres, 1e-9},
