@@ -42,8 +42,8 @@ Stage training_stage(const RunPlan& plan) {
   inputs["program"] = program();
   inputs["dataset.h5"] = path_hash(plan.dataset());
   inputs["seed"] = plan.study.seed;
-  inputs["learning"] = learn::to_json(plan.learning);
-  inputs["learning_given"] = section_json(plan.study, "learning");  // defaults follow the number of trials
+  Json& learning = inputs["learning"] = learn::to_json(plan.learning);
+  learning["given"] = section_json(plan.study, "learning");  // the other settings follow the number of trials
   inputs["design"] = section_json(plan.study, "design");
   return {.name = "train", .outputs = {"model.h5"}, .inputs = inputs, .work = [&plan] {
             learn::train_model({.dataset = plan.dataset(),
