@@ -5,7 +5,7 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr int kMostSteps = 100;
+constexpr int kMaxSteps = 100;
 constexpr double kEnough = 1e-9;  // relative change of the log posterior that ends Newton's method
 
 /// A number per variable from the first numbers of `logs`: 1 / l_v.
@@ -61,7 +61,7 @@ Mode find_mode(const torch::Tensor& K, const RowLikelihood& likelihood, const to
   Mode mode;
   mode.f = start.defined() ? start : torch::zeros({K.size(0)}, torch::kFloat64);
   mode.log_posterior = -INFINITY;
-  for (int step = 0; step < kMostSteps; ++step) {
+  for (int step = 0; step < kMaxSteps; ++step) {
     const torch::Tensor W = likelihood.curvature(mode.f);
     factorise(K, W, mode);
     const torch::Tensor b = W * mode.f + likelihood.slope(mode.f);

@@ -11,7 +11,7 @@
 namespace gonogo::learning {
 namespace {
 
-constexpr double kLeastGain = 1e-9;
+constexpr double kMinGain = 1e-9;
 constexpr std::size_t kNoNode = SIZE_MAX;
 
 struct Sums {
@@ -20,7 +20,7 @@ struct Sums {
 };
 
 struct Split {
-  double gain = kLeastGain;
+  double gain = kMinGain;
   std::size_t column = 0;
   double threshold = 0;
 };
@@ -84,7 +84,7 @@ class Grower {
     std::vector<Split> best(end);
     for (std::size_t column = 0; column < rows_.columns; ++column) scan(column, first, total, best);
     for (std::size_t node = first; node < end; ++node) {
-      if (best[node].gain <= kLeastGain) continue;
+      if (best[node].gain <= kMinGain) continue;
       tree_[node].column = best[node].column;
       tree_[node].threshold = best[node].threshold;
       tree_[node].left = tree_.size();

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 constexpr std::array<float, 3> kSuspicious = {-999, -99, 0};
-constexpr std::size_t kMostCodes = 3;
+constexpr std::size_t kMaxCodes = 3;
 constexpr double kCliff = 1.7320508;  // rise over run: 60 degrees
 
 /// Counts of one suspicious value.
@@ -49,7 +49,7 @@ class Voids {
   }
 
   std::vector<FoundVoid> found(const std::string& name) const {
-    if (impossible_.size() > kMostCodes) refuse(name);
+    if (impossible_.size() > kMaxCodes) refuse(name);
     std::vector<FoundVoid> voids;
     for (const auto& [value, cells] : impossible_) voids.push_back({value, cells});
     for (std::size_t s = 0; s < kSuspicious.size(); ++s)
@@ -62,7 +62,7 @@ class Voids {
   void count_impossible(float v) {
     lowest_ = std::min(lowest_, scale_.scale * double(v) + scale_.offset);
     highest_ = std::max(highest_, scale_.scale * double(v) + scale_.offset);
-    if (impossible_.size() <= kMostCodes || impossible_.count(v)) ++impossible_[v];
+    if (impossible_.size() <= kMaxCodes || impossible_.count(v)) ++impossible_[v];
   }
   Suspect* suspect_of(float v) {
     for (std::size_t s = 0; s < kSuspicious.size(); ++s)

@@ -158,14 +158,14 @@ Json joint_scores(const Predictor& predictor, const learning::TrainingTable& tra
   learning::TrainingTable weighed = held_out;
   for (double& w : weighed.weight) w = std::pow(w, importance_of(model));
   const ScoredRows all = columns.known_rows(trained, SIZE_MAX, seed);
-  ScoredRows real = columns.known_rows(weighed, kMostJointRows, seed);
+  ScoredRows real = columns.known_rows(weighed, kMaxJointRows, seed);
   const std::size_t count = std::min(all.count(), real.count());
   Json json;
-  if (count < kLeastJointRows || columns.count() < 3) {
+  if (count < kMinJointRows || columns.count() < 3) {
     json["left_out"] = line(
         "%zu training and %zu held-out trials without unknown values and %zu inputs that vary; %zu "
         "trials of each kind and two inputs are needed",
-        all.count(), real.count(), columns.count() - 1, kLeastJointRows);
+        all.count(), real.count(), columns.count() - 1, kMinJointRows);
     return json;
   }
   std::vector<std::size_t> first;

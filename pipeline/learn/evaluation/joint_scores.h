@@ -9,9 +9,9 @@
 namespace gonogo::learn {
 
 /// Fewest rows of either kind that are scored.
-inline constexpr std::size_t kLeastJointRows = 50;
+inline constexpr std::size_t kMinJointRows = 50;
 /// Most rows of each kind.
-inline constexpr std::size_t kMostJointRows = 1000;
+inline constexpr std::size_t kMaxJointRows = 1000;
 
 /// Scores rows of four kinds against held-out trials, as many of each:
 ///

@@ -15,7 +15,7 @@ namespace gonogo::learn {
 namespace {
 
 enum Stream : std::uint64_t { kChains = 1, kExact = 2, kInside = 3, kPrior = 4 };
-constexpr double kLeastProbable = 1e-4;  // of a given outcome, for draws from the prior
+constexpr double kMinProbable = 1e-4;  // of a given outcome, for draws from the prior
 
 using WordRows = std::vector<std::vector<std::uint16_t>>;  // [row][group]
 
@@ -128,7 +128,7 @@ SampledRows prior_rows(const Predictor& predictor, const RowRequest& request) {
     throw InputError(
         "model: it has no prior of its inputs, since the study's unknown_inputs is \"machine\"; draw its "
         "rows from the machine");
-  if (request.outcome && predictor.outcome_probabilities(request.known)[*request.outcome] < kLeastProbable)
+  if (request.outcome && predictor.outcome_probabilities(request.known)[*request.outcome] < kMinProbable)
     throw InputError("outcome " + model.layout.outcomes()[*request.outcome] +
                      ": its probability at the values given is below 0.0001; give other values");
   SampledRows rows;

@@ -49,7 +49,7 @@ std::vector<std::size_t> drawn_again(const std::vector<double>& log_weight, doub
   const double count = double(weight.size());
   double square = 0;
   for (double w : weight) square += w * w;
-  if (1 / square < kLeastWorth * count)
+  if (1 / square < kMinWorth * count)
     throw InputError(
         line("sampler %s: words that are no code words leave %.0f of %.0f reads, weighed; take "
              "code_words, tempering or anneal",
