@@ -31,7 +31,7 @@ tail -n 1 drive.txt
 awk '/ m  torque/ {travelled = $3} END {exit !(travelled > 0.5)}' drive.txt || fail "the wheel of settle_and_drive did not drive"
 "$examples/train_and_anneal" "$demo/dataset.h5" annealed > anneal.txt
 grep -q '"energies": "verified"' anneal.txt || fail "train_and_anneal read no answer back"
-"$examples/map_raster" "$share/../data/hmmwv_32mm" "$share/regions/sagehen/elevation_10m.tif" "sandy loam" map > map.txt
+GONOGO_SHARE=$prefix/share/gonogo "$examples/map_raster" hmmwv "$share/regions/sagehen/elevation_10m.tif" "sandy loam" map > map.txt
 [[ -s map/go.tif && -s map/index.html ]] || fail "map_raster left no map"
 head -n 1 map.txt
 "$prefix/bin/gonogo" vehicle show hmmwv > /dev/null || fail "the installed program does not find its vehicles"
