@@ -29,11 +29,11 @@ HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const H
              static_cast<unsigned long long>(found.cells), found.value, found.value));
   doubt.voids = std::move(scan.voids);
   if (scan.flat_cells == 0 || wish.flat_is_ground) return doubt;
-  remarks.push_back(
-      line("%d areas of the elevation, %.3g km2 in all, have exactly one height each, as water and voids "
-           "have; they are unknown unless land cover tells what they are. If they are ground, say "
-           "\"flat\": \"ground\" in the region, or --flat-is-ground",
-           scan.flat_areas, double(scan.flat_cells) * scale.cell_width * scale.cell_height * 1e-6));
+  remarks.push_back(line(
+      "exactly one height on %d %s of the elevation, %.3g km2 in all, as water and voids have; unknown unless land "
+      "cover tells what it is. If it is ground, say \"flat\": \"ground\" in the region, or --flat-is-ground",
+      scan.flat_areas, scan.flat_areas == 1 ? "area" : "areas",
+      double(scan.flat_cells) * scale.cell_width * scale.cell_height * 1e-6));
   doubt.flat = std::make_shared<const CellRuns>(std::move(scan.flat));
   return doubt;
 }
