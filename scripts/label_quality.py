@@ -74,8 +74,8 @@ def passes(trial):
     return trial["verdict"] in ("go", "slow_go")
 
 
-def features(trial):
-    unit = [2 * (float(trial[n]) - low) / (high - low) - 1 for n, (low, high) in ranges().items()]
+def features(trial, ranges):
+    unit = [2 * (float(trial[n]) - low) / (high - low) - 1 for n, (low, high) in ranges.items()]
     return [1.0] + unit + [a * b for i, a in enumerate(unit) for b in unit[i:]]
 
 
@@ -95,9 +95,9 @@ def solve(matrix, right):
     return x
 
 
-def log_odds(trials, rounds=12, ridge=1.0):
+def log_odds(trials, ranges, rounds=12, ridge=1.0):
     """Of passing, for every trial: Newton's method on the penalised likelihood."""
-    rows, labels = [features(t) for t in trials], [float(passes(t)) for t in trials]
+    rows, labels = [features(t, ranges) for t in trials], [float(passes(t)) for t in trials]
     n = len(rows[0])
     weight = [0.0] * n
     for _ in range(rounds):
@@ -124,7 +124,7 @@ def choose_points(options):
     with open(table) as file:
         trials = [t for t in csv.DictReader(file) if t["verdict"] != "unknown" and t["replicate_of"] == "-1"]
     table.unlink()
-    odds = log_odds(trials)
+    odds = log_odds(trials, ranges())
     right = sum(passes(t) == (o > 0) for t, o in zip(trials, odds))
     nearest = sorted(range(len(trials)), key=lambda k: abs(odds[k]))[:options.points]
     with open(options.out, "w", newline="") as file:
@@ -276,15 +276,15 @@ def slip_of(trial):
     return min(2.0, number(trial["slip"]))
 
 
-def same_point(a, b):
-    return all(abs(float(a[n]) - float(b[n])) < 1e-9 for n in ranges() if n != "bed_depth")  # a variant scales it
+def same_point(a, b, names):
+    return all(abs(float(a[n]) - float(b[n])) < 1e-9 for n in names if n != "bed_depth")  # a variant scales it
 
 
-def compare(base, other):
+def compare(base, other, names):
     """Share of labels that flip and its standard error, by sign; change of slip and sinkage; unknown trials. Of the points
     that both have: with another seed another point is the one that is replicated."""
     found = {t["index"]: t for t in other}
-    pairs = [(a, found[a["index"]]) for a in base if a["index"] in found and same_point(a, found[a["index"]])]
+    pairs = [(a, found[a["index"]]) for a in base if a["index"] in found and same_point(a, found[a["index"]], names)]
     both = [(a, b) for a, b in pairs if "unknown" not in (a["verdict"], b["verdict"])]
     up = sum(passes(b) and not passes(a) for a, b in both)
     down = sum(passes(a) and not passes(b) for a, b in both)
@@ -342,7 +342,7 @@ def report(options):
         if trials is None:
             missing.append(name)
             continue
-        c = compare(base, trials)
+        c = compare(base, trials, ranges())
         rows.append({"factor": factor, "variant": name, **c})
         unknown = f", {c['unknown']} unknown" if c["unknown"] else ""
         lines.append(f"| {name} | {c['trials']}{unknown} | {c['flip_share']:.2f} +- {c['error']:.2f} | "
@@ -358,7 +358,7 @@ def report(options):
     conclusion = page.read_text().partition("\n## ")[1:] if page.exists() else ()  # written by hand
     page.write_text("\n".join(lines) + "\n" + "".join(conclusion))
     with open(options.docs / "convergence.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, ["factor", "variant", *compare(base, base)], lineterminator="\n")
+        writer = csv.DictWriter(file, ["factor", "variant", *compare(base, base, ranges())], lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
     print("\n".join(lines))
@@ -390,4 +390,5 @@ def main():
     {"points": choose_points, "run": run, "cost": cost, "report": report}[options.command](options)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "sim/scene/build_joint.h"
+#include "vehicle/model/read.h"
 
 namespace gonogo::vehicle {
 namespace {
@@ -15,6 +16,7 @@ void read_wheel(const Config& wheel, WheelRig& rig) {
   rig.lug_height = wheel.number_or("lug_height_m", 0, {0, 0.5});
   rig.lug_thickness = wheel.number_or("lug_thickness_m", 0.03, {1e-3, 0.5});
   rig.axle_moment = wheel.number("axle_moment_kg_m2", {1e-6, 1e5});
+  rig.compliant = read_tyre_spring(wheel);
   wheel.finish();
 }
 

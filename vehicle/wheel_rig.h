@@ -7,6 +7,7 @@
 
 #include "base/json/config.h"
 #include "sim/simulation/simulation.h"
+#include "vehicle/model/vehicle.h"
 
 namespace gonogo::vehicle {
 
@@ -23,6 +24,7 @@ struct WheelRig {
   double max_torque;                 // at the wheel [N m]
   double vehicle_length;             // [m]
   double ground_clearance;           // under the hub at zero sinkage [m]
+  TyreSpring compliant;
 };
 
 /// Reads and checks a quarter-vehicle file, or the text of one; see configs/vehicles/hmmwv_quarter.json.

@@ -13,6 +13,8 @@ Curve read_curve(const Config& c, const std::string& at, const std::string& valu
 /// Reads "mass_kg", "centre_m" (when `placed`), "inertia_kg_m2", "products_kg_m2".
 Part read_part(const Config& c, const std::string& name, bool placed);
 Suspension read_suspension(const Config& c, const std::string& name);
+/// Reads "compliant" of a wheel, where it is there.
+TyreSpring read_tyre_spring(const Config& wheel);
 Wheel read_wheel(const Config& c, const std::string& name);
 Axle read_axle(const Config& c);
 Track read_track(const Config& c);

@@ -133,6 +133,14 @@ Suspension read_suspension(const Config& c, const std::string& name) {
   return s;
 }
 
+TyreSpring read_tyre_spring(const Config& wheel) {
+  const auto c = wheel.object_if("compliant");
+  if (!c) return {};
+  const TyreSpring tyre{c->number("stiffness_N_m", {1, 1e9}), c->number("damping_N_s_m", {0, 1e8})};
+  c->finish();
+  return tyre;
+}
+
 Wheel read_wheel(const Config& c, const std::string& name) {
   Wheel w;
   w.name = name;
@@ -153,11 +161,7 @@ Wheel read_wheel(const Config& c, const std::string& name) {
     w.lug_thickness = lugs->number("thickness_m", {1e-4, 0.5});
     lugs->finish();
   }
-  if (const auto tyre = c.object_if("compliant")) {
-    w.stiffness = tyre->number("stiffness_N_m", {1, 1e9});
-    w.damping = tyre->number("damping_N_s_m", {0, 1e8});
-    tyre->finish();
-  }
+  w.compliant = read_tyre_spring(c);
   if (const auto size = c.object_if("tyre_size")) {
     w.size_diameter = size->number("diameter_m", {0.02, 10});
     w.size_section_width = size->number("section_width_m", {0.005, 3});

@@ -69,6 +69,11 @@ struct Suspension {
   TorsionSpring torsion;
 };
 
+/// A compliant tyre under its load [N/m, N s/m]; 0: rigid.
+struct TyreSpring {
+  double stiffness = 0, damping = 0;
+};
+
 /// All that turns with a wheel, and its tread.
 struct Wheel {
   std::string name;
@@ -77,7 +82,7 @@ struct Wheel {
   int lug_count = 0;                         // lugs or grousers
   double lug_height = 0, lug_thickness = 0;  // [m]
   double friction = 0;                       // coefficient of the tyre on hard ground
-  double stiffness = 0, damping = 0;         // of a compliant tyre [N/m, N s/m]; 0: rigid
+  TyreSpring compliant;
   // Nominal size of the tyre, as in mobility indices; 0: not given [m].
   double size_diameter = 0, size_section_width = 0, size_section_height = 0, size_deflection = 0;
 };

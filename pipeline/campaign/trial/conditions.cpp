@@ -25,6 +25,13 @@ std::size_t packing_of(const TrialSetup& setup, const DesignPoint& point) {
   return terrain::packing_level(setup.calibration, soil_of(point));
 }
 
+vehicle::ContactSpring tyre_contact(const TrialSetup& setup, double payload) {
+  const double weight = setup.weight(payload), grain = setup.calibration.grain_diameter;
+  if (!setup.whole) return vehicle::contact_spring(setup.rig, weight, grain);
+  const double wheels = double(vehicle::stations(*setup.whole).size());
+  return vehicle::contact_spring(setup.whole->wheel.front(), weight / wheels, grain);
+}
+
 }  // namespace
 
 Vec3d bed_gravity(double slope_along_deg, double slope_across_deg) {
@@ -45,9 +52,7 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
   // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
   c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
   if (setup.compliant_tyres) {
-    const double wheels = double(vehicle::stations(*setup.whole).size());
-    const vehicle::ContactSpring spring = vehicle::contact_spring(
-        setup.whole->wheel.front(), setup.weight(value(point, "payload")) / wheels, setup.calibration.grain_diameter);
+    const vehicle::ContactSpring spring = tyre_contact(setup, value(point, "payload"));
     c.laws.tool.stiffness = Real(spring.stiffness);
     c.laws.tool.damping = Real(spring.damping);
   }

@@ -205,7 +205,8 @@ void fit_to_task(TrialSetup& s) {
 }  // namespace
 
 void check_tyres(const TrialSetup& s) {
-  if (s.compliant_tyres && !(s.whole && s.whole->wheel.front().stiffness > 0))
+  const vehicle::TyreSpring tyre = s.whole ? s.whole->wheel.front().compliant : s.rig.compliant;
+  if (s.compliant_tyres && !(tyre.stiffness > 0))
     throw InputError(s.vehicle_file.string() +
                      ": compliant tyres are asked for, and its wheels name no \"compliant\" with stiffness_N_m and "
                      "damping_N_s_m; add them, or leave compliant_tyres out");

@@ -23,11 +23,12 @@ Driven driven_of(const TrialVehicle& v) {
   if (v.rig)
     return {.mass = vehicle::rig_mass(*v.rig, 0),
             .payload_share = 1.0 / v.rig->wheels_per_vehicle,
-            .radius = v.rig->radius};
+            .radius = v.rig->radius,
+            .tyre_stiffness = v.compliant_tyres ? v.rig->compliant.stiffness : 0};
   Driven driven{.mass = vehicle::weigh(*v.whole).total, .wheels = 0, .radius = vehicle::drive_radius(*v.whole)};
   for (const vehicle::RunningPart& part : vehicle::running_parts(*v.whole)) driven.wheels += part.driven;
   for (const vehicle::Station& s : vehicle::stations(*v.whole))
-    if (v.compliant_tyres) driven.tyre_stiffness += s.wheel->stiffness;
+    if (v.compliant_tyres) driven.tyre_stiffness += s.wheel->compliant.stiffness;
   return driven;
 }
 
