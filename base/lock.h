@@ -1,6 +1,7 @@
 // One process at a time in a folder.
 #pragma once
 #include <filesystem>
+#include <memory>
 
 namespace gonogo {
 
@@ -10,10 +11,16 @@ class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
+  /// Nothing when another process holds the lock.
+  static std::unique_ptr<FolderLock> if_free(const std::filesystem::path& folder);
   FolderLock(const FolderLock&) = delete;
   FolderLock& operator=(const FolderLock&) = delete;
 
  private:
+  struct Opened {
+    int fd;
+  };
+  explicit FolderLock(Opened file) : fd_(file.fd) {}
   int fd_;
 };
 

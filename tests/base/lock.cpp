@@ -27,8 +27,12 @@ TEST_CASE("a folder belongs to one process until that process lets go") {
   {
     const FolderLock lock(folder / "out");
     CHECK(second_process(folder / "out") == 1);
+    CHECK(FolderLock::if_free(folder / "out") == nullptr);
   }
   CHECK(second_process(folder / "out") == 0);
+  const auto held = FolderLock::if_free(folder / "out");
+  CHECK(held != nullptr);
+  CHECK(second_process(folder / "out") == 1);
 }
 
 TEST_CASE("a killed process leaves no lock behind") {

@@ -28,10 +28,11 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals, const Wor
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1");
-  add_examples(*command,
-               {"gonogo learning-curve --dataset data/quarter_wheel_32mm/dataset.h5 \\\n"
-                "      --study configs/studies/quarter_wheel_32mm.json --trials 100,300,1000,3004 --out curve"},
-               "The same command goes on after an interruption.");
+  add_examples(
+      *command,
+      {"gonogo learning-curve --dataset data/quarter_wheel_32mm/dataset.h5 \\\n"
+       "      --study configs/studies/quarter_wheel_32mm.json --trials 100,300,1000,3004 --out curve"},
+      "The same command goes on after an interruption. Started several times, the processes share the models.");
   command->callback([options, work, &globals] { work(globals, *options); });
 }
 

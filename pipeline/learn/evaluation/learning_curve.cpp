@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
+#include "base/lock.h"
 #include "base/progress.h"
 #include "learning/score/score.h"
 #include "pipeline/campaign/dataset/dataset.h"
@@ -15,6 +17,8 @@
 
 namespace gonogo::learn {
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Point {
   std::size_t trials = 0, subset = 1;
@@ -60,11 +64,15 @@ std::map<std::string, std::vector<double>> forecasts_of(const TrainRequest& requ
   return forecasts;
 }
 
+fs::path place_of(const LearningCurveRequest& request, const Point& point) {
+  return request.folder / line("trials_%zu_subset_%zu", point.trials, point.subset);
+}
+
 Json measured(const LearningCurveRequest& request, const Split& split, const Point& point) {
   TrainRequest training = request.training;
   training.trials = point.trials;
   training.subset = point.subset;
-  training.model = request.folder / line("trials_%zu_subset_%zu.h5", point.trials, point.subset);
+  training.model = place_of(request, point) / "model.h5";
   train_model(training);
   const std::vector<int> happened = passable_labels(split.held_out);
   Json entry, brier = Json::object(), loss = Json::object();
@@ -79,22 +87,25 @@ Json measured(const LearningCurveRequest& request, const Split& split, const Poi
   return entry;
 }
 
-/// What an earlier call with the same key left, or an empty curve.
-Json earlier_curve(const std::filesystem::path& file, const std::string& key) {
-  if (std::filesystem::exists(file))
-    if (Json found = Json::read(file); found.at("key").string() == key) return found;
-  Json fresh;
-  fresh["key"] = key;
-  fresh["points"] = Json::array();
-  return fresh;
+/// Scores that a call with the same key left.
+std::optional<Json> earlier_scores(const fs::path& file, const std::string& key) {
+  if (!fs::exists(file)) return std::nullopt;
+  Json found = Json::read(file);
+  if (found.at("key").string() != key) return std::nullopt;
+  return found.at("scores");
 }
 
-bool holds(const Json& curve, const Point& point) {
-  for (const Json& entry : curve.at("points").items())
-    if (std::size_t(entry.at("trials").integer()) == point.trials &&
-        std::size_t(entry.at("subset").integer()) == point.subset)
-      return true;
-  return false;
+/// Scores the model of a point, if nobody has yet and no other process is at it. Returns true if this call did.
+bool score(const LearningCurveRequest& request, const Split& split, const Point& point, const std::string& key) {
+  const fs::path file = place_of(request, point) / "scores.json";
+  if (earlier_scores(file, key)) return false;
+  const auto lock = FolderLock::if_free(file.parent_path());
+  if (!lock || earlier_scores(file, key)) return false;
+  Json kept;
+  kept["key"] = key;
+  kept["scores"] = measured(request, split, point);
+  write_file_atomically(file, kept.dump(2) + "\n");
+  return true;
 }
 
 }  // namespace
@@ -103,21 +114,24 @@ Json learning_curve(const LearningCurveRequest& request) {
   if (request.training.hold_out == 0) throw InputError("learning curve: hold trials out to score the models on");
   const Split split = split_of(request.training);
   const std::vector<Point> points = points_of(request, split.training.table.row_count());
+  const std::string key = work_key(request.training, trainable_settings(request.training.learning));
   create_folder(request.folder);
-  const std::filesystem::path file = request.folder / "learning_curve.json";
-  Json curve = earlier_curve(file, work_key(request.training, trainable_settings(request.training.learning)));
-  curve["held_out"] = Json(std::uint64_t(split.held_out.row_count()));
   Progress progress("learning curve", "models", points.size());
-  std::size_t done = 0, reused = 0;
+  std::size_t done = 0, trained = 0;
   for (const Point& point : points) {
-    if (holds(curve, point)) {
-      progress.update(++done, "", ++reused);
-      continue;
-    }
-    curve["points"].push_back(measured(request, split, point));
-    write_file_atomically(file, curve.dump(2) + "\n");
-    progress.update(++done, "", reused);
+    trained += score(request, split, point, key);
+    ++done;
+    progress.update(done, "", done - trained);
   }
+  Json curve;
+  curve["key"] = key;
+  curve["held_out"] = Json(std::uint64_t(split.held_out.row_count()));
+  curve["points"] = Json::array();
+  for (const Point& point : points)
+    if (std::optional<Json> scores = earlier_scores(place_of(request, point) / "scores.json", key))
+      curve["points"].push_back(*scores);
+  curve["elsewhere"] = Json(std::uint64_t(points.size() - curve.at("points").items().size()));
+  write_file_atomically(request.folder / "learning_curve.json", curve.dump(2) + "\n");
   return curve;
 }
 

@@ -13,14 +13,16 @@ struct LearningCurveRequest {
   TrainRequest training;            // its `hold_out` trials score every model; its `model` is set here
   std::vector<std::size_t> trials;  // numbers to train on, taken from those that are not held out
   std::size_t subsets = 5;          // of each number, drawn by their own number; all trials are one subset
-  std::filesystem::path folder;     // models and learning_curve.json
+  std::filesystem::path folder;     // models, scores and learning_curve.json
 };
 
 /// Trains one model for each number and subset and scores it on the held-out trials beside its baselines, which are
-/// trained on the same trials. Every entry is written to <folder>/learning_curve.json as soon as it is there, and a
-/// call with the same inputs goes on after the last one. { "key", "held_out", "points": [{ "trials", "subset", "brier":
-/// {name: x}, "log_loss_nat": {name: x} }] }. Throws InputError for a number that exceeds the trials left, and for no
-/// number or no held-out trials.
+/// trained on the same trials. Model and scores of each lie in <folder>/trials_N_subset_K, and a call with the same
+/// inputs reuses them. Processes that are started with the same inputs and folder share the work: each takes the next
+/// model that nobody has. The result, also in <folder>/learning_curve.json, holds what was there when this call ended:
+/// { "key", "held_out", "points": [{ "trials", "subset", "brier": {name: x}, "log_loss_nat": {name: x} }],
+/// "elsewhere": models that other processes were training }. Throws InputError for a number that exceeds the trials
+/// left, and for no number or no held-out trials.
 Json learning_curve(const LearningCurveRequest& request);
 
 /// Means over the subsets, and which forecaster is best, as a table for people.

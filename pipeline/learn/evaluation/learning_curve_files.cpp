@@ -94,9 +94,12 @@ report::Chart chart_of(const Json& curve) {
 }  // namespace
 
 std::string learning_curve_text(const Json& curve) {
+  if (curve.at("points").items().empty()) return "no model is ready: other processes train all of them\n";
   const std::string held_out = curve.at("held_out").dump() + " held-out trials, mean over the subsets";
+  const auto elsewhere = curve.at("elsewhere").integer();
   return table_of(curve, "brier", "Brier score of P(go) on " + held_out) +
-         table_of(curve, "log_loss_nat", "log loss [nat] on " + held_out);
+         table_of(curve, "log_loss_nat", "log loss [nat] on " + held_out) +
+         (elsewhere > 0 ? "models that other processes are still training: " + std::to_string(elsewhere) + "\n" : "");
 }
 
 std::vector<std::filesystem::path> write_learning_curve(const std::filesystem::path& folder, const Json& curve) {
@@ -107,7 +110,7 @@ std::vector<std::filesystem::path> write_learning_curve(const std::filesystem::p
              line(",%.17g,%.17g\n", entry.at("brier").at(name).number(), entry.at("log_loss_nat").at(name).number());
   std::vector<std::filesystem::path> files = {folder / "learning_curve.csv"};
   write_file_atomically(files[0], csv);
-  if (!report::pictures_available()) return files;
+  if (!report::pictures_available() || curve.at("points").items().empty()) return files;
   files.push_back(folder / "learning_curve.png");
   report::write_charts(files.back(), "P(go) by the number of trials", {chart_of(curve)});
   return files;

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "base/file.h"
+#include "base/lock.h"
 #include "learning/score/score.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/evaluation/reconstruction.h"
@@ -66,7 +67,7 @@ TEST_CASE("a learning curve scores each subset once, goes on where it was, and s
   const Json& first = curve.at("points").items().front();
   CHECK(first.at("brier").members().size() == 1 + std::size(kBaselines));
   // The model file of a subset, asked again: the same score on the same held-out trials.
-  const Predictor predictor = Predictor::read(request.folder / "trials_20_subset_1.h5");
+  const Predictor predictor = Predictor::read(request.folder / "trials_20_subset_1" / "model.h5");
   CHECK(predictor.model().training_outcomes.size() >= 20);
   CHECK(predictor.model().training_outcomes.size() <= 21);
   TrainingData data = make_training_data(campaign::read_dataset(model_dataset()).records, {});
@@ -76,18 +77,22 @@ TEST_CASE("a learning curve scores each subset once, goes on where it was, and s
     brier += std::pow(predictor.p_go(held_out.row(n)) - passable_outcomes()[held_out.outcome[n]], 2);
   CHECK(first.at("brier").at("model").number() == Approx(brier / double(held_out.row_count())));
 
-  const fs::path file = request.folder / "learning_curve.json";
-  Json shorter = Json::read(file), points = Json::array();
-  points.push_back(shorter.at("points").items()[1]);
-  shorter["points"] = points;
-  write_file_atomically(file, shorter.dump(2));
-  const auto untouched = fs::last_write_time(request.folder / "trials_20_subset_2.h5");
+  fs::remove(request.folder / "trials_40_subset_2" / "scores.json");
+  const auto untouched = fs::last_write_time(request.folder / "trials_20_subset_2" / "model.h5");
   const Json again = learning_curve(request);
-  CHECK(fs::last_write_time(request.folder / "trials_20_subset_2.h5") == untouched);
-  CHECK(again.at("points").items().size() == 4);
-  CHECK(learning_curve_text(again) == learning_curve_text(curve));
+  CHECK(fs::last_write_time(request.folder / "trials_20_subset_2" / "model.h5") == untouched);
+  CHECK(again.dump() == curve.dump());
   request.training.seed = 4;
-  CHECK(learning_curve(request).at("key").string() != curve.at("key").string());
+
+  {  // Another process trains this one: it is left to it.
+    const fs::path taken = request.folder / "trials_40_subset_1";
+    const FolderLock other(taken);
+    const Json rest = learning_curve(request);
+    CHECK(rest.at("key").string() != curve.at("key").string());
+    CHECK(rest.at("points").items().size() == 3);
+    CHECK(rest.at("elsewhere").integer() == 1);
+    CHECK(learning_curve_text(rest).find("still training: 1") != std::string::npos);
+  }
 
   const std::string text = learning_curve_text(curve);
   CHECK(text.find("best") != std::string::npos);
