@@ -127,6 +127,12 @@ Slip and sinkage are mean changes from the reference with their standard errors;
 |---|---|---|---|---|---|---|"""
 
 
+def of_points(trials, points):
+    """The first trial of every point, with the point's number as its index."""
+    same = lambda a, b: all(abs(float(a[n]) - float(b[n])) < 1e-9 for n in ranges())
+    return [{**t, "index": str(k)} for k, p in enumerate(points) for t in trials if t["replicate_of"] == "-1" and same(t, p)]
+
+
 def report(options):
     points = read_points()
     base = [{**p, "index": str(k)} for k, p in enumerate(points)]
@@ -139,7 +145,7 @@ def report(options):
         if not table.exists():
             continue
         with open(table) as file:
-            trials = list(csv.DictReader(file))
+            trials = of_points(list(csv.DictReader(file)), points)
         c = compare(base, trials, ranges())
         rows.append({"variant": name, **c})
         unknown = f", {c['unknown']} unknown" if c["unknown"] else ""
