@@ -262,6 +262,24 @@ TEST_CASE("a vehicle without a study steps by the numerics of its soil's table, 
   CHECK(limits.energy_error == study.thresholds.energy_error);
 }
 
+TEST_CASE("a quarter vehicle's compliant tyre has the contact springs of its load; one without springs is refused") {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  TrialSetup setup = vehicle_trial_setup(configs / "vehicles/hmmwv_quarter.json", configs / "soils/calibration_32mm.json");
+  const double payload = 800;
+  DesignPoint point;
+  for (const Variable& v : contract().variables) point.variables.push_back((v.minimum + v.maximum) / 2);
+  point.variables[contract().variable_index("payload")] = payload;
+  CHECK(conditions_of(setup, point).laws.tool.stiffness == 0);
+  setup.compliant_tyres = true;
+  const double load = (105.5 + 537.7 + payload / 4) * 9.81, k = 163000, b = 0.254, r = 0.467, grain = 0.032;
+  const double expected = 0.75 * k * grain * grain / (b * std::sqrt(2 * r * load / k));
+  const auto law = conditions_of(setup, point).laws.tool;
+  CHECK(agrees("contact stiffness [N/m]", expected, law.stiffness, 1e-4 * expected));
+  CHECK(agrees("contact damping [N s/m]", expected / k * 1000, law.damping, 1e-4 * expected / k * 1000));
+  setup.rig.compliant = {};
+  CHECK_THROWS_AS(check_tyres(setup), InputError);
+}
+
 TEST_CASE("a study steps by the numerics of its soil's table but for those that it names") {
   const fs::path root = GONOGO_SOURCE_DIR;
   const TemporaryFolder folder;
