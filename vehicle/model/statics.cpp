@@ -119,4 +119,6 @@ std::vector<GearSpeed> gear_speeds(const Vehicle& v) {
   return result;
 }
 
+double tread_width(const Vehicle& v) { return v.track.empty() ? v.wheel.front().width : v.track[0].shoe_width; }
+
 }  // namespace gonogo::vehicle

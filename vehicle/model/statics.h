@@ -40,4 +40,7 @@ double largest_drive_torque(const Vehicle& v);
 /// Distance from the driven axle to the line of the ground force: wheel or sprocket radius [m].
 double drive_radius(const Vehicle& v);
 
+/// Width of the tread that grains are counted across: of the first wheel, or of a track's shoe [m].
+double tread_width(const Vehicle& v);
+
 }  // namespace gonogo::vehicle

@@ -8,7 +8,11 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals, const Wor
   CLI::App* command = app.add_subcommand(
       "learning-curve", "Train on 100, 300, ... trials of a dataset and score model and baselines on held-out ones");
   const auto options = std::make_shared<LearningCurveOptions>();
-  command->add_option("--dataset", options->dataset, "Trials (dataset.h5)")->type_name(kFile)->required();
+  command
+      ->add_option("--dataset", options->datasets,
+                   "Trials (dataset.h5); of several, each of another fidelity, the finest count and the others help")
+      ->type_name(kFile)
+      ->required();
   command
       ->add_option("--study", options->study,
                    "Study whose sections \"learning\" and \"design\" apply; defaults without")

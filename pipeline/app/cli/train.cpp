@@ -7,7 +7,12 @@ namespace gonogo::app {
 void add_train_command(CLI::App& app, const Globals& globals, const Work<TrainOptions>& work) {
   CLI::App* command = app.add_subcommand("train", "Train a model of the outcomes on simulated trials");
   const auto options = std::make_shared<TrainOptions>();
-  command->add_option("--dataset", options->dataset, "Trials to train on (dataset.h5)")->type_name(kFile)->required();
+  command
+      ->add_option("--dataset", options->datasets,
+                   "Trials to train on (dataset.h5); of several, each of another fidelity, the model answers at the "
+                   "finest and the others help")
+      ->type_name(kFile)
+      ->required();
   command
       ->add_option("--study", options->study,
                    "Study whose sections \"learning\" and \"design\" apply; defaults without")
@@ -23,9 +28,9 @@ void add_train_command(CLI::App& app, const Globals& globals, const Work<TrainOp
       ->add_option("--members", options->members,
                    "Also train so many models on reweighted trials, for the spread of the model in maps")
       ->check(CLI::Range(0, 100));
-  add_examples(
-      *command,
-      {"gonogo train --dataset out/demo/dataset.h5 --study configs/studies/demo.json --out out/demo/model.h5"});
+  add_examples(*command,
+               {"gonogo train --dataset out/demo/dataset.h5 --study configs/studies/demo.json --out out/demo/model.h5",
+                "gonogo train --dataset out/fine/dataset.h5 out/coarse/dataset.h5 --out out/fine/model.h5"});
   command->callback([options, work, &globals] { work(globals, *options); });
 }
 

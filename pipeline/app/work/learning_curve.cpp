@@ -2,12 +2,15 @@
 
 #include "pipeline/app/work/work.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/learn/training/other_fidelity.h"
 
 namespace gonogo::app {
 
 void learning_curve_work(const Globals& globals, const LearningCurveOptions& options) {
   learn::LearningCurveRequest request;
-  request.training.dataset = options.dataset;
+  const std::vector<std::filesystem::path> datasets = learn::finest_first(options.datasets);
+  request.training.dataset = datasets.front();
+  request.training.others.assign(datasets.begin() + 1, datasets.end());
   request.training.seed = options.seed.value_or(1);
   request.training.hold_out = options.hold_out;
   request.trials = options.trials;

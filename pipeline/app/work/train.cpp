@@ -1,5 +1,6 @@
 #include "pipeline/app/work/work.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/learn/training/other_fidelity.h"
 #include "pipeline/learn/training/train_members.h"
 #include "pipeline/learn/training/train_model.h"
 
@@ -7,12 +8,14 @@ namespace gonogo::app {
 namespace {
 
 learn::TrainRequest to_request(const TrainOptions& options) {
-  learn::TrainRequest request{.dataset = options.dataset,
+  const std::vector<std::filesystem::path> datasets = learn::finest_first(options.datasets);
+  learn::TrainRequest request{.dataset = datasets.front(),
                               .model = options.out,
                               .seed = options.seed.value_or(1),
                               .learning = {},
                               .design = {},
                               .hold_out = options.hold_out,
+                              .others = {datasets.begin() + 1, datasets.end()},
                               .members_follow = options.members > 0};
   if (options.study.empty()) return request;
   const campaign::Study study = campaign::read_study(options.study);

@@ -39,10 +39,11 @@ struct ViewOptions {
 };
 
 struct TrainOptions {
-  std::filesystem::path dataset, study, out;  // study: empty for defaults
-  std::optional<std::uint64_t> seed;          // nothing: the study's, or 1
-  int members = 0;                            // models on reweighted trials
-  std::size_t hold_out = 0;                   // trials
+  std::vector<std::filesystem::path> datasets;  // each of another fidelity
+  std::filesystem::path study, out;             // study: empty for defaults
+  std::optional<std::uint64_t> seed;            // nothing: the study's, or 1
+  int members = 0;                              // models on reweighted trials
+  std::size_t hold_out = 0;                     // trials
 };
 
 struct EvaluateOptions {
@@ -50,7 +51,8 @@ struct EvaluateOptions {
 };
 
 struct LearningCurveOptions {
-  std::filesystem::path dataset, study, out;           // study: empty for defaults
+  std::vector<std::filesystem::path> datasets;         // each of another fidelity
+  std::filesystem::path study, out;                    // study: empty for defaults
   std::optional<std::uint64_t> seed;                   // nothing: the study's, or 1
   std::vector<std::size_t> trials = {100, 300, 1000};  // numbers to train on
   std::size_t hold_out = 1000, subsets = 5;

@@ -213,10 +213,7 @@ void check_tyres(const TrialSetup& s) {
 }
 
 double grains_per_tyre(const TrialSetup& s) {
-  const double width = !s.whole                 ? s.rig.width
-                       : s.whole->track.empty() ? s.whole->wheel.front().width
-                                                : s.whole->track[0].shoe_width;
-  return width / s.calibration.grain_diameter;
+  return (s.whole ? vehicle::tread_width(*s.whole) : s.rig.width) / s.calibration.grain_diameter;
 }
 
 terrain::MovingPatch TrialSetup::patch() const {

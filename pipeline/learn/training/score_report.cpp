@@ -115,6 +115,10 @@ std::string report_text(const Json& report) {
       static_cast<long long>(counts.at("trials").integer()), static_cast<long long>(counts.at("trained_on").integer()),
       static_cast<long long>(counts.at("left_out_unknown").integer()), failures.at("rate").number(),
       failures.at("rate_low").number(), failures.at("rate_high").number());
+  if (const Json* others = report.find("other_trials"))
+    for (const Json& other : others->items())
+      text += line("%lld trials of another fidelity help: %s\n", static_cast<long long>(other.at("trials").integer()),
+                   other.at("fidelity").string().c_str());
   text += "outcomes:";
   for (const auto& [name, count] : counts.at("outcomes").members())
     if (count.integer() > 0) text += line(" %s %lld", name.c_str(), static_cast<long long>(count.integer()));

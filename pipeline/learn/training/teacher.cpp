@@ -16,7 +16,8 @@ std::vector<double> points_of(const std::vector<double>& lower, const std::vecto
   return points;
 }
 
-learning::GaussianProcessModel process_of(const learning::TrainingTable& table) {
+learning::GaussianProcessModel process_of(const learning::TrainingTable& rows, const OtherTrials& others) {
+  const learning::TrainingTable table = others.joined(rows);
   return learning::fit_gaussian_process(table, passable_labels(table));
 }
 
@@ -35,9 +36,14 @@ double teacher_weight(std::size_t trials) {
   return trials < kFew ? 3 : 1;
 }
 
-Teacher::Teacher(const TrainingData& data, double weight, const std::vector<std::size_t>& fold, std::uint64_t seed,
-                 const KeptWork& kept)
-    : data_(data), weight_(weight), fold_(fold), kept_(kept), points_(points_of(data.lower, data.upper, seed)) {}
+Teacher::Teacher(const TrainingData& data, const OtherTrials& others, double weight,
+                 const std::vector<std::size_t>& fold, std::uint64_t seed, const KeptWork& kept)
+    : data_(data),
+      others_(others),
+      weight_(weight),
+      fold_(fold),
+      kept_(kept),
+      points_(points_of(data.lower, data.upper, seed)) {}
 
 const ProcessAnswers& Teacher::answers(std::size_t fold) {
   if (const auto found = answers_.find(fold); found != answers_.end()) return found->second;
@@ -45,9 +51,10 @@ const ProcessAnswers& Teacher::answers(std::size_t fold) {
     return answers_.emplace(fold, std::move(*kept)).first->second;
   std::vector<std::size_t> training, held_out;
   for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == fold ? held_out : training).push_back(n);
-  const learning::GaussianProcessModel process = process_of(data_.table.subset(training));
-  ProcessAnswers fresh{process.probabilities(data_.table.subset(held_out).variables),
-                       weight_ > 0 ? process.most_probable(points_) : std::vector<double>()};
+  const std::size_t variables = data_.table.variable_count;
+  const learning::GaussianProcessModel process = process_of(data_.table.subset(training), others_);
+  ProcessAnswers fresh{process.probabilities(others_.at_own(data_.table.subset(held_out).variables, variables)),
+                       weight_ > 0 ? process.most_probable(others_.at_own(points_, variables)) : std::vector<double>()};
   kept_.keep_process(fold, fresh);
   return answers_.emplace(fold, std::move(fresh)).first->second;
 }
@@ -57,7 +64,11 @@ std::shared_ptr<const learning::Teaching> Teacher::of_fold(std::size_t fold) {
 }
 
 std::shared_ptr<const learning::Teaching> Teacher::of_all() {
-  return weight_ > 0 ? taught(weight_, points_, process_of(data_.table).most_probable(points_)) : nullptr;
+  return weight_ > 0
+             ? taught(
+                   weight_, points_,
+                   process_of(data_.table, others_).most_probable(others_.at_own(points_, data_.table.variable_count)))
+             : nullptr;
 }
 
 std::vector<double> Teacher::held_out() {
@@ -67,12 +78,13 @@ std::vector<double> Teacher::held_out() {
   return result;
 }
 
-std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table,
+std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
                                                     const std::vector<double>& lower, const std::vector<double>& upper,
                                                     double weight, std::uint64_t seed) {
   if (weight == 0) return nullptr;
   std::vector<double> points = points_of(lower, upper, seed);
-  std::vector<double> probability = process_of(table).most_probable(points);
+  std::vector<double> probability =
+      process_of(table, others).most_probable(others.at_own(points, table.variable_count));
   return taught(weight, std::move(points), std::move(probability));
 }
 

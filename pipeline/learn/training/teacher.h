@@ -8,6 +8,7 @@
 
 #include "learning/rbm/teaching.h"
 #include "pipeline/learn/training/kept_work.h"
+#include "pipeline/learn/training/other_fidelity.h"
 #include "pipeline/learn/training/training_data.h"
 
 namespace gonogo::learn {
@@ -20,9 +21,9 @@ inline constexpr std::size_t kTaughtPoints = 2048;
 
 class Teacher {
  public:
-  /// `weight` 0: nothing is taught. `kept` and `data` must outlive the teacher.
-  Teacher(const TrainingData& data, double weight, const std::vector<std::size_t>& fold, std::uint64_t seed,
-          const KeptWork& kept);
+  /// `weight` 0: nothing is taught. `kept`, `data` and `others` must outlive the teacher.
+  Teacher(const TrainingData& data, const OtherTrials& others, double weight, const std::vector<std::size_t>& fold,
+          std::uint64_t seed, const KeptWork& kept);
   /// What the machine of a fold is taught; none without a weight. Fitted at the first call.
   std::shared_ptr<const learning::Teaching> of_fold(std::size_t fold);
   /// What the machine of all trials is taught.
@@ -35,6 +36,7 @@ class Teacher {
   std::shared_ptr<const learning::Teaching> teaching(const std::vector<double>& probability) const;
 
   const TrainingData& data_;
+  const OtherTrials& others_;
   double weight_;
   std::vector<std::size_t> fold_;
   const KeptWork& kept_;
@@ -44,7 +46,7 @@ class Teacher {
 
 /// The teaching of a machine for all rows of `table`, whose weights the process takes too; none for weight 0. lower,
 /// upper: the sampled box.
-std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table,
+std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
                                                     const std::vector<double>& lower, const std::vector<double>& upper,
                                                     double weight, std::uint64_t seed);
 

@@ -49,6 +49,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
   const auto sampler = learning::make_sampler(outside ? settings.stand_in : settings.sampler);
   const double taught = settings.teacher.value_or(teacher_weight(data.table.row_count()));
   std::vector<std::filesystem::path> files;
+  const OtherTrials others = read_other_trials(request.dataset, request.others);
   const KeptWork kept(request.model, work_key(request, settings));
   Progress progress("train", "members", std::size_t(count));
   std::size_t reused = 0;
@@ -63,7 +64,7 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     reweigh(table, request.seed, member);
     training.seed = random_bits(request.seed, 1, std::uint64_t(member));
     learning::Model model = base;
-    const auto lesson = teach_all(table, data.lower, data.upper, taught, training.seed);
+    const auto lesson = teach_all(table, others, data.lower, data.upper, taught, training.seed);
     model.weights = learning::train_rbm(base.layout, table, training, *sampler, {}, nullptr, lesson.get()).weights;
     model.provenance["member"] = member;
     learning::write_model(files.back(), model);

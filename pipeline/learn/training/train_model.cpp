@@ -138,6 +138,7 @@ std::string work_key(const TrainRequest& request, const LearningSettings& settin
   key["contract"] = content_hash(campaign::contract_text());
   key["program"] = std::string(program_version()) + " " + program_revision();
   key["settings"] = to_json(settings);
+  for (const std::filesystem::path& other : request.others) key["others"].push_back(file_hash(other));
   if (request.design) key["design"] = request.design->json();
   key["hold_out"] = Json(std::uint64_t(request.hold_out));
   if (request.trials > 0) key["subset"] = std::to_string(request.trials) + " " + std::to_string(request.subset);
@@ -170,10 +171,11 @@ Json train_model(const TrainRequest& request) {
   const std::size_t folds = usable_folds(data.table, settings.folds);
   if (folds < 2) throw InputError(request.dataset.string() + ": trials at two points or more are needed to train");
 
+  const OtherTrials others = read_other_trials(request.dataset, request.others);
   const KeptWork kept(request.model, work_key(request, settings));
   TrainingProgress progress(folds, training.epochs, source.watch());
   const double taught = settings.teacher.value_or(teacher_weight(data.table.row_count()));
-  Teacher teacher(data, taught, learning::assign_folds(data.table, folds, training.seed), request.seed, kept);
+  Teacher teacher(data, others, taught, learning::assign_folds(data.table, folds, training.seed), request.seed, kept);
   learning::CrossValidation validation = cross_validate(
       model.layout, data.table, training, source.sampler(), folds,
       [&](std::size_t done) {
@@ -204,6 +206,7 @@ Json train_model(const TrainRequest& request) {
   report["seed"] = Json(request.seed);
   report["settings"] = to_json(settings);
   report["teacher_weight"] = taught;
+  if (!others.empty()) report["other_trials"] = others.report;
   report["batch"] = Json(std::uint64_t(training.batch));
   report["epochs"] = Json(std::uint64_t(validation.best_epoch));
   report["counts"] = counts_report(data);

@@ -8,6 +8,7 @@
 #include "base/nearest.h"
 #include "base/shipped.h"
 #include "pipeline/campaign/study/study.h"
+#include "vehicle/model/statics.h"
 
 namespace gonogo::map {
 namespace fs = std::filesystem;
@@ -38,10 +39,7 @@ std::string difference(const Json& a, const Json& b) {
   return "";
 }
 
-double tyre_width(const TrialVehicle& v) {
-  if (v.rig) return v.rig->width;
-  return v.whole->track.empty() ? v.whole->wheel.front().width : v.whole->track[0].shoe_width;
-}
+double tyre_width(const TrialVehicle& v) { return v.rig ? v.rig->width : vehicle::tread_width(*v.whole); }
 
 /// Vehicle of a shipped model; empty where its dataset does not tell it.
 std::string vehicle_of(const fs::path& folder) {

@@ -264,7 +264,8 @@ TEST_CASE("a vehicle without a study steps by the numerics of its soil's table, 
 
 TEST_CASE("a quarter vehicle's compliant tyre has the contact springs of its load; one without springs is refused") {
   const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
-  TrialSetup setup = vehicle_trial_setup(configs / "vehicles/hmmwv_quarter.json", configs / "soils/calibration_32mm.json");
+  TrialSetup setup =
+      vehicle_trial_setup(configs / "vehicles/hmmwv_quarter.json", configs / "soils/calibration_32mm.json");
   const double payload = 800;
   DesignPoint point;
   for (const Variable& v : contract().variables) point.variables.push_back((v.minimum + v.maximum) / 2);

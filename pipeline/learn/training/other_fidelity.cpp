@@ -1,0 +1,144 @@
+#include "pipeline/learn/training/other_fidelity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/json/config.h"
+#include "base/line.h"
+#include "pipeline/learn/training/training_data.h"
+#include "vehicle/model/statics.h"
+#include "vehicle/wheel_rig.h"
+
+namespace gonogo::learn {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string& text_of(const campaign::Provenance& provenance, const char* name, const std::string& where) {
+  for (const auto& [key, text] : provenance.files)
+    if (key == name) return text;
+  throw InputError(where + ": does not hold its " + name +
+                   ", so its fidelity is unknown; train on it alone, or compute its trials anew");
+}
+
+struct Named {
+  fs::path file;
+  Fidelity fidelity;
+};
+
+Named named(const fs::path& file, const campaign::Dataset& dataset) {
+  return {file, fidelity_of(dataset.provenance, file.string())};
+}
+
+void refuse_twice(const Named& a, const Named& b) {
+  if (a.fidelity == b.fidelity)
+    throw InputError(b.file.string() + ": its trials have the fidelity of " + a.file.string() + " (" +
+                     a.fidelity.text() + "); give one dataset of each fidelity");
+}
+
+/// Appends the rows with these inputs after their variables.
+void append(learning::TrainingTable& table, const learning::TrainingTable& rows, const std::vector<double>& inputs) {
+  const std::uint64_t first_group =
+      table.group.empty() ? 0 : 1 + *std::max_element(table.group.begin(), table.group.end());
+  table.variable_count = rows.variable_count + inputs.size();
+  for (std::size_t n = 0; n < rows.row_count(); ++n) {
+    table.variables.insert(table.variables.end(), rows.row(n).begin(), rows.row(n).end());
+    table.variables.insert(table.variables.end(), inputs.begin(), inputs.end());
+    table.group.push_back(first_group + rows.group[n]);
+  }
+  table.outcome.insert(table.outcome.end(), rows.outcome.begin(), rows.outcome.end());
+  table.weight.insert(table.weight.end(), rows.weight.begin(), rows.weight.end());
+}
+
+void append(learning::TrainingTable& table, const learning::TrainingTable& rows) {
+  table.variables.insert(table.variables.end(), rows.variables.begin(), rows.variables.end());
+  table.outcome.insert(table.outcome.end(), rows.outcome.begin(), rows.outcome.end());
+  table.weight.insert(table.weight.end(), rows.weight.begin(), rows.weight.end());
+  table.group.insert(table.group.end(), rows.group.begin(), rows.group.end());
+}
+
+}  // namespace
+
+bool Fidelity::is_finer_than(const Fidelity& other) const {
+  return std::tuple(is_whole, has_compliant_tyres, grains_per_tyre) >
+         std::tuple(other.is_whole, other.has_compliant_tyres, other.grains_per_tyre);
+}
+
+std::string Fidelity::text() const {
+  return std::string(is_whole ? "whole vehicle" : "quarter of a vehicle") +
+         (has_compliant_tyres ? ", compliant tyres" : ", rigid tyres") +
+         line(", %.1f grains across the tyre", grains_per_tyre);
+}
+
+std::vector<double> Fidelity::inputs() const {
+  return {double(is_whole), double(has_compliant_tyres), std::log2(grains_per_tyre)};
+}
+
+Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& where) {
+  const Config file = Config::parse(text_of(provenance, "vehicle", where), where + ": vehicle");
+  const Json soil = Json::parse(text_of(provenance, "calibration", where), where + ": calibration");
+  const Json study = Json::parse(provenance.study, where + ": study");
+  const Json* trial = study.find("trial");
+  const Json* compliant = trial ? trial->find("compliant_tyres") : nullptr;
+  Fidelity fidelity;
+  fidelity.is_whole = file.text("kind") != "quarter";
+  fidelity.has_compliant_tyres = compliant && compliant->boolean();
+  const double width = fidelity.is_whole ? vehicle::tread_width(vehicle::read_vehicle(file))
+                                         : vehicle::read_wheel_rig(file).width;
+  fidelity.grains_per_tyre = width / soil.at("grain_diameter_m").number();
+  return fidelity;
+}
+
+learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows) const {
+  if (empty()) return rows;
+  learning::TrainingTable result;
+  append(result, rows, own);
+  append(result, table);
+  return result;
+}
+
+std::vector<double> OtherTrials::at_own(const std::vector<double>& points, std::size_t variables) const {
+  if (empty()) return points;
+  std::vector<double> result;
+  for (auto point = points.begin(); point != points.end(); point += std::ptrdiff_t(variables)) {
+    result.insert(result.end(), point, point + std::ptrdiff_t(variables));
+    result.insert(result.end(), own.begin(), own.end());
+  }
+  return result;
+}
+
+OtherTrials read_other_trials(const fs::path& own, const std::vector<fs::path>& others) {
+  OtherTrials result;
+  if (others.empty()) return result;
+  std::vector<Named> seen{named(own, campaign::read_dataset(own))};
+  result.own = seen.front().fidelity.inputs();
+  for (const fs::path& file : others) {
+    const campaign::Dataset dataset = campaign::read_dataset(file);
+    const Named other = named(file, dataset);
+    for (const Named& earlier : seen) refuse_twice(earlier, other);
+    seen.push_back(other);
+    const learning::TrainingTable rows = make_training_data(dataset.records, std::nullopt).table;
+    append(result.table, rows, other.fidelity.inputs());
+    Json entry;
+    entry["data_hash"] = file_hash(file);
+    entry["trials"] = Json(std::uint64_t(rows.row_count()));
+    entry["fidelity"] = other.fidelity.text();
+    result.report.push_back(std::move(entry));
+  }
+  return result;
+}
+
+std::vector<fs::path> finest_first(std::vector<fs::path> datasets) {
+  if (datasets.size() < 2) return datasets;
+  std::vector<Named> order;
+  for (const fs::path& file : datasets) order.push_back(named(file, campaign::read_dataset(file)));
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Named& a, const Named& b) { return a.fidelity.is_finer_than(b.fidelity); });
+  for (std::size_t k = 0; k < order.size(); ++k) datasets[k] = order[k].file;
+  return datasets;
+}
+
+}  // namespace gonogo::learn

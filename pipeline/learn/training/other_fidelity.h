@@ -1,0 +1,51 @@
+// Trials of other fidelities, where few are of the finest. The Gaussian process of a model (teacher.h) takes fidelity as
+// inputs beside the variables, learns all trials together and answers at the finest. The machine's own rows are the
+// finest trials alone. One kernel over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting the
+// output from a complex computer code when fast approximations are available", Biometrika 87:1 (2000).
+#pragma once
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/json/json.h"
+#include "learning/table.h"
+#include "pipeline/campaign/dataset/dataset.h"
+
+namespace gonogo::learn {
+
+/// What two trials of the same variables may differ in.
+struct Fidelity {
+  bool is_whole = false, has_compliant_tyres = false;
+  double grains_per_tyre = 0;  // tyre width over grain diameter [-]
+
+  bool operator==(const Fidelity&) const = default;
+  /// A whole vehicle is finer than a quarter; then compliant tyres than rigid ones; then small grains than large ones.
+  bool is_finer_than(const Fidelity& other) const;
+  /// "whole vehicle, compliant tyres, 7.9 grains across the tyre"
+  std::string text() const;
+  /// Inputs of the process: 0 or 1, 0 or 1, log2(grains_per_tyre).
+  std::vector<double> inputs() const;
+};
+
+/// Throws InputError where the dataset does not hold its vehicle and soil table.
+Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& where);
+
+struct OtherTrials {
+  learning::TrainingTable table;  // [rows x (variables, then Fidelity::inputs())]; no rows: there are no other trials
+  std::vector<double> own;        // Fidelity::inputs() of the model's own trials
+  Json report = Json::array();    // of each dataset: hash, number of trials, fidelity
+
+  bool empty() const { return table.row_count() == 0; }
+  /// What a process learns from: these rows of the model's own trials and all others. `rows` alone without others.
+  learning::TrainingTable joined(const learning::TrainingTable& rows) const;
+  /// The points at the own fidelity, as the process takes them. points: [point count x variables]
+  std::vector<double> at_own(const std::vector<double>& points, std::size_t variables) const;
+};
+
+/// Valid trials of other datasets than `own`. Throws InputError for two datasets of the same fidelity.
+OtherTrials read_other_trials(const std::filesystem::path& own, const std::vector<std::filesystem::path>& others);
+
+/// The same files, the finest first.
+std::vector<std::filesystem::path> finest_first(std::vector<std::filesystem::path> datasets);
+
+}  // namespace gonogo::learn

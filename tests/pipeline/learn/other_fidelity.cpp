@@ -1,0 +1,132 @@
+// Trials of several fidelities: which is the finest, how they are joined, and what few fine trials gain by many coarse.
+#include "pipeline/learn/training/other_fidelity.h"
+
+#include <cmath>
+
+#include "base/random.h"
+#include "learning/model/model.h"
+#include "learning/rbm/gaussian_process.h"
+#include "learning/score/score.h"
+#include "pipeline/learn/training/train_model.h"
+#include "tests/pipeline/learn/trained_model.h"
+#include "tests/support/catch.h"
+#include "tests/support/refused.h"
+
+using namespace gonogo;
+using namespace gonogo::learn;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kData = fs::path(GONOGO_SOURCE_DIR) / "data";
+const fs::path kVehicle = kData / "hmmwv_32mm/dataset.h5", kQuarter = kData / "quarter_wheel_32mm/dataset.h5";
+
+/// Trials of two variables: passed below a curve, which is one of shape for all fidelities and lies `shift` higher.
+learning::TrainingTable curved(std::size_t count, double shift, std::uint64_t seed) {
+  learning::TrainingTable table;
+  table.variable_count = 2;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double x = 20 * random_unit(seed, 0, n) - 10, y = random_unit(seed, 1, n);
+    table.variables.insert(table.variables.end(), {x, y});
+    table.outcome.push_back(x < shift + 6 * std::sin(7 * y) ? 0 : 1);
+    table.weight.push_back(1);
+    table.group.push_back(n);
+  }
+  return table;
+}
+
+std::vector<int> labels(const learning::TrainingTable& table) {
+  std::vector<int> result;
+  for (std::size_t y : table.outcome) result.push_back(y == 0);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("the shipped trials of the whole vehicle are finer than those of a quarter of it") {
+  const auto of = [](const fs::path& file) {
+    return fidelity_of(campaign::read_dataset(file).provenance, file.string());
+  };
+  const Fidelity whole = of(kVehicle), quarter = of(kQuarter);
+  CHECK(whole.text() == "whole vehicle, compliant tyres, 7.9 grains across the tyre");
+  CHECK(quarter.text() == "quarter of a vehicle, rigid tyres, 7.9 grains across the tyre");
+  CHECK(whole.grains_per_tyre == Approx(0.254 / 0.032));
+  CHECK(whole.is_finer_than(quarter));
+  CHECK_FALSE(quarter.is_finer_than(whole));
+  CHECK_FALSE(whole.is_finer_than(whole));
+  Fidelity coarse = quarter;
+  coarse.grains_per_tyre = 2.8;
+  CHECK(quarter.is_finer_than(coarse));
+  CHECK(finest_first({kQuarter, kVehicle}) == std::vector<fs::path>{kVehicle, kQuarter});
+}
+
+TEST_CASE("other trials follow the own ones with their fidelity as inputs, and replicates stay together") {
+  const OtherTrials others = read_other_trials(kVehicle, {kQuarter});
+  const std::size_t variables = campaign::contract().variables.size();
+  const TrainingData own = make_training_data(campaign::read_dataset(kVehicle).records, {});
+  const learning::TrainingTable joined = others.joined(own.table);
+  const std::size_t first = own.table.row_count();
+  REQUIRE(joined.row_count() == first + others.table.row_count());
+  REQUIRE(joined.variable_count == variables + 3);
+  for (std::size_t v = 0; v < variables; ++v) CHECK(joined.row(5)[v] == own.table.row(5)[v]);
+  CHECK(joined.row(5)[variables] == 1);
+  CHECK(joined.row(first)[variables] == 0);
+  CHECK(joined.row(first)[variables + 2] == Approx(std::log2(0.254 / 0.032)));
+  for (std::size_t n = 0; n < 40; ++n)
+    for (std::size_t m = n; m < 40; ++m)
+      CHECK((joined.group[n] == joined.group[m]) == (own.table.group[n] == own.table.group[m]));
+  const std::vector<double> points = others.at_own({1, 2, 3, 4}, 2);
+  CHECK(points == std::vector<double>{1, 2, 1, 1, others.own[2], 3, 4, 1, 1, others.own[2]});
+  CHECK(read_other_trials(kVehicle, {}).joined(own.table).variables == own.table.variables);
+}
+
+TEST_CASE("two datasets of one fidelity are refused, and one that does not tell its own") {
+  refused([] { read_other_trials(kVehicle, {kQuarter, kQuarter}); }, "have the fidelity of");
+  refused([] { read_other_trials(kVehicle, {kVehicle}); }, "give one dataset of each fidelity");
+  const fs::path mute = dataset_file("mute.h5", 30, 2);
+  refused([&] { finest_first({kVehicle, mute}); }, "does not hold its vehicle");
+}
+
+TEST_CASE("a process on 16 fine and 200 coarse trials finds the fine curve better than on the fine alone") {
+  OtherTrials others;
+  others.own = {1};
+  const learning::TrainingTable coarse = curved(200, 2, 1), test = curved(500, 0, 3);
+  for (std::size_t n = 0; n < coarse.row_count(); ++n) {
+    others.table.variables.insert(others.table.variables.end(), {coarse.row(n)[0], coarse.row(n)[1], 0});
+    others.table.group.push_back(n);
+  }
+  others.table.variable_count = 3;
+  others.table.outcome = coarse.outcome;
+  others.table.weight = coarse.weight;
+  double alone = 0, helped = 0;
+  for (std::uint64_t seed = 10; seed < 15; ++seed) {
+    const learning::TrainingTable fine = curved(16, 0, seed), both = others.joined(fine);
+    alone += learning::brier_score(
+        learning::fit_gaussian_process(fine, labels(fine)).probabilities(test.variables), labels(test));
+    helped += learning::brier_score(
+        learning::fit_gaussian_process(both, labels(both)).probabilities(others.at_own(test.variables, 2)), labels(test));
+  }
+  INFO("Brier score alone " << alone / 5 << ", helped " << helped / 5);
+  CHECK(helped < 0.7 * alone);
+}
+
+TEST_CASE("a model that other trials helped names them, and has other bits than one that they did not") {
+  const fs::path alone = scratch() / "alone.h5", helped = scratch() / "helped.h5";
+  TrainRequest request{.dataset = kVehicle,
+                       .model = alone,
+                       .seed = 5,
+                       .learning = Config::parse(R"({"epochs": 4, "folds": 2, "negative": "persistent"})", "study"),
+                       .design = {},
+                       .trials = 40};
+  CHECK(train_model(request).find("other_trials") == nullptr);
+  request.model = helped;
+  const fs::path few = scratch() / "few.h5";
+  campaign::Dataset quarter = campaign::read_dataset(kQuarter);
+  quarter.records.resize(60);
+  campaign::write_dataset(few, quarter);
+  request.others = {few};
+  const Json report = train_model(request);
+  CHECK(report.at("other_trials").items().at(0).at("trials").integer() == 60);
+  CHECK(report_text(report).find("60 trials of another fidelity help: quarter of a vehicle") != std::string::npos);
+  CHECK_FALSE(learning::read_model(helped).weights == learning::read_model(alone).weights);
+}
