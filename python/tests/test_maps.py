@@ -6,6 +6,8 @@ import subprocess
 
 import numpy as np
 import pytest
+import rasterio
+import rioxarray
 
 import gonogo
 
@@ -63,6 +65,26 @@ def test_a_shipped_model_and_a_named_soil(hill, program, tmp_path):
     for layer in ("go.tif", "p_go.tif", "speed.tif"):
         assert (tmp_path / "map" / layer).read_bytes() == (tmp_path / "same" / layer).read_bytes(), layer
     assert "p_go" in made.layers
+
+
+def test_rasters_of_other_packages_make_the_same_map(made, hill, tmp_path):
+    """A path, a dataset of rasterio and an array of xarray, each with a library of GDAL of its own in this process."""
+    file = tmp_path / "hill.tif"
+    place = dict(driver="GTiff", height=ROWS, width=COLUMNS, count=1, dtype="float32", crs="EPSG:32610",
+                 transform=rasterio.Affine(*TRANSFORM))
+    with rasterio.open(file, "w", **place) as raster:
+        raster.write(hill, 1)
+    maps = [gonogo.map(file, "hmmwv", "sand", moisture="wet", out=tmp_path / "path")]
+    with rasterio.open(file) as raster:
+        maps.append(gonogo.map(raster, "hmmwv", "sand", moisture="wet", out=tmp_path / "rasterio"))
+    with rioxarray.open_rasterio(file) as array:
+        maps.append(gonogo.map(array, "hmmwv", "sand", moisture="wet", out=tmp_path / "xarray"))
+    for other in maps[1:]:
+        for layer in ("go", "p_go", "reason"):
+            assert np.array_equal(other[layer], maps[0][layer], equal_nan=True), layer
+    with rasterio.open(tmp_path / "path" / "p_go.tif") as raster:
+        assert np.array_equal(raster.read(1, masked=True).filled(np.nan), maps[0]["p_go"], equal_nan=True)
+        assert raster.transform == rasterio.Affine(*maps[0].raster("p_go").transform)
 
 
 def test_a_written_raster_reads_back(made, hill):
