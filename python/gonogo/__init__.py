@@ -12,21 +12,22 @@ import os as _os
 # inherit the variable.
 _os.environ.setdefault("GONOGO_SHARE", _os.path.join(_os.path.dirname(__file__), "share"))
 
-from ._core import (Bed, Bodies, Contacts, DeviceError, Frame, InputError, Simulation, Snapshot, StepReport, TrialRecord,
-                    WheelRig, World, cuda_device_names, max_threads, revision, set_threads)
+from ._core import (Bed, Bodies, Contacts, DeviceBodies, DeviceError, DrivenVehicle, Frame, InputError, Simulation, Snapshot,
+                    StepReport, TrialRecord, Vehicle, WheelRig, World, cuda_device_names, max_threads, revision, set_threads)
 from ._core import version as _version
 from ._campaign import Campaign
 from ._contract import Measure, Variable, measures, outcomes, variables
 from ._dataset import Dataset
 from ._files import shipped
-from ._mapping import Map, Raster, compare, map, read_raster, route
+from ._mapping import Map, Raster, compare, map, read_raster
 from ._model import Answer, Model
+from ._route import route
 from ._training import evaluate, train
 from ._trial import Trial
 
 __version__ = _version()
 
-__all__ = ["Answer", "Bed", "Bodies", "Campaign", "Contacts", "Dataset", "DeviceError", "Frame", "InputError", "Map", "Measure",
-           "Model", "Raster", "Simulation", "Snapshot", "StepReport", "Trial", "TrialRecord", "Variable", "WheelRig", "World",
-           "compare", "cuda_device_names", "evaluate", "map", "max_threads", "measures", "outcomes", "read_raster", "revision",
-           "route", "set_threads", "shipped", "train", "variables"]
+__all__ = ["Answer", "Bed", "Bodies", "Campaign", "Contacts", "Dataset", "DeviceBodies", "DeviceError", "DrivenVehicle", "Frame",
+           "InputError", "Map", "Measure", "Model", "Raster", "Simulation", "Snapshot", "StepReport", "Trial", "TrialRecord",
+           "Variable", "Vehicle", "WheelRig", "World", "compare", "cuda_device_names", "evaluate", "map", "max_threads",
+           "measures", "outcomes", "read_raster", "revision", "route", "set_threads", "shipped", "train", "variables"]

@@ -1,7 +1,6 @@
-"""Maps and routes of a region."""
+"""Maps of a region."""
 import json
 import os
-import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,11 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from ._files import PathLike
+from ._files import PathLike, study_file
 from ._model import Model
 
 Soil = str | Mapping[str, float | tuple[float, float]]
-Place = tuple[float, float]
 
 
 class Raster(NamedTuple):
@@ -50,7 +48,7 @@ class Map:
         return self.raster(layer).values
 
 
-def _with_gdal() -> Any:
+def with_gdal() -> Any:
     try:
         from . import _map
     except ImportError as error:
@@ -61,7 +59,7 @@ def _with_gdal() -> Any:
 
 def read_raster(path: PathLike) -> Raster:
     """Band 1 of any raster that GDAL opens, on its own grid and in its own unit."""
-    values, transform, crs = _with_gdal().read_raster(os.fspath(path))
+    values, transform, crs = with_gdal().read_raster(os.fspath(path))
     return Raster(values, tuple(transform), crs)
 
 
@@ -120,68 +118,68 @@ def _model_file(model: Model | PathLike) -> str:
     return os.fspath(model.path if isinstance(model, Model) else model)
 
 
-def _place(dem: Any, soil: Soil | None, region: PathLike | None, folder: Path, crs: Any, transform: Any) -> dict[str, str]:
-    """Arguments of MapFiles that say what is mapped."""
-    if (region is None) == (dem is None):
+def _place(dem: Any, soil: Soil | None, region: PathLike | None, study: PathLike | None, folder: Path, crs: Any,
+           transform: Any) -> dict[str, Any]:
+    """Members of MapFiles that say what is mapped."""
+    if region is not None and dem is not None or region is dem is study:
         raise _core.InputError("map: give dem, or a region file; one of the two")
-    if region is not None:
+    if dem is None:
         if soil is not None:
             raise _core.InputError("map: the region file names its soil; leave soil out")
-        return {"region": os.fspath(region)}
+        return {} if region is None else {"region": region}
     elevation = _elevation_file(dem, crs, transform, folder)
     if isinstance(soil, Mapping):
         return {"region": _region_file(elevation, soil, Path(elevation).stem, folder)}
     return {"dem": elevation, "soil": soil or ""}
 
 
-def _request(dem: Any, model: Model | PathLike, soil: Soil | None, region: PathLike | None, folder: Path, crs: Any,
-             transform: Any, vehicle: str, dataset: PathLike | None, moisture: str, heading: str,
-             settings: Mapping[str, float] | None, max_speed: float) -> Any:
-    place = _place(dem, soil, region, folder, crs, transform)
-    return _with_gdal().MapFiles(_model_file(model), **place, vehicle=vehicle,
-                                 dataset=os.fspath(dataset) if dataset is not None else "", moisture=moisture,
-                                 heading=heading, settings=[f"{name}={value!r}" for name, value in (settings or {}).items()],
-                                 max_speed_km_h=max_speed)
+def map_files(folder: Path, dem: Any, model: Model | PathLike, soil: Soil | None, region: PathLike | None, crs: Any,
+              transform: Any, *, study: PathLike | None, settings: Mapping[str, float] | None,
+              **others: str | float | PathLike | None) -> Any:
+    """MapFiles of the arguments that map() and route() share. `folder` takes what has to be written."""
+    files = with_gdal().MapFiles()
+    files.model = _model_file(model)
+    files.set = [f"{name}={value!r}" for name, value in (settings or {}).items()]
+    if study is not None:
+        files.study = study_file(study)
+    for name, value in {**_place(dem, soil, region, study, folder, crs, transform), **others}.items():
+        if value is not None:
+            setattr(files, name, os.fspath(value) if isinstance(value, os.PathLike) else value)
+    return files
 
 
 def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None, *, out: PathLike,
-        region: PathLike | None = None, crs: Any = None, transform: Any = None, vehicle: str = "",
-        dataset: PathLike | None = None, moisture: str = "", heading: str = "", settings: Mapping[str, float] | None = None,
-        max_speed: float = 0) -> Map:
+        region: PathLike | None = None, crs: Any = None, transform: Any = None, vehicle: PathLike = "",
+        whole_vehicle: PathLike = "", dataset: PathLike | None = None, study: PathLike | None = None, moisture: str = "",
+        heading: str | float = "", settings: Mapping[str, float] | None = None, max_speed: float = 0, height_unit: str = "",
+        flat_is_ground: bool = False, members: Iterable[PathLike] = (), colour_blind_safe: bool = False,
+        threads: int = 0) -> Map:
     """The Go/NoGo map of a region, as `gonogo map` makes it.
 
     dem: elevation [m]: a path, a rasterio dataset, an xarray array with rio, or a numpy array [row, column] with crs and
-    transform. soil: USDA texture or name of a shipped soil, at a moisture ("dry", "moist", "wet") or any; or variable ->
-    number or (low, high), in the units of the contract; without it the soil may be anything. region: in place of dem, a
-    region file, which names its rasters. out: folder of the map. vehicle: name or file; refused unless the model is of it.
-    dataset: trials, for layers of speed, slip and sinkage; by default those beside the model. settings: values of the
-    mission, such as payload=500. max_speed: never exceeded [km/h]; 0: the driveline's.
+    transform. soil: USDA texture, name of a shipped soil, soil file or raster of textures, at a moisture ("dry", "moist",
+    "wet") or any; or variable -> number or (low, high), in the units of the contract; without it the soil may be anything.
+    region: in place of dem, a region file, which names its rasters. study: thresholds and mission values of its section
+    "map"; its region, where neither dem nor region is given. out: folder of the map. vehicle: name or file; refused unless
+    the model is of it. whole_vehicle: that a quarter vehicle stands for. dataset: trials, for layers of speed, slip and
+    sinkage; by default those beside the model. heading: of class, P(go) and reason: "uphill", "worst", "best", or degrees
+    clockwise from grid north. settings: values of the mission, such as payload=500. max_speed: never exceeded [km/h]; 0: the
+    driveline's. height_unit: "m", "ft" or "us-ft"; "": as the raster says. flat_is_ground: large areas of exactly one height
+    are ground, not unknown. members: bootstrap members of the model, whose spread widens the interval on P(go). threads:
+    0: all cores.
     """
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
-    files = _request(dem, model, soil, region, folder, crs, transform, vehicle, dataset, moisture, heading, settings, max_speed)
-    return Map(folder, json.loads(_with_gdal().make_map(files, str(folder))))
-
-
-def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None, *, start: Place | None = None,
-          end: Place | None = None, costs: Iterable[str] = ("safest",), lines: PathLike = "", reach: PathLike = "",
-          region: PathLike | None = None, crs: Any = None, transform: Any = None, vehicle: str = "",
-          dataset: PathLike | None = None, moisture: str = "", heading: str = "", settings: Mapping[str, float] | None = None,
-          max_speed: float = 0) -> dict[str, Any]:
-    """Routes over a region, as `gonogo route` plans them.
-
-    start, end: (x, y) in the region's coordinate system. costs: "shortest", "fastest", "safest", "least-energy". lines:
-    .gpkg, .geojson or .gpx to write; reach: .tif of the min cost from `start`. Region as in map().
-    """
-    with tempfile.TemporaryDirectory() as name:
-        files = _request(dem, model, soil, region, Path(name), crs, transform, vehicle, dataset, moisture, heading, settings,
-                         max_speed)
-        result: dict[str, Any] = json.loads(_with_gdal().plan_route(files, start, end, list(costs), os.fspath(lines), os.fspath(reach)))
-    return result
+    files = map_files(folder, dem, model, soil, region, crs, transform, study=study, settings=settings, vehicle=vehicle,
+                      whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture, heading=str(heading),
+                      max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground,
+                      colour_blind_safe=colour_blind_safe, threads=threads)
+    files.set_members([os.fspath(member) for member in members])
+    return Map(folder, json.loads(with_gdal().make_map(files, str(folder))))
 
 
 def compare(first: Map | PathLike, second: Map | PathLike, out: PathLike) -> dict[str, Any]:
     """Compares two maps of one region, as `gonogo compare` does. Writes rasters and figures to the folder `out`."""
     one, two = (os.fspath(m.folder if isinstance(m, Map) else m) for m in (first, second))
-    result: dict[str, Any] = json.loads(_with_gdal().compare_maps(one, two, os.fspath(out)))
+    result: dict[str, Any] = json.loads(with_gdal().compare_maps(one, two, os.fspath(out)))
     return result

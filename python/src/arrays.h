@@ -11,6 +11,9 @@ namespace gonogo::python {
 
 template <class T>
 using Array = nanobind::ndarray<nanobind::numpy, T>;
+/// In memory of any device: numpy, torch, cupy and jax take it by from_dlpack().
+template <class T>
+using DeviceArray = nanobind::ndarray<nanobind::array_api, T>;
 template <class T, int Dimensions>
 using ArrayIn = nanobind::ndarray<const T, nanobind::ndim<Dimensions>, nanobind::c_contig, nanobind::device::cpu>;
 

@@ -20,32 +20,17 @@ namespace nb = nanobind;
 namespace gonogo::python {
 namespace {
 
-map::MapFiles files_of(const std::string& model, const std::string& region, const std::string& dem,
-                       const std::string& soil, const std::string& vehicle, const std::string& whole_vehicle,
-                       const std::string& dataset, const std::string& moisture, const std::string& heading,
-                       std::vector<std::string> settings, double max_speed_km_h) {
-  const auto vehicle_file = [](const std::string& name) {
-    return name.empty() ? std::filesystem::path() : shipped_file("vehicles", "vehicle", name);
-  };
-  map::MapFiles files;
-  files.model = model;
-  files.region = region;
-  files.dem = dem;
-  files.soil = soil;
-  files.vehicle = vehicle_file(vehicle);
-  files.whole_vehicle = vehicle_file(whole_vehicle);
-  files.dataset = dataset;
-  files.moisture = moisture;
-  files.heading = heading;
-  files.set = std::move(settings);
-  files.max_speed_km_h = max_speed_km_h;
-  return files;
+/// With vehicles that go by their names found.
+map::MapRequest request_of(map::MapFiles files) {
+  for (std::filesystem::path* file : {&files.vehicle, &files.whole_vehicle})
+    if (!file->empty()) *file = shipped_file("vehicles", "vehicle", file->string());
+  return map::read_map_request(files);
 }
 
 std::string make_map(map::MapFiles files, const std::string& out) {
   return long_call([&] {
     files.out = out;
-    const map::MapSummary summary = map::make_map(map::read_map_request(files));
+    const map::MapSummary summary = map::make_map(request_of(std::move(files)));
     Json json, written = Json::array();
     json["area_km2"] = summary.area_km2;
     for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts)
@@ -60,16 +45,26 @@ std::string make_map(map::MapFiles files, const std::string& out) {
 
 using Place = std::pair<double, double>;
 
-std::string plan_route(const map::MapFiles& files, std::optional<Place> from, std::optional<Place> to,
-                       const std::vector<std::string>& costs, const std::string& lines, const std::string& reach) {
+map::Place place_of(const Place& p) { return {p.first, p.second}; }
+
+/// A route's request whose file members are still to be set.
+map::RouteRequest route_request(std::optional<Place> from, std::optional<Place> to, const std::vector<Place>& via,
+                                const std::vector<std::string>& costs, bool eight_directions,
+                                const std::string& departure, double interval) {
+  map::RouteRequest request;
+  if (from) request.from = place_of(*from);
+  if (to) request.to = place_of(*to);
+  for (const Place& p : via) request.via.push_back(place_of(p));
+  for (const std::string& cost : costs) request.costs.push_back(map::route_cost_named(cost));
+  request.eight_directions = eight_directions;
+  if (!departure.empty()) request.departure = map::parse_departure(departure, "route: departure");
+  request.interval = interval;
+  return request;
+}
+
+std::string plan_route(map::RouteRequest request, const map::MapFiles& files) {
   return long_call([&] {
-    map::RouteRequest request;
-    request.map = map::read_map_request(files);
-    if (from) request.from = map::Place{from->first, from->second};
-    if (to) request.to = map::Place{to->first, to->second};
-    for (const std::string& cost : costs) request.costs.push_back(map::route_cost_named(cost));
-    request.lines = lines;
-    request.reach = reach;
+    request.map = request_of(files);
     return map::plan_route(request).dump();
   });
 }
@@ -100,6 +95,56 @@ std::tuple<Array<float>, Transform, std::string> read_raster(const std::string& 
           Transform{grid.cell_width, 0, grid.west, 0, -grid.cell_height, grid.north}, grid.crs_wkt};
 }
 
+/// A path as Python's str; an empty one leaves a file out.
+template <class Request>
+void file_property(nb::class_<Request>& c, const char* name, std::filesystem::path Request::*file) {
+  c.def_prop_rw(
+      name, [file](const Request& r) { return (r.*file).string(); },
+      [file](Request& r, const std::string& path) { r.*file = path; });
+}
+
+void set_members(map::MapFiles& files, const std::vector<std::string>& paths) {
+  files.members.assign(paths.begin(), paths.end());
+}
+
+void bind_files(nb::module_& m) {
+  using map::MapFiles;
+  nb::class_<MapFiles> c(m, "MapFiles", "The files that a map is made from; an empty path leaves one out.");
+  c.def(nb::init<>());
+  file_property(c, "model", &MapFiles::model);
+  file_property(c, "region", &MapFiles::region);
+  file_property(c, "dem", &MapFiles::dem);
+  file_property(c, "study", &MapFiles::study);
+  file_property(c, "dataset", &MapFiles::dataset);
+  file_property(c, "vehicle", &MapFiles::vehicle);
+  file_property(c, "whole_vehicle", &MapFiles::whole_vehicle);
+  c.def("set_members", &set_members, nb::arg("paths"));
+  c.def_rw("soil", &MapFiles::soil);
+  c.def_rw("height_unit", &MapFiles::height_unit);
+  c.def_rw("flat_is_ground", &MapFiles::flat_is_ground);
+  c.def_rw("moisture", &MapFiles::moisture);
+  c.def_rw("set", &MapFiles::set);
+  c.def_rw("max_speed_km_h", &MapFiles::max_speed_km_h);
+  c.def_rw("heading", &MapFiles::heading);
+  c.def_rw("colour_blind_safe", &MapFiles::colour_blind_safe);
+  c.def_rw("threads", &MapFiles::threads);
+}
+
+void bind_route_request(nb::module_& m) {
+  using namespace nb::literals;
+  using map::RouteRequest;
+  nb::class_<RouteRequest> c(m, "RouteRequest", "Places, costs and files of routes; an empty path leaves a file out.");
+  c.def(nb::new_(&route_request), "start"_a.none(), "end"_a.none(), "via"_a, "costs"_a, "eight_directions"_a,
+        "departure"_a, "interval"_a);
+  file_property(c, "avoid", &RouteRequest::avoid);
+  file_property(c, "lines", &RouteRequest::lines);
+  file_property(c, "reach", &RouteRequest::reach);
+  file_property(c, "isochrones", &RouteRequest::isochrones);
+  file_property(c, "costmap", &RouteRequest::costmap);
+  file_property(c, "grid_map", &RouteRequest::grid_map);
+  file_property(c, "regions", &RouteRequest::regions);
+}
+
 }  // namespace
 }  // namespace gonogo::python
 
@@ -108,22 +153,11 @@ NB_MODULE(_map, m) {
   using namespace nb::literals;
   m.doc() = "Maps, routes and rasters. Use the package gonogo; names here may change.";
   python::raise_errors_of_core();
-  nb::class_<map::MapFiles>(m, "MapFiles", "The files that a map is made from; \"\" leaves one out.")
-      .def(
-          "__init__",
-          [](map::MapFiles* self, const std::string& model, const std::string& region, const std::string& dem,
-             const std::string& soil, const std::string& vehicle, const std::string& whole_vehicle,
-             const std::string& dataset, const std::string& moisture, const std::string& heading,
-             std::vector<std::string> settings, double max_speed_km_h) {
-            new (self) map::MapFiles(python::files_of(model, region, dem, soil, vehicle, whole_vehicle, dataset,
-                                                      moisture, heading, std::move(settings), max_speed_km_h));
-          },
-          "model"_a, "region"_a = "", "dem"_a = "", "soil"_a = "", "vehicle"_a = "", "whole_vehicle"_a = "",
-          "dataset"_a = "", "moisture"_a = "", "heading"_a = "", "settings"_a = std::vector<std::string>(),
-          "max_speed_km_h"_a = 0.0);
+  python::bind_files(m);
+  python::bind_route_request(m);
   m.def("make_map", &python::make_map, "files"_a, "out"_a, "Writes the map's folder. Returns JSON of the summary.");
-  m.def("plan_route", &python::plan_route, "files"_a, "start"_a.none(), "end"_a.none(), "costs"_a, "lines"_a = "",
-        "reach"_a = "", "Writes the files asked for. Returns JSON of the routes.");
+  m.def("plan_route", &python::plan_route, "request"_a, "files"_a,
+        "Writes the files asked for. Returns JSON of the routes.");
   m.def("compare_maps", &python::compare_maps, "first"_a, "second"_a, "out"_a, "Returns JSON of the comparison.");
   m.def("read_raster", &python::read_raster, "path"_a,
         "Values [row, column], NaN: nodata; affine transform; coordinate system as WKT2.");

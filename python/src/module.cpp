@@ -63,6 +63,8 @@ NB_MODULE(_core, m) {
   python::bind_problem(m);
   python::bind_dataset(m);
   python::bind_scene(m);
+  python::bind_vehicle(m);
+  python::bind_bodies(m);
   python::bind_simulation(m);
   python::bind_trial(m);
   python::bind_campaign(m);

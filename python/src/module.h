@@ -12,6 +12,8 @@ void bind_machine(nanobind::module_& m);
 void bind_problem(nanobind::module_& m);
 void bind_dataset(nanobind::module_& m);
 void bind_scene(nanobind::module_& m);
+void bind_vehicle(nanobind::module_& m);
+void bind_bodies(nanobind::module_& m);
 void bind_simulation(nanobind::module_& m);
 void bind_trial(nanobind::module_& m);
 void bind_campaign(nanobind::module_& m);

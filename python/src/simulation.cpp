@@ -23,32 +23,43 @@ class Batch {
   Batch(const std::vector<sim::SceneWorld>& worlds, const sim::StepSettings& settings, int threads, bool gpu) {
     if (worlds.empty()) throw InputError("simulation: at least one world is needed");
     for (const sim::SceneWorld& w : worlds) {
-      bodies_.push_back(sim::BodyIndex(w.body.size()));
-      motors_.push_back(Index(w.motor.size()));
+      size_.push_back(
+          {Index(w.body.size()), Index(w.motor.size()), Index(w.controller.size()), Index(w.driveline.size())});
     }
     simulation_ = sim::make_simulation(gpu ? sim::Backend::cuda : sim::Backend::cpu, worlds, settings, threads);
   }
 
   sim::Simulation& at(sim::WorldIndex world) {
-    if (world < 0 || std::size_t(world) >= bodies_.size())
-      throw InputError("world " + std::to_string(world) + ": there are " + std::to_string(bodies_.size()));
+    if (world < 0 || std::size_t(world) >= size_.size())
+      throw InputError("world " + std::to_string(world) + ": there are " + std::to_string(size_.size()));
     return *simulation_;
   }
   sim::Simulation& with_body(sim::WorldIndex world, sim::BodyIndex body) {
     sim::Simulation& simulation = at(world);
-    if (body < 0 || body >= bodies_[std::size_t(world)])
+    if (body < 0 || body >= size_[std::size_t(world)].bodies)
       throw InputError("body " + std::to_string(body) + ": world " + std::to_string(world) + " has " +
-                       std::to_string(bodies_[std::size_t(world)]));
+                       std::to_string(size_[std::size_t(world)].bodies));
     return simulation;
   }
   sim::Simulation& with_motor(sim::WorldIndex world, Index motor) {
     sim::Simulation& simulation = at(world);
-    if (motor < 0 || motor >= motors_[std::size_t(world)])
+    if (motor < 0 || motor >= size_[std::size_t(world)].motors)
       throw InputError("motor " + std::to_string(motor) + ": world " + std::to_string(world) + " has " +
-                       std::to_string(motors_[std::size_t(world)]));
+                       std::to_string(size_[std::size_t(world)].motors));
     return simulation;
   }
-  std::size_t size() const { return bodies_.size(); }
+  void drive(const Driven& v, double throttle, double steering, sim::WorldIndex world) {
+    sim::Simulation& simulation = at(world);
+    if (!size_[std::size_t(world)].holds(v.world))
+      throw InputError("drive: the vehicle was added to another world than world " + std::to_string(world));
+    vehicle::drive(simulation, world, v.parts, throttle, steering);
+  }
+  /// Of one world, or of all without a number.
+  sim::BodiesOnDevice bodies_on_device(std::optional<sim::WorldIndex> world) {
+    if (world) return at(*world).bodies_on_device(*world, 1);
+    return simulation_->bodies_on_device(0, sim::WorldIndex(size_.size()));
+  }
+  std::size_t size() const { return size_.size(); }
 
   /// Steps in small groups, between which Ctrl-C is seen.
   void advance(Index count) {
@@ -62,8 +73,7 @@ class Batch {
   double step() const { return simulation_->settings().step; }
 
  private:
-  std::vector<sim::BodyIndex> bodies_;
-  std::vector<Index> motors_;
+  std::vector<WorldParts> size_;
   std::unique_ptr<sim::Simulation> simulation_;
 };
 
@@ -79,45 +89,6 @@ sim::StepSettings settings_of(double step, int iterations, double tolerance, std
 }
 
 Array<float> values3(const Vec3& v) { return array_of(std::vector<float>{v.x, v.y, v.z}); }
-
-void bind_bodies(nb::module_& m) {
-  using Self = nb::handle_t<Bodies>;
-  const auto all = [](Self self) -> const std::vector<sim::BodyState>& { return nb::cast<Bodies&>(self).state; };
-  nb::class_<Bodies>(m, "Bodies", "All bodies of a world at one time. Arrays are views of one block of memory.")
-      .def("__len__", [](const Bodies& b) { return b.state.size(); })
-      .def_prop_ro(
-          "position", [all](Self s) { return field_of(all(s), &all(s).data()->position.x, 3, s); },
-          "Centres of mass [body, 3] [m].")
-      .def_prop_ro(
-          "orientation", [all](Self s) { return field_of(all(s), &all(s).data()->orientation.w, 4, s); },
-          "Unit quaternions w, x, y, z [body, 4].")
-      .def_prop_ro(
-          "velocity", [all](Self s) { return field_of(all(s), &all(s).data()->velocity.x, 3, s); }, "[body, 3] [m/s].")
-      .def_prop_ro(
-          "angular_velocity", [all](Self s) { return field_of(all(s), &all(s).data()->angular_velocity.x, 3, s); },
-          "[body, 3] [rad/s].");
-}
-
-void bind_contacts(nb::module_& m) {
-  using Self = nb::handle_t<Contacts>;
-  const auto all = [](Self self) -> const std::vector<sim::Contact>& { return nb::cast<Contacts&>(self).contact; };
-  const auto push = [](Self self) -> const std::vector<sim::Impulse>& { return nb::cast<Contacts&>(self).impulse; };
-  nb::class_<Contacts>(m, "Contacts", "All contacts of a world's latest step. Arrays are views.")
-      .def("__len__", [](const Contacts& c) { return c.contact.size(); })
-      .def_prop_ro(
-          "body_a", [all](Self s) { return field_of(all(s), &all(s).data()->body_a, 1, s); }, "[contact]")
-      .def_prop_ro(
-          "body_b", [all](Self s) { return field_of(all(s), &all(s).data()->body_b, 1, s); }, "[contact]")
-      .def_prop_ro(
-          "normal", [all](Self s) { return field_of(all(s), &all(s).data()->normal.x, 3, s); },
-          "Unit vectors from body b to body a [contact, 3].")
-      .def_prop_ro(
-          "gap", [all](Self s) { return field_of(all(s), &all(s).data()->gap, 1, s); },
-          "Negative when the bodies overlap [contact] [m].")
-      .def_prop_ro(
-          "impulse", [push](Self s) { return field_of(push(s), &push(s).data()->linear.x, 3, s); },
-          "On body a in the last substep [contact, 3] [N s].");
-}
 
 void bind_report(nb::module_& m) {
   nb::class_<sim::StepReport>(m, "StepReport", "One world after its latest step.")
@@ -136,8 +107,6 @@ void bind_report(nb::module_& m) {
 void bind_simulation(nb::module_& m) {
   using namespace nb::literals;
   using W = sim::WorldIndex;
-  bind_bodies(m);
-  bind_contacts(m);
   bind_report(m);
   nb::class_<sim::Snapshot>(m, "Snapshot", "State from which a world continues with the same bits.");
   nb::class_<Batch>(m, "Simulation", "A batch of worlds that take their steps together.")
@@ -162,6 +131,19 @@ void bind_simulation(nb::module_& m) {
       .def(
           "bodies", [](Batch& b, W w) { return long_call([&] { return Bodies{b.at(w).bodies(w)}; }); }, "world"_a = 0,
           "All bodies now, in the order in which they were added.")
+      .def(
+          "body", [](Batch& b, sim::BodyIndex body, W w) { return Bodies{{b.with_body(w, body).body(w, body)}}; },
+          "body"_a, "world"_a = 0, "One body now: arrays of one row.")
+      .def(
+          "bodies_on_device",
+          [](Batch& b, std::optional<W> w) { return long_call([&] { return DeviceBodies{b.bodies_on_device(w)}; }); },
+          "world"_a.none() = nb::none(),
+          "All bodies now, in memory of the device that simulates: arrays for from_dlpack() of torch, cupy, jax or "
+          "numpy. "
+          "None: of all worlds, one after the other.")
+      .def("drive", &Batch::drive, "vehicle"_a, "throttle"_a, "steering"_a = 0.0, "world"_a = 0,
+           "Holds throttle and steering, both -1 to 1, from now on. Throttle below zero brakes, or with wheel motors "
+           "drives backwards. Steering above zero turns to the left.")
       .def(
           "contacts",
           [](Batch& b, W w) { return long_call([&] {

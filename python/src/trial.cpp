@@ -147,6 +147,13 @@ void bind_frame(nb::module_& m) {
           },
           "All bodies now. Valid until the next frame; the arrays stay.")
       .def(
+          "bodies_on_device",
+          [](const Frame& f) {
+            const campaign::TrialFrame& now = f.running();
+            return DeviceBodies{now.simulation.bodies_on_device(now.place, 1)};
+          },
+          "The same in memory of the device that simulates, for from_dlpack().")
+      .def(
           "contacts",
           [](const Frame& f) {
             const campaign::TrialFrame& now = f.running();

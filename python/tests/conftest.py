@@ -6,7 +6,9 @@ import subprocess
 
 import pytest
 
-import gonogo
+os.environ["SCIPY_ARRAY_API"] = "1"  # else scikit-learn skips one of its checks; read when scipy is imported
+
+import gonogo  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 

@@ -22,3 +22,12 @@ def test_those_of_models_run(blocks, model_file):
     for title in ("Ask a model", "Anneal"):
         exec(code[title].replace('gonogo.Model("hmmwv")', f"gonogo.Model({str(model_file)!r})"), scope)
     assert scope["answer"].summary["energies"] == "verified"
+
+
+def test_those_of_driving_run(blocks):
+    scope = {}
+    code = dict(blocks)
+    exec("import gonogo\n" + code["Simulate"][code["Simulate"].index("ground = "):], scope)
+    assert scope["simulation"].body(scope["driven"].chassis).velocity[0, 0] > 1
+    exec(code["Learn to drive"], scope)
+    assert scope["observation"].shape == (8, 7) and not scope["info"]["failed"].any()

@@ -1,8 +1,13 @@
+import datetime
 import json
+import pathlib
+import sqlite3
 import subprocess
 
 import numpy as np
 import pytest
+import rasterio
+import rioxarray
 
 import gonogo
 
@@ -62,6 +67,26 @@ def test_a_shipped_model_and_a_named_soil(hill, program, tmp_path):
     assert "p_go" in made.layers
 
 
+def test_rasters_of_other_packages_make_the_same_map(made, hill, tmp_path):
+    """A path, a dataset of rasterio and an array of xarray, each with a library of GDAL of its own in this process."""
+    file = tmp_path / "hill.tif"
+    place = dict(driver="GTiff", height=ROWS, width=COLUMNS, count=1, dtype="float32", crs="EPSG:32610",
+                 transform=rasterio.Affine(*TRANSFORM))
+    with rasterio.open(file, "w", **place) as raster:
+        raster.write(hill, 1)
+    maps = [gonogo.map(file, "hmmwv", "sand", moisture="wet", out=tmp_path / "path")]
+    with rasterio.open(file) as raster:
+        maps.append(gonogo.map(raster, "hmmwv", "sand", moisture="wet", out=tmp_path / "rasterio"))
+    with rioxarray.open_rasterio(file) as array:
+        maps.append(gonogo.map(array, "hmmwv", "sand", moisture="wet", out=tmp_path / "xarray"))
+    for other in maps[1:]:
+        for layer in ("go", "p_go", "reason"):
+            assert np.array_equal(other[layer], maps[0][layer], equal_nan=True), layer
+    with rasterio.open(tmp_path / "path" / "p_go.tif") as raster:
+        assert np.array_equal(raster.read(1, masked=True).filled(np.nan), maps[0]["p_go"], equal_nan=True)
+        assert raster.transform == rasterio.Affine(*maps[0].raster("p_go").transform)
+
+
 def test_a_written_raster_reads_back(made, hill):
     again = gonogo.read_raster(made.folder / "elevation.vrt")
     assert np.array_equal(again.values, hill)
@@ -77,6 +102,86 @@ def test_a_route_avoids_what_it_cannot_cross(made, model, tmp_path):
     assert 290 < way["length_m"] < 500
     line = json.loads((tmp_path / "way.geojson").read_text())
     assert line["features"]
+
+
+START, END, VIA = (730050.0, 4368050.0), (730350.0, 4368080.0), (730200.0, 4368180.0)
+
+
+def test_a_route_passes_by_and_keeps_out(made, model, tmp_path):
+    """Lengths against straight lines on the plain, and against one another."""
+    wall = [[[730190, 4367900], [730210, 4367900], [730210, 4368140], [730190, 4368140], [730190, 4367900]]]
+    (tmp_path / "wall.geojson").write_text(json.dumps({
+        "type": "FeatureCollection", "crs": {"type": "name", "properties": {"name": "EPSG:32610"}},
+        "features": [{"type": "Feature", "properties": {}, "geometry": {"type": "Polygon", "coordinates": wall}}]}))
+
+    def length(**options):
+        found = gonogo.route(model=model, region=made.folder / "region.json", start=START, end=END, costs=["shortest"], **options)
+        return found["routes"][0]["length_m"]
+
+    straight = np.hypot(END[0] - START[0], END[1] - START[1])
+    assert length() == pytest.approx(straight, abs=15)  # places are cells of 10 m
+    by = sum(np.hypot(b[0] - a[0], b[1] - a[1]) for a, b in ((START, VIA), (VIA, END)))
+    assert length(via=[VIA]) == pytest.approx(by, abs=20)
+    around = sum(np.hypot(b[0] - a[0], b[1] - a[1]) for a, b in ((START, (730200, 4368150)), ((730200, 4368150), END)))
+    assert length(avoid=tmp_path / "wall.geojson") == pytest.approx(around, abs=25)
+    assert straight * 1.02 < length(any_angle=False) < straight * 1.09
+
+
+def test_files_of_routes_are_the_programs(made, program, tmp_path):
+    """With the shipped model: its measures date the track."""
+    departure = datetime.datetime(2026, 5, 1, 8, tzinfo=datetime.timezone(datetime.timedelta(hours=2)))
+    ours, theirs = tmp_path / "ours", tmp_path / "theirs"
+    for folder in (ours, theirs):
+        folder.mkdir()
+    names = {"lines": "way.gpx", "reach": "reach.tif", "costmap": "cost.yaml", "grid_map": "grid.tif"}
+    region = made.folder / "region.json"
+    gonogo.route(model="hmmwv", region=region, start=START, end=END, via=[VIA], costs=["safest"], departure=departure,
+                 **{option: ours / name for option, name in names.items()})
+    places = [f"--{name}={x},{y}" for name, (x, y) in (("from", START), ("to", END), ("via", VIA))]
+    options = {"lines": "--out", "reach": "--reach", "costmap": "--costmap", "grid_map": "--grid-map"}
+    subprocess.run([program, "route", "--model", "hmmwv", "--region", region, *places, "--cost", "safest",
+                    "--departure", "2026-05-01T06:00:00Z",
+                    *(part for option, name in names.items() for part in (options[option], theirs / name))],
+                   check=True, capture_output=True)
+    for name in (*names.values(), "cost.pgm"):
+        assert (ours / name).read_bytes() == (theirs / name).read_bytes(), name
+    assert "2026-05-01T06:00:00Z" in (ours / "way.gpx").read_text()
+
+
+def test_polygons_of_reach_and_regions(made, model, tmp_path):
+    found = gonogo.route(model=model, region=made.folder / "region.json", start=START, costs=["shortest"],
+                         isochrones=tmp_path / "bands.gpkg", interval=100.0, regions=tmp_path / "regions.gpkg")
+    assert {pathlib.Path(file).name for file in found["files"]} >= {"bands.gpkg", "regions.gpkg"}
+    with sqlite3.connect(tmp_path / "bands.gpkg") as file:
+        table, = file.execute("SELECT table_name FROM gpkg_contents").fetchone()
+        bands = file.execute(f'SELECT count(*) FROM "{table}"').fetchone()[0]
+    assert bands >= 3  # the plain is 400 m long
+
+
+def test_map_options_reach_the_program(hill, model_file, program, tmp_path):
+    """Heights in feet, a heading, and colours."""
+    files = dict(crs="EPSG:32610", transform=TRANSFORM, soil="loam", moisture="dry", heading=45, height_unit="ft",
+                 flat_is_ground=True, colour_blind_safe=True)
+    made = gonogo.map(hill, "hmmwv", **files, out=tmp_path / "map")
+    subprocess.run([program, "map", "--model", "hmmwv", "--dem", tmp_path / "map/elevation.vrt", "--soil", "loam", "--moisture", "dry",
+                    "--heading", "45", "--height-unit", "ft", "--flat-is-ground", "--colour-blind-safe", "--out", tmp_path / "same"],
+                   check=True, capture_output=True)
+    for layer in ("go.tif", "p_go.tif", "go.qml"):
+        assert (tmp_path / "map" / layer).read_bytes() == (tmp_path / "same" / layer).read_bytes(), layer
+    level = gonogo.map(hill, "hmmwv", **{**files, "height_unit": "m"}, out=tmp_path / "metres")
+    assert np.nanmean(made["p_go"]) > np.nanmean(level["p_go"])  # a third as steep
+
+
+def test_errors_of_routes_say_what_to_do(made, model):
+    place = dict(model=model, region=made.folder / "region.json", start=START, end=END)
+    with pytest.raises(gonogo.InputError, match="time zone"):
+        gonogo.route(**place, departure=datetime.datetime(2026, 5, 1))
+    with pytest.raises(gonogo.InputError, match="departure"):
+        gonogo.route(**place, departure="tomorrow")
+    with pytest.raises(gonogo.InputError, match="no_such"):
+        gonogo.route(**place, avoid="no_such.geojson")
+    with pytest.raises(gonogo.InputError, match="nothing is asked for"):
+        gonogo.route(model=model, region=made.folder / "region.json")
 
 
 def test_errors_say_what_to_do(hill, model, tmp_path):

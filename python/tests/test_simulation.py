@@ -36,6 +36,68 @@ def test_arrays_are_views_that_outlive_their_source():
     assert position[0, 2] == height == 3
 
 
+def test_bodies_go_to_other_packages_by_dlpack():
+    world = gonogo.World((4, 4, 4))
+    world.add_sphere((2, 2, 3), radius=0.1)
+    world.add_floor(0.0)
+    simulation = gonogo.Simulation([world, world])
+    simulation.set_gravity((1.0, 0, -9.81), world=1)
+    simulation.step(200)
+    every = simulation.bodies_on_device()
+    assert every.device == "cpu" and len(every) == 4
+    for name in ("position", "orientation", "velocity", "angular_velocity"):
+        array = getattr(every, name)
+        assert array.__dlpack_device__() == (1, 0)  # kDLCPU
+        taken = np.from_dlpack(array)
+        expected = np.concatenate([getattr(simulation.bodies(k), name) for k in range(2)])
+        assert np.array_equal(taken, expected) and taken.dtype == expected.dtype
+        assert np.array_equal(np.from_dlpack(getattr(simulation.bodies_on_device(1), name)), expected[2:])
+        assert np.array_equal(np.from_dlpack(getattr(simulation.bodies(0), name)), expected[:2])
+    kept, height = np.from_dlpack(every.position), simulation.bodies().position[0, 2]
+    assert not kept.flags.owndata
+    del every, array, taken
+    simulation.step(100)
+    del simulation
+    assert kept[0, 2] == height
+
+
+def test_one_body_is_a_row_of_all(bed):
+    simulation = gonogo.Simulation([bed.world(friction=0.4)], grain_diameter=bed.grain_diameter)
+    simulation.step(5)
+    every = simulation.bodies()
+    for b in (0, 7, bed.grain_count - 1):
+        one = simulation.body(b)
+        assert np.array_equal(one.position[0], every.position[b]) and np.array_equal(one.velocity[0], every.velocity[b])
+
+
+def test_a_vehicle_is_put_into_a_world_and_driven():
+    vehicle = gonogo.Vehicle.read("hmmwv", payload=500)
+    assert vehicle.mass == pytest.approx(gonogo.Vehicle.read("hmmwv").mass + 500)
+    assert (vehicle.steering, vehicle.wheel_motors) == ("wheels", False)
+    assert gonogo.Vehicle.read("viper").wheel_motors
+    assert gonogo.Vehicle.read("m113").steering == "brakes"
+    world = gonogo.World((60, 20, 12), origin=(0, 0, -2))
+    world.add_floor(0.0)
+    world.set_law(0, 2, friction=0.8)
+    driven = world.add_vehicle(vehicle, (10, 10, 0))
+    simulation = gonogo.Simulation([world], step=2e-3, iterations=50)
+    simulation.step(500)
+    weight = sum(simulation.contact_force(wheel)[2] for wheel in driven.wheels)
+    assert weight == pytest.approx(vehicle.mass * 9.81, rel=0.03)
+    simulation.drive(driven, 1.0)
+    simulation.step(500)
+    assert simulation.body(driven.chassis).velocity[0, 0] > 2
+    simulation.drive(driven, -1.0)
+    simulation.step(1000)
+    assert abs(simulation.body(driven.chassis).velocity[0, 0]) < 0.05
+    with pytest.raises(gonogo.InputError, match="throttle: 1.5"):
+        simulation.drive(driven, 1.5)
+    with pytest.raises(gonogo.InputError, match="another world"):
+        falling_sphere().drive(driven, 0.5)
+    with pytest.raises(gonogo.InputError, match="payload"):
+        gonogo.Vehicle.read("hmmwv", payload=-1)
+
+
 def test_a_box_slides_as_far_as_friction_says():
     world = gonogo.World((10, 4, 4))
     floor = world.add_floor(0.0, material=1)

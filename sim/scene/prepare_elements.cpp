@@ -52,13 +52,13 @@ void check_table(const std::vector<TablePoint>& table, const char* name, double 
 }
 
 void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) {
-  constexpr double max = 1e9;  // of any command or torque
+  constexpr double max = 1e9;  // of any torque
   refuse.unless(c.motor >= 0 && c.motor < Index(world.motor.size()),
                 "drives motor " + std::to_string(c.motor) + ", not one of the " + std::to_string(world.motor.size()) +
                     " motors of the world");
   refuse.unless(world.motor[c.motor].kind == MotorKind::speed,
                 "drives motor " + std::to_string(c.motor) + ", a torque motor; controllers drive speed motors");
-  const double command = c.type == ControllerType::throttle ? 1 : max;
+  const double command = command_limit(c.type);
   check_table(c.command, "command", -command, command, refuse);
   check_table(c.limit, "torque limit", 0, max, refuse);
   if (c.type == ControllerType::throttle)
@@ -69,9 +69,9 @@ void check(const SceneWorld& world, const Controller& c, const Refusal& refuse) 
   refuse.unless(is_finite(c.axis) && length(c.axis) > 0, "has an axis without direction");
   refuse.unless(std::isfinite(c.proportional) && std::isfinite(c.integral) && std::isfinite(c.feed_forward),
                 "has a gain that is not finite");
-  if (c.type == ControllerType::velocity_by_speed || c.type == ControllerType::steering)
+  if (c.type == ControllerType::velocity_by_speed || sets_angle(c.type))
     refuse.unless(is_positive(c.top_speed), "needs a top speed above zero");
-  if (c.type != ControllerType::steering) return;
+  if (!sets_angle(c.type)) return;
   refuse.unless(c.frame == ReferenceFrame::body && world.motor[c.motor].b == c.body,
                 "steers body " + std::to_string(c.body) + " by a motor that does not turn against it");
   refuse.unless(is_positive(c.rate) && is_positive(c.max_angle) && std::isfinite(c.look_ahead),

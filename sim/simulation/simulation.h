@@ -31,6 +31,13 @@ struct [[nodiscard]] StepReport {
 /// A sentence such as "body 12 in step 340 (at 0.34 s) has left the domain"; empty without a fault. `step` [s].
 std::string description(const Fault& fault, double step);
 
+/// Bodies in memory of the backend, which lives as long as `state` is held.
+struct BodiesOnDevice {
+  std::shared_ptr<BodyState> state;  // [count]
+  Index count = 0;
+  int gpu = -1;  // number of the CUDA device; -1: the host's memory
+};
+
 class Simulation {
  public:
   virtual ~Simulation() = default;
@@ -53,12 +60,19 @@ class Simulation {
                           const std::vector<BodyState>& states) = 0;
   /// All bodies of a world, in the order of its scene.
   virtual std::vector<BodyState> bodies(WorldIndex world) = 0;
+  /// The same for `count` worlds, one after the other, without leaving the backend's memory. Ready when it returns.
+  virtual BodiesOnDevice bodies_on_device(WorldIndex first, WorldIndex count) = 0;
 
   virtual void set_gravity(WorldIndex world, const Vec3& gravity) = 0;
   virtual void set_law(WorldIndex world, int material_a, int material_b, const PairLaw& law) = 0;
   /// `target`: speed [rad/s] or torque [N m], by the motor's kind. Throws InputError for a motor that a controller or
   /// driveline sets.
   virtual void set_motor(WorldIndex world, Index motor, Real target, Real max_torque) = 0;
+  /// From now on the controller's command has this value, whatever the time. A snapshot does not hold it. Throws
+  /// InputError for a value that a controller of its type refuses.
+  virtual void set_command(WorldIndex world, Index controller, double value) = 0;
+  /// Likewise of a driveline: throttle and brake, 0 to 1.
+  virtual void set_pedals(WorldIndex world, Index driveline, double throttle, double brake) = 0;
   /// Impulse of a motor in the last substep divided by its length [N m].
   virtual double motor_torque(WorldIndex world, Index motor) = 0;
   /// Load of a joint or spring on its body a in the last substep; zero before the world's first step and after restore.

@@ -13,7 +13,8 @@ enum class ControllerType : std::int32_t {
   throttle,            // fraction of a torque curve over time
   velocity_by_torque,  // proportional-integral: velocity of a body -> torque
   velocity_by_speed,   // proportional-integral: velocity of a body -> motor speed
-  steering             // keeps a body on a straight line along x: offset of a point ahead -> angle of the motor
+  steering,            // keeps a body on a straight line along x: offset of a point ahead -> angle of the motor
+  angle                // turns the motor to an angle
 };
 
 /// At most one per motor. Tables ascend in `at`; their outer values hold beyond their ends.
@@ -22,6 +23,7 @@ struct Controller {
   Index motor = 0;  // in its world
 
   /// Over time [s]. schedule: motor speed [rad/s]. throttle: [-1, 1], negative drives backwards. velocity: [m/s].
+  /// angle: [rad].
   std::vector<TablePoint> command;
   /// Torque limit [N m] over time [s]. throttle: torque at full throttle over the magnitude of the motor's speed
   /// [rad/s]; the last point is the speed that the motor does not exceed by itself.
@@ -39,18 +41,26 @@ struct Controller {
 
   // steering: the line runs along the world's x through the body's start. y is the offset from it of a point
   // `look_ahead` ahead of the body along `axis`. The wanted angle of the motor is `command` times -p y, limited to
-  // +-max_angle. The motor turns at `rate` times the missing angle, at most at top_speed. p: [rad/m].
+  // +-max_angle. The motor turns at `rate` times the missing angle, at most at top_speed. p: [rad/m]. angle: the same
+  // towards `command` itself.
   double look_ahead = 0;    // [m]
   double max_angle = 0;     // [rad]
   double rate = 0;          // [1/s]
   Vec3 pointer_a{1, 0, 0};  // in the frame of the motor's body a: along `axis` of its body b at angle zero
 };
 
+GONOGO_HD inline bool sets_angle(ControllerType type) {
+  return type == ControllerType::steering || type == ControllerType::angle;
+}
+
 /// Whether it reads a body's motion.
 inline bool follows_body(const Controller& c) {
   return c.type == ControllerType::velocity_by_torque || c.type == ControllerType::velocity_by_speed ||
-         c.type == ControllerType::steering;
+         sets_angle(c.type);
 }
+
+/// Largest magnitude of a controller's command.
+inline double command_limit(ControllerType type) { return type == ControllerType::throttle ? 1 : 1e9; }
 
 /// A controller with the batch's indices.
 struct ControllerPlan {
@@ -115,16 +125,32 @@ GONOGO_HD inline double steering_wish(double gain, double max_angle, double besi
   return clamped(-gain * beside, max_angle);
 }
 
-/// `forward`, `up`: unit vectors of the motor's body b; `pointer`: of its body a; all in the world. `sideways`:
-/// velocity of the steered body along y.
-GONOGO_HD inline MotorCommand steering_command(View<const TablePoint> points, const ControllerPlan& c, double time,
-                                               const Vec3& forward, const Vec3& up, const Vec3& pointer,
-                                               double sideways, double step, ControllerState& state) {
-  state.error_integral += sideways * step;
-  const double wish = interpolate(points, c.command, time) *
-                      steering_wish(c.proportional, c.max_angle, state.error_integral + c.look_ahead * forward.y);
-  const double angle = std::atan2(double(dot(up, cross(forward, pointer))), double(dot(forward, pointer)));
+/// Unit vectors in the world. forward, up: of the motor's body b; pointer: of its body a.
+struct ArmPose {
+  Vec3 forward, up, pointer;
+};
+
+/// Turns an arm to an angle [rad].
+GONOGO_HD inline MotorCommand turn_to(View<const TablePoint> points, const ControllerPlan& c, double time,
+                                      const ArmPose& arm, double wish) {
+  const double angle =
+      std::atan2(double(dot(arm.up, cross(arm.forward, arm.pointer))), double(dot(arm.forward, arm.pointer)));
   return {clamped(c.rate * (wish - angle), c.top_speed), interpolate(points, c.limit, time)};
+}
+
+/// `sideways`: velocity of the steered body along y.
+GONOGO_HD inline MotorCommand steering_command(View<const TablePoint> points, const ControllerPlan& c, double time,
+                                               const ArmPose& arm, double sideways, double step,
+                                               ControllerState& state) {
+  state.error_integral += sideways * step;
+  const double beside = state.error_integral + c.look_ahead * arm.forward.y;
+  return turn_to(points, c, time, arm,
+                 interpolate(points, c.command, time) * steering_wish(c.proportional, c.max_angle, beside));
+}
+
+GONOGO_HD inline MotorCommand angle_command(View<const TablePoint> points, const ControllerPlan& c, double time,
+                                            const ArmPose& arm) {
+  return turn_to(points, c, time, arm, clamped(interpolate(points, c.command, time), c.max_angle));
 }
 
 GONOGO_HD inline MotorCommand velocity_command(View<const TablePoint> points, const ControllerPlan& c, double time,

@@ -225,6 +225,64 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("an arm is turned to the angle that is commanded, no further and no faster than it may") {
+  for (const Backend backend : backends()) {
+    SceneWorld w = empty_space();
+    w.add_body({{}, {Real(std::cos(0.4)), 0, 0, Real(std::sin(0.4))}, {}, {}}, solid(1e6f, {1e6f, 1e6f, 1e6f}));
+    w.add_body({{0, 5, 0}, {}, {}, {}}, solid(1, {1, 1, 1}));
+    w.motor.push_back(speed_motor(w, 1, 0, {0, 0, 1}, 0, 0));
+    Controller c;
+    c.type = ControllerType::angle;
+    c.command = {{0, 0}, {1, 0}};
+    c.limit = {{0, 1e5}};
+    c.max_angle = 0.3;
+    c.rate = 20;
+    c.top_speed = 1;
+    c.pointer_a = {Real(std::cos(0.8)), Real(std::sin(0.8)), 0};
+    w.controller.push_back(c);
+    const auto simulation = simulate(backend, w, {});
+    const auto angle = [&] {
+      const Quat q = simulation->body(0, 1).orientation;
+      return 2 * std::atan2(double(q.z), double(q.w));
+    };
+    INFO(name_of(backend));
+    advance_for(*simulation, 0.1);
+    CHECK(std::fabs(angle()) < 1e-6);
+    simulation->set_command(0, 0, -0.2);
+    advance_for(*simulation, 0.1);
+    CHECK(angle() == Approx(-0.1).epsilon(1e-3));  // at its top speed
+    advance_for(*simulation, 0.9);
+    CHECK(angle() == Approx(-0.2).margin(1e-4));
+    simulation->set_command(0, 0, 2);
+    advance_for(*simulation, 3);
+    CHECK(angle() == Approx(0.3).margin(1e-4));
+    refused([&] { simulation->set_command(0, 0, std::nan("")); }, "controller 0");
+    w.controller[0].rate = 0;
+    refused([&] { simulate(backend, w, {}); }, "needs a rate");
+  }
+}
+
+TEST_CASE("a command that is set holds in its own world, through a reordering of bodies, and until it is set again") {
+  for (const Backend backend : backends()) {
+    Controller c;
+    c.type = ControllerType::throttle;
+    c.command = {{0, 0}};
+    c.limit = {{0, 2}, {1e6, 2}};
+    StepSettings settings;
+    settings.sort_every = 8;
+    const auto simulation = make_simulation(backend, {flywheel(c), flywheel(c)}, settings, 1);
+    simulation->set_command(1, 0, 0.5);
+    advance_for(*simulation, 0.5);
+    INFO(name_of(backend));
+    CHECK(simulation->body(0, 0).angular_velocity.y == 0);
+    CHECK(simulation->body(1, 0).angular_velocity.y == Approx(0.5 * 0.5 * 2 / kInertia).epsilon(1e-4));
+    simulation->set_command(1, 0, -1);
+    advance_for(*simulation, 0.25);
+    CHECK(simulation->body(1, 0).angular_velocity.y == Approx(1 - 0.25 * 2 / kInertia).margin(1e-4));
+    refused([&] { simulation->set_command(0, 0, 1.5); }, "takes no command");
+  }
+}
+
 TEST_CASE("a step that has to be repeated with more memory for its contacts is driven once") {
   // 512 spheres with more than 8 neighbours each within the envelope: far more contacts than there is memory for.
   SceneWorld crowd = flywheel(velocity_controller(ControllerType::velocity_by_torque, 1, 100));

@@ -134,6 +134,11 @@ TEST_CASE("a driveline that cannot run is refused by its number and the reason")
   s->advance(100);
   CHECK(agrees("1 N m through a ratio of 10 for 0.1 s on 1 kg m^2 [rad/s]", 1, s->body(0, 0).angular_velocity.y, 1e-3));
   refused([&] { s->set_motor(0, 0, 1, 1); }, "controller");
+  s->set_pedals(0, 0, 0.5, 0);
+  s->advance(100);
+  CHECK(agrees("and half of it for as long [rad/s]", 1.5, s->body(0, 0).angular_velocity.y, 1e-3));
+  refused([&] { s->set_pedals(0, 0, -0.1, 0); }, "driveline 0");
+  refused([&] { s->set_pedals(0, 0, 0, 2); }, "driveline 0");
   Driveline bad = d;
   bad.axle[0].share = 0.5;
   refused([&] { run(bad); }, "driveline 0");

@@ -66,6 +66,10 @@ TEST_CASE("bodies that have mixed are sorted anew, and every answer stays with i
       way.y -= 0.8 * std::round(way.y / 0.8);
       CHECK(length(way) < 0.02);  // 4 m/s, at most doubled by impacts, in 1e-3 s
     }
+    const BodiesOnDevice there = simulation->bodies_on_device(0, 1);
+    CHECK((there.gpu >= 0) == (backend == Backend::cuda));
+    if (backend == Backend::cpu)
+      CHECK(same_bits(std::vector<BodyState>(there.state.get(), there.state.get() + there.count), after));
     CHECK(simulation->report(0).flags == 0);
     CHECK(std::abs(after[kBalls + 2].angular_velocity.z - spin) < 1);
     double least = 1;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.h"
 #include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -10,6 +11,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/vehicles.h"
 #include "vehicle/hard_ground/hard_ground.h"
+#include "vehicle/model/driven_vehicle.h"
 
 using namespace gonogo;
 using namespace gonogo::test;
@@ -129,4 +131,109 @@ TEST_CASE("on side slopes to the left and to the right a steering HMMWV runs way
   CHECK(agrees("beside the line, sum of both [m]", 0, beside, 1e-3));
   CHECK(agrees("heading, sum of both [rad]", 0, turned, 1e-3));
   CHECK(agrees("speed, difference [m/s]", 0, speed, 5e-3));
+}
+
+namespace {
+
+/// A vehicle that is driven by hand over level ground of friction 0.8.
+struct ByHand {
+  Vehicle v;
+  sim::SceneWorld world;
+  DrivenVehicle driven;
+  std::unique_ptr<sim::Simulation> simulation;
+
+  explicit ByHand(Vehicle vehicle) : v(std::move(vehicle)) {
+    world.size = {200, 200, 20};
+    world.origin = {-100, -100, -5};
+    world.set_law(0, 1, {0.8f, 0, 0});
+    add_plane(world);
+    driven = add_driven_vehicle(world, v, {0, 0, standing_height(v)}, 1);
+    sim::StepSettings settings = settings_with(50);
+    settings.step = 2e-3f;
+    simulation = simulate(sim::Backend::cpu, world, settings);
+  }
+  double heading_now() {
+    return heading(simulation->body(0, driven.parts.chassis), world.body[std::size_t(driven.parts.chassis)]);
+  }
+  double speed() {
+    const Vec3 v_W = simulation->body(0, driven.parts.chassis).velocity;
+    return std::hypot(double(v_W.x), double(v_W.y));
+  }
+  void hold(double throttle, double steering, double seconds) {
+    drive(*simulation, 0, driven, throttle, steering);
+    advance_for(*simulation, seconds);
+  }
+};
+
+}  // namespace
+
+TEST_CASE("a hand-driven HMMWV accelerates, turns to both sides alike, and stops within v^2 / (2 mu g)") {
+  double turned[2];
+  for (const int side : {0, 1}) {
+    ByHand d(smooth(shipped_vehicle("hmmwv")));
+    REQUIRE(d.driven.steering == SteeringKind::wheels);
+    CHECK(d.driven.arm.size() == 2);
+    d.hold(0, 0, 0.5);
+    CHECK(d.speed() < 0.05);
+    d.hold(0.5, 0, 1);
+    CHECK(d.speed() > 3);
+    d.hold(0.2, side == 0 ? 0.5 : -0.5, 1);
+    turned[side] = d.heading_now();
+    const Vec3d from = d.simulation->body(0, d.driven.parts.chassis).position;
+    const double speed = d.speed();
+    d.hold(-1, 0, 2);
+    CHECK(d.speed() < 0.1);
+    const Vec3d way = d.simulation->body(0, d.driven.parts.chassis).position - from;
+    CHECK(agrees("stopping distance over v^2 / (2 mu g)", 1,
+                 std::hypot(way.x, way.y) / (speed * speed / (1.6 * kGravity)), 0.15));
+  }
+  CHECK(turned[0] > 0.3);
+  CHECK(agrees("heading, sum of both sides [rad]", 0, turned[0] + turned[1], 0.02));
+}
+
+TEST_CASE("wheels behind the middle turn the other way, and wheel motors drive backwards") {
+  ByHand d(smooth(shipped_vehicle("viper")));
+  REQUIRE(d.driven.arm.size() == 4);
+  d.hold(0, 1, 0.7);
+  const auto now = d.simulation->bodies(0);
+  const double chassis = d.heading_now();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto wheel = std::size_t(d.driven.parts.wheel[i]);
+    const Vec3 axle = rotate(now[wheel].orientation, rotate_back(d.world.body[wheel].orientation, {0, 1, 0}));
+    const double angle = std::atan2(-double(axle.x), double(axle.y)) - chassis;
+    CHECK(agrees("angle of the wheel [rad]", i < 2 ? d.v.max_steering_angle : -d.v.max_steering_angle, angle, 0.08));
+  }
+  const double x = d.simulation->body(0, d.driven.parts.chassis).position.x;
+  d.hold(-0.5, 0, 1);
+  CHECK(d.simulation->body(0, d.driven.parts.chassis).position.x < x - 0.2);
+}
+
+TEST_CASE("a rover without steered wheels turns on the spot by its motors") {
+  Vehicle v = smooth(shipped_vehicle("viper"));
+  for (Axle& a : v.axle) a.steered = false;
+  ByHand d(v);
+  REQUIRE(d.driven.steering == SteeringKind::motors);
+  d.hold(0, 0, 0.3);
+  const Vec3d from = d.simulation->body(0, d.driven.parts.chassis).position;
+  d.hold(0, 1, 2);
+  const Vec3d way = d.simulation->body(0, d.driven.parts.chassis).position - from;
+  CHECK(d.heading_now() > 0.2);
+  CHECK(std::hypot(way.x, way.y) < 0.1);
+  d.hold(0, -1, 2);
+  CHECK(d.heading_now() < 0.2);
+}
+
+TEST_CASE("a vehicle that can do neither turns by the brakes of one side") {
+  Vehicle v = smooth(shipped_vehicle("hmmwv"));
+  for (Axle& a : v.axle) a.steered = false;
+  for (const double side : {1.0, -1.0}) {
+    ByHand d(v);
+    REQUIRE(d.driven.steering == SteeringKind::brakes);
+    d.hold(0.5, 0, 1.5);
+    const double before = d.heading_now();
+    d.hold(0.1, side, 1.5);
+    CHECK(side * (d.heading_now() - before) > 0.05);
+    CHECK_THROWS_AS(drive(*d.simulation, 0, d.driven, 1.1, 0), InputError);
+    CHECK_THROWS_AS(drive(*d.simulation, 0, d.driven, 0, -2), InputError);
+  }
 }

@@ -153,6 +153,11 @@ double way_per_radian(const Vehicle& v) {
 
 void set_driver(const Vehicle& v, const DriverOrders& orders, const sim::SceneWorld& world, const EngineVehicle& e,
                 sim::Driveline& d) {
+  if (orders.by_hand) {
+    d.throttle = d.braking = {{0, 0}};
+    d.body = e.chassis;
+    return;
+  }
   const double end = std::max(orders.brake_from, orders.release + orders.throttle_ramp + 2e-3), moment = 1e-3;
   d.throttle = ramp_up(orders.release, orders.speed > 0 ? 0 : orders.throttle_ramp, 1);
   d.throttle.insert(d.throttle.end(), {{end, 1}, {end + moment, 0}});
@@ -195,7 +200,17 @@ void add_engine(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e
   world.driveline.push_back(d);
 }
 
-/// A motor in every driven wheel: holds the rim's speed within its torque; it brakes by holding zero.
+/// Torque of a wheel's motor over its speed up to the one that it does not exceed.
+std::vector<sim::TablePoint> motor_limit(const Driveline& d) {
+  std::vector<sim::TablePoint> points;
+  for (const sim::TablePoint& p : points_of(d.engine, d.efficiency))
+    if (p.at < d.cut_speed) points.push_back(p);
+  points.push_back({d.cut_speed, d.efficiency * d.engine(d.cut_speed)});
+  return points;
+}
+
+/// A motor in every driven wheel: holds the rim's speed within its torque; it brakes by holding zero. By hand it gives
+/// a share of its torque.
 void add_wheel_motors(sim::SceneWorld& world, const Vehicle& v, const EngineVehicle& e, const DriverOrders& orders) {
   const Curve& torque = v.driveline.engine;
   const double max_torque = *std::max_element(torque.value.begin(), torque.value.end()) * v.driveline.efficiency;
@@ -206,6 +221,11 @@ void add_wheel_motors(sim::SceneWorld& world, const Vehicle& v, const EngineVehi
     c.motor = e.drive_motor[i];
     c.command = ramp_up(orders.release, orders.throttle_ramp, orders.speed > 0 ? std::min(top, wish) : top);
     c.limit = {{0, max_torque}};
+    if (orders.by_hand) {
+      c.type = sim::ControllerType::throttle;
+      c.command = {{0, 0}};
+      c.limit = motor_limit(v.driveline);
+    }
     world.controller.push_back(c);
   }
 }
@@ -236,71 +256,7 @@ EngineVehicle add_tracked(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
   return e;
 }
 
-/// Middle of an upright's ball joints [m].
-Vec3d kingpin(const Assembly& a, int upright) {
-  Vec3d sum;
-  int count = 0;
-  for (const Link& l : a.link)
-    if (l.type == LinkType::spherical && l.child == upright) {
-      sum += l.point;
-      ++count;
-    }
-  return sum * (1.0 / std::max(count, 1));
-}
-
-bool is_steered(const Vehicle& v, const Assembly& a, const EngineVehicle& e, int upright) {
-  for (const Link& l : a.link)
-    for (std::size_t i = 0; l.wheel && l.parent == upright && i < e.station.size(); ++i)
-      if (a.wheel[i] == l.child) return v.axle[std::size_t(e.station[i].axle)].steered;
-  return false;
-}
-
-/// Arm from its pivot in the chassis to the inner end of the tie rod of this link.
-void add_steering_arm(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const Link& tie_rod, Index joint,
-                      const Vec3d& lever, const Vec3d& origin) {
-  constexpr double mass = 0.5, moment = 0.01, torque = 5000;  // light and strong [kg], [kg m^2], [N m]
-  constexpr double rate = 10, top_speed = 1;                  // of the driver's hands [1/s], [rad/s]
-  const Vec3d inner = origin + tie_rod.parent_point, pivot = inner - lever;
-  const sim::BodyIndex arm = world.add_body({pivot + 0.5 * lever, {}, {}, {}},
-                                            sim::solid(Real(mass), {Real(moment), Real(moment), Real(moment)}));
-  world.joint.push_back(sim::revolute(world, arm, e.chassis, pivot, {0, 0, 1}));
-  const sim::BodyIndex upright = e.bodies.body[std::size_t(tie_rod.child)];
-  e.steer_motor.push_back(add_motor(world, sim::speed_motor(world.joint.back(), 0, torque)));
-  world.joint[std::size_t(joint)] = sim::distance(world, upright, arm, origin + tie_rod.point, inner);
-  sim::Controller c;
-  c.type = sim::ControllerType::steering;
-  c.motor = e.steer_motor.back();
-  c.body = e.chassis;
-  c.axis = rotate_back(world.body[std::size_t(e.chassis)].orientation, {1, 0, 0});
-  c.command = {{0, 1}};
-  c.limit = {{0, torque}};
-  c.proportional = v.driver.steering_gain;
-  c.look_ahead = v.driver.look_ahead;
-  c.max_angle = v.max_steering_angle;
-  c.rate = rate;
-  c.top_speed = top_speed;
-  world.controller.push_back(c);
-}
-
 }  // namespace
-
-bool steers(const Vehicle& v) {
-  if (!(v.driver.look_ahead > 0 && v.driver.steering_gain > 0 && v.max_steering_angle > 0)) return false;
-  return std::any_of(v.axle.begin(), v.axle.end(), [&](const Axle& a) {
-    return a.steered && find_suspension(v, a.suspension).type == SuspensionType::double_wishbone;
-  });
-}
-
-void add_steering(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const Vec3d& origin) {
-  const Assembly assembly = assemble(v);
-  for (std::size_t l = 0; l < assembly.link.size(); ++l) {
-    const Link& tie_rod = assembly.link[l];
-    if (tie_rod.type != LinkType::distance || !is_steered(v, assembly, e, tie_rod.child)) continue;
-    Vec3d lever = tie_rod.point - kingpin(assembly, tie_rod.child);
-    lever.z = 0;
-    add_steering_arm(world, v, e, tie_rod, e.bodies.joint[l], lever, origin);
-  }
-}
 
 std::vector<RunningPart> running_parts(const Vehicle& v) {
   std::vector<RunningPart> parts;

@@ -11,6 +11,7 @@ struct DriverOrders {
   double speed = 0;          // speedometer reading to hold [m/s]; 0: full throttle
   double brake_from = 1e9;   // time of full braking with the throttle closed [s]
   int gear = 0;              // gear to stay in, 1 the lowest; 0: automatic shifts from the lowest
+  bool by_hand = false;      // pedals stand at zero until someone sets them; brakes are left to whoever drives
 };
 
 /// A turning part that trials record: a wheel or, after the road wheels, a sprocket.
@@ -62,6 +63,8 @@ EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
 /// know: a converter without capacity, a locking centre differential between axles with open ones.
 void add_drive(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const DriverOrders& orders);
 
+/// Whether some wheels turn on kingpins that tie rods hold, and the file says how far.
+bool has_steered_wheels(const Vehicle& v);
 /// Whether the file describes straight-line steering: gains of the driver, and steered wheels.
 bool steers(const Vehicle& v);
 
@@ -69,6 +72,16 @@ bool steers(const Vehicle& v);
 /// rods' inner ends are held by arms that turn in the chassis. Each is parallel to its wheel's steering arm, so that
 /// wheel and arm turn by the same angle. Call after add_vehicle(), if steers().
 void add_steering(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e, const Vec3d& origin);
+
+/// Controller of an arm that steers a wheel by an angle.
+struct SteeredArm {
+  Index controller = 0;
+  double side = 1;  // -1: behind the middle of the vehicle, where wheels turn the other way
+};
+
+/// As add_steering(), but the arms hold the angles that sim::Simulation::set_command() gives their controllers [rad].
+std::vector<SteeredArm> add_hand_steering(sim::SceneWorld& world, const Vehicle& v, EngineVehicle& e,
+                                          const Vec3d& origin);
 
 /// Sum of the moments of inertia of all parts that turn with the driven wheels, about the axle [kg m^2].
 double driven_wheel_inertia(const Vehicle& v);

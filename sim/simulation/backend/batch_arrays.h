@@ -71,6 +71,14 @@ struct BatchArrays {
     state.turning = turning;
   }
 
+  /// Gives all points of a world's table this value.
+  void hold(WorldIndex w, const Table& table, double value) {
+    const auto first = flat[w].element.table.begin() + table.first;
+    for (auto point = first; point != first + table.count; ++point) point->value = value;
+    state.element.table.write(place[w].elements.table_points + table.first,
+                              std::vector<TablePoint>(first, first + table.count));
+  }
+
   void write_motors(WorldIndex w) { state.mechanisms.motor.write(place[w].mechanisms.motors, in_batch(w).motor); }
 
  private:

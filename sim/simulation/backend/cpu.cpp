@@ -34,6 +34,8 @@ class StepQueue<Cpu> {
     stage(exec_);
   }
 
+  static int gpu() { return -1; }
+
   static double traffic(const State<Cpu>& s, const StepSettings& settings, Index contacts) {
     if (settings.solver == Solver::jacobi_scan) return scan_traffic(s, contacts);
     return double(contacts) * host_bytes_per_contact() + double(s.body_count) * host_bytes_per_body();

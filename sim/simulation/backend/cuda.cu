@@ -58,6 +58,13 @@ class StepQueue<Cuda> {
     check_cuda(cudaStreamSynchronize(stream_of(exec_)), "stage");
   }
 
+  /// Number of the device that this thread works on.
+  static int gpu() {
+    int device = 0;
+    check_cuda(cudaGetDevice(&device), "device");
+    return device;
+  }
+
   static double traffic(const State<Cuda>& s, const StepSettings& settings, Index contacts) {
     if (settings.solver == Solver::jacobi_scan) return scan_traffic(s, contacts);
     return double(contacts) * bytes_per_contact(s.turning) + double(s.body_count) * bytes_per_body();

@@ -126,6 +126,15 @@ class SimulationOn final : public Simulation, public StepByStage {
     return result;
   }
 
+  BodiesOnDevice bodies_on_device(WorldIndex first, WorldIndex count) override {
+    std::vector<BodyIndex> in_batch;
+    for (WorldIndex w = first; w < first + count; ++w)
+      for (const BodyIndex b : batch_.flat[w].place_of_body) in_batch.push_back(batch_.place[w].body + b);
+    const auto memory = std::make_shared<Buffer<BodyState, Exec>>(in_batch.size());
+    queue_.run([&](auto exec) { gather_bodies(exec, batch_.state, sent_, in_batch, *memory); });
+    return {std::shared_ptr<BodyState>(memory, memory->data()), Index(in_batch.size()), queue_.gpu()};
+  }
+
   void set_gravity(WorldIndex w, const Vec3& gravity) override {
     batch_.flat[w].world.gravity = gravity;
     batch_.write_parameters(w);
@@ -145,6 +154,26 @@ class SimulationOn final : public Simulation, public StepByStage {
     motor.target = target;
     motor.max_torque = max_torque;
     batch_.write_motors(w);
+  }
+
+  void set_command(WorldIndex w, Index c, double value) override {
+    const ControllerPlan& plan = batch_.flat[w].element.controller.at(c);
+    const double limit = command_limit(plan.type);
+    if (!(value >= -limit && value <= limit))
+      throw InputError("world " + std::to_string(w) + ": controller " + std::to_string(c) + " takes no command of " +
+                       std::to_string(value) + "; allowed are " + std::to_string(-limit) + " to " +
+                       std::to_string(limit));
+    batch_.hold(w, plan.command, value);
+  }
+
+  void set_pedals(WorldIndex w, Index d, double throttle, double brake) override {
+    const DrivelinePlan& plan = batch_.flat[w].element.driveline.at(d);
+    for (const double pedal : {throttle, brake})
+      if (!(pedal >= 0 && pedal <= 1))
+        throw InputError("world " + std::to_string(w) + ": a pedal of driveline " + std::to_string(d) + " stands at " +
+                         std::to_string(pedal) + "; allowed are 0 to 1");
+    batch_.hold(w, plan.throttle, throttle);
+    batch_.hold(w, plan.braking, brake);
   }
 
   double motor_torque(WorldIndex w, Index m) override {

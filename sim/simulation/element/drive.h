@@ -30,9 +30,11 @@ struct ApplyController {
     if (c.type == ControllerType::throttle)
       return throttle_command(table, c, time, motor_speed(m, motor_axis(m, orientation), velocity));
     const Vec3 axis = c.frame == ReferenceFrame::body ? rotate(orientation[c.body], c.axis) : c.axis;
-    if (c.type == ControllerType::steering)
-      return steering_command(table, c, time, axis, motor_axis(m, orientation), rotate(orientation[m.a], c.pointer_a),
-                              double(velocity[c.body].linear.y), step, own);
+    if (sets_angle(c.type)) {
+      const ArmPose arm{axis, motor_axis(m, orientation), rotate(orientation[m.a], c.pointer_a)};
+      if (c.type == ControllerType::angle) return angle_command(table, c, time, arm);
+      return steering_command(table, c, time, arm, double(velocity[c.body].linear.y), step, own);
+    }
     return velocity_command(table, c, time, dot(velocity[c.body].linear, axis), step, own);
   }
 };
