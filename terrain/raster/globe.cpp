@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/line.h"
+#include "terrain/raster/body.h"
 #include "terrain/raster/gdal_support.h"
 
 namespace gonogo::terrain {
@@ -22,15 +23,9 @@ OGRSpatialReference own_degrees(const OGRSpatialReference& crs) {
   return degrees;
 }
 
-/// By the mean or equatorial radius [m] within 1 %.
-std::string body_of(double radius) {
-  struct Body {
-    const char* name;
-    double radius;
-  };
-  for (const Body& body : {Body{"Earth", 6378137}, Body{"Moon", 1737400}, Body{"Mars", 3396190}})
-    if (std::abs(radius / body.radius - 1) < 0.01) return body.name;
-  return "";
+std::string body_name(double radius) {
+  const auto body = body_of_radius(radius);
+  return body ? body->name : "";
 }
 
 bool turn_bounds(OGRCoordinateTransformation* turn, const MapGrid& grid, DegreeBox& box) {
@@ -104,7 +99,7 @@ bool place_in(const OGRSpatialReference& degrees, const MapGrid& grid, GlobePlac
 GlobeAnswer place_on_globe(const MapGrid& grid) {
   GdalCall call;
   GlobePlace place;
-  place.body = body_of(grid.body_radius);
+  place.body = body_name(grid.body_radius);
   if (place_in(wgs84(), grid, place)) return {place, ""};
   place.is_wgs84 = false;
   if (place_in(own_degrees(system_of(grid)), grid, place)) return {place, ""};

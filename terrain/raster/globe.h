@@ -24,7 +24,7 @@ struct GlobePlace {
   bool is_wgs84 = true;
   std::string system;               // name of the geographic coordinate system
   std::string wkt;                  // the same as WKT2
-  std::string body;                 // "Earth", "Moon", "Mars", or empty for another radius
+  std::string body;                 // as in body.h, or empty for another radius
   DegreeBox box;                    // all of the grid
   std::vector<DegreeBox> pieces;    // the box; two west and east of the antimeridian if it crosses it
   std::vector<DegreeRing> outline;  // [piece] the grid's corners; the box if the grid holds a pole

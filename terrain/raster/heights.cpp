@@ -32,10 +32,21 @@ std::string unit_name(double metres) {
 /// International and survey foot count as the same here; the difference is 2e-6.
 bool differ(double a, double b) { return std::abs(a / b - 1) > 1e-3; }
 
+/// With a scale of 0 every cell would have one value.
+void refuse_scale(GDALDataset& dataset, const std::string& name) {
+  const double scale = dataset.GetRasterBand(1)->GetScale(), offset = dataset.GetRasterBand(1)->GetOffset();
+  if (scale != 0 && std::isfinite(scale) && std::isfinite(offset)) return;
+  throw InputError(
+      line("%s: names a scale of %g and an offset of %g for its values, and a scale other than 0 is needed; "
+           "set them with gdal_edit.py -scale -offset",
+           name.c_str(), scale, offset));
+}
+
 }  // namespace
 
 void require_one_value(GDALDataset& dataset, const std::string& name) {
   refuse_complex(dataset, name);
+  refuse_scale(dataset, name);
   if (dataset.GetRasterCount() >= 3 && dataset.GetRasterBand(1)->GetColorInterpretation() == GCI_RedBand)
     throw InputError(
         name +
@@ -44,6 +55,7 @@ void require_one_value(GDALDataset& dataset, const std::string& name) {
 
 void require_heights(GDALDataset& dataset, const std::string& name) {
   refuse_complex(dataset, name);
+  refuse_scale(dataset, name);
   if (dataset.GetRasterCount() > 2)
     throw InputError(
         line("%s: has %d bands, and an elevation raster has one; a picture in colour tells no heights. If one "

@@ -83,7 +83,8 @@ OGRSpatialReference wished_system(const std::string& text) {
   return traditional(crs);
 }
 
-/// UTM of the raster's own datum, or UPS near a pole (parameters of EPSG 5041 and 5042).
+/// UTM of the raster's own datum, on a sphere the same without its scale of 0.9996, or UPS near a pole (parameters of
+/// EPSG 5041 and 5042).
 OGRSpatialReference metric_system(const OGRSpatialReference& crs, double longitude, double latitude) {
   OGRSpatialReference target;
   target.SetProjCS("map grid");
@@ -94,8 +95,13 @@ OGRSpatialReference metric_system(const OGRSpatialReference& crs, double longitu
   } else {
     const double turned = longitude - 360 * std::floor((longitude + 180) / 360);
     const int zone = std::clamp(int(std::floor((turned + 180) / 6)) + 1, 1, 60);
-    target.SetUTM(zone, latitude >= 0);
     const char* datum = crs.GetAttrValue("GEOGCS");
+    if (crs.GetInvFlattening() == 0) {  // PROJ has no UTM on spheres
+      target.SetTM(0, 6 * zone - 183, 1, 5e5, 0);
+      target.SetProjCS(line("%s / transverse Mercator about %d", datum ? datum : "sphere", 6 * zone - 183).c_str());
+      return traditional(target);
+    }
+    target.SetUTM(zone, latitude >= 0);
     target.SetProjCS(
         line("%s / UTM zone %d%c", datum ? datum : "unknown datum", zone, latitude >= 0 ? 'N' : 'S').c_str());
     target.AutoIdentifyEPSG();

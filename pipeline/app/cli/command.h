@@ -54,6 +54,7 @@ void add_sample_command(CLI::App& app, const Globals& globals);
 void add_qubo_command(CLI::App& app, const Globals& globals);
 void add_models_command(CLI::App& app, const Globals& globals);
 void add_map_command(CLI::App& app, const Globals& globals, const Work<map::MapFiles>& work);
+void add_region_command(CLI::App& app, const Globals& globals, const Work<map::RegionMakeRequest>& make);
 void add_route_command(CLI::App& app, const Globals& globals, const Work<RouteOptions>& work);
 void add_compare_command(CLI::App& app, const Globals& globals, const Work<map::CompareRequest>& work);
 void add_view_command(CLI::App& app, const Globals& globals, const Work<ViewOptions>& work);

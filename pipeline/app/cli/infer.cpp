@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/line.h"
 #include "pipeline/app/cli/command.h"
+#include "pipeline/learn/answer/model_gravity.h"
 #include "pipeline/learn/answer/named_values.h"
 #include "pipeline/map/model/trained_model.h"
 
@@ -31,7 +33,10 @@ void infer(const Options& options, const Globals& globals) {
     Json result;
     result["rows"] = Json(std::uint64_t(rows));
     result["out"] = options.out;
-    return print_result(globals, result, std::to_string(rows) + " points answered in " + options.out + "\n");
+    result[campaign::kGravityKey] = learn::gravity_of(predictor.model());
+    return print_result(globals, result,
+                        std::to_string(rows) + " points answered in " + options.out +
+                            line(", gravity of the trials %.4g m/s2\n", learn::gravity_of(predictor.model())));
   }
   learn::Question question{learn::to_variables(learn::parse_named_values(options.set)), std::nullopt,
                            options.reconstruct};

@@ -2,6 +2,7 @@
 
 #include "base/line.h"
 #include "pipeline/app/cli/command.h"
+#include "pipeline/learn/answer/model_gravity.h"
 #include "pipeline/map/model/trained_model.h"
 
 namespace gonogo::app {
@@ -33,6 +34,7 @@ Json entry_of(const map::TrainedModel& model, const std::filesystem::path& folde
   entry["name"] = folder.filename().string();
   entry["vehicle"] = model.vehicle ? Json(model.vehicle->name) : Json();
   entry["fidelity"] = model.vehicle ? Json(model.vehicle->fidelity()) : Json();
+  entry[campaign::kGravityKey] = learn::gravity_of(model.predictor->model());
   entry["trials"] = provenance.at("counts").at("trained_on");
   entry["brier"] = provenance.at("cross_validation").at("model").at("brier");
   entry["sampled"] = ranges_json(model.predictor->model());
@@ -52,7 +54,8 @@ void list_models(const Globals& globals) {
             line(": vehicle %s, ", model.vehicle ? model.vehicle->name.c_str() : "not known") +
             (model.vehicle ? model.vehicle->fidelity() : "trials not at hand") +
             line("\n    %lld trials, Brier score of P(go) in cross-validation %.4f, gravity %g m/s2\n",
-                 static_cast<long long>(entry.at("trials").integer()), entry.at("brier").number(), kGravity) +
+                 static_cast<long long>(entry.at("trials").integer()), entry.at("brier").number(),
+                 learn::gravity_of(model.predictor->model())) +
             ranges_text(model.predictor->model()) + "    card: " + entry.at("card").string() + "\n";
   }
   if (text.empty()) text = "no model ships beside this program\n";

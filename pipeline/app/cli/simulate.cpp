@@ -24,6 +24,7 @@ namespace {
 struct Options {
   std::string study, vehicle, soil, task, csv;
   std::optional<double> slope_along, slope_across;  // [deg]
+  std::optional<double> gravity;                    // [m/s^2]
   std::vector<std::string> settings;
   std::uint64_t seed = 0;
   report::FilmRequest film;
@@ -123,6 +124,7 @@ Request request_of(const Options& options) {
       throw InputError(
           "--step, --substeps, --iterations, --tolerance and --target go with --vehicle; in a study they are "
           "trial.numerics");
+    if (options.gravity) throw InputError("--gravity goes with --vehicle; in a study it is gravity");
     if (!options.task.empty()) throw InputError("--trial goes with --vehicle; in a study it is trial.task");
     const campaign::Study study = campaign::read_study(options.study);
     r.setup = campaign::read_trial_setup(study, campaign::default_packing_folder(), device_of(options));
@@ -137,6 +139,7 @@ Request request_of(const Options& options) {
   if (options.folded) campaign::fold_bed(r.setup);
   r.setup.settled_on = device_of(options);
   r.setup.compliant_tyres = options.compliant;
+  r.setup.gravity = options.gravity.value_or(kGravity);
   campaign::check_tyres(r.setup);
   r.point.variables = with_settings(campaign::usual_values(r.setup), options);
   return r;
@@ -198,6 +201,8 @@ void simulate(const Globals& globals, const Options& options) {
     json["variables"][variable.name] = point.variables[v];
     text += line("%-18s %10.4g %s\n", variable.name.c_str(), point.variables[v], variable.unit.c_str());
   }
+  json[campaign::kGravityKey] = setup.gravity;
+  text += line("%-18s %10.4g m/s2\n", "gravity", setup.gravity);
   for (std::size_t m = 0; m < record.measures.size(); ++m) {
     const campaign::Measure& measure = campaign::contract().measures[m];
     json["measures"][measure.name] = record.measures[m];
@@ -226,6 +231,8 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
       ->type_name("TRIAL");
   command->add_option("--slope", options->slope_along, "Slope along, uphill positive [deg]");
   command->add_option("--cross-slope", options->slope_across, "Slope across, left side higher positive [deg]");
+  command->add_option("--gravity", options->gravity, "Gravity, with --vehicle; the Earth's by default [m/s2]")
+      ->check(CLI::Range(campaign::kGravityRange.minimum, campaign::kGravityRange.maximum));
   command
       ->add_option("--set", options->settings,
                    "Value of a variable; the others have the study's fixed value or mid-range")

@@ -5,6 +5,7 @@
 #include "pipeline/campaign/engine/study_campaign.h"
 #include "pipeline/learn/training/train_model.h"
 #include "pipeline/map/evaluate/block.h"
+#include "pipeline/map/region/ground_gravity.h"
 #include "pipeline/map/write/map_request.h"
 
 namespace gonogo::app {
@@ -29,9 +30,11 @@ void check_readable(const terrain::RasterSource& source) {
   for (const int row : {0, grid.rows / 2, grid.rows - 1}) source.read({0, row, grid.columns, 1});
 }
 
-/// Opens the rasters and reads in them, so that what cannot be read is known before hours of simulation.
-void check_rasters(const map::Region& region) {
+/// Opens the rasters and reads in them, so that what cannot be read, and ground of another gravity, is known before
+/// hours of simulation.
+void check_rasters(const map::Region& region, double gravity) {
   const map::MapSources sources = map::open_sources(region);
+  map::require_gravity(region, sources.elevation.grid().body_radius, gravity);
   check_readable(sources.elevation);
   for (const auto* raster : {&sources.soil_class, &sources.land_cover, &sources.moisture, &sources.cone_index})
     if (*raster) check_readable(**raster);
@@ -54,7 +57,7 @@ RunPlan plan_run(const RunRequest& request) {
                .learning = learn::trainable_settings(study.config.object_if("learning")),
                .region = map::read_region(study.region),
                .map = map::read_map_rules(study.config.object_if("map"))};
-  check_rasters(plan.region);
+  check_rasters(plan.region, plan.study.gravity);
   if (!plan.map.cone_index_of.empty())
     map::read_cone_index_need(plan.map.cone_index_of);
   else if (plan.region.cone_index)

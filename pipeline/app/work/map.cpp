@@ -2,13 +2,14 @@
 
 #include "pipeline/app/work/map_request.h"
 #include "pipeline/app/work/work.h"
+#include "pipeline/campaign/study/study.h"
 
 namespace gonogo::app {
 namespace {
 
 std::string as_text(const map::MapSummary& summary) {
   char text[160];
-  std::snprintf(text, sizeof text, "%.2f km2%s\n", summary.area_km2,
+  std::snprintf(text, sizeof text, "%.2f km2, gravity %.4g m/s2%s\n", summary.area_km2, summary.gravity,
                 summary.reused ? ", map kept: nothing changed" : "");
   std::string out = text;
   for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts) {
@@ -24,6 +25,7 @@ std::string as_text(const map::MapSummary& summary) {
 Json as_json(const map::MapSummary& summary) {
   Json result = Json::object();
   result["area_km2"] = summary.area_km2;
+  result[campaign::kGravityKey] = summary.gravity;
   Json shares = Json::object();
   for (const campaign::VerdictInfo& verdict : campaign::contract().verdicts)
     shares[verdict.name] = summary.area.share(campaign::Verdict(verdict.code));

@@ -11,6 +11,7 @@
 #include "pipeline/app/work/result.h"
 #include "pipeline/campaign/engine/study_campaign.h"
 #include "pipeline/learn/training/capacity.h"
+#include "pipeline/map/soil_grids/make_region.h"
 #include "pipeline/map/write/compare_maps.h"
 #include "pipeline/map/write/map_request.h"
 
@@ -73,6 +74,7 @@ struct ActiveOptions {
 // With GDAL: in gonogo-map.
 void region_design_work(const Globals& globals, const DesignOptions& options);
 void map_work(const Globals& globals, const map::MapFiles& files);
+void region_make_work(const Globals& globals, const map::RegionMakeRequest& request);
 void route_work(const Globals& globals, const RouteOptions& options);
 void compare_work(const Globals& globals, const map::CompareRequest& request);
 void view_work(const Globals& globals, const ViewOptions& options);

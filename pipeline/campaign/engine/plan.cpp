@@ -4,6 +4,7 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/format.h"
 #include "base/hash.h"
 #include "base/version.h"
 #include "pipeline/campaign/design/design.h"
@@ -28,6 +29,7 @@ Json relevant_study(const Study& study) {
   Json relevant = Json::object();
   relevant["study"] = study.name;
   relevant["seed"] = study.seed;
+  if (study.gravity != kGravity) relevant["gravity"] = study.gravity;
   for (const char* section : kSections)
     if (const Json* value = study.config.json().find(section)) relevant[section] = *value;
   return relevant;
@@ -44,6 +46,7 @@ Dependencies dependencies(const Study& study, const Provenance& provenance) {
     const Json* value = study.config.json().find(section);
     if (value) add_leaves(section, *value, result);
   }
+  if (study.gravity != kGravity) result.emplace_back("gravity", number_text(study.gravity, 6));
   std::erase_if(result, [](const auto& entry) { return entry.first == "design.points"; });
   return result;
 }

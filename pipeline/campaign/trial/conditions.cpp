@@ -34,18 +34,18 @@ vehicle::ContactSpring tyre_contact(const TrialSetup& setup, double payload) {
 
 }  // namespace
 
-Vec3d bed_gravity(double slope_along_deg, double slope_across_deg) {
+Vec3d bed_gravity(double slope_along_deg, double slope_across_deg, double gravity) {
   // The ground plane rises by tan(along) per metre forward and tan(across) per metre left; its normal is z of the bed.
   const double a = std::tan(slope_along_deg * kDegree), b = std::tan(slope_across_deg * kDegree);
   const double n = std::sqrt(1 + a * a + b * b);
   // With s the slope and psi the heading from the fall line, a = tan s cos psi and b = tan s sin psi: this is
   // -g (sin s cos psi, sin s sin psi, cos s).
-  return Vec3d{a, b, 1} * (-kGravity / n);
+  return Vec3d{a, b, 1} * (-gravity / n);
 }
 
 TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point) {
   TrialConditions c;
-  const Vec3d g = bed_gravity(value(point, "slope_along"), value(point, "slope_across"));
+  const Vec3d g = bed_gravity(value(point, "slope_along"), value(point, "slope_across"), setup.gravity);
   c.gravity = static_cast<Vec3>(g);
   const std::size_t packing = packing_of(setup, point);
   const sim::PairLaw grain = terrain::contact_law(setup.calibration, soil_of(point), packing);
@@ -83,6 +83,7 @@ terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attemp
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt) {
   sim::StepSettings s = terrain::step_settings(setup.calibration.grain_diameter, attempt_numerics(setup, attempt));
   s.max_slowed = kMaxSlowed;
+  s.recovery_speed *= Real(std::sqrt(setup.gravity / kGravity));  // a tenth of the fall through a grain
   return s;
 }
 

@@ -157,12 +157,12 @@ class Judge {
   }
 
   /// The wheels have the load left over and what accelerates the vehicle: by the mean speeds of the parts around.
-  static void add_inertia(std::vector<PullPoint>& points, double time) {
+  void add_inertia(std::vector<PullPoint>& points, double time) const {
     const std::vector<PullPoint> at = points;
     for (std::size_t k = 0; k < at.size(); ++k) {
       const std::size_t before = k > 0 ? k - 1 : k, after = k + 1 < at.size() ? k + 1 : k;
       if (after == before) continue;
-      points[k].pull += (at[after].speed - at[before].speed) / (double(after - before) * time) / kGravity;
+      points[k].pull += (at[after].speed - at[before].speed) / (double(after - before) * time) / setup_.gravity;
     }
   }
 
@@ -175,7 +175,7 @@ class Judge {
       double mean = 0;
       for (const sim::MonitorSample& s : samples) mean += stretch(s) / count;
       const double rate = (stretch(samples.back()) - stretch(samples.front())) / ((count - 1) * step_);
-      return kCarriageStiffness * mean + carriage_damping(weight / kGravity) * rate;
+      return kCarriageStiffness * mean + carriage_damping(weight / setup_.gravity) * rate;
     };
     const double along = force([&](const sim::MonitorSample& s) { return s.x - speed * s.step * step_; });
     PullPoint p{

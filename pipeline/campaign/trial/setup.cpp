@@ -223,7 +223,7 @@ terrain::MovingPatch TrialSetup::patch() const {
 
 double TrialSetup::weight(double payload) const {
   const double mass = whole ? vehicle::weigh(*whole).total + payload : vehicle::rig_mass(rig, payload);
-  return mass * kGravity;
+  return mass * gravity;
 }
 
 Course TrialSetup::course(double surface) const {
@@ -263,6 +263,7 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
   s.settled_on = device;
   s.name = study.name;
   s.seed = study.seed;
+  s.gravity = study.gravity;
   s.packing_folder = packing_folder;
   if (study.vehicle.empty())
     study.config.fail("vehicle", "missing; name a vehicle file, for example ../vehicles/hmmwv_quarter.json");

@@ -33,7 +33,8 @@ struct Thresholds {
 struct TrialSetup {
   std::string name;
   std::uint64_t seed = 0;
-  vehicle::WheelRig rig;  // drives when there is no whole vehicle
+  double gravity = kGravity;  // where the vehicle drives; beds are settled under the Earth's [m/s^2]
+  vehicle::WheelRig rig;      // drives when there is no whole vehicle
   std::optional<vehicle::Vehicle> whole;
   terrain::Calibration calibration;
   std::filesystem::path vehicle_file, calibration_file;

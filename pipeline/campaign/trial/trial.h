@@ -3,6 +3,7 @@
 #include <functional>
 #include <span>
 
+#include "base/units.h"
 #include "pipeline/campaign/trial/record.h"
 #include "pipeline/campaign/trial/setup.h"
 
@@ -17,8 +18,9 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point);
 
 /// Gravity in the frame of the bed (x along the heading, y left, z out of the bed) for slopes along and across it
-/// [m/s^2]. The bed's normal leans by `s` from the vertical with tan^2 s = tan^2 along + tan^2 across.
-Vec3d bed_gravity(double slope_along_deg, double slope_across_deg);
+/// [m/s^2]. The bed's normal leans by `s` from the vertical with tan^2 s = tan^2 along + tan^2 across. `gravity`: its
+/// magnitude [m/s^2].
+Vec3d bed_gravity(double slope_along_deg, double slope_across_deg, double gravity = kGravity);
 
 /// State of a trial after a step, for observers. Numbers of the drive are NaN where the bed failed before there was a
 /// wheel.

@@ -13,6 +13,7 @@
 #include "base/file.h"
 #include "base/line.h"
 #include "pipeline/campaign/study/contract.h"
+#include "pipeline/learn/answer/model_gravity.h"
 #include "pipeline/learn/answer/named_values.h"
 
 namespace gonogo::learn {
@@ -158,6 +159,7 @@ Json answer_question(const Predictor& predictor, const Question& question) {
     go += campaign::contract().outcomes[y].verdict != campaign::Verdict::no_go ? answer.probability[y] : 0;
     outcomes[campaign::contract().outcomes[y].name] = std::move(entry);
   }
+  json[campaign::kGravityKey] = gravity_of(predictor.model());
   json["given"] = std::move(given);
   if (question.outcome) json["given_outcome"] = campaign::contract().outcomes[*question.outcome].name;
   json["summed_out"] = std::move(unknown);
@@ -194,6 +196,7 @@ std::string answer_text(const Json& answer) {
   const std::string& outside = answer.at("outside_sampled").string();
   if (!outside.empty())
     text += outside + " lies outside the range in which trials were made: do not trust this answer\n";
+  text += line("gravity of the trials %.4g m/s2\n", answer.at(campaign::kGravityKey).number());
   return text +
          line("novelty %.2f (1: as near to a trial as trials are to one another)\n", answer.at("novelty").number());
 }

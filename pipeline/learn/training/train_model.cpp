@@ -10,7 +10,8 @@
 #include "learning/rbm/logistic.h"
 #include "learning/rbm/train.h"
 #include "learning/score/calibration.h"
-#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/dataset/gravity.h"
+#include "pipeline/campaign/study/study.h"
 #include "pipeline/learn/training/baselines.h"
 #include "pipeline/learn/training/kept_work.h"
 #include "pipeline/learn/training/score_report.h"
@@ -158,6 +159,7 @@ LearningSettings trainable_settings(const std::optional<Config>& section) {
 Json train_model(const TrainRequest& request) {
   LearningSettings settings = trainable_settings(request.learning);
   const campaign::Dataset dataset = campaign::read_dataset(request.dataset);
+  const double gravity = campaign::gravity_of(dataset.provenance, request.dataset.string());
   TrainingData data = make_training_data(dataset.records, request.design);
   temper_weights(data, settings.importance);
   learning::TrainingTable held_out;
@@ -201,6 +203,7 @@ Json train_model(const TrainRequest& request) {
   report["data_hash"] = file_hash(request.dataset);
   report["contract_hash"] = content_hash(campaign::contract_text());
   report["program_version"] = program_version();
+  if (gravity != kGravity) report[campaign::kGravityKey] = gravity;
   source.report(report);
   report["calibration_power"] = model.calibration_power;
   report["seed"] = Json(request.seed);

@@ -21,7 +21,7 @@ constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 
 /// Codes, water contents, land cover, cone indices and flat areas of a tile, as far as the region has them.
 struct Readings {
-  std::optional<Tile> soil, moisture, land, cone_index, flat;
+  std::optional<Tile> soil, moisture, land, cone_index, flat, obstacle;
 };
 
 /// A whole number that a raster holds, or nothing.
@@ -66,12 +66,40 @@ struct Decision {
   int soil = SoilTable::kUnknown, rule = 0;
 };
 
+/// Number of a feature's cells: positive 1 + the rule's position, negative minus the code of a road's soil, 0 where the
+/// soil decides.
+float mark_of(const Region& region, std::size_t obstacle, Crossing crossing) {
+  const Obstacle& o = region.obstacles[obstacle];
+  if (o.kind == ObstacleKind::road) return float(-o.road_soil);
+  return crossing == Crossing::passes ? 0 : float(obstacle_rule(region, obstacle, crossing) + 1);
+}
+
+std::shared_ptr<const terrain::ShapeCells> read_obstacles(const Region& region, const MapGrid& grid) {
+  if (region.obstacles.empty()) return nullptr;
+  terrain::ShapeCells cells(grid);
+  for (std::size_t k = 0; k < region.obstacles.size(); ++k) {
+    const Obstacle& o = region.obstacles[k];
+    cells.add(o.file, o.layer, [&](const terrain::FeatureNumbers& numbers) {
+      const Crossing crossing = cross(o, region.crossing, numbers);
+      const int rank = o.kind == ObstacleKind::road ? 2 : crossing == Crossing::no_go;
+      return terrain::ShapeMark{.value = mark_of(region, k, crossing),
+                                .width = o.width.of(numbers, kObstacleMetres, o.file.string()),
+                                .rank = rank};
+    });
+  }
+  return std::make_shared<const terrain::ShapeCells>(std::move(cells));
+}
+
 /// In fine-grained soil a measured cone index decides: too low is a rule, high enough is the firm entry of the table.
 /// Without a measurement cohesion and friction angle decide.
 Decision decide(const Region& region, const MapRules& rules, const SoilTable& table, const Readings& readings,
                 std::size_t cell) {
   const int state = moisture_state(region, rules, readings, cell);
   Decision decision{soil_of(table, readings, state, cell), rule_of(region, readings, cell)};
+  if (const float mark = readings.obstacle ? readings.obstacle->value[cell] : 0; mark < 0)
+    return {table.find(int(-mark), state), 0};
+  else if (mark > 0)
+    decision.rule = int(mark);
   if (!readings.cone_index || decision.soil < 0 || decision.rule > 0) return decision;
   const double index = double(readings.cone_index->value[cell]) * region.cone_index->unit;
   if (std::isnan(index) || !table.may_be_soft[std::size_t(decision.soil)]) return decision;
@@ -128,10 +156,12 @@ std::optional<Soil> soil_in(const Soil& soil, const MoistureState& state) {
 /// for cells whose index is high enough.
 void add_soil(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
               const Soil& soil, int state, SoilTable& table) {
+  MapRules own = rules;
+  own.max_speed = std::min(rules.max_speed, soil.max_speed);
   const auto points = soil_points(region, soil, rules.values, rules.draws);
   const bool may_be_soft = is_fine_grained(region, soil).value_or(true);
   table.add(soil, state, may_be_soft, false,
-            SoilResponse(model, rules, points, error_of_gradient, soft_points(region, soil, points, model.cone_index)));
+            SoilResponse(model, own, points, error_of_gradient, soft_points(region, soil, points, model.cone_index)));
   if (!region.cone_index || !may_be_soft) return;
   Soil firm = soil;
   firm.name += ", measured firm";
@@ -166,7 +196,8 @@ MapSources MapSources::again() const {
           .soil_class = open_again(soil_class),
           .land_cover = open_again(land_cover),
           .moisture = open_again(moisture),
-          .cone_index = open_again(cone_index)};
+          .cone_index = open_again(cone_index),
+          .obstacles = obstacles};
 }
 
 MapSources open_sources(const Region& region) {
@@ -175,7 +206,8 @@ MapSources open_sources(const Region& region) {
       .soil_class = {},
       .land_cover = {},
       .moisture = {},
-      .cone_index = {}};
+      .cone_index = {},
+      .obstacles = {}};
   const MapGrid& grid = sources.elevation.grid();
   if (grid.columns < 3 || grid.rows < 3)
     throw InputError(region.elevation.files.file.front().string() + ": makes a map of " + std::to_string(grid.columns) +
@@ -189,6 +221,7 @@ MapSources open_sources(const Region& region) {
   sources.land_cover = open(region.land_cover, RasterKind::classes);
   sources.moisture = open(region.moisture, RasterKind::continuous);
   sources.cone_index = open(region.cone_index, RasterKind::continuous);
+  sources.obstacles = read_obstacles(region, grid);
   return sources;
 }
 
@@ -203,7 +236,9 @@ Region with_occurring_soils(const Region& region, const MapSources& sources) {
       if (const auto code = code_at(tile, i)) codes.insert(*code);
   }
   Region occurring = region;
-  std::erase_if(occurring.soils, [&](const Soil& soil) { return soil.draws > 0 && codes.count(soil.code) == 0; });
+  std::erase_if(occurring.soils, [&](const Soil& soil) {
+    return soil.draws > 0 && soil.code < kRoadCode && codes.count(soil.code) == 0;
+  });
   return occurring.soils.empty() ? region : occurring;
 }
 
@@ -248,7 +283,8 @@ TileLayers evaluate_tile(const MapSources& sources, const Region& region, const 
       .moisture = read_part(sources.moisture, window),
       .land = read_part(sources.land_cover, window),
       .cone_index = read_part(sources.cone_index, window),
-      .flat = sources.elevation.has_flat() ? std::optional(sources.elevation.read_flat(window)) : std::nullopt};
+      .flat = sources.elevation.has_flat() ? std::optional(sources.elevation.read_flat(window)) : std::nullopt,
+      .obstacle = sources.obstacles ? std::optional(sources.obstacles->read(window)) : std::nullopt};
   const std::vector<LandRule> land = land_rules(region);
   const terrain::CellSize cell = {grid.cell_width_m(), grid.cell_height_m()};
   const Tile empty(window.columns, window.rows, kNoData);

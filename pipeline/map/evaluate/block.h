@@ -3,7 +3,8 @@
 // P(go) of a cell comes about in these steps:
 //
 //   1. evaluate_tile() reads the rasters and computes slope and aspect of the cell (terrain/raster/slope.h).
-//   2. A land rule (water, buildings, a cone index that is too low) decides first. The cell then has no P(go).
+//   2. A land rule (water, buildings, an obstacle, a cone index that is too low) decides first. The cell then has no
+//   P(go).
 //   3. Otherwise SoilTable::find() turns soil code and moisture into the SoilResponse of that soil.
 //   4. SoilResponse::at(slope).p_go is P(go) uphill. at(slope, psi).p_go is P(go) in any other heading.
 //      Both are look-ups in tables that make_soil_table() computes before the first tile.
@@ -13,17 +14,20 @@
 //
 // The model itself is OutcomeModel::probabilities, which map_request.h makes from Predictor::outcome_probabilities().
 #pragma once
+#include <memory>
 #include <optional>
 
 #include "pipeline/map/evaluate/layers.h"
 #include "pipeline/map/evaluate/soil_table.h"
 #include "terrain/raster/raster_source.h"
+#include "terrain/raster/shape_cells.h"
 
 namespace gonogo::map {
 
 struct MapSources {
   terrain::RasterSource elevation;
   std::optional<terrain::RasterSource> soil_class, land_cover, moisture, cone_index;
+  std::shared_ptr<const terrain::ShapeCells> obstacles;  // null: none; numbers by mark_of()
 
   /// Opens the same rasters again, for use by another thread.
   MapSources again() const;

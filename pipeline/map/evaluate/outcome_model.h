@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/json/config.h"
+#include "base/units.h"
 #include "pipeline/map/evaluate/measure_fit.h"
 #include "pipeline/map/evaluate/top_speed.h"
 
@@ -37,6 +38,7 @@ struct OutcomeModel {
   std::string dataset_hash;                 // of the file that `measures` come from; empty without one
   std::string hash;                         // of the model's file
   std::string vehicle;                      // name for titles, may be empty
+  double gravity = kGravity;                // of the trials [m/s^2]
   bool whole_vehicle = false;               // measures are of all wheels, not of one
   std::optional<ConeIndexNeed> cone_index;  // of the vehicle; none: fine-grained soil is unknown
 };

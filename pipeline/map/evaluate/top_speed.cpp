@@ -107,7 +107,7 @@ SoilSpeed::SoilSpeed(const SpeedModel& model, const std::vector<std::vector<doub
 
 double SoilSpeed::at(BedSlopes slopes) const {
   const double along = std::tan(to_radians(slopes.along)), across = std::tan(to_radians(slopes.across));
-  const double load = (model_.mass + payload_) * kGravity / std::sqrt(1 + along * along + across * across);
+  const double load = (model_.mass + payload_) * model_.gravity / std::sqrt(1 + along * along + across * across);
   const double slip = std::clamp(slip_.at(slopes), 0.0, kMaxSlip), rut = model_.rut(sinkage_.at(slopes), load);
   const double sampled = (1 - slip) * model_.resistance.fastest;
   const auto needed = [&](double tread_speed) {

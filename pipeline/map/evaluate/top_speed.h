@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "base/units.h"
 #include "pipeline/map/evaluate/measure_fit.h"
 #include "vehicle/model/tractive_force.h"
 
@@ -45,6 +46,7 @@ ResistanceFit fit_resistance(std::span<const ResistanceTrial> trials);
 /// A vehicle as its top speed needs it.
 struct SpeedModel {
   vehicle::TractiveForce drive;
+  double gravity = kGravity;  // [m/s^2]
   double mass = 0;            // without payload [kg]
   double tyre_stiffness = 0;  // of all tyres together [N/m]; 0: rigid
   double rut_width = 0;       // of all ruts together [m]

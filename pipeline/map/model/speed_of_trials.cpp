@@ -46,7 +46,7 @@ std::optional<ResistanceTrial> resistance_of(const campaign::TrialRecord& record
   const double along = std::tan(to_radians(variable(record, "slope_along"))),
                across = std::tan(to_radians(variable(record, "slope_across")));
   const double mass = driven.mass + driven.payload_share * variable(record, "payload");
-  const double load = mass * kGravity / std::sqrt(1 + along * along + across * across);
+  const double load = mass * model.gravity / std::sqrt(1 + along * along + across * across);
   const double push = driven.wheels * measure(record, "mean_torque") / driven.radius / load;
   const double slip = measure(record, "slip"), speed = measure(record, "mean_speed");
   if (!(along >= 0) || !(slip < 1) || !(speed > 0) || !std::isfinite(push)) return std::nullopt;
@@ -83,6 +83,7 @@ std::optional<SpeedModel> speed_of_trials(const campaign::Dataset& dataset, cons
   const Driven of_trials = driven_of(driven);
   SpeedModel model;
   model.drive = vehicle::TractiveForce(whole);
+  model.gravity = driven.gravity;
   model.mass = vehicle::weigh(whole).total;
   model.tyre_stiffness = of_trials.tyre_stiffness;
   model.rut_width = rut_width(whole);

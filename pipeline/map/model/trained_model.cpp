@@ -7,7 +7,10 @@
 #include "base/line.h"
 #include "base/nearest.h"
 #include "base/shipped.h"
+#include "pipeline/campaign/dataset/gravity.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/learn/answer/model_gravity.h"
+#include "pipeline/map/region/ground_gravity.h"
 #include "vehicle/model/statics.h"
 
 namespace gonogo::map {
@@ -72,7 +75,8 @@ std::string model_vehicle(const TrainedModel& model) {
 std::string TrialVehicle::fidelity() const {
   return (rig ? "one wheel with a quarter of the vehicle" : std::string("whole vehicle")) +
          line(" on grains of %.3g mm, %.1f across the %s", 1e3 * grain_diameter, tyre_width(*this) / grain_diameter,
-              whole && !whole->track.empty() ? "shoe" : "tyre");
+              whole && !whole->track.empty() ? "shoe" : "tyre") +
+         (gravity == kGravity ? "" : ", gravity " + gravity_text(gravity));
 }
 
 std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance, const std::string& where) {
@@ -87,6 +91,7 @@ std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance
   else
     v.whole = vehicle::read_vehicle(file);
   v.grain_diameter = Json::parse(*soil, where + ": calibration").at("grain_diameter_m").number();
+  v.gravity = campaign::gravity_of(provenance, where);
   const Json study = Json::parse(provenance.study, where + ": study");
   const Json* trial = study.find("trial");
   const Json* compliant = trial ? trial->find("compliant_tyres") : nullptr;
@@ -115,6 +120,7 @@ TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
   TrainedModel model;
   model.file = file;
   model.predictor = std::make_shared<const learn::Predictor>(learn::Predictor::read(file));
+  model.gravity = learn::gravity_of(model.predictor->model());
   model.dataset_file = dataset;
   if (dataset.empty()) {
     const fs::path beside = file.parent_path() / "dataset.h5";
@@ -125,6 +131,11 @@ TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
   }
   model.dataset = campaign::read_dataset(model.dataset_file);
   model.vehicle = trial_vehicle(model.dataset->provenance, model.dataset_file.string());
+  const double of_trials = campaign::gravity_of(model.dataset->provenance, model.dataset_file.string());
+  if (of_trials != model.gravity)
+    throw InputError(model.dataset_file.string() + ": its trials had a gravity of " + gravity_text(of_trials) +
+                     ", and those of the model " + file.string() + " had " + gravity_text(model.gravity) +
+                     "; give the trials that the model learned from (--dataset)");
   return model;
 }
 
@@ -142,8 +153,12 @@ void require_vehicle(const TrainedModel& model, const fs::path& vehicle_file) {
 }
 
 void require_study(const TrainedModel& model, const fs::path& study_file) {
-  if (!model.vehicle) return;
   const campaign::Study study = campaign::read_study(study_file);
+  if (study.gravity != model.gravity)
+    throw InputError(study_file.string() + ": gravity: is " + gravity_text(study.gravity) +
+                     ", and the trials of the model " + model.file.string() + " had " + gravity_text(model.gravity) +
+                     "; give a study of that gravity");
+  if (!model.vehicle) return;
   if (!study.vehicle.empty()) {
     const std::string name = Config::read(study.vehicle).text("vehicle");
     if (name != model.vehicle->name)

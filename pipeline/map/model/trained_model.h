@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "vehicle/model/vehicle.h"
@@ -22,9 +23,10 @@ struct TrialVehicle {
   std::optional<vehicle::WheelRig> rig;
   bool compliant_tyres = false;  // tyres gave way in the trials
   double grain_diameter = 0;     // [m]
+  double gravity = kGravity;     // [m/s^2]
   Json file;                     // text of the vehicle's file
 
-  /// "whole vehicle on grains of 32 mm, 7.9 across the tyre"
+  /// "whole vehicle on grains of 32 mm, 7.9 across the tyre", with the gravity where it is not the Earth's
   std::string fidelity() const;
 };
 
@@ -36,6 +38,7 @@ struct TrainedModel {
   std::shared_ptr<const learn::Predictor> predictor;
   std::optional<campaign::Dataset> dataset;
   std::optional<TrialVehicle> vehicle;
+  double gravity = kGravity;  // of the trials that it learned from [m/s^2]
   bool is_up_to_date = true;  // false: the dataset beside the model is not the one that it was trained on
 };
 
@@ -53,7 +56,7 @@ std::vector<std::filesystem::path> shipped_models();
 /// Throws InputError unless the vehicle of this file is the model's: of the same name, and with the same numbers.
 void require_vehicle(const TrainedModel& model, const std::filesystem::path& vehicle_file);
 
-/// Throws InputError where a study names another vehicle or other grains than the model's trials had.
+/// Throws InputError where a study names another vehicle, other grains or another gravity than the model's trials had.
 void require_study(const TrainedModel& model, const std::filesystem::path& study_file);
 
 }  // namespace gonogo::map

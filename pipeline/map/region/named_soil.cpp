@@ -60,6 +60,7 @@ SoilSample sample_of(const terrain::SoilState& state) {
   sample.source = state.name;
   sample.water_percent = state.water_percent;
   sample.texture = state.texture;
+  sample.moisture = state.moisture;
   return sample;
 }
 

@@ -4,9 +4,10 @@
 
 #include "base/error.h"
 #include "base/units.h"
+#include "pipeline/campaign/study/study.h"
 #include "pipeline/map/region/named_soil.h"
+#include "pipeline/map/region/read_soil.h"
 #include "terrain/soil/strength.h"
-#include "terrain/soil/texture.h"
 
 namespace gonogo::map {
 namespace {
@@ -35,54 +36,6 @@ RegionRaster read_raster(const Config& config, const std::string& role) {
   config.text_or("note", "");
   config.finish();
   return raster;
-}
-
-SoilSample read_sample(const Config& config) {
-  SoilSample sample;
-  sample.source = config.text("source");
-  if (config.has("water_percent")) sample.water_percent = config.number("water_percent", {0, 1000});
-  if (config.has("cone_index_kPa")) sample.cone_index = 1e3 * config.number("cone_index_kPa", {0, 10000});
-  for (const campaign::Variable& variable : campaign::contract().variables) {
-    if (variable.name == "slope_along" || variable.name == "slope_across" || !config.has(variable.name)) continue;
-    const double value = config.number(variable.name, {variable.minimum, variable.maximum});
-    sample.values[variable.name] = {Spread::Kind::fixed, value, value, sample.source};
-  }
-  if (sample.values.empty()) config.fail("", "holds no variable; give for example friction_angle and cohesion");
-  config.finish();
-  return sample;
-}
-
-/// Empty when the file does not give it.
-std::string read_texture(const Config& config) {
-  return config.has("texture") ? config.choice("texture", terrain::usda_textures()) : "";
-}
-
-/// Samples and texture of a soil that comes by name.
-void take_named(const Config& config, const std::string& key, Soil& soil) {
-  if (config.has("samples")) config.fail("samples", "and \"" + key + "\" are both given; keep one of them");
-  Soil named;
-  try {
-    named = named_soil(config.text(key), "");
-  } catch (const InputError& error) {
-    config.fail(key, error.what());
-  }
-  soil.samples = named.samples;
-  soil.draws = named.draws;
-  if (soil.texture.empty()) soil.texture = named.texture;
-}
-
-Soil read_soil(const Config& config) {
-  Soil soil;
-  soil.code = int(config.integer("code", {0, 65535}));
-  soil.name = config.text("name");
-  soil.note = config.text_or("note", "");
-  soil.texture = read_texture(config);
-  if (config.has("like")) take_named(config, "like", soil);
-  if (config.has("samples"))
-    for (const Config& sample : config.objects("samples")) soil.samples.push_back(read_sample(sample));
-  if (const auto values = config.object_if("values")) soil.values = read_spreads(*values);
-  config.finish();
-  return soil;
 }
 
 void read_rasters(const Config& config, Region& region) {
@@ -158,6 +111,23 @@ void read_grid(const Config& config, Region& region) {
   grid->finish();
 }
 
+void read_obstacles(const Config& config, Region& region) {
+  if (!config.has("obstacles")) return;
+  for (const Config& entry : config.objects("obstacles")) {
+    Obstacle o = read_obstacle(entry);
+    if (o.kind == ObstacleKind::road) {
+      if (region.soils.empty())
+        region.soils.push_back(
+            {.code = 0, .name = "all soils", .note = "", .texture = "", .samples = {}, .values = {}});
+      o.road_soil = kRoadCode + int(region.obstacles.size());
+      region.soils.push_back(read_road_soil(entry, o.road_soil, o.name));
+      if (entry.text("soil") != "paved") region.soil_text += soil_hash(entry.text("soil")) + " ";
+    }
+    entry.finish();
+    region.obstacles.push_back(std::move(o));
+  }
+}
+
 }  // namespace
 
 Region read_region(const std::filesystem::path& path) {
@@ -169,12 +139,14 @@ Region read_region(const std::filesystem::path& path) {
   region.about = config.text_or("about", "");
   read_rasters(config, region);
   read_grid(config, region);
+  if (config.has("gravity")) region.gravity = config.number("gravity", campaign::kGravityRange);
   read_land(config, region);
   read_moisture(config, region);
   if (config.has("soils")) {
     std::set<int> codes;
     for (const Config& entry : config.objects("soils")) {
       region.soils.push_back(read_soil(entry));
+      if (entry.has("mixture")) region.soil_text = soil_hash("sand") + " ";
       if (entry.has("like")) region.soil_text += soil_hash(entry.text("like")) + " ";
       if (!codes.insert(region.soils.back().code).second) entry.fail("code", "is given twice; keep one soil");
     }
@@ -191,6 +163,7 @@ Region read_region(const std::filesystem::path& path) {
     region.soil_text = soil_hash(config.text("soil"));
     region.soils.push_back(std::move(soil));
   }
+  read_obstacles(config, region);
   if (const auto values = config.object_if("values")) region.values = read_spreads(*values);
   config.finish();
   return region;
@@ -202,13 +175,18 @@ std::vector<LandRule> land_rules(const Region& region) {
   rules.push_back({-1, "measured cone index below VCI1", campaign::Verdict::no_go, campaign::Reason::soft_soil});
   rules.push_back({-1, "measured cone index below VCI50", campaign::Verdict::unknown, campaign::Reason::soft_soil});
   rules.push_back({-1, "exactly flat: water or a void", campaign::Verdict::unknown, campaign::Reason::land_unknown});
+  for (const Obstacle& o : region.obstacles) {
+    rules.push_back({-1, o.name, campaign::Verdict::no_go, reason_of(o.kind, Crossing::no_go)});
+    rules.push_back({-1, o.name + ", not known", campaign::Verdict::unknown, reason_of(o.kind, Crossing::unknown)});
+  }
   return rules;
 }
 
 std::vector<SoilSample> samples_in(const Soil& soil, const MoistureState& state) {
   std::vector<SoilSample> samples;
   for (const SoilSample& sample : soil.samples)
-    if (!sample.water_percent || (*sample.water_percent >= state.low && *sample.water_percent < state.high))
+    if (sample.water_percent ? *sample.water_percent >= state.low && *sample.water_percent < state.high
+                             : sample.moisture.empty() || sample.moisture == state.name)
       samples.push_back(sample);
   return samples;
 }

@@ -10,8 +10,11 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
+#include "base/units.h"
 #include "base/version.h"
 #include "pipeline/campaign/study/contract.h"
+#include "pipeline/campaign/study/study.h"
+#include "pipeline/map/region/ground_gravity.h"
 #include "pipeline/report/figure/comparison_figure.h"
 #include "terrain/raster/geotiff.h"
 #include "terrain/raster/overlay.h"
@@ -38,6 +41,7 @@ constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 struct OneMap {
   RasterSource go, p, low, high;
   std::string name, region;
+  double gravity = kGravity;  // [m/s^2]
 };
 
 std::string heading_of(const fs::path& folder) {
@@ -52,6 +56,7 @@ OneMap open_map(const fs::path& folder, const MapGrid& grid) {
     return RasterSource::open_on_grid(folder / file, grid, RasterKind::classes);
   };
   const Json inputs = Json::read(folder / "map.json").at("inputs");
+  const Json* gravity = inputs.find(campaign::kGravityKey);
   const std::string& moisture = inputs.at("rules").at("moisture").string();
   return {.go = open("go.tif"),
           .p = open("p_go.tif"),
@@ -59,7 +64,8 @@ OneMap open_map(const fs::path& folder, const MapGrid& grid) {
           .high = open("p_go_high.tif"),
           .name = inputs.at("vehicle").string() + (moisture.empty() ? "" : ", " + moisture) + ", model " +
                   inputs.at("model_hash").string().substr(0, 8),
-          .region = inputs.at("region").string()};
+          .region = inputs.at("region").string(),
+          .gravity = gravity ? gravity->number() : kGravity};
 }
 
 MapGrid common_grid(const CompareRequest& request) {
@@ -158,7 +164,8 @@ void write_figure(const fs::path& path, const OneMap& a, const OneMap& b, const 
                   const std::vector<LayerInfo>& layers, const std::vector<Reduced>& reduced, const Json& result) {
   report::ComparisonFigure figure;
   figure.title = "Two maps compared: " + a.region;
-  figure.subtitle = "First: " + a.name + ".  Second: " + b.name + ".  Uphill heading.";
+  figure.subtitle = "First: " + a.name + ".  Second: " + b.name + ".  Uphill heading." +
+                    (a.gravity == kGravity ? "" : "  Gravity " + gravity_text(a.gravity) + ".");
   figure.notes = {
       "passes: go or slow-go.  Significant: P(go) differs by at least 1.96 standard deviations, each from the 90 % "
       "interval of its map, the two taken as independent; so differences are rather missed than made up.",
@@ -233,6 +240,9 @@ PassChange pass_change(int verdict1, int verdict2) {
 Json compare_maps(const CompareRequest& request) {
   const MapGrid grid = common_grid(request);
   const OneMap a = open_map(request.first, grid), b = open_map(request.second, grid);
+  if (!is_same_gravity(a.gravity, b.gravity))
+    throw InputError(request.second.string() + ": has a gravity of " + gravity_text(b.gravity) + ", and " +
+                     request.first.string() + " has " + gravity_text(a.gravity) + "; compare maps of one gravity");
   create_folder(request.out);
   const std::array<const char*, 4> names = {"change.tif", "difference.tif", "significance.tif",
                                             "change_significance.tif"};
@@ -267,6 +277,7 @@ Json compare_maps(const CompareRequest& request) {
   std::string csv = "layer,code,cells,area_km2,share\n";
   result["first"] = a.name;
   result["second"] = b.name;
+  result[campaign::kGravityKey] = a.gravity;
   result["change"] = counted(layers[0].legend, pass, grid, csv, "change");
   result["significance"] = counted(layers[3].legend, go, grid, csv, "change_significance");
   write_file_atomically(request.out / "compare.csv", csv);
@@ -281,7 +292,8 @@ Json compare_maps(const CompareRequest& request) {
 }
 
 std::string compare_text(const Json& result) {
-  std::string text = "first:  " + result.at("first").string() + "\nsecond: " + result.at("second").string() + "\n";
+  std::string text = "first:  " + result.at("first").string() + "\nsecond: " + result.at("second").string() +
+                     "\ngravity " + gravity_text(result.at(campaign::kGravityKey).number()) + "\n";
   for (const char* part : {"change", "significance"})
     for (const Json& row : result.at(part).items())
       text += line("  %6.2f %%  %10.3f km2  ", 100 * row.at("share").number(), row.at("area_km2").number()) +

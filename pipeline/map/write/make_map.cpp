@@ -9,6 +9,7 @@
 #include "base/line.h"
 #include "base/nearest.h"
 #include "base/units.h"
+#include "pipeline/map/region/ground_gravity.h"
 #include "pipeline/map/write/map_blocks.h"
 #include "pipeline/map/write/map_exports.h"
 #include "pipeline/map/write/map_figure.h"
@@ -73,6 +74,8 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest&
                                     const SoilTable& table) {
   const Region& region = request.region;
   std::vector<std::string> remarks = request.model.remarks;
+  if (request.model.gravity != kGravity)
+    remarks.push_back("trials and ground have a gravity of " + gravity_text(request.model.gravity));
   remark_on_no_soil(summary, table, remarks);
   for (std::size_t s = 0; s < table.soils.size(); ++s)
     if (table.cells[s] > 0)
@@ -136,16 +139,6 @@ void evaluate_or_forget(MapTiles& tiles, const MapSources& sources, const SoilTa
   }
 }
 
-/// Every trial has the gravity of the Earth.
-void require_gravity(const Region& region, const MapGrid& grid) {
-  constexpr double earth = 6.37e6, tolerance = 0.01;  // radius [m]
-  if (std::abs(grid.body_radius / earth - 1) > tolerance)
-    throw InputError(region.elevation.files.name() +
-                     line(": lies on a body with a radius of %.0f km, and all trials of "
-                          "this program have the Earth's gravity, %g m/s2; give ground of the Earth",
-                          grid.body_radius / 1e3, kGravity));
-}
-
 }  // namespace
 
 MapSummary make_map(const MapRequest& request) {
@@ -153,7 +146,7 @@ MapSummary make_map(const MapRequest& request) {
   const Json origin = map_inputs(request);
   if (auto finished = find_finished_map(request, origin)) return *finished;
   const MapGrid& grid = sources.elevation.grid();
-  require_gravity(request.region, grid);
+  require_gravity(request.region, grid.body_radius, request.model.gravity);
   SoilTable table = make_soil_table(request.model, with_occurring_soils(request.region, sources), request.rules,
                                     gradient_error(request.region.elevation, grid));
   create_folder(request.out);
@@ -164,6 +157,7 @@ MapSummary make_map(const MapRequest& request) {
   evaluate_or_forget(tiles, sources, table, digest);
   tiles.collect(table, digest);
   MapSummary summary;
+  summary.gravity = request.model.gravity;
   summary.area = digest.area;
   summary.area_km2 = double(summary.area.total()) * grid.cell_area_m2() * 1e-6;
   summary.remarks = remarks_on(summary, request, digest, table);

@@ -31,6 +31,7 @@ struct MapSummary {
   std::vector<std::filesystem::path> files;  // all that were written; map.json is the last
   std::vector<std::string> remarks;          // one sentence each: what the map cannot say, and why
   std::size_t tiles_found = 0;               // tiles that an interrupted run had finished
+  double gravity = kGravity;                 // of trials and ground [m/s^2]
   bool reused = false;                       // the folder already held this map; nothing was written
 };
 

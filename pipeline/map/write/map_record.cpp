@@ -5,8 +5,10 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hash.h"
+#include "base/line.h"
 #include "base/units.h"
 #include "base/version.h"
+#include "pipeline/campaign/study/study.h"
 #include "terrain/raster/raster_source.h"
 
 namespace gonogo::map {
@@ -66,6 +68,7 @@ std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& reg
   if (region.land_cover) add("land_cover", *region.land_cover);
   if (region.moisture) add("moisture", *region.moisture);
   if (region.cone_index) add("cone_index", *region.cone_index);
+  for (const Obstacle& o : region.obstacles) hashes.emplace_back(o.name, file_hash(o.file));
   return hashes;
 }
 
@@ -78,6 +81,7 @@ Json map_inputs(const MapRequest& request) {
   if (!request.model.member_hashes.empty()) inputs["member_hashes"] = Json(request.model.member_hashes);
   if (!request.model.dataset_hash.empty()) inputs["dataset_hash"] = request.model.dataset_hash;
   inputs["vehicle"] = request.model.vehicle;
+  if (request.model.gravity != kGravity) inputs[campaign::kGravityKey] = request.model.gravity;
   if (const auto& need = request.model.cone_index) {
     Json index = Json::object();
     index["vehicle"] = need->vehicle;
@@ -107,6 +111,8 @@ Metadata map_metadata(const MapRequest& request, const Json& inputs) {
   if (const Json* need = inputs.find("vehicle_cone_index"))
     metadata.emplace_back("GONOGO_vehicle_cone_index", need->dump());
   metadata.emplace_back("GONOGO_vehicle", vehicle_text(request.model));
+  if (request.model.gravity != kGravity)
+    metadata.emplace_back(std::string("GONOGO_") + campaign::kGravityKey, line("%.6g", request.model.gravity));
   return metadata;
 }
 
@@ -122,6 +128,7 @@ std::optional<MapSummary> find_finished_map(const MapRequest& request, const Jso
       summary.files.push_back(request.out / name);
     }
     summary.area = AreaCount::from_json(record.at("area"));
+    summary.gravity = request.model.gravity;
     summary.area_km2 = record.at("area_km2").number();
     for (const Json& remark : record.at("remarks").items()) summary.remarks.push_back(remark.string());
   } catch (const InputError&) {

@@ -1,5 +1,6 @@
 #include "pipeline/map/write/map_request.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
@@ -15,6 +16,7 @@
 #include "pipeline/map/region/named_soil.h"
 #include "terrain/raster/raster_source.h"
 #include "terrain/soil/strength.h"
+#include "vehicle/model/statics.h"
 #include "vehicle/semi_empirical/mobility_index.h"
 
 namespace gonogo::map {
@@ -24,6 +26,7 @@ OutcomeModel outcome_model_of(const TrainedModel& trained) {
   const auto predictor = trained.predictor;
   OutcomeModel model;
   model.hash = file_hash(trained.file);
+  model.gravity = trained.gravity;
   for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v)
     model.sampled.push_back({predictor->model().sampled_lower[v], predictor->model().sampled_upper[v]});
   model.probabilities = [predictor](std::span<const double> points, std::span<double> result) {
@@ -87,14 +90,32 @@ std::optional<ConeIndexNeed> cone_index_if_any(const vehicle::Vehicle& v) {
   }
 }
 
+CrossingLimits crossing_limits(const vehicle::Vehicle& v) {
+  CrossingLimits limits{.vehicle = v.name,
+                        .tracked = !v.track.empty(),
+                        .radius = v.wheel.front().radius,
+                        .friction = v.wheel.front().friction,
+                        .width = v.width,
+                        .length = v.length,
+                        .clearance = v.clearance};
+  if (!limits.tracked) return limits;
+  limits.radius = std::min(v.track[0].sprocket_radius, v.track[0].idler_radius) + v.track[0].pad_below_pin;
+  limits.contact_length = vehicle::track_contact_length(v);
+  return limits;
+}
+
 /// Cone index and top speed, of the model's own vehicle or of the one that its quarter stands for.
-void add_vehicle(OutcomeModel& model, const TrainedModel& trained, const std::filesystem::path& whole_file) {
-  if (!whole_file.empty()) model.cone_index = read_cone_index_need(whole_file);
+/// Also what the vehicle crosses, for the region's obstacles.
+void add_vehicle(OutcomeModel& model, Region& region, const TrainedModel& trained,
+                 const std::filesystem::path& whole_file) {
+  const bool on_earth = model.gravity == kGravity;  // cone indices are correlations of tests on the Earth
+  if (!whole_file.empty() && on_earth) model.cone_index = read_cone_index_need(whole_file);
   std::optional<vehicle::Vehicle> whole;
   if (trained.vehicle) whole = trained.vehicle->whole;
   if (!whole && !whole_file.empty()) whole = vehicle::read_vehicle(whole_file);
   if (!whole) return;
-  if (!model.cone_index) model.cone_index = cone_index_if_any(*whole);
+  region.crossing = crossing_limits(*whole);
+  if (!model.cone_index && on_earth) model.cone_index = cone_index_if_any(*whole);
   if (trained.vehicle && trained.dataset) model.speed = speed_of_trials(*trained.dataset, *trained.vehicle, *whole);
 }
 
@@ -200,7 +221,7 @@ MapRequest read_map_request(const MapFiles& files) {
   set_values(request.rules, files.set);
   if (files.max_speed_km_h > 0) request.rules.max_speed = files.max_speed_km_h / kKmPerHour;
   if (!files.whole_vehicle.empty()) request.rules.cone_index_of = files.whole_vehicle;
-  add_vehicle(request.model, trained, request.rules.cone_index_of);
+  add_vehicle(request.model, request.region, trained, request.rules.cone_index_of);
   if (trained.vehicle && request.rules.fidelity == MapRules{}.fidelity)
     request.rules.fidelity = trained.vehicle->fidelity();
   if (!trained.vehicle && study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);

@@ -24,6 +24,7 @@ TEST_CASE("a study's frame is read and its paths start at its folder") {
   CHECK(study.seed == 42);
   CHECK(study.vehicle == folder.path() / "../v.json");
   CHECK(study.region.empty());
+  CHECK(study.gravity == kGravity);
   CHECK(study.section("design").integer("points") == 4);
   CHECK(contains(input_error([&] { study.section("trial"); }), "s.json: trial: missing"));
 }
@@ -34,6 +35,8 @@ TEST_CASE("what is wrong with a study is said with its place") {
   CHECK(contains(refusal(R"({"study": "a"})"), "seed: missing"));
   CHECK(contains(refusal(R"({"study": "a", "seed": -1})"), "seed: value -1 is outside the allowed range: at least 0"));
   CHECK(contains(refusal(R"({"study": "a", "seed": 1.5})"), "seed: expected a whole number"));
+  CHECK(
+      contains(refusal(R"({"study": "a", "seed": 1, "gravity": 0})"), "gravity: value 0 is outside the allowed range"));
   CHECK(contains(refusal(R"({"study": "", "seed": 1})"), "study: the name is empty"));
   CHECK(contains(refusal(R"({"study": "a", "seed": 1, "trial": 5})"), "trial: expected an object"));
   CHECK(contains(refusal(R"({"study": "a", "seed": 1, "vehicle": {}})"), "vehicle: expected text"));

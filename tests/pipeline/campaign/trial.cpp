@@ -41,6 +41,7 @@ TEST_CASE("gravity in the bed's frame is -g (sin s cos psi, sin s sin psi, cos s
       CHECK(g.x == Approx(-kGravity * std::sin(slope) * std::cos(heading)).margin(1e-12));
       CHECK(g.y == Approx(-kGravity * std::sin(slope) * std::sin(heading)).margin(1e-12));
       CHECK(g.z == Approx(-kGravity * std::cos(slope)));
+      CHECK(length(bed_gravity(along, across, 1.62)) == Approx(1.62));
     }
 }
 
@@ -82,6 +83,41 @@ TEST_CASE("a wheel passes level strong soil and fails on a slope that its weak s
   }
   const TrialRecord again = run_trial(setup, easy);
   CHECK(again.measures == go.measures);  // same point, same bits
+}
+
+TEST_CASE("a quarter of the gravity and half of the speeds drive the same way in twice the time") {
+  // Masses and lengths stay, times double: forces are a quarter, rates half. Powers of two keep every bit.
+  const TrialSetup earth = demo_setup(cache());
+  TrialSetup slow = earth;
+  slow.gravity = kGravity / 4;
+  for (double* force : {&slow.rig.spring_stiffness, &slow.rig.max_torque}) *force /= 4;
+  for (double* rate : {&slow.rig.spring_damping, &slow.thresholds.creep_speed, &slow.thresholds.immobile_speed,
+                       &slow.thresholds.residual})
+    *rate /= 2;
+  for (double* time : {&slow.bed_settle_time, &slow.park_time, &slow.ramp_time, &slow.min_drive_time, &slow.time_limit,
+                       &slow.thresholds.immobile_time, &slow.numerics.step})
+    *time *= 2;
+  DesignPoint p = point(6, 40);
+  prepare_trials(earth, {&p, 1}, 2);
+  const TrialRecord fast = run_trial(earth, p);
+  p.variables[contract().variable_index("commanded_speed")] /= 2;
+  const TrialRecord same = run_trial(slow, p);
+  CHECK(fast.verdict == same.verdict);
+  CHECK(fast.attempts == same.attempts);
+  for (const char* length : {"slip", "sinkage", "distance", "drift"})
+    CHECK(measure_of(same, length) == Approx(measure_of(fast, length)).epsilon(1e-9));
+  CHECK(measure_of(same, "drive_time") == Approx(2 * measure_of(fast, "drive_time")).epsilon(1e-9));
+  CHECK(measure_of(same, "mean_speed") == Approx(measure_of(fast, "mean_speed") / 2).epsilon(1e-9));
+  for (const char* force : {"mean_torque", "energy_per_metre"})
+    CHECK(measure_of(same, force) == Approx(measure_of(fast, force) / 4).epsilon(1e-9));
+}
+
+TEST_CASE("the lunar study that ships has the Moon's gravity, a bed for its rover and soils within reach") {
+  const Study study = read_study(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/studies/lunar_rover.json");
+  const TrialSetup setup = read_trial_setup(study, cache());
+  CHECK(setup.gravity == 1.62);
+  CHECK(setup.weight(60) == Approx((440 + 60) * 1.62));
+  CHECK(setup.name == "lunar-rover");
 }
 
 TEST_CASE("a trial whose residual check cannot be met is unknown after a second attempt, never no_go") {

@@ -10,6 +10,8 @@
 #include "base/hash.h"
 #include "learning/rbm/train.h"
 #include "learning/score/calibration.h"
+#include "pipeline/learn/answer/infer.h"
+#include "pipeline/learn/answer/model_gravity.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/evaluation/evaluate_model.h"
 #include "pipeline/learn/training/capacity.h"
@@ -92,6 +94,24 @@ TEST_CASE("same dataset, seed and settings give the same model bytes with one an
   }
   omp_set_num_threads(threads);
   CHECK(hashes[0] == hashes[1]);
+}
+
+TEST_CASE("a model keeps the gravity of its trials, and one of the Earth has no key for it") {
+  const Config learning = Config::parse(R"({"epochs": 5, "folds": 2})", "study");
+  const auto gravity_in = [&](const std::string& study) {
+    const fs::path dataset = scratch() / "gravity.h5", file = scratch() / "gravity_model.h5";
+    write_dataset(dataset, {synthetic_trials(40, 3), {.study = study}});
+    train_model({.dataset = dataset, .model = file, .seed = 5, .learning = learning, .design = {}});
+    const Predictor predictor = Predictor::read(file);
+    CHECK((predictor.model().provenance.find(kGravityKey) == nullptr) == study.empty());
+    const Json answer = answer_question(predictor, {middle_point(), std::nullopt, false});
+    CHECK(answer.at("gravity_m_per_s2").number() == gravity_of(predictor.model()));
+    CHECK(contains(answer_text(answer), "gravity of the trials " + (study.empty() ? std::string("9.81") : "1.62")));
+    return gravity_of(predictor.model());
+  };
+  CHECK(gravity_in(R"({"study": "moon", "gravity": 1.62})") == 1.62);
+  CHECK(gravity_in("") == kGravity);
+  refused([&] { gravity_in(R"({"study": "moon", "gravity": -1})"); }, "gravity: value -1 is outside");
 }
 
 TEST_CASE("trials that are held out by count are those that evaluation scores") {

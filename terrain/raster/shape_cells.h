@@ -1,0 +1,42 @@
+// Cells under lines and polygons of vector files, window by window. Each feature has a number of its own.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "terrain/raster/grid.h"
+
+namespace gonogo::terrain {
+
+/// What becomes of a feature: the number of its cells, and the width of a line on the ground [m].
+struct ShapeMark {
+  float value = 0;   // 0: the feature marks no cell
+  double width = 0;  // 0: every cell that the line touches
+  int rank = 0;      // the higher one wins in a cell; of equal ones the later
+};
+
+/// A numeric attribute of a feature by name; throws InputError where the feature has none, or a text.
+using FeatureNumbers = std::function<double(const std::string& attribute)>;
+
+class ShapeCells {
+ public:
+  explicit ShapeCells(const MapGrid& grid);
+  ShapeCells(ShapeCells&&) noexcept;
+  ~ShapeCells();
+
+  /// Takes the lines and polygons of a file: any vector format of GDAL in any coordinate system. `layer`: empty for all
+  /// of them. `mark` is asked once for each feature. Throws InputError: no such file
+  /// or layer, no vector file, no coordinate system, points and other shapes, nothing that touches the grid.
+  void add(const std::filesystem::path& file, const std::string& layer,
+           const std::function<ShapeMark(const FeatureNumbers&)>& mark);
+
+  /// Numbers of the cells that a shape touches, 0 elsewhere. The split into windows changes no cell. Thread-safe.
+  Tile read(Window window) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace gonogo::terrain
