@@ -16,7 +16,7 @@ struct Numerics {
   double overlap = 0.02;  // penalty: largest, as a share of the radius, in an impact at kOverlapSpeed [-]
 };
 
-/// Speed for which penalty contact is made stiff enough [m/s]. Wheels press grains of 32 mm together by about as much.
+/// Speed of the impact for which penalty contact is made stiff enough [m/s].
 inline constexpr double kOverlapSpeed = 2;
 /// Of penalty contact between grains [-].
 inline constexpr double kPenaltyRestitution = 0.3;
