@@ -235,6 +235,7 @@ void reserve_contacts(State<Exec>& s, Index count) {
   for (ContactStore<Exec>& store : s.store) {
     store.key.resize(count);
     store.impulse.resize(count);
+    if (s.remembers) store.history.resize(count);
   }
 }
 
@@ -278,7 +279,8 @@ ContactWriter contact_writer(State<Exec>& s, const ContactFinder& finder, const 
           .position = s.position.view(),
           .first_of_part = s.first_of_part.view(),
           .old_begin = old.begin.view(),
-          .old_end = old.end.view(),
+          // Contacts that remember look their old names up themselves, see PushContact; they have no warm start.
+          .old_end = s.remembers ? old.begin.view() : old.end.view(),
           .old_key = old.key.view(),
           .old_impulse = old.impulse.view(),
           .contact = s.contact.view(),

@@ -9,6 +9,7 @@ namespace gonogo::sim {
 namespace {
 
 constexpr const char* kGroup = "snapshot";
+constexpr const char* kHistory = "history";  // of penalty contact
 constexpr const char* kFormat = "gonogo snapshot";
 constexpr std::int64_t kVersion = 7;
 
@@ -33,17 +34,21 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(StepSettings) == 48 && sizeof(Shape) == 68 && sizeof(Motor) == 40 &&
-                  sizeof(Attachment) == 44 && sizeof(Joint) == 104 && sizeof(SpringDamper) == 376 &&
-                  sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 && sizeof(BodyState) == 64 &&
-                  sizeof(ForceElement) == 80 && sizeof(Controller) == 152 && sizeof(Monitor) == 112 &&
-                  sizeof(Driveline) == 664 && sizeof(SceneWorld) == 744,
+static_assert(sizeof(PairLaw) == 24 && sizeof(PenaltyLaw) == 28 && sizeof(StepSettings) == 76 && sizeof(Shape) == 68 &&
+                  sizeof(Motor) == 40 && sizeof(Attachment) == 44 && sizeof(Joint) == 104 &&
+                  sizeof(SpringDamper) == 376 && sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 &&
+                  sizeof(BodyState) == 64 && sizeof(ForceElement) == 80 && sizeof(Controller) == 152 &&
+                  sizeof(Monitor) == 112 && sizeof(Driveline) == 664 && sizeof(SceneWorld) == 1192,
               "list the new fields in scene_hash");
-static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 888,
+static_assert(sizeof(WorldParameters) == 512 && sizeof(Snapshot) == 912,
               "store the new fields, load them and raise kVersion");
 
 void add(Bytes& b, const PairLaw& l) {
   b << l.friction << l.rolling_friction << l.cohesion_pressure << l.spinning_friction << l.stiffness << l.damping;
+}
+void add(Bytes& b, const PenaltyLaw& l) {
+  b << l.stiffness << l.tangential_share << l.modulus << l.shear_modulus << l.restitution << l.work_of_adhesion
+    << l.adhesion;
 }
 void add(Bytes& b, const BodyState& s) { b << s.position << s.orientation << s.velocity << s.angular_velocity; }
 void add(Bytes& b, const BodyMass& m) { b << m.inverse_mass << m.inverse_inertia_B; }  // the rest follows in flatten
@@ -334,6 +339,11 @@ std::string scene_hash(const SceneWorld& world, const StepSettings& settings) {
   Bytes b;
   add(b, settings);
   add(b, world);
+  if (is_penalty(settings.solver)) {
+    add(b, settings.penalty);
+    for (const auto& row : world.penalty)
+      for (const PenaltyLaw& law : row) add(b, law);
+  }
   return content_hash(b.text());
 }
 
@@ -344,6 +354,7 @@ void store_snapshot(Hdf5Writer& out, const Snapshot& snapshot, const std::string
   out.attribute(kGroup, "scene", scene);
   Store store(out);
   exchange_arrays(store, snapshot);
+  if (!snapshot.history.empty()) store.rows<float>(kHistory, snapshot.history);
   store_world(store, snapshot);
   store_motors(store, snapshot);
   store_monitors(store, snapshot);
@@ -355,6 +366,7 @@ Snapshot read_snapshot(const Hdf5Reader& in, const std::string& scene) {
   Snapshot s;
   Load load(in);
   exchange_arrays(load, s);
+  if (in.has(std::string(kGroup) + "/" + kHistory)) load.rows<float>(kHistory, s.history);
   load_world(load, s);
   load_motors(load, s);
   load_monitors(load, s);

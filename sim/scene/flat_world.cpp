@@ -9,6 +9,7 @@
 #include "sim/scene/check_joint.h"
 #include "sim/scene/check_shape.h"
 #include "sim/scene/check_world.h"
+#include "sim/scene/critical_step.h"
 #include "sim/scene/layout.h"
 #include "sim/scene/order.h"
 #include "sim/scene/prepare_elements.h"
@@ -159,6 +160,7 @@ FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& set
   check_elements(given, std::size_t(w), settings);
   const auto scene = std::make_shared<SceneWorld>(given);
   set_surface_sizes(*scene);
+  if (is_penalty(settings.solver)) check_penalty(*scene, std::size_t(w), settings);
   const WorldParameters parameters = world_parameters(*scene, settings, std::size_t(w));
   FlatWorld flat = arranged(scene, parameters, spatial_order(positions(*scene), parameters), settings, where);
   check_pairs(flat, w);
@@ -187,6 +189,7 @@ Snapshot rearranged(const Snapshot& snapshot, const FlatWorld& from, const FlatW
   p.motor = to.mechanisms.motor;
   p.key.clear();
   p.impulse.clear();
+  p.history.clear();
   const std::vector<Index> begin = permuted(snapshot.contact_begin, shapes),
                            end = permuted(snapshot.contact_end, shapes);
   for (std::size_t i = 0; i < shapes.size(); ++i) {
@@ -195,6 +198,7 @@ Snapshot rearranged(const Snapshot& snapshot, const FlatWorld& from, const FlatW
       const std::uint64_t key = snapshot.key[k];
       p.key.push_back(shifted_key(key, shapes[other_shape(key)] - other_shape(key)));
       p.impulse.push_back(snapshot.impulse[k]);
+      if (!snapshot.history.empty()) p.history.push_back(snapshot.history[k]);
     }
     p.contact_end[i] = Index(p.key.size());
   }

@@ -52,6 +52,7 @@ struct Snapshot {
   std::vector<Index> contact_begin, contact_end;  // [shape] into the arrays below
   std::vector<std::uint64_t> key;
   std::vector<Impulse> impulse;
+  std::vector<ContactHistory> history;  // as many, or none where contacts remember nothing
   std::vector<Motor> motor;
   std::vector<Real> motor_impulse;
   ElementSnapshot element;

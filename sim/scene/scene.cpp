@@ -78,4 +78,9 @@ void SceneWorld::set_law(int material_a, int material_b, const PairLaw& l) {
   law[material_b][material_a] = l;
 }
 
+void SceneWorld::set_penalty(int material_a, int material_b, const PenaltyLaw& l) {
+  penalty[material_a][material_b] = l;
+  penalty[material_b][material_a] = l;
+}
+
 }  // namespace gonogo::sim

@@ -26,6 +26,7 @@ struct SceneWorld {
   Vec3d origin, size{1, 1, 1};          // [m]
   bool periodic_x = false, periodic_y = false;
   PairLaw law[kMaxMaterials][kMaxMaterials];
+  PenaltyLaw penalty[kMaxMaterials][kMaxMaterials];  // for the penalty family; without stiffness: the settings'
   /// Max overlap of two shapes at the start, as a share of the smaller one's smallest half extent; 0: not checked.
   Real overlap_limit = 0;
 
@@ -55,6 +56,7 @@ struct SceneWorld {
   std::int32_t add_heightfield(Heightfield f);
   /// Same law for both orders of the pair.
   void set_law(int material_a, int material_b, const PairLaw& l);
+  void set_penalty(int material_a, int material_b, const PenaltyLaw& l);
 };
 
 /// Mass properties from a mass [kg] and principal moments of inertia [kg m^2]; zero mass means fixed.

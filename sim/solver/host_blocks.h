@@ -1,5 +1,6 @@
 // Blocks: the host updates eight contacts at once, stored field by field. Each tile starts a new block.
 #pragma once
+#include "sim/solver/penalty_storage.h"
 #include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
@@ -34,6 +35,7 @@ struct SolverStorage<Cpu> {
   Buffer<Momentum, Cpu> momentum_before;    // [world]
   Buffer<SpectralSums, Cpu> spectral_sums;  // [tile]
   ScanStorage<Cpu> scan;
+  PenaltyStorage<Cpu> penalty;
 };
 
 /// Loads eight records of eight numbers as one pack per number.

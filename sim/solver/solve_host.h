@@ -2,6 +2,7 @@
 #pragma once
 #include "sim/solver/host_methods.h"
 #include "sim/solver/jacobi_scan.h"
+#include "sim/solver/penalty_method.h"
 #include "sim/solver/shared_stages.h"
 
 namespace gonogo::sim {
@@ -248,6 +249,8 @@ void update_contacts(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index til
     case Solver::bb:
       return spectral_tiles<turning>(exec, s, own, tile_count, k & 1);
     case Solver::jacobi_scan:
+    case Solver::spring_damper:
+    case Solver::hertz:
       return;  // solve() has gone another way
   }
 }
@@ -297,6 +300,10 @@ inline void solve(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const StepSe
   if (settings.solver == Solver::jacobi_scan) {
     reserve_scan(s, own.scan, settings);
     return solve_by_scan(exec, s, own.scan, settings);
+  }
+  if (is_penalty(settings.solver)) {
+    reserve_penalty(s, own.penalty);
+    return solve_by_penalty(exec, s, own.penalty, settings);
   }
   const IterationRules rules = settings.rules();
   const Index tile_count = tiles(s).count();

@@ -11,7 +11,12 @@ namespace gonogo::sim {
 /// gauss_seidel  contact by contact, in colours (colour.h)
 /// bb            projected gradients of spectral length (spectral.h)
 /// jacobi_scan   the steps of jacobi, summed by segmented scans as in the first GPU solvers (jacobi_scan.h)
-enum class Solver : std::int32_t { apgd, jacobi, gauss_seidel, bb, jacobi_scan };
+/// The penalty family (penalty.h) solves nothing: overlaps push bodies apart, in short steps.
+/// spring_damper  linear springs and dampers
+/// hertz          springs by Hertz and Mindlin
+enum class Solver : std::int32_t { apgd, jacobi, gauss_seidel, bb, jacobi_scan, spring_damper, hertz };
+
+GONOGO_HD inline bool is_penalty(Solver solver) { return solver == Solver::spring_damper || solver == Solver::hertz; }
 
 struct IterationRules {
   Solver solver;

@@ -57,9 +57,10 @@ struct LargeGroups {
 /// warm start.
 template <class Exec>
 struct ContactStore {
-  Buffer<Index, Exec> begin, end;   // [shape] into the arrays below
-  Buffer<std::uint64_t, Exec> key;  // [contact] other shape and feature: with the owner, the contact's name
-  Buffer<Impulse, Exec> impulse;    // [contact] at the end of the step
+  Buffer<Index, Exec> begin, end;        // [shape] into the arrays below
+  Buffer<std::uint64_t, Exec> key;       // [contact] other shape and feature: with the owner, the contact's name
+  Buffer<Impulse, Exec> impulse;         // [contact] at the end of the step
+  Buffer<ContactHistory, Exec> history;  // [contact] of the penalty family; empty for others
 };
 
 /// The shapes of a contact.
@@ -94,8 +95,10 @@ struct State {
   Index world_count = 0, body_count = 0, shape_count = 0, bin_count = 0;
   bool solids_binned = false;                               // some binned shape has been no sphere
   bool turning = false;                                     // some law resists rolling or spinning, or is compliant
+  bool remembers = false;                                   // contacts have a history
   Buffer<WorldParameters, Exec> world;                      // [world], also when gravity or a law changes
   Buffer<WorldIndex, Exec> world_of_body;                   // [body]
+  Buffer<PenaltyNumbers, Exec> penalty;                     // [world, material, material] where contacts remember
   Buffer<BodyMass, Exec> mass;                              // [body]
   Buffer<Shape, Exec> shape;                                // [shape], ordered by body
   Buffer<Index, Exec> first_shape;                          // [body + 1]

@@ -2,6 +2,7 @@
 #pragma once
 #include "sim/state/contact.h"
 #include "sim/state/momentum.h"
+#include "sim/state/penalty_law.h"
 
 namespace gonogo::sim {
 
@@ -31,6 +32,7 @@ struct StepSettings {
   /// How often a world may slow a free body (one without joints) to one bin per step before flag_too_fast stops it. A
   /// grain pinched between two rigid bodies can leave at more than 30 m/s at any step size.
   Index max_slowed = 0;
+  PenaltyLaw penalty;  // of pairs of materials for which the scene states no stiffness
 
   /// Length of a substep [s]; reported forces and impulses are those of the last substep.
   GONOGO_HD Real substep() const { return step / Real(substeps); }

@@ -26,6 +26,9 @@ Numerics numerics_by_table(const Calibration& table, const std::filesystem::path
   n.iterations = asked.iterations.value_or(n.iterations);
   n.tolerance = asked.tolerance.value_or(n.tolerance);
   n.target = asked.target.value_or(n.target);
+  n.contact = asked.contact.value_or(n.contact);
+  n.overlap = asked.overlap.value_or(n.overlap);
+  if (sim::is_penalty(n.contact) && !asked.substeps) n.substeps = 1;
   return n;
 }
 

@@ -13,6 +13,8 @@ struct AskedNumerics {
   std::optional<int> substeps, iterations;
   std::optional<double> tolerance;  // [m/s]
   std::optional<sim::Target> target;
+  std::optional<sim::Solver> contact{};  // complementarity or a penalty law
+  std::optional<double> overlap{};       // of a penalty law, see Numerics
 
   /// Whether the user gave all of them.
   bool complete() const { return step && substeps && iterations && tolerance && target; }

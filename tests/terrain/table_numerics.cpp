@@ -35,6 +35,28 @@ TEST_CASE("a table's own numerics are taken, and what is asked for comes before 
   CHECK(numerics_by_table(table, "table.json", asked) == Numerics{2e-3, 14, 2, 0.01, sim::Target::coulomb});
 }
 
+TEST_CASE("penalty contact is chosen by one key, takes whole steps and is told in the table's words") {
+  const Calibration table = table_measured_with(kMeasured);
+  AskedNumerics asked;
+  asked.contact = sim::Solver::hertz;
+  asked.step = 5e-5;
+  const Numerics n = numerics_by_table(table, "table.json", asked);
+  CHECK(n.substeps == 1);
+  CHECK(n.contact == sim::Solver::hertz);
+  CHECK_FALSE(n == kMeasured);
+  CHECK(description(n) == "step 5e-05 s, hertz, overlaps to 0.02 of a radius");
+  Json written = Json::object();
+  write_numerics(written, n);
+  CHECK(read_numerics(written) == n);
+  const sim::StepSettings s = step_settings(0.032, n);
+  CHECK(s.solver == sim::Solver::hertz);
+  CHECK(s.penalty.modulus > 0);
+  CHECK(step_settings(0.032, kMeasured).solver == sim::Solver::apgd);
+  Json usual = Json::object();
+  write_numerics(usual, kMeasured);
+  CHECK(usual.find("contact") == nullptr);  // files of complementarity stay as they were
+}
+
 TEST_CASE("a table that does not say its numerics serves only who says them all") {
   Calibration table{};
   AskedNumerics asked{1e-3, 14, 2, 0.0, {}};

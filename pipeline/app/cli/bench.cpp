@@ -123,7 +123,7 @@ void print_wheel(const Globals& globals, const lab::WheelBench& request) {
   json["threads"] = request.threads;
   json["solver"] = name_in(kSolvers, request.solver);
   json["target"] = sim::name_of(request.target);
-  json["step_s"] = request.step;
+  json["step_s"] = r.step;
   json["substeps"] = request.substeps;
   json["iterations"] = request.iterations;
   json["tolerance_m_per_s"] = request.tolerance;
@@ -137,6 +137,7 @@ void print_wheel(const Globals& globals, const lab::WheelBench& request) {
   json["slip"] = r.slip;
   json["slip_standard_error"] = r.slip_error;
   json["sinkage_m"] = r.sinkage;
+  json["torque_Nm"] = r.torque;
   json["residual_rms_m_per_s"] = r.residual_rms;
   json["residual_max_m_per_s"] = r.residual_max;
   char text[320];
@@ -152,8 +153,13 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   CLI::App* command = parent.add_subcommand("wheel", "A driven tyre on a bed of 32 mm grains up 15 degrees");
   auto request = std::make_shared<lab::WheelBench>();
   command->add_option("--scene", request->scene, "Scene file")->type_name(kFile)->capture_default_str();
-  command->add_option("--step", request->step, "Time step [s]")->check(CLI::Range(1e-6, 1e-2));
-  command->add_option("--substeps", request->substeps, "Substeps of a step")->check(CLI::Range(1, 1000));
+  CLI::Option* step = command->add_option("--step", request->step,
+                                          "Time step [s]; with penalty contact by default 0.9 of the critical one");
+  step->check(CLI::Range(1e-6, 1e-2));
+  command->add_option("--overlap", request->overlap, "Penalty contact: overlap over radius in an impact at 2 m/s")
+      ->check(CLI::Range(1e-5, 0.2));
+  CLI::Option* substeps = command->add_option("--substeps", request->substeps, "Substeps of a step");
+  substeps->check(CLI::Range(1, 1000));
   command->add_option("--iterations", request->iterations, "Max iterations of a substep")->check(CLI::Range(1, 100000));
   command->add_option("--tolerance", request->tolerance, "Residual at which the solver stops [m/s]; 0: never")
       ->check(CLI::Range(0.0, 10.0));
@@ -167,9 +173,13 @@ void add_wheel(CLI::App& parent, const Globals& globals) {
   for (const std::string& name : sim::target_names()) targets[name] = sim::target_named(name);
   add_choice(*command, "--target", request->target, targets, "Cone program of the contacts");
   add_examples(*command, {"gonogo bench wheel --backend cuda --worlds 8 --json"});
-  command->callback([&globals, request] {
+  command->callback([&globals, request, step, substeps] {
     request->threads = bench_threads(globals);
     request->packing_folder = campaign::default_packing_folder();
+    if (sim::is_penalty(request->solver)) {
+      if (step->count() == 0) request->step = 0;
+      if (substeps->count() == 0) request->substeps = 1;
+    }
     print_wheel(globals, *request);
   });
 }

@@ -14,7 +14,9 @@ inline const std::map<std::string, sim::Solver> kSolvers{{"apgd", sim::Solver::a
                                                          {"jacobi", sim::Solver::jacobi},
                                                          {"jacobi_scan", sim::Solver::jacobi_scan},
                                                          {"gauss_seidel", sim::Solver::gauss_seidel},
-                                                         {"bb", sim::Solver::bb}};
+                                                         {"bb", sim::Solver::bb},
+                                                         {"spring_damper", sim::Solver::spring_damper},
+                                                         {"hertz", sim::Solver::hertz}};
 
 template <class Value>
 std::string name_in(const std::map<std::string, Value>& names, Value value) {
@@ -36,7 +38,8 @@ void add_choice(CLI::App& command, const std::string& flag, Value& value, const 
 }
 
 inline void add_solver(CLI::App& command, sim::Solver& solver) {
-  add_choice(command, "--solver", solver, kSolvers, "Solver of the contacts; jacobi_scan is a baseline");
+  add_choice(command, "--solver", solver, kSolvers,
+             "Solver of the contacts; jacobi_scan is a baseline, spring_damper and hertz are penalty contact");
 }
 
 /// One core unless more are asked for.

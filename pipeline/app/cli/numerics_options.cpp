@@ -1,8 +1,29 @@
 #include "pipeline/app/cli/numerics_options.h"
 
+#include <functional>
+
+#include "sim/scene/contact_name.h"
 #include "sim/scene/target_name.h"
 
 namespace gonogo::app {
+namespace {
+
+/// `Overlap`: a number, or an optional one.
+template <class Overlap>
+void add_contact_options(CLI::App& command, const std::function<void(const std::string&)>& choose, Overlap& overlap,
+                         const std::string& whose, const std::string& from) {
+  command
+      .add_option_function<std::string>(
+          "--contact", choose,
+          whose + ": cone program, or springs between overlapping grains, which need far shorter steps" + from)
+      ->check(CLI::IsMember(sim::contact_names()));
+  command
+      .add_option("--overlap", overlap,
+                  whose + ": largest overlap of springs over the radius, in an impact at 2 m/s; 0.02 unless told")
+      ->check(CLI::Range(1e-5, 0.2));
+}
+
+}  // namespace
 
 void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::string& whose) {
   command.add_option("--step", n.step, whose + ": step [s]")->check(CLI::Range(1e-5, 5e-3))->capture_default_str();
@@ -21,6 +42,8 @@ void add_numerics_options(CLI::App& command, terrain::Numerics& n, const std::st
           "--target", set, whose + ": cone program of the contacts; with ccp they open as they slide or roll")
       ->check(CLI::IsMember(sim::target_names()))
       ->default_str(sim::name_of(n.target));
+  const auto choose = [&n](const std::string& name) { n.contact = sim::contact_named(name); };
+  add_contact_options(command, choose, n.overlap, whose, "");
 }
 
 void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
@@ -40,10 +63,12 @@ void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked
       .add_option_function<std::string>(
           "--target", set, whose + ": cone program of the contacts; with ccp they open as they slide or roll" + from)
       ->check(CLI::IsMember(sim::target_names()));
+  const auto choose = [&asked](const std::string& name) { asked.contact = sim::contact_named(name); };
+  add_contact_options(command, choose, asked.overlap, whose, from);
 }
 
 bool numerics_given(const CLI::App& command) {
-  for (const char* name : {"--step", "--substeps", "--iterations", "--tolerance", "--target"})
+  for (const char* name : {"--step", "--substeps", "--iterations", "--tolerance", "--target", "--contact", "--overlap"})
     if (command.get_option_no_throw(name) && command.count(name) > 0) return true;
   return false;
 }

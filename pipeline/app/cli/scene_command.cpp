@@ -126,6 +126,12 @@ CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, 
   add_sphere_count(*command, *count);
   add_solver(*command, run->on.solver);
   command->add_option("--iterations", run->on.iterations, "Solver iterations per step")->check(CLI::Range(1, 100000));
+  command->add_option("--overlap", run->softness.overlap, "Penalty contact: overlap over radius after the world's fall")
+      ->check(CLI::Range(1e-5, 0.2))
+      ->capture_default_str();
+  command->add_option("--restitution", run->softness.restitution, "Penalty contact: restitution [-]")
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
   command->add_option("--repeats", run->repeats, "Timed samples at the end; 0: none")->check(CLI::Range(0, 100000));
   command->add_option("--vtk", run->vtk, "Folder for VTK files that ParaView opens")->type_name(kFolder);
   command->add_option("--every", run->every, "Time between two frames [s]")->check(CLI::Range(1e-3, 1e3));
@@ -139,7 +145,8 @@ CLI::App* add_scene(CLI::App& parent, const Globals& globals, const char* name, 
     run->on.threads = bench_threads(globals);
     sim::require_backend(run->on.backend);
     const double start = lab::seconds();
-    const lab::ManyScene scene = make(run->on);
+    lab::ManyScene scene = make(run->on);
+    lab::set_penalty(scene, run->softness);
     const double made = lab::seconds() - start;
     const lab::ManyResult r = lab::run_many(scene, *run);
     print_result(globals, scene_json(scene, *run, *count, r, made), scene_text(scene, *run, r, made));

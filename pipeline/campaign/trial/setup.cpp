@@ -10,6 +10,7 @@
 #include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/trial/lanes.h"
+#include "sim/scene/contact_name.h"
 #include "sim/scene/target_name.h"
 #include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
@@ -48,6 +49,8 @@ terrain::AskedNumerics read_numerics(const Config& c) {
   if (c.has("iterations")) asked.iterations = int(c.integer("iterations", {1, 100000}));
   if (c.has("tolerance_m_per_s")) asked.tolerance = c.number("tolerance_m_per_s", {0, 1});
   if (c.has("target")) asked.target = sim::target_named(c.choice("target", sim::target_names()));
+  if (c.has("contact")) asked.contact = sim::contact_named(c.choice("contact", sim::contact_names()));
+  if (c.has("overlap")) asked.overlap = c.number("overlap", {1e-5, 0.2});
   c.finish();
   return asked;
 }

@@ -8,7 +8,9 @@
 #include "base/progress.h"
 #include "base/units.h"
 #include "pipeline/lab/bench/timing.h"
+#include "sim/scene/critical_step.h"
 #include "terrain/bed/bed.h"
+#include "terrain/bed/numerics.h"
 #include "vehicle/wheel_rig.h"
 
 namespace gonogo::lab {
@@ -130,7 +132,9 @@ class Drive {
       for (int w = 0; w < request_.worlds; ++w) odometer[w].add(wheel(w), per_sample * request_.step);
       add_reports(r, 1.0 / samples);
       if (k == samples / 2 - 1) half = odometer;
-      if (k >= samples / 2) r.sinkage += sinkage() / (samples - samples / 2);
+      if (k < samples / 2) continue;
+      r.sinkage += sinkage() / (samples - samples / 2);
+      r.torque += torque() / (samples - samples / 2);
     }
     const double wall = seconds() - start;
     r.steps = samples * per_sample;
@@ -148,6 +152,12 @@ class Drive {
   double sinkage() {
     double sum = 0;
     for (int w = 0; w < request_.worlds; ++w) sum += surface_ - (wheel(w).position.z - scene_.rig.radius);
+    return sum / request_.worlds;
+  }
+
+  double torque() {
+    double sum = 0;
+    for (int w = 0; w < request_.worlds; ++w) sum += simulation_.motor_torque(w, rig_[w].motor);
     return sum / request_.worlds;
   }
 
@@ -192,9 +202,26 @@ double start_of_world(const WheelScene& scene, int world) {
   return 0.15 * scene.bed.length + std::fmod(world * spacing, stretch);
 }
 
+/// `request.step` 0: the step of penalty contact follows from the scene.
+sim::StepSettings wheel_settings(const WheelScene& scene, const WheelBench& request, const sim::SceneWorld& world) {
+  const terrain::Numerics numerics{.step = request.step,
+                                   .substeps = request.substeps,
+                                   .iterations = request.iterations,
+                                   .tolerance = request.tolerance,
+                                   .target = request.target,
+                                   .contact = request.solver,
+                                   .overlap = request.overlap};
+  sim::StepSettings settings = terrain::step_settings(scene.bed.grain_diameter, numerics);
+  settings.solver = request.solver;
+  if (sim::is_penalty(request.solver) && request.step == 0)
+    settings.step = Real(0.9 * sim::critical_step(world, settings).step);
+  return settings;
+}
+
 }  // namespace
 
-WheelBenchResult bench_wheel(const WheelBench& request) {
+WheelBenchResult bench_wheel(const WheelBench& given) {
+  WheelBench request = given;
   sim::require_backend(request.backend);
   const WheelScene scene = read_wheel_scene(request.scene);
   log_line("bench", "settling the bed, or reading it from " + request.packing_folder.string());
@@ -210,11 +237,8 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
     rig.push_back(vehicle::add_wheel_rig(worlds[w], scene.rig, {x, y, clear_height(scene, packing, x, y)}, 0,
                                          terrain::tool_material));
   }
-  auto settings =
-      terrain::bed_step_settings(scene.bed.grain_diameter, request.step, request.iterations, request.tolerance);
-  settings.substeps = request.substeps;
-  settings.solver = request.solver;
-  settings.target = request.target;
+  const sim::StepSettings settings = wheel_settings(scene, request, worlds.front());
+  if (request.step == 0) request.step = settings.step;
   const auto simulation = sim::make_simulation(request.backend, worlds, settings, request.threads);
   simulation->advance(1);
   const double start_up = seconds() - start;
@@ -225,6 +249,7 @@ WheelBenchResult bench_wheel(const WheelBench& request) {
   drive.ramp();
   WheelBenchResult r = drive.drive();
   r.start_up = start_up;
+  r.step = request.step;
   r.bodies = Index(worlds.front().body.size());
   if (r.fault.flags != 0) throw DeviceError("the wheel scene failed: " + sim::description(r.fault, request.step));
   return r;

@@ -12,11 +12,12 @@ struct WheelBench {
   int threads = 1;
   sim::Solver solver = sim::Solver::apgd;
   sim::Target target = sim::Target::ccp;
-  double step = 1e-3;     // [s]
+  double step = 1e-3;     // [s]; 0 with penalty contact: nine tenths of the critical step
   int substeps = 14;      // per step; with two iterations each the cheapest of the table in docs/benchmarks that
                           // holds the slip
   int iterations = 2;     // most per substep
   double tolerance = 0;   // [m/s]
+  double overlap = 0.02;  // penalty contact, see terrain::Numerics
   int worlds = 1;         // in one batch; their wheels start at different places of the same bed
   double drive_time = 0;  // instead of the scene's, where above zero [s]
   std::filesystem::path packing_folder;
@@ -26,6 +27,7 @@ struct WheelBenchResult {
   Index bodies = 0;    // of one world
   Index contacts = 0;  // of all worlds at the end
   Index steps = 0;
+  double step = 0;  // [s]
   double mean_iterations = 0;
   double ms_per_step = 0;         // mean over the drive; all worlds together
   double simulated_per_wall = 0;  // simulated seconds of one world per wall second
@@ -33,6 +35,7 @@ struct WheelBenchResult {
   double slip = 0;                // over the last half of the drive, mean over the worlds [-]
   double slip_error = 0;          // standard error of that mean; 0 for one world [-]
   double sinkage = 0;             // mean over the last half of the drive [m]
+  double torque = 0;              // of the motor, mean over the last half of the drive [N m]
   double residual_rms = 0;        // mean over the drive [m/s]
   double residual_max = 0;        // largest seen [m/s]
   sim::Fault fault;               // the first one of a world that failed

@@ -42,11 +42,23 @@ struct ManyScene {
 std::function<std::vector<Measured>(sim::Simulation&, double time)> over_time(
     std::function<std::vector<Measured>(sim::Simulation&)> measure);
 
+/// How soft penalty contact is.
+struct Softness {
+  double overlap = 0.05;       // largest, over the radius, after a fall through the height of the world [-]
+  double restitution = 0.5;    // of an impact along the normal [-]
+  double share_of_step = 0.9;  // of the critical step [-]
+};
+
+/// Gives a scene that the penalty family runs its law and step; leaves others as they are. Throws InputError for a
+/// scene without spheres.
+void set_penalty(ManyScene& scene, const Softness& softness);
+
 /// Steps between two calls of a scene's drive.
 inline constexpr int kStepsPerDrive = 10;
 
 struct ManyRun {
   RunOn on;
+  Softness softness;              // where the solver is of the penalty family; see set_penalty
   int repeats = 11;               // timed samples; 0: nothing is timed
   int steps_per_sample = 4;       // at most kStepsPerDrive
   std::filesystem::path vtk;      // folder of a VTK series, see sim/io/vtk_series.h; empty: not wanted

@@ -4,6 +4,7 @@
 
 #include "sim/contact/find.h"
 #include "sim/scene/joint_store.h"
+#include "sim/scene/penalty_material.h"
 #include "sim/simulation/simulation.h"
 
 namespace gonogo::sim {
@@ -25,7 +26,9 @@ struct BatchArrays {
   std::vector<Place> place;     // [world]
   bool changed = false;         // buffers have moved or other kernels are needed: recorded steps are invalid
 
-  BatchArrays(std::vector<FlatWorld> worlds, const WorldSize& room) : flat(std::move(worlds)) {
+  BatchArrays(std::vector<FlatWorld> worlds, const WorldSize& room, const StepSettings& settings)
+      : flat(std::move(worlds)), settings_(settings) {
+    state.remembers = is_penalty(settings.solver);
     lay_out(room);
     allocate();
     for (WorldIndex w = 0; w < state.world_count; ++w) write_world(w);
@@ -63,6 +66,7 @@ struct BatchArrays {
     p.first_motor = at.mechanisms.motors;
     p.motor_count = Index(flat[w].mechanisms.motor.size());
     state.world.write(w, p);
+    if (state.remembers) state.penalty.write(w * kPenaltyPairs, penalty_numbers(*flat[w].scene, settings_));
     bool turning = state.turning;
     for (const auto& row : p.law)
       for (const PairLaw& law : row)
@@ -221,6 +225,7 @@ struct BatchArrays {
     for (auto* offsets : {&state.first_shape, &state.first_second}) offsets->fill_zero(state.body_count + 1);
     state.first_shape.write(state.body_count, state.shape_count);
     state.world.fill_zero(state.world_count);
+    if (state.remembers) state.penalty.fill_zero(std::size_t(state.world_count) * kPenaltyPairs);
     state.world_sums.fill_zero(state.world_count);
     state.momentum.fill_zero(state.world_count);
     for (auto* of_world : {&state.flags, &state.slowed, &state.slowed_now, &state.steps, &state.tiles_of_world})
@@ -268,6 +273,7 @@ struct BatchArrays {
     }
   }
 
+  StepSettings settings_;
   Index large_total_ = 0;
   MechanismSize mechanism_total_;
   ElementSize element_total_;

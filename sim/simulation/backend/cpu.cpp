@@ -38,6 +38,7 @@ class StepQueue<Cpu> {
 
   static double traffic(const State<Cpu>& s, const StepSettings& settings, Index contacts) {
     if (settings.solver == Solver::jacobi_scan) return scan_traffic(s, contacts);
+    if (is_penalty(settings.solver)) return penalty_traffic(s, contacts);
     return double(contacts) * host_bytes_per_contact() + double(s.body_count) * host_bytes_per_body();
   }
 

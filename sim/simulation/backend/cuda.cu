@@ -67,6 +67,7 @@ class StepQueue<Cuda> {
 
   static double traffic(const State<Cuda>& s, const StepSettings& settings, Index contacts) {
     if (settings.solver == Solver::jacobi_scan) return scan_traffic(s, contacts);
+    if (is_penalty(settings.solver)) return penalty_traffic(s, contacts);
     return double(contacts) * bytes_per_contact(s.turning) + double(s.body_count) * bytes_per_body();
   }
 

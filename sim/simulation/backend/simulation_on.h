@@ -20,7 +20,7 @@ class SimulationOn final : public Simulation, public StepByStage {
  public:
   SimulationOn(Exec exec, std::vector<FlatWorld> worlds, const StepSettings& settings, const WorldSize& room)
       : settings_(settings),
-        batch_(std::move(worlds), room),
+        batch_(std::move(worlds), room, settings),
         stepped_(batch_.flat.size(), false),
         steps_(batch_.flat.size(), 0),
         queue_(exec) {}
@@ -239,6 +239,7 @@ class SimulationOn final : public Simulation, public StepByStage {
     p.contact_end = latest().end.download(at.shape, size.shapes);
     p.key = latest().key.download(r.begin, r.end - r.begin);
     p.impulse = latest().impulse.download(r.begin, r.end - r.begin);
+    if (batch_.state.remembers) p.history = latest().history.download(r.begin, r.end - r.begin);
     p.motor = batch_.flat[w].mechanisms.motor;
     p.motor_impulse = batch_.state.mechanisms.motor_impulse.download(at.mechanisms.motors, size.mechanisms.motors);
     p.element = batch_.state.element.snapshot(size.elements, batch_.element_place(w));
@@ -254,6 +255,10 @@ class SimulationOn final : public Simulation, public StepByStage {
                        std::to_string(from.contact_begin.size()) + " shapes and " + std::to_string(from.motor.size()) +
                        " motors; this one has " + std::to_string(size.bodies) + ", " + std::to_string(size.shapes) +
                        " and " + std::to_string(size.mechanisms.motors));
+    if (batch_.state.remembers && from.history.size() != from.key.size())
+      throw InputError("the snapshot holds " + std::to_string(from.key.size()) + " contacts and the histories of " +
+                       std::to_string(from.history.size()) +
+                       "; penalty contact continues from snapshots of penalty contact only");
     if (!from.element.fits(size.elements))
       throw InputError("the snapshot is of a world with " + std::to_string(from.element.controller.size()) +
                        " controllers and " + std::to_string(from.element.sample.size()) +
@@ -370,6 +375,7 @@ class SimulationOn final : public Simulation, public StepByStage {
     latest().end.write(batch_.place[w].shape, from.contact_end);
     latest().key.write(begin, from.key);
     latest().impulse.write(begin, from.impulse);
+    if (batch_.state.remembers) latest().history.write(begin, from.history);
     restored_contacts_ += count;
   }
 

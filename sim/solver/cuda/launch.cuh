@@ -32,6 +32,7 @@
 #include "base/device.h"
 #include "sim/solver/cuda/kernel.cuh"
 #include "sim/solver/jacobi_scan.h"
+#include "sim/solver/penalty_method.h"
 
 namespace gonogo::sim {
 
@@ -86,6 +87,7 @@ inline bool is_accelerated(Solver solver) { return solver == Solver::apgd || sol
 /// Sizes the buffers for the present capacity. Call before the first step and after buffers have grown.
 inline void reserve_solver(const State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
   if (settings.solver == Solver::jacobi_scan) return reserve_scan(s, own.scan, settings);
+  if (is_penalty(settings.solver)) return reserve_penalty(s, own.penalty);
   own.frame.resize(s.contact_capacity);
   own.cone.resize(s.contact_capacity);
   own.central.resize(s.contact_capacity);
@@ -160,5 +162,7 @@ void launch_solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const Ste
 void solve_otherwise(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings);
 /// `jacobi_scan`. In scan.cu, for the same reason.
 void solve_with_scans(Cuda exec, State<Cuda>& s, ScanStorage<Cuda>& own, const StepSettings& settings);
+/// The penalty family. In penalty.cu.
+void push_apart(Cuda exec, State<Cuda>& s, PenaltyStorage<Cuda>& own, const StepSettings& settings);
 
 }  // namespace gonogo::sim

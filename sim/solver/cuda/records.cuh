@@ -1,6 +1,7 @@
 // Storage of the solver on the GPU. Records are packed for bandwidth: an arm along the normal (two spheres, a sphere on
 // a fixed floor) is one number.
 #pragma once
+#include "sim/solver/penalty_storage.h"
 #include "sim/solver/scan_storage.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/storage.h"
@@ -72,6 +73,7 @@ struct SolverStorage<Cuda> {
   Buffer<SpectralStep, Cuda> length;           // [world]
   Buffer<SpectralSums, Cuda> spectral_sums;
   ScanStorage<Cuda> scan;
+  PenaltyStorage<Cuda> penalty;
 };
 
 }  // namespace gonogo::sim

@@ -6,6 +6,7 @@ namespace gonogo::sim {
 
 inline void solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
   if (settings.solver == Solver::jacobi_scan) return solve_with_scans(exec, s, own.scan, settings);
+  if (is_penalty(settings.solver)) return push_apart(exec, s, own.penalty, settings);
   clear(exec, own.counter.view());
   const bool in_substeps = settings.substeps > 1;
   if (!is_accelerated(settings.solver))

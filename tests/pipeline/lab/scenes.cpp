@@ -67,6 +67,34 @@ TEST_CASE("every solver is timed in the same tank") {
   }
 }
 
+TEST_CASE("penalty contact runs the same tank in steps of its own, about as dense and as quiet") {
+  using sim::Solver;
+  TankSpec spec{.of = {.count = 1200}, .layers = 6};
+  spec.seconds = 0.02;
+  ManyScene usual = shaken_tank(spec, {.iterations = 40});
+  set_penalty(usual, {});
+  CHECK(usual.settings.step == Real(2e-3));
+  ManyRun run;
+  run.repeats = 3;
+  run.steps_per_sample = 2;
+  for (const Solver solver : {Solver::spring_damper, Solver::hertz}) {
+    ManyScene scene = shaken_tank(spec, {.solver = solver});
+    set_penalty(scene, {});
+    CHECK(scene.settings.step < usual.settings.step / 5);
+    scene.measure = [&](sim::Simulation& simulation) -> std::vector<Measured> {
+      double sum = 0;
+      for (const sim::BodyState& b : simulation.bodies(0)) sum += b.position.z;
+      return {{"mean_height", sum / 1200}};
+    };
+    ManyScene beside = usual;
+    beside.measure = scene.measure;
+    const ManyResult r = run_many(scene, run), other = run_many(beside, run);
+    CHECK(r.measured[0].value == Approx(other.measured[0].value).epsilon(0.02));
+    CHECK(r.contacts > 1.5 * 1200);
+    CHECK(r.bandwidth_share > 0);
+  }
+}
+
 TEST_CASE("a long tank holds the spheres asked for, and its floor is as long as asked for") {
   TankSpec spec{.of = {.count = 2500}, .layers = 3, .length_over_width = 3};
   const sim::SceneWorld world = tank_world(spec, {});
