@@ -8,6 +8,7 @@
 #include "base/hash.h"
 #include "base/json/config.h"
 #include "base/line.h"
+#include "pipeline/campaign/dataset/gravity.h"
 #include "pipeline/learn/training/training_data.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/wheel_rig.h"
@@ -27,13 +28,18 @@ const std::string& text_of(const campaign::Provenance& provenance, const char* n
 struct Named {
   fs::path file;
   Fidelity fidelity;
+  double gravity = 0;  // [m/s^2]
 };
 
 Named named(const fs::path& file, const campaign::Dataset& dataset) {
-  return {file, fidelity_of(dataset.provenance, file.string())};
+  return {file, fidelity_of(dataset.provenance, file.string()),
+          campaign::gravity_of(dataset.provenance, file.string())};
 }
 
-void refuse_twice(const Named& a, const Named& b) {
+void require_together(const Named& a, const Named& b) {
+  if (a.gravity != b.gravity)
+    throw InputError(b.file.string() + line(": its trials had a gravity of %.4g m/s^2, those of ", b.gravity) +
+                     a.file.string() + line(" %.4g; train on each alone", a.gravity));
   if (a.fidelity == b.fidelity)
     throw InputError(b.file.string() + ": its trials have the fidelity of " + a.file.string() + " (" +
                      a.fidelity.text() + "); give one dataset of each fidelity");
@@ -86,8 +92,8 @@ Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& 
   Fidelity fidelity;
   fidelity.is_whole = file.text("kind") != "quarter";
   fidelity.has_compliant_tyres = compliant && compliant->boolean();
-  const double width = fidelity.is_whole ? vehicle::tread_width(vehicle::read_vehicle(file))
-                                         : vehicle::read_wheel_rig(file).width;
+  const double width =
+      fidelity.is_whole ? vehicle::tread_width(vehicle::read_vehicle(file)) : vehicle::read_wheel_rig(file).width;
   fidelity.grains_per_tyre = width / soil.at("grain_diameter_m").number();
   return fidelity;
 }
@@ -118,7 +124,7 @@ OtherTrials read_other_trials(const fs::path& own, const std::vector<fs::path>& 
   for (const fs::path& file : others) {
     const campaign::Dataset dataset = campaign::read_dataset(file);
     const Named other = named(file, dataset);
-    for (const Named& earlier : seen) refuse_twice(earlier, other);
+    for (const Named& earlier : seen) require_together(earlier, other);
     seen.push_back(other);
     const learning::TrainingTable rows = make_training_data(dataset.records, std::nullopt).table;
     append(result.table, rows, other.fidelity.inputs());

@@ -1,7 +1,7 @@
-// Trials of other fidelities, where few are of the finest. The Gaussian process of a model (teacher.h) takes fidelity as
-// inputs beside the variables, learns all trials together and answers at the finest. The machine's own rows are the
-// finest trials alone. One kernel over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting the
-// output from a complex computer code when fast approximations are available", Biometrika 87:1 (2000).
+// Trials of other fidelities, where few are of the finest. The Gaussian process of a model (teacher.h) takes fidelity
+// as inputs beside the variables, learns all trials together and answers at the finest. The machine's own rows are the
+// finest trials alone. One kernel over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting
+// the output from a complex computer code when fast approximations are available", Biometrika 87:1 (2000).
 #pragma once
 #include <filesystem>
 #include <string>
@@ -42,7 +42,8 @@ struct OtherTrials {
   std::vector<double> at_own(const std::vector<double>& points, std::size_t variables) const;
 };
 
-/// Valid trials of other datasets than `own`. Throws InputError for two datasets of the same fidelity.
+/// Valid trials of other datasets than `own`. Throws InputError for two datasets of the same fidelity or of different
+/// gravity.
 OtherTrials read_other_trials(const std::filesystem::path& own, const std::vector<std::filesystem::path>& others);
 
 /// The same files, the finest first.

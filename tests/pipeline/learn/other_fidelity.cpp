@@ -101,10 +101,11 @@ TEST_CASE("a process on 16 fine and 200 coarse trials finds the fine curve bette
   double alone = 0, helped = 0;
   for (std::uint64_t seed = 10; seed < 15; ++seed) {
     const learning::TrainingTable fine = curved(16, 0, seed), both = others.joined(fine);
-    alone += learning::brier_score(
-        learning::fit_gaussian_process(fine, labels(fine)).probabilities(test.variables), labels(test));
+    alone += learning::brier_score(learning::fit_gaussian_process(fine, labels(fine)).probabilities(test.variables),
+                                   labels(test));
     helped += learning::brier_score(
-        learning::fit_gaussian_process(both, labels(both)).probabilities(others.at_own(test.variables, 2)), labels(test));
+        learning::fit_gaussian_process(both, labels(both)).probabilities(others.at_own(test.variables, 2)),
+        labels(test));
   }
   INFO("Brier score alone " << alone / 5 << ", helped " << helped / 5);
   CHECK(helped < 0.7 * alone);
