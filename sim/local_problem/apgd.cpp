@@ -13,8 +13,8 @@ using Values = std::vector<double>;
 /// that the projection stays the plain one). The step is 1 / L with L the largest eigenvalue of D^-1/2 W D^-1/2.
 class Accelerated {
  public:
-  explicit Accelerated(const LocalProblem& problem)
-      : p_(problem), scale_(problem.q.size()), shift_(problem.mu.size(), 0.0), r_(problem.q.size(), 0.0), y_(r_) {
+  Accelerated(const LocalProblem& problem, Values start)
+      : p_(problem), scale_(problem.q.size()), shift_(problem.mu.size(), 0.0), r_(std::move(start)), y_(r_) {
     const int d = p_.dimension;
     for (Index i = 0; i < p_.contact_count(); ++i) {
       double largest = 0;
@@ -135,7 +135,7 @@ LocalSolution solve_apgd(const LocalProblem& problem, const LocalSolveSettings& 
   constexpr int kCheckEvery = 10;
   const int max = settings.max_iterations > 0 ? settings.max_iterations : 100000;
   BestSoFar best(problem, settings);
-  Accelerated method(problem);
+  Accelerated method(problem, best.best.r);
   SlipFollowing slip(1e-4 * settings.tolerance);
   int k = 0;
   while (k < max && best.best.error > settings.tolerance) {

@@ -1,6 +1,6 @@
 // The methods behind solve(). Inside sim/local_problem.
 #pragma once
-#include <chrono>
+#include <ctime>
 
 #include "sim/local_problem/solve.h"
 
@@ -19,7 +19,7 @@ struct BestSoFar {
   LocalSolution best;
 
   BestSoFar(const LocalProblem& p, const LocalSolveSettings& s) : problem(p), settings(s) {
-    best.r.assign(p.q.size(), 0.0);
+    best.r = s.start.empty() ? std::vector<double>(p.q.size(), 0.0) : s.start;
     best.error = siconos_error(p, best.r, s.target);
     note(0);
   }
@@ -38,10 +38,9 @@ struct BestSoFar {
  private:
   void note(int iteration) {
     if (!settings.keeps_trace) return;
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-    best.trace.push_back({iteration, taken.count(), best.error});
+    best.trace.push_back({iteration, double(std::clock() - start) / CLOCKS_PER_SEC, best.error});
   }
-  std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+  std::clock_t start = std::clock();
 };
 
 /// Diagonal of W, averaged over each disc: one value per normal and disc, in every row of the disc.
@@ -51,6 +50,7 @@ std::vector<double> diagonal_weight(const LocalProblem& problem);
 void sweep(const LocalProblem& problem, Target target, std::vector<double>& r);
 
 LocalSolution solve_nsgs(const LocalProblem& problem, const LocalSolveSettings& settings);
+LocalSolution solve_anderson(const LocalProblem& problem, const LocalSolveSettings& settings);
 LocalSolution solve_apgd(const LocalProblem& problem, const LocalSolveSettings& settings);
 LocalSolution solve_ppa(const LocalProblem& problem, const LocalSolveSettings& settings);
 

@@ -4,6 +4,8 @@
 #include <Eigen/SparseLU>
 
 #include "sim/local_problem/banded/spike_preconditioner.h"
+#include "sim/local_problem/by_bodies.h"
+#include "sim/local_problem/tt_system.h"
 
 namespace gonogo::sim {
 namespace {
@@ -14,8 +16,8 @@ using Sparse = Eigen::SparseMatrix<double>;
 template <class Factors>
 class Direct final : public NewtonSystem {
  public:
-  bool factorise(const Sparse& matrix) override {
-    factors_.compute(matrix);
+  bool factorise(const Sparse& w, const Sparse& cones) override {
+    factors_.compute(Sparse(w + cones));
     return factors_.info() == Eigen::Success;
   }
   bool solve(const VectorXd& rhs, VectorXd& x) override {
@@ -31,8 +33,8 @@ class Krylov final : public NewtonSystem {
  public:
   explicit Krylov(bool preconditioned) : method_(settings(preconditioned)) {}
 
-  bool factorise(const Sparse& matrix) override {
-    method_.factorise(matrix);
+  bool factorise(const Sparse& w, const Sparse& cones) override {
+    method_.factorise(Sparse(w + cones));
     return true;
   }
   /// A direction that misses the tolerance is still taken: the step to the boundary keeps it harmless.
@@ -42,8 +44,15 @@ class Krylov final : public NewtonSystem {
   }
   LinearWork work() const override {
     const KrylovWork& work = method_.work();
-    return {work.solves, work.inner_iterations, work.setup_ms,   work.solve_ms, work.bytes,
-            work.half,   work.full_half,        work.partitions, work.dropped};
+    return {.solves = work.solves,
+            .inner_iterations = work.inner_iterations,
+            .setup_ms = work.setup_ms,
+            .solve_ms = work.solve_ms,
+            .bytes = work.bytes,
+            .half = work.half,
+            .full_half = work.full_half,
+            .partitions = work.partitions,
+            .dropped = work.dropped};
   }
 
  private:
@@ -59,7 +68,11 @@ class Krylov final : public NewtonSystem {
 
 }  // namespace
 
-std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_symmetric) {
+std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_symmetric, const LocalProblem& problem,
+                                                 const ScaledProblem& of, const std::vector<char>& fixed) {
+  if (solver == LocalSolver::pdip_bodies) return make_system_by_bodies(problem, of, fixed, is_symmetric);
+  if (solver == LocalSolver::pdip_blocks || solver == LocalSolver::pdip_tt)
+    return make_block_system(problem.dimension, solver == LocalSolver::pdip_tt);
   if (solver != LocalSolver::pdip) return std::make_unique<Krylov>(solver == LocalSolver::pdip_spike);
   if (is_symmetric) return std::make_unique<Direct<Eigen::SimplicialLDLT<Sparse>>>();
   return std::make_unique<Direct<Eigen::SparseLU<Sparse>>>();

@@ -3,6 +3,7 @@
 #include <Eigen/Sparse>
 #include <memory>
 
+#include "sim/local_problem/scaled_problem.h"
 #include "sim/local_problem/solve.h"
 
 namespace gonogo::sim {
@@ -10,15 +11,16 @@ namespace gonogo::sim {
 class NewtonSystem {
  public:
   virtual ~NewtonSystem() = default;
-  /// False when it cannot be factorised.
-  virtual bool factorise(const Eigen::SparseMatrix<double>& matrix) = 0;
+  /// Of the matrix w + cones, cones having a diagonal block per contact. False when it cannot be factorised.
+  virtual bool factorise(const Eigen::SparseMatrix<double>& w, const Eigen::SparseMatrix<double>& cones) = 0;
   /// False when no solution was found.
   virtual bool solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& x) = 0;
   virtual LinearWork work() const { return {}; }
 };
 
-/// pdip: sparse Cholesky when `is_symmetric`, otherwise sparse LU. pdip_spike: BiCGStab preconditioned by truncated
-/// SPIKE. pdip_krylov: BiCGStab alone.
-std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_symmetric);
+/// For the pdip of this name; see solve.h. Direct ones: sparse Cholesky when `is_symmetric`, otherwise sparse LU. `of`:
+/// the problem as scaled; `fixed`: 1 for rows that stay 0.
+std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_symmetric, const LocalProblem& problem,
+                                                 const ScaledProblem& of, const std::vector<char>& fixed);
 
 }  // namespace gonogo::sim

@@ -69,7 +69,9 @@ class InteriorPoint {
  public:
   InteriorPoint(const LocalProblem& p, const LocalSolveSettings& settings)
       : target_(settings.target), of_(p), cones_(p) {
-    system_ = make_newton_system(settings.solver, target_ == Target::ccp && is_symmetric(of_.w));
+    is_symmetric_ = is_symmetric(of_.w);
+    clear_fixed();
+    system_ = make_newton_system(settings.solver, target_ == Target::ccp && is_symmetric_, p, of_, cones_.fixed);
     r_ = VectorXd::Zero(of_.q.size());
     for (const Cone& cone : cones_.cones) r_[cone.normal] = 1;
     for (Cone& cone : cones_.cones) cone.s = cone.image(r_);
@@ -77,6 +79,7 @@ class InteriorPoint {
 
   std::vector<double> impulses() const { return of_.impulses(r_); }
   LinearWork work() const { return system_->work(); }
+  bool is_symmetric() const { return is_symmetric_; }
 
   /// One predictor and corrector (Mehrotra 1992); false when the matrix cannot be factorised.
   bool step() {
@@ -138,13 +141,18 @@ class InteriorPoint {
       const Eigen::RowVector3d slip = cone.c * slip_direction(cone).transpose() * square;
       for (int b = 0; b <= cone.size; ++b) entry.emplace_back(cone.normal, cone.row(b), -slip[b] * cone.factor(b));
     }
-    Sparse matrix(r_.size(), r_.size());
-    matrix.setFromTriplets(entry.begin(), entry.end());
-    matrix += of_.w;
-    for (Eigen::Index k = 0; k < matrix.outerSize(); ++k)
-      for (Sparse::InnerIterator it(matrix, k); it; ++it)
-        if (cones_.fixed[it.row()] || cones_.fixed[it.col()]) it.valueRef() = it.row() == it.col() ? 1 : 0;
-    return system_->factorise(matrix);
+    for (Eigen::Index k = 0; k < r_.size(); ++k)
+      if (cones_.fixed[k]) entry.emplace_back(k, k, 1);
+    Sparse cones(r_.size(), r_.size());
+    cones.setFromTriplets(entry.begin(), entry.end());
+    return system_->factorise(of_.w, cones);
+  }
+
+  /// Rows that stay 0 take no part in products with W.
+  void clear_fixed() {
+    of_.w.prune([&](Eigen::Index row, Eigen::Index column, double) {
+      return !cones_.fixed[std::size_t(row)] && !cones_.fixed[std::size_t(column)];
+    });
   }
 
   /// Derivative of slip() by z.
@@ -196,6 +204,7 @@ class InteriorPoint {
   Cones cones_;
   std::unique_ptr<NewtonSystem> system_;
   VectorXd r_, dr_, defect_;
+  bool is_symmetric_ = false;
   double gap_ = 1;  // mean of s.z over the cones
 };
 
@@ -206,6 +215,12 @@ LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& 
   const int max = settings.max_iterations > 0 ? settings.max_iterations : 4000;
   BestSoFar best(problem, settings);
   InteriorPoint method(problem, settings);
+  const bool by_gradients = settings.solver == LocalSolver::pdip_blocks || settings.solver == LocalSolver::pdip_tt;
+  if (by_gradients && !method.is_symmetric()) {
+    best.best.refusal =
+        std::string(solver_name(settings.solver)) + " refuses a matrix W that is not symmetric; take pdip";
+    return best.best;
+  }
   int k = 0, latest_gain = 0;
   while (k < max && best.best.error > settings.tolerance && k - latest_gain < kPatience && method.step()) {
     const double before = best.best.error;
@@ -214,7 +229,9 @@ LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& 
   }
   best.best.iterations = k;
   best.best.linear = method.work();
-  const bool is_direct = settings.solver == LocalSolver::pdip;  // the others show what Krylov methods reach alone
+  const bool is_direct =
+      settings.solver == LocalSolver::pdip ||
+      settings.solver == LocalSolver::pdip_bodies;  // the others show what Krylov methods reach alone
   if (is_direct && k < max && best.best.error > settings.tolerance)
     finish_by_proximal_points(problem, settings, max - k, best);
   return best.best;

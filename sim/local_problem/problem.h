@@ -7,6 +7,7 @@
 // W = H^T M^-1 H is the Delassus matrix; q the relative velocity without contact impulses. The units are the file's.
 // Source of form and names: FCLib (Acary, Bremond, Koziara, Perignon, INRIA RT-0444, 2014), De Saxce & Feng 1998.
 #pragma once
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -47,6 +48,8 @@ struct LocalProblem {
   const double* diagonal_block(Index contact) const {
     return w.value.data() + diagonal[contact] * dimension * dimension;
   }
+
+  std::shared_ptr<const struct BodyForm> bodies;  // W = B B^T by bodies (body_form.h), where that is known
 
   std::vector<std::size_t> diagonal;  // block number of each contact's diagonal block [contact_count]
 };

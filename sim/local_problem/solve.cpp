@@ -11,9 +11,10 @@
 namespace gonogo::sim {
 
 const std::vector<std::string>& solver_names() {
-  static const std::vector<std::string> names = {"nsgs",         "apgd",     "ppa",       "pdip",       "admm",
-                                                 "lemke",        "pgs",      "fb_newton", "qp",         "jacobi",
-                                                 "gauss_seidel", "nesterov", "minres",    "pdip_spike", "pdip_krylov"};
+  static const std::vector<std::string> names = {
+      "nsgs",        "apgd",     "ppa",         "pdip",         "admm",     "lemke",  "pgs",
+      "fb_newton",   "qp",       "jacobi",      "gauss_seidel", "nesterov", "minres", "pdip_spike",
+      "pdip_krylov", "anderson", "pdip_bodies", "pdip_blocks",  "pdip_tt"};
   return names;
 }
 
@@ -31,6 +32,10 @@ const char* solver_name(LocalSolver solver) { return solver_names()[std::size_t(
 double claimed_error(const LocalSolution& solution) {
   if (!solution.refusal.empty()) return std::numeric_limits<double>::infinity();
   return solution.facets > 0 ? solution.lcp_error : solution.error;
+}
+
+bool takes_start(LocalSolver solver) {
+  return solver == LocalSolver::nsgs || solver == LocalSolver::apgd || solver == LocalSolver::anderson;
 }
 
 std::vector<double> diagonal_weight(const LocalProblem& problem) {
@@ -80,28 +85,55 @@ LocalSolution solve_nsgs(const LocalProblem& problem, const LocalSolveSettings& 
 namespace {
 
 bool is_for_ccp_alone(LocalSolver solver) {
-  return solver == LocalSolver::jacobi || solver == LocalSolver::gauss_seidel || solver == LocalSolver::nesterov ||
-         solver == LocalSolver::minres;
+  switch (solver) {
+    case LocalSolver::jacobi:
+    case LocalSolver::gauss_seidel:
+    case LocalSolver::nesterov:
+    case LocalSolver::minres:
+    case LocalSolver::anderson:
+    case LocalSolver::pdip_blocks:
+    case LocalSolver::pdip_tt:
+      return true;
+    default:
+      return false;
+  }
 }
 
-}  // namespace
-
-LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& settings) {
+void check(const LocalProblem& problem, const LocalSolveSettings& settings) {
   if (settings.facets < 4 || settings.facets > 256 || settings.facets % 2 != 0)
     throw InputError("facets = " + std::to_string(settings.facets) + "; an even number from 4 to 256 is needed");
   if (!(settings.omega >= 0 && settings.omega < 2) || !(settings.lambda > 0 && settings.lambda <= 1))
     throw InputError("omega = " + number_text(settings.omega) + " and lambda = " + number_text(settings.lambda) +
                      "; 0 <= omega < 2 and 0 < lambda <= 1 are needed");
-  if (settings.target == Target::coulomb && is_for_ccp_alone(settings.solver)) {
-    LocalSolution none;
-    none.r.assign(problem.q.size(), 0.0);
-    none.error = siconos_error(problem, none.r, settings.target);
-    none.refusal = std::string(solver_name(settings.solver)) + " refuses coulomb; it solves the convex relaxation, ccp";
-    return none;
-  }
+  if (settings.start.empty()) return;
+  if (!takes_start(settings.solver))
+    throw InputError(std::string(solver_name(settings.solver)) + " takes no start; nsgs, apgd and anderson do");
+  if (settings.start.size() != problem.q.size())
+    throw InputError("start has " + std::to_string(settings.start.size()) + " impulses; " +
+                     std::to_string(problem.q.size()) + " are needed");
+}
+
+LocalSolution refused(const LocalProblem& problem, const LocalSolveSettings& settings, const std::string& why) {
+  LocalSolution none;
+  none.r.assign(problem.q.size(), 0.0);
+  none.error = siconos_error(problem, none.r, settings.target);
+  none.refusal = solver_name(settings.solver) + why;
+  return none;
+}
+
+}  // namespace
+
+LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& settings) {
+  check(problem, settings);
+  if (settings.target == Target::coulomb && is_for_ccp_alone(settings.solver))
+    return refused(problem, settings, " refuses coulomb; it solves the convex relaxation, ccp");
+  if (settings.solver == LocalSolver::pdip_bodies && !problem.bodies)
+    return refused(problem, settings, " refuses a problem whose bodies are not known; take a step of a scene, or pdip");
   switch (settings.solver) {
     case LocalSolver::nsgs:
       return solve_nsgs(problem, settings);
+    case LocalSolver::anderson:
+      return solve_anderson(problem, settings);
     case LocalSolver::apgd:
       return solve_apgd(problem, settings);
     case LocalSolver::ppa:
@@ -109,6 +141,9 @@ LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& setti
     case LocalSolver::pdip:
     case LocalSolver::pdip_spike:
     case LocalSolver::pdip_krylov:
+    case LocalSolver::pdip_bodies:
+    case LocalSolver::pdip_blocks:
+    case LocalSolver::pdip_tt:
       return solve_pdip(problem, settings);
     case LocalSolver::admm:
       return solve_admm(problem, settings);

@@ -16,6 +16,10 @@
 //
 //   pdip_spike, pdip_krylov: pdip with BiCGStab in place of factorisations, preconditioned by truncated SPIKE on 96
 //         off-diagonals (banded/spike.h), and not preconditioned
+//   pdip_bodies: pdip on matrices over bodies in place of contacts, for problems with a BodyForm (by_bodies.h)
+//   pdip_blocks, pdip_tt: pdip with conjugate gradients on blocks scaled to 1, and preconditioned by an inverse as a
+//         tensor train (tensor_train/, tt_system.h); for `ccp` alone
+//   anderson: nsgs, extrapolated from its last sweeps (anderson.cpp); for `ccp` alone
 //   jacobi, gauss_seidel, nesterov (reference.cpp), minres (minres.cpp): for `ccp` alone; the first three as published
 #pragma once
 #include <cstddef>
@@ -41,7 +45,11 @@ enum class LocalSolver {
   nesterov,
   minres,
   pdip_spike,
-  pdip_krylov
+  pdip_krylov,
+  anderson,
+  pdip_bodies,
+  pdip_blocks,
+  pdip_tt
 };
 
 struct LocalSolveSettings {
@@ -52,6 +60,7 @@ struct LocalSolveSettings {
   int facets = 8;                // of the LCP family, per friction disc in space: even, 4 .. 256
   double omega = 0, lambda = 1;  // relaxation and smoothing of jacobi and gauss_seidel; omega 0: 0.2 and 1
   bool keeps_trace = false;
+  std::vector<double> start = {};  // impulses to begin with; empty: 0. Only for solvers that take one
 };
 
 /// Work of the linear systems inside a solver.
@@ -61,12 +70,14 @@ struct LinearWork {
   std::size_t bytes = 0;                   // of the largest factors
   std::ptrdiff_t half = 0, full_half = 0;  // half-bandwidth kept, and after reordering
   int partitions = 0;
-  double dropped = 0;  // largest share of a matrix's Frobenius norm outside of the band
+  std::ptrdiff_t rank = 0;  // largest of a tensor train
+  long builds = 0;          // of its inverse; fewer than Newton's matrices where one served several
+  double dropped = 0;       // largest share of a matrix's Frobenius norm outside of the band
 };
 
 struct TracePoint {
   int iteration;
-  double seconds, error;  // since the start; lowest siconos_error so far
+  double seconds, error;  // processor time of all threads since the start; lowest siconos_error so far
 };
 
 struct LocalSolution {
@@ -84,7 +95,11 @@ struct LocalSolution {
 /// What the solver claims to have solved: lcp_error for the LCP family, otherwise error; infinite for a refusal.
 double claimed_error(const LocalSolution& solution);
 
-/// Throws InputError for a number of facets out of range.
+/// Whether the solver can begin with LocalSolveSettings::start.
+bool takes_start(LocalSolver solver);
+
+/// Throws InputError for a number of facets out of range, and for a start that the solver does not take or whose length
+/// is not that of q.
 LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& settings);
 
 /// All names, in the order of the enumeration.

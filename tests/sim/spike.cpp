@@ -9,6 +9,7 @@
 
 #include "sim/local_problem/banded/reorder.h"
 #include "sim/local_problem/banded/spike_preconditioner.h"
+#include "tests/sim/random_band.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo::sim;
@@ -17,20 +18,6 @@ using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
 namespace {
-
-/// |a_ii| = dominance times the sum of the others in the row.
-BandedMatrix<double> random_band(unsigned seed, Index n, Index half, double dominance) {
-  std::mt19937 generator(seed);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  BandedMatrix<double> a(n, half);
-  for (Index i = 0; i < n; ++i) {
-    double sum = 0;
-    for (Index j = std::max<Index>(0, i - half); j <= std::min(n - 1, i + half); ++j)
-      if (i != j) sum += std::abs(a.at(i, j) = uniform(generator));
-    a.at(i, i) = (uniform(generator) < 0 ? -1 : 1) * dominance * std::max(sum, 0.5);
-  }
-  return a;
-}
 
 Sparse to_sparse(const BandedMatrix<double>& a) {
   std::vector<Eigen::Triplet<double>> entry;

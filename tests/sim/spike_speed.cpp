@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
-#include <random>
 
 #include "sim/local_problem/banded/spike.h"
+#include "tests/sim/random_band.h"
 
 extern "C" void dgbsv_(const int* n, const int* kl, const int* ku, const int* nrhs, double* ab, const int* ldab,
                        int* ipiv, double* b, const int* ldb, int* info);
@@ -18,19 +18,6 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 namespace {
-
-BandedMatrix<double> random_band(Index n, Index half) {
-  std::mt19937 generator(1);
-  std::uniform_real_distribution<double> uniform(-1, 1);
-  BandedMatrix<double> a(n, half);
-  for (Index i = 0; i < n; ++i) {
-    double sum = 0;
-    for (Index j = std::max<Index>(0, i - half); j <= std::min(n - 1, i + half); ++j)
-      if (i != j) sum += std::abs(a.at(i, j) = uniform(generator));
-    a.at(i, i) = 1.2 * sum;
-  }
-  return a;
-}
 
 /// Shortest of three runs [ms].
 double time_ms(const std::function<void()>& run) {
@@ -58,7 +45,7 @@ VectorXd by_lapack(const BandedMatrix<double>& a, const VectorXd& b) {
 }
 
 void compare(Index n, Index half) {
-  const BandedMatrix<double> a = random_band(n, half);
+  const BandedMatrix<double> a = random_band(1, n, half, 1.2);
   const VectorXd b = VectorXd::LinSpaced(n, -1, 2);
   VectorXd reference;
   const double lapack = time_ms([&] { reference = by_lapack(a, b); });

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "base/cancel.h"
+#include "base/error.h"
 #include "base/line.h"
 #include "pipeline/app/cli/bench_parts.h"
 #include "pipeline/lab/solver_bench/solver_bench.h"
@@ -12,7 +13,8 @@ namespace gonogo::app {
 namespace {
 
 struct SolversRequest {
-  std::vector<std::string> paths, solvers = {"nsgs", "apgd", "admm", "pdip", "ppa"};
+  std::vector<std::string> paths, solvers = {"nsgs", "apgd", "admm", "pdip", "ppa"}, engine, scenes;
+  std::vector<int> bodies = {10, 100, 1000};
   std::string target = "coulomb", out;
   lab::SolverBench bench;
 };
@@ -25,6 +27,12 @@ Json run_json(const lab::SolverBench& bench, const lab::SolverRun& run) {
   json["iterations"] = run.iterations;
   json["error"] = run.error;
   if (!run.refusal.empty()) json["refused"] = run.refusal;
+  if (run.lcp_error > 0) json["lcp_error"] = run.lcp_error;
+  if (!run.scene.empty()) {
+    json["scene"] = run.scene;
+    json["bodies"] = run.bodies;
+    json["kinetic_energy_J"] = run.motion.kinetic_energy;
+  }
   Json seconds = Json::array();
   for (const double tolerance : bench.tolerances) {
     const double taken = run.seconds_to(tolerance);
@@ -51,11 +59,28 @@ std::string table_head(const lab::SolverBench& bench) {
   return text + "\n";
 }
 
+/// Empty without scenes.
+std::string growth_text(const lab::SolverBench& bench, const std::vector<lab::SolverRun>& runs) {
+  std::string text;
+  for (const lab::Growth& g : lab::growth(bench, runs)) {
+    if (g.sizes < 2) continue;
+    if (text.empty()) text = "scene      solver              error  sizes  time ~ bodies^  iterations ~ bodies^\n";
+    text += line("%-10s %-16s %8.0e %6d %15.2f %21.2f\n", g.scene.c_str(), g.solver.c_str(), g.tolerance, g.sizes,
+                 g.seconds_exponent, g.iterations_exponent);
+  }
+  return text;
+}
+
 void run_bench(const Globals& globals, SolversRequest request) {
   lab::SolverBench& bench = request.bench;
-  bench.files = lab::fclib_files({request.paths.begin(), request.paths.end()});
+  if (request.paths.empty() && request.scenes.empty())
+    throw InputError("bench solvers: neither a problem file nor a scene is given; name a path or --scene filling");
+  if (!request.paths.empty()) bench.files = lab::fclib_files({request.paths.begin(), request.paths.end()});
+  for (const std::string& name : request.scenes) bench.scenes.push_back({lab::step_scene(name), request.bodies});
+  bench.threads = bench_threads(globals);
   bench.settings.target = sim::target_named(request.target);
   for (const std::string& name : request.solvers) bench.solvers.push_back(sim::local_solver(name));
+  for (const std::string& name : request.engine) bench.engine_solvers.push_back(kSolvers.at(name));
   const auto runs = lab::bench_solvers(bench, [] { stop_if_cancelled(); });
   std::string text = table_head(bench);
   Json rows = Json::array();
@@ -63,6 +88,7 @@ void run_bench(const Globals& globals, SolversRequest request) {
     text += run_text(bench, run);
     rows.push_back(run_json(bench, run));
   }
+  text += growth_text(bench, runs);
   Json json;
   json["target"] = request.target;
   json["tolerances"] = Json(bench.tolerances);
@@ -78,11 +104,30 @@ void run_bench(const Globals& globals, SolversRequest request) {
 
 void add_solver_bench(CLI::App& bench, const Globals& globals) {
   CLI::App* command =
-      bench.add_subcommand("solvers", "Reference solvers on contact problems from files, at equal error");
+      bench.add_subcommand("solvers", "Solvers of contact problems from files and scenes, at equal error");
   const auto request = std::make_shared<SolversRequest>();
-  command->add_option("paths", request->paths, "Problem files, or folders of them (.hdf5, .dat)")
-      ->type_name(kFile)
-      ->required();
+  command->add_option("paths", request->paths, "Problem files, or folders of them (.hdf5, .dat)")->type_name(kFile);
+  command
+      ->add_option("--scene", request->scenes,
+                   "Scenes whose steps are solved: filling, drafting, stack, wheel, separated by commas")
+      ->check(CLI::IsMember(lab::step_scene_names()))
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_option("--bodies", request->bodies, "Numbers of bodies of each scene, growing, separated by commas")
+      ->check(CLI::Range(1, 1000000))
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->capture_default_str();
+  command->add_option("--engine", request->engine, "The engine's own solvers on scenes, from a cold start")
+      ->check(CLI::IsMember(kSolvers))
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_flag("--warm", request->bench.is_warm, "nsgs, apgd and anderson start from the step before");
+  command
+      ->add_option("--skip-after", request->bench.skip_after,
+                   "A solver that took longer at some size is not run at larger ones [s]")
+      ->check(CLI::Range(0.001, 1e6))
+      ->capture_default_str();
   command->add_option("--solver", request->solvers, "Solvers as for gonogo validate fclib, separated by commas")
       ->check(CLI::IsMember(sim::solver_names()))
       ->delimiter(',')
@@ -102,8 +147,10 @@ void add_solver_bench(CLI::App& bench, const Globals& globals) {
       ->capture_default_str();
   command->add_option("--out", request->out, "Folder for convergence curves and performance profiles, as CSV and PNG")
       ->type_name(kFolder);
-  add_examples(*command, {"gonogo bench solvers tests/data/fclib --out out/solvers",
-                          "gonogo bench solvers tests/data/fclib --target ccp --solver apgd,nesterov,pdip,minres"});
+  add_examples(*command,
+               {"gonogo bench solvers tests/data/fclib --out out/solvers",
+                "gonogo bench solvers tests/data/fclib --target ccp --solver apgd,nesterov,pdip,minres",
+                "gonogo bench solvers --scene filling --bodies 100,1000 --target ccp --solver apgd,pdip_bodies"});
   command->callback([&globals, request] { run_bench(globals, *request); });
 }
 

@@ -3,7 +3,7 @@
 
 #include "base/file.h"
 #include "base/line.h"
-#include "pipeline/lab/solver_bench/solver_bench.h"
+#include "pipeline/lab/solver_bench/growth_figures.h"
 #include "pipeline/report/figure/line_plot.h"
 
 namespace gonogo::lab {
@@ -22,14 +22,15 @@ std::string curves_csv(const std::vector<SolverRun>& runs) {
 
 std::string times_csv(const SolverBench& bench, const std::vector<SolverRun>& runs) {
   std::string csv =
-      "problem,contacts,solver,tolerance,seconds,iterations,final_error,inner_iterations,setup_ms,solve_ms,bytes\n";
+      "problem,bodies,contacts,solver,tolerance,seconds,iterations,final_error,lcp_error,inner_iterations,setup_ms,"
+      "solve_ms,bytes,rank,builds\n";
   for (const SolverRun& run : runs)
     for (const double tolerance : bench.tolerances) {
       const double seconds = run.seconds_to(tolerance);
-      csv += line("%s,%d,%s,%g,", run.problem.c_str(), run.contacts, run.solver.c_str(), tolerance);
+      csv += line("%s,%d,%d,%s,%g,", run.problem.c_str(), run.bodies, run.contacts, run.solver.c_str(), tolerance);
       csv += std::isfinite(seconds) ? line("%.6g,%.0f,", seconds, run.iterations_to(tolerance)) : ",,";
-      csv += line("%.6g,%ld,%.6g,%.6g,%zu\n", run.error, run.linear.inner_iterations, run.linear.setup_ms,
-                  run.linear.solve_ms, run.linear.bytes);
+      csv += line("%.6g,%.6g,%ld,%.6g,%.6g,%zu,%td,%ld\n", run.error, run.lcp_error, run.linear.inner_iterations,
+                  run.linear.setup_ms, run.linear.solve_ms, run.linear.bytes, run.linear.rank, run.linear.builds);
     }
   return csv;
 }
@@ -45,22 +46,31 @@ report::PlotLine steps(const std::string& label, const std::vector<double>& tau,
   return out;
 }
 
-void draw_curves(const fs::path& folder, const std::string& problem, const std::vector<const SolverRun*>& runs) {
+/// Errors of all solvers of a problem over `abscissa`, both as logarithms.
+template <class Abscissa>
+void draw_curves(const fs::path& path, const std::string& label, const std::vector<const SolverRun*>& runs,
+                 Abscissa abscissa) {
   report::LinePlot plot;
-  plot.title = problem;
-  plot.x_label = "log10 time [s]";
+  plot.title = runs.front()->problem;
+  plot.x_label = label;
   plot.y_label = "log10 error";
   plot.from_zero = false;
   for (const SolverRun* run : runs) {
     report::PlotLine curve{.label = run->solver};
     for (const sim::TracePoint& p : run->trace)
-      if (p.seconds > 0 && p.error > 0) {
-        curve.x.push_back(std::log10(std::max(p.seconds, 1e-6)));
+      if (abscissa(p) > 0 && p.error > 0) {
+        curve.x.push_back(std::log10(abscissa(p)));
         curve.y.push_back(std::log10(std::max(p.error, 1e-16)));
       }
     if (!curve.x.empty()) plot.lines.push_back(curve);
   }
-  if (!plot.lines.empty()) report::draw_line_plot(folder / ("curve_" + problem + ".png"), plot);
+  if (!plot.lines.empty()) report::draw_line_plot(path, plot);
+}
+
+/// "filling 1001" has a space, which file names should not.
+std::string file_name(std::string problem) {
+  std::replace(problem.begin(), problem.end(), ' ', '_');
+  return problem;
 }
 
 }  // namespace
@@ -69,6 +79,7 @@ void write_solver_bench(const fs::path& folder, const SolverBench& bench, const 
   create_folder(folder);
   write_file_atomically(folder / "curves.csv", curves_csv(runs));
   write_file_atomically(folder / "times.csv", times_csv(bench, runs));
+  const std::vector<std::string> names = run_names(bench);
   std::string csv = "tolerance,solver,tau,share\n";
   for (const double tolerance : bench.tolerances) {
     const Profile profile = time_profile(bench, runs, tolerance);
@@ -76,21 +87,26 @@ void write_solver_bench(const fs::path& folder, const SolverBench& bench, const 
     plot.title = line("Share of problems ended at error %g", tolerance);
     plot.x_label = "log2 (time / that of the fastest)";
     plot.y_label = "share of problems";
-    for (std::size_t s = 0; s < bench.solvers.size(); ++s) {
-      const char* const name = sim::solver_name(bench.solvers[s]);
+    for (std::size_t s = 0; s < names.size(); ++s) {
+      const std::string& name = names[s];
       for (std::size_t k = 0; k < profile.tau.size(); ++k)
-        csv += line("%g,%s,%.6g,%.6g\n", tolerance, name, profile.tau[k], profile.share[s][k]);
+        csv += line("%g,%s,%.6g,%.6g\n", tolerance, name.c_str(), profile.tau[k], profile.share[s][k]);
       plot.lines.push_back(steps(name, profile.tau, profile.share[s]));
     }
     report::draw_line_plot(folder / line("profile_%g.png", tolerance), plot);
   }
   write_file_atomically(folder / "profile.csv", csv);
-  const std::size_t per_problem = bench.solvers.size();
+  const std::size_t per_problem = names.size();
   for (std::size_t first = 0; first < runs.size(); first += per_problem) {
     std::vector<const SolverRun*> of_problem;
     for (std::size_t k = first; k < first + per_problem; ++k) of_problem.push_back(&runs[k]);
-    draw_curves(folder, runs[first].problem, of_problem);
+    const std::string name = file_name(runs[first].problem);
+    draw_curves(folder / ("curve_" + name + ".png"), "log10 processor time [s]", of_problem,
+                [](const sim::TracePoint& p) { return std::max(p.seconds, 1e-6); });
+    draw_curves(folder / ("iterations_" + name + ".png"), "log10 iterations", of_problem,
+                [](const sim::TracePoint& p) { return double(p.iteration); });
   }
+  if (!bench.scenes.empty()) write_growth(folder, bench, runs);
 }
 
 }  // namespace gonogo::lab
