@@ -109,8 +109,10 @@ def check_route(browser, expected):
         # The page stores P(go) in 16 bits, which shows in -ln P(go) near 1, and speeds in steps of 0.01 km/h.
         near = {"risk": 1e-2, "time": 2e-4, "length": 1e-5}[kind]
         check(abs(cost - wanted[name]) < near * wanted[name], f"{name}: page {cost}, program {wanted[name]}")
+        chance = browser.js("route.drive.chance")  # 16 points of each soil, 200 draws
+        check(abs(chance - wanted[name + " chance"]) < 0.12, f"{name}: chance {chance}, program {wanted[name + ' chance']}")
     text = browser.js("document.getElementById('route').innerText")
-    check("Length on the ground" in text and "Chance to get through" in text, f"the route tells its totals: {text!r}")
+    check("Length on the ground" in text and "Chance to get through" in text and "Places where one gets stuck" in text, f"the route tells its totals: {text!r}")
     check(browser.js("route.path.every((c) => [1, 2].includes(answer_of(c, 'best').verdict))"),
           "a route keeps to cells that some heading passes")
 

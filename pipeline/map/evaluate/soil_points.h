@@ -4,6 +4,7 @@
 // Stronger soil is no harder to drive on. So a cohesion or friction angle above what was sampled counts as the largest
 // that was, which is on the safe side.
 #pragma once
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ class SoilPoints {
   double novelty(const OutcomeModel& model, double slope_along, double slope_across) const;
 
   std::size_t sampled_count() const { return inside_count_; }
+  /// The points that are put to the model, row by row [sampled_count x variables]; slopes are NaN.
+  std::span<const double> sampled() const { return inside_; }
   /// Share of the points that are too soft, sampled or not.
   double soft_share() const { return soft_share_; }
   /// Reason of an unknown cell whose slopes lie outside the sampled box.

@@ -8,13 +8,13 @@ function round_interval(kind, least) {
   return [1, 2, 5, 10].map((f) => f * power).find((v) => v >= least);
 }
 
-/// "12 min", "0.5 km", "37 %": a cost as people say it.
+/// "12 min", "0.5 km", "risk 0.2": a cost as people say it.
 function cost_text(kind, cost, exact = false) {
   const number = (v) => String(Number(v.toPrecision(exact ? 3 : 6)));
   if (kind === 'time') return cost >= 7200 ? `${Math.floor(cost / 3600)} h ${Math.round(cost % 3600 / 60)} min` : cost >= 60 ? `${number(exact ? Math.round(cost / 6) / 10 : cost / 60)} min` : `${number(cost)} s`;
   if (kind === 'energy') return cost >= 1e5 ? `${number(cost / 1e6)} MJ` : `${number(cost / 1e3)} kJ`;
   if (kind === 'length') return cost >= 1000 ? `${number(cost / 1000)} km` : `${number(cost)} m`;
-  return `chance ${(100 * Math.exp(-cost)).toPrecision(3)} %`;
+  return `risk ${number(cost)}`;
 }
 
 /// Marks the cells beside which a band ends, and one label a line, spread over the directions from the start.

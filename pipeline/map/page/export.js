@@ -10,7 +10,9 @@ function route_gpx() {
 }
 
 function route_geojson() {
-  const sum = totals_of(route.path), properties = { name: route_name(), length_m: sum.length, chance: Math.exp(-sum.risk) };
+  const sum = totals_of(route.path), properties = { name: route_name(), length_m: sum.length, risk: sum.risk };
+  if (route.drive) Object.assign(properties, { chance: route.drive.chance, stuck_places: route.drive.places });
+  if (route.drive && route.drive.weakest) properties.weakest = weakest_text(route.drive.weakest);
   if (Number.isFinite(sum.time)) properties.time_s = sum.time;
   if (Number.isFinite(sum.energy)) properties.energy_j = sum.energy;
   const coordinates = route_places().map(([x, y, z]) => [Number(x.toFixed(7)), Number(y.toFixed(7)), ...(Number.isNaN(z) ? [] : [Number(z.toFixed(1))])]);

@@ -209,10 +209,12 @@ function show_route(result) {
   }
   const rows = [['Length on the ground', `${(result.length / 1000).toFixed(2)} km`], ['Climb', `${result.climb.toFixed(0)} m`]];
   if (Number.isFinite(result.time)) rows.push(['Driving time', duration(result.time)], ['Mean speed', `${(3.6 * result.length / result.time).toFixed(0)} km/h`]);
-  rows.push(['Chance to get through', percent(Math.exp(-result.risk), 1)], ['Lowest P(go) on the way', fixed(result.min_p, 3)]);
+  if (route.drive) rows.push(['Chance to get through', percent(route.drive.chance, 1)], ['Places where one gets stuck', route.drive.places.toFixed(2)]);
+  if (route.drive && route.drive.weakest) rows.push(['Weakest stretch', weakest_text(route.drive.weakest)]);
+  rows.push(['Lowest P(go) on the way', fixed(result.min_p, 3)]);
   if (Number.isFinite(result.energy)) rows.push([meta.energy_of, `${(result.energy / 1e6).toFixed(2)} MJ`]);
   box.append(facts(rows), element('h3', {}, 'Elevation along the route'), profile_of(route.path));
-  box.append(element('p', { class: 'hint' }, `Chance: independent every ${meta.rules.correlation_length_m} m, the same within.`), export_buttons());
+  box.append(element('p', { class: 'hint' }, `Chance: ${DRIVE.draws} draws of soil (alike within about ${DRIVE.soil_length} m), mission and errors of heights. The orange stretch stops most of them.`), export_buttons());
 }
 
 function profile_of(path) {

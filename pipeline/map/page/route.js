@@ -1,5 +1,5 @@
 // Routes over the cells: the costs of pipeline/map/route/cost.h, Dijkstra with a binary heap.
-const route = { start: null, end: null, path: null, reach: null, drawing: false, cost: 'time', reaching: false };
+const route = { start: null, end: null, path: null, drive: null, reach: null, drawing: false, cost: 'time', reaching: false };
 const COSTS = [['time', 'Fastest'], ['risk', 'Safest'], ['energy', 'Least energy'], ['length', 'Shortest']];
 const STEPS = [[0, -1], [1, -1], [1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1]];  // from north, clockwise
 const step_heading = STEPS.map(([dx, dy]) => (Math.round(Math.atan2(dx * cell_w, -dy * cell_h) / DEGREE) + 360) % 360);
@@ -100,13 +100,17 @@ class Heap {
   }
 }
 
+/// Which of the eight steps leads from one cell to its neighbour.
+function step_between(from, to) {
+  const dx = to % cells.columns - from % cells.columns, dy = Math.floor(to / cells.columns) - Math.floor(from / cells.columns);
+  return STEPS.findIndex(([x, y]) => x === dx && y === dy);
+}
+
 /// Totals along a path: length and climb; time, risk and energy if the model has measures.
 function totals_of(path) {
   const sum = { length: 0, time: 0, risk: 0, energy: 0, climb: 0, min_p: 1 };
   for (let i = 1; i < path.length; ++i) {
-    const dx = path[i] % cells.columns - path[i - 1] % cells.columns;
-    const dy = Math.floor(path[i] / cells.columns) - Math.floor(path[i - 1] / cells.columns);
-    const k = STEPS.findIndex(([x, y]) => x === dx && y === dy);
+    const k = step_between(path[i - 1], path[i]);
     for (const cell of [path[i - 1], path[i]]) {
       const h = half_step(cell, k);
       for (const name of ['length', 'time', 'risk', 'energy']) sum[name] += h[name];
@@ -124,5 +128,6 @@ function find_route() {
   const path = [];
   for (let cell = route.end; cell !== -1; cell = before[cell]) path.push(cell);
   route.path = path.reverse();
+  route.drive = forecast_drive(route.path);
   return { cost: cost[route.end], ...totals_of(route.path) };
 }

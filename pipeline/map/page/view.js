@@ -113,6 +113,7 @@ function draw() {
   draw_bands();
   const magenta = style.getPropertyValue('--route').trim();
   if (route.path) { stroke_path(route.path, 'rgb(255 255 255 / .95)', 7); stroke_path(route.path, magenta, 3.5); }
+  if (route.path && route.drive && route.drive.weakest) stroke_path(route.drive.weakest.cells, '#ff7f0e', 5);
   if (route.start !== null) pin(route.start, 'A', magenta);
   if (route.end !== null) pin(route.end, 'B', magenta);
   draw_measure();

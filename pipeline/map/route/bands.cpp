@@ -46,7 +46,7 @@ Scale scale_of(RouteCost cost, double interval) {
 }
 
 std::string label_of(RouteCost cost, double from, double to, const Scale& scale) {
-  if (cost == RouteCost::risk) return line("chance to get through %.3g to %.3g", std::exp(-to), std::exp(-from));
+  if (cost == RouteCost::risk) return line("risk %g to %g", from, to);
   return line("%g to %g%s", from / scale.size, to / scale.size, scale.unit);
 }
 

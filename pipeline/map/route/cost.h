@@ -5,11 +5,11 @@
 //
 //   length   1 / cos(along)                          [m]     on the ground
 //   time     length / top speed                      [s]
-//   risk     -ln P(go) length / correlation length   [-]     -ln of the chance to get through
+//   risk     -ln P(go) length / correlation length   [-]     what the safest way has least of
 //   energy   length x energy per metre               [J]     at the wheels, of a quarter vehicle at one wheel
 //
-// The chances of passing are equal within the correlation length and independent beyond it. The risk of a way therefore
-// does not depend on the cell size. A node that is neither go nor slow_go is impassable in that heading.
+// The risk of a way does not depend on the cell size. It counts stretches as independent, which they are not: the
+// chance to get through is that of drive.h. A node that is neither go nor slow_go is impassable in that heading.
 #pragma once
 #include <array>
 #include <cstdint>

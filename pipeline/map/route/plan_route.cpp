@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "base/error.h"
 #include "base/line.h"
 #include "pipeline/map/route/any_angle.h"
+#include "pipeline/map/route/drive_of_way.h"
 #include "pipeline/map/route/map_cells.h"
 #include "pipeline/map/route/reach_files.h"
 #include "pipeline/map/route/robot_files.h"
@@ -70,27 +68,15 @@ Json totals_of(const FoundRoute& route, const RouteCells& cells, const AllCosts&
   const auto total = [&](RouteCost cost) { return cost_along(route, cells, costs.at(cost)); };
   Json json = Json::object();
   json["length_m"] = total(RouteCost::length);
-  json["chance"] = std::exp(-total(RouteCost::risk));
+  json["risk"] = total(RouteCost::risk);
   if (costs.count(RouteCost::time)) json["time_s"] = total(RouteCost::time);
   if (costs.count(RouteCost::energy)) json["energy_j"] = total(RouteCost::energy);
   return json;
 }
 
+constexpr const char* kWeakColour = "#ff7f0e";
 /// Colours of the lines, in the order of RouteCost: told apart without red and green, and none is a class's.
 constexpr std::array<const char*, 4> kLineColours = {"#1a1a1a", "#c2188f", "#1f4fbf", "#6b3fa0"};
-
-terrain::LineFeature line_of(const FoundRoute& route, const terrain::MapGrid& grid, const Json& totals,
-                             RouteCost cost) {
-  terrain::LineFeature line;
-  line.name = name_of(cost);
-  line.colour = kLineColours[std::size_t(cost)];
-  for (const std::uint32_t cell : route.cell) {
-    const terrain::TrackPoint at = centre_of(cell, grid);
-    line.point.push_back({at.x, at.y});
-  }
-  for (const auto& [key, value] : totals.members()) line.attribute.emplace_back(key, value.number());
-  return line;
-}
 
 /// What a route asks of a model: neither how new a cell is to it, nor how far its members disagree.
 OutcomeModel without_spread(OutcomeModel model) {
@@ -142,12 +128,26 @@ std::optional<FoundRoute> way_over(const std::vector<std::uint32_t>& stops, cons
 struct Found {
   RouteCost cost;
   FoundRoute route;
+  Json totals;                                   // and the forecast of the drive
+  std::vector<std::array<double, 2>> weakest{};  // the weakest stretch, in the grid's coordinate system; may be empty
 };
 
+/// Adds the chance to get through, the places where one gets stuck, and the weakest stretch.
+void add_forecast(const MapRequest& map, const terrain::MapGrid& grid, const RouteCells& cells, const AllCosts& costs,
+                  const std::vector<DriveSoil>& soils, Found& found) {
+  const auto pieces = pieces_of(found.route, cells, costs.at(RouteCost::length));
+  const DriveForecast forecast =
+      forecast_drive(pieces, soils, map.model, drive_doubt(map.region.elevation, map.rules, grid));
+  const Json json = forecast_json(forecast, pieces, soils);
+  for (const auto& [key, value] : json.members()) found.totals[key] = value;
+  if (forecast.weakest) found.weakest = line_over(found.route, grid, forecast.weakest->first, forecast.weakest->last);
+}
+
 /// The cheapest way by each cost asked for: what it costs, and its line where one was found.
-Json find_routes(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells,
-                 const AllCosts& costs, std::vector<terrain::LineFeature>& lines, std::vector<Found>& ways) {
+Json find_routes(const RouteRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
+                 const RouteCells& cells, const AllCosts& costs, std::vector<Found>& ways) {
   const std::vector<std::uint32_t> stops = stops_of(request, grid, cells);
+  const std::vector<DriveSoil> soils = drive_soils(table);
   Json routes = Json::array();
   for (const RouteCost cost : request.costs) {
     const auto found = way_over(stops, request, cells, costs.at(cost));
@@ -155,11 +155,10 @@ Json find_routes(const RouteRequest& request, const terrain::MapGrid& grid, cons
     entry["cost"] = name_of(cost);
     entry["found"] = bool(found);
     if (found) {
-      const Json sums = totals_of(*found, cells, costs);
-      for (const auto& [key, value] : sums.members()) entry[key] = value;
+      ways.push_back({cost, *found, totals_of(*found, cells, costs)});
+      add_forecast(request.map, grid, cells, costs, soils, ways.back());
+      for (const auto& [key, value] : ways.back().totals.members()) entry[key] = value;
       entry["corners"] = std::uint64_t(found->cell.size());
-      lines.push_back(line_of(*found, grid, sums, cost));
-      ways.push_back({cost, *found});
     }
     routes.push_back(entry);
   }
@@ -185,15 +184,42 @@ void write_tracks(const RouteRequest& request, const MapSources& sources, const 
     at.height = height_at(sources.elevation, at.x, at.y);
     stops.push_back({i == 0 ? "start" : i + 1 == places.size() ? "end" : line("waypoint %zu", i), at});
   }
+  for (const Found& way : ways)
+    if (const Json* weakest = way.totals.find("weakest"))
+      stops.push_back({name_of(way.cost) + ", weakest stretch, " + weakest_text(*weakest),
+                       {.x = way.weakest.front()[0], .y = way.weakest.front()[1]}});
   terrain::write_gpx(request.lines, grid, stops, tracks, request.departure);
 }
 
+/// The ways and their weakest stretches.
+std::vector<terrain::LineFeature> lines_of(const std::vector<Found>& ways, const terrain::MapGrid& grid) {
+  std::vector<terrain::LineFeature> lines;
+  for (const Found& way : ways) {
+    terrain::LineFeature line{
+        .name = name_of(way.cost), .colour = kLineColours[std::size_t(way.cost)], .point = {}, .attribute = {}};
+    for (const std::uint32_t cell : way.route.cell) {
+      const terrain::TrackPoint at = centre_of(cell, grid);
+      line.point.push_back({at.x, at.y});
+    }
+    for (const auto& [key, value] : way.totals.members())
+      if (value.is_number()) line.attribute.emplace_back(key, value.number());
+    lines.push_back(std::move(line));
+  }
+  for (const Found& way : ways)
+    if (const Json* weakest = way.totals.find("weakest"))
+      lines.push_back({.name = name_of(way.cost) + ", weakest stretch, " + weakest_text(*weakest),
+                       .colour = kWeakColour,
+                       .point = way.weakest,
+                       .attribute = {}});
+  return lines;
+}
+
 void write_ways(const RouteRequest& request, const MapSources& sources, const RouteCells& cells, const AllCosts& costs,
-                const std::vector<terrain::LineFeature>& lines, const std::vector<Found>& ways) {
+                const std::vector<Found>& ways) {
   if (request.lines.extension() == ".gpx")
     write_tracks(request, sources, cells, costs, ways);
   else
-    terrain::write_lines(request.lines, sources.elevation.grid(), "routes", lines);
+    terrain::write_lines(request.lines, sources.elevation.grid(), "routes", lines_of(ways, sources.elevation.grid()));
 }
 
 /// Closes the cells that a polygon touches.
@@ -218,31 +244,6 @@ void write_spread(const RouteRequest& request, const terrain::MapGrid& grid, con
 
 }  // namespace
 
-Place parse_place(const std::string& text, const std::string& where) {
-  Place place;
-  const std::size_t comma = text.find(',');
-  const auto number = [&](std::size_t from, std::size_t to, double& value) {
-    const auto [end, error] = std::from_chars(text.data() + from, text.data() + to, value);
-    return error == std::errc() && end == text.data() + to && std::isfinite(value);
-  };
-  if (comma == std::string::npos || !number(0, comma, place.x) || !number(comma + 1, text.size(), place.y))
-    throw InputError(where + ": \"" + text + "\" is no place; give easting,northing in the region's coordinate system");
-  return place;
-}
-
-std::int64_t parse_departure(const std::string& text, const std::string& where) {
-  int year = 0, month = 0, day = 0, hour = 0, minute = 0, second = 0, used = 0;
-  const bool read = std::sscanf(text.c_str(), "%4d-%2d-%2dT%2d:%2d:%2dZ%n", &year, &month, &day, &hour, &minute,
-                                &second, &used) == 6 &&
-                    used == int(text.size()) && text.size() == 20;
-  const std::chrono::year_month_day date{std::chrono::year(year), std::chrono::month(unsigned(month)),
-                                         std::chrono::day(unsigned(day))};
-  if (!read || !date.ok() || hour > 23 || minute > 59 || second > 59)
-    throw InputError(where + ": \"" + text + "\" is no time; give it as in 2026-05-01T06:00:00Z");
-  const auto days = std::chrono::sys_days(date).time_since_epoch().count();
-  return std::int64_t(days) * 86400 + hour * 3600 + minute * 60 + second;
-}
-
 Json plan_route(const RouteRequest& request) {
   require_places(request);
   const MapRequest& map = request.map;
@@ -257,11 +258,10 @@ Json plan_route(const RouteRequest& request) {
   result["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_code;
   result["cells"] = std::uint64_t(cells.soil.size());
   result["directions"] = request.eight_directions ? "eight" : "any";
-  std::vector<terrain::LineFeature> lines;
   std::vector<Found> ways;
-  result["routes"] = request.to ? find_routes(request, grid, cells, costs, lines, ways) : Json::array();
-  if (!request.lines.empty() && !lines.empty()) {
-    write_ways(request, sources, cells, costs, lines, ways);
+  result["routes"] = request.to ? find_routes(request, grid, table, cells, costs, ways) : Json::array();
+  if (!request.lines.empty() && !ways.empty()) {
+    write_ways(request, sources, cells, costs, ways);
     files.push_back(request.lines.string());
   }
   if (!request.reach.empty() || !request.isochrones.empty())
@@ -279,29 +279,6 @@ Json plan_route(const RouteRequest& request) {
     if (!file.empty()) files.push_back(file.string());
   result["files"] = files;
   return result;
-}
-
-std::string route_text(const Json& result) {
-  std::string text;
-  for (const Json& route : result.at("routes").items()) {
-    const std::string& cost = route.at("cost").string();
-    if (!route.at("found").boolean()) {
-      text += line("%-13s no way is known: every path crosses cells that are no-go or unknown in its direction\n",
-                   cost.c_str());
-      continue;
-    }
-    text += line("%-13s %8.3f km, chance to get through %.3f", cost.c_str(), route.at("length_m").number() / 1000,
-                 route.at("chance").number());
-    if (const Json* time = route.find("time_s")) text += line(", %.0f s", time->number());
-    if (const Json* energy = route.find("energy_j")) text += line(", %.3f MJ of drive energy", energy->number() / 1e6);
-    text += "\n";
-  }
-  if (const Json* regions = result.find("regions"))
-    text +=
-        line("%.0f connected regions; the largest holds %.4g of %.4g km2 that some heading passes\n",
-             regions->at("count").number(), regions->at("largest_km2").number(), regions->at("passable_km2").number());
-  for (const Json& file : result.at("files").items()) text += file.string() + "\n";
-  return text;
 }
 
 }  // namespace gonogo::map

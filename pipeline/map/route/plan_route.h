@@ -42,9 +42,9 @@ struct RouteRequest {
   std::filesystem::path regions;     // .gpkg of the connected regions; empty: none
 };
 
-/// Writes the files asked for and returns { crs, cells, directions, routes: [{ cost, found, length_m, chance, time_s,
-/// energy_j, corners }], regions, files }. time_s and energy_j need a model with measures; regions is there if asked
-/// for. Throws InputError if a place is missing or nothing is asked for.
+/// Writes the files asked for and returns { crs, cells, directions, routes: [{ cost, found, length_m, risk, time_s,
+/// energy_j, corners, and those of forecast_json() (drive_of_way.h) }], regions, files }. time_s and energy_j need a
+/// model with measures; regions is there if asked for. Throws InputError if a place is missing or nothing is asked for.
 Json plan_route(const RouteRequest& request);
 std::string route_text(const Json& result);
 

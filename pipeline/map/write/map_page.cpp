@@ -267,13 +267,16 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   height["step"] = heights.step;
   meta["height"] = height;
   meta["rules"] = rules_json(request.rules);
+  meta["height_error"] = request.region.elevation.error * std::sqrt(1 - request.region.elevation.error_correlation);
   meta["slope_steps"] = kSlopeSteps;
   meta["heading_steps"] = kHeadingSteps;
   meta["headings"] = kHeadings;
   meta["verdicts"] = verdicts_json();
   meta["reasons"] = reasons_json();
   for (std::size_t s = 0; s < table.soils.size(); ++s) {
-    soils.push_back(page_soil(request, table.soils[s], table.responses[s]));
+    Json soil = page_soil(request, table.soils[s], table.responses[s]);
+    soil["drive"] = add_drive_table(request.model, table.responses[s], int(s), blobs);
+    soils.push_back(soil);
     add_soil_blobs(table.responses[s], int(s), blobs);
   }
   meta["soils"] = soils;

@@ -170,6 +170,45 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
   return json;
 }
 
+Json add_drive_table(const OutcomeModel& model, const SoilResponse& response, int index, std::vector<Blob>& blobs) {
+  constexpr std::size_t most_points = 16;
+  constexpr int stride = 2 * kHeadingSteps;
+  const HeadingTable& headings = response.headings();
+  const SoilPoints& points = response.points();
+  const std::size_t count = points.sampled_count(),
+                    skip = std::max<std::size_t>(1, (count + most_points - 1) / most_points);
+  const int along = (headings.along_count() - 1) / stride + 1, across = (headings.across_count() - 1) / stride + 1;
+  const std::size_t nodes = std::size_t(along) * std::size_t(across), kept = (count + skip - 1) / skip;
+  OutcomeModel alone = model;
+  alone.members.clear();
+  Blob blob{"drive_" + std::to_string(index), 16, std::size_t(across), std::vector<std::uint16_t>(kept * nodes, kNone)};
+#pragma omp parallel for schedule(dynamic, 8)
+  for (int node = 0; node < along * across; ++node) {
+    std::vector<double> p_go;
+    const BedSlopes slopes = headings.slopes(stride * (node / across), stride * (node % across));
+    points.at(alone, slopes.along, slopes.across, p_go);
+    for (std::size_t k = 0; k < kept && !p_go.empty(); ++k)
+      blob.value[k * nodes + std::size_t(node)] = stored(p_go[k * skip]);
+  }
+  if (kept > 0) blobs.push_back(std::move(blob));
+  Json json = Json::object(), rows = Json::array();
+  json["stride"] = stride;
+  json["along"] = along;
+  json["across"] = across;
+  for (std::size_t k = 0; k < kept; ++k) {
+    Json row = Json::array();
+    const auto x = points.sampled().subspan(k * skip * model.sampled.size(), model.sampled.size());
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      if (campaign::contract().variables[v].name.rfind("slope", 0) == 0) continue;
+      const double width = model.sampled[v].maximum - model.sampled[v].minimum;
+      row.push_back(width > 0 && !std::isnan(x[v]) ? (x[v] - model.sampled[v].minimum) / width : 0.0);
+    }
+    rows.push_back(row);
+  }
+  json["points"] = rows;
+  return json;
+}
+
 void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs) {
   add_heading_blobs(response, index, blobs);
   const std::size_t count = std::size_t(90 * kSlopeSteps) + 1;

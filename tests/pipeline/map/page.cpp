@@ -5,6 +5,7 @@
 #include "base/file.h"
 #include "base/random.h"
 #include "pipeline/map/page/page.h"
+#include "pipeline/map/route/drive_of_way.h"
 #include "pipeline/map/route/map_cells.h"
 #include "pipeline/map/route/plan_route.h"
 #include "pipeline/map/route/search.h"
@@ -119,6 +120,12 @@ Json expected_route(const MapRequest& request, const MapSources& sources) {
     const auto found = find_route(cells, RouteCosts(table, cost, request.rules.correlation_length), start, end);
     REQUIRE(found);
     route[name_of(cost)] = found->cost;
+    const auto pieces = pieces_of(*found, cells, RouteCosts(table, RouteCost::length, 1));
+    const auto soils = drive_soils(table);
+    route[name_of(cost) + " chance"] =
+        forecast_drive(pieces, soils, request.model,
+                       drive_doubt(request.region.elevation, request.rules, sources.elevation.grid()))
+            .chance;
   }
   return route;
 }
@@ -199,10 +206,13 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
     REQUIRE(routes.size() == 3);
     for (const Json& route : routes) REQUIRE(route.at("found").boolean());
     CHECK(routes[0].at("time_s").number() <= routes[2].at("time_s").number());
-    CHECK(routes[1].at("chance").number() >= routes[0].at("chance").number());
+    CHECK(routes[1].at("risk").number() <= routes[0].at("risk").number());
     CHECK(routes[2].at("length_m").number() <= routes[1].at("length_m").number());
     const test::ReadLines lines = test::read_lines(folder / name);
-    CHECK(lines.count == 3);
+    int stretches = 0;  // weakest ones, in a GPX waypoints
+    for (const Json& route : routes) stretches += route.find("weakest") != nullptr;
+    CHECK(stretches > 0);
+    CHECK(lines.count == (std::string(name) == "routes.gpx" ? 3 : 3 + stretches));
     CHECK(lines.degrees == (std::string(name) != "routes.gpkg"));
     CHECK(lines.west == Approx(lines.degrees ? -120.30 : 216000).margin(lines.degrees ? 0.02 : 200));
   }

@@ -187,7 +187,7 @@ TEST_CASE("bands of equal cost have round widths, labels in readable units, and 
   CHECK(cost_bands(RouteCost::time, seconds, 45).label[1] == "45 to 90 s");
   CHECK(cost_bands(RouteCost::length, seconds, 0).label[1] == "0.5 to 1 km");
   CHECK(cost_bands(RouteCost::energy, {0, 3e6f}, 0).label[1] == "0.5 to 1 MJ");
-  CHECK(cost_bands(RouteCost::risk, {0, 0.5f}, 0).label[1] == "chance to get through 0.819 to 0.905");
+  CHECK(cost_bands(RouteCost::risk, {0, 0.5f}, 0).label[1] == "risk 0.1 to 0.2");
   CHECK(cost_bands(RouteCost::length, {INFINITY, 0}, 0).label.size() == 1);  // nothing but the start
   CHECK(cost_bands(RouteCost::time, seconds, 16.01).label.size() == 250);
   CHECK(contains(input_error([&] { cost_bands(RouteCost::time, seconds, 15); }), "makes 267 bands"));
