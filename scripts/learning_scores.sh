@@ -5,11 +5,13 @@
 #                              [part...] [name=value...]
 #
 #   build    the program and the study of joint distributions, without CUDA, GDAL and cairo, in build/scores or --build
-#   seeds    trains and evaluates four seeds: FOLDER/seed32 ... seed35 with model.h5, evaluation.json, scores.txt
+#   seeds    trains four seeds and evaluates them, and rows of their machines through QUBO export, sampler and import:
+#            FOLDER/seed32 ... seed35 with model.h5, rows.csv, evaluation.json, scores.txt
+#   c12      a machine for a D-Wave 2X with 2 % dead qubits, its rows through the emulator, P(go) at 20 slopes: FOLDER/c12
 #   thinned  two seeds on trials that crowd at the boundary: FOLDER/thinned32, thinned33; name=value are learning settings
 #   curve    the learning curve at 100, 300, 1,000 and 3,004 trials, or those of --trials: FOLDER/curve
 #
-# All parts when none is named. seeds, thinned and curve run at the same time, and together keep all cores busy. After N
+# All parts when none is named. seeds, c12, thinned and curve run at the same time, and together keep all cores busy. After N
 # seconds, the build included, everything stops; what is finished is kept, and the same command goes on. FOLDER
 # (out/scores by default) gets summary.txt and curve.csv of what is there.
 # Needs Debian's libtorch-dev or python3's LibTorch, and headers as scripts/gpu_check.sh does.
@@ -22,14 +24,14 @@ parts=() settings=()
 while (($# > 0)); do
   case $1 in
     --out | --seconds | --study | --trials | --build) (($# > 1)) || fail "$1 needs a value"; declare "${1#--}=$2"; shift ;;
-    build | seeds | thinned | curve) parts+=("$1") ;;
+    build | seeds | c12 | thinned | curve) parts+=("$1") ;;
     *=*) settings+=("$1") ;;
-    *) fail "no part '$1'; there are: build seeds thinned curve, --out, --seconds, --study, --trials and --build" ;;
+    *) fail "no part '$1'; there are: build seeds c12 thinned curve, --out, --seconds, --study, --trials and --build" ;;
   esac
   shift
 done
 [[ $seconds =~ ^[0-9]+$ ]] || fail "--seconds is '$seconds'; give whole seconds, at least 1"
-((${#parts[@]} > 0)) || parts=(build seeds thinned curve)
+((${#parts[@]} > 0)) || parts=(build seeds c12 thinned curve)
 mkdir -p "$out"
 gonogo=$build/gonogo-learn joint=$build/tests/pipeline/learning_joint
 cores=$(nproc)
@@ -58,13 +60,46 @@ build_programs() {
     { grep -E 'error|FAILED' "$out/build.log" | head -20; fail "the build failed or ran out of time: $out/build.log"; }
 }
 
+# evaluated FOLDER: scores of its model, and of its rows.csv.
+evaluated() {
+  [[ -f $1/evaluation.json ]] ||
+    within "$gonogo" evaluate --model "$1/model.h5" --dataset "$dataset" --rows "$1/rows.csv" --out "$1" > "$1/scores.txt"
+}
+
 train_seed() {
   local folder=$out/seed$1
   mkdir -p "$folder"
   [[ -f $folder/model.h5 ]] ||
     within "$gonogo" train --dataset "$dataset" --study "$study" --hold-out 1000 --seed "$1" --out "$folder/model.h5" || return
-  [[ -f $folder/evaluation.json ]] ||
-    within "$gonogo" evaluate --model "$folder/model.h5" --dataset "$dataset" --out "$folder" > "$folder/scores.txt"
+  if [[ ! -f $folder/rows.csv ]]; then
+    within "$gonogo" qubo export --model "$folder/model.h5" --out "$folder/problem.json" || return
+    within "$gonogo" qubo sample "$folder/problem.json" --sampler tempering --reads 1200 --seed "$1" --out "$folder/answer.json" || return
+    within "$gonogo" qubo import --problem "$folder/problem.json" --answer "$folder/answer.json" --decode discard --inside \
+      --rows "$folder/rows.csv" || return
+  fi > "$folder/qubo.txt"
+  evaluated "$folder"
+}
+
+# P(go or slow-go) at 20 slopes, by the emulator and by the machine's own sums.
+c12_slopes() {
+  local folder=$1 slope
+  for slope in {-20..34..3} 35; do
+    within "$gonogo" qubo export --model "$folder/model.h5" --clamp "slope_along=$slope" --out "$folder/clamped.json" &&
+      within "$gonogo" qubo sample "$folder/clamped.json" --sampler emulator --dead-share 0.02 --reads 1000 \
+        --out "$folder/clamped_answer.json" &&
+      within "$gonogo" --json qubo import --problem "$folder/clamped.json" --answer "$folder/clamped_answer.json" \
+        > "$folder/slope_$slope.json" || return
+  done > "$folder/slopes.log"
+}
+
+train_c12() {
+  local folder=$out/c12
+  mkdir -p "$folder"
+  [[ -f $folder/model.h5 ]] || within "$gonogo" train --dataset "$dataset" --study configs/studies/quarter_wheel_c12.json \
+    --hold-out 1000 --out "$folder/model.h5" || return
+  [[ -f $folder/rows.csv ]] || within "$gonogo" sample --model "$folder/model.h5" --sampler emulator --dead-share 0.02 \
+    --rows 1000 --out "$folder/rows.csv" > "$folder/emulator.txt" || return
+  evaluated "$folder" && c12_slopes "$folder"
 }
 
 thinned_seed() {
@@ -90,6 +125,7 @@ run_parts() {
   if has_part seeds; then
     for seed in 32 33 34 35; do start "$wide" "$out/seed$seed.log" train_seed "$seed"; done
   fi
+  if has_part c12; then start "$wide" "$out/c12.log" train_c12 ""; fi
   if has_part thinned; then
     for seed in 32 33; do start 1 "$out/thinned$seed.log" thinned_seed "$seed"; done
   fi

@@ -40,15 +40,22 @@ void Posterior::draw_group(const Question& asked, const std::vector<std::vector<
                            const MarginalOptions& options, std::size_t g, DrawnSums& sums) const {
   const std::size_t hidden = asked.field.size(), depth = asked.unknown.size(), outcomes = outcome_count();
   std::vector<std::size_t> bin(depth);
-  std::vector<double> field, p(outcomes);
+  const bool in_products = products_fit(asked.field, asked.unknown);
+  std::vector<double> known = asked.field, drawn, p(in_products ? padded_outcomes() : outcomes);
+  if (in_products)
+    for (double& x : known) x = std::exp(x);
   for (std::size_t d = 0; d < options.sweeps; ++d) {
-    field = asked.field;
+    drawn = known;
     for (std::size_t k = 0; k < depth; ++k) {
       bin[k] = draw(prior[k], random_unit(options.seed, g, d * depth + k));
-      const double* add = nodes_[asked.unknown[k]].field.data() + bin[k] * hidden;
-      for (std::size_t j = 0; j < hidden; ++j) field[j] += add[j];
+      const Nodes& nodes = nodes_[asked.unknown[k]];
+      const double* of_bin = (in_products ? nodes.factor : nodes.field).data() + bin[k] * hidden;
+      for (std::size_t j = 0; j < hidden; ++j) drawn[j] = in_products ? drawn[j] * of_bin[j] : drawn[j] + of_bin[j];
     }
-    outcome_shares(field, p);
+    if (in_products)
+      shares_of_products(drawn, p);
+    else
+      outcome_shares(drawn, p);
     const double weight = asked.outcome ? p[*asked.outcome] : 1;
     sums.weight += weight;
     for (std::size_t k = 0; k < depth; ++k) sums.bins[k][bin[k]] += weight;

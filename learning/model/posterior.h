@@ -95,6 +95,8 @@ class Posterior {
   void prepare_products();
   bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
   std::vector<double> outcome_products(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
+  /// P(outcome) of one combination. power: a of product_sum.cpp [hidden]; product: [padded_outcomes()], 0 beyond.
+  void shares_of_products(std::span<const double> power, std::span<double> product) const;
   std::vector<std::size_t> bin_counts(const std::vector<std::size_t>& variables) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>

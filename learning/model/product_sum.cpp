@@ -53,22 +53,26 @@ void Posterior::prepare_products() {
 }
 
 /// Whether every number of the sum stays in the range of double: each factor on its way, by the sizes of what is added
-/// up in its exponent, the products of all hidden units, by the largest softplus of each, and exp(d).
+/// up in its exponent, the products of all hidden units, by the largest softplus of each (no factor is below 1), and
+/// exp(d).
 bool Posterior::products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const {
   const auto [smallest, largest] = std::minmax_element(outcome_bias_.begin(), outcome_bias_.end());
   if (!(*largest - *smallest < kMaxLog)) return false;
   const std::size_t hidden = field.size();
   double log_product = 0;
   for (std::size_t j = 0; j < hidden; ++j) {
-    double size = std::abs(field[j]) + largest_outcome_size_;
+    double size = std::abs(field[j]) + largest_outcome_size_, highest = field[j] + largest_outcome_weight_;
     for (const std::size_t v : unknown) {
-      double largest_field = 0;
-      for (std::size_t bin = 0; bin < nodes_[v].bias.size(); ++bin)
-        largest_field = std::max(largest_field, std::abs(nodes_[v].field[bin * hidden + j]));
-      size += largest_field;
+      double largest_size = 0, largest_field = -INFINITY;
+      for (std::size_t bin = 0; bin < nodes_[v].bias.size(); ++bin) {
+        largest_size = std::max(largest_size, std::abs(nodes_[v].field[bin * hidden + j]));
+        largest_field = std::max(largest_field, nodes_[v].field[bin * hidden + j]);
+      }
+      size += largest_size;
+      highest += largest_field;
     }
     if (!(size < kMaxLog)) return false;
-    log_product += softplus(size);
+    log_product += softplus(highest);
   }
   return log_product < kMaxLog;
 }
@@ -96,6 +100,12 @@ std::vector<double> Posterior::outcome_products(std::span<const double> field,
       });
   sum.resize(outcome_count());
   return sum;
+}
+
+void Posterior::shares_of_products(std::span<const double> power, std::span<double> product) const {
+  multiply<kOutcomesAtOnce>(power, outcome_base_, outcome_factor_by_hidden_, product);
+  const double total = std::accumulate(product.begin(), product.end(), 0.0);
+  for (double& p : product) p /= total;
 }
 
 std::optional<PosteriorAnswer> Posterior::sum_products(std::span<const double> field,

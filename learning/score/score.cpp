@@ -22,7 +22,7 @@ void wilson_interval(ReliabilityBin& bin) {
   constexpr double z = 1.959963984540054;  // 97.5 % point of the normal distribution
   const double n = double(bin.count), centre = bin.frequency + z * z / (2 * n);
   const double half = z * std::sqrt(bin.frequency * (1 - bin.frequency) / n + z * z / (4 * n * n));
-  bin.low = (centre - half) / (1 + z * z / n);
+  bin.low = std::max(0.0, (centre - half) / (1 + z * z / n));  // 0 but for rounding when nothing happened
   bin.high = (centre + half) / (1 + z * z / n);
 }
 

@@ -19,6 +19,10 @@ void add_evaluate_command(CLI::App& app, const Globals& globals, const Work<Eval
   command
       ->add_option("--out", options->out, "Folder for evaluation.json, reliability.csv, missing.csv and evaluation.png")
       ->type_name(kFolder);
+  command
+      ->add_option("--rows", options->rows,
+                   "Rows (CSV of gonogo sample or gonogo qubo import) that are also compared with the held-out trials")
+      ->type_name(kFile);
   add_examples(
       *command,
       {"gonogo evaluate --model out/demo/model.h5", "gonogo train --dataset dataset.h5 --hold-out 1000 --out model.h5",

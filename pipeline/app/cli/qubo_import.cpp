@@ -124,6 +124,7 @@ void add_qubo_import(CLI::App& qubo, const SharedQubo& options, const Globals& g
   command->add_option("--model", options->model, "Also check that the problem was exported from this model")
       ->type_name(kFile);
   command->add_option("--rows", options->rows, "Write the decoded rows as CSV")->type_name(kFile);
+  command->add_flag("--inside", options->inside, "Values of the rows uniform inside their bins; otherwise the middles");
   command
       ->add_option(
           "--decode", options->decode,
@@ -146,6 +147,7 @@ void add_qubo_import(CLI::App& qubo, const SharedQubo& options, const Globals& g
     request.answer_format = options->answer_format;
     request.model = options->model;
     request.rows = options->rows;
+    request.inside = options->inside;
     request.chains = options->chains;
     request.seed = options->seed;
     request.decoding = options->decode == "weigh"    ? learn::Decoding::weigh

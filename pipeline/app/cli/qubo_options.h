@@ -24,7 +24,7 @@ struct QuboOptions {
   std::vector<std::string> clamp;
   double penalty = 0;
   learn::ImportLimits limits;
-  bool spin = false;
+  bool spin = false, inside = false;
   std::size_t reads = 1000, sweeps = 1000;
   std::uint64_t seed = 1;
 };

@@ -1,3 +1,4 @@
+#include "base/error.h"
 #include "learning/model/model.h"
 #include "pipeline/app/work/work.h"
 #include "pipeline/learn/evaluation/evaluate_model.h"
@@ -23,8 +24,9 @@ std::string held_out_text(const Json& report) {
 
 void evaluate_work(const Globals& globals, const EvaluateOptions& options) {
   const bool held_out = !options.dataset.empty();
-  const Json report =
-      held_out ? learn::evaluate_model(options.model, options.dataset) : learning::read_model(options.model).provenance;
+  if (!held_out && !options.rows.empty()) throw InputError("--rows are compared with held-out trials: give --dataset");
+  const Json report = held_out ? learn::evaluate_model(options.model, options.dataset, options.rows)
+                               : learning::read_model(options.model).provenance;
   std::string text = held_out ? held_out_text(report) : learn::report_text(report);
   if (!options.out.empty()) {
     const Json& scores = report.at(held_out ? "scores" : "cross_validation");

@@ -48,7 +48,7 @@ struct TrainOptions {
 };
 
 struct EvaluateOptions {
-  std::filesystem::path model, dataset, out;  // dataset, out: empty for none
+  std::filesystem::path model, dataset, out, rows;  // dataset, out, rows: empty for none
 };
 
 struct LearningCurveOptions {

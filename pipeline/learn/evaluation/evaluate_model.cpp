@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "base/error.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/evaluation/evaluation_checks.h"
+#include "pipeline/learn/evaluation/given_rows.h"
 #include "pipeline/learn/evaluation/joint_scores.h"
 #include "pipeline/learn/evaluation/missing_curve.h"
 #include "pipeline/learn/evaluation/reconstruction.h"
@@ -53,7 +55,9 @@ std::vector<std::size_t> varying(const learning::Model& model) {
 
 }  // namespace
 
-Json evaluate_model(const std::filesystem::path& model_file, const std::filesystem::path& dataset) {
+Json evaluate_model(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
+                    const std::filesystem::path& rows) {
+  const auto given = rows.empty() ? std::nullopt : std::optional(read_given_rows(rows));
   const Predictor predictor = Predictor::read(model_file);
   const learning::TrainingTable trained = training_table(predictor.model());
   const TrainingData data = make_training_data(campaign::read_dataset(dataset).records, {});
@@ -98,7 +102,7 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
                      {"base_rate", [&](std::span<const double>) { return baselines.base_rate; }}},
                     scored, forecasts.happened, varying(predictor.model()));
   json["reconstruction"] = reconstruction_scores(predictor, scored);
-  json["joint"] = joint_scores(predictor, trained, scored, 1);
+  json["joint"] = joint_scores(predictor, trained, scored, 1, given);
   json["checks"] = evaluation_checks(json);
   return json;
 }

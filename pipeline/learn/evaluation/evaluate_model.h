@@ -12,8 +12,11 @@ namespace gonogo::learn {
 /// "reconstruction" is that of reconstruction.h, "joint" that of joint_scores.h, "checks" are those of
 /// evaluation_checks.h: { "trials", "left_out_unknown", "left_out_trained_on", "outcome_log_loss_nat", "scores": {...},
 /// "missing": [...],
-///   "reconstruction": {...}, "joint": {...}, "checks": [...] }. Throws InputError if no trial is left to score.
-Json evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset);
+///   "reconstruction": {...}, "joint": {...}, "checks": [...] }. `rows`: CSV of rows that "joint" scores as well
+///   (given_rows.h); empty for none.
+/// Throws InputError if no trial is left to score.
+Json evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset,
+                    const std::filesystem::path& rows = {});
 
 /// The missing-variable curve as a table for people: model, baselines, and the model minus each baseline.
 std::string missing_text(const Json& curve);

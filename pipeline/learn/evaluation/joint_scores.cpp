@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "base/error.h"
 #include "base/line.h"
 #include "learning/score/copula.h"
 #include "learning/score/distance.h"
@@ -149,10 +151,22 @@ SampledRows model_rows(const Predictor& predictor, RowSource source, std::size_t
   return sample_rows(predictor, request);
 }
 
+ScoredRows given_rows(const Columns& columns, const learning::TrainingTable& given, std::size_t count,
+                      std::uint64_t seed) {
+  ScoredRows rows = columns.known_rows(given, count, seed);
+  if (rows.count() < kMinJointRows)
+    throw InputError(line("%zu of the %zu rows given know the outcome and all inputs that vary; %zu are needed",
+                          rows.count(), given.row_count(), kMinJointRows));
+  const double mean = std::accumulate(rows.weight.begin(), rows.weight.end(), 0.0) / double(rows.count());
+  for (double& weight : rows.weight) weight /= mean;
+  return rows;
+}
+
 }  // namespace
 
 Json joint_scores(const Predictor& predictor, const learning::TrainingTable& trained,
-                  const learning::TrainingTable& held_out, std::uint64_t seed) {
+                  const learning::TrainingTable& held_out, std::uint64_t seed,
+                  const std::optional<learning::TrainingTable>& given) {
   const learning::Model& model = predictor.model();
   const Columns columns(model.layout);
   learning::TrainingTable weighed = held_out;
@@ -185,6 +199,7 @@ Json joint_scores(const Predictor& predictor, const learning::TrainingTable& tra
         scores_of(columns, columns.sampled_rows(model_rows(predictor, RowSource::prior, count, seed)), real, seed);
   kinds["gaussian_copula"] = scores_of(columns, learning::GaussianCopula(all, seed).draw(count, seed), real, seed);
   kinds["trials"] = scores_of(columns, all.subset(first), real, seed);
+  if (given) kinds["given"] = scores_of(columns, given_rows(columns, *given, count, seed), real, seed);
   return json;
 }
 
@@ -199,7 +214,8 @@ std::string joint_text(const Json& scores) {
   const std::vector<std::pair<const char*, const char*>> names = {{"machine", "the machine's joint"},
                                                                   {"prior", "prior times P(outcome | x)"},
                                                                   {"gaussian_copula", "Gaussian copula"},
-                                                                  {"trials", "training trials: the floor"}};
+                                                                  {"trials", "training trials: the floor"},
+                                                                  {"given", "the rows given"}};
   for (const auto& [key, name] : names) {
     const Json* kind = scores.at("kinds").find(key);
     if (!kind) continue;

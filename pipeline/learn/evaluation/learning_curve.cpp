@@ -68,12 +68,17 @@ fs::path place_of(const LearningCurveRequest& request, const Point& point) {
   return request.folder / line("trials_%zu_subset_%zu", point.trials, point.subset);
 }
 
-Json measured(const LearningCurveRequest& request, const Split& split, const Point& point) {
+/// Scores of the model, which an interrupted call may have trained already.
+Json measured(const LearningCurveRequest& request, const Split& split, const Point& point, const std::string& key) {
   TrainRequest training = request.training;
   training.trials = point.trials;
   training.subset = point.subset;
   training.model = place_of(request, point) / "model.h5";
-  train_model(training);
+  const fs::path trained = place_of(request, point) / "trained.txt";
+  if (!fs::exists(training.model) || !fs::exists(trained) || read_file(trained) != key) {
+    train_model(training);
+    write_file_atomically(trained, key);
+  }
   const std::vector<int> happened = passable_labels(split.held_out);
   Json entry, brier = Json::object(), loss = Json::object();
   for (const auto& [name, p] : forecasts_of(training, split)) {
@@ -103,7 +108,7 @@ bool score(const LearningCurveRequest& request, const Split& split, const Point&
   if (!lock || earlier_scores(file, key)) return false;
   Json kept;
   kept["key"] = key;
-  kept["scores"] = measured(request, split, point);
+  kept["scores"] = measured(request, split, point, key);
   write_file_atomically(file, kept.dump(2) + "\n");
   return true;
 }

@@ -7,9 +7,12 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/random.h"
+#include "learning/encoding/bin_values.h"
 
 namespace gonogo::learn {
 namespace {
+
+constexpr std::uint64_t kInside = 0x696e736964;  // stream of random numbers
 
 /// Column of the answer for each visible unit; -1 for units of clamped variables, which the problem does not hold.
 std::vector<std::ptrdiff_t> unit_columns(const Sidecar& sidecar, const learning::SampleSet& answer) {
@@ -239,13 +242,21 @@ DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& a
   return result;
 }
 
-std::string rows_csv(const Sidecar& sidecar, const DecodedAnswer& decoded) {
+std::string rows_csv(const Sidecar& sidecar, const DecodedAnswer& decoded, std::optional<std::uint64_t> inside) {
   const bool weighed = decoded.decoding == Decoding::weigh;
+  const std::vector<learning::Encoder>& encoders = sidecar.layout.encoders();
   std::string text;
-  for (const learning::Encoder& encoder : sidecar.layout.encoders()) text += encoder.name() + ",";
+  for (const learning::Encoder& encoder : encoders) text += encoder.name() + ",";
   text += weighed ? "outcome,energy,occurrences,weight\n" : "outcome,energy,occurrences\n";
-  for (const DecodedAnswer::Row& row : decoded.rows) {
-    for (double x : row.values) text += Json(x).dump() + ",";
+  for (std::size_t n = 0; n < decoded.rows.size(); ++n) {
+    const DecodedAnswer::Row& row = decoded.rows[n];
+    for (std::size_t v = 0; v < encoders.size(); ++v) {
+      const bool drawn = inside && !sidecar.clamped.count(encoders[v].name());
+      const double x = drawn ? learning::value_inside(encoders[v], encoders[v].bin_of(row.values[v]),
+                                                      random_unit(*inside, kInside, n * encoders.size() + v))
+                             : row.values[v];
+      text += Json(x).dump() + ",";
+    }
     text += sidecar.layout.outcomes()[row.outcome] + "," + Json(row.energy).dump() + "," +
             std::to_string(row.occurrences) + (weighed ? "," + Json(row.weight).dump() : "") + "\n";
   }

@@ -1,5 +1,7 @@
 // Decodes the rows of an annealer's answer into variables and outcomes.
 #pragma once
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,8 +42,9 @@ DecodedAnswer decode_answer(const Sidecar& sidecar, const learning::SampleSet& a
                             const CodeMachine* machine, std::uint64_t seed);
 
 /// CSV with one line for each row. Columns: the variables, outcome, energy, occurrences, and the weight if rows are
-/// weighed.
-std::string rows_csv(const Sidecar& sidecar, const DecodedAnswer& decoded);
+/// weighed. Values that are not clamped are the middles of their bins, or uniform inside them, drawn by `inside`.
+std::string rows_csv(const Sidecar& sidecar, const DecodedAnswer& decoded,
+                     std::optional<std::uint64_t> inside = std::nullopt);
 
 /// Counts of reads, outcome frequencies with standard errors, mean and spread of the variables. With `exact` also the
 /// machine's own probabilities and the differences in standard errors, and in "bias" whether they are larger than

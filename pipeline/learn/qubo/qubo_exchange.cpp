@@ -14,6 +14,7 @@
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/qubo/code_machine.h"
 #include "pipeline/learn/qubo/decode_answer.h"
+#include "pipeline/learn/qubo/prepared_machine.h"
 #include "pipeline/learn/qubo/qubo_embed.h"
 
 namespace gonogo::learn {
@@ -40,34 +41,6 @@ std::vector<double> model_point(const learning::Model& model, const std::map<std
   std::vector<double> point(model.layout.variable_count(), kFree);
   for (const auto& [name, value] : clamped) point[model.layout.variable_index(name)] = value;
   return point;
-}
-
-constexpr double kEnoughWeighed = 0.1;  // share of the reads that weighed rows must be worth without a penalty
-constexpr double kPenalty = 8;          // leaves about one row in a thousand that is no code word
-
-/// The penalty of a problem without one, and why.
-double chosen_penalty(const learning::Problem& problem, const Sidecar& sidecar, std::string& note) {
-  const auto machine = CodeMachine::of(problem, sidecar);
-  const auto exact = machine ? machine->exact() : std::nullopt;
-  if (!exact) {
-    note = "units that are no code word get a penalty of " + number_text(kPenalty) +
-           ", which couples units of a variable: sample with tempering, anneal or population";
-    return kPenalty;
-  }
-  if (exact->word_share > 0.999) return 0;
-  const std::string share = number_text(100 * exact->word_share, 2) + " % of the machine's rows are code words";
-  const std::string weighed = number_text(100 * exact->weighed_share, 2) + " %";
-  if (exact->weighed_share >= kEnoughWeighed) {
-    note = share +
-           ". No penalty is needed: import weighs all code words by the hidden units, and the reads are worth " +
-           weighed + " of as many independent rows. Tools that read rows themselves need --penalty " +
-           number_text(kPenalty);
-    return 0;
-  }
-  note = share + ", and weighed reads would be worth " + weighed +
-         ". So words that are no code words get a penalty of " + number_text(kPenalty) +
-         ", which couples units of a variable: sample with tempering, anneal or population";
-  return kPenalty;
 }
 
 /// P(outcome) over the code words of the problem; empty if it cannot be summed.
@@ -166,21 +139,24 @@ Exported export_problem(const fs::path& model_file, const fs::path& problem_file
                         const FileChoice& choice, std::optional<double> code_penalty) {
   const learning::Model model = learning::read_model(model_file);
   const std::vector<double> fixed = unit_values(model, clamped);
-  const learning::Problem machine = learning::to_qubo(model.weights, model.layout.unit_labels());
+  const std::vector<double> point = model_point(model, clamped);
+  const PreparedMachine prepared =
+      code_penalty ? PreparedMachine{learning::to_qubo(model.weights, model.layout.unit_labels()), *code_penalty, ""}
+                   : prepared_machine(model, fixed);
   Sidecar sidecar;
   sidecar.model_hash = file_hash(model_file);
   sidecar.clamped = clamped;
   sidecar.layout = model.layout;
-  std::string note;
-  sidecar.code_penalty = code_penalty ? *code_penalty : chosen_penalty(learning::clamp(machine, fixed), sidecar, note);
-  const learning::Problem whole = learning::with_code_penalty(machine, model.layout, fixed, sidecar.code_penalty);
+  sidecar.code_penalty = prepared.penalty;
+  const learning::Problem whole =
+      learning::with_code_penalty(prepared.machine, model.layout, fixed, sidecar.code_penalty);
   const learning::Problem problem = learning::to_vartype(learning::clamp(whole, fixed), vartype);
   sidecar.machine_answer = machine_answer(problem, sidecar);
-  const std::vector<double> model_answer = Predictor(model).outcome_probabilities(model_point(model, clamped));
+  const std::vector<double> model_answer = Predictor(model).outcome_probabilities(point);
   for (std::size_t y = 0; y < model_answer.size(); ++y)
     sidecar.model_answer[model.layout.outcomes()[y]] = model_answer[y];
   Exported exported = write(problem, std::move(sidecar), problem_file, choice);
-  if (!note.empty()) exported.notes.push_back(std::move(note));
+  if (!prepared.note.empty()) exported.notes.push_back(prepared.note);
   return exported;
 }
 
@@ -251,7 +227,8 @@ Json decoded_json(const ImportRequest& request, const Sidecar& sidecar, const le
                                               machine ? &*machine : nullptr, request.seed);
   Json json = summary_json(sidecar, decoded, machine ? &*machine : nullptr);
   expect_enough(decoded, json, request.limits, request.answer.string());
-  if (!request.rows.empty()) write_file_atomically(request.rows, rows_csv(sidecar, decoded));
+  const auto inside = request.inside ? std::optional(request.seed) : std::nullopt;
+  if (!request.rows.empty()) write_file_atomically(request.rows, rows_csv(sidecar, decoded, inside));
   for (const auto& [key, own] :
        {std::pair("machine_answer", &sidecar.machine_answer), std::pair("model_answer", &sidecar.model_answer)})
     for (const auto& [outcome, probability] : *own) json[key][outcome] = probability;

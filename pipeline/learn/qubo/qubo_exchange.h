@@ -44,9 +44,8 @@ struct Exported {
 };
 
 /// Writes problem and sidecar. `clamped` variables are fixed to their smooth code and leave the problem; the others get
-/// `code_penalty`. Without a value the penalty is 0 if weighed rows (code_machine.h) are worth a tenth of the reads or
-/// more, and 8 otherwise; a note says which and why. Throws InputError for variables that are not in the model or not
-/// finite, and for a negative penalty.
+/// `code_penalty`, without a value as prepared_machine.h says; a note says which and why. Throws InputError for
+/// variables that are not in the model or not finite, and for a negative penalty.
 Exported export_problem(const std::filesystem::path& model, const std::filesystem::path& problem,
                         const std::map<std::string, double>& clamped, learning::Vartype vartype,
                         const FileChoice& choice = {}, std::optional<double> code_penalty = std::nullopt);
@@ -95,6 +94,7 @@ struct ImportRequest {
   std::string answer_format = "dimod_json";
   std::filesystem::path model;          // if given: the problem must come from this model file (by hash)
   std::filesystem::path rows;           // if given: CSV file for the valid rows
+  bool inside = false;                  // its values are uniform inside their bins, by `seed`; otherwise the middles
   Decoding decoding = Decoding::weigh;  // falls back to discard if the machine has no sum over code words
   ImportLimits limits;
   std::string chains = "weighted_random";  // policy for broken chains of an embedded problem

@@ -6,6 +6,7 @@
 #include "base/cancel.h"
 #include "base/error.h"
 #include "base/random.h"
+#include "learning/encoding/bin_values.h"
 #include "learning/sampler/exact_words.h"
 #include "learning/sampler/word_chains.h"
 #include "pipeline/learn/sampling/unit_rows.h"
@@ -61,10 +62,9 @@ WordRows exact_rows(const learning::WordMachine& machine, const RowRequest& requ
   return rows;
 }
 
-/// A value of the bin. u: uniform in [0, 1), or less than 0 for the middle. Categories have no inside.
+/// A value of the bin. u: uniform in [0, 1), or less than 0 for the middle.
 double value_in(const learning::Encoder& encoder, int bin, double u) {
-  if (u < 0 || !encoder.categories().empty()) return encoder.value(bin);
-  return encoder.value(bin) + (2 * u - 1) * encoder.resolution(bin);
+  return u < 0 ? encoder.value(bin) : learning::value_inside(encoder, bin, u);
 }
 
 /// Draws the variables that a row does not know: those without words over their box.

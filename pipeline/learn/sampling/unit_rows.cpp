@@ -8,27 +8,29 @@
 #include "base/random.h"
 #include "learning/encoding/code_penalty.h"
 #include "pipeline/learn/qubo/code_machine.h"
+#include "pipeline/learn/qubo/outcome_balance.h"
+#include "pipeline/learn/qubo/prepared_machine.h"
 
 namespace gonogo::learn {
 namespace {
 
-constexpr double kPenalty = 8;  // leaves about one row in a thousand that is no code word
 enum Stream : std::uint64_t { kReads = 11, kAgain = 12, kWords = 13 };
 
 bool sampled_as_it_is(const std::string& sampler) { return sampler == "block_gibbs" || sampler == "emulator"; }
 
-learning::Problem clamped_problem(const learning::Model& model, const learning::KnownPart& known, double penalty) {
+learning::Problem clamped_problem(const learning::Model& model, const learning::KnownPart& known, bool penalised) {
   const learning::VisibleLayout& layout = model.layout;
-  const learning::Problem whole = learning::to_qubo(model.weights, layout.unit_labels());
+  const learning::Problem whole = balanced_machine(model);
   std::vector<double> fixed(whole.variable_count(), NAN);
   for (std::size_t v = 0; v < layout.variable_count(); ++v)
     if (!std::isnan(known.variables[v]))
       layout.encoders()[v].encode_smooth(known.variables[v],
                                          std::span(fixed).subspan(layout.offset(v), layout.encoders()[v].unit_count()));
-  const learning::Problem penalised = learning::with_code_penalty(whole, layout, fixed, penalty);
+  const double strength = penalised ? measured_penalty(whole, layout, fixed) : 0;
+  const learning::Problem problem = learning::with_code_penalty(whole, layout, fixed, strength);
   if (known.outcome)
     for (std::size_t y = 0; y < layout.outcome_count(); ++y) fixed[layout.input_unit_count() + y] = y == *known.outcome;
-  return learning::clamp(penalised, fixed);
+  return learning::clamp(problem, fixed);
 }
 
 learning::SampleSet reads_of(const learning::Problem& problem, const RowRequest& request) {
@@ -68,8 +70,7 @@ std::vector<std::size_t> drawn_again(const std::vector<double>& log_weight, doub
 
 std::vector<std::vector<std::uint16_t>> unit_rows(const learning::Model& model, const learning::KnownPart& known,
                                                   const RowRequest& request) {
-  const double penalty = sampled_as_it_is(request.sampler) ? 0 : kPenalty;
-  const learning::Problem problem = clamped_problem(model, known, penalty);
+  const learning::Problem problem = clamped_problem(model, known, !sampled_as_it_is(request.sampler));
   Sidecar sidecar;
   sidecar.layout = model.layout;
   const std::optional<CodeMachine> machine = CodeMachine::of(problem, sidecar);
