@@ -1,5 +1,5 @@
-// Units in SI, and the gravity of every trial, bench scene and soil test. Code holds angles in radians; files and
-// options give degrees.
+// Units in SI, and the Earth's gravity: of every bench scene and soil test, and of trials whose study names no other.
+// Code holds angles in radians; files and options give degrees.
 #pragma once
 #include <numbers>
 

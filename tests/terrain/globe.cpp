@@ -133,7 +133,7 @@ TEST_CASE("on other bodies degrees are the body's own") {
   const Body body =
       GENERATE(Body{"+proj=stere +lat_0=-20 +lon_0=30 +R=1737400 +units=m", "Moon", "target=moon", 1737400},
                Body{"+proj=laea +lat_0=-20 +lon_0=30 +R=3396190 +units=m", "Mars", "target=mars", 3396190},
-               Body{"+proj=laea +lat_0=-20 +lon_0=30 +R=2439700 +units=m", "", "<kml", 2439700});
+               Body{"+proj=laea +lat_0=-20 +lon_0=30 +R=2439700 +units=m", "Mercury", "<kml", 2439700});
   INFO(body.crs);
   const MapGrid grid = grid_in(folder, body.crs, -3000, 2000, 100);
   const GlobePlace place = place_of(grid);

@@ -18,6 +18,7 @@
 #include "pipeline/learn/training/train_model.h"
 #include "tests/pipeline/learn/trained_model.h"
 #include "tests/support/catch.h"
+#include "tests/support/message.h"
 #include "tests/support/refused.h"
 
 using namespace gonogo;
@@ -100,7 +101,9 @@ TEST_CASE("a model keeps the gravity of its trials, and one of the Earth has no 
   const Config learning = Config::parse(R"({"epochs": 5, "folds": 2})", "study");
   const auto gravity_in = [&](const std::string& study) {
     const fs::path dataset = scratch() / "gravity.h5", file = scratch() / "gravity_model.h5";
-    write_dataset(dataset, {synthetic_trials(40, 3), {.study = study}});
+    Provenance provenance;
+    provenance.study = study;
+    write_dataset(dataset, {synthetic_trials(40, 3), provenance});
     train_model({.dataset = dataset, .model = file, .seed = 5, .learning = learning, .design = {}});
     const Predictor predictor = Predictor::read(file);
     CHECK((predictor.model().provenance.find(kGravityKey) == nullptr) == study.empty());
