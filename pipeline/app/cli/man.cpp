@@ -34,9 +34,15 @@ std::string upper(std::string text) {
   return text;
 }
 
+/// A long list of choices breaks at its spaces.
+std::string spaced(std::string choices) {
+  for (std::size_t at = 0; (at = choices.find(',', at)) != std::string::npos; at += 2) choices.insert(at + 1, " ");
+  return choices;
+}
+
 std::string value_text(const CLI::Option& option) {
   const Value value = value_of(option);
-  return value.name.empty() ? "" : " \\fI" + roff(value.name) + "\\fR" + (value.many ? " ..." : "");
+  return value.name.empty() ? "" : " \\fI" + spaced(roff(value.name)) + "\\fR" + (value.many ? " ..." : "");
 }
 
 std::string option_entry(const CLI::Option& option) {

@@ -7,6 +7,7 @@ namespace gonogo::app {
 void add_region_command(CLI::App& app, const Globals& globals, const Work<map::RegionMakeRequest>& make) {
   CLI::App* region = app.add_subcommand("region", "Region files, which say what the ground of a map is made of");
   region->require_subcommand(1);
+  add_examples(*region, {"gonogo region make my_valley"});
   CLI::App* command = region->add_subcommand(
       "make", "Region file of a folder with an elevation model and soil layers of SoilGrids, SSURGO or gNATSGO");
   const auto request = std::make_shared<map::RegionMakeRequest>();
