@@ -13,7 +13,7 @@ Of what `run` writes, FOLDER/*/trials.csv is all that `report` needs. Needs Pyth
 """
 import argparse, csv, json, pathlib, statistics, subprocess
 
-from label_quality import compare, log_odds, number, passes, slip_of, table_for
+from label_quality import changes_text, compare, log_odds, number, passes, slip_of, table_for, write_report
 
 HERE = pathlib.Path(__file__).resolve().parent.parent
 DATA = HERE / "data/hmmwv_32mm"
@@ -149,17 +149,8 @@ def report(options):
         c = compare(base, trials, ranges())
         rows.append({"variant": name, **c})
         unknown = f", {c['unknown']} unknown" if c["unknown"] else ""
-        lines.append(f"| {name} | {c['trials']}{unknown} | {sum(map(passes, trials))} | {c['flip_share']:.2f} +- {c['error']:.2f} | "
-                     f"{c['pass_now']}, {c['fail_now']} | {c['mean_slip']:+.3f} +- {c['slip_error']:.3f} | "
-                     f"{1e3 * c['mean_sinkage']:+.0f} +- {1e3 * c['sinkage_error']:.0f} |")
-    page = options.docs / "fidelity.md"
-    conclusion = page.read_text().partition("\n## ")[1:] if page.exists() else ()  # written by hand
-    page.write_text("\n".join(lines) + "\n" + "".join(conclusion))
-    with open(options.docs / "fidelity.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, ["variant", *compare(base, base, ranges())], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    print("\n".join(lines))
+        lines.append(f"| {name} | {c['trials']}{unknown} | {sum(map(passes, trials))} | {changes_text(c)} |")
+    write_report(options.docs / "fidelity.md", lines, ["variant", *compare(base, base, ranges())], rows)
 
 
 def main():

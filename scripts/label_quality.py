@@ -302,6 +302,23 @@ def compare(base, other, names):
             "sinkage_error": error_of_mean(sinkages)}
 
 
+def changes_text(c):
+    """The columns of labels, slip and sinkage of a compare()."""
+    return (f"{c['flip_share']:.2f} +- {c['error']:.2f} | {c['pass_now']}, {c['fail_now']} | "
+            f"{c['mean_slip']:+.3f} +- {c['slip_error']:.3f} | {1e3 * c['mean_sinkage']:+.0f} +- {1e3 * c['sinkage_error']:.0f}")
+
+
+def write_report(page, lines, columns, rows):
+    """The page, whose conclusion after the table is written by hand and stays, and the table beside it as CSV."""
+    conclusion = page.read_text().partition("\n## ")[1:] if page.exists() else ()
+    page.write_text("\n".join(lines) + "\n" + "".join(conclusion))
+    with open(page.with_suffix(".csv"), "w", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print("\n".join(lines))
+
+
 HEADER = """# Label quality
 
 For anyone who trains on the quarter-wheel trials or reads one of their labels: what moves a label, and by how much.
@@ -345,23 +362,14 @@ def report(options):
         c = compare(base, trials, ranges())
         rows.append({"factor": factor, "variant": name, **c})
         unknown = f", {c['unknown']} unknown" if c["unknown"] else ""
-        lines.append(f"| {name} | {c['trials']}{unknown} | {c['flip_share']:.2f} +- {c['error']:.2f} | "
-                     f"{c['pass_now']}, {c['fail_now']} | {c['mean_slip']:+.3f} +- {c['slip_error']:.3f} | "
-                     f"{1e3 * c['mean_sinkage']:+.0f} +- {1e3 * c['sinkage_error']:.0f} | {cost_of_trial:.2g} |")
+        lines.append(f"| {name} | {c['trials']}{unknown} | {changes_text(c)} | {cost_of_trial:.2g} |")
     scaled = [f"{d} mm" for d in (16, 24, 48, 64)
               if not own_table(d, options.tables).exists() and trials_of(options.folder, f"grains of {d} mm")]
     if scaled:
         lines += ["", "Grains of " + ", ".join(scaled) + " are met through the table of 32 mm with the diameter changed."]
     if missing:
         lines += ["", "Not run: " + ", ".join(missing) + "."]
-    page = options.docs / "convergence.md"
-    conclusion = page.read_text().partition("\n## ")[1:] if page.exists() else ()  # written by hand
-    page.write_text("\n".join(lines) + "\n" + "".join(conclusion))
-    with open(options.docs / "convergence.csv", "w", newline="") as file:
-        writer = csv.DictWriter(file, ["factor", "variant", *compare(base, base, ranges())], lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-    print("\n".join(lines))
+    write_report(options.docs / "convergence.md", lines, ["factor", "variant", *compare(base, base, ranges())], rows)
 
 
 def main():

@@ -9,6 +9,7 @@
 #include "base/json/config.h"
 #include "base/line.h"
 #include "pipeline/campaign/dataset/gravity.h"
+#include "pipeline/campaign/dataset/trial_inputs.h"
 #include "pipeline/learn/training/training_data.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/wheel_rig.h"
@@ -19,8 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string& text_of(const campaign::Provenance& provenance, const char* name, const std::string& where) {
-  for (const auto& [key, text] : provenance.files)
-    if (key == name) return text;
+  if (const std::string* text = campaign::input_text(provenance, name)) return *text;
   throw InputError(where + ": does not hold its " + name +
                    ", so its fidelity is unknown; train on it alone, or compute its trials anew");
 }
@@ -45,7 +45,7 @@ void require_together(const Named& a, const Named& b) {
                      a.fidelity.text() + "); give one dataset of each fidelity");
 }
 
-/// Appends the rows with these inputs after their variables.
+/// Appends the rows with these inputs after their variables. Their groups are new ones.
 void append(learning::TrainingTable& table, const learning::TrainingTable& rows, const std::vector<double>& inputs) {
   const std::uint64_t first_group =
       table.group.empty() ? 0 : 1 + *std::max_element(table.group.begin(), table.group.end());
@@ -57,13 +57,6 @@ void append(learning::TrainingTable& table, const learning::TrainingTable& rows,
   }
   table.outcome.insert(table.outcome.end(), rows.outcome.begin(), rows.outcome.end());
   table.weight.insert(table.weight.end(), rows.weight.begin(), rows.weight.end());
-}
-
-void append(learning::TrainingTable& table, const learning::TrainingTable& rows) {
-  table.variables.insert(table.variables.end(), rows.variables.begin(), rows.variables.end());
-  table.outcome.insert(table.outcome.end(), rows.outcome.begin(), rows.outcome.end());
-  table.weight.insert(table.weight.end(), rows.weight.begin(), rows.weight.end());
-  table.group.insert(table.group.end(), rows.group.begin(), rows.group.end());
 }
 
 }  // namespace
@@ -86,12 +79,9 @@ std::vector<double> Fidelity::inputs() const {
 Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& where) {
   const Config file = Config::parse(text_of(provenance, "vehicle", where), where + ": vehicle");
   const Json soil = Json::parse(text_of(provenance, "calibration", where), where + ": calibration");
-  const Json study = Json::parse(provenance.study, where + ": study");
-  const Json* trial = study.find("trial");
-  const Json* compliant = trial ? trial->find("compliant_tyres") : nullptr;
   Fidelity fidelity;
   fidelity.is_whole = file.text("kind") != "quarter";
-  fidelity.has_compliant_tyres = compliant && compliant->boolean();
+  fidelity.has_compliant_tyres = campaign::had_compliant_tyres(provenance, where);
   const double width =
       fidelity.is_whole ? vehicle::tread_width(vehicle::read_vehicle(file)) : vehicle::read_wheel_rig(file).width;
   fidelity.grains_per_tyre = width / soil.at("grain_diameter_m").number();
@@ -102,7 +92,7 @@ learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows)
   if (empty()) return rows;
   learning::TrainingTable result;
   append(result, rows, own);
-  append(result, table);
+  append(result, table, {});
   return result;
 }
 

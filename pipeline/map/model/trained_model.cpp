@@ -8,6 +8,7 @@
 #include "base/nearest.h"
 #include "base/shipped.h"
 #include "pipeline/campaign/dataset/gravity.h"
+#include "pipeline/campaign/dataset/trial_inputs.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/learn/answer/model_gravity.h"
 #include "pipeline/map/region/ground_gravity.h"
@@ -16,12 +17,6 @@
 namespace gonogo::map {
 namespace fs = std::filesystem;
 namespace {
-
-const std::string* text_of(const campaign::Provenance::Pairs& pairs, const char* name) {
-  for (const auto& [key, text] : pairs)
-    if (key == name) return &text;
-  return nullptr;
-}
 
 /// A vehicle file without its prose: what decides how it drives.
 Json numbers_of(const Json& file) {
@@ -80,7 +75,8 @@ std::string TrialVehicle::fidelity() const {
 }
 
 std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance, const std::string& where) {
-  const std::string *text = text_of(provenance.files, "vehicle"), *soil = text_of(provenance.files, "calibration");
+  const std::string *text = campaign::input_text(provenance, "vehicle"),
+                    *soil = campaign::input_text(provenance, "calibration");
   if (!text || !soil) return std::nullopt;
   const Config file = Config::parse(*text, where + ": vehicle");
   TrialVehicle v;
@@ -92,10 +88,7 @@ std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance
     v.whole = vehicle::read_vehicle(file);
   v.grain_diameter = Json::parse(*soil, where + ": calibration").at("grain_diameter_m").number();
   v.gravity = campaign::gravity_of(provenance, where);
-  const Json study = Json::parse(provenance.study, where + ": study");
-  const Json* trial = study.find("trial");
-  const Json* compliant = trial ? trial->find("compliant_tyres") : nullptr;
-  v.compliant_tyres = compliant && compliant->boolean();
+  v.compliant_tyres = campaign::had_compliant_tyres(provenance, where);
   return v;
 }
 
