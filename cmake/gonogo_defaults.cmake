@@ -2,6 +2,8 @@
 #
 #   gonogo_library(<name> SOURCES <cpp>... [LINK <public>...] [LINK_PRIVATE <private>...])
 #   gonogo_defaults(<target>)
+#   gonogo_precompile(<target> <header>)          compiles a header once that all files of the target include
+#   gonogo_precompile(<target> FROM <target>)     takes that of another target
 #
 # Arithmetic is strict so that results do not depend on compiler version or thread count: no contraction
 # into fused multiply-adds, no reassociation. CUDA gets the same promise by -fmad=false (base/CMakeLists.txt).
@@ -50,4 +52,22 @@ function(gonogo_library name)
     POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_link_libraries(gonogo_${name} PUBLIC ${ARG_LINK} PRIVATE ${ARG_LINK_PRIVATE})
   set_property(GLOBAL APPEND PROPERTY gonogo_libraries ${name})  # for gonogo_install.cmake
+endfunction()
+
+# Only for headers that every file includes anyway: no file may compile because of it alone.
+option(GONOGO_PRECOMPILE "Compile large headers once; OFF for compiler caches that cannot" ON)
+function(gonogo_precompile target header)
+  if(NOT GONOGO_PRECOMPILE)
+    return()
+  elseif(header STREQUAL "FROM")
+    target_precompile_headers(${target} REUSE_FROM ${ARGV2})
+  else()
+    target_precompile_headers(${target} PRIVATE "${PROJECT_SOURCE_DIR}/${header}")
+  endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:-fpch-preprocess>")  # what ccache needs
+    if(CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)  # GCC bug 105651 again, which knows no system headers here
+      target_compile_options(${target} PRIVATE "$<$<COMPILE_LANGUAGE:CXX>:-Wno-stringop-overflow;-Wno-array-bounds>")
+    endif()
+  endif()
 endfunction()

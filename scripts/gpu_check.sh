@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # The GPU check: builds the CUDA preset without GDAL, LibTorch and cairo for this machine's GPU, and checks it.
 #
-#   scripts/gpu_check.sh [--out FOLDER] [part...]        parts: build tests validation sanitizers bench; all when none is named
+#   scripts/gpu_check.sh [--out FOLDER] [part...]        parts: build tests validation sanitizers python bench; all when none is named
 #
 #   build       the program and the tests; also the test of LibTorch's gradients, where python3 has a LibTorch with CUDA
 #   tests       the engine's tests on CPU and GPU, and those gradients
 #   validation  the engine against closed forms and published values, on CPU and GPU
+#   python      the Python module; its bodies on the GPU as tensors of LibTorch, where python3 has that, nanobind and Python.h
 #   sanitizers  the tiny worlds of test_sim_sanitize under compute-sanitizer: memcheck, racecheck, initcheck
 #   bench       times of the bench scenes and of the demo's trials
 #
@@ -21,12 +22,12 @@ parts=()
 while (($# > 0)); do
   case $1 in
     --out) (($# > 1)) || fail "--out needs a folder"; results=$2; shift ;;
-    build | tests | validation | sanitizers | bench) parts+=("$1") ;;
-    *) fail "no part '$1'; there are: build tests validation sanitizers bench, and --out FOLDER before them" ;;
+    build | tests | validation | sanitizers | python | bench) parts+=("$1") ;;
+    *) fail "no part '$1'; there are: build tests validation sanitizers python bench, and --out FOLDER before them" ;;
   esac
   shift
 done
-((${#parts[@]} > 0)) || parts=(build tests validation sanitizers bench)
+((${#parts[@]} > 0)) || parts=(build tests validation sanitizers python bench)
 mkdir -p "$results"
 failed=()
 engine='(sim|base_kernels|terrain_beds|pipeline_batch|learning_gpu)'
@@ -96,6 +97,26 @@ run_sanitizers() {
   done
 }
 
+# nanobind may lie in .carry/python.
+run_python() {
+  local missing
+  [[ ! -d .carry/python ]] || export PYTHONPATH="$PWD/.carry/python"
+  missing=$(python3 - <<'END'
+import importlib.util, os, sysconfig
+if not os.path.exists(sysconfig.get_paths()["include"] + "/Python.h"): print("Python.h")
+print(*[name for name in ("nanobind", "numpy", "torch") if not importlib.util.find_spec(name)])
+END
+)
+  if [[ -n ${missing//[[:space:]]/} ]]; then
+    echo "Python on the GPU: not run, python3 lacks" $missing
+    return
+  fi
+  configure_gpu "$results/python.log" -DGONOGO_TORCH=OFF -DGONOGO_PYTHON=ON "-DPython_EXECUTABLE=$(command -v python3)"
+  cmake --build build/cuda-release -j "$(nproc)" --target gonogo_python >> "$results/python.log" 2>&1 ||
+    { tail -20 "$results/python.log"; fail "building the Python module failed"; }
+  python3 python/tests/on_gpu.py build/cuda-release/python/gonogo || failed+=(python)
+}
+
 bench() { "$program" bench "$@" --json | tail -1 | tee -a "$results/bench.jsonl"; }
 
 run_bench() {
@@ -112,6 +133,9 @@ run_bench() {
   bench batch --tiny --beside-one --threads "$threads"
   bench wheel --backend cuda --threads "$threads"
   bench wheel --substeps 1 --iterations 50 --backend cuda --threads "$threads"
+  for solver in apgd spring_damper hertz; do
+    bench tank --spheres 1000000 --seconds 0.02 --solver "$solver" --backend cuda
+  done
   bench gibbs --threads 1 --chains 256
   for chains in 256 4096 65536 262144; do bench gibbs --backend cuda --chains "$chains"; done
   # Trials in steady state: the demo's, on the CPU's cores and in one batch on the GPU.
@@ -128,6 +152,7 @@ for part in "${parts[@]}"; do
     tests) run_tests ;;
     validation) run_ctest validation validation ;;
     sanitizers) run_sanitizers ;;
+    python) run_python ;;
     bench) run_bench ;;
   esac
 done
