@@ -48,6 +48,12 @@ void Progress::update(std::size_t done, const std::string& note, std::size_t reu
   print(false);
 }
 
+void Progress::make_room() {
+  if (!terminal_) return;
+  std::fputs("\r\033[K", stderr);
+  last_print_ = {};
+}
+
 void Progress::finish() {
   if (finished_) return;
   finished_ = true;

@@ -17,6 +17,9 @@ class Progress {
   /// `reused` of the `done` items took no time in this run and do not count in the rate. `note` follows the ETA.
   void update(std::size_t done, const std::string& note = "", std::size_t reused = 0);
 
+  /// Clears the line of a terminal, so that other output starts there; the next update draws it again.
+  void make_room();
+
   /// Prints the closing line with the time taken. The destructor calls it if nobody did.
   void finish();
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <ctime>
 
+#include "base/cancel.h"
 #include "sim/local_problem/solve.h"
 
 namespace gonogo::sim {
@@ -24,8 +25,9 @@ struct BestSoFar {
     note(0);
   }
 
-  /// Returns the error of r, found after `iteration` iterations.
+  /// Returns the error of r, found after `iteration` iterations. Throws Cancelled when the user asked to stop.
   double offer(const std::vector<double>& r, int iteration) {
+    stop_if_cancelled();
     const double error = siconos_error(problem, r, settings.target);
     if (error < best.error) {
       best.error = error;

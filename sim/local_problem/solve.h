@@ -99,7 +99,7 @@ double claimed_error(const LocalSolution& solution);
 bool takes_start(LocalSolver solver);
 
 /// Throws InputError for a number of facets out of range, and for a start that the solver does not take or whose length
-/// is not that of q.
+/// is not that of q. Throws Cancelled when the user asked to stop.
 LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& settings);
 
 /// All names, in the order of the enumeration.

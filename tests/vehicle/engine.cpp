@@ -145,6 +145,8 @@ TEST_CASE("the ways to the accelerations agree on the trees of all shipped vehic
     const double size = direct.norm();
     const double articulated = (forward_by_articulated_bodies(tree, q, v, tau, kDown) - direct).norm() / size;
     const double divided = (forward_by_divide_and_conquer(tree, q, v, tau, kDown) - direct).norm() / size;
+    const double assembled = (forward_by_assembly(tree, q, v, tau, kDown) - direct).norm() / size;
+    CHECK(agrees(std::string(name) + ", assembly and disassembly", 0, assembled, 1e-10));
     CHECK(agrees(std::string(name) + ", articulated bodies", 0, articulated, 1e-10));
     CHECK(agrees(std::string(name) + ", divide and conquer", 0, divided, 1e-10));
   }

@@ -143,6 +143,38 @@ TEST_CASE("a vehicle tips where its centre of mass leaves its wheels") {
   CHECK(limiting_cause(v, on_slope(0, 30, 0.5, false)) == "traction");
 }
 
+TEST_CASE("the centre of pressure is where gravity through the centre of mass meets the plane") {
+  const Vehicle v = shipped_vehicle("hmmwv");
+  const Weights w = weigh(v);
+  const auto wheels = stations(v);
+  const double height = w.centre.z - w.ground;
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> slope(-25, 25);
+  for (int trial = 0; trial < 20; ++trial) {
+    Demand d = on_slope(slope(random), slope(random), 2, false);
+    const Feasibility f = feasible(v, d);
+    REQUIRE(f.pressure);
+    const double x = w.centre.x - height * d.gravity.x / d.gravity.z,
+                 y = w.centre.y - height * d.gravity.y / d.gravity.z;
+    CHECK(f.pressure->x == Approx(x).margin(1e-6));
+    CHECK(f.pressure->y == Approx(y).margin(1e-6));
+    // Wheels in pairs, left first: front, rear.
+    const double front = wheels[0].centre.x, rear = wheels[2].centre.x, half_front = std::fabs(wheels[0].centre.y),
+                 half_rear = std::fabs(wheels[2].centre.y), rise = (half_front - half_rear) / (front - rear);
+    const double side = (half_rear + rise * (x - rear) - std::fabs(y)) / std::hypot(1, rise);
+    const double edge = std::min({front - x, x - rear, side});
+    CHECK(f.pressure->edge == Approx(edge).margin(1e-6));
+    d.edge_distance = 1.01 * edge;
+    CHECK(limiting_cause(v, d) == "centre of pressure");
+    d.edge_distance = 0.99 * edge;
+    CHECK(feasible(v, d).feasible == f.feasible);
+  }
+  Demand bad = on_slope(0, 0, 1);
+  bad.edge_distance = 0.1;
+  bad.step = 0.1;
+  refused([&] { feasible(v, bad); }, "for a plane");
+}
+
 TEST_CASE("a parked vehicle holds exactly where the slope is in the cone and the weight between the wheels") {
   const Vehicle v = hmmwv(Differential::open, Differential::open);
   const auto wheels = stations(v);

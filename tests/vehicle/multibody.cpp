@@ -1,5 +1,7 @@
 // Reduced-coordinate dynamics: the algorithms against each other on random trees, and against closed forms.
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "base/units.h"
@@ -90,9 +92,9 @@ TreeBody rod(int parent, const Vector3& at, double mass, double length) {
 
 }  // namespace
 
-TEST_CASE("four ways to the accelerations of random trees agree") {
+TEST_CASE("five ways to the accelerations of random trees agree") {
   Draw draw{std::mt19937(11)};
-  double mass = 0, articulated = 0, divided = 0, inverse = 0;
+  double mass = 0, articulated = 0, divided = 0, assembled = 0, inverse = 0;
   for (int trial = 0; trial < 90; ++trial) {
     const Case c = random_case(draw, 1 + draw.below(18), trial % 3, trial % 2 == 0);
     const int n = c.tree.velocity_count();
@@ -104,12 +106,39 @@ TEST_CASE("four ways to the accelerations of random trees agree") {
                            relative(forward_by_articulated_bodies(c.tree, c.q, c.v, c.tau, kDown, c.external), direct));
     const VectorX conquered = forward_by_divide_and_conquer(c.tree, c.q, c.v, c.tau, kDown, c.external);
     divided = std::max(divided, relative(conquered, direct));
+    std::vector<int> order(std::size_t(c.tree.body_count()));
+    std::iota(order.begin(), order.end(), 0);
+    std::shuffle(order.begin(), order.end(), draw.engine);
+    for (const std::vector<int>& by : {std::vector<int>{}, order})
+      assembled =
+          std::max(assembled, relative(forward_by_assembly(c.tree, c.q, c.v, c.tau, kDown, c.external, by), direct));
     inverse = std::max(inverse, relative(inverse_dynamics(c.tree, c.q, c.v, conquered, kDown, c.external), c.tau));
   }
   CHECK(agrees("mass matrix by unit vectors", 0, mass, 1e-12));
   CHECK(agrees("articulated bodies", 0, articulated, 1e-10));
   CHECK(agrees("divide and conquer", 0, divided, 1e-10));
+  CHECK(agrees("assembly and disassembly in any order", 0, assembled, 1e-10));
   CHECK(agrees("inverse of forward dynamics", 0, inverse, 1e-10));
+}
+
+TEST_CASE("two trees on the ground are assembled like one, and an order without a joint is refused") {
+  Draw draw{std::mt19937(14)};
+  Tree tree;
+  for (const int parent : {-1, 0, -1, 2}) {
+    TreeBody b;
+    b.parent = parent;
+    b.axis = draw.vector().normalized();
+    b.from_parent = {draw.rotation(), draw.vector()};
+    b.inertia = draw.inertia();
+    tree.add(b);
+  }
+  const VectorX q = draw.vector(4), v = draw.vector(4), tau = draw.vector(4);
+  const VectorX direct =
+      mass_matrix_by_composites(tree, q).llt().solve(tau - inverse_dynamics(tree, q, v, VectorX::Zero(4), kDown));
+  for (const std::vector<int>& order : {std::vector<int>{2, 0, 3, 1}, {0, 1, 2, 3}, {3, 1, 2, 0}})
+    CHECK(relative(forward_by_assembly(tree, q, v, tau, kDown, {}, order), direct) < 1e-11);
+  refused([&] { forward_by_assembly(tree, q, v, tau, kDown, {}, {0, 1, 2}); }, "each of the 4 joints once");
+  refused([&] { forward_by_assembly(tree, q, v, tau, kDown, {}, {0, 1, 2, 2}); }, "each of the 4 joints once");
 }
 
 TEST_CASE("velocities and accelerations of points are the differences of their places") {

@@ -271,6 +271,10 @@ void check(const Demand& d) {
   if (!(d.friction >= 1e-3 && d.friction <= 100))
     throw InputError("a friction coefficient of " + number_text(d.friction, 6) + " is outside 0.001 to 100");
   if (!(d.step >= 0)) throw InputError("a step of " + number_text(d.step) + " m; give a height of at least 0");
+  if (!(d.edge_distance >= 0))
+    throw InputError("a distance of " + number_text(d.edge_distance) + " m from the edge; give at least 0");
+  if (d.edge_distance > 0 && d.step > 0)
+    throw InputError("the distance from the edge is for a plane; leave it or the step out");
   if (!(length(d.gravity) > 0 && d.gravity.z < 0)) throw InputError("gravity must point into the ground");
 }
 
@@ -298,7 +302,19 @@ Feasibility result_of(const Vehicle& v, const Pose& pose, const Program& program
   return f;
 }
 
-/// Whether it would do with these limits, belly left out.
+/// On a plane, in the vehicle's frame.
+std::optional<Pressure> pressure_of(const Pose& pose, const Feasibility& f) {
+  std::vector<Vec3d> point;
+  std::vector<double> normal;
+  for (std::size_t i = 0; i < f.contact.size(); ++i) {
+    const Vector3 at = pose.contact[i].point - pose.origin;
+    point.push_back({at.x(), at.y(), at.z()});
+    normal.push_back(f.contact[i].normal);
+  }
+  return centre_of_pressure(point, normal);
+}
+
+/// Whether it would do with these limits, belly and edge left out.
 bool stands(const Vehicle& v, const Demand& d, const Limits& limits) { return feasible(v, d, limits).reserve >= kNone; }
 
 }  // namespace
@@ -309,17 +325,20 @@ Feasibility feasible(const Vehicle& v, const Demand& demand, const Limits& limit
   worst.reserve = std::numeric_limits<double>::infinity();
   for (const Pose& pose : poses_of(v, demand)) {
     const Program program(v, pose, demand, limits);
-    const Feasibility here = result_of(v, pose, program, program.answer(true));
+    Feasibility here = result_of(v, pose, program, program.answer(true));
+    if (demand.step == 0) here.pressure = pressure_of(pose, here);
     if (here.reserve < worst.reserve) worst = here;
   }
   if (demand.step > 0 && needed_clearance(v, demand.step) > v.clearance) worst.feasible = false;
+  const bool is_limited = demand.edge_distance > 0 && worst.pressure.has_value();
+  if (is_limited && worst.pressure->edge < demand.edge_distance) worst.feasible = false;
   return worst;
 }
 
 std::string limiting_cause(const Vehicle& v, const Demand& demand) {
   if (feasible(v, demand).feasible) return "";
   if (!stands(v, demand, {false, false})) return "tip-over";
-  if (stands(v, demand, {true, true})) return "belly";
+  if (stands(v, demand, {true, true})) return demand.step > 0 ? "belly" : "centre of pressure";
   const bool with_torque = stands(v, demand, {true, false}), with_friction = stands(v, demand, {false, true});
   if (with_torque && with_friction) return "traction or torque";
   if (with_torque) return "torque";

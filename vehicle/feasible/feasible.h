@@ -3,10 +3,12 @@
 // The question is a convex cone program with an exact answer. "No" is a proof for hard ground. "Yes" is an upper bound:
 // soft ground and dynamics can only make it worse.
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/units.h"
+#include "vehicle/feasible/pressure.h"
 #include "vehicle/model/vehicle.h"
 
 namespace gonogo::vehicle {
@@ -16,7 +18,8 @@ struct Demand {
   double friction = 0.8;           // of every contact
   double step = 0;                 // height of a step that all axles must climb [m]
   double acceleration = 0;         // along x [m/s^2]
-  bool moving = true;              // wheels roll, driven or braked; false: parked, brakes only
+  double edge_distance = 0;  // least, of the centre of pressure from the edge of the wheels' polygon; on a plane [m]
+  bool moving = true;        // wheels roll, driven or braked; false: parked, brakes only
 };
 
 /// Limits to apply. Leaving one out shows whether it binds.
@@ -37,16 +40,18 @@ struct Feasibility {
   double pitch = 0, rise = 0;         // hardest pose on a step: pitch, nose up [rad]; rise of the climbing axle [m]
   std::string climbing;               // axle at the step; empty on a plane
   std::vector<ContactForce> contact;  // a solution; when infeasible, the nearest to one
-  std::vector<double> torque;         // of each drive unit: a wheel, or the left and right sprocket [N m]
-  std::vector<std::string> unit;      // their names
+  std::optional<Pressure>
+      pressure;                   // of these forces in the vehicle's frame; on a plane, with an area under the wheels
+  std::vector<double> torque;     // of each drive unit: a wheel, or the left and right sprocket [N m]
+  std::vector<std::string> unit;  // their names
 };
 
 /// Throws InputError for a step when the vehicle does not have two axles, and for numbers out of range.
 Feasibility feasible(const Vehicle& v, const Demand& demand, const Limits& limits = {});
 
 /// Cause of infeasibility: "traction", "torque", "tip-over" (no normal forces balance the weight), "belly" (the chassis
-/// hits the step), "traction or torque" (more of either would do), "traction and torque" (more of both is needed).
-/// Empty when feasible.
+/// hits the step), "centre of pressure" (too near the edge of the wheels' polygon), "traction or torque" (more of
+/// either would do), "traction and torque" (more of both is needed). Empty when feasible.
 std::string limiting_cause(const Vehicle& v, const Demand& demand);
 
 /// Smallest friction coefficient at which the demand is feasible; infinity when there is none.

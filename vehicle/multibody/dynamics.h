@@ -24,4 +24,12 @@ VectorX forward_by_articulated_bodies(const Tree& tree, const VectorX& q, const 
 VectorX forward_by_divide_and_conquer(const Tree& tree, const VectorX& q, const VectorX& v, const VectorX& tau,
                                       const Vector3& gravity, const std::vector<Vector6>& external = {});
 
+/// Accelerations by assembly and disassembly (Yamane & Nakamura, "Comparative Study on Serial and Parallel Forward
+/// Dynamics Algorithms for Kinematic Chains", Int. J. Robotics Research 28(5), 2009): joints are closed one by one and
+/// opened in reverse. `order`: all joints, in any order; empty: from the tips to the root, linear in the number of
+/// bodies of a chain. Throws InputError for an order that leaves joints out or repeats them.
+VectorX forward_by_assembly(const Tree& tree, const VectorX& q, const VectorX& v, const VectorX& tau,
+                            const Vector3& gravity, const std::vector<Vector6>& external = {},
+                            const std::vector<int>& order = {});
+
 }  // namespace gonogo::vehicle::multibody

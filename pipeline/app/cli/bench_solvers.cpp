@@ -1,9 +1,9 @@
 #include <cmath>
 #include <memory>
 
-#include "base/cancel.h"
 #include "base/error.h"
 #include "base/line.h"
+#include "base/progress.h"
 #include "pipeline/app/cli/bench_parts.h"
 #include "pipeline/lab/solver_bench/solver_bench.h"
 #include "pipeline/lab/validate/fclib.h"
@@ -71,6 +71,67 @@ std::string growth_text(const lab::SolverBench& bench, const std::vector<lab::So
   return text;
 }
 
+/// Tells where the runs that ended are; a bench does not go on from them.
+struct Stopped : Cancelled {
+  explicit Stopped(std::string text) : text(std::move(text)) {}
+  const char* what() const noexcept override { return text.c_str(); }
+  std::string text;
+};
+
+/// Rows and tables of the runs as they end, under one progress line.
+class BenchRows {
+ public:
+  BenchRows(const Globals& globals, const SolversRequest& request)
+      : globals_(globals), request_(request), progress_("bench solvers", "runs", lab::run_count(request.bench)) {}
+
+  lab::SolverBenchWatch watch() {
+    return {.begins = [this](const std::string& what) { progress_.update(runs_.size(), what); },
+            .ended = [this](const lab::SolverRun& run) { add(run); }};
+  }
+  Json json() const {
+    Json rows = Json::array();
+    for (const lab::SolverRun& run : runs_) rows.push_back(run_json(request_.bench, run));
+    return rows;
+  }
+  void finish() {
+    progress_.update(runs_.size());
+    progress_.finish();
+  }
+
+  /// Keeps what has ended. `times.csv` is there already.
+  [[noreturn]] void stop() {
+    finish();
+    std::string kept = "interrupted; the runs that ended are in the rows above; --out FOLDER would keep them";
+    if (!request_.out.empty()) {
+      lab::write_solver_curves(request_.out, runs_);
+      kept = line("interrupted; times.csv and curves.csv in %s hold the %zu runs that ended", request_.out.c_str(),
+                  runs_.size());
+    }
+    throw Stopped(kept);
+  }
+
+ private:
+  void add(const lab::SolverRun& run) {
+    progress_.make_room();
+    print_row(globals_, (runs_.empty() ? table_head(request_.bench) : "") + run_text(request_.bench, run));
+    runs_.push_back(run);
+    if (!request_.out.empty()) lab::write_solver_times(request_.out, request_.bench, runs_);
+  }
+
+  const Globals& globals_;
+  const SolversRequest& request_;
+  Progress progress_;
+  std::vector<lab::SolverRun> runs_;
+};
+
+std::vector<lab::SolverRun> run_all(const SolversRequest& request, BenchRows& rows) {
+  try {
+    return lab::bench_solvers(request.bench, rows.watch());
+  } catch (const Cancelled&) {
+    rows.stop();
+  }
+}
+
 void run_bench(const Globals& globals, SolversRequest request) {
   lab::SolverBench& bench = request.bench;
   if (request.paths.empty() && request.scenes.empty())
@@ -81,23 +142,18 @@ void run_bench(const Globals& globals, SolversRequest request) {
   bench.settings.target = sim::target_named(request.target);
   for (const std::string& name : request.solvers) bench.solvers.push_back(sim::local_solver(name));
   for (const std::string& name : request.engine) bench.engine_solvers.push_back(kSolvers.at(name));
-  const auto runs = lab::bench_solvers(bench, [] { stop_if_cancelled(); });
-  std::string text = table_head(bench);
-  Json rows = Json::array();
-  for (const lab::SolverRun& run : runs) {
-    text += run_text(bench, run);
-    rows.push_back(run_json(bench, run));
-  }
-  text += growth_text(bench, runs);
+  BenchRows rows(globals, request);
+  const auto runs = run_all(request, rows);
+  rows.finish();
   Json json;
   json["target"] = request.target;
   json["tolerances"] = Json(bench.tolerances);
-  json["runs"] = rows;
+  json["runs"] = rows.json();
   if (!request.out.empty()) {
     lab::write_solver_bench(request.out, bench, runs);
     json["folder"] = request.out;
   }
-  print_result(globals, json, text);
+  print_result(globals, json, growth_text(bench, runs));
 }
 
 }  // namespace

@@ -36,6 +36,10 @@ void add_feasible(CLI::App& vehicle, const Globals& globals) {
       ->capture_default_str();
   command->add_option("--step", request->step, "Height of a step to climb [m]")->capture_default_str();
   command->add_option("--mu", request->friction, "Friction coefficient of the wheels")->capture_default_str();
+  command
+      ->add_option("--edge-distance", request->edge_distance,
+                   "Least distance of the centre of pressure from the edge of the wheels' polygon, on a plane [m]")
+      ->capture_default_str();
   add_examples(*command, {"gonogo vehicle feasible hmmwv --slope 20 --cross-slope 10 --mu 0.6"});
   command->callback([&globals, name, request] {
     const lab::Report r = lab::check_feasible(vehicle::read_vehicle(lab::vehicle_file(*name)), *request);

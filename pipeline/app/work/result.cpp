@@ -7,6 +7,12 @@ namespace {
 
 bool printed = false;
 
+void write_out(const std::string& text) {
+  const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
+  if (!written || std::fflush(stdout) != 0)
+    throw DeviceError("standard output: cannot write the result (is the disk full?)");
+}
+
 std::string kind_of(ExitCode code) {
   switch (code) {
     case ExitCode::bad_input:
@@ -24,9 +30,11 @@ void print_result(const Globals& globals, const Json& result, const std::string&
   printed = true;
   std::string out = globals.json ? result.dump() : text;
   if (!out.empty() && out.back() != '\n') out += '\n';
-  const bool written = std::fwrite(out.data(), 1, out.size(), stdout) == out.size();
-  if (!written || std::fflush(stdout) != 0)
-    throw DeviceError("standard output: cannot write the result (is the disk full?)");
+  write_out(out);
+}
+
+void print_row(const Globals& globals, const std::string& text) {
+  if (!globals.json) write_out(text);
 }
 
 bool result_printed() { return printed; }

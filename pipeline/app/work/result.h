@@ -21,6 +21,9 @@ struct Globals {
 /// standard output cannot be written.
 void print_result(const Globals& globals, const Json& result, const std::string& text);
 
+/// Prints a part of the text before the result is there. Nothing under --json. Throws as print_result does.
+void print_row(const Globals& globals, const std::string& text);
+
 /// Whether print_result has been called: an error that follows is told on stderr and by the exit code alone.
 bool result_printed();
 

@@ -2,6 +2,8 @@
 
 #include <ctime>
 
+#include "base/cancel.h"
+
 namespace gonogo::lab {
 
 std::string engine_run_name(sim::Solver solver) {
@@ -23,6 +25,7 @@ SolverRun engine_run(const SceneStep& step, const sim::StepProblem& problem, sim
   run.trace.push_back({0, 0, run.error});
   int in_vain = 0;
   for (double next = 5; next <= max && run.error > settings.tolerance && in_vain < kPatience; next *= 1.5) {
+    stop_if_cancelled();
     sim::StepSettings with = step.settings;
     with.solver = solver;
     with.iterations = run.iterations = int(next);

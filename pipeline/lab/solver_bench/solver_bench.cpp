@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "base/cancel.h"
 #include "base/error.h"
 #include "base/format.h"
 #include "pipeline/lab/solver_bench/engine_runs.h"
@@ -56,15 +57,34 @@ sim::LocalSolveSettings settings_of(const SolverBench& bench, sim::LocalSolver s
   return settings;
 }
 
+/// Runs as they end.
+class Runs {
+ public:
+  explicit Runs(const SolverBenchWatch& watch) : watch_(watch) {}
+
+  void begin(const std::string& what) const {
+    stop_if_cancelled();
+    watch_.begins(what);
+  }
+  void add(SolverRun run) {
+    runs_.push_back(std::move(run));
+    watch_.ended(runs_.back());
+  }
+  std::vector<SolverRun> all() && { return std::move(runs_); }
+
+ private:
+  const SolverBenchWatch& watch_;
+  std::vector<SolverRun> runs_;
+};
+
 class SceneRuns {
  public:
-  SceneRuns(const SolverBench& bench, const std::function<void()>& before_each, std::vector<SolverRun>& runs)
-      : bench_(bench), before_each_(before_each), runs_(runs) {}
+  SceneRuns(const SolverBench& bench, StepScene scene, Runs& runs) : bench_(bench), scene_(scene), runs_(runs) {}
 
-  void run(StepScene scene, int bodies) {
-    const SceneStep step = settled_step(scene, bodies, bench_.threads);
+  void run(int bodies) {
+    runs_.begin("settling " + step_scene_names()[std::size_t(scene_)] + " " + std::to_string(bodies));
+    const SceneStep step = settled_step(scene_, bodies, bench_.threads);
     const sim::StepProblem problem = step_problem(step);
-    const std::size_t first = runs_.size();
     for (const sim::LocalSolver solver : bench_.solvers) {
       sim::LocalSolveSettings settings = settings_of(bench_, solver);
       if (bench_.is_warm && sim::takes_start(solver)) settings.start = warm_start(step, problem);
@@ -74,31 +94,30 @@ class SceneRuns {
     for (const sim::Solver solver : bench_.engine_solvers)
       add(engine_run_name(solver), step, problem,
           [&] { return engine_run(step, problem, solver, bench_.settings, bench_.threads); });
-    for (std::size_t k = first; k < runs_.size(); ++k) {
-      runs_[k].scene = step_scene_names()[std::size_t(scene)];
-      runs_[k].bodies = step.bodies;
-    }
   }
 
  private:
   template <class Run>
   void add(const std::string& solver, const SceneStep& step, const sim::StepProblem& problem, Run run) {
-    before_each_();
-    if (const double taken = taken_[solver]; taken > bench_.skip_after) {
-      runs_.push_back({.problem = step.name,
-                       .solver = solver,
-                       .refusal = solver + " was not run, since fewer bodies took it " + number_text(taken) + " s",
-                       .contacts = problem.local().contact_count(),
-                       .error = kNever});
-      return;
-    }
-    runs_.push_back(run());
-    if (!runs_.back().trace.empty()) taken_[solver] = runs_.back().trace.back().seconds;
+    runs_.begin(step.name + ", " + solver);
+    SolverRun done;
+    if (const double taken = taken_[solver]; taken > bench_.skip_after)
+      done = {.problem = step.name,
+              .solver = solver,
+              .refusal = solver + " was not run, since fewer bodies took it " + number_text(taken) + " s",
+              .contacts = problem.local().contact_count(),
+              .error = kNever};
+    else
+      done = run();
+    if (!done.trace.empty()) taken_[solver] = done.trace.back().seconds;
+    done.scene = step_scene_names()[std::size_t(scene_)];
+    done.bodies = step.bodies;
+    runs_.add(std::move(done));
   }
 
   const SolverBench& bench_;
-  const std::function<void()>& before_each_;
-  std::vector<SolverRun>& runs_;
+  StepScene scene_;
+  Runs& runs_;
   std::map<std::string, double> taken_;  // by solver, at the latest size [s]
 };
 
@@ -118,27 +137,33 @@ std::vector<std::string> run_names(const SolverBench& bench) {
   return names;
 }
 
-std::vector<SolverRun> bench_solvers(const SolverBench& bench, const std::function<void()>& before_each) {
+std::size_t run_count(const SolverBench& bench) {
+  std::size_t problems = bench.files.size();
+  for (const SceneSizes& sizes : bench.scenes) problems += sizes.bodies.size();
+  return problems * run_names(bench).size();
+}
+
+std::vector<SolverRun> bench_solvers(const SolverBench& bench, const SolverBenchWatch& watch) {
   check(bench);
-  std::vector<SolverRun> runs;
+  Runs runs(watch);
   for (const auto& file : bench.files) {
     const sim::LocalProblem problem = sim::read_problem(file);
     for (const sim::LocalSolver solver : bench.solvers) {
-      before_each();
-      runs.push_back(run_solver(file.filename().string(), problem, settings_of(bench, solver), nullptr));
+      runs.begin(file.filename().string() + ", " + sim::solver_name(solver));
+      runs.add(run_solver(file.filename().string(), problem, settings_of(bench, solver), nullptr));
     }
     for (const sim::Solver solver : bench.engine_solvers)
-      runs.push_back({.problem = file.filename().string(),
-                      .solver = engine_run_name(solver),
-                      .refusal = engine_run_name(solver) + " refuses a problem from a file; it takes scenes",
-                      .contacts = problem.contact_count(),
-                      .error = kNever});
+      runs.add({.problem = file.filename().string(),
+                .solver = engine_run_name(solver),
+                .refusal = engine_run_name(solver) + " refuses a problem from a file; it takes scenes",
+                .contacts = problem.contact_count(),
+                .error = kNever});
   }
   for (const SceneSizes& sizes : bench.scenes) {
-    SceneRuns scene_runs(bench, before_each, runs);
-    for (const int bodies : sizes.bodies) scene_runs.run(sizes.scene, bodies);
+    SceneRuns scene_runs(bench, sizes.scene, runs);
+    for (const int bodies : sizes.bodies) scene_runs.run(bodies);
   }
-  return runs;
+  return std::move(runs).all();
 }
 
 Profile time_profile(const SolverBench& bench, const std::vector<SolverRun>& runs, double tolerance) {

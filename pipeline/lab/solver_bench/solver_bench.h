@@ -49,10 +49,19 @@ struct SolverRun {
 /// where there are scenes.
 std::vector<std::string> run_names(const SolverBench& bench);
 
+/// What a caller is told while a bench goes on.
+struct SolverBenchWatch {
+  std::function<void(const std::string& what)> begins = [](const std::string&) {};  // settling a scene, or a run
+  std::function<void(const SolverRun&)> ended = [](const SolverRun&) {};
+};
+
+/// Problems times solvers.
+std::size_t run_count(const SolverBench& bench);
+
 /// Runs of all solvers on all problems, problem by problem; every problem has the same number of runs, in the order of
-/// run_names(). `before_each`: called before every run. Throws InputError for malformed files, tolerances that do not
-/// fall and sizes that do not grow.
-std::vector<SolverRun> bench_solvers(const SolverBench& bench, const std::function<void()>& before_each);
+/// run_names(). Throws InputError for malformed files, tolerances that do not fall and sizes that do not grow. Throws
+/// Cancelled when the user asked to stop; `watch` has seen the runs that ended.
+std::vector<SolverRun> bench_solvers(const SolverBench& bench, const SolverBenchWatch& watch = {});
 
 /// Of the seconds to `tolerance`; solvers in the order of run_names().
 Profile time_profile(const SolverBench& bench, const std::vector<SolverRun>& runs, double tolerance);
@@ -76,9 +85,15 @@ struct LinearGrowth {
 /// Of solvers that keep factors.
 std::vector<LinearGrowth> linear_growth(const SolverBench& bench, const std::vector<SolverRun>& runs);
 
-/// Writes curves.csv, profile.csv, times.csv, and with cairo profile.png and two curves per problem (over time and over
-/// iterations), into `folder`, which is created. For scenes also growth.csv with its plots, linear.csv, and motion.csv:
-/// momentum and kinetic energy, which all solvers must agree on.
+/// The table of the runs so far: times.csv in `folder`, which is created.
+void write_solver_times(const std::filesystem::path& folder, const SolverBench& bench,
+                        const std::vector<SolverRun>& runs);
+/// The errors over iterations and time of the runs so far: curves.csv.
+void write_solver_curves(const std::filesystem::path& folder, const std::vector<SolverRun>& runs);
+
+/// Of all runs: writes curves.csv, profile.csv, times.csv, and with cairo profile.png and two curves per problem (over
+/// time and over iterations), into `folder`, which is created. For scenes also growth.csv with its plots, linear.csv,
+/// and motion.csv: momentum and kinetic energy, which all solvers must agree on.
 void write_solver_bench(const std::filesystem::path& folder, const SolverBench& bench,
                         const std::vector<SolverRun>& runs);
 

@@ -75,10 +75,19 @@ std::string file_name(std::string problem) {
 
 }  // namespace
 
-void write_solver_bench(const fs::path& folder, const SolverBench& bench, const std::vector<SolverRun>& runs) {
+void write_solver_times(const fs::path& folder, const SolverBench& bench, const std::vector<SolverRun>& runs) {
+  create_folder(folder);
+  write_file_atomically(folder / "times.csv", times_csv(bench, runs));
+}
+
+void write_solver_curves(const fs::path& folder, const std::vector<SolverRun>& runs) {
   create_folder(folder);
   write_file_atomically(folder / "curves.csv", curves_csv(runs));
-  write_file_atomically(folder / "times.csv", times_csv(bench, runs));
+}
+
+void write_solver_bench(const fs::path& folder, const SolverBench& bench, const std::vector<SolverRun>& runs) {
+  write_solver_times(folder, bench, runs);
+  write_solver_curves(folder, runs);
   const std::vector<std::string> names = run_names(bench);
   std::string csv = "tolerance,solver,tau,share\n";
   for (const double tolerance : bench.tolerances) {

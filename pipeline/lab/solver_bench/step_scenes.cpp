@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/cancel.h"
 #include "base/error.h"
 #include "base/random.h"
 #include "pipeline/lab/scenes/spheres.h"
@@ -15,7 +16,7 @@ constexpr double kStep = 1e-3, kFriction = 0.5;
 /// Contacts are found up to this gap. Wider ones cannot close in a step of these scenes, and their bias, gap / step,
 /// would dwarf the other speeds by which an error is measured.
 constexpr double kEnvelope = 3e-4;  // [m]
-constexpr int kLastSteps = 50;      // at kStep, after the scene has settled
+constexpr Index kLastSteps = 50;    // at kStep, after the scene has settled
 
 /// A world not yet settled, and what is done to it.
 struct Start {
@@ -146,6 +147,15 @@ sim::StepSettings settings_of(const Start& start, double step, int iterations, d
   return s;
 }
 
+/// Throws Cancelled between steps when the user asked to stop.
+void advance(sim::Simulation& simulation, Index steps) {
+  constexpr Index kAtOnce = 10;
+  for (Index done = 0; done < steps; done += kAtOnce) {
+    stop_if_cancelled();
+    simulation.advance(std::min(kAtOnce, steps - done));
+  }
+}
+
 void require_sound(sim::Simulation& simulation, const std::string& name) {
   if (const sim::StepReport report = simulation.report(0); report.flags != 0)
     throw DeviceError(name + ": " + sim::description(report.fault, simulation.settings().step));
@@ -157,7 +167,7 @@ void settle(Start& start, const std::string& name, int threads) {
     if (!(time > 0)) return;
     const auto simulation = sim::make_simulation(sim::Backend::cpu, {start.world},
                                                  settings_of(start, kCoarse, 50, 0.05 * start.diameter), threads);
-    simulation->advance(Index(std::ceil(time / kCoarse)));
+    advance(*simulation, Index(std::ceil(time / kCoarse)));
     require_sound(*simulation, name);
     start.world.body = simulation->bodies(0);
   };
@@ -201,7 +211,7 @@ SceneStep settled_step(StepScene scene, int bodies, int threads) {
   SceneStep step{
       .name = name, .bodies = moving_bodies(start.world), .settings = settings_of(start, kStep, 100, kEnvelope)};
   const auto simulation = sim::make_simulation(sim::Backend::cpu, {start.world}, step.settings, threads);
-  simulation->advance(kLastSteps);
+  advance(*simulation, kLastSteps);
   require_sound(*simulation, name);
   step.earlier = simulation->contacts(0);
   step.earlier_impulse = simulation->impulses(0);

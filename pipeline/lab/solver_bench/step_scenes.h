@@ -33,7 +33,8 @@ struct SceneStep {
 };
 
 /// Settles the scene with the engine's `apgd` on the CPU. `bodies`: about so many, at least 1. Throws InputError for
-/// more than 1,000,000, and above 1000 for `stack`. Throws DeviceError when the engine raises a flag.
+/// more than 1,000,000, and above 1000 for `stack`. Throws DeviceError when the engine raises a flag, Cancelled when
+/// the user asked to stop.
 SceneStep settled_step(StepScene scene, int bodies, int threads);
 
 sim::StepProblem step_problem(const SceneStep& step);

@@ -21,6 +21,7 @@ Demand demand_of(const FeasibleRequest& r, double slope_along, bool moving) {
   d.gravity = campaign::bed_gravity(slope_along, r.slope_across);
   d.friction = r.friction;
   d.step = r.step;
+  d.edge_distance = r.edge_distance;
   d.moving = moving;
   return d;
 }
@@ -43,6 +44,7 @@ double steepest(const Vehicle& v, const FeasibleRequest& r) {
 }
 
 double highest_step(const Vehicle& v, FeasibleRequest r) {
+  r.edge_distance = 0;  // wheels on a step and on the ground share no plane
   double low = 0, high = 0.8 * std::fabs(stations(v).front().centre.x - stations(v).back().centre.x);
   while (high - low > 1e-3) {
     r.step = 0.5 * (low + high);
@@ -81,6 +83,16 @@ void forces(const Feasibility& f, Report& r, Json& json) {
   json["torques_N_m"] = torques;
 }
 
+void pressure(const Feasibility& f, Report& r, Json& json) {
+  if (!f.pressure) return;
+  const Pressure& p = *f.pressure;
+  r.text +=
+      line("  centre of pressure %.3f m before and %.3f m left of the origin, %.3f m inside the wheels' polygon\n", p.x,
+           p.y, p.edge);
+  json["pressure_m"] = Json(std::vector<double>{p.x, p.y});
+  json["pressure_edge_m"] = p.edge;
+}
+
 Json answer(const Vehicle& v, const Demand& d, const char* what, Report& r) {
   const Feasibility f = feasible(v, d);
   const std::string cause = f.feasible ? "" : limiting_cause(v, d);
@@ -97,6 +109,7 @@ Json answer(const Vehicle& v, const Demand& d, const char* what, Report& r) {
   json["reserve"] = finite(f.reserve);
   json["min_friction"] = finite(friction);
   json["min_torque_share"] = finite(torque);
+  pressure(f, r, json);
   forces(f, r, json);
   return json;
 }

@@ -8,6 +8,7 @@ struct FeasibleRequest {
   double slope_along = 0, slope_across = 0;  // as the trials' variables [deg]
   double step = 0;                           // [m]
   double friction = 0.8;
+  double edge_distance = 0;  // of the centre of pressure from the edge of the wheels' polygon [m]
 };
 
 /// Throws InputError for slopes beyond 80 degrees and what vehicle::feasible refuses.

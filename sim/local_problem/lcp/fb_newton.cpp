@@ -3,6 +3,7 @@
 #include <Eigen/SparseLU>
 #include <cmath>
 
+#include "base/cancel.h"
 #include "sim/local_problem/lcp/lcp.h"
 
 namespace gonogo::sim {
@@ -96,6 +97,7 @@ LcpSolution solve_fb_newton(const Lcp& lcp, const LcpSettings& settings) {
   best.error = natural_error(lcp, best.x);
   FischerBurmeister method(lcp);
   while (best.iterations < max && best.error > settings.tolerance && method.step()) {
+    stop_if_cancelled();
     ++best.iterations;
     const VectorXd x = method.point();
     const double error = natural_error(lcp, x);

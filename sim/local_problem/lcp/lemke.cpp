@@ -8,6 +8,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/cancel.h"
 #include "sim/local_problem/lcp/lcp.h"
 
 namespace gonogo::sim {
@@ -140,6 +141,7 @@ LcpSolution solve_lemke(const Lcp& lcp, const LcpSettings& settings) {
   if (dictionary.least_constant() < 0) {
     Index entering = dictionary.z0(), row = dictionary.lowest_row();
     while (row >= 0 && solution.iterations < max) {
+      stop_if_cancelled();
       const Index leaving = dictionary.pivot(row, entering);
       ++solution.iterations;
       if (leaving == dictionary.z0()) break;

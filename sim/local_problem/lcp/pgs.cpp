@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "base/cancel.h"
 #include "sim/local_problem/lcp/lcp.h"
 
 namespace gonogo::sim {
@@ -14,6 +15,7 @@ LcpSolution solve_pgs(const Lcp& lcp, const LcpSettings& settings, const Eigen::
   Eigen::VectorXd x = best.x;
   int k = 0;
   while (k < max && best.error > settings.tolerance) {
+    stop_if_cancelled();
     for (Eigen::Index i = 0; i < x.size(); ++i)
       if (diagonal[i] > 0) x[i] = std::max(0.0, x[i] - (lcp.m.row(i).dot(x) + lcp.q[i]) / diagonal[i]);
     if (++k % kCheckEvery != 0 && k != max) continue;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "base/cancel.h"
 #include "sim/local_problem/lcp/lcp.h"
 
 namespace gonogo::sim {
@@ -144,6 +145,7 @@ LcpSolution solve_qp(const Lcp& lcp, const LcpSettings& settings, const VectorXd
   LcpSolution solution;
   auto outcome = ActiveSet::Outcome::moved;
   while (outcome == ActiveSet::Outcome::moved && solution.iterations < max) {
+    stop_if_cancelled();
     outcome = method.step();
     solution.iterations += outcome == ActiveSet::Outcome::moved;
   }

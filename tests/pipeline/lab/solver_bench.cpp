@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.h"
 #include "base/file.h"
 #include "base/units.h"
 #include "tests/support/catch.h"
@@ -27,7 +28,7 @@ TEST_CASE("a bench knows when each solver reached each error, and writes curves 
   bench.files = {GONOGO_SOURCE_DIR "/tests/data/fclib/Rover1040.dat"};
   bench.solvers = {sim::LocalSolver::nsgs, sim::LocalSolver::pdip, sim::LocalSolver::qp};
   int calls = 0;
-  const auto runs = bench_solvers(bench, [&] { ++calls; });
+  const auto runs = bench_solvers(bench, {.ended = [&](const SolverRun&) { ++calls; }});
   REQUIRE(runs.size() == 3);
   CHECK(calls == 3);
   for (const SolverRun& run : {runs[0], runs[1]}) {
@@ -51,8 +52,14 @@ TEST_CASE("a bench knows when each solver reached each error, and writes curves 
   CHECK(curves.find("Rover1040.dat,5,pdip,0,") != std::string::npos);
   CHECK(std::count(times.begin(), times.end(), '\n') == 1 + 3 * 3);
   CHECK(read_file(folder / "profile.csv").find("1e-08,qp,1,0\n") != std::string::npos);
+  int seen = 0;
+  const auto stop = [&](const SolverRun&) {
+    if (++seen == 2) throw Cancelled();
+  };
+  CHECK_THROWS_AS(bench_solvers(bench, {.ended = stop}), Cancelled);
+  CHECK(seen == 2);
   bench.tolerances = {1e-6, 1e-3};
-  refused([&] { bench_solvers(bench, [] {}); }, "tolerances must fall");
+  refused([&] { bench_solvers(bench); }, "tolerances must fall");
 }
 
 TEST_CASE("in a column of spheres each contact carries the weight above it") {
@@ -80,7 +87,7 @@ TEST_CASE("all solvers agree on momentum and kinetic energy after a step of a sc
   bench.engine_solvers = {sim::Solver::apgd};
   bench.tolerances = {1e-3, 1e-6};
   bench.settings.target = sim::Target::ccp;
-  const auto runs = bench_solvers(bench, [] {});
+  const auto runs = bench_solvers(bench);
   const std::size_t per_problem = run_names(bench).size();
   REQUIRE(runs.size() == 3 * per_problem);
   for (std::size_t first = 0; first < runs.size(); first += per_problem) {
@@ -135,7 +142,7 @@ TEST_CASE("a solver that took too long is not run on more bodies, and the files 
   bench.solvers = {sim::LocalSolver::pdip, sim::LocalSolver::apgd};
   bench.settings.target = sim::Target::ccp;
   bench.skip_after = 0;
-  const auto runs = bench_solvers(bench, [] {});
+  const auto runs = bench_solvers(bench);
   REQUIRE(runs.size() == 6);
   CHECK(runs[0].error <= 1e-8);
   CHECK(runs[4].refusal.find("was not run") != std::string::npos);
@@ -145,7 +152,7 @@ TEST_CASE("a solver that took too long is not run on more bodies, and the files 
   CHECK(motion.find("stack 5,5,pdip,") != std::string::npos);
   CHECK(std::count(grown.begin(), grown.end(), '\n') == 1 + 2 * 3);
   bench.scenes[0].bodies = {20, 5};
-  refused([&] { bench_solvers(bench, [] {}); }, "must grow");
+  refused([&] { bench_solvers(bench); }, "must grow");
   refused([] { settled_step(StepScene::stack, 2000, 1); }, "stack: bodies = 2000");
   refused([] { step_scene("pile"); }, "pile");
 }
