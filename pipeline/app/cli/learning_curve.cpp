@@ -31,6 +31,9 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals, const Wor
   command->add_option("--hold-out", options->hold_out, "Valid trials that score, as in gonogo train")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
+  command->add_flag("--active", options->active,
+                    "Draw the trials of the smallest number only; to each next one add those that an active design "
+                    "would take");
   command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1");
   add_examples(
       *command,

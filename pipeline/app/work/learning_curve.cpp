@@ -15,6 +15,7 @@ void learning_curve_work(const Globals& globals, const LearningCurveOptions& opt
   request.training.hold_out = options.hold_out;
   request.trials = options.trials;
   request.subsets = options.subsets;
+  request.active = options.active;
   request.folder = options.out;
   if (!options.study.empty()) {
     const campaign::Study study = campaign::read_study(options.study);

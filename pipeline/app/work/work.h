@@ -57,6 +57,7 @@ struct LearningCurveOptions {
   std::optional<std::uint64_t> seed;                   // nothing: the study's, or 1
   std::vector<std::size_t> trials = {100, 300, 1000};  // numbers to train on
   std::size_t hold_out = 1000, subsets = 5;
+  bool active = false;
 };
 
 struct CapacityOptions {

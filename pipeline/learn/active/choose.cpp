@@ -30,8 +30,10 @@ std::vector<double> candidates_of(const campaign::DesignSpec& spec, std::uint64_
   return points;
 }
 
-std::vector<double> densities(const ModelAnswers& model, std::span<const double> points, std::size_t width,
-                              double space_filling) {
+}  // namespace
+
+std::vector<double> choice_densities(const ModelAnswers& model, std::span<const double> points, std::size_t width,
+                                     double space_filling) {
   const std::size_t count = points.size() / width;
   std::vector<double> p(count), density(count);
   model.p_go(points, p);
@@ -45,15 +47,13 @@ std::vector<double> densities(const ModelAnswers& model, std::span<const double>
   return density;
 }
 
-}  // namespace
-
 std::vector<campaign::DesignPoint> choose_batch(const campaign::DesignSpec& spec, const ModelAnswers& model,
                                                 const BatchRequest& request) {
   if (spec.ranges.empty()) throw InputError("the design samples no variable; give the range of at least one");
   const std::size_t width = spec.fixed.size();
   const std::uint64_t count = std::max(request.candidates, 4 * request.count);
   const std::vector<double> points = candidates_of(spec, request.skip, count);
-  const std::vector<double> density = densities(model, points, width, request.space_filling);
+  const std::vector<double> density = choice_densities(model, points, width, request.space_filling);
   double sum = 0;
   for (const double d : density) sum += d;
   // Takes one point in each of `request.count` equal parts of the running sum, so a candidate is taken as often as its

@@ -24,6 +24,10 @@ struct BatchRequest {
   std::uint64_t candidates = 4096;  // points of the sequence to choose from
 };
 
+/// Density of the choice at points [count x width], row by row: see choose_batch(). The mean over the points is 1.
+std::vector<double> choice_densities(const ModelAnswers& model, std::span<const double> points, std::size_t width,
+                                     double space_filling);
+
 /// Draws points of the box of `spec` from the density
 ///   q(x) = space_filling + (1 - space_filling) w(x) / mean w,   w = (4 p (1 - p))^2 + [novelty above 2],
 /// relative to the uniform one; p is the model's P(go). Systematic sampling over scrambled Sobol' candidates keeps the

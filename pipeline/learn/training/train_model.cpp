@@ -142,7 +142,7 @@ std::string work_key(const TrainRequest& request, const LearningSettings& settin
   for (const std::filesystem::path& other : request.others) key["others"].push_back(file_hash(other));
   if (request.design) key["design"] = request.design->json();
   key["hold_out"] = Json(std::uint64_t(request.hold_out));
-  if (request.trials > 0) key["subset"] = std::to_string(request.trials) + " " + std::to_string(request.subset);
+  for (const std::uint64_t group : request.groups) key["groups"].push_back(Json(group));
   key["seed"] = Json(request.seed);
   return content_hash(key.dump());
 }
@@ -164,7 +164,7 @@ Json train_model(const TrainRequest& request) {
   temper_weights(data, settings.importance);
   learning::TrainingTable held_out;
   if (request.hold_out > 0) held_out = hold_out(data, request.hold_out, request.seed);
-  if (request.trials > 0) thin(data, request.trials, request.subset);
+  if (!request.groups.empty()) keep_groups(data, request.groups);
   settings = settings_for_trials(std::move(settings), data.table.row_count());
   learning::Model model;
   model.layout = make_layout(data, settings);

@@ -13,14 +13,13 @@
 namespace gonogo::learn {
 
 struct TrainRequest {
-  std::filesystem::path dataset;   // dataset.h5 of the fidelity that the model answers at
-  std::filesystem::path model;     // model.h5 to write
-  std::uint64_t seed = 0;          // the study's
-  std::optional<Config> learning;  // section of the study; none: defaults
-  std::optional<Config> design;    // section of the study, for the sampled ranges; none: as the trials span
-  std::size_t hold_out = 0;        // size of the held-out set, drawn from the seed; evaluate scores it
-  std::size_t trials = 0;          // so many of those that are not held out train, drawn by `subset`; 0: all
-  std::uint64_t subset = 0;
+  std::filesystem::path dataset;           // dataset.h5 of the fidelity that the model answers at
+  std::filesystem::path model;             // model.h5 to write
+  std::uint64_t seed = 0;                  // the study's
+  std::optional<Config> learning;          // section of the study; none: defaults
+  std::optional<Config> design;            // section of the study, for the sampled ranges; none: as the trials span
+  std::size_t hold_out = 0;                // size of the held-out set, drawn from the seed; evaluate scores it
+  std::vector<std::uint64_t> groups = {};  // of replicates: of those that are not held out these train; none: all
   std::vector<std::filesystem::path> others = {};  // datasets of other fidelities (other_fidelity.h)
   bool members_follow = false;  // train_members() comes next: finished folds are kept for its interruption
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "base/error.h"
 
@@ -102,6 +103,8 @@ void temper_weights(TrainingData& data, double importance) {
 
 namespace {
 
+constexpr std::uint64_t kThin = 0x7468696e;  // stream of random numbers
+
 struct DrawnGroups {
   std::vector<char> drawn;      // [row]
   std::size_t groups_left = 0;  // that were not drawn
@@ -153,12 +156,19 @@ learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uin
   return held_out;
 }
 
-void thin(TrainingData& data, std::size_t count, std::uint64_t seed) {
-  constexpr std::uint64_t kThin = 0x7468696e;  // stream of random numbers
-  if (count > data.table.row_count())
-    throw InputError("dataset: " + std::to_string(count) + " trials to train on where " +
-                     std::to_string(data.table.row_count()) + " are left");
-  keep_rows(data, draw_groups(data.table, count, seed, kThin).drawn);
+std::vector<std::uint64_t> drawn_groups(const learning::TrainingTable& table, std::size_t count, std::uint64_t seed) {
+  const DrawnGroups groups = draw_groups(table, count, seed, kThin);
+  std::set<std::uint64_t> drawn;
+  for (std::size_t n = 0; n < table.row_count(); ++n)
+    if (groups.drawn[n]) drawn.insert(table.group[n]);
+  return {drawn.begin(), drawn.end()};
+}
+
+void keep_groups(TrainingData& data, const std::vector<std::uint64_t>& groups) {
+  const std::set<std::uint64_t> kept(groups.begin(), groups.end());
+  std::vector<char> marked;
+  for (const std::uint64_t group : data.table.group) marked.push_back(kept.count(group) > 0);
+  keep_rows(data, marked);
 }
 
 learning::VisibleLayout make_layout(const TrainingData& data, const LearningSettings& settings) {

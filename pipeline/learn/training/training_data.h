@@ -33,9 +33,12 @@ void temper_weights(TrainingData& data, double importance);
 /// together; the seed draws them. Throws InputError if fewer than two groups would be left.
 learning::TrainingTable hold_out(TrainingData& data, std::size_t count, std::uint64_t seed);
 
-/// Leaves `count` trials in the table, or a few more where the last group has replicates. The seed draws the groups.
-/// Throws InputError if the table has fewer.
-void thin(TrainingData& data, std::size_t count, std::uint64_t seed);
+/// Groups of `count` rows together, or a few more where the last one has replicates, drawn by the seed. Ascending; all
+/// groups where the table has fewer rows.
+std::vector<std::uint64_t> drawn_groups(const learning::TrainingTable& table, std::size_t count, std::uint64_t seed);
+
+/// Leaves the rows of these groups in the table.
+void keep_groups(TrainingData& data, const std::vector<std::uint64_t>& groups);
 
 /// Units of the machine. Encoders come from the study or the contract, over the sampled box. A variable that was held
 /// fixed gets no units.

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include "base/file.h"
 #include "base/lock.h"
 #include "learning/score/score.h"
 #include "pipeline/learn/answer/predictor.h"
+#include "pipeline/learn/evaluation/curve_subset.h"
 #include "pipeline/learn/evaluation/reconstruction.h"
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/teacher.h"
@@ -97,6 +99,76 @@ TEST_CASE("a learning curve scores each subset once, goes on where it was, and s
   const std::string text = learning_curve_text(curve);
   CHECK(text.find("best") != std::string::npos);
   for (const fs::path& written : write_learning_curve(request.folder, curve)) CHECK(fs::file_size(written) > 100);
+}
+
+TEST_CASE(
+    "the trials of an active curve grow where the smaller model is unsure, and each number holds the one before") {
+  // 1,000 points of one variable, every tenth twice. The model is unsure below 0.1: w = 1 there and 0 elsewhere.
+  learning::TrainingTable table;
+  table.variable_count = 1;
+  for (std::uint64_t i = 0; i < 1000; ++i)
+    for (std::uint64_t copy = 0; copy < (i % 10 == 0 ? 2 : 1); ++copy) {
+      table.variables.push_back((double(i) + 0.5) / 1000);
+      table.outcome.push_back(0);
+      table.weight.push_back(1);
+      table.group.push_back(i);
+    }
+  const ModelAnswers model{.p_go =
+                               [](std::span<const double> x, std::span<double> p) {
+                                 for (std::size_t i = 0; i < x.size(); ++i) p[i] = x[i] < 0.1 ? 0.5 : 1;
+                               },
+                           .novelty = [](std::span<const double>) { return 1.0; }};
+  const std::vector<std::uint64_t> taken = drawn_groups(table, 20, 1);
+  double unsure = 0, drawn = 0;
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    const std::vector<std::uint64_t> groups = grown_groups(table, taken, 60, model, seed);
+    CHECK(std::is_sorted(groups.begin(), groups.end()));
+    CHECK(std::adjacent_find(groups.begin(), groups.end()) == groups.end());
+    CHECK(std::includes(groups.begin(), groups.end(), taken.begin(), taken.end()));
+    std::size_t rows = 0;
+    for (const std::uint64_t g : groups) rows += g % 10 == 0 ? 2 : 1;
+    CHECK((rows == 60 || rows == 61));
+    drawn += double(groups.size() - taken.size());
+    for (const std::uint64_t g : groups) unsure += g < 100 && !std::binary_search(taken.begin(), taken.end(), g);
+  }
+  // A tenth of the points has 0.25 * 0.1 + 0.75 of the density: 0.775 of the first draw. 40 draws of 100 points leave
+  // fewer there, and the share falls to about 0.68: after k draws of which a are there, the next one is there with the
+  // chance 7.75 (100 - a) / (7.75 (100 - a) + 0.25 (900 - (k - a))).
+  double expected = 0;
+  for (int k = 0; k < 38; ++k) {
+    const double there = 7.75 * (98 - expected);
+    expected += there / (there + 0.25 * (882 - (k - expected)));
+  }
+  std::printf("share of the draws where the model is unsure: %.3f, expected %.3f\n", unsure / drawn, expected / 38);
+  CHECK(unsure / drawn == Approx(expected / 38).margin(0.03));
+}
+
+TEST_CASE("an active curve begins with the drawn trials and adds to them") {
+  LearningCurveRequest request = small_request("active");
+  request.trials = {40, 20};
+  request.subsets = 1;
+  const Json drawn = learning_curve(request);
+  request.active = true;
+  request.folder = scratch() / "active_too";
+  const Json active = learning_curve(request);
+  REQUIRE(active.at("points").items().size() == 2);
+  const auto& entries = active.at("points").items();
+  CHECK(entries.front().at("trials").integer() == 20);
+  CHECK(entries.front().at("brier").dump() == drawn.at("points").items().back().at("brier").dump());
+  CHECK(entries.back().at("brier").dump() != drawn.at("points").items().front().at("brier").dump());
+  const auto points = [&](const char* place) {
+    const learning::Model model = learning::read_model(request.folder / place / "model.h5");
+    std::set<std::vector<double>> rows;
+    const std::size_t width = model.layout.variable_count();
+    for (std::size_t i = 0; i + width <= model.training_points.size(); i += width)
+      rows.emplace(model.training_points.begin() + std::ptrdiff_t(i),
+                   model.training_points.begin() + std::ptrdiff_t(i + width));
+    return rows;
+  };
+  const auto few = points("trials_20_subset_1"), more = points("trials_40_subset_1");
+  CHECK(more.size() > few.size());
+  CHECK(std::includes(more.begin(), more.end(), few.begin(), few.end()));
+  CHECK(learning_curve(request).dump() == active.dump());
 }
 
 TEST_CASE("a learning curve refuses numbers of trials that there are not") {
