@@ -137,5 +137,11 @@ TEST_CASE("an evaluation reports the rows given beside the other kinds") {
   const Json& joint = report.at("joint");
   CHECK(joint.at("kinds").at("given").at("auc_bins").number() < 0.65);
   CHECK(joint_text(joint).find("the rows given") != std::string::npos);
+
+  const Json quick = evaluate_joint(model_file(), scratch() / "fresh_rows.h5", scratch() / "rows.csv");
+  CHECK(quick.at("joint").dump() == joint.dump());
+  CHECK(quick.at("scores").at("model").dump() == report.at("scores").at("model").dump());
+  CHECK(quick.at("trials").integer() == report.at("trials").integer());
+  CHECK_FALSE(quick.at("scores").find("gaussian_process"));
   refused([] { evaluate_model(model_file(), scratch() / "fresh_rows.h5", scratch() / "none.csv"); }, "none.csv");
 }
