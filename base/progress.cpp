@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cmath>
 #include <cstdio>
 
 namespace gonogo {
@@ -26,6 +27,12 @@ std::string bar(double fraction) {
 }
 
 }  // namespace
+
+double seconds_left(const Pace& pace) {
+  const double items = double(pace.done) - double(pace.reused), spent = pace.elapsed - pace.other_elapsed;
+  if (items <= 0 || spent <= 0) return NAN;
+  return double(pace.total - pace.done) * spent / items + pace.other_to_come;
+}
 
 Progress::Progress(std::string task, std::string unit, std::size_t total)
     : task_(std::move(task)),
@@ -54,6 +61,17 @@ void Progress::make_room() {
   last_print_ = {};
 }
 
+void Progress::count_other_work(double elapsed, double to_come) {
+  other_elapsed_ = elapsed;
+  other_to_come_ = to_come;
+}
+
+void Progress::announce(const std::string& note) {
+  note_ = note;
+  last_print_ = std::chrono::steady_clock::now();
+  print(false);
+}
+
 void Progress::finish() {
   if (finished_) return;
   finished_ = true;
@@ -62,7 +80,8 @@ void Progress::finish() {
 
 void Progress::print(bool last) {
   const double elapsed = Seconds(std::chrono::steady_clock::now() - start_).count();
-  const double rate = elapsed > 0 ? double(done_ - reused_) / elapsed : 0;
+  const double at_items = elapsed - other_elapsed_, rate = at_items > 0 ? double(done_ - reused_) / at_items : 0;
+  const double left = seconds_left({total_, done_, reused_, elapsed, other_elapsed_, other_to_come_});
   std::string line = task_ + ": ";
   if (terminal_ && total_ > 0 && !last) line += bar(double(done_) / double(total_)) + " ";
   line += std::to_string(done_) + (total_ > 0 ? "/" + std::to_string(total_) : "") + " " + unit_;
@@ -73,8 +92,8 @@ void Progress::print(bool last) {
   }
   if (last)
     line += ", " + clock_time(elapsed);
-  else if (rate > 0 && total_ > done_)
-    line += ", " + clock_time(double(total_ - done_) / rate) + " left";
+  else if (left > 0 && total_ > done_)
+    line += ", " + clock_time(left) + " left";
   if (!note_.empty()) line += ", " + note_;
   std::fprintf(stderr, terminal_ ? "\r\033[K%s%s" : "%s%s", line.c_str(), terminal_ && !last ? "" : "\n");
 }

@@ -6,6 +6,15 @@
 
 namespace gonogo {
 
+/// How far work is, for the time it will still take.
+struct Pace {
+  std::size_t total = 0, done = 0, reused = 0;  // items; `reused` of the `done` ones took no time in this run
+  double elapsed = 0;                           // [s] since the start of this run
+  double other_elapsed = 0, other_to_come = 0;  // [s] of work that is not done item by item
+};
+/// [s]; NaN as long as this run has finished no item.
+double seconds_left(const Pace& pace);
+
 class Progress {
  public:
   /// `unit` is plural ("trials"); `total` may be 0 when unknown.
@@ -19,6 +28,10 @@ class Progress {
 
   /// Clears the line of a terminal, so that other output starts there; the next update draws it again.
   void make_room();
+  /// Time that goes into other work than items: so far, and still to come [s].
+  void count_other_work(double elapsed, double to_come);
+  /// Prints a line at once: what begins now may take long. `note` as in update().
+  void announce(const std::string& note);
 
   /// Prints the closing line with the time taken. The destructor calls it if nobody did.
   void finish();
@@ -28,6 +41,7 @@ class Progress {
 
   std::string task_, unit_, note_;
   std::size_t total_, done_ = 0, reused_ = 0;
+  double other_elapsed_ = 0, other_to_come_ = 0;
   bool terminal_, finished_ = false;
   std::chrono::steady_clock::time_point start_, last_print_;
 };

@@ -9,9 +9,10 @@
 #            FOLDER/seed32 ... seed35 with model.h5, rows.csv, evaluation.json, scores.txt
 #   c12      a machine for a D-Wave 2X with 2 % dead qubits, its rows through the emulator, P(go) at 20 slopes: FOLDER/c12
 #   thinned  two seeds on trials that crowd at the boundary: FOLDER/thinned32, thinned33; name=value are learning settings
+#   active   a machine on 900 trials of an active design with a known boundary: FOLDER/active; name=value likewise
 #   curve    the learning curve at 100, 300, 1,000 and 3,004 trials, or those of --trials: FOLDER/curve
 #
-# All parts when none is named. seeds, c12, thinned and curve run at the same time, and together keep all cores busy. After N
+# All parts when none is named. seeds, c12, thinned, active and curve run at the same time, and together keep all cores busy. After N
 # seconds, the build included, everything stops; what is finished is kept, and the same command goes on. FOLDER
 # (out/scores by default) gets summary.txt and curve.csv of what is there.
 # Needs Debian's libtorch-dev or python3's LibTorch, and headers as scripts/gpu_check.sh does.
@@ -24,14 +25,14 @@ parts=() settings=()
 while (($# > 0)); do
   case $1 in
     --out | --seconds | --study | --trials | --build) (($# > 1)) || fail "$1 needs a value"; declare "${1#--}=$2"; shift ;;
-    build | seeds | c12 | thinned | curve) parts+=("$1") ;;
+    build | seeds | c12 | thinned | active | curve) parts+=("$1") ;;
     *=*) settings+=("$1") ;;
-    *) fail "no part '$1'; there are: build seeds c12 thinned curve, --out, --seconds, --study, --trials and --build" ;;
+    *) fail "no part '$1'; there are: build seeds c12 thinned active curve, --out, --seconds, --study, --trials and --build" ;;
   esac
   shift
 done
 [[ $seconds =~ ^[0-9]+$ ]] || fail "--seconds is '$seconds'; give whole seconds, at least 1"
-((${#parts[@]} > 0)) || parts=(build seeds c12 thinned curve)
+((${#parts[@]} > 0)) || parts=(build seeds c12 thinned active curve)
 mkdir -p "$out"
 gonogo=$build/gonogo-learn joint=$build/tests/pipeline/learning_joint
 cores=$(nproc)
@@ -110,6 +111,14 @@ thinned_seed() {
     touch "$folder/finished"
 }
 
+active_design() {
+  local folder=$out/active
+  mkdir -p "$folder"
+  [[ ! -f $folder/finished ]] || return 0
+  within "$joint" active=900 hold_out=300 importance=0 "out=$folder" "${settings[@]}" > "$folder/scores.txt" &&
+    touch "$folder/finished"
+}
+
 # One of several processes that share the models.
 curve_worker() {
   within "$gonogo" learning-curve --dataset "$dataset" --study "$study" --trials "$trials" --subsets 5 \
@@ -129,6 +138,7 @@ run_parts() {
   if has_part thinned; then
     for seed in 32 33; do start 1 "$out/thinned$seed.log" thinned_seed "$seed"; done
   fi
+  if has_part active; then start 1 "$out/active.log" active_design ""; fi
   if has_part curve; then
     mkdir -p "$out/curve"
     for ((worker = 1; worker <= workers; ++worker)); do start 1 "$out/curve$worker.log" curve_worker "$worker"; done
@@ -140,8 +150,33 @@ summary() {
   python3 - "$out" <<'PYTHON'
 import collections, glob, json, sys
 out = sys.argv[1]
-for file in sorted(glob.glob(out + "/seed*/scores.txt") + glob.glob(out + "/thinned*/scores.txt")):
+for file in sorted(glob.glob(out + "/*/scores.txt")):
     print(file, open(file).read(), sep="\n")
+
+def row(scores, kind):
+    of = scores["joint"]["kinds"][kind]
+    return [of["auc_bins"], of["auc_values"], of["trained_brier"], scores["scores"]["model"]["brier"],
+            scores["scores"]["model"]["calibration_error"]]
+
+seeds = [json.load(open(file)) for file in sorted(glob.glob(out + "/seed*/evaluation.json"))]
+for kind in ("given", "machine", "trials"):
+    of = [row(scores, kind) for scores in seeds if kind in scores.get("joint", {}).get("kinds", {})]
+    if of:
+        print(f"rows of kind {kind}, mean of {len(of)} seeds: AUC in bins {sum(r[0] for r in of) / len(of):.3f}, "
+              f"of values {sum(r[1] for r in of) / len(of):.3f}, Brier score trained on them "
+              f"{sum(r[2] for r in of) / len(of):.4f}; the model's own {sum(r[3] for r in of) / len(of):.4f}, "
+              f"calibration error {sum(r[4] for r in of) / len(of):.4f}")
+
+answers = {int(file.split("slope_")[1][:-5]): json.load(open(file)) for file in glob.glob(out + "/c12/slope_*.json")}
+apart, silent = {}, []
+for slope, answer in sorted(answers.items()):
+    passed = [sum(answer["outcomes"][o][key] for o in ("go", "slow_go")) for key in ("frequency", "machine")]
+    verdict = answer["bias"]["verdict"]
+    apart[slope] = abs(passed[0] - passed[1])
+    silent += [slope] if apart[slope] > 0.05 and verdict != "biased" else []
+    print(f"c12, slope {slope:4d}: P(go or slow-go) by the emulator {passed[0]:.4f}, exact {passed[1]:.4f}; bias: {verdict}")
+if apart:
+    print(f"c12: {max(apart.values()):.4f} apart at most; more than 0.05 apart and not named biased: {silent or 'none'}")
 scores = [json.load(open(file))["scores"] for file in sorted(glob.glob(out + "/curve/*/scores.json"))]
 brier = collections.defaultdict(lambda: collections.defaultdict(list))
 with open(out + "/curve.csv", "w") as csv:

@@ -67,6 +67,7 @@ TEST_CASE("gonogo sample refuses bad input in one sentence and writes nothing") 
   refuse({"--model", "hmmwv", "--outcome", "gone"}, {"gone"});
   refuse({"--model", "hmmwv", "--rows", "0"}, {"--rows"});
   refuse({"--model", "hmmwv", "--sampler", "gibs"}, {"--sampler", "gibs"});
+  refuse({"--model", "hmmwv", "--sampler", "emulator", "--dead-share", "0.7"}, {"--dead-share", "0.7"});
   refuse({"--model", "hmmwv", "--from", "prior", "--sampler", "anneal"}, {"leave out the sampler anneal"});
 }
 

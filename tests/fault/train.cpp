@@ -1,4 +1,5 @@
 // gonogo train, interrupted: what was finished is kept, and the same command continues from there.
+#include <chrono>
 #include <csignal>
 
 #include "base/file.h"
@@ -56,6 +57,25 @@ TEST_CASE("an interrupted training continues with the next fold, then with the n
   CHECK_FALSE(fs::exists(kept));
   for (const char* suffix : {".h5", ".member1.h5", ".member2.h5", ".member3.h5"})
     CHECK(file_hash(folder / ("m" + std::string(suffix))) == file_hash(folder / ("whole" + std::string(suffix))));
+}
+
+TEST_CASE("training through the emulated annealer tells how long it will still take") {
+  const TemporaryFolder folder;
+  campaign::write_dataset(folder / "d.h5", {learn::synthetic_trials(120, 1), {}});
+  std::string study = kStudy;
+  const std::string epochs = "\"epochs\": 120";
+  study.replace(study.find(epochs), epochs.size(), R"("epochs": 4000, "sampler": "emulator")");
+  write_file_atomically(folder / "study.json", study);
+  RunOptions interrupt;
+  interrupt.signal = SIGINT;
+  const auto start = std::chrono::steady_clock::now();
+  interrupt.when = [&] { return std::chrono::steady_clock::now() - start > std::chrono::seconds(25); };
+  const Ending ending = run_gonogo(
+      {"train", "--dataset", folder / "d.h5", "--study", folder / "study.json", "--out", folder / "m.h5"}, interrupt);
+  INFO(ending.err);
+  CHECK(ending.exit_code == 130);
+  CHECK(contains(ending.err, "/16000 epochs"));
+  CHECK(contains(ending.err, " min left, machine 1 of 4"));
 }
 
 }  // namespace

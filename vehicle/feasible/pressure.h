@@ -1,5 +1,5 @@
-// Where the contact forces press on a plane: the centre of pressure of the normal forces, which is the zero-moment point
-// (Vukobratovic & Borovac 2004).
+// Where the contact forces press on a plane: the centre of pressure of the normal forces, which is the zero-moment
+// point (Vukobratovic & Borovac 2004).
 #pragma once
 #include <optional>
 #include <vector>
@@ -10,7 +10,7 @@ namespace gonogo::vehicle {
 
 struct Pressure {
   double x = 0, y = 0;  // [m]
-  double edge = 0;  // distance inside the nearest edge of the contacts' convex hull; negative: beyond that edge [m]
+  double edge = 0;      // distance inside the nearest edge of the contacts' convex hull; negative: beyond that edge [m]
 };
 
 /// Of normal forces whose sum is not 0 at points of a plane; z is left out. None where the hull has no area.

@@ -1,5 +1,5 @@
-// Assemblies of bodies by their equations of motion at their handles, a = Phi f + b: the joints that connect them to the
-// rest. Two assemblies are joined at one joint, whose force is eliminated; on the way back the joint's force and
+// Assemblies of bodies by their equations of motion at their handles, a = Phi f + b: the joints that connect them to
+// the rest. Two assemblies are joined at one joint, whose force is eliminated; on the way back the joint's force and
 // acceleration follow from the forces at the handles of what it joined. All vectors are in world coordinates about the
 // world's origin, so that all handles of a rigid body have the same acceleration. Inside vehicle/multibody.
 #pragma once

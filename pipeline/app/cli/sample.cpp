@@ -52,6 +52,11 @@ void add_chain_options(CLI::App* command, learn::RowRequest& request) {
   command->add_option("--graph", request.device.graph.name, "emulator: its graph, as for gonogo qubo embed")
       ->type_name("GRAPH")
       ->capture_default_str();
+  command->add_option("--dead-share", request.device.graph.dead_share, "emulator: share of dead qubits")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  command->add_option("--dead-seed", request.device.graph.dead_seed, "emulator: seed of the dead qubits")
+      ->capture_default_str();
 }
 
 }  // namespace

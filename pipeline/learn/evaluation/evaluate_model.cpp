@@ -53,6 +53,42 @@ std::vector<std::size_t> varying(const learning::Model& model) {
   return result;
 }
 
+/// The valid trials of a dataset that a model was not trained on, and what it forecasts for them.
+struct Unseen {
+  learning::TrainingTable trials;
+  Forecasts forecasts;  // without baselines
+  Json counts;          // "trials", "left_out_unknown", "left_out_trained_on", "outcome_log_loss_nat"
+};
+
+Unseen unseen_trials(const Predictor& predictor, const learning::TrainingTable& trained,
+                     const std::filesystem::path& dataset) {
+  const TrainingData data = make_training_data(campaign::read_dataset(dataset).records, {});
+  const std::vector<int> passable = passable_outcomes();
+  std::set<std::vector<double>> seen;
+  for (std::size_t n = 0; n < trained.row_count(); ++n) seen.insert(comparable(trained.row(n)));
+  Unseen unseen;
+  std::vector<std::size_t> rows;
+  double outcome_loss = 0;
+  for (std::size_t n = 0; n < data.table.row_count(); ++n) {
+    const auto row = data.table.row(n);
+    if (seen.count(comparable(row))) continue;
+    const std::vector<double> p = predictor.outcome_probabilities(row);
+    unseen.forecasts.model.push_back(std::min(1.0, predictor.p_go(row)));
+    rows.push_back(n);
+    unseen.forecasts.happened.push_back(passable[data.table.outcome[n]]);
+    outcome_loss -= std::log(p[data.table.outcome[n]]);
+  }
+  if (rows.empty())
+    throw InputError(dataset.string() +
+                     ": all its valid trials were trained on; give trials that the model has not seen");
+  unseen.trials = data.table.subset(rows);
+  unseen.counts["trials"] = Json(std::uint64_t(rows.size()));
+  unseen.counts["left_out_unknown"] = Json(std::uint64_t(data.failed));
+  unseen.counts["left_out_trained_on"] = Json(std::uint64_t(data.table.row_count() - rows.size()));
+  unseen.counts["outcome_log_loss_nat"] = outcome_loss / double(rows.size());
+  return unseen;
+}
+
 }  // namespace
 
 Json evaluate_model(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
@@ -60,50 +96,33 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
   const auto given = rows.empty() ? std::nullopt : std::optional(read_given_rows(rows));
   const Predictor predictor = Predictor::read(model_file);
   const learning::TrainingTable trained = training_table(predictor.model());
-  const TrainingData data = make_training_data(campaign::read_dataset(dataset).records, {});
-  const std::vector<int> passable = passable_outcomes();
-  const std::vector<int> label = passable_labels(trained);
-  std::set<std::vector<double>> seen;
-  for (std::size_t n = 0; n < trained.row_count(); ++n) seen.insert(comparable(trained.row(n)));
-
-  Forecasts forecasts;
-  std::vector<std::size_t> unseen;
-  std::size_t trained_on = 0;
-  double outcome_loss = 0;
-  for (std::size_t n = 0; n < data.table.row_count(); ++n) {
-    const auto row = data.table.row(n);
-    if (seen.count(comparable(row))) {
-      ++trained_on;
-      continue;
-    }
-    const std::vector<double> p = predictor.outcome_probabilities(row);
-    forecasts.model.push_back(std::min(1.0, predictor.p_go(row)));
-    unseen.push_back(n);
-    forecasts.happened.push_back(passable[data.table.outcome[n]]);
-    outcome_loss -= std::log(p[data.table.outcome[n]]);
-  }
-  if (forecasts.happened.empty())
-    throw InputError(dataset.string() +
-                     ": all its valid trials were trained on; give trials that the model has not seen");
-  const Baselines baselines = fit_baselines(trained, label);
-  const learning::TrainingTable scored = data.table.subset(unseen);
-  forecasts.baselines = baselines.forecasts(scored.variables);
-  Json json;
-  json["trials"] = Json(std::uint64_t(forecasts.happened.size()));
-  json["left_out_unknown"] = Json(std::uint64_t(data.failed));
-  json["left_out_trained_on"] = Json(std::uint64_t(trained_on));
-  json["outcome_log_loss_nat"] = outcome_loss / double(forecasts.happened.size());
-  json["scores"] = score_forecasts(forecasts, 1);
+  Unseen unseen = unseen_trials(predictor, trained, dataset);
+  const Baselines baselines = fit_baselines(trained, passable_labels(trained));
+  unseen.forecasts.baselines = baselines.forecasts(unseen.trials.variables);
+  Json json = std::move(unseen.counts);
+  json["scores"] = score_forecasts(unseen.forecasts, 1);
   json["missing"] =
       missing_curve({{"model", [&](std::span<const double> x) { return predictor.p_go(x, kQuickMarginal); }},
                      {"logistic_regression", [&](std::span<const double> x) { return baselines.logistic(x); }},
                      {"quadratic_logistic", [&](std::span<const double> x) { return baselines.quadratic(x); }},
                      {"neural_network", [&](std::span<const double> x) { return baselines.network(x); }},
                      {"base_rate", [&](std::span<const double>) { return baselines.base_rate; }}},
-                    scored, forecasts.happened, varying(predictor.model()));
-  json["reconstruction"] = reconstruction_scores(predictor, scored);
-  json["joint"] = joint_scores(predictor, trained, scored, 1, given);
+                    unseen.trials, unseen.forecasts.happened, varying(predictor.model()));
+  json["reconstruction"] = reconstruction_scores(predictor, unseen.trials);
+  json["joint"] = joint_scores(predictor, trained, unseen.trials, 1, given);
   json["checks"] = evaluation_checks(json);
+  return json;
+}
+
+Json evaluate_joint(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
+                    const std::filesystem::path& rows) {
+  const auto given = rows.empty() ? std::nullopt : std::optional(read_given_rows(rows));
+  const Predictor predictor = Predictor::read(model_file);
+  const learning::TrainingTable trained = training_table(predictor.model());
+  Unseen unseen = unseen_trials(predictor, trained, dataset);
+  Json json = std::move(unseen.counts);
+  json["scores"] = score_forecasts(unseen.forecasts, 1);
+  json["joint"] = joint_scores(predictor, trained, unseen.trials, 1, given);
   return json;
 }
 

@@ -18,6 +18,10 @@ namespace gonogo::learn {
 Json evaluate_model(const std::filesystem::path& model, const std::filesystem::path& dataset,
                     const std::filesystem::path& rows = {});
 
+/// The part of it that takes seconds: the counts, "scores" of the model alone, and "joint".
+Json evaluate_joint(const std::filesystem::path& model, const std::filesystem::path& dataset,
+                    const std::filesystem::path& rows = {});
+
 /// The missing-variable curve as a table for people: model, baselines, and the model minus each baseline.
 std::string missing_text(const Json& curve);
 

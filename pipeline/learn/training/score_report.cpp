@@ -51,6 +51,7 @@ Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed) {
   for (const char* name : kBaselines)
     if (const auto found = forecasts.baselines.find(name); found != forecasts.baselines.end())
       json[name] = learning::score_report(found->second, forecasts.happened, bins, seed);
+  if (forecasts.baselines.empty()) return json;
   Json rest = Json::object();
   rest["brier"] = minus_best(forecasts, learning::brier_terms, seed);
   rest["log_loss_nat"] = minus_best(forecasts, learning::log_loss_terms, seed);

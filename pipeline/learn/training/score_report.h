@@ -22,7 +22,7 @@ struct Forecasts {
 
 /// { "model", ... }: the model and every baseline, each as learning::score_report() makes it, and
 /// "model_minus_best": { "brier", "log_loss_nat" }. These are differences to the baseline that is best by that score,
-/// with its name.
+/// with its name. Without baselines there is none.
 Json score_forecasts(const Forecasts& forecasts, std::uint64_t seed);
 
 /// { "value", "low", "high" }: mean of terms - others [trial] with its 95 % interval, by bootstrap over trials. Both

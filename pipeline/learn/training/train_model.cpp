@@ -184,11 +184,14 @@ Json train_model(const TrainRequest& request) {
         progress.machine_done(done);
         source.begin();
       },
-      progress.watch(), fold_store(kept, progress, source), [&](std::size_t fold) { return teacher.of_fold(fold); });
+      progress.watch(), fold_store(kept, progress, source),
+      [&](std::size_t fold) {
+        return progress.teach(data.table.row_count() * (folds - 1) / folds, [&] { return teacher.of_fold(fold); });
+      });
   training.epochs = validation.best_epoch;
   progress.last_machine(training.epochs);
   if (settings.calibrate) model.calibration_power = calibrate(data, validation, folds, training.seed);
-  const auto lesson = teacher.of_all();
+  const auto lesson = progress.teach(data.table.row_count(), [&] { return teacher.of_all(); });
   model.weights =
       train_rbm(model.layout, data.table, training, source.sampler(), progress.watch(), nullptr, lesson.get()).weights;
   model.log = validation.log;

@@ -24,6 +24,21 @@ void TrainingProgress::machine_done(std::size_t done) {
   update(done * epochs_);
 }
 
+void TrainingProgress::begin_teacher(std::size_t trials) {
+  constexpr std::size_t kSlow = 1000;  // trials whose Gaussian process takes more than a second or two
+  if (trials >= kSlow)
+    progress_.announce("machine " + std::to_string(machines_done_ + 1) + " of " + std::to_string(folds_ + 1) +
+                       ": its teacher learns " + std::to_string(trials) + " trials");
+}
+
+void TrainingProgress::end_teacher(double seconds) {
+  constexpr double kKept = 0.01;  // [s] a kept teacher is read faster
+  teachers_ += seconds > kKept;
+  teaching_ += seconds;
+  const double each = teachers_ > 0 ? teaching_ / teachers_ : 0;
+  progress_.count_other_work(teaching_, each * double(folds_ - std::min(machines_done_, folds_)));
+}
+
 void TrainingProgress::update(std::size_t done) {
   const std::size_t machine = std::min(done / epochs_, folds_) + 1;
   progress_.update(done, "machine " + std::to_string(machine) + " of " + std::to_string(folds_ + 1), reused_);

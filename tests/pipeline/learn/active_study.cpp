@@ -25,24 +25,13 @@ namespace {
 
 constexpr std::uint64_t kSeeds = 64, kBatch = 32;
 
-TrialRecord trial(const DesignSpec& spec, DesignPoint point, std::size_t index) {
-  point.index = point.seed = index;
-  TrialRecord record;
-  record.point = std::move(point);
-  record.measures.assign(contract().measures.size(), 1.0);
-  const bool passes = known_boundary_passes(spec, record.point.variables) > 0;
-  record.verdict = passes ? Verdict::go : Verdict::no_go;
-  record.reason = passes ? Reason::none : Reason::slid_back;
-  return record;
-}
-
 class Study {
  public:
   explicit Study(std::string section) : section_(std::move(section)) {}
 
   Predictor train(const DesignSpec& spec, const std::vector<DesignPoint>& points) const {
     std::vector<TrialRecord> records;
-    for (const DesignPoint& point : points) records.push_back(trial(spec, point, records.size()));
+    for (const DesignPoint& point : points) records.push_back(known_boundary_trial(spec, point, records.size()));
     const std::filesystem::path dataset = folder_.path() / "dataset.h5", model = folder_.path() / "model.h5";
     write_dataset(dataset, {records, {}});
     std::string ranges;

@@ -8,6 +8,7 @@
 
 #include "base/units.h"
 #include "pipeline/campaign/design/design.h"
+#include "pipeline/campaign/trial/record.h"
 
 namespace gonogo::learn {
 using namespace campaign;
@@ -31,6 +32,18 @@ inline double known_boundary_passes(const DesignSpec& spec, std::span<const doub
   const double slope = variables[spec.ranges[0].variable], angle = variables[spec.ranges[1].variable];
   const double cohesion = variables[spec.ranges[2].variable];
   return std::tan(slope * kDegree) < 0.6 * std::tan(angle * kDegree) + 0.02 * cohesion ? 1 : 0;
+}
+
+/// What a simulation of the point would record: go where it climbs, slid back elsewhere.
+inline TrialRecord known_boundary_trial(const DesignSpec& spec, DesignPoint point, std::size_t index) {
+  point.index = point.seed = index;
+  TrialRecord record;
+  record.point = std::move(point);
+  record.measures.assign(contract().measures.size(), 1.0);
+  const bool passes = known_boundary_passes(spec, record.point.variables) > 0;
+  record.verdict = passes ? Verdict::go : Verdict::no_go;
+  record.reason = passes ? Reason::none : Reason::slid_back;
+  return record;
 }
 
 /// Mean squared error of p_go(variables) over 1,000 points that no design holds.
