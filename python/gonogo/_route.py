@@ -25,7 +25,7 @@ def _utc(departure: str | datetime.datetime | None) -> str:
 
 def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None, *, start: Place | None = None,
           end: Place | None = None, via: Iterable[Place] = (), avoid: PathLike = "", costs: Iterable[str] = ("safest",),
-          any_angle: bool = True, departure: str | datetime.datetime | None = None, lines: PathLike = "",
+          any_angle: bool = True, turning: float = 0, departure: str | datetime.datetime | None = None, lines: PathLike = "",
           reach: PathLike = "", isochrones: PathLike = "", interval: float = 0, regions: PathLike = "",
           costmap: PathLike = "", grid_map: PathLike = "", region: PathLike | None = None, crs: Any = None,
           transform: Any = None, vehicle: PathLike = "", whole_vehicle: PathLike = "", dataset: PathLike | None = None,
@@ -35,7 +35,8 @@ def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = Non
 
     start, end, via: (x, y) in the region's coordinate system; a way passes the places of `via` in their order. avoid:
     polygons that no way may touch, GeoJSON, GeoPackage or another format of GDAL. costs: "shortest", "fastest", "safest",
-    "least-energy". any_angle: False: steps to the eight neighbours only, quicker and up to 8 % longer. departure: when the
+    "least-energy". any_angle: False: steps to the eight neighbours only, quicker and up to 8 % longer. turning: a
+    turn by 90 degrees costs as much as so many metres of driving there. departure: when the
     track of a .gpx starts: "2026-05-01T06:00:00Z", or a datetime with a time zone.
 
     Files to write: lines: .gpkg, .geojson or .gpx. reach: .tif of the min cost from `start`. isochrones: .gpkg of bands of
@@ -44,7 +45,7 @@ def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = Non
 
     Region and mission as in map().
     """
-    request = with_gdal().RouteRequest(start, end, list(via), list(costs), not any_angle, _utc(departure), interval)
+    request = with_gdal().RouteRequest(start, end, list(via), list(costs), not any_angle, turning, _utc(departure), interval)
     files = {"avoid": avoid, "lines": lines, "reach": reach, "isochrones": isochrones, "regions": regions,
              "costmap": costmap, "grid_map": grid_map}
     for name, path in files.items():

@@ -49,7 +49,7 @@ map::Place place_of(const Place& p) { return {p.first, p.second}; }
 
 /// A route's request whose file members are still to be set.
 map::RouteRequest route_request(std::optional<Place> from, std::optional<Place> to, const std::vector<Place>& via,
-                                const std::vector<std::string>& costs, bool eight_directions,
+                                const std::vector<std::string>& costs, bool eight_directions, double turning,
                                 const std::string& departure, double interval) {
   map::RouteRequest request;
   if (from) request.from = place_of(*from);
@@ -57,6 +57,7 @@ map::RouteRequest route_request(std::optional<Place> from, std::optional<Place> 
   for (const Place& p : via) request.via.push_back(place_of(p));
   for (const std::string& cost : costs) request.costs.push_back(map::route_cost_named(cost));
   request.eight_directions = eight_directions;
+  request.turning = turning;
   if (!departure.empty()) request.departure = map::parse_departure(departure, "route: departure");
   request.interval = interval;
   return request;
@@ -135,7 +136,7 @@ void bind_route_request(nb::module_& m) {
   using map::RouteRequest;
   nb::class_<RouteRequest> c(m, "RouteRequest", "Places, costs and files of routes; an empty path leaves a file out.");
   c.def(nb::new_(&route_request), "start"_a.none(), "end"_a.none(), "via"_a, "costs"_a, "eight_directions"_a,
-        "departure"_a, "interval"_a);
+        "turning"_a, "departure"_a, "interval"_a);
   file_property(c, "avoid", &RouteRequest::avoid);
   file_property(c, "lines", &RouteRequest::lines);
   file_property(c, "reach", &RouteRequest::reach);

@@ -231,6 +231,11 @@ def main():
     check_phone(phone)
     if pictures:
         phone.picture(pictures / "phone.png")
+    check_route(phone, expected)
+    if pictures:
+        phone.picture(pictures / "phone_route.png")
+    check_route_tools(phone)
+    check_phone(phone)
     check(not phone.complaints(), f"no error on the phone: {phone.complaints()[:2]}")
     phone.close()
     print(f"{checks.passed} checks passed")

@@ -19,6 +19,11 @@ void add_route_command(CLI::App& app, const Globals& globals, const Work<RouteOp
       ->type_name(kFile);
   command->add_flag("--eight-directions", options->eight_directions,
                     "Steps to the eight neighbours only, as the page takes; quicker, up to 8 % longer");
+  command
+      ->add_option("--turning", options->turning,
+                   "A turn by 90 degrees costs as much as driving so many metres there; 0: turns cost nothing [m]")
+      ->type_name("NUMBER")
+      ->capture_default_str();
   command->add_option("--cost", options->costs, "What a way has least of; several give several lines")
       ->type_name(one_of({"fastest", "safest", "least-energy", "shortest"}))
       ->delimiter(',')

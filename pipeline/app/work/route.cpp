@@ -11,6 +11,7 @@ void route_work(const Globals& globals, const RouteOptions& options) {
   for (const std::string& place : options.via) request.via.push_back(map::parse_place(place, "route: --via"));
   request.avoid = options.avoid;
   request.eight_directions = options.eight_directions;
+  request.turning = options.turning;
   if (!options.departure.empty()) request.departure = map::parse_departure(options.departure, "route: --departure");
   request.costmap = options.costmap;
   request.grid_map = options.grid_map;

@@ -28,6 +28,7 @@ struct RouteOptions {
   std::vector<std::string> via;  // places between
   std::string avoid, departure;  // polygons; time of GPX tracks, empty: kNoDate
   bool eight_directions = false;
+  double turning = 0;                           // metres that cost as much as a turn by 90 degrees
   std::string costmap, grid_map;                // files; empty: not written
   std::vector<std::string> costs{"safest"};     // names; the first one also bands and reaches
   std::string out, reach, isochrones, regions;  // files; empty: not written

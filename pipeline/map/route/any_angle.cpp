@@ -1,13 +1,11 @@
 #include "pipeline/map/route/any_angle.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "base/cancel.h"
-#include "base/units.h"
+#include "pipeline/map/route/line_step.h"
 #include "pipeline/map/route/line_walk.h"
 #include "pipeline/map/route/nearest_first.h"
 
@@ -17,61 +15,10 @@ namespace {
 constexpr float kImpassable = RouteCosts::kImpassable;
 constexpr std::size_t kAnywhere = std::size_t(-1);
 
-/// [deg clockwise from grid north], whole.
-int heading_of(const RouteCells& cells, int columns, int rows) {
-  return (int(std::lround(std::atan2(columns * cells.cell_width, -rows * cells.cell_height) / kDegree)) + 360) % 360;
-}
-
-/// A step to a cell up to three columns and rows away, and what of its line lies in which cell.
-struct Step {
-  int column = 0, row = 0;
-  std::ptrdiff_t offset = 0;
-  int heading = 0;
-  struct Piece {
-    std::ptrdiff_t offset;
-    float length;  // [m]
-  };
-  int pieces = 0, corners = 0;
-  std::array<Piece, 6> piece{};
-  std::array<std::ptrdiff_t, 2> corner{};  // cells beside the one corner that the line runs through
-};
-
-Step make_step(const RouteCells& cells, int column, int row, bool backwards) {
-  Step step{.column = column, .row = row, .offset = std::ptrdiff_t(row) * cells.columns + column};
-  step.heading = backwards ? heading_of(cells, -column, -row) : heading_of(cells, column, row);
-  const double length = std::hypot(column * cells.cell_width, row * cells.cell_height);
-  // On a grid of its own, wide enough for every step, from a cell in the middle.
-  constexpr int columns = 9, middle = 4 * columns + 4;
-  const auto offset_of = [&](std::uint32_t cell) {
-    return std::ptrdiff_t(int(cell) / columns - 4) * cells.columns + int(cell) % columns - 4;
-  };
-  walk_line(
-      columns, middle, std::uint32_t(middle + row * columns + column),
-      [&](std::uint32_t cell, double begin, double end) {
-        step.piece[std::size_t(step.pieces++)] = {offset_of(cell), float(length * (end - begin))};
-        return true;
-      },
-      [&](std::uint32_t a, std::uint32_t b) {
-        step.corner = {offset_of(a), offset_of(b)};
-        step.corners = 2;
-        return true;
-      });
-  return step;
-}
-
-/// All steps whose numbers of columns and rows have no common divisor and are at most three: 32 of them.
-std::vector<Step> make_steps(const RouteCells& cells, bool backwards) {
-  std::vector<Step> steps;
-  for (int row = -3; row <= 3; ++row)
-    for (int column = -3; column <= 3; ++column)
-      if (std::gcd(row, column) == 1) steps.push_back(make_step(cells, column, row, backwards));
-  return steps;
-}
-
 class Search {
  public:
   Search(const RouteCells& cells, const RouteCosts& costs, bool backwards)
-      : cells_(cells), costs_(costs), steps_(make_steps(cells, backwards)), passable_(cells.soil.size()) {
+      : cells_(cells), costs_(costs), steps_(line_steps(cells, backwards)), passable_(cells.soil.size()) {
 #pragma omp parallel for schedule(static)
     for (std::size_t c = 0; c < passable_.size(); ++c) passable_[c] = costs.ever_passable(cells, c);
     cost.assign(passable_.size(), kImpassable);
@@ -98,7 +45,7 @@ class Search {
  private:
   void expand(std::size_t cell, NearestFirst& queue) {
     const int column = int(cell % std::size_t(cells_.columns)), row = int(cell / std::size_t(cells_.columns));
-    for (const Step& step : steps_) {
+    for (const LineStep& step : steps_) {
       const int x = column + step.column, y = row + step.row;
       if (x < 0 || y < 0 || x >= cells_.columns || y >= cells_.rows) continue;
       const std::size_t to = std::size_t(std::ptrdiff_t(cell) + step.offset);
@@ -112,20 +59,15 @@ class Search {
   }
 
   /// Cost of the way to `cell` and the step. Gives up once that is no less than `known`.
-  float cost_over(const Step& step, std::size_t cell, float known) const {
+  float cost_over(const LineStep& step, std::size_t cell, float known) const {
     for (int k = 0; k < step.corners; ++k)
       if (!passable_[std::size_t(std::ptrdiff_t(cell) + step.corner[std::size_t(k)])]) return kImpassable;
-    float sum = cost[cell];
-    for (int k = 0; k < step.pieces && sum < known; ++k) {
-      const Step::Piece& piece = step.piece[std::size_t(k)];
-      sum += piece.length * costs_.per_metre(cells_, std::size_t(std::ptrdiff_t(cell) + piece.offset), step.heading);
-    }
-    return sum;
+    return step.add_cost(cells_, costs_, cell, cost[cell], known);
   }
 
   const RouteCells& cells_;
   const RouteCosts& costs_;
-  std::vector<Step> steps_;
+  std::vector<LineStep> steps_;
   std::vector<char> passable_;  // in some heading
 };
 

@@ -14,6 +14,7 @@
 #include "pipeline/map/route/robot_files.h"
 #include "pipeline/map/route/search.h"
 #include "pipeline/map/route/track.h"
+#include "pipeline/map/route/turning.h"
 #include "pipeline/map/write/map_record.h"
 #include "terrain/raster/gpx.h"
 #include "terrain/raster/polygon_cells.h"
@@ -74,6 +75,7 @@ Json totals_of(const FoundRoute& route, const RouteCells& cells, const AllCosts&
   return json;
 }
 
+constexpr double kMostTurning = 10000;  // [m]
 constexpr const char* kWeakColour = "#ff7f0e";
 /// Colours of the lines, in the order of RouteCost: told apart without red and green, and none is a class's.
 constexpr std::array<const char*, 4> kLineColours = {"#1a1a1a", "#c2188f", "#1f4fbf", "#6b3fa0"};
@@ -87,6 +89,15 @@ OutcomeModel without_spread(OutcomeModel model) {
 
 /// Which places are needed for what is asked.
 void require_places(const RouteRequest& request) {
+  if (!(request.turning >= 0 && request.turning <= kMostTurning))
+    throw InputError(
+        line("route: --turning: %g m is outside 0 to %g m; give the metres of driving that cost as much as "
+             "a turn by 90 degrees",
+             request.turning, kMostTurning));
+  if (request.turning > 0 && request.eight_directions)
+    throw InputError("route: --turning: ways in eight directions do not count turns; leave out --eight-directions");
+  if (request.turning > 0 && !request.to)
+    throw InputError("route: --turning: only a way has turns; give --from and --to");
   const bool spread = !request.reach.empty() || !request.isochrones.empty();
   if (!request.from && (request.to || !request.lines.empty() || spread))
     throw InputError("route: --from is missing: the place to start from, easting,northing");
@@ -113,6 +124,7 @@ std::vector<std::uint32_t> stops_of(const RouteRequest& request, const terrain::
 /// The cheapest way over all stops; nothing if one cannot be reached from the one before.
 std::optional<FoundRoute> way_over(const std::vector<std::uint32_t>& stops, const RouteRequest& request,
                                    const RouteCells& cells, const RouteCosts& costs) {
+  if (request.turning > 0) return find_turning(cells, costs, Turning(cells, costs, request.turning), stops);
   FoundRoute whole{0, {stops.front()}};
   for (std::size_t i = 1; i < stops.size(); ++i) {
     const auto leg = request.eight_directions ? find_route(cells, costs, stops[i - 1], stops[i])
@@ -159,6 +171,10 @@ Json find_routes(const RouteRequest& request, const terrain::MapGrid& grid, cons
       add_forecast(request.map, grid, cells, costs, soils, ways.back());
       for (const auto& [key, value] : ways.back().totals.members()) entry[key] = value;
       entry["corners"] = std::uint64_t(found->cell.size());
+      if (request.turning > 0) {
+        entry["turned_degrees"] = Turning(cells, costs.at(cost), request.turning).turns(found->cell).degrees;
+        entry["turning_m"] = entry.at("turned_degrees").number() / 90 * request.turning;
+      }
     }
     routes.push_back(entry);
   }

@@ -31,6 +31,7 @@ struct RouteRequest {
   std::vector<Place> via;            // places between, in their order
   std::filesystem::path avoid;       // polygons that no way may touch; empty: none
   bool eight_directions = false;     // in place of any direction: quicker, as the page does
+  double turning = 0;                // a turn by 90 degrees costs as much as so many metres; 0: nothing
   std::int64_t departure = kNoDate;  // of GPX tracks [s since 1970-01-01T00:00:00Z]
   std::vector<RouteCost> costs;      // a route for each; reach and isochrones use the first
   std::filesystem::path lines;       // .gpkg, .geojson or .gpx; empty: none
@@ -43,8 +44,9 @@ struct RouteRequest {
 };
 
 /// Writes the files asked for and returns { crs, cells, directions, routes: [{ cost, found, length_m, risk, time_s,
-/// energy_j, corners, and those of forecast_json() (drive_of_way.h) }], regions, files }. time_s and energy_j need a
-/// model with measures; regions is there if asked for. Throws InputError if a place is missing or nothing is asked for.
+/// energy_j, corners, turned_degrees, turning_m, and those of forecast_json() (drive_of_way.h) }], regions, files }.
+/// time_s and energy_j need a model with measures; regions and turns are there if asked for. Throws InputError if a
+/// place is missing or nothing is asked for.
 Json plan_route(const RouteRequest& request);
 std::string route_text(const Json& result);
 

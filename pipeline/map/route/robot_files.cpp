@@ -41,15 +41,15 @@ std::string yaml_text(const std::filesystem::path& pgm, const terrain::MapGrid& 
   const double south = grid.north - grid.rows * grid.cell_height, m = grid.metres_per_unit;
   const std::string unit = std::string(unit_of(cost)) + "/m";
   return "# Costmap for nav2_map_server (mode raw), " + grid.crs_name + ".\n" +
-         "# 0 to 99: cost per metre of the dearest of eight headings that pass, 100: no-go, 255: unknown.\n" +
-         line("# cost = %.9g + value / 99 * (%.9g - %.9g) %s, by the cost \"%s\"; what is dearer has the value 99.\n",
-              scale.at_0, scale.at_99, scale.at_0, unit.c_str(), name_of(cost).c_str()) +
+         "# 0 to 98: cost per metre of the dearest of eight headings that pass, 100: no-go, 255: unknown.\n" +
+         line("# cost = %.9g + value / 98 * (%.9g - %.9g) %s, by the cost \"%s\"; what is dearer has the value 98.\n",
+              scale.at_0, scale.at_98, scale.at_0, unit.c_str(), name_of(cost).c_str()) +
          "# Let the costmap's static layer use trinary_costmap: false and track_unknown_space: true.\n" +
          "image: " + Json(pgm.filename().string()).dump() + "\nmode: raw\n" +
          line("resolution: %.9g\norigin: [%.9f, %.9f, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.25\n",
               grid.cell_width_m(), grid.west * m, south * m) +
-         line("gonogo:\n  cost: %s\n  unit: %s\n  at_0: %.9g\n  at_99: %.9g\n  no_go: 100\n  unknown: 255\n",
-              name_of(cost).c_str(), unit.c_str(), scale.at_0, scale.at_99);
+         line("gonogo:\n  cost: %s\n  unit: %s\n  at_0: %.9g\n  at_98: %.9g\n  no_go: 100\n  unknown: 255\n",
+              name_of(cost).c_str(), unit.c_str(), scale.at_0, scale.at_98);
 }
 
 std::vector<terrain::FloatLayer> layers_of(RouteCost cost) {
@@ -99,14 +99,14 @@ std::vector<std::uint8_t> costmap_of(const SoilTable& table, const RouteCells& c
   if (!known.empty()) {
     const auto high = known.begin() + std::ptrdiff_t(0.99 * double(known.size() - 1));
     std::nth_element(known.begin(), high, known.end());
-    scale.at_99 = double(*high);
+    scale.at_98 = double(*high);
     scale.at_0 = double(*std::min_element(known.begin(), known.end()));
   }
   std::vector<std::uint8_t> map(worst.size());
   for (std::size_t c = 0; c < map.size(); ++c) {
     const double share =
-        scale.at_99 > scale.at_0 ? (double(worst[c].per_metre) - scale.at_0) / (scale.at_99 - scale.at_0) : 0;
-    map[c] = worst[c].passage == Passage::passes  ? std::uint8_t(std::lround(99 * std::clamp(share, 0.0, 1.0)))
+        scale.at_98 > scale.at_0 ? (double(worst[c].per_metre) - scale.at_0) / (scale.at_98 - scale.at_0) : 0;
+    map[c] = worst[c].passage == Passage::passes  ? std::uint8_t(std::lround(kDearest * std::clamp(share, 0.0, 1.0)))
              : worst[c].passage == Passage::no_go ? kLethal
                                                   : kUnknownCost;
   }

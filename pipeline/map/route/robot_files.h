@@ -14,20 +14,21 @@ inline constexpr std::array<int, 8> kRobotHeadings = {0, 45, 90, 135, 180, 225, 
 enum class Passage { passes, no_go, unknown };
 Passage passage(const SoilTable& table, const RouteCells& cells, std::size_t cell, int heading);
 
-/// Values of an occupancy grid.
-inline constexpr std::uint8_t kLethal = 100, kUnknownCost = 255;
+/// Values of an occupancy grid. Nav2's static layer makes v / 100 * 254 of costs, 254 (lethal) of 100 and 255 (none) of
+/// 255. 99 is no cost: since its pull request 5781 it means 253, a collision.
+inline constexpr std::uint8_t kDearest = 98, kLethal = 100, kUnknownCost = 255;
 
-/// Linear from 0, the cheapest cell, to 99; dearer cells than `at_99` are 99.
+/// Linear from 0, the cheapest cell, to kDearest; dearer cells than `at_98` are kDearest.
 struct CostmapScale {
-  double at_0 = 0, at_99 = 1;  // cost per metre [unit_of(cost) / m]
+  double at_0 = 0, at_98 = 1;  // cost per metre [unit_of(cost) / m]
 };
 
 /// The costmap of all cells, row by row from the north, and its scale. A cell has the cost of its dearest heading among
-/// the eight that pass. Without one it is kLethal, or kUnknownCost if a heading is unknown. at_99 is the 99 % point.
+/// the eight that pass. Without one it is kLethal, or kUnknownCost if a heading is unknown. at_98 is the 99 % point.
 std::vector<std::uint8_t> costmap_of(const SoilTable& table, const RouteCells& cells, const RouteCosts& costs,
                                      CostmapScale& scale);
 
-/// Writes `yaml` and the picture beside it, same name with .pgm, for nav2_map_server in mode raw: 0 to 99 cost, 100
+/// Writes `yaml` and the picture beside it, same name with .pgm, for nav2_map_server in mode raw: 0 to 98 cost, 100
 /// lethal, 255 unknown. The mapping stands in comments and under the key "gonogo". Throws InputError unless cells are
 /// square in metres and the extension is .yaml.
 void write_costmap(const std::filesystem::path& yaml, const terrain::MapGrid& grid, const SoilTable& table,

@@ -49,6 +49,9 @@ std::string route_text(const Json& result) {
     if (const Json* time = route.find("time_s")) text += line(", %.0f s", time->number());
     if (const Json* energy = route.find("energy_j")) text += line(", %.3f MJ of drive energy", energy->number() / 1e6);
     text += line(", stuck at %.2g places\n", route.at("stuck_places").number());
+    if (const Json* turned = route.find("turned_degrees"))
+      text += line("              turns by %.0f degrees in all, which count as %.0f m\n", turned->number(),
+                   route.at("turning_m").number());
     if (const Json* weakest = route.find("weakest")) text += "              weakest " + weakest_text(*weakest) + "\n";
     if (route.at("not_sampled").number() > 0)
       text += line("              with a chance of %.2f some soil on it is unlike all that was simulated\n",

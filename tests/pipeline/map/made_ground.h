@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/random.h"
+#include "base/units.h"
 #include "pipeline/map/route/cost.h"
 #include "tests/pipeline/map/analytic_model.h"
 
@@ -15,8 +16,8 @@ inline std::size_t index(const char* name) { return contract().variable_index(na
 
 inline double made_p_go(double along, double across) { return 1 / (1 + std::exp((along + std::abs(across) - 16) / 3)); }
 
-/// Two soils; the second one is weaker by its friction angle.
-inline SoilTable made_table() {
+/// A soil for each friction angle [deg]; those below 35 are weaker.
+inline SoilTable made_table(const std::vector<double>& angles = {35, 31}) {
   OutcomeModel model = AnalyticModel{}.outcome_model();
   model.sampled[index("slope_along")] = {-20, 30};
   model.sampled[index("slope_across")] = {-20, 20};
@@ -32,12 +33,41 @@ inline SoilTable made_table() {
     }
   };
   SoilTable table;
-  for (const double angle : {35.0, 31.0}) {
+  for (const double angle : angles) {
     std::vector<double> point(contract().variables.size(), NAN);
     point[index("friction_angle")] = angle;
     table.responses.emplace_back(model, MapRules{}, std::vector<std::vector<double>>{point});
   }
   return table;
+}
+
+/// P(go) from the formula at slopes rounded as heading tables round them; 0 where it was not sampled.
+inline double made_p_go_at(const RouteCells& cells, std::size_t cell, double psi, double& along) {
+  const BedSlopes slopes = bed_slopes(cells.slope[cell] / kSlopeSteps, psi);
+  along = std::round(2 * slopes.along) / 2;
+  const double across = std::round(2 * slopes.across) / 2;
+  if (along < -20 || along > 30 || std::abs(across) > 20) return 0;
+  return made_p_go(along + (cells.soil[cell] == 1 ? 4 : 0), across);
+}
+
+/// Cost per metre of map distance from the formulas, without the tables of pipeline/map/route; infinity where the
+/// heading [deg] cannot be passed. Length or risk.
+inline double made_per_metre(const RouteCells& cells, std::size_t cell, double heading, RouteCost cost) {
+  if (cells.soil[cell] == RouteCells::kNowhere) return INFINITY;
+  double along = 0;
+  const double p = made_p_go_at(cells, cell, fall_line_angle(heading, double(cells.aspect[cell])), along);
+  if (p < 0.5) return INFINITY;
+  const double length = 1 / std::cos(to_radians(along));
+  return cost == RouteCost::length ? length : -std::log(p) * length / 100;
+}
+
+/// Whether one of 36 headings passes.
+inline bool made_passable(const RouteCells& cells, std::size_t cell) {
+  if (cells.soil[cell] == RouteCells::kNowhere) return false;
+  double along = 0;
+  for (int h = 0; h < 36; ++h)
+    if (made_p_go_at(cells, cell, h * kPi / 18, along) >= 0.5) return true;
+  return false;
 }
 
 inline RouteCells made_cells(int columns, int rows, std::uint64_t seed) {

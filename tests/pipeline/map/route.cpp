@@ -15,37 +15,18 @@ using namespace gonogo::campaign;
 using namespace gonogo::map;
 using test::index;
 using test::made_cells;
-using test::made_p_go;
 using test::made_table;
 
 namespace {
 
 /// Cost of half a step from the formulas, without the tables of pipeline/route; infinity where it cannot be passed.
 double half_step(const RouteCells& cells, int cell, int dx, int dy, RouteCost cost) {
-  const auto i = std::size_t(cell);
-  if (cells.soil[i] == RouteCells::kNowhere) return INFINITY;
   const double heading = std::round(to_degrees(std::atan2(dx * cells.cell_width, -dy * cells.cell_height)));
-  const BedSlopes slopes = bed_slopes(cells.slope[i] / kSlopeSteps, fall_line_angle(heading, double(cells.aspect[i])));
-  const double along = std::round(2 * slopes.along) / 2, across = std::round(2 * slopes.across) / 2;
-  if (along < -20 || along > 30 || std::abs(across) > 20) return INFINITY;
-  const double p = made_p_go(along + (cells.soil[i] == 1 ? 4 : 0), across);
-  if (p < 0.5) return INFINITY;
-  const double length = std::hypot(dx * cells.cell_width, dy * cells.cell_height) / 2 / std::cos(to_radians(along));
-  return cost == RouteCost::length ? length : -std::log(p) * length / 100;
+  return std::hypot(dx * cells.cell_width, dy * cells.cell_height) / 2 *
+         test::made_per_metre(cells, std::size_t(cell), heading, cost);
 }
 
-bool some_heading_passes(const RouteCells& cells, int cell) {
-  const auto i = std::size_t(cell);
-  if (cells.soil[i] == RouteCells::kNowhere) return false;
-  for (int h = 0; h < 36; ++h) {
-    const BedSlopes slopes = bed_slopes(cells.slope[i] / kSlopeSteps, h * kPi / 18);
-    const double along = std::round(2 * slopes.along) / 2, across = std::round(2 * slopes.across) / 2;
-    if (along >= -20 && along <= 30 && std::abs(across) <= 20 &&
-        made_p_go(along + (cells.soil[i] == 1 ? 4 : 0), across) >= 0.5)
-      return true;
-  }
-  return false;
-}
+bool some_heading_passes(const RouteCells& cells, int cell) { return test::made_passable(cells, std::size_t(cell)); }
 
 /// Bellman-Ford over all steps of all cells.
 std::vector<double> relaxed(const RouteCells& cells, int start, RouteCost cost) {
