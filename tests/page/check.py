@@ -143,6 +143,7 @@ def check_route_tools(browser):
     browser.js("show_readout(route.start)")
     check(browser.js("document.getElementById('readout').getBoundingClientRect().top"
                      " >= canvas.getBoundingClientRect().bottom"), "the readout covers nothing of the map")
+    check("From A" in browser.js("document.getElementById('readout').innerText"), "the readout tells what a cell costs from the start")
     browser.js("toggle_measure(); add_measured(0); add_measured(cells.columns - 1)")
     check("in all" in browser.js("document.getElementById('measured').textContent"), "measuring tells a length")
     browser.js("toggle_measure()")
@@ -151,6 +152,7 @@ def check_route_tools(browser):
     address = browser.js("location.hash")
     browser.js("document.getElementById('route-clear').click()")
     browser.until("!location.hash.includes('reach=1')")
+    check("From A" not in browser.js("document.getElementById('readout').innerText"), "and no longer when the route is cleared")
     browser.js(f"location.hash = {json.dumps(address)}")
     browser.until("route.reaching")
     check(browser.js("[route.start, route.end, state.layer, route.reaching]") == kept, "the address brings the state back")

@@ -63,6 +63,7 @@ function update_route() {
   route.reach = route.reaching && route.start !== null ? dijkstra(route.start, -1, route.cost).cost : null;
   make_bands();
   $('route-reach').setAttribute('aria-pressed', route.reaching);
+  show_readout(view.read);
   refresh(false);
 }
 
@@ -74,6 +75,7 @@ function draw_route() {
   if (measure.on) toggle_measure();
   $('route').replaceChildren();
   $('route-hint').textContent = 'Click the start on the map (or press Enter at the crosshair).';
+  show_readout(view.read);
   refresh(false);
 }
 

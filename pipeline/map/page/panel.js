@@ -186,6 +186,7 @@ function show_inputs(box, soil) {
 
 /// One line below the map: it covers nothing.
 function show_readout(cell) {
+  view.read = cell;
   const box = $('readout'), answer = cell >= 0 ? answer_of(cell) : null;
   box.classList.toggle('on', Boolean(answer));
   if (!answer) { box.replaceChildren(element('span', { class: 'quiet' }, 'Point at the map to read it.')); return; }

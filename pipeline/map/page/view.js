@@ -1,7 +1,7 @@
 // The canvas: the layer as one picture, drawn at any zoom in metres; crosshair, chosen cell and routes on top.
 const canvas = $('canvas'), context = canvas.getContext('2d');
 const picture = document.createElement('canvas');
-const view = { scale: 1, x: 0, y: 0, cross: null, chosen: null, pointed: null, dirty: true };  // scale [px/m]; x, y [m] at the middle
+const view = { scale: 1, x: 0, y: 0, cross: null, chosen: null, pointed: null, read: -1, dirty: true };  // scale [px/m]; x, y [m] at the middle
 const map_w = () => cells.columns * cell_w, map_h = () => cells.rows * cell_h;
 
 /// Relief from slope and aspect, the light in the north-west at 45 degrees (terrain/raster/slope.h).

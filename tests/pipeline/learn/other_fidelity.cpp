@@ -2,6 +2,7 @@
 #include "pipeline/learn/training/other_fidelity.h"
 
 #include <cmath>
+#include <numeric>
 
 #include "base/random.h"
 #include "learning/model/model.h"
@@ -113,12 +114,14 @@ TEST_CASE("a process on 16 fine and 200 coarse trials finds the fine curve bette
 
 TEST_CASE("a model that other trials helped names them, and has other bits than one that they did not") {
   const fs::path alone = scratch() / "alone.h5", helped = scratch() / "helped.h5";
+  std::vector<std::uint64_t> first(40);
+  std::iota(first.begin(), first.end(), 0u);
   TrainRequest request{.dataset = kVehicle,
                        .model = alone,
                        .seed = 5,
                        .learning = Config::parse(R"({"epochs": 4, "folds": 2, "negative": "persistent"})", "study"),
                        .design = {},
-                       .trials = 40};
+                       .groups = first};
   CHECK(train_model(request).find("other_trials") == nullptr);
   request.model = helped;
   const fs::path few = scratch() / "few.h5";
