@@ -127,9 +127,8 @@ def test_a_costmap_is_what_public_parsers_and_the_map_say(route, ground, tmp_pat
     assert cost.shape == (ROWS, COLUMNS)
     assert set(np.unique(cost)) <= {*range(99), 100, 255}
     assert (cost[np.isnan(best)] == 255).all()
-    assert not (best[cost < 100] == NO_GO).any()
+    assert not (best[cost < 100] == NO_GO).any()  # no heading is no-go everywhere here; test_pipeline_map has such cells
     assert np.isin(best[cost < 100], (GO, SLOW_GO)).mean() > 0.9  # 45 degrees are not among the map's 36 headings
-    assert (best == NO_GO).sum() > 100 and (cost[best == NO_GO] == 100).all()
     assert (cost < 100).sum() > 300
     # The shortest way costs 1 / cos of the slope; the south is level.
     per_metre = head["gonogo"]["at_0"] + cost / 98 * (head["gonogo"]["at_98"] - head["gonogo"]["at_0"])
