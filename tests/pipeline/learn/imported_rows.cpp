@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "pipeline/learn/qubo/qubo_exchange.h"
 #include "pipeline/learn/training/training_data.h"
-#include "tests/pipeline/learn/synthetic_trials.h"
+#include "tests/pipeline/learn/random_machine.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 
@@ -21,20 +21,7 @@ namespace {
 constexpr double kSlope = 12.5;
 
 /// Gray codes of four bins for each variable that varies, and small random weights.
-learning::Model gray_model() {
-  const TrainingData data = make_training_data(synthetic_trials(60, 8), {});
-  LearningSettings settings;
-  for (const Variable& variable : contract().variables) settings.encoders[variable.name] = {"gray", 2};
-  learning::Model model;
-  model.layout = make_layout(data, settings);
-  model.weights = learning::RbmWeights::zeros(model.layout.unit_count(), 4);
-  for (std::size_t k = 0; k < model.weights.weight.size(); ++k) model.weights.weight[k] = 2 * random_unit(1, 1, k) - 1;
-  for (std::size_t i = model.layout.input_unit_count(); i < model.layout.unit_count(); ++i)
-    model.weights.visible_bias[i] = -2.5;
-  model.sampled_lower = data.lower;
-  model.sampled_upper = data.upper;
-  return model;
-}
+learning::Model gray_model() { return random_machine({.hidden = 4, .code = "gray", .units = 2}); }
 
 using Columns = std::map<std::string, std::vector<std::string>>;
 

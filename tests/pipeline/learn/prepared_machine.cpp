@@ -12,7 +12,7 @@
 #include "pipeline/learn/qubo/outcome_balance.h"
 #include "pipeline/learn/qubo/qubo_exchange.h"
 #include "pipeline/learn/training/training_data.h"
-#include "tests/pipeline/learn/synthetic_trials.h"
+#include "tests/pipeline/learn/random_machine.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -23,22 +23,9 @@ using namespace gonogo::learn;
 
 namespace {
 
-/// Random weights of a size. One unit for each of seven variables makes all their words code words; ten outcomes.
-learning::Model small_model(double outcome_bias, std::size_t hidden, double size,
-                            const std::string& code = "thermometer", int units = 1) {
-  const TrainingData data = make_training_data(synthetic_trials(60, 8), {});
-  LearningSettings settings;
-  for (const Variable& variable : contract().variables) settings.encoders[variable.name] = {code, units};
-  learning::Model model;
-  model.layout = make_layout(data, settings);
-  model.weights = learning::RbmWeights::zeros(model.layout.unit_count(), hidden);
-  for (std::size_t k = 0; k < model.weights.weight.size(); ++k)
-    model.weights.weight[k] = size * (2 * random_unit(1, 1, k) - 1);
-  for (std::size_t i = model.layout.input_unit_count(); i < model.layout.unit_count(); ++i)
-    model.weights.visible_bias[i] = outcome_bias;
-  model.sampled_lower = data.lower;
-  model.sampled_upper = data.upper;
-  return model;
+/// One unit for each of seven variables makes all their words code words; ten outcomes.
+learning::Model small_model(double outcome_bias, std::size_t hidden, double size) {
+  return random_machine({.hidden = hidden, .size = size, .outcome_bias = outcome_bias});
 }
 
 /// Hidden unit 0 is on in about half of the code words, and in nearly all rows, since it turns on many of the units
@@ -207,7 +194,7 @@ TEST_CASE("the measured penalty is the first that leaves code words in nine of t
 TEST_CASE("a variable whose units crowd is beyond the outcome's balance, so its words get a penalty") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "model.h5", problem = folder.path() / "problem.json";
-  learning::Model model = small_model(-2.5, 4, 0.3, "one_hot", 12);
+  learning::Model model = random_machine({.hidden = 4, .size = 0.3, .code = "one_hot", .units = 12});
   const std::size_t slope = model.layout.variable_index("slope_along");
   crowd(model, model.layout.offset(slope), model.layout.offset(slope) + 12);
   learning::write_model(file, model);

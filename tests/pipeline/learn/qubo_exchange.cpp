@@ -12,6 +12,7 @@
 #include "pipeline/learn/qubo/emulated_annealer.h"
 #include "pipeline/learn/qubo/qubo_embed.h"
 #include "pipeline/learn/training/training_data.h"
+#include "tests/pipeline/learn/random_machine.h"
 #include "tests/pipeline/learn/synthetic_trials.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -30,20 +31,8 @@ const fs::path kModel = kFolder / "model.h5", kProblem = kFolder / "problem.json
 
 /// A machine of moderate weights over a layout small enough that code words are common among its rows.
 learning::Model write_small_model() {
-  const TrainingData data = make_training_data(synthetic_trials(60, 8), {});
-  LearningSettings settings;
-  for (const Variable& variable : contract().variables) settings.encoders[variable.name] = {"thermometer", 1};
-  learning::Model model;
-  model.layout = make_layout(data, settings);
-  model.weights = learning::RbmWeights::zeros(model.layout.unit_count(), 5);
-  for (std::size_t k = 0; k < model.weights.weight.size(); ++k) model.weights.weight[k] = 2 * random_unit(1, 1, k) - 1;
-  for (std::size_t i = model.layout.input_unit_count(); i < model.layout.unit_count(); ++i)
-    model.weights.visible_bias[i] = -2.5;  // one outcome unit on at a time, mostly
-  model.sampled_lower = data.lower;
-  model.sampled_upper = data.upper;
-  model.training_points = data.table.variables;
-  model.training_outcomes.assign(data.table.outcome.begin(), data.table.outcome.end());
-  model.training_weights = data.table.weight;
+  learning::Model model = random_machine({.hidden = 5});
+  give_trials(model);
   learning::write_model(kModel, model);
   return model;
 }

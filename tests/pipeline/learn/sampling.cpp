@@ -14,7 +14,7 @@
 #include "learning/model/posterior.h"
 #include "pipeline/learn/answer/named_values.h"
 #include "pipeline/learn/training/training_data.h"
-#include "tests/pipeline/learn/synthetic_trials.h"
+#include "tests/pipeline/learn/random_machine.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 #include "tests/support/temporary_folder.h"
@@ -25,24 +25,10 @@ using namespace gonogo::learn;
 
 namespace {
 
-/// Random weights over a thermometer of `units` units a variable; the outcome's units are rarely on together.
+/// Thermometer of `units` units a variable.
 learning::Model small_model(std::size_t hidden, double size, int units = 2) {
-  const TrainingData data = make_training_data(synthetic_trials(60, 8), {});
-  LearningSettings settings;
-  for (const Variable& variable : contract().variables) settings.encoders[variable.name] = {"thermometer", units};
-  learning::Model model;
-  model.layout = make_layout(data, settings);
-  model.weights = learning::RbmWeights::zeros(model.layout.unit_count(), hidden);
-  for (std::size_t k = 0; k < model.weights.weight.size(); ++k)
-    model.weights.weight[k] = size * (2 * random_unit(1, 1, k) - 1);
-  for (std::size_t i = model.layout.input_unit_count(); i < model.layout.unit_count(); ++i)
-    model.weights.visible_bias[i] = -2.5;
-  model.sampled_lower = data.lower;
-  model.sampled_upper = data.upper;
-  model.training_points = data.table.variables;
-  model.training_outcomes.assign(data.table.outcome.begin(), data.table.outcome.end());
-  model.training_weights = data.table.weight;
-  model.input_prior = learning::uniform_prior(model.layout);
+  learning::Model model = random_machine({.hidden = hidden, .size = size, .units = units});
+  give_trials(model);
   return model;
 }
 

@@ -13,6 +13,7 @@
 
 using namespace gonogo;
 using namespace gonogo::map;
+using test::gentle_cells;
 using test::level_cells;
 using test::made_cells;
 using test::made_table;
@@ -266,10 +267,7 @@ TEST_CASE("on rough ground a way in any direction costs no more than one in eigh
 // Measured by hand: test_pipeline_route "[.speed]".
 TEST_CASE("a way in any direction over ten million cells", "[.speed]") {
   const auto table = made_table();
-  RouteCells cells = made_cells(3163, 3163, 9);
-  for (auto& slope : cells.slope) slope = std::uint16_t(slope / 3);
-  for (auto& soil : cells.soil)
-    if (soil == RouteCells::kNowhere) soil = 0;
+  const RouteCells cells = gentle_cells(3163, 3163, 9);
   const RouteCosts costs(table, RouteCost::risk, 100);
   const auto begin = std::chrono::steady_clock::now();
   const auto way = find_any_angle(cells, costs, 0, std::uint32_t(cells.soil.size() - 1));

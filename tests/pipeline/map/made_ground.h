@@ -82,6 +82,15 @@ inline RouteCells made_cells(int columns, int rows, std::uint64_t seed) {
   return cells;
 }
 
+/// A third of the slope, and soil everywhere.
+inline RouteCells gentle_cells(int columns, int rows, std::uint64_t seed) {
+  RouteCells cells = made_cells(columns, rows, seed);
+  for (auto& slope : cells.slope) slope = std::uint16_t(slope / 3);
+  for (auto& soil : cells.soil)
+    if (soil == RouteCells::kNowhere) soil = 0;
+  return cells;
+}
+
 /// Level cells of 10 m, all of soil 0.
 inline RouteCells level_cells(int columns, int rows) {
   const auto count = std::size_t(columns) * std::size_t(rows);

@@ -13,6 +13,7 @@
 using namespace gonogo;
 using namespace gonogo::campaign;
 using namespace gonogo::map;
+using test::gentle_cells;
 using test::index;
 using test::made_cells;
 using test::made_table;
@@ -198,10 +199,7 @@ TEST_CASE("a cost that nobody knows, and one that the model cannot tell, are ref
 // Measured by hand: test_pipeline_route "[.speed]".
 TEST_CASE("a route over ten million cells", "[.speed]") {
   const SoilTable table = made_table();
-  RouteCells cells = made_cells(3163, 3163, 9);
-  for (auto& slope : cells.slope) slope = std::uint16_t(slope / 3);
-  for (auto& soil : cells.soil)
-    if (soil == RouteCells::kNowhere) soil = 0;
+  const RouteCells cells = gentle_cells(3163, 3163, 9);
   const auto begin = std::chrono::steady_clock::now();
   const RouteCosts costs(table, RouteCost::risk, 100);
   const auto route = find_route(cells, costs, 0, std::uint32_t(cells.soil.size() - 1));

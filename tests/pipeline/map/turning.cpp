@@ -16,6 +16,7 @@
 
 using namespace gonogo;
 using namespace gonogo::map;
+using test::gentle_cells;
 using test::level_cells;
 using test::made_cells;
 using test::made_per_metre;
@@ -250,10 +251,7 @@ TEST_CASE("over open ground a way with turns is straight, and around obstacles i
 // Measured by hand: test_pipeline_route "[.speed]".
 TEST_CASE("ways with turns over a million cells", "[.speed]") {
   const auto table = made_table();
-  RouteCells cells = made_cells(1000, 1000, 9);
-  for (auto& slope : cells.slope) slope = std::uint16_t(slope / 3);
-  for (auto& soil : cells.soil)
-    if (soil == RouteCells::kNowhere) soil = 0;
+  const RouteCells cells = gentle_cells(1000, 1000, 9);
   const RouteCosts costs(table, RouteCost::risk, 100);
   for (const double quarter : {2.0, 10.0, 50.0}) {
     const Turning turning(cells, costs, quarter);
