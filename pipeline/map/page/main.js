@@ -13,6 +13,7 @@ function refresh(counts = true) {
     if (counting) show_shares();
     counting = false;
     show_cell();
+    show_readout(view.read);
     remember();
   });
 }
@@ -63,7 +64,6 @@ function update_route() {
   route.reach = route.reaching && route.start !== null ? dijkstra(route.start, -1, route.cost).cost : null;
   make_bands();
   $('route-reach').setAttribute('aria-pressed', route.reaching);
-  show_readout(view.read);
   refresh(false);
 }
 
@@ -75,7 +75,6 @@ function draw_route() {
   if (measure.on) toggle_measure();
   $('route').replaceChildren();
   $('route-hint').textContent = 'Click the start on the map (or press Enter at the crosshair).';
-  show_readout(view.read);
   refresh(false);
 }
 

@@ -108,7 +108,10 @@ class Straightener {
     const auto in = [&](auto& list) {
       list.erase(list.begin() + std::ptrdiff_t(from), list.begin() + std::ptrdiff_t(to));
     };
-    in(way_), in(fixed_), in(line_), in(turn_);
+    in(way_);
+    in(fixed_);
+    in(line_);
+    in(turn_);
     line_[from - 1] = line_cost(cells_, costs_, way_[from - 1], way_[from]);
     turn_[from - 1] = turn_at(from - 1);
     turn_[from] = turn_at(from);
