@@ -89,15 +89,31 @@ Unseen unseen_trials(const Predictor& predictor, const learning::TrainingTable& 
   return unseen;
 }
 
+/// A model beside the trials that it is scored on, and rows of its joint distribution where they are given.
+struct Evaluation {
+  Evaluation(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
+             const std::filesystem::path& rows)
+      : given(rows.empty() ? std::nullopt : std::optional(read_given_rows(rows))),
+        predictor(Predictor::read(model_file)),
+        trained(training_table(predictor.model())),
+        unseen(unseen_trials(predictor, trained, dataset)) {}
+
+  Json joint() const { return joint_scores(predictor, trained, unseen.trials, 1, given); }
+
+  std::optional<learning::TrainingTable> given;
+  Predictor predictor;
+  learning::TrainingTable trained;
+  Unseen unseen;
+};
+
 }  // namespace
 
 Json evaluate_model(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
                     const std::filesystem::path& rows) {
-  const auto given = rows.empty() ? std::nullopt : std::optional(read_given_rows(rows));
-  const Predictor predictor = Predictor::read(model_file);
-  const learning::TrainingTable trained = training_table(predictor.model());
-  Unseen unseen = unseen_trials(predictor, trained, dataset);
-  const Baselines baselines = fit_baselines(trained, passable_labels(trained));
+  Evaluation evaluation(model_file, dataset, rows);
+  Unseen& unseen = evaluation.unseen;
+  const Predictor& predictor = evaluation.predictor;
+  const Baselines baselines = fit_baselines(evaluation.trained, passable_labels(evaluation.trained));
   unseen.forecasts.baselines = baselines.forecasts(unseen.trials.variables);
   Json json = std::move(unseen.counts);
   json["scores"] = score_forecasts(unseen.forecasts, 1);
@@ -109,20 +125,18 @@ Json evaluate_model(const std::filesystem::path& model_file, const std::filesyst
                      {"base_rate", [&](std::span<const double>) { return baselines.base_rate; }}},
                     unseen.trials, unseen.forecasts.happened, varying(predictor.model()));
   json["reconstruction"] = reconstruction_scores(predictor, unseen.trials);
-  json["joint"] = joint_scores(predictor, trained, unseen.trials, 1, given);
+  json["joint"] = evaluation.joint();
   json["checks"] = evaluation_checks(json);
   return json;
 }
 
 Json evaluate_joint(const std::filesystem::path& model_file, const std::filesystem::path& dataset,
                     const std::filesystem::path& rows) {
-  const auto given = rows.empty() ? std::nullopt : std::optional(read_given_rows(rows));
-  const Predictor predictor = Predictor::read(model_file);
-  const learning::TrainingTable trained = training_table(predictor.model());
-  Unseen unseen = unseen_trials(predictor, trained, dataset);
+  Evaluation evaluation(model_file, dataset, rows);
+  Unseen& unseen = evaluation.unseen;
   Json json = std::move(unseen.counts);
   json["scores"] = score_forecasts(unseen.forecasts, 1);
-  json["joint"] = joint_scores(predictor, trained, unseen.trials, 1, given);
+  json["joint"] = evaluation.joint();
   return json;
 }
 
