@@ -38,8 +38,8 @@ struct Named {
 std::string whole_vehicle(const campaign::Provenance& provenance, const std::string& where) {
   constexpr std::string_view kQuarter = "_quarter";
   std::string name = Config::parse(text_of(provenance, "vehicle", where), where + ": vehicle").text("vehicle");
-  const bool is_quarter = name.size() > kQuarter.size() &&
-                          name.compare(name.size() - kQuarter.size(), kQuarter.size(), kQuarter) == 0;
+  const bool is_quarter =
+      name.size() > kQuarter.size() && name.compare(name.size() - kQuarter.size(), kQuarter.size(), kQuarter) == 0;
   return is_quarter ? name.substr(0, name.size() - kQuarter.size()) : name;
 }
 

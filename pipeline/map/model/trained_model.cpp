@@ -74,6 +74,18 @@ std::string model_vehicle(const TrainedModel& model) {
                    "with --dataset");
 }
 
+/// Trials that only helped are of another fidelity, so they say neither what was driven nor what its wheels measured.
+void refuse_helpers(const TrainedModel& model) {
+  const Json* others = model.predictor->model().provenance.find("other_trials");
+  if (!others) return;
+  const std::string hash = file_hash(model.dataset_file);
+  for (const Json& other : others->items())
+    if (other.at("data_hash").string() == hash)
+      throw InputError(model.dataset_file.string() + ": the model " + model.file.string() +
+                       " does not answer for these trials (" + other.at("fidelity").string() +
+                       "), they only helped; give the finest trials that it learned from (--dataset)");
+}
+
 }  // namespace
 
 std::string TrialVehicle::fidelity() const {
@@ -133,6 +145,7 @@ TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
     model.dataset_file = shipped.empty() ? beside : shipped;
     model.is_up_to_date = file_hash(model.dataset_file) == hash->string();
   }
+  refuse_helpers(model);
   model.dataset = campaign::read_dataset(model.dataset_file);
   model.vehicle = trial_vehicle(model.dataset->provenance, model.dataset_file.string());
   const double of_trials = campaign::gravity_of(model.dataset->provenance, model.dataset_file.string());
