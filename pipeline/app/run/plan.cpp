@@ -1,8 +1,11 @@
 #include "pipeline/app/run/plan.h"
 
 #include "base/error.h"
+#include "base/file.h"
 #include "base/hash.h"
 #include "pipeline/campaign/engine/study_campaign.h"
+#include "pipeline/learn/training/named_trials.h"
+#include "pipeline/learn/training/other_fidelity.h"
 #include "pipeline/learn/training/train_model.h"
 #include "pipeline/map/evaluate/block.h"
 #include "pipeline/map/region/ground_gravity.h"
@@ -40,6 +43,18 @@ void check_rasters(const map::Region& region, double gravity) {
     if (*raster) check_readable(**raster);
 }
 
+/// Trials of other fidelities, checked against what this study is going to simulate.
+std::vector<std::filesystem::path> trials_beside(const campaign::Study& study) {
+  const auto files = learn::named_trials(study.config.object_if("learning"));
+  if (files.empty()) return files;
+  campaign::Provenance own;
+  own.study = study.config.json().dump();
+  own.files = {{"vehicle", read_file(study.vehicle)},
+               {"calibration", read_file(study.section("soil").path("calibration"))}};
+  learn::require_together(own, study.file.string(), files);
+  return files;
+}
+
 }  // namespace
 
 RunPlan plan_run(const RunRequest& request) {
@@ -55,6 +70,7 @@ RunPlan plan_run(const RunRequest& request) {
                .threads = request.threads,
                .campaign = std::move(campaign),
                .learning = learn::trainable_settings(study.config.object_if("learning")),
+               .with = trials_beside(study),
                .region = map::read_region(study.region),
                .map = map::read_map_rules(study.config.object_if("map"))};
   check_rasters(plan.region, plan.study.gravity);

@@ -1,6 +1,7 @@
 // The plan of a run. All files are read and checked before any work starts.
 #pragma once
 #include <filesystem>
+#include <vector>
 
 #include "pipeline/campaign/engine/campaign.h"
 #include "pipeline/campaign/study/study.h"
@@ -21,6 +22,7 @@ struct RunPlan {
   int threads = 0;
   campaign::CampaignRequest campaign;
   learn::LearningSettings learning;
+  std::vector<std::filesystem::path> with;  // datasets of other fidelities that the model learns too
   map::Region region;
   map::MapRules map;
 

@@ -11,6 +11,7 @@
 #include "learning/model/model.h"
 #include "pipeline/app/run/stage.h"
 #include "pipeline/campaign/dataset/summary.h"
+#include "pipeline/learn/training/other_fidelity.h"
 #include "pipeline/learn/training/train_model.h"
 #include "pipeline/map/region/area.h"
 #include "pipeline/map/write/map_record.h"
@@ -37,20 +38,37 @@ Stage campaign_stage(const RunPlan& plan) {
           }};
 }
 
+/// The study's trials and those that it learns beside them, the finest first. The model answers for the first.
+std::vector<std::filesystem::path> learned_trials(const RunPlan& plan) {
+  std::vector<std::filesystem::path> files{plan.dataset()};
+  files.insert(files.end(), plan.with.begin(), plan.with.end());
+  return learn::finest_first(files);
+}
+
+/// The section "design" that the trials of this dataset were drawn by.
+std::optional<Config> design_of(const RunPlan& plan, const std::filesystem::path& dataset) {
+  if (dataset == plan.dataset()) return plan.study.config.object_if("design");
+  const std::string text = campaign::read_dataset(dataset).provenance.study;
+  return Config::parse(text, dataset.string() + ": study").object_if("design");
+}
+
 Stage training_stage(const RunPlan& plan) {
   Json inputs = Json::object();
   inputs["program"] = program();
   inputs["dataset.h5"] = path_hash(plan.dataset());
+  for (const auto& file : plan.with) inputs["with"].push_back(path_hash(file));
   inputs["seed"] = plan.study.seed;
   Json& learning = inputs["learning"] = learn::to_json(plan.learning);
   learning["given"] = section_json(plan.study, "learning");  // the other settings follow the number of trials
   inputs["design"] = section_json(plan.study, "design");
   return {.name = "train", .outputs = {"model.h5"}, .inputs = inputs, .work = [&plan] {
-            learn::train_model({.dataset = plan.dataset(),
+            const auto files = learned_trials(plan);
+            learn::train_model({.dataset = files.front(),
                                 .model = plan.model(),
                                 .seed = plan.study.seed,
                                 .learning = plan.study.config.object_if("learning"),
-                                .design = plan.study.config.object_if("design")});
+                                .design = design_of(plan, files.front()),
+                                .others = {files.begin() + 1, files.end()}});
           }};
 }
 
@@ -58,7 +76,7 @@ Stage map_stage(const RunPlan& plan) {
   Json inputs = Json::object();
   inputs["program"] = program();
   inputs["model.h5"] = path_hash(plan.model());
-  inputs["dataset.h5"] = path_hash(plan.dataset());
+  inputs["dataset.h5"] = path_hash(learned_trials(plan).front());
   inputs["region"] = path_hash(plan.region.file);
   for (const auto& [role, hash] : map::raster_hashes(plan.region)) inputs[role] = hash;
   inputs["map"] = section_json(plan.study, "map");
@@ -67,7 +85,7 @@ Stage map_stage(const RunPlan& plan) {
             map::make_map(map::read_map_request({.model = plan.model(),
                                                  .region = {},
                                                  .study = plan.study.file,
-                                                 .dataset = plan.dataset(),
+                                                 .dataset = learned_trials(plan).front(),
                                                  .out = plan.map_folder(),
                                                  .threads = plan.threads}));
           }};

@@ -2,7 +2,7 @@
 //
 //   <out>/trials/<key>/  finished trials of one set of inputs (campaign.h); changed inputs get a folder of their own
 //   <out>/dataset.h5     the trials of this study
-//   <out>/model.h5       trained on them
+//   <out>/model.h5       trained on them, and on those that the study names in learning.with; of the finest fidelity
 //   <out>/map/           layers, figure, area table
 //   <out>/run.json       what was made from what, and its summary
 //   <out>/stamps/        what each stage read and wrote, as hashes; it is done again only when they differ

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "base/error.h"
 #include "base/hash.h"
@@ -26,23 +28,44 @@ const std::string& text_of(const campaign::Provenance& provenance, const char* n
 }
 
 struct Named {
-  fs::path file;
+  std::string where;
+  std::string vehicle;  // the whole one
   Fidelity fidelity;
   double gravity = 0;  // [m/s^2]
 };
 
-Named named(const fs::path& file, const campaign::Dataset& dataset) {
-  return {file, fidelity_of(dataset.provenance, file.string()),
-          campaign::gravity_of(dataset.provenance, file.string())};
+/// Name of the whole vehicle: "hmmwv" of hmmwv and of hmmwv_quarter.
+std::string whole_vehicle(const campaign::Provenance& provenance, const std::string& where) {
+  constexpr std::string_view kQuarter = "_quarter";
+  std::string name = Config::parse(text_of(provenance, "vehicle", where), where + ": vehicle").text("vehicle");
+  const bool is_quarter =
+      name.size() > kQuarter.size() && name.compare(name.size() - kQuarter.size(), kQuarter.size(), kQuarter) == 0;
+  return is_quarter ? name.substr(0, name.size() - kQuarter.size()) : name;
 }
 
-void require_together(const Named& a, const Named& b) {
+Named named(const std::string& where, const campaign::Provenance& provenance) {
+  return {where, whole_vehicle(provenance, where), fidelity_of(provenance, where),
+          campaign::gravity_of(provenance, where)};
+}
+
+Named named(const fs::path& file) { return named(file.string(), campaign::read_dataset(file).provenance); }
+
+void require_pair(const Named& a, const Named& b) {
   if (a.gravity != b.gravity)
-    throw InputError(b.file.string() + line(": its trials had a gravity of %.4g m/s^2, those of ", b.gravity) +
-                     a.file.string() + line(" %.4g; train on each alone", a.gravity));
+    throw InputError(b.where + line(": its trials had a gravity of %.4g m/s^2, those of ", b.gravity) + a.where +
+                     line(" %.4g; train on each alone", a.gravity));
+  if (a.vehicle != b.vehicle)
+    throw InputError(b.where + ": its trials drove the vehicle " + b.vehicle + ", those of " + a.where + " " +
+                     a.vehicle + "; another vehicle needs a model of its own: train on each alone");
   if (a.fidelity == b.fidelity)
-    throw InputError(b.file.string() + ": its trials have the fidelity of " + a.file.string() + " (" +
-                     a.fidelity.text() + "); give one dataset of each fidelity");
+    throw InputError(b.where + ": its trials have the fidelity of " + a.where + " (" + a.fidelity.text() +
+                     "); give one dataset of each fidelity");
+}
+
+/// Throws InputError unless this one and each of the others can be learned together; then adds it to them.
+void add_checked(std::vector<Named>& seen, Named next) {
+  for (const Named& earlier : seen) require_pair(earlier, next);
+  seen.push_back(std::move(next));
 }
 
 /// Appends the rows with these inputs after their variables. Their groups are new ones.
@@ -106,22 +129,26 @@ std::vector<double> OtherTrials::at_own(const std::vector<double>& points, std::
   return result;
 }
 
+void require_together(const campaign::Provenance& own, const std::string& where, const std::vector<fs::path>& others) {
+  std::vector<Named> seen{named(where, own)};
+  for (const fs::path& file : others) add_checked(seen, named(file));
+}
+
 OtherTrials read_other_trials(const fs::path& own, const std::vector<fs::path>& others) {
   OtherTrials result;
   if (others.empty()) return result;
-  std::vector<Named> seen{named(own, campaign::read_dataset(own))};
+  std::vector<Named> seen{named(own)};
   result.own = seen.front().fidelity.inputs();
   for (const fs::path& file : others) {
     const campaign::Dataset dataset = campaign::read_dataset(file);
-    const Named other = named(file, dataset);
-    for (const Named& earlier : seen) require_together(earlier, other);
-    seen.push_back(other);
+    add_checked(seen, named(file.string(), dataset.provenance));
+    const Fidelity& fidelity = seen.back().fidelity;
     const learning::TrainingTable rows = make_training_data(dataset.records, std::nullopt).table;
-    append(result.table, rows, other.fidelity.inputs());
+    append(result.table, rows, fidelity.inputs());
     Json entry;
     entry["data_hash"] = file_hash(file);
     entry["trials"] = Json(std::uint64_t(rows.row_count()));
-    entry["fidelity"] = other.fidelity.text();
+    entry["fidelity"] = fidelity.text();
     result.report.push_back(std::move(entry));
   }
   return result;
@@ -129,11 +156,12 @@ OtherTrials read_other_trials(const fs::path& own, const std::vector<fs::path>& 
 
 std::vector<fs::path> finest_first(std::vector<fs::path> datasets) {
   if (datasets.size() < 2) return datasets;
-  std::vector<Named> order;
-  for (const fs::path& file : datasets) order.push_back(named(file, campaign::read_dataset(file)));
+  std::vector<std::pair<Fidelity, fs::path>> order;
+  for (const fs::path& file : datasets)
+    order.emplace_back(fidelity_of(campaign::read_dataset(file).provenance, file.string()), file);
   std::stable_sort(order.begin(), order.end(),
-                   [](const Named& a, const Named& b) { return a.fidelity.is_finer_than(b.fidelity); });
-  for (std::size_t k = 0; k < order.size(); ++k) datasets[k] = order[k].file;
+                   [](const auto& a, const auto& b) { return a.first.is_finer_than(b.first); });
+  for (std::size_t k = 0; k < order.size(); ++k) datasets[k] = order[k].second;
   return datasets;
 }
 

@@ -42,8 +42,13 @@ struct OtherTrials {
   std::vector<double> at_own(const std::vector<double>& points, std::size_t variables) const;
 };
 
-/// Valid trials of other datasets than `own`. Throws InputError for two datasets of the same fidelity or of different
-/// gravity.
+/// Throws InputError where the trials of the files cannot be learned together with these: another vehicle, another
+/// gravity, or a fidelity that is there already. A quarter of a vehicle is named as it, with "_quarter" after. `where`
+/// names the own trials.
+void require_together(const campaign::Provenance& own, const std::string& where,
+                      const std::vector<std::filesystem::path>& others);
+
+/// Valid trials of other datasets than `own`. Throws InputError as require_together().
 OtherTrials read_other_trials(const std::filesystem::path& own, const std::vector<std::filesystem::path>& others);
 
 /// The same files, the finest first.

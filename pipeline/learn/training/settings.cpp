@@ -69,6 +69,7 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   if (section->has("unknown_inputs"))
     settings.uniform_inputs = section->choice("unknown_inputs", {"prior", "machine"}) == "prior";
   if (section->has("bins")) settings.quantile_bins = section->choice("bins", {"range", "quantile"}) == "quantile";
+  if (section->has("with")) section->texts("with");  // named_trials() finds them
   if (const auto encoders = section->object_if("encoders")) read_encoders(*encoders, settings);
   section->finish();
   return settings;

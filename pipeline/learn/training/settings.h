@@ -34,6 +34,7 @@
 //   teacher         weight of the soft labels of a Gaussian process (default by the number of trials, see teacher.h;
 //                   0: none)
 //   bins            "range" (default) or "quantile"
+//   with            datasets of other fidelities that `gonogo run` trains on too, shipped name or file (named_trials.h)
 //   encoders        { "<variable>": { "code": "thermometer" | "one_hot" | "gray", "bits": n } }; default: the
 //   contract's.
 //                   "edges" in place of "bits" gives the inner edges of the bins [unit of the variable], increasing

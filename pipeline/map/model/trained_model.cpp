@@ -11,6 +11,7 @@
 #include "pipeline/campaign/dataset/trial_inputs.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/learn/answer/model_gravity.h"
+#include "pipeline/learn/training/named_trials.h"
 #include "pipeline/map/region/ground_gravity.h"
 #include "vehicle/model/statics.h"
 
@@ -58,11 +59,31 @@ std::string vehicle_of(const fs::path& folder) {
                    nearest_word(model, names) + "\"?); names of models and of their vehicles: " + join_words(names));
 }
 
+/// The study's own vehicle and grains may be others where it learns the model's trials beside its own.
+bool learns_trials_of(const campaign::Study& study, const TrainedModel& model) {
+  const Json* hash = model.predictor->model().provenance.find("data_hash");
+  const auto files = learn::named_trials(study.config.object_if("learning"));
+  return hash && std::any_of(files.begin(), files.end(),
+                             [&](const fs::path& file) { return file_hash(file) == hash->string(); });
+}
+
 std::string model_vehicle(const TrainedModel& model) {
   if (model.vehicle) return model.vehicle->name;
   throw InputError(model.file.string() +
                    ": does not say which vehicle it was trained on, because its trials are not beside it; give them "
                    "with --dataset");
+}
+
+/// Trials that only helped are of another fidelity, so they say neither what was driven nor what its wheels measured.
+void refuse_helpers(const TrainedModel& model) {
+  const Json* others = model.predictor->model().provenance.find("other_trials");
+  if (!others) return;
+  const std::string hash = file_hash(model.dataset_file);
+  for (const Json& other : others->items())
+    if (other.at("data_hash").string() == hash)
+      throw InputError(model.dataset_file.string() + ": the model " + model.file.string() +
+                       " does not answer for these trials (" + other.at("fidelity").string() +
+                       "), they only helped; give the finest trials that it learned from (--dataset)");
 }
 
 }  // namespace
@@ -117,11 +138,14 @@ TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
   model.dataset_file = dataset;
   if (dataset.empty()) {
     const fs::path beside = file.parent_path() / "dataset.h5";
-    const Json* hash = model.predictor->model().provenance.find("data_hash");
-    if (!hash || !fs::is_regular_file(beside)) return model;
-    model.is_up_to_date = file_hash(beside) == hash->string();
-    model.dataset_file = beside;
+    const Json& provenance = model.predictor->model().provenance;
+    const Json* hash = provenance.find("data_hash");
+    const fs::path shipped = hash && provenance.find("other_trials") ? learn::shipped_trials(hash->string()) : "";
+    if (!hash || (shipped.empty() && !fs::is_regular_file(beside))) return model;
+    model.dataset_file = shipped.empty() ? beside : shipped;
+    model.is_up_to_date = file_hash(model.dataset_file) == hash->string();
   }
+  refuse_helpers(model);
   model.dataset = campaign::read_dataset(model.dataset_file);
   model.vehicle = trial_vehicle(model.dataset->provenance, model.dataset_file.string());
   const double of_trials = campaign::gravity_of(model.dataset->provenance, model.dataset_file.string());
@@ -151,7 +175,7 @@ void require_study(const TrainedModel& model, const fs::path& study_file) {
     throw InputError(study_file.string() + ": gravity: is " + gravity_text(study.gravity) +
                      ", and the trials of the model " + model.file.string() + " had " + gravity_text(model.gravity) +
                      "; give a study of that gravity");
-  if (!model.vehicle) return;
+  if (!model.vehicle || learns_trials_of(study, model)) return;
   if (!study.vehicle.empty()) {
     const std::string name = Config::read(study.vehicle).text("vehicle");
     if (name != model.vehicle->name)

@@ -46,7 +46,8 @@ struct TrainedModel {
 /// of exactly one shipped model. Throws InputError with the nearest names.
 std::filesystem::path find_model(const std::string& model);
 
-/// Reads the model and its trials. `dataset`: empty to take dataset.h5 beside the model, where there is one. Throws
+/// Reads the model and its trials. `dataset`: empty to take dataset.h5 beside the model, where there is one. Where the
+/// model learned shipped trials together with others, those shipped ones are its trials. Throws
 /// InputError for files that cannot be read.
 TrainedModel read_trained_model(const std::filesystem::path& file, const std::filesystem::path& dataset = {});
 

@@ -188,6 +188,16 @@ void check_moisture(const std::string& moisture) {
     throw InputError("map: --moisture \"" + moisture + "\" is no scenario; use dry, moist or wet");
 }
 
+/// "; 88 trials of another fidelity helped: ..." where trials did that the model does not answer for.
+std::string helpers_text(const TrainedModel& trained) {
+  std::string text;
+  if (const Json* others = trained.predictor->model().provenance.find("other_trials"))
+    for (const Json& other : others->items())
+      text += "; " + std::to_string(other.at("trials").integer()) +
+              " trials of another fidelity helped: " + other.at("fidelity").string();
+  return text;
+}
+
 /// The vehicle's own name; the file's, if it gives none.
 std::string vehicle_name(const std::filesystem::path& file) {
   const Json vehicle = Json::read(file);
@@ -223,7 +233,7 @@ MapRequest read_map_request(const MapFiles& files) {
   if (!files.whole_vehicle.empty()) request.rules.cone_index_of = files.whole_vehicle;
   add_vehicle(request.model, request.region, trained, request.rules.cone_index_of);
   if (trained.vehicle && request.rules.fidelity == MapRules{}.fidelity)
-    request.rules.fidelity = trained.vehicle->fidelity();
+    request.rules.fidelity = trained.vehicle->fidelity() + helpers_text(trained);
   if (!trained.vehicle && study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);
   request.out = files.out;
   request.colour_blind_safe = files.colour_blind_safe;

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "base/hash.h"
 #include "base/random.h"
 #include "learning/model/model.h"
 #include "learning/rbm/gaussian_process.h"
 #include "learning/score/score.h"
+#include "pipeline/learn/training/named_trials.h"
 #include "pipeline/learn/training/train_model.h"
 #include "tests/pipeline/learn/trained_model.h"
 #include "tests/support/catch.h"
@@ -84,8 +86,33 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
 TEST_CASE("two datasets of one fidelity are refused, and one that does not tell its own") {
   refused([] { read_other_trials(kVehicle, {kQuarter, kQuarter}); }, "have the fidelity of");
   refused([] { read_other_trials(kVehicle, {kVehicle}); }, "give one dataset of each fidelity");
+  refused([] { read_other_trials(kVehicle, {kData / "lunar_rover/dataset.h5"}); }, "gravity");
   const fs::path mute = dataset_file("mute.h5", 30, 2);
   refused([&] { finest_first({kVehicle, mute}); }, "does not hold its vehicle");
+}
+
+TEST_CASE("trials of another vehicle are refused, those of a quarter of the same one are not") {
+  campaign::Provenance other = campaign::read_dataset(kQuarter).provenance;
+  CHECK_NOTHROW(require_together(other, "quarter", {kVehicle}));
+  for (auto& [name, text] : other.files)
+    if (name == "vehicle") text.replace(text.find("hmmwv_quarter"), 13, "truck_quarter");
+  refused([&] { require_together(other, "truck", {kVehicle}); }, "another vehicle needs a model of its own");
+}
+
+TEST_CASE("a study names the trials that it learns too, by shipped name or by file") {
+  const auto named = [](const std::string& list) {
+    return named_trials(Config::parse(R"({"with": )" + list + "}", (kData / "study.json").string()));
+  };
+  CHECK(named_trials(std::nullopt).empty());
+  const auto files = named(R"(["hmmwv_32mm", "quarter_wheel_32mm/dataset.h5"])");
+  REQUIRE(files.size() == 2);
+  CHECK(fs::equivalent(files[0], kVehicle));
+  CHECK(fs::equivalent(files[1], kQuarter));
+  CHECK(fs::equivalent(shipped_trials(file_hash(kVehicle)), kVehicle));
+  CHECK(shipped_trials("none").empty());
+  refused([&] { named(R"(["hmwv_32mm"])"); }, "did you mean \"hmmwv_32mm\"?");
+  refused([&] { named(R"(["nowhere/dataset.h5"])"); }, "there is no file");
+  refused([&] { named(R"(["hmmwv_32mm", "hmmwv_32mm/dataset.h5"])"); }, "given twice");
 }
 
 TEST_CASE("a process on 16 fine and 200 coarse trials finds the fine curve better than on the fine alone") {
