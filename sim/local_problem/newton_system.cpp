@@ -2,6 +2,8 @@
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
+#include <algorithm>
+#include <vector>
 
 #include "sim/local_problem/banded/spike_preconditioner.h"
 #include "sim/local_problem/by_bodies.h"
@@ -17,7 +19,9 @@ template <class Factors>
 class Direct final : public NewtonSystem {
  public:
   bool factorise(const Sparse& w, const Sparse& cones) override {
-    factors_.compute(Sparse(w + cones));
+    const Sparse sum = w + cones;
+    if (!has_pattern_of(sum)) keep_pattern_of(sum);
+    factors_.factorize(sum);
     return factors_.info() == Eigen::Success;
   }
   bool solve(const VectorXd& rhs, VectorXd& x) override {
@@ -26,7 +30,19 @@ class Direct final : public NewtonSystem {
   }
 
  private:
+  /// Steps of one problem share their pattern, so ordering and symbolic analysis are done once.
+  bool has_pattern_of(const Sparse& a) const {
+    return std::equal(begin_.begin(), begin_.end(), a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1) &&
+           std::equal(inner_.begin(), inner_.end(), a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros());
+  }
+  void keep_pattern_of(const Sparse& a) {
+    begin_.assign(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1);
+    inner_.assign(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros());
+    factors_.analyzePattern(a);
+  }
+
   Factors factors_;
+  std::vector<Sparse::StorageIndex> begin_, inner_;
 };
 
 class Krylov final : public NewtonSystem {

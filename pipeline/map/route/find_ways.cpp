@@ -99,7 +99,7 @@ std::vector<std::uint32_t> stops_of(const RouteRequest& request, const terrain::
 }
 
 Json find_ways(const RouteRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
-                 const RouteCells& cells, const AllCosts& costs, std::vector<FoundWay>& ways) {
+               const RouteCells& cells, const AllCosts& costs, std::vector<FoundWay>& ways) {
   const std::vector<std::uint32_t> stops = stops_of(request, grid, cells);
   const std::vector<DriveSoil> soils = drive_soils(table);
   Json routes = Json::array();
