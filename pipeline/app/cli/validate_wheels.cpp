@@ -16,7 +16,7 @@ struct WheelsRequest {
   std::vector<std::string> benchmarks;
   std::string calibration = "calibration_32mm", folder;
   std::vector<std::string> numbers;  // files of gonogo soil export
-  bool nominal = false, formulas = false;
+  bool nominal = false, formulas = false, no_soil_tests = false;
   double wheel_friction = -1;
   lab::WheelRun run;
 };
@@ -25,14 +25,14 @@ using Numbers = std::map<std::string, lab::SoilNumbers>;  // by key_of
 
 std::string key_of(const std::string& soil, const std::string& state) { return soil + ", " + state; }
 
-/// Numbers that files give, and those of all other soils by tests, unless the run is quick or without trials.
+/// Numbers that files give, and those of all other soils by tests, unless the run is quick or without tests or trials.
 Numbers soil_numbers(const WheelsRequest& request, const std::vector<lab::Benchmark>& benchmarks) {
   Numbers numbers;
   for (const std::string& file : request.numbers) {
     const lab::SoilNumbers n = lab::read_soil_numbers(file);
     numbers.emplace(key_of(n.soil, n.state), n);
   }
-  if (request.run.quick || request.formulas) return numbers;
+  if (request.run.quick || request.formulas || request.no_soil_tests) return numbers;
   for (const lab::Benchmark& b : benchmarks) {
     const std::string key = key_of(b.soil_file, b.soil.name);
     if (numbers.count(key)) continue;
@@ -62,7 +62,7 @@ std::vector<lab::Predictor> formulas_of(const lab::Benchmark& b, const Numbers& 
     formulas.push_back(lab::analytic_predictor(b, lab::exported_numbers(own->second), "Bekker-Wong, our soil tests",
                                                own->second.table));
   else
-    missing.push_back("no Bekker-Wong with numbers of our tests: give --soil-numbers, or run without --quick");
+    missing.push_back("no Bekker-Wong with numbers of our tests: give --soil-numbers, or let the tests run");
   return formulas;
 }
 
@@ -137,6 +137,8 @@ void add_wheels_check(CLI::App& validate, const Globals& globals) {
       ->add_option("--soil-numbers", r->numbers,
                    "Numbers by gonogo soil export --format bekker; default: tests are run")
       ->type_name(kFile);
+  wheels->add_flag("--no-soil-tests", r->no_soil_tests,
+                   "No plate and shear tests: formulas have only numbers that were measured or given");
   wheels->add_option("--state", r->run.state, "State of the soil; default: the benchmark's");
   wheels->add_option("--wheel-friction", r->wheel_friction, "Of grains on the wheels [-]; default: the benchmark's")
       ->check(CLI::Range(0.0, 2.0));
