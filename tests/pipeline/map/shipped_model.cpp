@@ -1,10 +1,13 @@
 // The models that ship: found by name, refused for another vehicle, and asked for what is known beforehand.
 #include <algorithm>
+#include <cstdio>
 #include <fstream>
 #include <sstream>
 
 #include "base/error.h"
 #include "base/file.h"
+#include "learning/score/score.h"
+#include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/map/model/trained_model.h"
 #include "pipeline/map/region/rules.h"
 #include "pipeline/map/write/map_request.h"
@@ -76,6 +79,30 @@ TEST_CASE("the shipped model of the HMMWV says what is known beforehand") {
     if (known.expected == "no_go") CHECK(verdict == Verdict::no_go);
     CHECK((known.expected == "go" || known.expected == "passable" || known.expected == "no_go"));
   }
+}
+
+TEST_CASE("the shipped model of the HMMWV forecasts trials of another seed, which it never saw") {
+  const TrainedModel model = read_trained_model(find_model("hmmwv"));
+  const Dataset fresh = read_dataset(kSource + "/data/hmmwv_32mm/fresh.h5");
+  REQUIRE(fresh.records.size() == 400);
+  std::vector<double> p, sure;  // `sure`: outside 0.2 to 0.8
+  std::vector<int> passed, sure_passed;
+  for (const TrialRecord& trial : fresh.records) {
+    REQUIRE(trial.verdict != Verdict::unknown);
+    p.push_back(Prospect{model.predictor->outcome_probabilities(trial.point.variables), 0, 0}.p_go());
+    passed.push_back(passes(trial.verdict));
+    if (p.back() >= 0.2 && p.back() <= 0.8) continue;
+    sure.push_back(p.back());
+    sure_passed.push_back(passed.back());
+  }
+  const double brier = learning::brier_score(p, passed);
+  const double calibration = learning::calibration_error(learning::reliability(p, passed, 10));
+  const double accuracy = learning::accuracy(sure, sure_passed);
+  std::printf("400 fresh trials: Brier score %.4f, calibration error %.4f, accuracy outside 0.2 to 0.8 %.4f on %zu\n",
+              brier, calibration, accuracy, sure.size());
+  CHECK(brier <= 0.045);
+  CHECK(calibration <= 0.03);
+  CHECK(accuracy >= 0.97);
 }
 
 TEST_CASE("models that ship are found by name and by vehicle; their trials lie beside them") {
