@@ -92,7 +92,7 @@ bool Fidelity::is_finer_than(const Fidelity& other) const {
 std::string Fidelity::text() const {
   return std::string(is_whole ? "whole vehicle" : "quarter of a vehicle") +
          (has_compliant_tyres ? ", compliant tyres" : ", rigid tyres") +
-         line(", %.1f grains across the tyre", grains_per_tyre);
+         line(", %.1f grains across a wheel", grains_per_tyre);
 }
 
 std::vector<double> Fidelity::inputs() const {

@@ -21,7 +21,7 @@ struct Fidelity {
   bool operator==(const Fidelity&) const = default;
   /// A whole vehicle is finer than a quarter; then compliant tyres than rigid ones; then small grains than large ones.
   bool is_finer_than(const Fidelity& other) const;
-  /// "whole vehicle, compliant tyres, 7.9 grains across the tyre"
+  /// "whole vehicle, compliant tyres, 7.9 grains across a wheel"
   std::string text() const;
   /// Inputs of the process: 0 or 1, 0 or 1, log2(grains_per_tyre).
   std::vector<double> inputs() const;

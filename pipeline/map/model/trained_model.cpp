@@ -90,8 +90,8 @@ void refuse_helpers(const TrainedModel& model) {
 
 std::string TrialVehicle::fidelity() const {
   return (rig ? "one wheel with a quarter of the vehicle" : std::string("whole vehicle")) +
-         line(" on grains of %.3g mm, %.1f across the %s", 1e3 * grain_diameter, tyre_width(*this) / grain_diameter,
-              whole && !whole->track.empty() ? "shoe" : "tyre") +
+         line(" on grains of %.3g mm, %.1f across a %s", 1e3 * grain_diameter, tyre_width(*this) / grain_diameter,
+              whole && !whole->track.empty() ? "shoe" : "wheel") +
          (gravity == kGravity ? "" : ", gravity " + gravity_text(gravity));
 }
 

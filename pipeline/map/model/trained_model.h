@@ -26,7 +26,7 @@ struct TrialVehicle {
   double gravity = kGravity;     // [m/s^2]
   Json file;                     // text of the vehicle's file
 
-  /// "whole vehicle on grains of 32 mm, 7.9 across the tyre", with the gravity where it is not the Earth's
+  /// "whole vehicle on grains of 32 mm, 7.9 across a wheel", with the gravity where it is not the Earth's
   std::string fidelity() const;
 };
 

@@ -51,8 +51,8 @@ TEST_CASE("the shipped trials of the whole vehicle are finer than those of a qua
     return fidelity_of(campaign::read_dataset(file).provenance, file.string());
   };
   const Fidelity whole = of(kVehicle), quarter = of(kQuarter);
-  CHECK(whole.text() == "whole vehicle, compliant tyres, 7.9 grains across the tyre");
-  CHECK(quarter.text() == "quarter of a vehicle, rigid tyres, 7.9 grains across the tyre");
+  CHECK(whole.text() == "whole vehicle, compliant tyres, 7.9 grains across a wheel");
+  CHECK(quarter.text() == "quarter of a vehicle, rigid tyres, 7.9 grains across a wheel");
   CHECK(whole.grains_per_tyre == Approx(0.254 / 0.032));
   CHECK(whole.is_finer_than(quarter));
   CHECK_FALSE(quarter.is_finer_than(whole));

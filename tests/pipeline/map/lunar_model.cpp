@@ -33,7 +33,7 @@ TEST_CASE("the lunar model that ships was trained on its trials at the Moon's gr
   INFO("model.h5 is older than dataset.h5: train it again (data/lunar_rover/README.md)");
   CHECK(model.is_up_to_date);
   CHECK(model.vehicle->name == "viper");
-  CHECK(model.vehicle->fidelity() == "whole vehicle on grains of 90 mm, 2.2 across the tyre, gravity 1.62 m/s2");
+  CHECK(model.vehicle->fidelity() == "whole vehicle on grains of 90 mm, 2.2 across a wheel, gravity 1.62 m/s2");
 }
 
 TEST_CASE("the lunar model maps a lunar crater: its floor goes, its walls do not") {

@@ -115,7 +115,7 @@ TEST_CASE("models that ship are found by name and by vehicle; their trials lie b
   CHECK(model.is_up_to_date);
   CHECK(model.vehicle->name == "hmmwv");
   CHECK(model.vehicle->whole);
-  CHECK(model.vehicle->fidelity() == "whole vehicle on grains of 32 mm, 7.9 across the tyre");
+  CHECK(model.vehicle->fidelity() == "whole vehicle on grains of 32 mm, 7.9 across a wheel");
   const std::string refused = input_error([] { find_model("hmvw"); });
   CHECK(contains(refused, "did you mean \"hmmwv\"?"));
   CHECK(contains(refused, "hmmwv_32mm"));
