@@ -1,14 +1,11 @@
-// The documented examples of gonogo qubo, run as they are written, on a model with the layout of the demo's.
+// The documented examples of gonogo qubo, run as they are written, on the model that ships for them.
 #include <cmath>
 #include <cstdio>
 #include <sstream>
 
 #include "base/file.h"
-#include "pipeline/campaign/dataset/dataset.h"
-#include "pipeline/learn/training/train_model.h"
 #include "tests/fault/program.h"
 #include "tests/fault/shell.h"
-#include "tests/pipeline/learn/synthetic_trials.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -18,17 +15,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder with out/demo/model.h5, 52 visible units as in the demo, and the source tree's tests/.
-const fs::path& demo_folder() {
+/// A folder with the source tree's tests/, for the problems in it.
+const fs::path& working_folder() {
   static const TemporaryFolder folder;
   static const fs::path path = [] {
-    const fs::path demo = folder.path() / "out/demo";
-    fs::create_directories(demo);
-    fs::create_directory_symlink(GONOGO_SOURCE_DIR "/tests", folder.path() / "tests");  // of the source tree's problems
-    campaign::write_dataset(demo / "dataset.h5", {learn::synthetic_trials(120, 1), {}});
-    const Config learning = Config::parse(R"({"epochs": 100, "folds": 2})", "study");
-    learn::train_model(
-        {.dataset = demo / "dataset.h5", .model = demo / "model.h5", .seed = 3, .learning = learning, .design = {}});
+    fs::create_directory_symlink(GONOGO_SOURCE_DIR "/tests", folder.path() / "tests");
     return folder.path();
   }();
   return path;
@@ -62,7 +53,7 @@ Counts run_examples(const std::vector<std::string>& examples) {
     if (contains(line, "ocean_bridge") || contains(line, "--gpu")) continue;  // need what is not part of the program
     const bool answer = contains(line, "qubo import");
     const std::string program = gonogo_program().string() + line.substr(6) + (answer ? " --json" : "");
-    const ShellEnding ending = shell("cd " + demo_folder().string() + " && " + program + " 2>/dev/null");
+    const ShellEnding ending = shell("cd " + working_folder().string() + " && " + program + " 2>/dev/null");
     REQUIRE(ending.status == 0);
     ++counts.run;
     if (!answer) continue;

@@ -6,13 +6,16 @@
 
 #include "pipeline/app/cli/qubo_options.h"
 #include "pipeline/learn/answer/named_values.h"
+#include "pipeline/map/model/trained_model.h"
 
 namespace gonogo::app {
 namespace {
 
 void add_export(CLI::App& qubo, const SharedQubo& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("export", "Write a model's machine as an annealing problem, with a sidecar");
-  command->add_option("--model", options->model, "Model file")->type_name(kFile)->required();
+  command->add_option("--model", options->model, "Model file, or name of one that ships")
+      ->type_name(kModel)
+      ->required();
   command->add_option("--out", options->out, "Problem file to write; the sidecar goes beside it")
       ->type_name(kFile)
       ->required();
@@ -25,14 +28,14 @@ void add_export(CLI::App& qubo, const SharedQubo& options, const Globals& global
   command->add_option("--format", options->to.format, "Format to write; default: by extension, .json being dimod_json")
       ->type_name(one_of(format_names()));
   command->add_flag("--spin", options->spin, "Ising form (SPIN) instead of QUBO (BINARY)");
-  add_examples(*command, {"gonogo qubo export --model out/demo/model.h5 --out problem.json --clamp slope_along=12"});
+  add_examples(*command, {"gonogo qubo export --model quarter_wheel_90mm --out problem.json --clamp slope_along=12"});
   command->callback([options, penalty, &globals] {
     options->to.option = "--format";
     const auto vartype = options->spin ? learning::Vartype::spin : learning::Vartype::binary;
-    print_export(
-        globals, options->out,
-        learn::export_problem(options->model, options->out, learn::parse_named_values(options->clamp), vartype,
-                              options->to, penalty->count() > 0 ? std::optional(options->penalty) : std::nullopt));
+    print_export(globals, options->out,
+                 learn::export_problem(map::find_model(options->model), options->out,
+                                       learn::parse_named_values(options->clamp), vartype, options->to,
+                                       penalty->count() > 0 ? std::optional(options->penalty) : std::nullopt));
   });
 }
 
@@ -231,7 +234,7 @@ void add_qubo_command(CLI::App& app, const Globals& globals) {
   CLI::App* qubo =
       app.add_subcommand("qubo", "Annealing problems: export from a model, convert, sample, import answers");
   qubo->require_subcommand(1);
-  add_examples(*qubo, {"gonogo qubo export --model out/demo/model.h5 --clamp slope_along=12 --out problem.json",
+  add_examples(*qubo, {"gonogo qubo export --model quarter_wheel_90mm --clamp slope_along=12 --out problem.json",
                        "gonogo qubo sample problem.json --reads 1000 --out answer.json",
                        "gonogo qubo import --problem problem.json --answer answer.json"});
   const auto options = std::make_shared<QuboOptions>();

@@ -55,7 +55,7 @@ void add_route_command(CLI::App& app, const Globals& globals, const Work<RouteOp
                    "Layers for grid_map, .nc or .tif: elevation, and by heading the first cost and what passes")
       ->type_name(kFile);
   add_examples(*command,
-               {"gonogo route --model out/demo/model.h5 --dataset out/demo/dataset.h5 \\\n"
+               {"gonogo route --model out/demo/model.h5 \\\n"
                 "      --region configs/regions/sagehen.json --from 216000,4368000 --to 221000,4372500 \\\n"
                 "      --cost fastest,safest --out routes.gpkg --isochrones minutes.gpkg"},
                "Costs and what a route may cross: docs/map.md.");

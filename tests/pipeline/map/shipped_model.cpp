@@ -190,12 +190,13 @@ TEST_CASE("what a shipped model is not made for is refused in one sentence") {
   };
   CHECK(contains(refusal([](MapFiles& f) { f.vehicle = kSource + "/configs/vehicles/m113.json"; }),
                  "the vehicle m113 is asked for"));
-  CHECK(contains(refusal([](MapFiles& f) { f.study = kSource + "/configs/studies/demo.json"; }), "hmmwv_quarter"));
+  CHECK(contains(refusal([](MapFiles& f) { f.study = kSource + "/configs/studies/quarter_wheel_32mm.json"; }),
+                 "hmmwv_quarter"));
   CHECK(contains(refusal([](MapFiles& f) { f.soil = "sandy laom"; }), "did you mean \"sandy loam\"?"));
   CHECK(contains(refusal([](MapFiles& f) { f.set = {"slope_along=5"}; }), "elevation raster"));
   CHECK(contains(refusal([](MapFiles& f) { f.region = kSource + "/configs/regions/sagehen.json"; }), "--region"));
   MapFiles beside = files_of(folder);
-  beside.study = kSource + "/configs/studies/demo_hmmwv.json";  // of a quarter, but it learns the model's trials
+  beside.study = kSource + "/configs/studies/demo.json";  // of a quarter, but it learns the model's trials
   CHECK_NOTHROW(read_map_request(beside));
   MapFiles files = files_of(folder);
   files.vehicle = kSource + "/configs/vehicles/hmmwv.json";
