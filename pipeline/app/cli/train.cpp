@@ -28,9 +28,10 @@ void add_train_command(CLI::App& app, const Globals& globals, const Work<TrainOp
       ->add_option("--members", options->members,
                    "Also train so many models on reweighted trials, for the spread of the model in maps")
       ->check(CLI::Range(0, 100));
-  add_examples(*command,
-               {"gonogo train --dataset out/demo/dataset.h5 --study configs/studies/quarter_wheel_90mm.json --out out/coarse.h5",
-                "gonogo train --dataset out/fine/dataset.h5 out/coarse/dataset.h5 --out out/fine/model.h5"});
+  add_examples(
+      *command,
+      {"gonogo train --dataset out/demo/dataset.h5 --study configs/studies/quarter_wheel_90mm.json --out out/coarse.h5",
+       "gonogo train --dataset out/fine/dataset.h5 out/coarse/dataset.h5 --out out/fine/model.h5"});
   command->callback([options, work, &globals] { work(globals, *options); });
 }
 
