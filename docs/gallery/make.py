@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """Pictures of maps' pages: docs/gallery/make.py <map folder> [<browser> [<map folder of the second region>]].
 Ends with scripts/shrink_pictures.sh, which makes each at most 250 kB. Needs Python, headless Chromium, ffmpeg and
 pngquant."""
