@@ -131,21 +131,40 @@ class InteriorPoint {
   /// (W + B w^-2 A) dr = rhs with s = A r. B is the transpose of A, less the slip's derivative in the rows of the
   /// normals, so that the pattern is that of W and its diagonal blocks.
   bool factorise() {
-    std::vector<Eigen::Triplet<double>> entry;
+    if (cone_matrix_.rows() == 0) make_cone_matrix();
+    double* const value = cone_matrix_.valuePtr();
+    std::fill_n(value, cone_matrix_.nonZeros(), 0.0);
+    auto slot = slot_.begin();
     for (const Cone& cone : cones_.cones) {
       const Matrix3d square = cone.inverse * cone.inverse;
       for (int a = 0; a <= cone.size; ++a)
-        for (int b = 0; b <= cone.size; ++b)
-          entry.emplace_back(cone.row(a), cone.row(b), cone.factor(a) * square(a, b) * cone.factor(b));
+        for (int b = 0; b <= cone.size; ++b) value[*slot++] += cone.factor(a) * square(a, b) * cone.factor(b);
       if (target_ == Target::ccp) continue;
       const Eigen::RowVector3d slip = cone.c * slip_direction(cone).transpose() * square;
-      for (int b = 0; b <= cone.size; ++b) entry.emplace_back(cone.normal, cone.row(b), -slip[b] * cone.factor(b));
+      for (int b = 0; b <= cone.size; ++b) value[*slot++] -= slip[b] * cone.factor(b);
+    }
+    for (; slot != slot_.end(); ++slot) value[*slot] = 1;  // rows that stay 0
+    return system_->factorise(of_.w, cone_matrix_);
+  }
+
+  /// The pattern of the cones' blocks, and the places of factorise()'s entries among its values.
+  void make_cone_matrix() {
+    std::vector<Eigen::Triplet<double>> entry;
+    for (const Cone& cone : cones_.cones) {
+      for (int a = 0; a <= cone.size; ++a)
+        for (int b = 0; b <= cone.size; ++b) entry.emplace_back(cone.row(a), cone.row(b), 0);
+      if (target_ == Target::ccp) continue;
+      for (int b = 0; b <= cone.size; ++b) entry.emplace_back(cone.normal, cone.row(b), 0);
     }
     for (Eigen::Index k = 0; k < r_.size(); ++k)
-      if (cones_.fixed[k]) entry.emplace_back(k, k, 1);
-    Sparse cones(r_.size(), r_.size());
-    cones.setFromTriplets(entry.begin(), entry.end());
-    return system_->factorise(of_.w, cones);
+      if (cones_.fixed[std::size_t(k)]) entry.emplace_back(k, k, 0);
+    cone_matrix_ = Sparse(r_.size(), r_.size());
+    cone_matrix_.setFromTriplets(entry.begin(), entry.end());
+    const int* const inner = cone_matrix_.innerIndexPtr();
+    for (const auto& e : entry) {
+      const int* const begin = inner + cone_matrix_.outerIndexPtr()[e.col()];
+      slot_.push_back(std::lower_bound(begin, inner + cone_matrix_.outerIndexPtr()[e.col() + 1], e.row()) - inner);
+    }
   }
 
   /// Rows that stay 0 take no part in products with W.
@@ -163,6 +182,7 @@ class InteriorPoint {
   bool solve(double centre, bool corrected) {
     VectorXd rhs = -defect_;
     std::vector<Vector3d> drive;
+    drive.reserve(cones_.cones.size());
     for (const Cone& cone : cones_.cones) {
       const Vector3d lambda = cone.scaling * cone.z;
       Vector3d target = -jordan_product(lambda, lambda);
@@ -203,6 +223,8 @@ class InteriorPoint {
   ScaledProblem of_;
   Cones cones_;
   std::unique_ptr<NewtonSystem> system_;
+  Sparse cone_matrix_;
+  std::vector<std::ptrdiff_t> slot_;
   VectorXd r_, dr_, defect_;
   bool is_symmetric_ = false;
   double gap_ = 1;  // mean of s.z over the cones
