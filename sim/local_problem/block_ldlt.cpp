@@ -15,6 +15,21 @@ namespace {
 
 using Index = Eigen::Index;
 
+/// Columns that sweeps take at once: a pack's width, so that the rows behind a group begin with a whole pack.
+constexpr Index kGroup = Lanes<double>::kWidth;
+
+using Lane = Lanes<double>;
+
+// Columns are short: a call of memset or memmove would cost more than the work.
+void clear_packs(double* from, double* to) {
+  for (; from < to; from += Lane::kWidth) Lane::store(from, Lane::Pack{});
+}
+void copy_column(const double* from, Index count, double* to) {
+  Index i = 0;
+  for (; i + Lane::kWidth <= count; i += Lane::kWidth) Lane::store(to + i, Lane::load(from + i));
+  for (; i < count; ++i) to[i] = from[i];
+}
+
 /// One entry per block of `size` rows.
 Sparse block_graph(const Sparse& a, Index size) {
   std::vector<Eigen::Triplet<double>> entry;
@@ -63,15 +78,23 @@ void BlockLdlt::analyse(const Sparse& w) {
     for (const Index row : s.row) s.place.push_back(block_of(node_[std::size_t(s.parent)], row));
   }
   front_.resize(std::size_t(largest));
-  for (Index k = 0; k < w.outerSize(); ++k)
+  place_entries(w, node_of, place_of);
+}
+
+void BlockLdlt::place_entries(const Sparse& w, const std::vector<Index>& node_of, const std::vector<Index>& place_of) {
+  for (Index k = 0; k < w.outerSize(); ++k) {
+    const Index column = place_of[std::size_t(k / size_)];
+    Supernode& s = node_[std::size_t(node_of[std::size_t(column)])];
+    const Index base = ((column - s.first) * size_ + k % size_) * step(s);
+    Index latest = -1, block = 0;
     for (Index at = begin_[std::size_t(k)]; at < begin_[std::size_t(k) + 1]; ++at) {
-      const Index i = inner_[std::size_t(at)], row = place_of[std::size_t(i / size_)],
-                  column = place_of[std::size_t(k / size_)];
+      const Index i = inner_[std::size_t(at)], row = place_of[std::size_t(i / size_)];
       if (row < column || (row == column && i < k)) continue;
-      Supernode& s = node_[std::size_t(node_of[std::size_t(column)])];
-      s.entry.push_back(
-          {at, ((column - s.first) * size_ + k % size_) * step(s) + block_of(s, row) * size_ + i % size_});
+      if (row != latest) block = block_of(s, row);
+      latest = row;
+      s.entry.push_back({int(at), int(base + block * size_ + i % size_)});
     }
+  }
 }
 
 /// Of a row among the blocks of a front.
@@ -81,7 +104,8 @@ Eigen::Index BlockLdlt::block_of(const Supernode& s, Index row) {
 }
 
 void BlockLdlt::assemble(const Supernode& s, const Sparse& w, const Sparse& blocks) {
-  std::fill_n(front_.begin(), rows(s) * step(s), 0.0);
+  for (Index c = 0; c < rows(s); ++c)  // the lower triangle
+    clear_packs(front_.data() + c * step(s) + c / kGroup * kGroup, front_.data() + (c + 1) * step(s));
   for (const Entry& e : s.entry) front_[std::size_t(e.to)] = w.valuePtr()[e.from];
   for (Index b = 0; b < s.width; ++b)
     for (Index c = 0; c < size_; ++c)
@@ -93,23 +117,15 @@ void BlockLdlt::assemble(const Supernode& s, const Sparse& w, const Sparse& bloc
 /// What `child` left, added to the front of its parent s.
 void BlockLdlt::add_left(const Supernode& child, const Supernode& s) {
   const Index blocks = Index(child.row.size()), height = blocks * size_;
-  const double* const left = stack_.data() + child.left;
+  const double* from = stack_.data() + child.left;
   for (Index b = 0; b < blocks; ++b)
-    for (Index c = 0; c < size_; ++c) {
+    for (Index c = 0; c < size_; ++c, from += height) {
       double* const to = front_.data() + (child.place[std::size_t(b)] * size_ + c) * step(s);
-      const double* const from = left + (b * size_ + c) * height;
-      for (Index a = b; a < blocks; ++a)
-        for (Index r = 0; r < size_; ++r) to[child.place[std::size_t(a)] * size_ + r] += from[a * size_ + r];
+      for (Index a = b; a < blocks; ++a) {
+        double* const rows = to + child.place[std::size_t(a)] * size_;
+        for (Index r = 0; r < size_; ++r) rows[r] += from[a * size_ + r];
+      }
     }
-}
-
-/// L of the front, with zeros on and above the diagonal so that sweeps go by whole packs.
-void BlockLdlt::keep_columns(const Supernode& s) {
-  for (Index c = 0; c < s.width * size_; ++c) {
-    double* const to = value_.data() + s.value + std::size_t(c * step(s));
-    std::fill(to + first_pack(c), to + c + 1, 0.0);
-    std::copy_n(front_.data() + c * step(s) + c + 1, step(s) - c - 1, to + c + 1);
-  }
 }
 
 bool BlockLdlt::factorise(const Sparse& w, const Sparse& blocks) {
@@ -122,12 +138,12 @@ bool BlockLdlt::factorise(const Sparse& w, const Sparse& blocks) {
     if (!child_[k].empty()) top = node_[std::size_t(child_[k].front())].left;
     const Index columns = s.width * size_, height = rows(s) - columns;
     if (!eliminate(front_.data(), rows(s), step(s), columns, inverse_.data() + s.first * size_)) return false;
-    keep_columns(s);
+    std::copy_n(front_.begin(), columns * step(s), value_.begin() + std::ptrdiff_t(s.value));
     s.left = top;
     top += std::size_t(height * height);
     if (stack_.size() < top) stack_.resize(top);
     for (Index c = 0; c < height; ++c)
-      std::copy_n(front_.data() + (columns + c) * step(s) + columns + c, height - c,
+      copy_column(front_.data() + (columns + c) * step(s) + columns + c, height - c,
                   stack_.data() + s.left + std::size_t(c * height + c));
   }
   return true;
@@ -144,17 +160,26 @@ void BlockLdlt::solve(VectorXd& x) const {
     x.segment(order_[k] * size_, size_) = y.segment(Index(k) * size_, size_);
 }
 
-/// What the rows of a supernode leave: part = -L x, column by column.
+/// part = L^-1 x in the columns, and what they leave in the rows below; four columns at a time.
 void BlockLdlt::forward(const Supernode& s, double* y, double* part) const {
-  using Lane = Lanes<double>;
   const Index columns = s.width * size_, all = step(s);
   std::copy_n(y + s.first * size_, columns, part);
   std::fill(part + columns, part + all, 0.0);
-  for (Index c = 0; c < columns; ++c) {
-    const double* const l = column(s, c);
-    const auto share = Lane::fill(-part[c]);
-    for (Index i = first_pack(c); i < all; i += Lane::kWidth)
-      Lane::store(part + i, Lane::multiply_add(share, Lane::load(l + i), Lane::load(part + i)));
+  for (Index g = 0; g < columns; g += kGroup) {
+    const Index count = std::min(kGroup, columns - g);
+    Lane::Pack share[kGroup] = {};
+    const double* l[kGroup];
+    for (Index k = 0; k < kGroup; ++k) {
+      l[k] = column(s, g + std::min(k, count - 1));
+      if (k >= count) continue;
+      for (Index i = g + k + 1; i < g + kGroup; ++i) part[i] -= l[k][i] * part[g + k];
+      share[k] = Lane::fill(-part[g + k]);
+    }
+    for (Index i = g + kGroup; i < all; i += Lane::kWidth) {
+      auto sum = Lane::load(part + i);
+      for (Index k = 0; k < kGroup; ++k) sum = Lane::multiply_add(share[k], Lane::load(l[k] + i), sum);
+      Lane::store(part + i, sum);
+    }
   }
   std::copy_n(part, columns, y + s.first * size_);
   for (std::size_t b = 0; b < s.row.size(); ++b)
@@ -162,18 +187,25 @@ void BlockLdlt::forward(const Supernode& s, double* y, double* part) const {
 }
 
 void BlockLdlt::backward(const Supernode& s, double* y, double* part) const {
-  using Lane = Lanes<double>;
   const Index columns = s.width * size_, all = step(s);
   for (Index c = 0; c < columns; ++c) part[c] = y[s.first * size_ + c] * inverse_[std::size_t(s.first * size_ + c)];
   std::fill(part + columns, part + all, 0.0);
   for (std::size_t b = 0; b < s.row.size(); ++b)
     std::copy_n(y + s.row[b] * size_, size_, part + columns + Index(b) * size_);
-  for (Index c = columns - 1; c >= 0; --c) {
-    const double* const l = column(s, c);
-    auto sum = Lane::fill(0);
-    for (Index i = first_pack(c); i < all; i += Lane::kWidth)
-      sum = Lane::multiply_add(Lane::load(l + i), Lane::load(part + i), sum);
-    part[c] -= Lane::sum(sum);
+  for (Index g = (columns - 1) / kGroup * kGroup; g >= 0; g -= kGroup) {
+    const Index count = std::min(kGroup, columns - g);
+    Lane::Pack sum[kGroup] = {};
+    const double* l[kGroup];
+    for (Index k = 0; k < kGroup; ++k) l[k] = column(s, g + std::min(k, count - 1));
+    for (Index i = g + kGroup; i < all; i += Lane::kWidth) {
+      const auto x = Lane::load(part + i);
+      for (Index k = 0; k < kGroup; ++k) sum[k] = Lane::multiply_add(Lane::load(l[k] + i), x, sum[k]);
+    }
+    for (Index k = count - 1; k >= 0; --k) {
+      double value = part[g + k] - Lane::sum(sum[k]);
+      for (Index i = g + k + 1; i < g + kGroup; ++i) value -= l[k][i] * part[i];
+      part[g + k] = value;
+    }
   }
   std::copy_n(part, columns, y + s.first * size_);
 }

@@ -27,7 +27,8 @@ class BlockLdlt {
   using Index = Eigen::Index;
   /// An entry of w and its place in a front.
   struct Entry {
-    Index from, to;
+    int from;
+    int to;
   };
   struct Supernode {
     Index first = 0, width = 0;  // columns, in blocks
@@ -45,15 +46,14 @@ class BlockLdlt {
   Index rows(const Supernode& s) const { return s.blocks() * size_; }
   /// Rows from one column of a front to the next.
   Index step(const Supernode& s) const { return (rows(s) + 3) / 4 * 4; }
+  void place_entries(const Eigen::SparseMatrix<double>& w, const std::vector<Index>& node_of,
+                     const std::vector<Index>& place_of);
   static Index block_of(const Supernode& s, Index row);
   const double* column(const Supernode& s, Index c) const { return value_.data() + s.value + std::size_t(c * step(s)); }
   void assemble(const Supernode& s, const Eigen::SparseMatrix<double>& w, const Eigen::SparseMatrix<double>& blocks);
   void add_left(const Supernode& child, const Supernode& s);
-  void keep_columns(const Supernode& s);
   void forward(const Supernode& s, double* y, double* part) const;
   void backward(const Supernode& s, double* y, double* part) const;
-  /// Row at which the pack begins that holds the first one below the diagonal of column c.
-  static Index first_pack(Index c) { return (c + 1) / 4 * 4; }
 
   Index size_ = 1;
   std::vector<int> begin_, inner_;         // pattern of w

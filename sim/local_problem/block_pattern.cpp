@@ -85,7 +85,7 @@ Index entries(const ColumnGroup& g) { return g.width * (g.width + 1) / 2 + g.wid
 /// Whether `below`, whose parent is `g` and which ends where g begins, is worth merging into it; then merges.
 bool merge(const ColumnGroup& below, ColumnGroup& g) {
   constexpr Index kSmall = 4;  // columns: a front costs as much as some zeros
-  constexpr double kZeros = 0.2;
+  constexpr double kZeros = 0.1;
   if (below.row.empty() || below.first + below.width != g.first || below.row[0] >= g.first + g.width) return false;
   const Index added = below.width * (g.width + Index(g.row.size()) - Index(below.row.size()));
   ColumnGroup both{below.first, below.width + g.width, g.row, below.filled + g.filled + added};
