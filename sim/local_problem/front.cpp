@@ -21,19 +21,15 @@ class Front {
  public:
   Front(double* f, Index rows, Index step, double* inverse) : f_(f), rows_(rows), step_(step), inverse_(inverse) {}
 
-  /// Columns [begin, end) eliminated from the columns before `last`.
+  /// Columns [begin, end) eliminated from the columns before `last`. `begin`: a multiple of kPanel.
   bool panels(Index begin, Index end, Index last) {
     for (Index p = begin; p < end; p += kPanel) {
-      const Index next = std::min(end, p + kPanel);
-      for (Index k = p; k < next; ++k) {
-        take(p, k - p, k, k + 1);
-        const double pivot = f_[k * step_ + k];
-        if (!(std::abs(pivot) > 0) || !std::isfinite(pivot)) return false;
-        inverse_[k] = 1 / pivot;
-        double* const column = f_ + k * step_;
-        for (Index i = k + 1; i < rows_; ++i) column[i] *= inverse_[k];
-      }
-      take(p, next - p, next, last);
+      const Index count = std::min(kPanel, end - p);
+      const bool done = count == 4   ? panel<4>(p, last)
+                        : count == 3 ? panel<3>(p, last)
+                        : count == 2 ? panel<2>(p, last)
+                                     : panel<1>(p, last);
+      if (!done) return false;
     }
     return true;
   }
@@ -53,22 +49,34 @@ class Front {
   }
 
  private:
-  /// Columns [first, last) less the products of `count` <= 4 done columns from p on.
-  void take(Index p, Index count, Index first, Index last) {
-    switch (count) {
-      case 1:
-        return take<1>(p, first, last);
-      case 2:
-        return take<2>(p, first, last);
-      case 3:
-        return take<3>(p, first, last);
-      case 4:
-        return take<4>(p, first, last);
-      default:
-        return;
+  template <int Count>
+  bool panel(Index p, Index last) {
+    // L and D of the panel's square, which the columns below follow.
+    double l[Count][Count], d[Count];
+    for (int k = 0; k < Count; ++k) {
+      for (int i = k; i < Count; ++i) {
+        l[i][k] = f_[(p + k) * step_ + p + i];
+        for (int j = 0; j < k; ++j) l[i][k] -= l[i][j] * l[k][j] * d[j];
+      }
+      d[k] = l[k][k];
+      if (!(std::abs(d[k]) > 0) || !std::isfinite(d[k])) return false;
+      inverse_[p + k] = 1 / d[k];
+      for (int i = k + 1; i < Count; ++i) l[i][k] *= inverse_[p + k];
     }
+    for (Index i = p; i < step_; i += Lane::kWidth) {
+      Lane::Pack u[Count];
+      for (int k = 0; k < Count; ++k) {
+        u[k] = Lane::load(f_ + (p + k) * step_ + i);
+        for (int j = 0; j < k; ++j) u[k] = Lane::multiply_add(Lane::fill(-l[k][j]), u[j], u[k]);
+        Lane::store(f_ + (p + k) * step_ + i, u[k] * Lane::fill(inverse_[p + k]));
+      }
+    }
+    for (int k = 0; k < Count; ++k) f_[(p + k) * step_ + p + k] = d[k];
+    take<Count>(p, p + Count, last);
+    return true;
   }
 
+  /// Columns [first, last) less the products of the done columns from p on.
   template <int Count>
   void take(Index p, Index first, Index last) {
     Index c = first;

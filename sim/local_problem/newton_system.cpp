@@ -15,7 +15,7 @@ namespace {
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// Cholesky's factors by blocks of a contact's rows.
+/// L D L^T by fronts of contacts' blocks.
 class ByFronts final : public NewtonSystem {
  public:
   explicit ByFronts(int dimension) : factors_(dimension) {}

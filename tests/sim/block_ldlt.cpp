@@ -25,7 +25,7 @@ MatrixXd random_blocks(std::mt19937& random, Index contacts, Index size, int lin
   const auto link = [&](Index i, Index j) {
     for (Index r = 0; r < size; ++r)
       for (Index c = 0; c < size; ++c) a(i * size + r, j * size + c) = uniform(random);
-    a.block(j * size, i * size, size, size) = a.block(i * size, j * size, size, size).transpose();
+    a.block(j * size, i * size, size, size) = a.block(i * size, j * size, size, size).transpose().eval();
   };
   for (Index i = 0; i + 1 < contacts; ++i) link(i, i + 1);
   for (int k = 0; k < links; ++k)
@@ -35,7 +35,7 @@ MatrixXd random_blocks(std::mt19937& random, Index contacts, Index size, int lin
   for (Index i = 0; i < contacts; ++i) link(i, i);
   a = (0.5 * (a + a.transpose())).eval();
   const VectorXd sums = a.cwiseAbs().rowwise().sum();
-  a.diagonal() += sums;
+  a.diagonal() += sums + VectorXd::Constant(a.rows(), 0.1);
   return a;
 }
 

@@ -53,8 +53,8 @@ double longest_step(const std::vector<int>& cone, const Vector& s, const Vector&
   for (const int n : cone) {
     // (s0 + a d0)^2 = |s1 + a d1|^2, first positive root, and s0 + a d0 = 0.
     const auto s1 = s.segment(at + 1, n - 1), d1 = d.segment(at + 1, n - 1);
-    const double p = d(at) * d(at) - d1.squaredNorm(), q = s(at) * d(at) - s1.dot(d1),
-                 length = s1.norm(), r = std::max((s(at) - length) * (s(at) + length), 0.0);
+    const double p = d(at) * d(at) - d1.squaredNorm(), q = s(at) * d(at) - s1.dot(d1), length = s1.norm(),
+                 r = std::max((s(at) - length) * (s(at) + length), 0.0);
     if (d(at) < 0) longest = std::min(longest, -s(at) / d(at));
     const double root = q * q - p * r;
     if (n > 1 && root >= 0) {
