@@ -153,7 +153,7 @@ void BlockLdlt::solve(VectorXd& x) const {
   VectorXd y(x.size());
   for (std::size_t k = 0; k < order_.size(); ++k)
     y.segment(Index(k) * size_, size_) = x.segment(order_[k] * size_, size_);
-  std::vector<double> part(largest_step_);
+  Numbers part(largest_step_);
   for (const Supernode& s : node_) forward(s, y.data(), part.data());
   for (std::size_t k = node_.size(); k-- > 0;) backward(node_[k], y.data(), part.data());
   for (std::size_t k = 0; k < order_.size(); ++k)

@@ -60,8 +60,10 @@ class BlockLdlt {
   std::vector<Index> order_;               // block of the matrix in each place
   std::vector<Supernode> node_;            // children before parents
   std::vector<std::vector<Index>> child_;  // of each supernode
-  std::vector<double> value_, inverse_;    // L; 1 / D
-  std::vector<double> front_, stack_;
+  /// On 32 bytes, so that packs do not cross lines of the cache.
+  using Numbers = std::vector<double, Eigen::aligned_allocator<double>>;
+  Numbers value_, front_;                // value_: L
+  std::vector<double> inverse_, stack_;  // inverse_: 1 / D
   std::size_t largest_step_ = 0;
 };
 
