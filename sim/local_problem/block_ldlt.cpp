@@ -116,14 +116,20 @@ void BlockLdlt::assemble(const Supernode& s, const Sparse& w, const Sparse& bloc
 
 /// What `child` left, added to the front of its parent s.
 void BlockLdlt::add_left(const Supernode& child, const Supernode& s) {
-  const Index blocks = Index(child.row.size()), height = blocks * size_;
+  size_ == 3 ? add_blocks_left<3>(child, s, 3) : add_blocks_left<0>(child, s, size_);
+}
+
+/// Size: rows of a block where they are known when this is compiled, or 0.
+template <int Size>
+void BlockLdlt::add_blocks_left(const Supernode& child, const Supernode& s, Index any_size) {
+  const Index size = Size > 0 ? Size : any_size, blocks = Index(child.row.size()), height = blocks * size;
   const double* from = stack_.data() + child.left;
   for (Index b = 0; b < blocks; ++b)
-    for (Index c = 0; c < size_; ++c, from += height) {
-      double* const to = front_.data() + (child.place[std::size_t(b)] * size_ + c) * step(s);
+    for (Index c = 0; c < size; ++c, from += height) {
+      double* const to = front_.data() + (child.place[std::size_t(b)] * size + c) * step(s);
       for (Index a = b; a < blocks; ++a) {
-        double* const rows = to + child.place[std::size_t(a)] * size_;
-        for (Index r = 0; r < size_; ++r) rows[r] += from[a * size_ + r];
+        double* const rows = to + child.place[std::size_t(a)] * size;
+        for (Index r = 0; r < size; ++r) rows[r] += from[a * size + r];
       }
     }
 }

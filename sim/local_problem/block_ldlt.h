@@ -52,6 +52,8 @@ class BlockLdlt {
   const double* column(const Supernode& s, Index c) const { return value_.data() + s.value + std::size_t(c * step(s)); }
   void assemble(const Supernode& s, const Eigen::SparseMatrix<double>& w, const Eigen::SparseMatrix<double>& blocks);
   void add_left(const Supernode& child, const Supernode& s);
+  template <int Size>
+  void add_blocks_left(const Supernode& child, const Supernode& s, Index any_size);
   void forward(const Supernode& s, double* y, double* part) const;
   void backward(const Supernode& s, double* y, double* part) const;
 

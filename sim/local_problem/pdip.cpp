@@ -68,16 +68,18 @@ struct Cones {
 class InteriorPoint {
  public:
   InteriorPoint(const LocalProblem& p, const LocalSolveSettings& settings)
-      : target_(settings.target), of_(p), cones_(p) {
+      : target_(settings.target), problem_(p), of_(p), cones_(p) {
     is_symmetric_ = is_symmetric(of_.w);
     clear_fixed();
     system_ = make_newton_system(settings.solver, target_ == Target::ccp && is_symmetric_, p, of_, cones_.fixed);
     r_ = VectorXd::Zero(of_.q.size());
     for (const Cone& cone : cones_.cones) r_[cone.normal] = 1;
     for (Cone& cone : cones_.cones) cone.s = cone.image(r_);
+    measure();
   }
 
-  std::vector<double> impulses() const { return of_.impulses(r_); }
+  const std::vector<double>& impulses() const { return impulses_; }
+  const std::vector<double>& velocities() const { return velocities_; }
   LinearWork work() const { return system_->work(); }
   bool is_symmetric() const { return is_symmetric_; }
 
@@ -105,7 +107,7 @@ class InteriorPoint {
     gap_ = 0;
     for (const Cone& cone : cones_.cones) gap_ += cone.s.dot(cone.z);
     gap_ /= double(cones_.cones.size());
-    defect_ = of_.w * r_ + of_.q;
+    defect_ = of_.unit.cwiseProduct(Eigen::Map<const VectorXd>(velocities_.data(), r_.size())) / of_.speed;
     for (Cone& cone : cones_.cones) {
       cone.add_transposed(-cone.z, defect_);
       const NesterovTodd scaling(cone.s, cone.z);
@@ -217,15 +219,24 @@ class InteriorPoint {
       cone.s = cone.image(r_);
       cone.z += step * cone.dz;
     }
+    measure();
+  }
+
+  /// Impulses, and u = W r + q, in the units of the problem.
+  void measure() {
+    impulses_ = of_.impulses(r_);
+    velocities_ = velocity(problem_, impulses_);
   }
 
   Target target_;
+  const LocalProblem& problem_;
   ScaledProblem of_;
   Cones cones_;
   std::unique_ptr<NewtonSystem> system_;
   Sparse cone_matrix_;
   std::vector<std::ptrdiff_t> slot_;
   VectorXd r_, dr_, defect_;
+  std::vector<double> impulses_, velocities_;
   bool is_symmetric_ = false;
   double gap_ = 1;  // mean of s.z over the cones
 };
@@ -247,7 +258,7 @@ LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& 
   while (k < max && best.best.error > settings.tolerance && k - latest_gain < kPatience && method.step()) {
     const double before = best.best.error;
     ++k;
-    if (best.offer(method.impulses(), k); best.best.error < before) latest_gain = k;
+    if (best.offer(method.impulses(), method.velocities(), k); best.best.error < before) latest_gain = k;
   }
   best.best.iterations = k;
   best.best.linear = method.work();
