@@ -26,9 +26,11 @@ struct BestSoFar {
   }
 
   /// Returns the error of r, found after `iteration` iterations. Throws Cancelled when the user asked to stop.
-  double offer(const std::vector<double>& r, int iteration) {
+  double offer(const std::vector<double>& r, int iteration) { return offer(r, velocity(problem, r), iteration); }
+  /// With u = W r + q given.
+  double offer(const std::vector<double>& r, const std::vector<double>& u, int iteration) {
     stop_if_cancelled();
-    const double error = siconos_error(problem, r, settings.target);
+    const double error = siconos_error(problem, r, u, settings.target);
     if (error < best.error) {
       best.error = error;
       best.r = r;

@@ -1,11 +1,11 @@
 #include "sim/local_problem/newton_system.h"
 
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <vector>
 
 #include "sim/local_problem/banded/spike_preconditioner.h"
+#include "sim/local_problem/block_ldlt.h"
 #include "sim/local_problem/by_bodies.h"
 #include "sim/local_problem/tt_system.h"
 
@@ -15,8 +15,23 @@ namespace {
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-template <class Factors>
-class Direct final : public NewtonSystem {
+/// L D L^T by fronts of contacts' blocks.
+class ByFronts final : public NewtonSystem {
+ public:
+  explicit ByFronts(int dimension) : factors_(dimension) {}
+
+  bool factorise(const Sparse& w, const Sparse& cones) override { return factors_.factorise(w, cones); }
+  bool solve(const VectorXd& rhs, VectorXd& x) override {
+    x = rhs;
+    factors_.solve(x);
+    return x.allFinite();
+  }
+
+ private:
+  BlockLdlt factors_;
+};
+
+class General final : public NewtonSystem {
  public:
   bool factorise(const Sparse& w, const Sparse& cones) override {
     const Sparse sum = w + cones;
@@ -41,7 +56,7 @@ class Direct final : public NewtonSystem {
     factors_.analyzePattern(a);
   }
 
-  Factors factors_;
+  Eigen::SparseLU<Sparse> factors_;
   std::vector<Sparse::StorageIndex> begin_, inner_;
 };
 
@@ -90,8 +105,8 @@ std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_sym
   if (solver == LocalSolver::pdip_blocks || solver == LocalSolver::pdip_tt)
     return make_block_system(problem.dimension, solver == LocalSolver::pdip_tt);
   if (solver != LocalSolver::pdip) return std::make_unique<Krylov>(solver == LocalSolver::pdip_spike);
-  if (is_symmetric) return std::make_unique<Direct<Eigen::SimplicialLDLT<Sparse>>>();
-  return std::make_unique<Direct<Eigen::SparseLU<Sparse>>>();
+  if (is_symmetric) return std::make_unique<ByFronts>(problem.dimension);
+  return std::make_unique<General>();
 }
 
 }  // namespace gonogo::sim

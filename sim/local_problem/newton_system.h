@@ -18,8 +18,8 @@ class NewtonSystem {
   virtual LinearWork work() const { return {}; }
 };
 
-/// For the pdip of this name; see solve.h. Direct ones: sparse Cholesky when `is_symmetric`, otherwise sparse LU. `of`:
-/// the problem as scaled; `fixed`: 1 for rows that stay 0.
+/// For the pdip of this name; see solve.h. Direct ones: L D L^T by fronts when `is_symmetric`, otherwise sparse LU.
+/// `of`: the problem as scaled; `fixed`: 1 for rows that stay 0.
 std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_symmetric, const LocalProblem& problem,
                                                  const ScaledProblem& of, const std::vector<char>& fixed);
 

@@ -68,16 +68,18 @@ struct Cones {
 class InteriorPoint {
  public:
   InteriorPoint(const LocalProblem& p, const LocalSolveSettings& settings)
-      : target_(settings.target), of_(p), cones_(p) {
+      : target_(settings.target), problem_(p), of_(p), cones_(p) {
     is_symmetric_ = is_symmetric(of_.w);
     clear_fixed();
     system_ = make_newton_system(settings.solver, target_ == Target::ccp && is_symmetric_, p, of_, cones_.fixed);
     r_ = VectorXd::Zero(of_.q.size());
     for (const Cone& cone : cones_.cones) r_[cone.normal] = 1;
     for (Cone& cone : cones_.cones) cone.s = cone.image(r_);
+    measure();
   }
 
-  std::vector<double> impulses() const { return of_.impulses(r_); }
+  const std::vector<double>& impulses() const { return impulses_; }
+  const std::vector<double>& velocities() const { return velocities_; }
   LinearWork work() const { return system_->work(); }
   bool is_symmetric() const { return is_symmetric_; }
 
@@ -105,7 +107,7 @@ class InteriorPoint {
     gap_ = 0;
     for (const Cone& cone : cones_.cones) gap_ += cone.s.dot(cone.z);
     gap_ /= double(cones_.cones.size());
-    defect_ = of_.w * r_ + of_.q;
+    defect_ = of_.unit.cwiseProduct(Eigen::Map<const VectorXd>(velocities_.data(), r_.size())) / of_.speed;
     for (Cone& cone : cones_.cones) {
       cone.add_transposed(-cone.z, defect_);
       const NesterovTodd scaling(cone.s, cone.z);
@@ -131,21 +133,40 @@ class InteriorPoint {
   /// (W + B w^-2 A) dr = rhs with s = A r. B is the transpose of A, less the slip's derivative in the rows of the
   /// normals, so that the pattern is that of W and its diagonal blocks.
   bool factorise() {
-    std::vector<Eigen::Triplet<double>> entry;
+    if (cone_matrix_.rows() == 0) make_cone_matrix();
+    double* const value = cone_matrix_.valuePtr();
+    std::fill_n(value, cone_matrix_.nonZeros(), 0.0);
+    auto slot = slot_.begin();
     for (const Cone& cone : cones_.cones) {
       const Matrix3d square = cone.inverse * cone.inverse;
       for (int a = 0; a <= cone.size; ++a)
-        for (int b = 0; b <= cone.size; ++b)
-          entry.emplace_back(cone.row(a), cone.row(b), cone.factor(a) * square(a, b) * cone.factor(b));
+        for (int b = 0; b <= cone.size; ++b) value[*slot++] += cone.factor(a) * square(a, b) * cone.factor(b);
       if (target_ == Target::ccp) continue;
       const Eigen::RowVector3d slip = cone.c * slip_direction(cone).transpose() * square;
-      for (int b = 0; b <= cone.size; ++b) entry.emplace_back(cone.normal, cone.row(b), -slip[b] * cone.factor(b));
+      for (int b = 0; b <= cone.size; ++b) value[*slot++] -= slip[b] * cone.factor(b);
+    }
+    for (; slot != slot_.end(); ++slot) value[*slot] = 1;  // rows that stay 0
+    return system_->factorise(of_.w, cone_matrix_);
+  }
+
+  /// The pattern of the cones' blocks, and the places of factorise()'s entries among its values.
+  void make_cone_matrix() {
+    std::vector<Eigen::Triplet<double>> entry;
+    for (const Cone& cone : cones_.cones) {
+      for (int a = 0; a <= cone.size; ++a)
+        for (int b = 0; b <= cone.size; ++b) entry.emplace_back(cone.row(a), cone.row(b), 0);
+      if (target_ == Target::ccp) continue;
+      for (int b = 0; b <= cone.size; ++b) entry.emplace_back(cone.normal, cone.row(b), 0);
     }
     for (Eigen::Index k = 0; k < r_.size(); ++k)
-      if (cones_.fixed[k]) entry.emplace_back(k, k, 1);
-    Sparse cones(r_.size(), r_.size());
-    cones.setFromTriplets(entry.begin(), entry.end());
-    return system_->factorise(of_.w, cones);
+      if (cones_.fixed[std::size_t(k)]) entry.emplace_back(k, k, 0);
+    cone_matrix_ = Sparse(r_.size(), r_.size());
+    cone_matrix_.setFromTriplets(entry.begin(), entry.end());
+    const int* const inner = cone_matrix_.innerIndexPtr();
+    for (const auto& e : entry) {
+      const int* const begin = inner + cone_matrix_.outerIndexPtr()[e.col()];
+      slot_.push_back(std::lower_bound(begin, inner + cone_matrix_.outerIndexPtr()[e.col() + 1], e.row()) - inner);
+    }
   }
 
   /// Rows that stay 0 take no part in products with W.
@@ -163,6 +184,7 @@ class InteriorPoint {
   bool solve(double centre, bool corrected) {
     VectorXd rhs = -defect_;
     std::vector<Vector3d> drive;
+    drive.reserve(cones_.cones.size());
     for (const Cone& cone : cones_.cones) {
       const Vector3d lambda = cone.scaling * cone.z;
       Vector3d target = -jordan_product(lambda, lambda);
@@ -197,13 +219,24 @@ class InteriorPoint {
       cone.s = cone.image(r_);
       cone.z += step * cone.dz;
     }
+    measure();
+  }
+
+  /// Impulses, and u = W r + q, in the units of the problem.
+  void measure() {
+    impulses_ = of_.impulses(r_);
+    velocities_ = velocity(problem_, impulses_);
   }
 
   Target target_;
+  const LocalProblem& problem_;
   ScaledProblem of_;
   Cones cones_;
   std::unique_ptr<NewtonSystem> system_;
+  Sparse cone_matrix_;
+  std::vector<std::ptrdiff_t> slot_;
   VectorXd r_, dr_, defect_;
+  std::vector<double> impulses_, velocities_;
   bool is_symmetric_ = false;
   double gap_ = 1;  // mean of s.z over the cones
 };
@@ -225,7 +258,7 @@ LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& 
   while (k < max && best.best.error > settings.tolerance && k - latest_gain < kPatience && method.step()) {
     const double before = best.best.error;
     ++k;
-    if (best.offer(method.impulses(), k); best.best.error < before) latest_gain = k;
+    if (best.offer(method.impulses(), method.velocities(), k); best.best.error < before) latest_gain = k;
   }
   best.best.iterations = k;
   best.best.linear = method.work();

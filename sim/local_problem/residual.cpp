@@ -69,7 +69,11 @@ double de_saxce_term(const LocalProblem& problem, Index contact, const double* u
 }
 
 double siconos_error(const LocalProblem& problem, const std::vector<double>& r, Target target) {
-  const std::vector<double> u = velocity(problem, r);
+  return siconos_error(problem, r, velocity(problem, r), target);
+}
+
+double siconos_error(const LocalProblem& problem, const std::vector<double>& r, const std::vector<double>& u,
+                     Target target) {
   const int dimension = problem.dimension;
   double sum = 0;
   for (Index i = 0; i < problem.contact_count(); ++i) {

@@ -15,5 +15,8 @@ double de_saxce_term(const LocalProblem& problem, Index contact, const double* u
 /// | r - P_K(r - u^) | / max(|q|, |r|, |u|) with u = W r + q and u^ = u + de_saxce_term e_n for `coulomb`, u^ = u for
 /// `ccp`; Euclidean norms over all contacts, as in fc3d_compute_error of Siconos. 0 when q, r and u are all 0.
 double siconos_error(const LocalProblem& problem, const std::vector<double>& r, Target target = Target::coulomb);
+/// With u = W r + q given.
+double siconos_error(const LocalProblem& problem, const std::vector<double>& r, const std::vector<double>& u,
+                     Target target);
 
 }  // namespace gonogo::sim

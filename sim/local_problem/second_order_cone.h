@@ -10,7 +10,8 @@ namespace gonogo::sim {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-inline double tail_length(const Vector3d& x) { return std::hypot(x[1], x[2]); }
+/// Numbers are near 1, so that squares neither overflow nor vanish before they matter.
+inline double tail_length(const Vector3d& x) { return std::sqrt(x[1] * x[1] + x[2] * x[2]); }
 
 /// x_0^2 - |x_1|^2 as a product, which cancels less; positive inside the cone.
 inline double cone_determinant(const Vector3d& x) { return (x[0] - tail_length(x)) * (x[0] + tail_length(x)); }

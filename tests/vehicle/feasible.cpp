@@ -11,6 +11,7 @@
 #include "tests/support/measure.h"
 #include "tests/support/refused.h"
 #include "tests/support/vehicles.h"
+#include "tests/vehicle/on_slope.h"
 #include "vehicle/model/statics.h"
 
 using namespace gonogo;
@@ -18,15 +19,6 @@ using namespace gonogo::test;
 using namespace gonogo::vehicle;
 
 namespace {
-
-Demand on_slope(double along, double across, double friction, bool moving = true) {
-  const double a = std::tan(along * kDegree), b = std::tan(across * kDegree), n = std::sqrt(1 + a * a + b * b);
-  Demand d;
-  d.gravity = Vec3d{a, b, 1} * (-kGravity / n);
-  d.friction = friction;
-  d.moving = moving;
-  return d;
-}
 
 /// Largest slope along that is feasible, by bisection [deg].
 double steepest(const Vehicle& v, double across, double friction, bool moving = true) {

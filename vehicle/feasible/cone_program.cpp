@@ -28,7 +28,7 @@ Vector quotient(const std::vector<int>& cone, const Vector& l, const Vector& r) 
   int at = 0;
   for (const int n : cone) {
     const auto tail = l.segment(at + 1, n - 1);
-    const double determinant = l(at) * l(at) - tail.squaredNorm();
+    const double length = tail.norm(), determinant = (l(at) - length) * (l(at) + length);
     x(at) = (l(at) * r(at) - tail.dot(r.segment(at + 1, n - 1))) / determinant;
     x.segment(at + 1, n - 1) = (r.segment(at + 1, n - 1) - x(at) * tail) / l(at);
     at += n;
@@ -53,8 +53,8 @@ double longest_step(const std::vector<int>& cone, const Vector& s, const Vector&
   for (const int n : cone) {
     // (s0 + a d0)^2 = |s1 + a d1|^2, first positive root, and s0 + a d0 = 0.
     const auto s1 = s.segment(at + 1, n - 1), d1 = d.segment(at + 1, n - 1);
-    const double p = d(at) * d(at) - d1.squaredNorm(), q = s(at) * d(at) - s1.dot(d1),
-                 r = std::max(s(at) * s(at) - s1.squaredNorm(), 0.0);
+    const double p = d(at) * d(at) - d1.squaredNorm(), q = s(at) * d(at) - s1.dot(d1), length = s1.norm(),
+                 r = std::max((s(at) - length) * (s(at) + length), 0.0);
     if (d(at) < 0) longest = std::min(longest, -s(at) / d(at));
     const double root = q * q - p * r;
     if (n > 1 && root >= 0) {
@@ -82,7 +82,11 @@ struct Scaling {
   }
 
  private:
-  static double size(const Vector& u) { return std::sqrt(u(0) * u(0) - u.tail(u.size() - 1).squaredNorm()); }
+  /// As a product, which cancels less near the boundary.
+  static double size(const Vector& u) {
+    const double tail = u.tail(u.size() - 1).norm();
+    return std::sqrt((u(0) - tail) * (u(0) + tail));
+  }
 
   void add(int at, int n, const Vector& s, const Vector& z) {
     const double of_s = size(s), of_z = size(z), scale = std::sqrt(of_s / of_z);

@@ -3,6 +3,7 @@
 
 #include "pipeline/app/cli/command.h"
 #include "pipeline/lab/vehicle/feasible.h"
+#include "pipeline/lab/vehicle/force_fit.h"
 #include "pipeline/lab/vehicle/locate.h"
 #include "pipeline/lab/vehicle/show.h"
 #include "pipeline/lab/vehicle/vci.h"
@@ -40,9 +41,17 @@ void add_feasible(CLI::App& vehicle, const Globals& globals) {
       ->add_option("--edge-distance", request->edge_distance,
                    "Least distance of the centre of pressure from the edge of the wheels' polygon, on a plane [m]")
       ->capture_default_str();
-  add_examples(*command, {"gonogo vehicle feasible hmmwv --slope 20 --cross-slope 10 --mu 0.6"});
-  command->callback([&globals, name, request] {
-    const lab::Report r = lab::check_feasible(vehicle::read_vehicle(lab::vehicle_file(*name)), *request);
+  const auto forces = std::make_shared<std::string>();
+  command
+      ->add_option("--forces", *forces,
+                   "Measured wheel forces (JSON): the nearest forces that it can have, in place of what limits it")
+      ->type_name(kFile);
+  add_examples(*command, {"gonogo vehicle feasible hmmwv --slope 20 --cross-slope 10 --mu 0.6",
+                          "gonogo vehicle feasible hmmwv --slope 10 --forces forces.json"});
+  command->callback([&globals, name, request, forces] {
+    const vehicle::Vehicle v = vehicle::read_vehicle(lab::vehicle_file(*name));
+    const lab::Report r =
+        forces->empty() ? lab::check_feasible(v, *request) : lab::fit_measured_forces(v, *request, *forces);
     print_result(globals, r.json, r.text);
   });
 }

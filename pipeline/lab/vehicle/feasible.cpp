@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "pipeline/campaign/trial/trial.h"
-#include "vehicle/feasible/feasible.h"
 #include "vehicle/model/assembly.h"
 
 namespace gonogo::lab {
@@ -15,16 +14,6 @@ namespace {
 using namespace vehicle;
 
 constexpr double kSteepest = 80;  // [deg]
-
-Demand demand_of(const FeasibleRequest& r, double slope_along, bool moving) {
-  Demand d;
-  d.gravity = campaign::bed_gravity(slope_along, r.slope_across);
-  d.friction = r.friction;
-  d.step = r.step;
-  d.edge_distance = r.edge_distance;
-  d.moving = moving;
-  return d;
-}
 
 /// First slope along, from level ground up, that is not feasible: scanned by half degrees, then halved [deg].
 double steepest(const Vehicle& v, const FeasibleRequest& r) {
@@ -130,9 +119,23 @@ void limits(const Vehicle& v, const FeasibleRequest& request, Report& r) {
 
 }  // namespace
 
-Report check_feasible(const Vehicle& v, const FeasibleRequest& request) {
+void check_slopes(const FeasibleRequest& request) {
   for (const double slope : {request.slope_along, request.slope_across})
     if (!(std::fabs(slope) <= kSteepest)) throw InputError(line("a slope of %g degrees is outside -80 to 80", slope));
+}
+
+Demand demand_of(const FeasibleRequest& r, double slope_along, bool moving) {
+  Demand d;
+  d.gravity = campaign::bed_gravity(slope_along, r.slope_across);
+  d.friction = r.friction;
+  d.step = r.step;
+  d.edge_distance = r.edge_distance;
+  d.moving = moving;
+  return d;
+}
+
+Report check_feasible(const Vehicle& v, const FeasibleRequest& request) {
+  check_slopes(request);
   Report r;
   r.json["vehicle"] = v.name;
   r.json["slope_along_deg"] = request.slope_along;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 namespace gonogo::sim {
 
@@ -10,100 +12,111 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Rows and columns in reverse order, so that LU of it is UL of the block.
-template <class Scalar>
-BandedMatrix<Scalar> reversed(const BandedMatrix<Scalar>& a) {
-  BandedMatrix<Scalar> out = a;
-  std::reverse(out.value.begin(), out.value.end());
-  return out;
+/// Tail of A^-1 (0, coupling) from the factors' tail alone, in the order of the walk.
+template <class Walk, class Dense>
+Dense corner(const Walk& lu, const Dense& coupling) {
+  const Walk end = lu.tail(coupling.rows());
+  Dense x = coupling;
+  sweep_rows_forward(end, x.data(), x.cols(), 0);
+  sweep_rows_backward(end, x.data(), x.cols());
+  return x;
 }
 
-/// The last `count` rows of the factors of `lu`.
+/// Rows from the first to the last as a walk up meets them.
+template <class Dense>
+Dense flipped(const Dense& x) {
+  return x.colwise().reverse();
+}
+
 template <class Scalar>
-BandedMatrix<Scalar> tail(const BandedMatrix<Scalar>& lu, Index count) {
-  BandedMatrix<Scalar> out(count, lu.half);
-  std::copy(lu.value.end() - std::ptrdiff_t(count * lu.stride()), lu.value.end(), out.value.begin());
-  return out;
+BandedMatrix<Scalar> converted(BandedMatrix<double> a) {
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return a;
+  } else {
+    BandedMatrix<Scalar> out(a.size, a.half);
+    std::copy(a.value.begin(), a.value.end(), out.value.begin());
+    return out;
+  }
 }
 
 }  // namespace
 
 template <class Scalar>
-Spike<Scalar>::Spike(const BandedMatrix<double>& a, const SpikeSettings& settings)
-    : half_(a.half), kind_(settings.kind) {
-  const Index most = half_ > 0 ? std::max<Index>(1, a.size / (2 * half_)) : 1;
-  const Index count = std::clamp<Index>(settings.partitions, 1, std::max<Index>(1, most));
+Spike<Scalar>::Spike(BandedMatrix<double> a, const SpikeSettings& settings)
+    : half_(a.half), band_(converted<Scalar>(std::move(a))), kind_(settings.kind) {
+  const Index n = band_.size, most = half_ > 0 ? std::max<Index>(1, n / (2 * half_)) : 1;
+  const Index count = std::clamp<Index>(settings.partitions, 1, most);
   part_.resize(std::size_t(count));
-  double largest = 0;
-  for (const double value : a.value) largest = std::max(largest, std::abs(value));
-  const Scalar epsilon = std::numeric_limits<Scalar>::epsilon();
-  const Scalar least = std::max(Scalar(largest) * epsilon, std::numeric_limits<Scalar>::min());
+  Scalar largest = 0;
+  for (Index i = 0; i < n; ++i) largest = std::max(largest, std::abs(band_.at(i, i)));
+  const Scalar least = std::max(largest * std::numeric_limits<Scalar>::epsilon(), std::numeric_limits<Scalar>::min());
   for (Index p = 0; p < count; ++p) {
-    part_[std::size_t(p)].first = a.size * p / count;
-    part_[std::size_t(p)].size = a.size * (p + 1) / count - a.size * p / count;
+    part_[std::size_t(p)].first = n * p / count;
+    part_[std::size_t(p)].size = n * (p + 1) / count - n * p / count;
   }
 #pragma omp parallel for schedule(static)
-  for (Index p = 0; p < count; ++p) factorise(a, part_[std::size_t(p)], kind_, least);
+  for (Index p = 0; p < count; ++p) {
+    take_coupling(part_[std::size_t(p)]);
+    factorise(part_[std::size_t(p)], least);
+  }
   for (const Part& part : part_) boosted_ += part.boosted;
   join();
 }
 
+/// Moves what lies outside of the partition's square out of its rows.
 template <class Scalar>
-void Spike<Scalar>::factorise(const BandedMatrix<double>& a, Part& part, SpikeKind kind, Scalar least) const {
-  const Index first = part.first, end = first + part.size, k = half_;
-  BandedMatrix<Scalar> block(part.size, k);
-  if (first > 0) part.c = Dense::Zero(k, k);
-  if (end < a.size) part.b = Dense::Zero(k, k);
-  for (Index i = first; i < end; ++i)
-    for (Index j = std::max<Index>(0, i - k); j <= std::min(a.size - 1, i + k); ++j) {
-      const Scalar value = Scalar(a.at(i, j));
-      if (j < first)
-        part.c(i - first, j - (first - k)) = value;
-      else if (j >= end)
-        part.b(i - (end - k), j - end) = value;
-      else
-        block.at(i - first, j - first) = value;
-    }
-  part.lu = block;
-  part.boosted = factorise_band(part.lu, least);
-  find_tips(block, part, kind, least);
+void Spike<Scalar>::take_coupling(Part& part) {
+  const Index k = half_, end = part.first + part.size;
+  if (part.first > 0) {
+    part.c = Dense::Zero(k, k);
+    for (Index i = 0; i < k; ++i)
+      for (Index m = 0; m < k - i; ++m) std::swap(part.c(i, i + m), band_.row(part.first + i)[m]);
+  }
+  if (end < band_.size) {
+    part.b = Dense::Zero(k, k);
+    for (Index i = 0; i < k; ++i)
+      for (Index m = 2 * k - i; m <= 2 * k; ++m) std::swap(part.b(i, i + m - 2 * k), band_.row(end - k + i)[m]);
+  }
 }
 
 template <class Scalar>
-void Spike<Scalar>::find_tips(const BandedMatrix<Scalar>& block, Part& part, SpikeKind kind, Scalar least) const {
-  const Index n = part.size, k = half_;
-  if (kind == SpikeKind::full) {
-    if (part.b.size() > 0) {  // above the last rows, L^-1 (0, B) is 0
-      Dense v = Dense::Zero(n, k);
-      v.bottomRows(k) = part.b;
-      sweep_forward(part.lu, v, n - k, n);
-      sweep_backward(part.lu, v, 0, n);
-      part.v_top = v.topRows(k);
-      part.v_bottom = v.bottomRows(k);
-    }
-    if (part.c.size() > 0) {
-      Dense w = Dense::Zero(n, k);
-      w.topRows(k) = part.c;
-      sweep_forward(part.lu, w, 0, n);
-      sweep_backward(part.lu, w, 0, n);
-      part.w_top = w.topRows(k);
-      part.w_bottom = w.bottomRows(k);
-    }
+void Spike<Scalar>::factorise(Part& part, Scalar least) {
+  Scalar* const rows = band_.row(part.first);
+  if (is_last(part)) {
+    part.boosted = factorise_band(walk_up(rows, part.size, half_), least);
+    part.w_top = flipped<Dense>(corner(up(part), flipped<Dense>(part.c)));
     return;
   }
-  const auto corner = [&](const BandedMatrix<Scalar>& lu, const Dense& coupling) {
-    const BandedMatrix<Scalar> end = tail(lu, k);
-    Dense x = coupling;
-    sweep_forward(end, x, 0, k);
-    sweep_backward(end, x, 0, k);
-    return x;
-  };
-  if (part.b.size() > 0) part.v_bottom = corner(part.lu, part.b);
-  if (part.c.size() > 0) {  // the top corner is the bottom one of the reversed block
-    BandedMatrix<Scalar> ul = reversed(block);
-    factorise_band(ul, least);
-    part.w_top = corner(ul, part.c.colwise().reverse()).colwise().reverse();
+  const bool between = !is_first(part);
+  if (between && kind_ == SpikeKind::truncated) {
+    std::vector<Scalar> copy(rows, rows + part.size * band_.stride());
+    factorise_band(walk_up(copy.data(), part.size, half_), least);
+    const auto ul = walk_up(std::as_const(copy).data(), part.size, half_);
+    part.w_top = flipped<Dense>(corner(ul, flipped<Dense>(part.c)));
   }
+  part.boosted = factorise_band(walk_down(rows, part.size, half_), least);
+  if (between && kind_ == SpikeKind::full)
+    find_spikes(part);
+  else if (part.b.size() > 0)
+    part.v_bottom = corner(down(part), part.b);
+}
+
+template <class Scalar>
+void Spike<Scalar>::find_spikes(Part& part) const {
+  const Index n = part.size, k = half_;
+  const auto lu = down(part);
+  Dense x = Dense::Zero(n, k);
+  x.bottomRows(k) = part.b;
+  sweep_rows_forward(lu, x.data(), k, n - k);  // above the last rows, L^-1 (0, B) is 0
+  sweep_rows_backward(lu, x.data(), k);
+  part.v_top = x.topRows(k);
+  part.v_bottom = x.bottomRows(k);
+  x.setZero();
+  x.topRows(k) = part.c;
+  sweep_rows_forward(lu, x.data(), k, 0);
+  sweep_rows_backward(lu, x.data(), k);
+  part.w_top = x.topRows(k);
+  part.w_bottom = x.bottomRows(k);
 }
 
 template <class Scalar>
@@ -125,50 +138,98 @@ void Spike<Scalar>::join() {
   }
 }
 
-/// y [2 half x joints]: bottoms and tops that the joints ask for, from g = A_p^-1 f_p.
+/// Bottoms and tops at the joints [2 half x joints] from those of A_p^-1 f_p.
 template <class Scalar>
-void Spike<Scalar>::solve_joints(const Vector& g, Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& y) const {
+auto Spike<Scalar>::solve_joints(const Columns& tips) const -> Columns {
   const Index k = half_;
   const bool full = kind_ == SpikeKind::full;
-  y.resize(2 * k, Index(joint_.size()));
+  Columns y(2 * k, Index(joint_.size()));
   for (Index p = 0; p < y.cols(); ++p) {
-    const Index boundary = part_[std::size_t(p) + 1].first;
-    y.col(p) = g.segment(boundary - k, 2 * k);
+    y.col(p) << tips.col(p).tail(k), tips.col(p + 1).head(k);
     if (full && p > 0) y.col(p).head(k) -= part_[std::size_t(p)].w_bottom * y.col(p - 1).head(k);
     y.col(p) = joint_[std::size_t(p)].lu.solve(y.col(p)).eval();
   }
   for (Index p = y.cols() - 2; full && p >= 0; --p) y.col(p) -= joint_[std::size_t(p)].next * y.col(p + 1).tail(k);
+  return y;
+}
+
+/// Top and bottom of A_p^-1 f_p; those that no joint asks for stay 0. x: f_p, in the first and the last partition
+/// replaced by what the forward sweep makes of it.
+template <class Scalar>
+void Spike<Scalar>::begin(const Part& part, Scalar* x, Vector& tips) const {
+  const Index k = half_, n = part.size;
+  tips = Vector::Zero(2 * k);
+  if (is_first(part)) {
+    sweep_forward(down(part), x);
+    tips.tail(k) = Eigen::Map<const Vector>(x + n - k, k);
+    sweep_backward(down(part).tail(k), tips.data() + k);
+  } else if (is_last(part)) {
+    sweep_forward(up(part), x + n - 1);
+    tips.head(k) = Eigen::Map<const Vector>(x, k);
+    sweep_backward(up(part).tail(k), tips.data() + k - 1);
+  } else {
+    Vector g = Eigen::Map<const Vector>(x, n);
+    sweep_forward(down(part), g.data());
+    sweep_backward(down(part), g.data());
+    tips << g.head(k), g.tail(k);
+  }
+}
+
+/// x_p from what `begin` left, less C times the bottom before (at_top) and B times the top behind (at_bottom).
+template <class Scalar>
+void Spike<Scalar>::finish(const Part& part, const Vector& at_top, const Vector& at_bottom, Scalar* x) const {
+  const Index k = half_, n = part.size;
+  Eigen::Map<Vector> values(x, n);
+  if (is_first(part)) {
+    Vector swept = at_bottom;
+    sweep_forward(down(part).tail(k), swept.data());
+    values.tail(k) -= swept;
+    sweep_backward(down(part), x);
+  } else if (is_last(part)) {
+    Vector swept = at_top;
+    sweep_forward(up(part).tail(k), swept.data() + k - 1);
+    values.head(k) -= swept;
+    sweep_backward(up(part), x + n - 1);
+  } else {
+    values.head(k) -= at_top;
+    values.tail(k) -= at_bottom;
+    sweep_forward(down(part), x);
+    sweep_backward(down(part), x);
+  }
 }
 
 template <class Scalar>
 void Spike<Scalar>::solve(Vector& b) const {
   const Index k = half_, count = Index(part_.size());
-  const auto solve_parts = [&](Vector& x) {
+  if (count == 1) {
+    sweep_forward(down(part_[0]), b.data());
+    sweep_backward(down(part_[0]), b.data());
+    return;
+  }
+  Columns tips(2 * k, count);
 #pragma omp parallel for schedule(static)
-    for (Index p = 0; p < count; ++p) {
-      const Part& part = part_[std::size_t(p)];
-      solve_band(part.lu, x.segment(part.first, part.size));
-    }
-  };
-  if (count == 1) return solve_parts(b);
-  Vector g = b;
-  solve_parts(g);
-  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> y;
-  solve_joints(g, y);
+  for (Index p = 0; p < count; ++p) {
+    Vector found;
+    begin(part_[std::size_t(p)], b.data() + part_[std::size_t(p)].first, found);
+    tips.col(p) = found;
+  }
+  const Columns y = solve_joints(tips);
+#pragma omp parallel for schedule(static)
   for (Index p = 0; p < count; ++p) {
     const Part& part = part_[std::size_t(p)];
-    if (p + 1 < count) b.segment(part.first + part.size - k, k) -= part.b * y.col(p).tail(k);
-    if (p > 0) b.segment(part.first, k) -= part.c * y.col(p - 1).head(k);
+    Vector at_top, at_bottom;
+    if (p > 0) at_top = part.c * y.col(p - 1).head(k);
+    if (p + 1 < count) at_bottom = part.b * y.col(p).tail(k);
+    finish(part, at_top, at_bottom, b.data() + part.first);
   }
-  solve_parts(b);
 }
 
 template <class Scalar>
 std::size_t Spike<Scalar>::bytes() const {
-  std::size_t values = 0;
+  std::size_t values = band_.value.size();
   for (const Part& part : part_)
-    values += part.lu.value.size() + std::size_t(part.b.size() + part.c.size() + part.v_top.size() +
-                                                 part.v_bottom.size() + part.w_top.size() + part.w_bottom.size());
+    values += std::size_t(part.b.size() + part.c.size() + part.v_top.size() + part.v_bottom.size() + part.w_top.size() +
+                          part.w_bottom.size());
   for (const Joint& joint : joint_) values += std::size_t(joint.lu.matrixLU().size() + joint.next.size());
   return values * sizeof(Scalar);
 }

@@ -10,11 +10,16 @@
 //   truncated  without V^top and W^bottom, which decay with the length of a diagonally dominant partition: blocks of
 //              2 half for themselves, to be refined or used as a preconditioner
 //
-// Rows are not exchanged; tiny pivots are lifted (banded_matrix.h). The bits depend on `partitions`, not on threads.
+// The reduced system of the first partition needs the bottom of V alone, that of the last one the top of W. So the last
+// one is factored from its last row up, and both give their tips from a corner of their factors: two partitions cost no
+// more than one. Partitions between them cost three times their share, for the spikes.
+//
+// Rows are not exchanged; tiny pivots are lifted (band_factors.h). The bits depend on `partitions`, not on threads.
 #pragma once
 #include <Eigen/Dense>
 #include <vector>
 
+#include "sim/local_problem/banded/band_factors.h"
 #include "sim/local_problem/banded/banded_matrix.h"
 
 namespace gonogo::sim {
@@ -33,7 +38,8 @@ class Spike {
   using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
   using Dense = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  Spike(const BandedMatrix<double>& a, const SpikeSettings& settings);
+  /// Factors in double take the matrix's own storage.
+  Spike(BandedMatrix<double> a, const SpikeSettings& settings);
 
   /// A x = b in place (approximately when truncated). b: [size].
   void solve(Vector& b) const;
@@ -45,7 +51,6 @@ class Spike {
  private:
   struct Part {
     Eigen::Index first = 0, size = 0;
-    BandedMatrix<Scalar> lu;
     Dense b, c;                              // coupling to the next and to the previous partition
     Dense v_top, v_bottom, w_top, w_bottom;  // [half x half]
     int boosted = 0;
@@ -56,12 +61,23 @@ class Spike {
     Dense next;  // lu^-1 of the coupling to the top of p + 2: [2 half x half]
   };
 
-  void factorise(const BandedMatrix<double>& a, Part& part, SpikeKind kind, Scalar least) const;
-  void find_tips(const BandedMatrix<Scalar>& block, Part& part, SpikeKind kind, Scalar least) const;
+  using Columns = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+  bool is_first(const Part& part) const { return part.first == 0; }
+  bool is_last(const Part& part) const { return part.first > 0 && part.first + part.size == band_.size; }
+  auto down(const Part& p) const { return walk_down(band_.row(p.first), p.size, half_); }
+  auto up(const Part& p) const { return walk_up(band_.row(p.first), p.size, half_); }
+
+  void take_coupling(Part& part);
+  void factorise(Part& part, Scalar least);
+  void find_spikes(Part& part) const;
   void join();
-  void solve_joints(const Vector& g, Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>& y) const;
+  void begin(const Part& part, Scalar* x, Vector& tips) const;
+  void finish(const Part& part, const Vector& at_top, const Vector& at_bottom, Scalar* x) const;
+  Columns solve_joints(const Columns& tips) const;
 
   Eigen::Index half_ = 0;
+  BandedMatrix<Scalar> band_;  // factors, part by part
   SpikeKind kind_;
   std::vector<Part> part_;
   std::vector<Joint> joint_;

@@ -82,21 +82,21 @@ void PreconditionedKrylov::factorise(const Sparse& a) {
   if (!settings_.is_used) return;
   const Stopwatch watch;
   if (order_.empty()) order_ = reverse_cuthill_mckee(a);
-  const Band band = to_band(a, order_, settings_.most_half);
+  Band band = to_band(a, order_, settings_.most_half);
+  work_.half = band.matrix.half;
+  work_.full_half = band.full_half;
+  work_.dropped = std::max(work_.dropped, band.dropped);
   const auto note = [&](const auto& spike) {
     work_.bytes = std::max(work_.bytes, spike.bytes());
     work_.partitions = spike.partitions();
   };
   if (settings_.is_single) {
-    factors_->in_float = std::make_unique<Spike<float>>(band.matrix, settings_.spike);
+    factors_->in_float = std::make_unique<Spike<float>>(std::move(band.matrix), settings_.spike);
     note(*factors_->in_float);
   } else {
-    factors_->in_double = std::make_unique<Spike<double>>(band.matrix, settings_.spike);
+    factors_->in_double = std::make_unique<Spike<double>>(std::move(band.matrix), settings_.spike);
     note(*factors_->in_double);
   }
-  work_.half = band.matrix.half;
-  work_.full_half = band.full_half;
-  work_.dropped = std::max(work_.dropped, band.dropped);
   work_.setup_ms += watch.ms();
 }
 

@@ -1,0 +1,85 @@
+// The constraints of a vehicle's contact forces and torques at a pose, as those of a cone program: inverse dynamics,
+// driveline, friction cones, torque limits.
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vehicle/feasible/cone_program.h"
+#include "vehicle/feasible/pose.h"
+#include "vehicle/multibody/vehicle_tree.h"
+
+namespace gonogo::vehicle {
+
+/// Feasible when the reserve is not below this: what the solver leaves.
+constexpr double kLeastReserve = -1e-7;
+
+/// What a torque acts through: a wheel, or the sprocket of a track.
+struct TorqueUnit {
+  std::string name;
+  std::vector<int> contact{};
+  int axle = 0;
+  int velocity = -1;  // of the wheel's axle in the tree; -1: through a belt
+  double lever = 0;   // of the belt's force [m]
+  double brake = 0;   // [N m]
+  bool driven = false;
+};
+
+/// Forces are in mean wheel loads, torques in those times the drive radius; the columns are (normal, along, across) of
+/// each contact, the torque of each unit, the reserve, the share of the torque limits. Keeps references to its
+/// arguments.
+class ForceProgram {
+ public:
+  ForceProgram(const Vehicle& v, const Pose& pose, const Demand& demand, const Limits& limits);
+
+  int contacts() const { return int(pose_.contact.size()); }
+  int columns() const { return columns_; }
+  int torque(int unit) const { return 3 * contacts() + unit; }
+  int reserve() const { return columns_ - 2; }
+  int share() const { return columns_ - 1; }
+  double load() const { return load_; }      // [N]
+  double radius() const { return radius_; }  // [m]
+  const std::vector<TorqueUnit>& units() const { return units_; }
+
+  /// The constraints with some columns held at a value, and nothing to minimise.
+  ConeProgram constraints(const std::vector<std::pair<int, double>>& held) const;
+
+  /// With the largest reserve at the full torque limits, or the smallest share of them at no reserve.
+  ConeAnswer answer(bool largest_reserve) const;
+
+ private:
+  using VectorX = multibody::VectorX;
+  using MatrixX = multibody::MatrixX;
+  enum class Source { drive, brakes, parked };  // of torques
+
+  MatrixX stacked(const std::vector<VectorX>& rows) const;
+  void equate(const VectorX& row, double value);
+  void require(const VectorX& row);
+  void balance();
+  void add_equations(const MatrixX& transposed, const VectorX& needed);
+  Source source() const;
+  VectorX sum_of(const std::vector<int>& units) const;
+  void couple(Differential kind, double bias, const std::vector<int>& first, const std::vector<int>& second,
+              double first_share);
+  void driveline();
+  void normals(bool friction);
+  double motor() const;
+  double driven_count() const;
+  bool can_brake(const TorqueUnit& u) const;
+  void limit(const VectorX& sum, double torque);
+  void torque_limits();
+
+  const Vehicle& vehicle_;
+  const Pose& pose_;
+  const Demand& demand_;
+  multibody::VehicleTree tree_;
+  std::vector<TorqueUnit> units_;
+  double load_ = 1, radius_ = 1;
+  int columns_ = 0;
+  Source source_ = Source::drive;
+  std::vector<VectorX> equation_, row_;
+  std::vector<double> right_;
+  std::vector<int> cone_;
+};
+
+}  // namespace gonogo::vehicle
