@@ -46,7 +46,7 @@ Balance PressedTyre::Parts::balance(const Vector& x, const Rim& at, Triplets* ta
   b.rim = ring.add_forces(x, shape, shape.strain, b.force);
   const Vector still = Vector::Zero(ring.dofs());
   Vector contact = still;
-  ring.add_contact(x, {ground, still}, contact, tangent, b.points);
+  ring.add_contact(x, {.ground = ground, .v = still}, contact, tangent, b.points);
   if (tangent != nullptr) ring.add_tangent(x, at, 1, *tangent);
   const Tyre& t = ring.tyre();
   const double air = t.pressure * t.width * ring.share() * std::sqrt(double(t.nodes));
@@ -188,6 +188,10 @@ RimLoad PressedTyre::rim_load() const { return parts_->now.rim; }
 Vec3d PressedTyre::node(int k) const { return {parts_->u[3L * k], parts_->u[3L * k + 1], 0}; }
 const std::vector<ContactPoint>& PressedTyre::points() const { return parts_->now.points; }
 double PressedTyre::contact_length() const { return elastic::contact_length(parts_->now.points); }
+
+std::vector<double> PressedTyre::state() const {
+  return {parts_->u.data(), parts_->u.data() + parts_->u.size()};
+}
 
 double PressedTyre::contact_load() const {
   double sum = 0;

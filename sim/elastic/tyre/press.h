@@ -42,6 +42,7 @@ class PressedTyre {
   double contact_load() const;     // sum over the tread, upward [N]
   double contact_length() const;   // [m]
   const std::vector<ContactPoint>& points() const;  // of the tread, one per node
+  std::vector<double> state() const;                // x, y [m] and turn [rad] of every node
 
   struct Parts;
 

@@ -138,10 +138,9 @@ double Ring::square_of(const double* q) const {
          share_ * (tyre_.radial * q[3] * q[3] + tyre_.tangential * q[4] * q[4]);
 }
 
-double Ring::energy(const Vector& u, const RingShape& shape) const {
+double Ring::energy_of_air(const Vector& u, const RingShape& shape) const {
   double sum = 0, area = 0;
   for (int k = 0; k < nodes(); ++k) {
-    sum += square_of(&shape.strain[kStrains * std::size_t(k)]) / 2;
     const long i = 3L * k, a = 3L * next(k);
     area += (u[i] * u[a + 1] - u[a] * u[i + 1]) / 2;
     if (tyre_.bulge > 0) {
@@ -155,7 +154,20 @@ double Ring::energy(const Vector& u, const RingShape& shape) const {
 
 std::array<double, 2> Ring::mass() const {
   const double m = tyre_.belt_mass / nodes();
-  return {m, m * chord_ * chord_ / 12};
+  return {m, m * (chord_ * chord_ + 4 * tyre_.tread * tyre_.tread) / 12};
+}
+
+/// Place of the tread's surface at a node [m].
+Vec3d Ring::surface(const Vector& u, int k) const {
+  const double a = angle_of(k) + u[3L * k + 2];
+  return {u[3L * k] + tyre_.tread * std::cos(a), u[3L * k + 1] + tyre_.tread * std::sin(a), 0};
+}
+
+double Ring::gap(const Vector& u, int k, const std::vector<RigidShape>& ground, double time) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const RigidShape& s : ground)
+    least = std::min(least, gap_above(s, s.displacement(time), surface(u, k)).gap);
+  return least;
 }
 
 double Ring::contact_of(int k, const RigidShape& shape, const Vector& u, const Touching& at, Vector& force,
@@ -164,23 +176,32 @@ double Ring::contact_of(int k, const RigidShape& shape, const Vector& u, const T
   const int i = 3 * k;
   const double a = angle_of(k) + u[i + 2], c = std::cos(a), s = std::sin(a), h = tyre_.tread;
   const Vec3d by = shape.displacement(at.time);
-  const Vec3d plain{u[i] + h * c, u[i + 1] + h * s, 0};
-  const double gap = gap_above(shape, by, plain).gap;
+  const Vec3d plain = surface(u, k);
+  double gap = gap_above(shape, by, plain).gap, deeper = 0;
+  if (!at.pressing.empty() && at.pressing[k] > 0) {
+    deeper = at.pressing[k] + gap;
+    gap = -at.pressing[k];
+  } else if (!at.pressing.empty()) {
+    gap = std::max(gap, 0.0);
+  }
   if (gap < point.gap) {
     point.gap = gap;
     point.place = plain;
   }
   if (!(gap < 0)) return 0;
-  D nx(c), ny(s), spin(at.v[i + 2]);
-  nx.slope[2] = -s;
-  ny.slope[2] = c;
-  spin.slope[2] = at.rate;
-  D vx(at.v[i]), vy(at.v[i + 1]);
-  vx.slope[0] = at.rate;
-  vy.slope[1] = at.rate;
-  const Vec3T<D> x{D::variable(u[i], 0) + D(h) * nx, D::variable(u[i + 1], 1) + D(h) * ny, D(0)};
+  D nx(c), ny(s), px(u[i]), py(u[i + 1]), vx(at.v[i]), vy(at.v[i + 1]), spin(at.v[i + 2]);
+  (at.by_velocity ? vx : px).slope[0] = 1;
+  (at.by_velocity ? vy : py).slope[1] = 1;
+  if (at.by_velocity) {
+    spin.slope[2] = 1;
+  } else {
+    nx.slope[2] = -s;
+    ny.slope[2] = c;
+  }
+  const Vec3T<D> x{px + D(h) * nx, py + D(h) * ny, D(0)};
   const Vec3T<D> v{vx - D(h) * spin * ny, vy + D(h) * spin * nx, D(0)};
-  const auto above = gap_above(shape, by, x);
+  auto above = gap_above(shape, by, x);
+  above.gap -= D(deeper);
   const Traction3<3> t = traction_of<3>(tyre_.law, above, v);
   const double area = tyre_.width * share_;
   const Vec3T<D> pull = (above.normal * t.pressure + t.shear) * D(area);

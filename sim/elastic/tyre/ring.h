@@ -40,24 +40,29 @@ class Ring {
   RimLoad add_forces(const Vector& u, const RingShape& shape, const std::vector<double>& strain, Vector& force) const;
   /// Adds minus the derivative of these forces by u; `stiffening`: factor of the springs of belt and rubber.
   void add_tangent(const Vector& u, const Rim& rim, double stiffening, Triplets& tangent) const;
-  /// Of belt, rubber, sidewalls and air; the air's is minus the pressure times the volume [J].
-  double energy(const Vector& u, const RingShape& shape) const;
+  /// Of the air, minus the pressure times the volume [J].
+  double energy_of_air(const Vector& u, const RingShape& shape) const;
   /// Twice the energy of the springs of belt and rubber at some strains [J].
   double square_of(const double* strain) const;
-  /// Mass and moment of inertia of a node: a share of the belt as a stiff rod [kg], [kg m^2].
+  /// Mass and moment of inertia of a node: a share of the belt as a block twice as thick as the tread [kg], [kg m^2].
   std::array<double, 2> mass() const;
 
-  /// Touch of the tread, as ContactForces::add: node k has the point k. Returns the energy of the compliance [J].
+  /// Touch of the tread: node k has the point k. Adds forces, and to `tangent` minus their derivative by u or, where
+  /// asked, by v. Returns the energy of the compliance [J].
   struct Touching {
     const std::vector<RigidShape>& ground;
-    const Vector& v;  // [dofs]
-    double rate = 0;  // by which v changes with u [1/s]
-    double time = 0;  // of the ground's displacements [s]
+    const Vector& v;           // [dofs]
+    double time = 0;           // of the ground's displacements [s]
+    bool by_velocity = false;  // slopes by v, not by u
+    /// Compression of the tread that presses, one per node, in place of the overlap; empty: the overlap [m].
+    const std::vector<double>& pressing = {};
   };
+  double gap(const Vector& u, int k, const std::vector<RigidShape>& ground, double time) const;  // of node k [m]
   double add_contact(const Vector& u, const Touching& at, Vector& force, Triplets* tangent,
                      std::vector<ContactPoint>& points) const;
 
  private:
+  Vec3d surface(const Vector& u, int k) const;
   double contact_of(int k, const RigidShape& shape, const Vector& u, const Touching& at, Vector& force,
                     Triplets* tangent, ContactPoint& point) const;
   int next(int k) const { return k + 1 < tyre_.nodes ? k + 1 : 0; }
