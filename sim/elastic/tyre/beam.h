@@ -26,9 +26,7 @@ struct Chord {
 };
 
 /// The multiple of a full turn nearest to an angle.
-inline double full_turns(double angle) {
-  return 2 * std::numbers::pi * std::round(angle / (2 * std::numbers::pi));
-}
+inline double full_turns(double angle) { return 2 * std::numbers::pi * std::round(angle / (2 * std::numbers::pi)); }
 
 template <class T>
 Chord<T> chord_of(const BeamShape& shape, const std::array<T, 6>& x) {

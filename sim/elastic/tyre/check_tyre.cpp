@@ -34,8 +34,8 @@ void check_tyre(const Tyre& t) {
                           t.rim_radius, t.belt_radius()));
   const double chord = t.belt_radius() - t.rim_radius;
   if (!(t.bulge >= 0 && t.bulge <= chord / 2))
-    throw InputError(line("tyre: the sidewall's bulge is %g m; allowed is 0 to half its height, %g m", t.bulge,
-                          chord / 2));
+    throw InputError(
+        line("tyre: the sidewall's bulge is %g m; allowed is 0 to half its height, %g m", t.bulge, chord / 2));
   if (!(t.loss >= 0 && t.loss <= 0.3))
     throw InputError(line("tyre: the loss factor is %g; allowed is 0 to 0.3", t.loss));
   if (t.nodes < 24 || t.nodes > 10000)

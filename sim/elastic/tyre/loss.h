@@ -1,5 +1,5 @@
-// Loss of rubber. A spring of stiffness K at the middle rate (500 rad/s) is a long-time spring K_0 and, beside it, three
-// Maxwell branches of stiffness g K_0, a decade apart, so that the loss factor hardly depends on the frequency w:
+// Loss of rubber. A spring of stiffness K at the middle rate (500 rad/s) is a long-time spring K_0 and, beside it,
+// three Maxwell branches of stiffness g K_0, a decade apart, so that the loss factor hardly depends on the frequency w:
 //   E'' / K_0 = g sum_k w_k / (1 + w_k^2),   E' / K_0 = 1 + g sum_k w_k^2 / (1 + w_k^2),   w_k = w / rate_k
 // g makes E'' / E' the loss factor at the middle rate, and K_0 makes E' there equal to K. Christensen, Theory of
 // viscoelasticity, 1982, section 1.6.
@@ -13,8 +13,8 @@ inline constexpr int kBranches = 3;
 inline constexpr std::array<double, kBranches> kRate{50, 500, 5000};  // [1/s]
 
 struct Rubber {
-  double branch = 0;   // g [-]
-  double settled = 1;  // K_0 / K [-]
+  double branch = 0;                                                    // g [-]
+  double settled = 1;                                                   // K_0 / K [-]
   double sudden() const { return settled * (1 + kBranches * branch); }  // stiffness of the first instant over K
 };
 

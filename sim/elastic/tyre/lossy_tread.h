@@ -1,6 +1,6 @@
-// A tread with loss: at every node a spring with Maxwell branches (loss.h) between the belt and the tread's surface. The
-// surface lies on the ground where it is pressed. Elsewhere nothing presses it, and it recovers: its compression s and
-// the stretches d of the branches keep s + g sum d = 0 until the ground reaches it again.
+// A tread with loss: at every node a spring with Maxwell branches (loss.h) between the belt and the tread's surface.
+// The surface lies on the ground where it is pressed. Elsewhere nothing presses it, and it recovers: its compression s
+// and the stretches d of the branches keep s + g sum d = 0 until the ground reaches it again.
 #pragma once
 #include <array>
 #include <vector>
@@ -23,8 +23,8 @@ class LossyTread {
  private:
   double stiffness_ = 0;
   Rubber rubber_;
-  std::vector<double> compression_, pressing_;                // [m]
-  std::vector<std::array<double, kBranches>> stretched_;      // [m]
+  std::vector<double> compression_, pressing_;            // [m]
+  std::vector<std::array<double, kBranches>> stretched_;  // [m]
 };
 
 }  // namespace gonogo::sim::elastic

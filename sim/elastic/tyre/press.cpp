@@ -14,9 +14,9 @@ namespace {
 using Sparse = Eigen::SparseMatrix<double>;
 
 struct Balance {
-  Vector force;            // [dofs] [N]
-  double scale = 0;        // norm of the largest part [N]
-  double round_off = 0;    // residual that places known to eps of themselves leave [N]
+  Vector force;          // [dofs] [N]
+  double scale = 0;      // norm of the largest part [N]
+  double round_off = 0;  // residual that places known to eps of themselves leave [N]
   RimLoad rim;
   std::vector<ContactPoint> points;
 };
@@ -96,12 +96,9 @@ bool PressedTyre::Parts::solve(const Rim& at, Vector x) {
 }
 
 /// From the last balance, which goes along with the rim as a rigid body's tangent would.
-bool PressedTyre::Parts::solve_from(const Rim& to) {
-  return solve(to, u + ring.unloaded(to) - ring.unloaded(rim));
-}
+bool PressedTyre::Parts::solve_from(const Rim& to) { return solve(to, u + ring.unloaded(to) - ring.unloaded(rim)); }
 
-PressedTyre::PressedTyre(const Tyre& tyre, double height, std::vector<RigidShape> ground,
-                         const PressSettings& settings)
+PressedTyre::PressedTyre(const Tyre& tyre, double height, std::vector<RigidShape> ground, const PressSettings& settings)
     : parts_(std::make_unique<Parts>(Parts{.ring = Ring(tyre),
                                            .ground = std::move(ground),
                                            .settings = settings,
@@ -122,8 +119,8 @@ PressedTyre::PressedTyre(PressedTyre&&) noexcept = default;
 bool PressedTyre::move_rim(const Rim& to) {
   Parts& p = *parts_;
   const Rim from = p.rim;
-  const double way = std::max({std::fabs(to.x - from.x), std::fabs(to.y - from.y),
-                               std::fabs(to.turn - from.turn) * p.ring.tyre().radius});
+  const double way = std::max(
+      {std::fabs(to.x - from.x), std::fabs(to.y - from.y), std::fabs(to.turn - from.turn) * p.ring.tyre().radius});
   const int count = std::max(1, int(std::ceil(way / p.settings.increment)));
   for (int k = 1; k <= count; ++k) {
     const double s = double(k) / count;
@@ -172,14 +169,19 @@ bool PressedTyre::carry(double load) {
   return std::fabs(contact_load() - load) <= 1e-6 * load;
 }
 
-bool PressedTyre::pull_node(int node, double fx, double fy) {
+bool PressedTyre::pull(const std::vector<NodeForce>& forces) {
   Parts& p = *parts_;
-  if (node < 0 || node >= p.ring.nodes())
-    throw InputError(line("tyre: node %d does not exist; the ring has %d", node, p.ring.nodes()));
-  p.pull[3L * node] += fx;
-  p.pull[3L * node + 1] += fy;
-  return p.solve(p.rim, p.u);
+  p.pull.setZero();
+  for (const NodeForce& f : forces) {
+    if (f.node < 0 || f.node >= p.ring.nodes())
+      throw InputError(line("tyre: node %d does not exist; the ring has %d", f.node, p.ring.nodes()));
+    p.pull[3L * f.node] += f.x;
+    p.pull[3L * f.node + 1] += f.y;
+  }
+  return settle();
 }
+
+bool PressedTyre::settle() { return parts_->solve(parts_->rim, parts_->u); }
 
 const std::string& PressedTyre::reason() const { return parts_->reason; }
 int PressedTyre::iterations() const { return parts_->iterations; }
@@ -189,9 +191,7 @@ Vec3d PressedTyre::node(int k) const { return {parts_->u[3L * k], parts_->u[3L *
 const std::vector<ContactPoint>& PressedTyre::points() const { return parts_->now.points; }
 double PressedTyre::contact_length() const { return elastic::contact_length(parts_->now.points); }
 
-std::vector<double> PressedTyre::state() const {
-  return {parts_->u.data(), parts_->u.data() + parts_->u.size()};
-}
+std::vector<double> PressedTyre::state() const { return {parts_->u.data(), parts_->u.data() + parts_->u.size()}; }
 
 double PressedTyre::contact_load() const {
   double sum = 0;

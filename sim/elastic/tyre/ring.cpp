@@ -104,8 +104,7 @@ void Ring::add_tangent(const Vector& u, const Rim& rim, double stiffening, Tripl
     std::array<D6, 6> x{};
     for (int i = 0; i < 6; ++i) x[i] = D6::variable(u[dof[i]], i);
     const Chord<D6> chord = chord_of(beam_[k], x);
-    const auto stress =
-        beam_stress(stiffening * tyre_.stretching, stiffening * tyre_.bending, chord_, chord.strain);
+    const auto stress = beam_stress(stiffening * tyre_.stretching, stiffening * tyre_.bending, chord_, chord.strain);
     const auto f = beam_force(chord, stress);
     for (int i = 0; i < 6; ++i)
       for (int j = 0; j < 6; ++j) tangent.emplace_back(dof[i], dof[j], -f[i].slope[j]);
@@ -165,8 +164,7 @@ Vec3d Ring::surface(const Vector& u, int k) const {
 
 double Ring::gap(const Vector& u, int k, const std::vector<RigidShape>& ground, double time) const {
   double least = std::numeric_limits<double>::infinity();
-  for (const RigidShape& s : ground)
-    least = std::min(least, gap_above(s, s.displacement(time), surface(u, k)).gap);
+  for (const RigidShape& s : ground) least = std::min(least, gap_above(s, s.displacement(time), surface(u, k)).gap);
   return least;
 }
 

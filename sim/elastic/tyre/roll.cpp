@@ -23,13 +23,16 @@ struct RollingTyre::Parts {
   LossyTread tread{};
   std::vector<double> gap{};  // [nodes], where the tread loses energy
   RingShape shape{};
-  std::vector<double> before{}, strain{};                   // [kStrains nodes]: last step's; with the branches
+  std::vector<double> before{}, strain{};                  // [kStrains nodes]: last step's; with the branches
   std::array<std::vector<double>, kBranches> stretched{};  // of the branches' springs
   Vector force{}, contact{}, friction{};
   Triplets damping{};  // minus the slopes of the friction by the velocities, 9 for each node that touches
   RimLoad rim_load{};
   std::vector<ContactPoint> points{};
   double contact_energy = 0, start_energy = 0, critical = 0;
+  struct Power {
+    double work = 0, friction = 0, damping = 0;  // [W]
+  } power{};
   RollEnergy energy{};
   bool started = false;
 
@@ -39,7 +42,7 @@ struct RollingTyre::Parts {
   void find_forces(double h);
   Vector change(double h);
   void step(double h);
-  double stored() const;
+  double potential() const;
 };
 
 void RollingTyre::Parts::set_mass() {
@@ -105,21 +108,20 @@ void RollingTyre::Parts::find_forces(double h) {
   damping.clear();
   for (std::size_t k = 0; k < gap.size(); ++k) gap[k] = ring.gap(u, int(k), ground, time);
   if (!gap.empty()) energy.loss += tread.follow(gap, h);
-  contact_energy = ring.add_contact(
-      u, {.ground = ground, .v = v, .time = time, .by_velocity = true, .pressing = tread.pressing()}, contact,
-      ring.tyre().law.c_t > 0 ? &damping : nullptr, points);
+  contact_energy =
+      ring.add_contact(u, {.ground = ground, .v = v, .time = time, .by_velocity = true, .pressing = tread.pressing()},
+                       contact, ring.tyre().law.c_t > 0 ? &damping : nullptr, points);
   if (!gap.empty()) contact_energy = tread.energy();
   force += contact;
 }
 
-double RollingTyre::Parts::stored() const {
-  double sum = ring.energy_of_air(u, shape) + contact_energy + v.dot(mass.cwiseProduct(v)) / 2;
+double RollingTyre::Parts::potential() const {
+  double sum = ring.energy_of_air(u, shape) + contact_energy;
   for (std::size_t first = 0; first < shape.strain.size(); first += kStrains) {
     double squares = ring.square_of(&shape.strain[first]);
     for (const std::vector<double>& d : stretched) squares += rubber.branch * ring.square_of(&d[first]);
     sum += rubber.settled * squares / 2;
   }
-  if (hub.load > 0) sum += hub.mass * rim.vy * rim.vy / 2;
   return sum;
 }
 
@@ -142,25 +144,31 @@ Vector RollingTyre::Parts::change(double h) {
   return dv;
 }
 
-/// Velocities lead places by half a step, so that works are taken with the mean of the velocities before and after.
+/// Velocities lag places by half a step before it and lead them after it. What is stored at a place takes the product of
+/// both as the square of the velocity, which linear motion keeps; powers take their mean.
 void RollingTyre::Parts::step(double h) {
   find_forces(started ? h : 0);
-  if (!started) {
-    start_energy = stored();
-    started = true;
-  }
   const Vector earlier = v;
-  v += change(h);
   const double earlier_vy = rim.vy;
+  v += change(h);
   if (hub.load > 0) rim.vy += h / hub.mass * (rim_load.y - hub.load - hub.damping * rim.vy);
+  const Vector mean = (v + earlier) / 2;
   const double vy = (rim.vy + earlier_vy) / 2;
-  energy.work -= h * (rim_load.x * rim.vx + rim_load.moment * rim.spin);
-  if (hub.load > 0) {
-    energy.work -= h * hub.load * vy;
-    energy.damping += h * hub.damping * earlier_vy * vy;
+  const Power now{.work = outside.dot(mean) - rim_load.x * rim.vx - rim_load.moment * rim.spin - hub.load * vy,
+                  .friction = -friction.dot(mean),
+                  .damping = hub.load > 0 ? hub.damping * earlier_vy * vy : 0};
+  const double stored = potential() + v.dot(mass.cwiseProduct(earlier)) / 2 +
+                        (hub.load > 0 ? hub.mass * rim.vy * earlier_vy / 2 : 0);
+  if (started) {
+    energy.work += h * (now.work + power.work) / 2;
+    energy.friction += h * (now.friction + power.friction) / 2;
+    energy.damping += h * (now.damping + power.damping) / 2;
+  } else {
+    start_energy = stored;
   }
-  energy.work += h * outside.dot(v + earlier) / 2;
-  energy.friction -= h * friction.dot(v + earlier) / 2;
+  energy.stored = stored - start_energy;
+  power = now;
+  started = true;
   u += h * v;
   rim.x += h * rim.vx;
   rim.y += h * rim.vy;
@@ -197,8 +205,8 @@ double RollingTyre::critical_step() const {
   const Tyre& t = p.ring.tyre();
   double deepest = 0;  // of the tread
   for (const ContactPoint& c : p.points) deepest = std::max(deepest, -c.gap);
-  const double touch = t.law.c_n * t.law.m_n * std::pow(std::max(deepest, 1e-4), t.law.m_n - 1) *
-                       t.width * p.ring.share() * p.rubber.sudden();
+  const double touch = t.law.c_n * t.law.m_n * std::pow(std::max(deepest, 1e-4), t.law.m_n - 1) * t.width *
+                       p.ring.share() * p.rubber.sudden();
   for (int k = 0; k < p.ring.nodes(); ++k)
     for (int i = 0; i < 2; ++i) tangent.emplace_back(3 * k + i, 3 * k + i, touch);
   Eigen::SparseMatrix<double> a(p.ring.dofs(), p.ring.dofs());
@@ -209,8 +217,8 @@ double RollingTyre::critical_step() const {
 void RollingTyre::advance(double step, long count) {
   Parts& p = *parts_;
   if (!(step > 0 && step <= p.critical))
-    throw InputError(line("tyre: the step is %g s; it must be above 0 and at most the critical one, %g s", step,
-                          p.critical));
+    throw InputError(
+        line("tyre: the step is %g s; it must be above 0 and at most the critical one, %g s", step, p.critical));
   for (long i = 0; i < count; ++i) p.step(step);
 }
 
@@ -234,11 +242,7 @@ Vec3d RollingTyre::ground_force() const {
   return sum;
 }
 
-RollEnergy RollingTyre::energy() const {
-  RollEnergy e = parts_->energy;
-  e.stored = parts_->stored() - parts_->start_energy;
-  return e;
-}
+RollEnergy RollingTyre::energy() const { return parts_->energy; }
 
 Vec3d RollingTyre::node(int k) const { return {parts_->u[3L * k], parts_->u[3L * k + 1], 0}; }
 Vec3d RollingTyre::velocity(int k) const { return {parts_->v[3L * k], parts_->v[3L * k + 1], 0}; }

@@ -18,7 +18,7 @@ struct Hub {
   double damping = 0;  // of rise and fall [N s/m]
 };
 
-/// Since the start. Work done on the tyre equals what it stores plus what is lost.
+/// Since the first step, at the places of the last one. Work done on the tyre equals what it stores plus what is lost.
 struct RollEnergy {
   double stored = 0;    // kinetic, elastic, air's, of the contact [J]
   double work = 0;      // of what drives the rim, and of the load [J]
