@@ -47,12 +47,13 @@ std::vector<double> frequencies(const Tyre& tyre) {
   const auto [m, j] = ring.mass();
   Vector root(ring.dofs());
   for (int k = 0; k < ring.nodes(); ++k) root.segment<3>(3L * k) << std::sqrt(m), std::sqrt(m), std::sqrt(j);
-  const Eigen::MatrixXd scaled = root.cwiseInverse().asDiagonal() * Eigen::MatrixXd(now.tangent) *
-                                 root.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd scaled =
+      root.cwiseInverse().asDiagonal() * Eigen::MatrixXd(now.tangent) * root.cwiseInverse().asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver((scaled + scaled.transpose()) / 2,
                                                               Eigen::EigenvaluesOnly);
   std::vector<double> f;
-  for (const double square : solver.eigenvalues()) f.push_back(std::sqrt(std::max(square, 0.0)) / (2 * std::numbers::pi));
+  for (const double square : solver.eigenvalues())
+    f.push_back(std::sqrt(std::max(square, 0.0)) / (2 * std::numbers::pi));
   return f;
 }
 

@@ -27,6 +27,7 @@ Ring::Ring(const Tyre& tyre)
   for (int k = 0; k < tyre.nodes; ++k) {
     const double along = angle_of(k) + std::numbers::pi / tyre.nodes + std::numbers::pi / 2;
     beam_.push_back({chord_, std::cos(along), std::sin(along)});
+    unit_.push_back({std::cos(angle_of(k)), std::sin(angle_of(k))});
   }
   if (tyre.bulge > 0) membrane_ = Membrane(tyre.belt_radius() - tyre.rim_radius, tyre.bulge, tyre.pressure);
 }
@@ -49,10 +50,11 @@ void Ring::measure(const Vector& u, const Rim& rim, RingShape& shape) const {
   shape.unit.resize(n);
   shape.from_hub.resize(n);
   shape.strain.resize(kStrains * n);
+  shape.area = 0;
   const double c0 = std::cos(rim.turn), s0 = std::sin(rim.turn), r = tyre_.belt_radius();
   for (int k = 0; k < nodes(); ++k) {
     shape.chord[k] = chord_of(beam_[k], taken(u, dofs_of(k, next(k))));
-    const double c = std::cos(angle_of(k)), s = std::sin(angle_of(k));
+    const auto [c, s] = unit_[k];
     const std::array<double, 2> e{c * c0 - s * s0, s * c0 + c * s0};
     const std::array<double, 2> d{u[3L * k] - rim.x, u[3L * k + 1] - rim.y};
     shape.unit[k] = e;
@@ -61,6 +63,8 @@ void Ring::measure(const Vector& u, const Rim& rim, RingShape& shape) const {
     for (int i = 0; i < 3; ++i) q[i] = shape.chord[k].strain[i];
     q[3] = d[0] * e[0] + d[1] * e[1] - r;
     q[4] = d[1] * e[0] - d[0] * e[1];
+    const long a = 3L * next(k);
+    shape.area += (u[3L * k] * u[a + 1] - u[a] * u[3L * k + 1]) / 2;
   }
 }
 
@@ -137,18 +141,15 @@ double Ring::square_of(const double* q) const {
          share_ * (tyre_.radial * q[3] * q[3] + tyre_.tangential * q[4] * q[4]);
 }
 
-double Ring::energy_of_air(const Vector& u, const RingShape& shape) const {
-  double sum = 0, area = 0;
+double Ring::energy_of_air(const RingShape& shape) const {
+  double sum = -tyre_.pressure * tyre_.width * shape.area;
+  if (!(tyre_.bulge > 0)) return sum;
   for (int k = 0; k < nodes(); ++k) {
-    const long i = 3L * k, a = 3L * next(k);
-    area += (u[i] * u[a + 1] - u[a] * u[i + 1]) / 2;
-    if (tyre_.bulge > 0) {
-      const double ax = shape.from_hub[k][0] - tyre_.rim_radius * shape.unit[k][0],
-                   ay = shape.from_hub[k][1] - tyre_.rim_radius * shape.unit[k][1];
-      sum += 2 * share_ * membrane_.at(std::hypot(ax, ay)).energy;
-    }
+    const double ax = shape.from_hub[k][0] - tyre_.rim_radius * shape.unit[k][0],
+                 ay = shape.from_hub[k][1] - tyre_.rim_radius * shape.unit[k][1];
+    sum += 2 * share_ * membrane_.at(std::hypot(ax, ay)).energy;
   }
-  return sum - tyre_.pressure * tyre_.width * area;
+  return sum;
 }
 
 std::array<double, 2> Ring::mass() const {
@@ -156,10 +157,16 @@ std::array<double, 2> Ring::mass() const {
   return {m, m * (chord_ * chord_ + 4 * tyre_.tread * tyre_.tread) / 12};
 }
 
+/// Normal of the tread at a node, out of the tyre.
+std::array<double, 2> Ring::outward(const Vector& u, int k) const {
+  const double c = std::cos(u[3L * k + 2]), s = std::sin(u[3L * k + 2]);
+  return {unit_[k][0] * c - unit_[k][1] * s, unit_[k][1] * c + unit_[k][0] * s};
+}
+
 /// Place of the tread's surface at a node [m].
 Vec3d Ring::surface(const Vector& u, int k) const {
-  const double a = angle_of(k) + u[3L * k + 2];
-  return {u[3L * k] + tyre_.tread * std::cos(a), u[3L * k + 1] + tyre_.tread * std::sin(a), 0};
+  const auto [c, s] = outward(u, k);
+  return {u[3L * k] + tyre_.tread * c, u[3L * k + 1] + tyre_.tread * s, 0};
 }
 
 double Ring::gap(const Vector& u, int k, const std::vector<RigidShape>& ground, double time) const {
@@ -172,9 +179,8 @@ double Ring::contact_of(int k, const RigidShape& shape, const Vector& u, const T
                         Triplets* tangent, ContactPoint& point) const {
   using D = Dual<3>;
   const int i = 3 * k;
-  const double a = angle_of(k) + u[i + 2], c = std::cos(a), s = std::sin(a), h = tyre_.tread;
-  const Vec3d by = shape.displacement(at.time);
-  const Vec3d plain = surface(u, k);
+  const double h = tyre_.tread;
+  const Vec3d by = shape.displacement(at.time), plain = surface(u, k);
   double gap = gap_above(shape, by, plain).gap, deeper = 0;
   if (!at.pressing.empty() && at.pressing[k] > 0) {
     deeper = at.pressing[k] + gap;
@@ -187,6 +193,7 @@ double Ring::contact_of(int k, const RigidShape& shape, const Vector& u, const T
     point.place = plain;
   }
   if (!(gap < 0)) return 0;
+  const auto [c, s] = outward(u, k);
   D nx(c), ny(s), px(u[i]), py(u[i + 1]), vx(at.v[i]), vy(at.v[i + 1]), spin(at.v[i + 2]);
   (at.by_velocity ? vx : px).slope[0] = 1;
   (at.by_velocity ? vy : py).slope[1] = 1;

@@ -22,6 +22,7 @@ struct RingShape {
   std::vector<std::array<double, 2>> unit;      // of the rim's radius to each node
   std::vector<std::array<double, 2>> from_hub;  // [nodes] [m]
   std::vector<double> strain;                   // [kStrains nodes]
+  double area = 0;                              // inside the belt [m^2]
 };
 
 /// Degrees of freedom of node k: x, y [m] and turn [rad] at 3 k. Node k lies at the angle 2 pi k / nodes of the rim.
@@ -41,7 +42,7 @@ class Ring {
   /// Adds minus the derivative of these forces by u; `stiffening`: factor of the springs of belt and rubber.
   void add_tangent(const Vector& u, const Rim& rim, double stiffening, Triplets& tangent) const;
   /// Of the air, minus the pressure times the volume [J].
-  double energy_of_air(const Vector& u, const RingShape& shape) const;
+  double energy_of_air(const RingShape& shape) const;
   /// Twice the energy of the springs of belt and rubber at some strains [J].
   double square_of(const double* strain) const;
   /// Mass and moment of inertia of a node: a share of the belt as a block twice as thick as the tread [kg], [kg m^2].
@@ -68,10 +69,12 @@ class Ring {
   int next(int k) const { return k + 1 < tyre_.nodes ? k + 1 : 0; }
   int last(int k) const { return k > 0 ? k - 1 : tyre_.nodes - 1; }
   double angle_of(int k) const;
+  std::array<double, 2> outward(const Vector& u, int k) const;
 
   Tyre tyre_;
   double share_, chord_;
   std::vector<BeamShape> beam_;
+  std::vector<std::array<double, 2>> unit_;  // of each node from the hub, unloaded
   Membrane membrane_;
 };
 

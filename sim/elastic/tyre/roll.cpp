@@ -33,6 +33,10 @@ struct RollingTyre::Parts {
   struct Power {
     double work = 0, friction = 0, damping = 0;  // [W]
   } power{};
+  struct Motion {
+    Vector before{}, after{};            // velocities half a step before and after the last places
+    double vy_before = 0, vy_after = 0;  // of the hub [m/s]
+  } last{};
   RollEnergy energy{};
   bool started = false;
 
@@ -42,7 +46,7 @@ struct RollingTyre::Parts {
   void find_forces(double h);
   Vector change(double h);
   void step(double h);
-  double potential() const;
+  double stored() const;
 };
 
 void RollingTyre::Parts::set_mass() {
@@ -115,8 +119,9 @@ void RollingTyre::Parts::find_forces(double h) {
   force += contact;
 }
 
-double RollingTyre::Parts::potential() const {
-  double sum = ring.energy_of_air(u, shape) + contact_energy;
+double RollingTyre::Parts::stored() const {
+  double sum = ring.energy_of_air(shape) + contact_energy + last.before.dot(mass.cwiseProduct(last.after)) / 2;
+  if (hub.load > 0) sum += hub.mass * last.vy_before * last.vy_after / 2;
   for (std::size_t first = 0; first < shape.strain.size(); first += kStrains) {
     double squares = ring.square_of(&shape.strain[first]);
     for (const std::vector<double>& d : stretched) squares += rubber.branch * ring.square_of(&d[first]);
@@ -144,8 +149,8 @@ Vector RollingTyre::Parts::change(double h) {
   return dv;
 }
 
-/// Velocities lag places by half a step before it and lead them after it. What is stored at a place takes the product of
-/// both as the square of the velocity, which linear motion keeps; powers take their mean.
+/// Velocities lag places by half a step before it and lead them after it. What is stored at a place takes the product
+/// of both as the square of the velocity, which linear motion keeps; powers take their mean.
 void RollingTyre::Parts::step(double h) {
   find_forces(started ? h : 0);
   const Vector earlier = v;
@@ -157,16 +162,14 @@ void RollingTyre::Parts::step(double h) {
   const Power now{.work = outside.dot(mean) - rim_load.x * rim.vx - rim_load.moment * rim.spin - hub.load * vy,
                   .friction = -friction.dot(mean),
                   .damping = hub.load > 0 ? hub.damping * earlier_vy * vy : 0};
-  const double stored = potential() + v.dot(mass.cwiseProduct(earlier)) / 2 +
-                        (hub.load > 0 ? hub.mass * rim.vy * earlier_vy / 2 : 0);
+  last = {earlier, v, earlier_vy, rim.vy};
   if (started) {
     energy.work += h * (now.work + power.work) / 2;
     energy.friction += h * (now.friction + power.friction) / 2;
     energy.damping += h * (now.damping + power.damping) / 2;
   } else {
-    start_energy = stored;
+    start_energy = stored();
   }
-  energy.stored = stored - start_energy;
   power = now;
   started = true;
   u += h * v;
@@ -242,7 +245,11 @@ Vec3d RollingTyre::ground_force() const {
   return sum;
 }
 
-RollEnergy RollingTyre::energy() const { return parts_->energy; }
+RollEnergy RollingTyre::energy() const {
+  RollEnergy e = parts_->energy;
+  if (parts_->started) e.stored = parts_->stored() - parts_->start_energy;
+  return e;
+}
 
 Vec3d RollingTyre::node(int k) const { return {parts_->u[3L * k], parts_->u[3L * k + 1], 0}; }
 Vec3d RollingTyre::velocity(int k) const { return {parts_->v[3L * k], parts_->v[3L * k + 1], 0}; }

@@ -10,13 +10,13 @@ constexpr double kLeastAngle = 0.2, kMostAngle = 3;  // half the angle of the ar
 
 /// t with sin t / t = ratio, by Newton's method, which converges on (0, pi) from either side.
 double angle_of(double ratio) {
-  double t = std::sqrt(6 * std::max(1 - ratio, 0.0));
-  t = std::clamp(t, kLeastAngle, 2.9);
+  const double x = std::max(1 - ratio, 0.0);  // t^2 = 6 x + 9/5 x^2 + ..., from the series of the sine
+  double t = std::clamp(std::sqrt(x * (6 + 1.8 * x)), kLeastAngle, 2.9);
   for (int k = 0; k < 20; ++k) {
     const double s = std::sin(t), c = std::cos(t);
     const double step = (s - ratio * t) / (c - ratio);
     t = std::clamp(t - step, kLeastAngle / 2, 3.1);
-    if (std::fabs(step) < 1e-13) break;
+    if (std::fabs(step) < 1e-8) break;  // the next one would be its square
   }
   return t;
 }

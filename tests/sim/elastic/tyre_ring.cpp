@@ -62,7 +62,7 @@ Found found_at(const Ring& ring, const Vector& u, const Rim& rim) {
   ring.measure(u, rim, shape);
   f.force = Vector::Zero(ring.dofs());
   f.rim = ring.add_forces(u, shape, shape.strain, f.force);
-  f.energy = ring.energy_of_air(u, shape);
+  f.energy = ring.energy_of_air(shape);
   for (std::size_t i = 0; i < shape.strain.size(); i += kStrains) f.energy += ring.square_of(&shape.strain[i]) / 2;
   return f;
 }
@@ -136,7 +136,8 @@ TEST_CASE("The ring's tangents are the slopes of its forces") {
     v[i] = 0.1 * any(draw);
     way[i] = any(draw);
   }
-  const std::vector<RigidShape> ground{RigidShape{}, {.kind = RigidKind::ball, .point = {0.1, -0.2, 0}, .radius = 0.25}};
+  const std::vector<RigidShape> ground{RigidShape{},
+                                       {.kind = RigidKind::ball, .point = {0.1, -0.2, 0}, .radius = 0.25}};
   const auto forces = [&](const Vector& at, const Vector& speed, bool by_velocity, Triplets* tangent) {
     Found f = found_at(ring, at, rim);
     if (by_velocity) f.force.setZero();
@@ -179,7 +180,8 @@ TEST_CASE("A free ring bends in its plane at n^2 (n^2 - 1)^2 / (n^2 + 1) EI / (r
   Tyre t = bare_ring(180);  // Love 1927, section 293
   t.belt_mass = 7;
   const std::vector<double> f = frequencies(t);
-  const double line_mass = t.belt_mass / (2 * std::numbers::pi * 0.3), scale = t.bending / (line_mass * std::pow(0.3, 4));
+  const double line_mass = t.belt_mass / (2 * std::numbers::pi * 0.3),
+               scale = t.bending / (line_mass * std::pow(0.3, 4));
   for (int n = 2; n <= 5; ++n) {
     const double square = n * n * std::pow(n * n - 1, 2) / (n * n + 1) * scale;
     const double expected = std::sqrt(square) / (2 * std::numbers::pi);
@@ -219,10 +221,8 @@ TEST_CASE("The belt as a rigid ring has the sidewalls' stiffness in closed form"
   const SidewallStiffness k = sidewall_stiffness(t);
   const double big = t.belt_radius(), c = big - t.rim_radius;
   const Pull pull = Membrane(c, t.bulge, t.pressure).at(c);
-  const double shift =
-      std::numbers::pi * big * (t.radial + t.tangential + 2 * pull.stiffness + 2 * pull.force / c);
-  const double turn =
-      2 * std::numbers::pi * big * (t.tangential * big * big + 2 * pull.force * t.rim_radius * big / c);
+  const double shift = std::numbers::pi * big * (t.radial + t.tangential + 2 * pull.stiffness + 2 * pull.force / c);
+  const double turn = 2 * std::numbers::pi * big * (t.tangential * big * big + 2 * pull.force * t.rim_radius * big / c);
   CHECK(k.shift == Approx(shift).epsilon(1e-3));
   CHECK(k.turn == Approx(turn).epsilon(1e-3));
 }
@@ -237,9 +237,15 @@ TEST_CASE("A balloon between two plates carries p b times the length that touche
   t.radial = t.tangential = 2;
   t.law = penalty_law(1e10, 0, 1e-3);
   double close = 0;
-  std::vector<RigidShape> plates{
-      {.point = {0, -0.301, 0}, .axis = {0, 1, 0}, .displacement = [&](double) { return Vec3d{0, close, 0}; }},
-      {.point = {0, 0.301, 0}, .axis = {0, -1, 0}, .displacement = [&](double) { return Vec3d{0, -close, 0}; }}};
+  std::vector<RigidShape> plates{{.point = {0, -0.301, 0},
+                                  .axis = {0, 1, 0},
+                                  .displacement =
+                                      [&](double) {
+                                        return Vec3d{0, close, 0};
+                                      }},
+                                 {.point = {0, 0.301, 0}, .axis = {0, -1, 0}, .displacement = [&](double) {
+                                    return Vec3d{0, -close, 0};
+                                  }}};
   PressedTyre ring(t, 0, plates);
   while (close < 0.0405) {
     close += 5e-4;

@@ -163,12 +163,16 @@ TEST_CASE("Steps above the critical one are refused, and lead nowhere") {
   CHECK(input_error([&] { tyre.advance(1.01 * critical, 1); }).find("tyre: the step is ") == 0);
   tyre.advance(0.98 * critical, 20000);
   CHECK(std::fabs(tyre.energy().balance()) < 1);
-  CHECK(input_error([] { rolling([] { Tyre t = car_tyre(0); t.belt_mass = 0; return t; }()); }) ==
-        "tyre: the mass of the belt is 0 kg; to roll it must be above 0");
+  CHECK(input_error([] {
+          rolling([] {
+            Tyre t = car_tyre(0);
+            t.belt_mass = 0;
+            return t;
+          }());
+        }) == "tyre: the mass of the belt is 0 kg; to roll it must be above 0");
   CHECK(input_error([] { RollingTyre(car_tyre(0), {.load = 100}); }) ==
         "tyre: the mass that the hub carries is 0 kg; with a load it must be above 0");
   Tyre rough = car_tyre(0.1);
   rough.law.m_n = 2;
-  CHECK(input_error([&] { rolling(rough); }) ==
-        "tyre: the tread's exponent m_n is 2; with a loss factor it must be 1");
+  CHECK(input_error([&] { rolling(rough); }) == "tyre: the tread's exponent m_n is 2; with a loss factor it must be 1");
 }
