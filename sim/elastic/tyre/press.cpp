@@ -51,7 +51,7 @@ Balance PressedTyre::Parts::balance(const Vector& x, const Rim& at, Triplets* ta
   const Tyre& t = ring.tyre();
   const double air = t.pressure * t.width * ring.share() * std::sqrt(double(t.nodes));
   b.scale = std::max({air, contact.norm(), pull.norm(), 1e-12 * t.stretching});
-  b.round_off = 4e-16 * t.stretching / ring.share() * x.norm();
+  b.round_off = 4e-15 * t.stretching / ring.share() * x.norm();
   b.force += contact + pull;
   return b;
 }

@@ -59,7 +59,8 @@ void RollingTyre::Parts::set_mass() {
 void RollingTyre::Parts::start(double height) {
   const Tyre& t = ring.tyre();
   PressedTyre pressed(t, std::max(height, 1.05 * t.radius), ground);
-  const bool found = hub.load > 0 ? pressed.carry(hub.load) : pressed.move_rim({.y = height});
+  const bool stands = hub.load > 0 && !ground.empty();
+  const bool found = stands ? pressed.carry(hub.load) : pressed.move_rim({.y = height});
   if (!found) throw InputError("tyre: no balance at the start: " + pressed.reason());
   rim = pressed.rim();
   u = ring.unloaded(rim);

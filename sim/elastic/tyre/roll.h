@@ -30,7 +30,7 @@ struct RollEnergy {
 
 class RollingTyre {
  public:
-  /// Starts from the balance under the load, or at the height `height`, in steady motion. Throws InputError as
+  /// Starts from the balance under the load, or without load or ground at the height `height`, in steady motion. Throws InputError as
   /// check_tyre does, for a belt without mass, a load without mass, and where no balance is found.
   RollingTyre(const Tyre& tyre, const Hub& hub, double height = 0, std::vector<RigidShape> ground = {RigidShape{}});
   ~RollingTyre();

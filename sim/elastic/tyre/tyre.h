@@ -10,7 +10,7 @@
 namespace gonogo::sim::elastic {
 
 struct Tyre {
-  double radius = 0;                  // of the tread's surface, inflated and unloaded [m]
+  double radius = 0;                  // of the tread's surface before the air widens the belt [m]
   double tread = 0;                   // from the middle of the belt to the tread's surface [m]
   double rim_radius = 0;              // where the sidewalls begin [m]
   double width = 0;                   // of rim, belt and contact [m]

@@ -33,9 +33,10 @@ double length_ratio(const el::Tyre& t) {
 }  // namespace
 
 Patch pressed(const el::Tyre& tyre, double load) {
-  el::PressedTyre p(tyre, 1.02 * tyre.radius);
+  el::PressedTyre p(tyre, 1.05 * tyre.radius);
+  const double unloaded = p.node(0).x + tyre.tread;  // the air widens the belt
   if (!p.carry(load)) throw DeviceError("tyre: no balance under the load: " + p.reason());
-  return {tyre.radius - p.rim().y, p.contact_length()};
+  return {unloaded - p.rim().y, p.contact_length()};
 }
 
 /// Secants on logarithms: the contact is about the shorter the stiffer the belt.
