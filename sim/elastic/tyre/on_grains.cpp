@@ -19,7 +19,8 @@ TyreOnGrains::TyreOnGrains(const Tyre& tyre, const Hub& hub, GrainGround ground)
       y_(ground.y),
       step_(double(ground.settings.step)) {
   if (ground.settings.solver != Solver::spring_damper && ground.settings.solver != Solver::hertz)
-    throw InputError("tyre on grains: the contact must be spring_damper or hertz, whose steps are explicit as the ring's");
+    throw InputError(
+        "tyre on grains: the contact must be spring_damper or hertz, whose steps are explicit as the ring's");
   substeps_ = long(std::ceil(step_ / (0.9 * tyre_.critical_step())));
   const double half = (length(tyre_.node(1) - tyre_.node(0))) / 2;
   for (int k = 0; k < tyre.nodes; ++k) {
@@ -111,8 +112,7 @@ TreadLoad TyreOnGrains::advance(long count) {
 
 double TyreOnGrains::lowest() const {
   double least = 1e300;
-  for (int k = 0; k < shape_.nodes; ++k)
-    least = std::min(least, tyre_.node(k).y + shape_.tread * tyre_.normal(k).y);
+  for (int k = 0; k < shape_.nodes; ++k) least = std::min(least, tyre_.node(k).y + shape_.tread * tyre_.normal(k).y);
   return least;
 }
 

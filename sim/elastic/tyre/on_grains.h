@@ -1,7 +1,7 @@
-// A rolling tyre on the grains of the engine. Every beam of the belt carries a box of tread, which the engine moves as it
-// is told. In each step of the engine the boxes go where the ring is, and the forces of their contacts act on the ring
-// in its own, shorter steps until the next one.
-// The ring's plane is x and z of the world, with z up; the tyre's width lies along y.
+// A rolling tyre on the grains of the engine. Every beam of the belt carries a box of tread, which the engine moves as
+// it is told. In each step of the engine the boxes go where the ring is, and the forces of their contacts act on the
+// ring in its own, shorter steps until the next one. The ring's plane is x and z of the world, with z up; the tyre's
+// width lies along y.
 #pragma once
 #include <memory>
 
@@ -21,8 +21,8 @@ struct GrainGround {
 
 /// Forces on the tread by place, mean over the steps of one advance().
 struct TreadLoad {
-  double forward = 0, upward = 0;         // [N]
-  std::vector<double> x{}, force{};       // contacts of the last step: place before the hub [m], upward force [N]
+  double forward = 0, upward = 0;    // [N]
+  std::vector<double> x{}, force{};  // contacts of the last step: place before the hub [m], upward force [N]
 };
 
 class TyreOnGrains {

@@ -30,8 +30,8 @@ struct RollEnergy {
 
 class RollingTyre {
  public:
-  /// Starts from the balance under the load, or without load or ground at the height `height`, in steady motion. Throws InputError as
-  /// check_tyre does, for a belt without mass, a load without mass, and where no balance is found.
+  /// Starts from the balance under the load, or without load or ground at the height `height`, in steady motion. Throws
+  /// InputError as check_tyre does, for a belt without mass, a load without mass, and where no balance is found.
   RollingTyre(const Tyre& tyre, const Hub& hub, double height = 0, std::vector<RigidShape> ground = {RigidShape{}});
   ~RollingTyre();
   RollingTyre(RollingTyre&&) noexcept;

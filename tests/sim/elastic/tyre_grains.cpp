@@ -44,7 +44,8 @@ GrainGround two_layers() {
   for (int layer = 0; layer < 2; ++layer)
     for (int i = 0; i < 20; ++i)
       for (int k = 0; k < 4; ++k)
-        w.add_sphere({(2 * i + 1 - layer) * kGrain, (2 * k + 1 - layer) * kGrain, kGrain + layer * up}, Real(kGrain), 2600, 0);
+        w.add_sphere({(2 * i + 1 - layer) * kGrain, (2 * k + 1 - layer) * kGrain, kGrain + layer * up}, Real(kGrain),
+                     2600, 0);
   g.settings.solver = Solver::spring_damper;
   g.settings.penalty = law_of_overlap(0.02, 1, kGrain, 2600, 0.3);
   g.settings.envelope = Real(1e-3);
@@ -73,7 +74,7 @@ TEST_CASE("A tyre at rest on grains is borne by them, and so is the ground by th
   CHECK(last == Approx(kLoad).epsilon(0.02));
   const double weight = 160 * 4.0 / 3 * kPi * std::pow(kGrain, 3) * 2600 * 9.81;
   CHECK(both.grains().contact_force(0, 0).z == Approx(-kLoad - weight).epsilon(0.02));  // on the plane
-  CHECK(both.tyre().rim().y < 0.2 + 0.07);  // the tyre gave way
+  CHECK(both.tyre().rim().y < 0.2 + 0.07);                                              // the tyre gave way
   CHECK(both.tyre().rim().y - both.lowest() < 0.2 - 5e-3);
 }
 

@@ -25,6 +25,7 @@ ElasticFigure elastic_roller();        // benchmark: steel roller on an aluminiu
 ElasticFigure elastic_tyre_load();     // measured car tyre: deflection over load and pressure
 ElasticFigure elastic_tyre_patch();    // contact length over load
 ElasticFigure elastic_tyre_rolling();  // rolling resistance over load and pressure
+ElasticFigure elastic_tyre_grains();   // on a settled bed, beside the compliant tyre and a rigid wheel
 
 /// Names in the order above, without "elastic_".
 std::vector<std::string> elastic_figures();

@@ -1,7 +1,7 @@
-// A ring that stands for the measured tyre. Sizes, pressure and mass are the tyre's. Three numbers are fitted, each to one
-// measured number at the nominal load and pressure: the belt's bending stiffness to the contact length, the tangential
-// springs of the sidewalls to the stiffness of the belt against turning on the rim, the loss factor to the rolling
-// resistance.
+// A ring that stands for the measured tyre. Sizes, pressure and mass are the tyre's. Three numbers are fitted, each to
+// one measured number at the nominal load and pressure: the belt's bending stiffness to the contact length, the
+// tangential springs of the sidewalls to the stiffness of the belt against turning on the rim, the loss factor to the
+// rolling resistance.
 #pragma once
 #include "sim/elastic/tyre/tyre.h"
 
@@ -17,8 +17,8 @@ struct Patch {
 Patch pressed(const sim::elastic::Tyre& tyre, double load);
 
 struct Rolling {
-  double moment = 0;   // about the hub [N m]
-  double balance = 0;  // what the hub works less what is lost, over what it works, since the start [-]
+  double moment = 0;            // about the hub [N m]
+  double balance = 0;           // what the hub works less what is lost, over what it works, since the start [-]
   double worked = 0, lost = 0;  // per metre, of the turns that count [N]
 };
 /// Without friction, at the tyre's loss factor, a pressure and a load, at the measured tyre's speed.
