@@ -182,11 +182,10 @@ double Ring::contact_of(int k, const RigidShape& shape, const Vector& u, const T
   const double h = tyre_.tread;
   const Vec3d by = shape.displacement(at.time), plain = surface(u, k);
   double gap = gap_above(shape, by, plain).gap, deeper = 0;
-  if (!at.pressing.empty() && at.pressing[k] > 0) {
-    deeper = at.pressing[k] + gap;
-    gap = -at.pressing[k];
-  } else if (!at.pressing.empty()) {
-    gap = std::max(gap, 0.0);
+  if (at.pressing != nullptr) {
+    const double pressing = (*at.pressing)[k];
+    if (pressing > 0) deeper = pressing + gap;
+    gap = pressing > 0 ? -pressing : std::max(gap, 0.0);
   }
   if (gap < point.gap) {
     point.gap = gap;
@@ -232,7 +231,12 @@ double Ring::add_contact(const Vector& u, const Touching& at, Vector& force, Tri
   double energy = 0;
   for (int k = 0; k < nodes(); ++k) {
     points[k].gap = std::numeric_limits<double>::infinity();
-    for (const RigidShape& shape : at.ground) energy += contact_of(k, shape, u, at, force, tangent, points[k]);
+    const double least = at.pressing != nullptr ? gap(u, k, at.ground, at.time) : 0;
+    for (const RigidShape& shape : at.ground) {
+      const bool counts = at.pressing == nullptr ||
+                          gap_above(shape, shape.displacement(at.time), surface(u, k)).gap <= least;  // the nearest
+      if (counts) energy += contact_of(k, shape, u, at, force, tangent, points[k]);
+    }
   }
   return energy;
 }

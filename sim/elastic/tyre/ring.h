@@ -55,8 +55,8 @@ class Ring {
     const Vector& v;           // [dofs]
     double time = 0;           // of the ground's displacements [s]
     bool by_velocity = false;  // slopes by v, not by u
-    /// Compression of the tread that presses, one per node, in place of the overlap; empty: the overlap [m].
-    const std::vector<double>& pressing = {};
+    /// Compression of the tread that presses, one per node, in place of the overlap; null: the overlap [m].
+    const std::vector<double>* pressing = nullptr;
   };
   double gap(const Vector& u, int k, const std::vector<RigidShape>& ground, double time) const;  // of node k [m]
   double add_contact(const Vector& u, const Touching& at, Vector& force, Triplets* tangent,

@@ -113,9 +113,12 @@ void RollingTyre::Parts::find_forces(double h) {
   damping.clear();
   for (std::size_t k = 0; k < gap.size(); ++k) gap[k] = ring.gap(u, int(k), ground, time);
   if (!gap.empty()) energy.loss += tread.follow(gap, h);
-  contact_energy =
-      ring.add_contact(u, {.ground = ground, .v = v, .time = time, .by_velocity = true, .pressing = tread.pressing()},
-                       contact, ring.tyre().law.c_t > 0 ? &damping : nullptr, points);
+  const Ring::Touching touching{.ground = ground,
+                                .v = v,
+                                .time = time,
+                                .by_velocity = true,
+                                .pressing = gap.empty() ? nullptr : &tread.pressing()};
+  contact_energy = ring.add_contact(u, touching, contact, ring.tyre().law.c_t > 0 ? &damping : nullptr, points);
   if (!gap.empty()) contact_energy = tread.energy();
   force += contact;
 }
@@ -136,10 +139,11 @@ double RollingTyre::Parts::stored() const {
 Vector RollingTyre::Parts::change(double h) {
   Vector dv = h * force.cwiseQuotient(mass);
   friction = Vector::Zero(ring.dofs());
-  for (std::size_t first = 0; first < damping.size(); first += 9) {
-    const long i = damping[first].row(), k = i / 3;
+  for (std::size_t j = 0; j < damping.size();) {
+    const long i = damping[j].row(), k = i / 3;
     Eigen::Matrix3d c = Eigen::Matrix3d::Zero();
-    for (std::size_t j = first; j < first + 9; ++j) c(damping[j].row() - i, damping[j].col() - i) += damping[j].value();
+    for (; j < damping.size() && damping[j].row() / 3 == k; ++j)
+      c(damping[j].row() - i, damping[j].col() - i) += damping[j].value();
     const Eigen::Vector3d m = mass.segment<3>(i);
     const Eigen::Matrix3d a = Eigen::Matrix3d(m.asDiagonal()) + h * c;
     dv.segment<3>(i) = a.partialPivLu().solve(h * force.segment<3>(i));

@@ -19,20 +19,20 @@ namespace {
 
 namespace measured = measured_tyre;
 
-constexpr double kLoad = measured::kLoad / 2;  // [N]
-constexpr double kGrain = 0.03, kStart = 0.25;                    // diameter; of the hub at the start [m]
-constexpr double kSettle = 0.3, kRoll = 0.5, kCount = 0.25;        // at rest; rolling; of which count [s]
-constexpr double kSlow = 1;                                        // [m/s]
-constexpr double kFriction = 0.8, kRolling = 0.2;                  // of grains [-]
+constexpr double kLoad = measured::kLoad / 2;                // [N]
+constexpr double kGrain = 0.03, kStart = 0.25;               // diameter; of the hub at the start [m]
+constexpr double kSettle = 0.3, kRoll = 0.5, kCount = 0.25;  // at rest; rolling; of which count [s]
+constexpr double kSlow = 1;                                  // [m/s]
+constexpr double kFriction = 0.8, kRolling = 0.2;            // of grains [-]
 
 /// One wheel on the bed.
 struct OnBed {
   std::string name;
-  double sinkage = 0;                     // drop of the hub since touch, at rest [m]
-  double rolling = 0;                     // the same, rolling [m]
-  double pull = 0, load = 0;              // rolling, means [N]
-  double length = 0;                      // of the ground that bears nine tenths of the load, at rest [m]
-  std::vector<double> x{}, force{};       // contacts at rest: place before the hub [m], upward force [N]
+  double sinkage = 0;                // drop of the hub since touch, at rest [m]
+  double rolling = 0;                // the same, rolling [m]
+  double pull = 0, load = 0;         // rolling, means [N]
+  double length = 0;                 // of the ground that bears nine tenths of the load, at rest [m]
+  std::vector<double> x{}, force{};  // contacts at rest: place before the hub [m], upward force [N]
 };
 
 struct Bed {
@@ -42,8 +42,8 @@ struct Bed {
 };
 
 Bed settled_bed(const sim::PairLaw& tool) {
-  static const terrain::Packing packing = terrain::settle_packing(
-      {.length = 0.9, .width = 0.15, .depth = 0.11, .grain_diameter = kGrain, .seed = 3}, 1);
+  static const terrain::Packing packing =
+      terrain::settle_packing({.length = 0.9, .width = 0.15, .depth = 0.11, .grain_diameter = kGrain, .seed = 3}, 1);
   const sim::PairLaw grain{.friction = Real(kFriction), .rolling_friction = Real(kRolling)};
   Bed bed{terrain::bed_world(packing, {grain, tool}, 1), {}, terrain::highest_point(packing)};
   bed.settings = terrain::bed_step_settings(kGrain, 1e-3, 1);
@@ -74,8 +74,7 @@ OnBed ring_on_bed() {
   el::Tyre tyre = fitted_tyre(240);
   tyre.nodes = 96;
   const double height = bed.top + tyre.radius + 2e-3, step = double(bed.settings.step);
-  el::TyreOnGrains both(tyre,
-                        {.load = kLoad, .mass = kLoad / kGravity, .damping = 1500},
+  el::TyreOnGrains both(tyre, {.load = kLoad, .mass = kLoad / kGravity, .damping = 1500},
                         {.world = bed.world,
                          .settings = bed.settings,
                          .material = terrain::tool_material,
@@ -103,9 +102,8 @@ OnBed ring_on_bed() {
 
 /// The wheel of the engine, on springs where `spring` has stiffness.
 OnBed wheel_on_bed(const std::string& name, const vehicle::ContactSpring& spring, double width) {
-  Bed bed = settled_bed({.friction = Real(kFriction),
-                         .stiffness = Real(spring.stiffness),
-                         .damping = Real(spring.damping)});
+  Bed bed =
+      settled_bed({.friction = Real(kFriction), .stiffness = Real(spring.stiffness), .damping = Real(spring.damping)});
   sim::BodyMass mass = sim::fixed_body();
   mass.inverse_mass.z = Real(kGravity / kLoad);
   sim::Shape s;
@@ -179,11 +177,14 @@ ElasticFigure elastic_tyre_grains() {
   }
   const OnBed &ring = wheels[0], &compliant = wheels[1], &rigid = wheels[2];
   figure.check = {
-      {"grains_load_ratio", "Tyre on grains: force of the grains over the load, rolling", 0.95, 1.05, ring.load / kLoad},
+      {"grains_load_ratio", "Tyre on grains: force of the grains over the load, rolling", 0.95, 1.05,
+       ring.load / kLoad},
       {"grains_ring_resistance", "Tyre on grains: towing force over load at no slip", 0, 0.3, -ring.pull / ring.load},
-      {"grains_compliant_resistance", "Compliant tyre on grains: towing force over load", 0, 0.4, -compliant.pull / compliant.load},
+      {"grains_compliant_resistance", "Compliant tyre on grains: towing force over load", 0, 0.4,
+       -compliant.pull / compliant.load},
       {"grains_rigid_resistance", "Rigid wheel on grains: towing force over load", 0, 0.5, -rigid.pull / rigid.load},
-      {"grains_length_ratio", "Bearing length of the compliant tyre over the ring's, at rest", 0.7, 2.5, compliant.length / ring.length}};
+      {"grains_length_ratio", "Bearing length of the compliant tyre over the ring's, at rest", 0.7, 2.5,
+       compliant.length / ring.length}};
   figure.plot = plot_of("Wheels at rest on 30 mm grains under 2 kN", "place before the hub [mm]",
                         "load per length [N/mm]", figure.plot.lines);
   return figure;
