@@ -23,6 +23,7 @@ constexpr double kLoad = measured::kLoad / 2;                // [N]
 constexpr double kGrain = 0.03, kStart = 0.25;               // diameter; of the hub at the start [m]
 constexpr double kSettle = 0.3, kRoll = 0.5, kCount = 0.25;  // at rest; rolling; of which count [s]
 constexpr double kSlow = 1;                                  // [m/s]
+constexpr double kLoss = 0.16;                               // as elastic_tyre_rolling() fits it [-]
 constexpr double kFriction = 0.8, kRolling = 0.2;            // of grains [-]
 
 /// One wheel on the bed.
@@ -31,8 +32,13 @@ struct OnBed {
   double sinkage = 0;                // drop of the hub since touch, at rest [m]
   double rolling = 0;                // the same, rolling [m]
   double pull = 0, load = 0;         // rolling, means [N]
-  double length = 0;                 // of the ground that bears nine tenths of the load, at rest [m]
-  std::vector<double> x{}, force{};  // contacts at rest: place before the hub [m], upward force [N]
+  double length = 0;                 // of the ground that bears nine tenths of the load, rolling [m]
+  std::vector<double> x{}, force{};  // contacts, rolling: place before the hub [m], upward force [N]
+
+  void add(double place, double upward) {
+    x.push_back(place);
+    force.push_back(upward);
+  }
 };
 
 struct Bed {
@@ -73,6 +79,7 @@ OnBed ring_on_bed() {
   Bed bed = settled_bed({.friction = Real(kFriction)});
   el::Tyre tyre = fitted_tyre(240);
   tyre.nodes = 96;
+  tyre.loss = kLoss;
   const double height = bed.top + tyre.radius + 2e-3, step = double(bed.settings.step);
   el::TyreOnGrains both(tyre, {.load = kLoad, .mass = kLoad / kGravity, .damping = 1500},
                         {.world = bed.world,
@@ -82,11 +89,8 @@ OnBed ring_on_bed() {
                          .y = 0.075,
                          .height = height});
   OnBed found{.name = "ring"};
-  const el::TreadLoad rest = both.advance(std::lround(kSettle / step));
+  both.advance(std::lround(kSettle / step));
   found.sinkage = bed.top + tyre.radius - both.tyre().rim().y;
-  found.x = rest.x;
-  found.force = rest.force;
-  found.length = bearing_length(rest.x, rest.force);
   both.tyre().set_motion(kSlow, -kSlow / measured::rolling_radius(kLoad));
   both.advance(std::lround((kRoll - kCount) / step));
   const long count = std::lround(kCount / step);
@@ -96,7 +100,9 @@ OnBed ring_on_bed() {
     found.pull += share * now.forward;
     found.load += share * now.upward;
     found.rolling += share * (bed.top + tyre.radius - both.tyre().rim().y);
+    for (std::size_t k = 0; k < now.x.size(); ++k) found.add(now.x[k], share * now.force[k]);
   }
+  found.length = bearing_length(found.x, found.force);
   return found;
 }
 
@@ -118,15 +124,6 @@ OnBed wheel_on_bed(const std::string& name, const vehicle::ContactSpring& spring
   const auto hub = [&] { return simulation->body(0, s.body); };
   simulation->advance(Index(std::lround(kSettle / step)));
   OnBed found{.name = name, .sinkage = bed.top + measured::kRadius - hub().position.z};
-  const auto contacts = simulation->contacts(0);
-  const auto impulses = simulation->impulses(0);
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const bool is_a = contacts[i].body_a == s.body, is_b = contacts[i].body_b == s.body;
-    if (!is_a && !is_b) continue;
-    found.x.push_back(double((is_a ? contacts[i].arm_a : contacts[i].arm_b).x));
-    found.force.push_back((is_a ? 1 : -1) * double(impulses[i].linear.z) / step);
-  }
-  found.length = bearing_length(found.x, found.force);
   sim::BodyState state = hub();
   state.velocity.x = Real(kSlow);
   state.angular_velocity.y = Real(kSlow / measured::kRadius);
@@ -139,7 +136,16 @@ OnBed wheel_on_bed(const std::string& name, const vehicle::ContactSpring& spring
     found.pull += f.x / double(count);
     found.load += f.z / double(count);
     found.rolling += (bed.top + measured::kRadius - hub().position.z) / double(count);
+    const auto contacts = simulation->contacts(0);
+    const auto impulses = simulation->impulses(0);
+    for (std::size_t k = 0; k < contacts.size(); ++k) {
+      const bool is_a = contacts[k].body_a == s.body, is_b = contacts[k].body_b == s.body;
+      if (is_a || is_b)
+        found.add(double((is_a ? contacts[k].arm_a : contacts[k].arm_b).x),
+                  (is_a ? 1 : -1) * double(impulses[k].linear.z) / step / double(count));
+    }
   }
+  found.length = bearing_length(found.x, found.force);
   return found;
 }
 
@@ -183,9 +189,9 @@ ElasticFigure elastic_tyre_grains() {
       {"grains_compliant_resistance", "Compliant tyre on grains: towing force over load", 0, 0.4,
        -compliant.pull / compliant.load},
       {"grains_rigid_resistance", "Rigid wheel on grains: towing force over load", 0, 0.5, -rigid.pull / rigid.load},
-      {"grains_length_ratio", "Bearing length of the compliant tyre over the ring's, at rest", 0.7, 2.5,
+      {"grains_length_ratio", "Bearing length of the compliant tyre over the ring's", 0.7, 2.5,
        compliant.length / ring.length}};
-  figure.plot = plot_of("Wheels at rest on 30 mm grains under 2 kN", "place before the hub [mm]",
+  figure.plot = plot_of("Wheels rolling on 30 mm grains under 2 kN", "place before the hub [mm]",
                         "load per length [N/mm]", figure.plot.lines);
   return figure;
 }
