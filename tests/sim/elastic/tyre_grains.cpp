@@ -78,6 +78,33 @@ TEST_CASE("A tyre at rest on grains is borne by them, and so is the ground by th
   CHECK(both.tyre().rim().y - both.lowest() < 0.2 - 5e-3);
 }
 
+TEST_CASE("A ring that hardly gives way stands on grains as the engine's rigid wheel does") {
+  Tyre stiff = small_tyre();
+  stiff.radial = stiff.tangential = 2e7;
+  stiff.bending = 100;
+  stiff.loss = 0.3;
+  stiff.pressure = stiff.bulge = 0;
+  GrainGround g = two_layers();
+  SceneWorld w = g.world;
+  BodyMass mass = fixed_body();
+  mass.inverse_mass.z = Real(9.81 / kLoad);
+  Shape s;
+  s.type = ShapeType::wheel;
+  s.material = 1;
+  s.size = {Real(stiff.radius), Real(kWidth / 2), 0};
+  s.body = w.add_body({{g.x, g.y, g.height}, {}, {}, {}}, mass);
+  w.add_shape(s);
+  StepSettings settings = g.settings;
+  settings.step = Real(0.5 * critical_step(w, settings).step);
+  const auto wheel = make_simulation(Backend::cpu, {w}, settings, 1);
+  wheel->advance(Index(std::lround(0.6 / double(settings.step))));
+
+  TyreOnGrains both(stiff, {.load = kLoad, .mass = kLoad / 9.81, .damping = 4000}, g);
+  both.advance(std::lround(0.6 / double(g.settings.step)));
+  CHECK(both.tyre().rim().y == Approx(wheel->body(0, s.body).position.z).margin(1e-3));
+  CHECK(wheel->body(0, s.body).position.z < g.height - 1.2e-3);  // it did sink in
+}
+
 TEST_CASE("A driven tyre pulls on grains as much as they are dragged") {
   TyreOnGrains both(small_tyre(), {.load = kLoad, .mass = kLoad / 9.81, .damping = 2000}, two_layers());
   const long steps = std::lround(0.05 / double(both.grains().settings().step));
