@@ -62,7 +62,7 @@ GrainGround two_layers() {
 
 TEST_CASE("A tyre at rest on grains is borne by them, and so is the ground by the tyre") {
   TyreOnGrains both(small_tyre(), {.load = kLoad, .mass = kLoad / 9.81, .damping = 2000}, two_layers());
-  const long steps = std::lround(0.1 / double(both.grains().settings().step));
+  const long steps = std::lround(0.07 / double(both.grains().settings().step));
   both.advance(5 * steps);
   const TreadLoad load = both.advance(steps);
   CHECK(load.upward == Approx(kLoad).epsilon(0.01));
@@ -97,17 +97,17 @@ TEST_CASE("A ring that hardly gives way stands on grains as the engine's rigid w
   StepSettings settings = g.settings;
   settings.step = Real(0.5 * critical_step(w, settings).step);
   const auto wheel = make_simulation(Backend::cpu, {w}, settings, 1);
-  wheel->advance(Index(std::lround(0.6 / double(settings.step))));
+  wheel->advance(Index(std::lround(0.35 / double(settings.step))));
 
   TyreOnGrains both(stiff, {.load = kLoad, .mass = kLoad / 9.81, .damping = 4000}, g);
-  both.advance(std::lround(0.6 / double(g.settings.step)));
+  both.advance(std::lround(0.35 / double(g.settings.step)));
   CHECK(both.tyre().rim().y == Approx(wheel->body(0, s.body).position.z).margin(1e-3));
   CHECK(wheel->body(0, s.body).position.z < g.height - 1.2e-3);  // it did sink in
 }
 
 TEST_CASE("A driven tyre pulls on grains as much as they are dragged") {
   TyreOnGrains both(small_tyre(), {.load = kLoad, .mass = kLoad / 9.81, .damping = 2000}, two_layers());
-  const long steps = std::lround(0.05 / double(both.grains().settings().step));
+  const long steps = std::lround(0.04 / double(both.grains().settings().step));
   both.advance(6 * steps);
   both.tyre().set_motion(0, -1);
   const TreadLoad load = both.advance(2 * steps);
