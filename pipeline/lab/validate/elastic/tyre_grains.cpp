@@ -106,25 +106,41 @@ OnBed ring_on_bed() {
   return found;
 }
 
+/// Adds one moment of the rolling wheel.
+void sample(OnBed& found, sim::Simulation& simulation, sim::BodyIndex wheel, double touch, double share) {
+  const Vec3d f = simulation.contact_force(0, wheel);
+  found.pull += share * f.x;
+  found.load += share * f.z;
+  found.rolling += share * (touch - simulation.body(0, wheel).position.z);
+  const auto contacts = simulation.contacts(0);
+  const auto impulses = simulation.impulses(0);
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const bool is_a = contacts[k].body_a == wheel, is_b = contacts[k].body_b == wheel;
+    if (is_a || is_b)
+      found.add(double((is_a ? contacts[k].arm_a : contacts[k].arm_b).x),
+                share * (is_a ? 1 : -1) * double(impulses[k].linear.z) / simulation.settings().substep());
+  }
+}
+
 /// The wheel of the engine, on springs where `spring` has stiffness.
 OnBed wheel_on_bed(const std::string& name, const vehicle::ContactSpring& spring, double width) {
   Bed bed =
       settled_bed({.friction = Real(kFriction), .stiffness = Real(spring.stiffness), .damping = Real(spring.damping)});
   sim::BodyMass mass = sim::fixed_body();
   mass.inverse_mass.z = Real(kGravity / kLoad);
+  const double touch = bed.top + measured::kRadius;
   sim::Shape s;
   s.type = sim::ShapeType::wheel;
   s.material = terrain::tool_material;
   s.size = {Real(measured::kRadius), Real(width / 2), 0};
-  s.body = bed.world.add_body({{kStart, 0.075, bed.top + measured::kRadius + 2e-3}, {}, {}, {}}, mass);
+  s.body = bed.world.add_body({{kStart, 0.075, touch + 2e-3}, {}, {}, {}}, mass);
   bed.world.add_shape(s);
   bed.settings.step = Real(0.9 * sim::critical_step(bed.world, bed.settings).step);
   const double step = double(bed.settings.step);
   const auto simulation = sim::make_simulation(sim::Backend::cpu, {bed.world}, bed.settings, 1);
-  const auto hub = [&] { return simulation->body(0, s.body); };
   simulation->advance(Index(std::lround(kSettle / step)));
-  OnBed found{.name = name, .sinkage = bed.top + measured::kRadius - hub().position.z};
-  sim::BodyState state = hub();
+  sim::BodyState state = simulation->body(0, s.body);
+  OnBed found{.name = name, .sinkage = touch - state.position.z};
   state.velocity.x = Real(kSlow);
   state.angular_velocity.y = Real(kSlow / measured::kRadius);
   simulation->set_body(0, s.body, state);
@@ -132,18 +148,7 @@ OnBed wheel_on_bed(const std::string& name, const vehicle::ContactSpring& spring
   const long count = std::lround(kCount / step) / 10;
   for (long i = 0; i < count; ++i) {
     simulation->advance(10);
-    const Vec3d f = simulation->contact_force(0, s.body);
-    found.pull += f.x / double(count);
-    found.load += f.z / double(count);
-    found.rolling += (bed.top + measured::kRadius - hub().position.z) / double(count);
-    const auto contacts = simulation->contacts(0);
-    const auto impulses = simulation->impulses(0);
-    for (std::size_t k = 0; k < contacts.size(); ++k) {
-      const bool is_a = contacts[k].body_a == s.body, is_b = contacts[k].body_b == s.body;
-      if (is_a || is_b)
-        found.add(double((is_a ? contacts[k].arm_a : contacts[k].arm_b).x),
-                  (is_a ? 1 : -1) * double(impulses[k].linear.z) / step / double(count));
-    }
+    sample(found, *simulation, s.body, touch, 1.0 / double(count));
   }
   found.length = bearing_length(found.x, found.force);
   return found;
