@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/line.h"
+#include "sim/elastic/largest_eigenvalue.h"
 #include "sim/elastic/newton.h"
 #include "sim/elastic/shape_functions.h"
 
@@ -12,23 +13,6 @@ namespace gonogo::sim::elastic {
 namespace {
 
 using Parts = Simulation::Parts;
-
-/// Largest eigenvalue of M^-1 A with lumped mass, by power iteration; A symmetric, at least positive semidefinite.
-double largest_eigenvalue(const Sparse& a, const Vector& mass) {
-  Vector x(mass.size());
-  for (long i = 0; i < x.size(); ++i) x[i] = std::sin(1 + 12.9898 * double(i));  // no mode is orthogonal to it
-  double value = 0;
-  for (int k = 0; k < 5000; ++k) {
-    x /= std::sqrt(x.dot(mass.cwiseProduct(x)));
-    const Vector y = (a * x).cwiseQuotient(mass);
-    const double next = x.dot(mass.cwiseProduct(y));
-    const bool settled = std::fabs(next - value) <= 1e-9 * next;
-    value = next;
-    if (!(value > 0) || (settled && k > 20)) break;
-    x = y;
-  }
-  return value;
-}
 
 /// Least height of an element: its volume over its widest face, times 2 or 3 for triangles and tetrahedra [m].
 double height_of(const Mesh& mesh, std::size_t e) {

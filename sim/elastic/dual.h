@@ -61,6 +61,16 @@ Dual<N> root(Dual<N> x) {
   return x;
 }
 
+/// Angle of the direction (x, y) from the x axis, in (-pi, pi]. Not at the origin.
+inline double angle(double y, double x) { return std::atan2(y, x); }
+template <int N>
+Dual<N> angle(const Dual<N>& y, const Dual<N>& x) {
+  Dual<N> a(std::atan2(y.value, x.value));
+  const double square = x.value * x.value + y.value * y.value;
+  for (int i = 0; i < N; ++i) a.slope[i] = (x.value * y.slope[i] - y.value * x.slope[i]) / square;
+  return a;
+}
+
 inline double power(double x, double exponent) { return std::pow(x, exponent); }
 /// Only above 0.
 template <int N>

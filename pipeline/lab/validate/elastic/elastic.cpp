@@ -10,11 +10,21 @@ namespace {
 using Maker = ElasticFigure (*)();
 
 const std::vector<std::pair<std::string, Maker>>& makers() {
-  static const std::vector<std::pair<std::string, Maker>> all{
-      {"patch", elastic_patch},   {"hertz", elastic_hertz},     {"mindlin", elastic_mindlin},
-      {"wave", elastic_wave},     {"energy", elastic_energy},   {"critical", elastic_critical},
-      {"newton", elastic_newton}, {"epsilon", elastic_epsilon}, {"block", elastic_block},
-      {"plate", elastic_plate},   {"roller", elastic_roller}};
+  static const std::vector<std::pair<std::string, Maker>> all{{"patch", elastic_patch},
+                                                              {"hertz", elastic_hertz},
+                                                              {"mindlin", elastic_mindlin},
+                                                              {"wave", elastic_wave},
+                                                              {"energy", elastic_energy},
+                                                              {"critical", elastic_critical},
+                                                              {"newton", elastic_newton},
+                                                              {"epsilon", elastic_epsilon},
+                                                              {"block", elastic_block},
+                                                              {"plate", elastic_plate},
+                                                              {"roller", elastic_roller},
+                                                              {"tyre_load", elastic_tyre_load},
+                                                              {"tyre_patch", elastic_tyre_patch},
+                                                              {"tyre_rolling", elastic_tyre_rolling},
+                                                              {"tyre_grains", elastic_tyre_grains}};
   return all;
 }
 
