@@ -188,14 +188,12 @@ void check_moisture(const std::string& moisture) {
     throw InputError("map: --moisture \"" + moisture + "\" is no scenario; use dry, moist or wet");
 }
 
-/// "; 88 trials of another fidelity helped: ..." where trials did that the model does not answer for.
-std::string helpers_text(const TrainedModel& trained) {
-  std::string text;
+/// Names the trials that the model learned from but does not answer for.
+void remark_helpers(OutcomeModel& model, const TrainedModel& trained) {
   if (const Json* others = trained.predictor->model().provenance.find("other_trials"))
     for (const Json& other : others->items())
-      text += "; " + std::to_string(other.at("trials").integer()) +
-              " trials of another fidelity helped: " + other.at("fidelity").string();
-  return text;
+      model.remarks.push_back(std::to_string(other.at("trials").integer()) +
+                              " trials of another fidelity helped the model: " + other.at("fidelity").string());
 }
 
 /// The vehicle's own name; the file's, if it gives none.
@@ -233,7 +231,8 @@ MapRequest read_map_request(const MapFiles& files) {
   if (!files.whole_vehicle.empty()) request.rules.cone_index_of = files.whole_vehicle;
   add_vehicle(request.model, request.region, trained, request.rules.cone_index_of);
   if (trained.vehicle && request.rules.fidelity == MapRules{}.fidelity)
-    request.rules.fidelity = trained.vehicle->fidelity() + helpers_text(trained);
+    request.rules.fidelity = trained.vehicle->fidelity();
+  remark_helpers(request.model, trained);
   if (!trained.vehicle && study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);
   request.out = files.out;
   request.colour_blind_safe = files.colour_blind_safe;
