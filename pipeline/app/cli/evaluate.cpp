@@ -1,7 +1,6 @@
 #include <memory>
 
 #include "pipeline/app/cli/command.h"
-#include "pipeline/map/model/trained_model.h"
 
 namespace gonogo::app {
 
@@ -30,10 +29,7 @@ void add_evaluate_command(CLI::App& app, const Globals& globals, const Work<Eval
                           "gonogo train --dataset dataset.h5 --hold-out 1000 --out model.h5",
                           "gonogo evaluate --model model.h5 --dataset dataset.h5  # on the 1000 held out",
                           "gonogo evaluate --model hmmwv --dataset data/hmmwv_32mm/fresh.h5 --out out/scores --json"});
-  command->callback([options, work, &globals] {
-    options->model = map::find_model(options->model).string();
-    work(globals, *options);
-  });
+  command->callback([options, work, &globals] { work(globals, *options); });
 }
 
 }  // namespace gonogo::app

@@ -7,6 +7,7 @@
 #include "pipeline/learn/evaluation/reconstruction.h"
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/learn/training/train_model.h"
+#include "pipeline/map/model/trained_model.h"
 
 namespace gonogo::app {
 namespace {
@@ -25,8 +26,9 @@ std::string held_out_text(const Json& report) {
 void evaluate_work(const Globals& globals, const EvaluateOptions& options) {
   const bool held_out = !options.dataset.empty();
   if (!held_out && !options.rows.empty()) throw InputError("--rows are compared with held-out trials: give --dataset");
-  const Json report = held_out ? learn::evaluate_model(options.model, options.dataset, options.rows)
-                               : learning::read_model(options.model).provenance;
+  const std::filesystem::path model = map::find_model(options.model);
+  const Json report = held_out ? learn::evaluate_model(model, options.dataset, options.rows)
+                               : learning::read_model(model).provenance;
   std::string text = held_out ? held_out_text(report) : learn::report_text(report);
   if (!options.out.empty()) {
     const Json& scores = report.at(held_out ? "scores" : "cross_validation");
