@@ -27,8 +27,8 @@ void evaluate_work(const Globals& globals, const EvaluateOptions& options) {
   const bool held_out = !options.dataset.empty();
   if (!held_out && !options.rows.empty()) throw InputError("--rows are compared with held-out trials: give --dataset");
   const std::filesystem::path model = map::find_model(options.model);
-  const Json report = held_out ? learn::evaluate_model(model, options.dataset, options.rows)
-                               : learning::read_model(model).provenance;
+  const Json report =
+      held_out ? learn::evaluate_model(model, options.dataset, options.rows) : learning::read_model(model).provenance;
   std::string text = held_out ? held_out_text(report) : learn::report_text(report);
   if (!options.out.empty()) {
     const Json& scores = report.at(held_out ? "scores" : "cross_validation");
