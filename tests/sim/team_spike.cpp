@@ -2,10 +2,62 @@
 #include "sim/local_problem/banded/team_spike.h"
 
 #include <Eigen/SparseLU>
+#include <barrier>
+#include <thread>
 
-#include "base/error.h"
+#include "sim/local_problem/banded/team_spike_on.h"
 #include "tests/sim/random_band.h"
 #include "tests/support/catch.h"
+
+namespace {
+
+/// Teams of host threads in rows and columns: what blocks are on the GPU.
+struct Crews {
+  gonogo::Index columns = 1, rows = 1;
+};
+
+class CrewMember {
+ public:
+  static constexpr bool kWholeRows = false;
+  CrewMember(Crews crew, gonogo::Index rank, std::barrier<>& barrier) : crew_(crew), rank_(rank), barrier_(&barrier) {}
+  gonogo::Index rank() const { return rank_; }
+  gonogo::Index size() const { return crew_.columns * crew_.rows; }
+  gonogo::Index row() const { return rank_ / crew_.columns; }
+  gonogo::Index rows() const { return crew_.rows; }
+  gonogo::Index column() const { return rank_ % crew_.columns; }
+  gonogo::Index columns() const { return crew_.columns; }
+  void sync() const { barrier_->arrive_and_wait(); }
+
+ private:
+  Crews crew_;
+  gonogo::Index rank_;
+  std::barrier<>* barrier_;
+};
+
+template <class Body>
+void for_each_team(Crews crew, gonogo::Index count, const gonogo::TeamShape& shape, const Body& body) {
+  std::barrier barrier(crew.columns * crew.rows);
+  std::vector<double> room(shape.room / sizeof(double) + 1);
+  std::vector<std::jthread> member;
+  for (gonogo::Index rank = 0; rank < crew.columns * crew.rows; ++rank)
+    member.emplace_back([&, rank] {
+      const CrewMember self(crew, rank, barrier);
+      for (gonogo::Index i = 0; i < count; ++i) {
+        body(self, i, room.data());
+        self.sync();
+      }
+    });
+}
+
+template <class Body>
+void for_each_index(Crews, gonogo::Index count, const Body& body) {
+  gonogo::for_each_index(gonogo::Cpu{}, count, body);
+}
+
+}  // namespace
+
+template <class T>
+class gonogo::Buffer<T, Crews> : public gonogo::Buffer<T, gonogo::Cpu> {};
 
 using namespace gonogo::sim;
 using Eigen::Index;
@@ -142,4 +194,24 @@ TEST_CASE("the bits of SPIKE by teams depend on the partitions, not on threads o
       INFO("kind " << int(kind) << " single " << is_single);
       for (const std::vector<double>& other : x) CHECK(other == x[0]);
     }
+}
+
+TEST_CASE("the bits of SPIKE by teams do not depend on how many members a team has or how they stand") {
+  const BandedMatrix<double> a = random_band(6, 230, 5, 1.1);
+  const std::vector<double> b = right_side(230);
+  for (const SpikeKind kind : {SpikeKind::full, SpikeKind::truncated}) {
+    const TeamSpikeSettings settings{.partitions = 5, .kind = kind};
+    const auto alone = team_spike_on_cpu(a, settings);
+    alone->factorise();
+    alone->set_right_side(b);
+    alone->refine(1e-13);
+    for (const Crews crew : {Crews{4, 2}, {3, 1}, {1, 5}, {16, 1}}) {
+      const auto by_crews = make_team_spike(crew, plan_team_spike(a, settings), a.value, false, [] {});
+      by_crews->factorise();
+      by_crews->set_right_side(b);
+      by_crews->refine(1e-13);
+      INFO("kind " << int(kind) << ", " << crew.columns << " x " << crew.rows << " members");
+      CHECK(by_crews->solution() == alone->solution());
+    }
+  }
 }

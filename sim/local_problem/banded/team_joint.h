@@ -17,7 +17,8 @@
 
 namespace gonogo::sim {
 
-/// Nodes first, first + 1, ... of one level of the tree, and their parents. Truncated SPIKE joins each node with the next.
+/// Nodes first, first + 1, ... of one level of the tree, and their parents. Truncated SPIKE joins each node with the
+/// next.
 struct PairsOfNodes {
   Index first = 0, nodes = 0, parent = 0;
   Index joint = 0;  // of the first pair
@@ -65,7 +66,8 @@ struct Product {
   }
 };
 
-/// Inverts s [n][n] in place by Gauss and Jordan with exchange of rows. pivot: [n]. Returns how many pivots were lifted.
+/// Inverts s [n][n] in place by Gauss and Jordan with exchange of rows. pivot: [n]. Returns how many pivots were
+/// lifted.
 template <class Team, class Scalar>
 GONOGO_HD Index invert(Team team, Scalar* s, Index n, Index* pivot, Scalar least) {
   Index boosted = 0;
@@ -166,8 +168,8 @@ struct JoinPair {
   GONOGO_HD void grow(Team team, const Tips<Scalar>& l, const Tips<Scalar>& r, const Tips<Scalar>& up, Scalar* n,
                       const Scalar* s, Scalar* e) const {
     const Index k = half, w = 2 * k;
-    multiply(team, e, w, nullptr, 0, -1, s, k, r.top, w, k);              // -S^-1 V_top^R
-    multiply(team, e + k, w, nullptr, 0, 1, s, k, r.top + k, w, k);       // S^-1 W_top^R
+    multiply(team, e, w, nullptr, 0, -1, s, k, r.top, w, k);         // -S^-1 V_top^R
+    multiply(team, e + k, w, nullptr, 0, 1, s, k, r.top + k, w, k);  // S^-1 W_top^R
     team.sync();
     for (Index i = team.row(); i < k; i += team.rows())
       for (Index j = team.column(); j < k; j += team.columns()) n[i * w + j] = e[i * w + j];
@@ -217,7 +219,8 @@ struct JoinEnds {
     for (Index i = team.rank(); i < k; i += team.size())
       rest[i] = row_product(gr[i], Scalar(-1), r.top + i * w + k, gl + k, k);
     team.sync();
-    for (Index i = team.rank(); i < k; i += team.size()) h[i] = row_product(Scalar(0), Scalar(1), inverse + i * k, rest, k);
+    for (Index i = team.rank(); i < k; i += team.size())
+      h[i] = row_product(Scalar(0), Scalar(1), inverse + i * k, rest, k);
     team.sync();
     for (Index i = team.rank(); i < k; i += team.size()) {
       h[k + i] = row_product(gl[k + i], Scalar(-1), l.bottom + i * w, h, k);
@@ -255,8 +258,8 @@ struct SplitOuter {
       return;
     }
     const Scalar* const bottom = tips_of(tips, k, left).bottom;
-    const Scalar *const n = joints.response_of(k, pairs.joint + pair),
-                        *const h = middle.data + std::int64_t(pairs.joint + pair) * w;
+    const Scalar *const n = joints.response_of(k, pairs.joint + pair), *const h = middle.data +
+                                                                                  std::int64_t(pairs.joint + pair) * w;
     Scalar* const more = reinterpret_cast<Scalar*>(room);  // N (n, p)
     for (Index i = team.rank(); i < k; i += team.size()) {
       more[i] = row_product(Scalar(0), Scalar(1), n + i * w, np, w);

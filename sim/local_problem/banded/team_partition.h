@@ -1,7 +1,7 @@
 // What a team does with one partition: factors, tips of the spikes, solutions. See spike.h for the symbols.
 //
-// Rows pass through a ring in the team's room. In step i of an elimination row i is final, and the `half` rows behind it
-// take their share of it:
+// Rows pass through a ring in the team's room. In step i of an elimination row i is final, and the `half` rows behind
+// it take their share of it:
 //
 //   ring of rows   i .. i + half   in work;  behind them kTile free places, refilled every kTile steps
 //   row            | left of the diagonal | diagonal | right of it | spike |      half + 1 + half + half numbers

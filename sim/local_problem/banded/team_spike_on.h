@@ -34,7 +34,8 @@ class TeamSpikeOn final : public TeamSpike {
     for (Buffer<double, Exec>* v : {&b_, &x_, &tried_, &rest_}) v->resize(n);
     sums_.resize(std::size_t(2 * residual().teams()));
     boosted_.fill_zero(1);
-    least_ = std::max(Scalar(plan.largest) * std::numeric_limits<Scalar>::epsilon(), std::numeric_limits<Scalar>::min());
+    least_ =
+        std::max(Scalar(plan.largest) * std::numeric_limits<Scalar>::epsilon(), std::numeric_limits<Scalar>::min());
   }
 
   void factorise() override {
@@ -131,7 +132,8 @@ class TeamSpikeOn final : public TeamSpike {
     for_each_index(exec_, 2 * all_.half * all_.count, TakeEnds<Scalar>{all_, step_.view(), ends_.view()});
     const Index k = all_.half;
     for (const PairsOfNodes& pairs : levels_)
-      run(pairs.count(), JoinEnds<Scalar>{k, pairs, tips_.view(), joints(), ends_.view(), middle_.view(), outer_.view()});
+      run(pairs.count(),
+          JoinEnds<Scalar>{k, pairs, tips_.view(), joints(), ends_.view(), middle_.view(), outer_.view()});
     for (std::size_t level = is_full_ ? levels_.size() : 0; level-- > 0;)
       run(levels_[level].count(),
           SplitOuter<Scalar>{k, levels_[level], tips_.view(), joints(), middle_.view(), outer_.view()});
