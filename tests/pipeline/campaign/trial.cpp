@@ -113,11 +113,11 @@ TEST_CASE("a quarter of the gravity and half of the speeds drive the same way in
 }
 
 TEST_CASE("the lunar study that ships has the Moon's gravity, a bed for its rover and soils within reach") {
-  const Study study = read_study(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/studies/lunar_rover.json");
+  const Study study = read_study(std::filesystem::path(GONOGO_SOURCE_DIR) / "configs/studies/viper_32mm.json");
   const TrialSetup setup = read_trial_setup(study, cache());
   CHECK(setup.gravity == 1.62);
   CHECK(setup.weight(60) == Approx((440 + 60) * 1.62));
-  CHECK(setup.name == "lunar-rover");
+  CHECK(setup.name == "viper-32mm");
 }
 
 TEST_CASE("a trial whose residual check cannot be met is unknown after a second attempt, never no_go") {

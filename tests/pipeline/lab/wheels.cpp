@@ -123,6 +123,18 @@ TEST_CASE("a wheel's rig carries its load, and each point of CMU its own") {
   CHECK(load_at(rover, rover.point[0]) == Approx(88 * 9.81 / 4).epsilon(1e-3));
 }
 
+TEST_CASE("wheels take four times the table's iterations, quick ones the table's, and either those asked for") {
+  const auto iterations = [](WheelRun run) {
+    run.calibration = std::string(GONOGO_SOURCE_DIR) + "/configs/soils/calibration_32mm.json";
+    return plan_wheels({read_benchmark("ding_smooth")}, run).setup.front()->numerics.iterations;
+  };
+  CHECK(iterations({}) == 8);
+  CHECK(iterations({.quick = true}) == 2);
+  WheelRun asked;
+  asked.numerics.iterations = 3;
+  CHECK(iterations(asked) == 3);
+}
+
 TEST_CASE("formulas climb the slope on which their pull is the load's part along it") {
   Benchmark b = read_benchmark("mgru3");
   BekkerCases sand{{{.n = 1.1,

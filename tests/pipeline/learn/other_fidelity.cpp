@@ -86,7 +86,7 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
 TEST_CASE("two datasets of one fidelity are refused, and one that does not tell its own") {
   refused([] { read_other_trials(kVehicle, {kQuarter, kQuarter}); }, "have the fidelity of");
   refused([] { read_other_trials(kVehicle, {kVehicle}); }, "give one dataset of each fidelity");
-  refused([] { read_other_trials(kVehicle, {kData / "lunar_rover/dataset.h5"}); }, "gravity");
+  refused([] { read_other_trials(kVehicle, {kData / "viper_32mm/dataset.h5"}); }, "gravity");
   const fs::path mute = dataset_file("mute.h5", 30, 2);
   refused([&] { finest_first({kVehicle, mute}); }, "does not hold its vehicle");
 }
