@@ -120,9 +120,10 @@ struct Layers {
   terrain::Tile go, p, slope;
 };
 
-Layers map_of(const TemporaryFolder& folder, const fs::path& model, const std::string& crossing,
+Layers map_of(const TemporaryFolder& folder, const std::string& model, const std::string& crossing,
               const std::string& out) {
-  MapFiles files{.model = model};
+  MapFiles files;
+  files.model = model;
   files.region = folder / "region.json";
   files.crossing_model = crossing;
   files.out = folder / out;

@@ -114,7 +114,7 @@ TEST_CASE("a point with a ditch gets the least of both models' P(go), and one wi
   const OutcomeModel soil = model, ditches = ditch_model();
   model.members = {model.probabilities};
   add_crossing_model(model, ditches);
-  const std::size_t width = contract().variables.size(), outcomes = contract().outcomes.size(), count = 200;
+  const std::size_t width = contract().variables.size(), outcomes = contract().outcomes.size(), count = 1000;
   std::vector<double> points, result(count * outcomes), member(count * outcomes);
   const auto within = [](std::uint64_t i, std::uint64_t stream, double low, double high) {
     return low + (high - low) * random_unit(3, stream, i);
