@@ -16,8 +16,8 @@ bool knows(const learning::VisibleLayout& layout, const std::string& variable) {
 void add_variable(learning::Model& model, const campaign::Variable& variable, std::size_t v) {
   const auto at = [v](auto& list) { return list.begin() + std::ptrdiff_t(v); };
   std::vector<learning::Encoder> encoders = model.layout.encoders();
-  encoders.insert(at(encoders), learning::Encoder::by_range(variable.name, variable.unit, learning::Code::thermometer,
-                                                            1, 0, 0));
+  encoders.insert(at(encoders),
+                  learning::Encoder::by_range(variable.name, variable.unit, learning::Code::thermometer, 1, 0, 0));
   const std::size_t before = model.layout.variable_count();
   model.layout = learning::VisibleLayout(std::move(encoders), model.layout.outcomes());
   model.sampled_lower.insert(at(model.sampled_lower), 0);

@@ -69,8 +69,8 @@ struct Decision {
   int soil = SoilTable::kUnknown, rule = 0, ditch = 0;
 };
 
-/// Number of a feature's cells: positive 1 + the rule's position, minus the code of a road's soil, minus the number of a
-/// ditch, which is below those codes, 0 where the soil decides.
+/// Number of a feature's cells: positive 1 + the rule's position, minus the code of a road's soil, minus the number of
+/// a ditch, which is below those codes, 0 where the soil decides.
 float mark_of(const Region& region, std::size_t obstacle, Crossing crossing, int ditch) {
   const Obstacle& o = region.obstacles[obstacle];
   if (o.kind == ObstacleKind::road) return float(-o.road_soil);
@@ -130,8 +130,7 @@ void read_obstacles(const Region& region, const MapGrid& grid, MapSources& sourc
   if (region.obstacles.empty()) return;
   find_ditches(region, grid, sources);
   const auto ditch = [&](std::size_t k, const terrain::FeatureNumbers& numbers) {
-    const DitchSize size =
-        rounded_ditch(*region.crossing, size_of(region.obstacles[k], numbers), sources.ditch_step);
+    const DitchSize size = rounded_ditch(*region.crossing, size_of(region.obstacles[k], numbers), sources.ditch_step);
     return int(std::lower_bound(sources.ditches.begin(), sources.ditches.end(), size) - sources.ditches.begin()) + 1;
   };
   sources.obstacles = std::make_shared<const terrain::ShapeCells>(

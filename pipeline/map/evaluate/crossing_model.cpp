@@ -29,8 +29,7 @@ void take_lower(std::span<double> result, std::span<const double> crossing) {
   const double p = p_go_of(crossing);
   if (!(p < p_go_of(result))) return;
   const auto& outcomes = campaign::contract().outcomes;
-  for (std::size_t o = 0; o < outcomes.size(); ++o)
-    result[o] = campaign::passes(outcomes[o].verdict) ? crossing[o] : 0;
+  for (std::size_t o = 0; o < outcomes.size(); ++o) result[o] = campaign::passes(outcomes[o].verdict) ? crossing[o] : 0;
   result[campaign::contract().outcome_index(campaign::Verdict::no_go, campaign::Reason::obstacle)] = 1 - p;
 }
 
@@ -67,8 +66,8 @@ std::vector<Range> common_box(const OutcomeModel& model, const OutcomeModel& cro
     const campaign::Variable& variable = campaign::contract().variables[v];
     if (campaign::is_task_variable(variable)) continue;
     box[v].maximum = std::min(box[v].maximum, model.sampled[v].maximum);
-    box[v].minimum = variable.name == "bed_depth" ? model.sampled[v].minimum
-                                                  : std::max(box[v].minimum, model.sampled[v].minimum);
+    box[v].minimum =
+        variable.name == "bed_depth" ? model.sampled[v].minimum : std::max(box[v].minimum, model.sampled[v].minimum);
   }
   return box;
 }

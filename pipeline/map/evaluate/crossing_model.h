@@ -1,9 +1,9 @@
 // Ditches on a map, answered by a model of trials that cross them.
 //
-// A point of the contract with a ditch in it, ditch_width and ditch_depth above 0, is put to both models. The least of the
-// two P(go) counts. Both are about one event chain on one ground: who crosses the ditch has driven the ground around
-// it, so that P(both) = P(ditch) where the models are right, and P(both) <= min in any case (Frechet). A product would
-// take the two for independent, and count weak soil twice.
+// A point of the contract with a ditch in it, ditch_width and ditch_depth above 0, is put to both models. The least of
+// the two P(go) counts. Both are about one event chain on one ground: who crosses the ditch has driven the ground
+// around it, so that P(both) = P(ditch) where the models are right, and P(both) <= min in any case (Frechet). A product
+// would take the two for independent, and count weak soil twice.
 #pragma once
 #include "pipeline/map/evaluate/outcome_model.h"
 

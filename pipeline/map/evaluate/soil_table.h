@@ -1,6 +1,6 @@
 // The soils of a region with their tabulated answers. The key is the soil code of the raster and the moisture state.
-// Fine-grained soils have a second entry for cells whose measured cone index is high enough. Ditches that a model answers
-// for have an entry for every soil in which they lie.
+// Fine-grained soils have a second entry for cells whose measured cone index is high enough. Ditches that a model
+// answers for have an entry for every soil in which they lie.
 #pragma once
 #include <cstdint>
 #include <map>

@@ -70,7 +70,8 @@ Crossing pass_between(const CrossingLimits& v, double gap) {
 }
 
 Obstacle read_obstacle(const Config& config) {
-  const std::string kind = config.choice("kind", {"river", "ditch", "dry_river", "stems", "boulders", "buildings", "road"});
+  const std::string kind =
+      config.choice("kind", {"river", "ditch", "dry_river", "stems", "boulders", "buildings", "road"});
   const bool is_ditch = kind == "ditch" || kind == "dry_river";
   Obstacle o{.kind = kind == "river"      ? ObstacleKind::river
                      : is_ditch           ? ObstacleKind::ditch

@@ -1,7 +1,7 @@
 // Obstacles of a region that are lines and polygons: rivers, ditches, stems, boulders, buildings; and roads over them.
 //
-// Geometry decides, and is said. The bounds are sufficient ones from statics. What lies between them is unknown, but for
-// ditches of sizes that a model's trials sampled (pipeline/map/evaluate/crossing_model.h).
+// Geometry decides, and is said. The bounds are sufficient ones from statics. What lies between them is unknown, but
+// for ditches of sizes that a model's trials sampled (pipeline/map/evaluate/crossing_model.h).
 //
 //   step h     A wheel of radius R and friction mu that nobody pushes stands on the edge under a vertical load. It
 //              climbs if the edge's normal leans by at most atan(mu): h <= R (1 - 1 / sqrt(1 + mu^2)). At h >= R

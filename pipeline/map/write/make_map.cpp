@@ -87,8 +87,8 @@ void remark_on_ditches(const MapRequest& request, const MapSources& sources, con
                       " of the area are unknown: their trials sampled no such soil or slope");
   if (other_size > 0)
     remarks.push_back("ditches on " + percent(other_size / total) + " of the area are unknown: their trials sampled " +
-                      line("widths of %g to %g m and depths of %g to %g m", width.minimum, width.maximum,
-                           depth.minimum, depth.maximum));
+                      line("widths of %g to %g m and depths of %g to %g m", width.minimum, width.maximum, depth.minimum,
+                           depth.maximum));
 }
 
 /// What the map does where nobody said what the soil is.

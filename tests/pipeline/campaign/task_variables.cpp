@@ -33,10 +33,13 @@ struct StudyFile {
     write_file_atomically(folder / "study.json", R"({"study": "sizes", "seed": 4, "vehicle": ")" + configs +
                                                      R"(vehicles/hmmwv_quarter.json", "soil": {"calibration": ")" +
                                                      configs + R"(soils/calibration_90mm.json"},
-        "trial": {"task": )" + task + R"(, "bed": )" + bed + R"(},
-        "design": {"method": "sobol", "points": 16, "ranges": {"slope_along": [-2, 2])" + ranges + R"(},
+        "trial": {"task": )" + task + R"(, "bed": )" +
+                                                     bed + R"(},
+        "design": {"method": "sobol", "points": 16, "ranges": {"slope_along": [-2, 2])" +
+                                                     ranges + R"(},
           "fixed": {"slope_across": 0, "friction_angle": 34, "cohesion": 0, "relative_density": 0.5, "payload": 0,
-                    "tyre_friction": 0.8, "commanded_speed": 1.5, )" + fixed + "}}}");
+                    "tyre_friction": 0.8, "commanded_speed": 1.5, )" +
+                                                     fixed + "}}}");
     return read_study(folder / "study.json");
   }
 
@@ -193,7 +196,8 @@ TEST_CASE("sizes that the task does not take are refused in one sentence") {
   refuse(R"({"type": "ditch", "width_m": 1})", kSizes, "trial.task gives width_m already; keep one of the two");
   refuse(R"({"type": "ditch", "width_m": 1, "depth_m": 0.1})", "", "trial.task gives depth_m already",
          R"("bed_depth": 0.3, "ditch_depth": 0.2)");
-  refuse(kDitch, R"(, "ditch_width": [0.3, 1])", "trial.task.depth_m: missing; give it, or a range or value of ditch_depth");
+  refuse(kDitch, R"(, "ditch_width": [0.3, 1])",
+         "trial.task.depth_m: missing; give it, or a range or value of ditch_depth");
   refuse(kDitch, R"(, "ditch_width": [0.3, 1], "ditch_depth": [0.05, 0.25])", "make bed_depth 0.43 m or more");
   refuse(kDitch, R"(, "ditch_width": [0, 1], "ditch_depth": [0.05, 0.2])", "width_m");
   refuse(kDitch, R"(, "ditch_width": [0.3, 4], "ditch_depth": [0.05, 0.2])", "needs a bed of");

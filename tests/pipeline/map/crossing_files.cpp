@@ -93,8 +93,8 @@ fs::path train(const TemporaryFolder& folder, const std::string& name, const Dro
   fs::create_directories(place);
   write_dataset(place / "dataset.h5", {made_trials(drove.ditches, 7), provenance_of(drove)});
   static const Config quick = Config::parse(R"({"hidden": 4, "epochs": 40, "folds": 2})", "learning");
-  learn::train_model({.dataset = place / "dataset.h5", .model = place / "model.h5", .seed = 3, .learning = quick,
-                      .design = {}});
+  learn::train_model(
+      {.dataset = place / "dataset.h5", .model = place / "model.h5", .seed = 3, .learning = quick, .design = {}});
   return place / "model.h5";
 }
 

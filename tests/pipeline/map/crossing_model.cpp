@@ -136,8 +136,7 @@ TEST_CASE("a point with a ditch gets the least of both models' P(go), and one wi
     const double* x = &points[i * width];
     const double angle = x[index("friction_angle")], slope = x[index("slope_along")];
     const double on_soil = test::AnalyticModel{}.p_go(slope, angle, 0);
-    const double in_ditch =
-        i % 2 == 1 ? p_ditch(x[index("ditch_width")], x[index("ditch_depth")], angle, slope) : 1;
+    const double in_ditch = i % 2 == 1 ? p_ditch(x[index("ditch_width")], x[index("ditch_depth")], angle, slope) : 1;
     const auto at = [&](Verdict v, Reason r) { return result[i * outcomes + contract().outcome_index(v, r)]; };
     const double p = at(Verdict::go, Reason::none) + at(Verdict::slow_go, Reason::none);
     CHECK(p == Approx(std::min(on_soil, in_ditch)).margin(1e-12));

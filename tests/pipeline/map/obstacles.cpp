@@ -101,13 +101,15 @@ TEST_CASE("ditches and rivers close their cells by width and depth, and a road c
   const TemporaryFolder folder;
   test::make_flat_ground(folder);
   test::write_shapes(folder, "ditches.geojson",
-         test::column_line(5.5, R"("w": 1.5, "d": 1.0)") + "," + test::column_line(8.5, R"("w": 0.3, "d": 1.0)") + "," +
-             test::column_line(11.5, R"("w": 0.8, "d": 0.3)"));
+                     test::column_line(5.5, R"("w": 1.5, "d": 1.0)") + "," +
+                         test::column_line(8.5, R"("w": 0.3, "d": 1.0)") + "," +
+                         test::column_line(11.5, R"("w": 0.8, "d": 0.3)"));
   test::write_shapes(folder, "river.geojson", test::column_line(18.5, R"("depth": 2)"));
   test::write_shapes(folder, "road.geojson", test::row_line(12.5, ""));
-  const std::string all = test::obstacle_entry("ditch", "ditches.geojson", R"(, "width_m": "w", "depth_m": "d")") + "," +
-                          test::obstacle_entry("road", "road.geojson", R"(, "width_m": 6, "soil": "paved", "speed_km_h": 50)") + "," +
-                          test::obstacle_entry("river", "river.geojson", R"(, "width_m": 28, "depth_m": "depth")");
+  const std::string all =
+      test::obstacle_entry("ditch", "ditches.geojson", R"(, "width_m": "w", "depth_m": "d")") + "," +
+      test::obstacle_entry("road", "road.geojson", R"(, "width_m": 6, "soil": "paved", "speed_km_h": 50)") + "," +
+      test::obstacle_entry("river", "river.geojson", R"(, "width_m": 28, "depth_m": "depth")");
   const Layers map = map_of(request_of(folder, all, "map"));
   for (int row = 1; row < kSide - 1; ++row)
     for (int column = 1; column < kSide - 1; ++column) {
@@ -143,14 +145,14 @@ TEST_CASE("stems, boulders and buildings decide by their gaps, and without a veh
            ", 4399800], [" + east + ", 4399950], [" + west + ", 4399950], [" + west + ", 4399800]]]}}";
   };
   test::write_shapes(folder, "stems.geojson",
-         square(3, R"("s": 2, "d": 0.3)") + "," + square(5, R"("s": 4, "d": 0.3)") + "," +
-             square(7, R"("s": 9, "d": 0.3)"));
+                     square(3, R"("s": 2, "d": 0.3)") + "," + square(5, R"("s": 4, "d": 0.3)") + "," +
+                         square(7, R"("s": 9, "d": 0.3)"));
   test::write_shapes(folder, "boulders.geojson", square(9, R"("h": 0.05)") + "," + square(11, R"("h": 0.6)"));
   test::write_shapes(folder, "houses.geojson", square(13, ""));
   const std::string all =
       test::obstacle_entry("stems", "stems.geojson", R"(, "spacing_m": "s", "diameter_m": "d")") + "," +
-      test::obstacle_entry("boulders", "boulders.geojson", R"(, "spacing_m": 2, "diameter_m": 0.5, "height_m": "h")") + "," +
-      test::obstacle_entry("buildings", "houses.geojson", "");
+      test::obstacle_entry("boulders", "boulders.geojson", R"(, "spacing_m": 2, "diameter_m": 0.5, "height_m": "h")") +
+      "," + test::obstacle_entry("buildings", "houses.geojson", "");
   const MapRequest request = request_of(folder, all, "map");
   const Layers map = map_of(request);
   const auto verdict = [](const Layers& of, int column) { return Verdict(int(of.go.at(column, 10))); };
@@ -175,7 +177,9 @@ TEST_CASE("obstacles that cannot be meant are refused with file and feature") {
   const TemporaryFolder folder;
   test::make_flat_ground(folder);
   test::write_shapes(folder, "d.geojson", test::column_line(5.5, R"("w": 1.5, "t": "wide", "n": -2, "none": null)"));
-  const auto ditch = [&](const std::string& keys) { return refusal(folder, test::obstacle_entry("ditch", "d.geojson", keys)); };
+  const auto ditch = [&](const std::string& keys) {
+    return refusal(folder, test::obstacle_entry("ditch", "d.geojson", keys));
+  };
   CHECK(contains(ditch(R"(, "width_m": 1)"), "depth_m"));
   CHECK(contains(ditch(R"(, "width_m": "breadth", "depth_m": 1)"), "d.geojson: feature 0: breadth: no such attribute"));
   CHECK(contains(ditch(R"(, "width_m": "t", "depth_m": 1)"), "t: is \"wide\", and a number is needed"));
@@ -186,11 +190,15 @@ TEST_CASE("obstacles that cannot be meant are refused with file and feature") {
   CHECK(contains(ditch(R"(, "width_m": 1, "depth_m": 1, "depht": 2)"), "depht: unknown key"));
   CHECK(contains(refusal(folder, test::obstacle_entry("dich", "d.geojson", "")), "kind"));
   CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "gone.geojson", "")), "gone.geojson: no such file"));
-  CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "dem.tif", "")), "cannot be read as lines or polygons"));
-  CHECK(contains(refusal(folder, test::obstacle_entry("road", "d.geojson", R"(, "width_m": 4, "soil": "tarmack")")), "tarmack"));
+  CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "dem.tif", "")),
+                 "cannot be read as lines or polygons"));
+  CHECK(contains(refusal(folder, test::obstacle_entry("road", "d.geojson", R"(, "width_m": 4, "soil": "tarmack")")),
+                 "tarmack"));
   test::write_shapes(folder, "far.geojson", test::column_line(50000, ""));
-  CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "far.geojson", "")), "no shape of it touches the map"));
-  test::write_shapes(folder, "points.geojson",
-         R"({"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [500055, 4399950]}})");
+  CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "far.geojson", "")),
+                 "no shape of it touches the map"));
+  test::write_shapes(
+      folder, "points.geojson",
+      R"({"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [500055, 4399950]}})");
   CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "points.geojson", "")), "neither line nor polygon"));
 }
