@@ -21,10 +21,9 @@
 
 #include "sim/local_problem/banded/band_factors.h"
 #include "sim/local_problem/banded/banded_matrix.h"
+#include "sim/local_problem/banded/spike_kind.h"
 
 namespace gonogo::sim {
-
-enum class SpikeKind { full, truncated };
 
 struct SpikeSettings {
   int partitions = 8;  // at most; a partition holds 2 half rows or more
