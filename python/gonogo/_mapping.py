@@ -153,7 +153,7 @@ def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None,
         whole_vehicle: PathLike = "", dataset: PathLike | None = None, study: PathLike | None = None, moisture: str = "",
         heading: str | float = "", settings: Mapping[str, float] | None = None, max_speed: float = 0, height_unit: str = "",
         flat_is_ground: bool = False, members: Iterable[PathLike] = (), colour_blind_safe: bool = False,
-        threads: int = 0) -> Map:
+        crossing_model: PathLike = "", threads: int = 0) -> Map:
     """The Go/NoGo map of a region, as `gonogo map` makes it.
 
     dem: elevation [m]: a path, a rasterio dataset, an xarray array with rio, or a numpy array [row, column] with crs and
@@ -165,15 +165,16 @@ def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None,
     sinkage; by default those beside the model. heading: of class, P(go) and reason: "uphill", "worst", "best", or degrees
     clockwise from grid north. settings: values of the mission, such as payload=500. max_speed: never exceeded [km/h]; 0: the
     driveline's. height_unit: "m", "ft" or "us-ft"; "": as the raster says. flat_is_ground: large areas of exactly one height
-    are ground, not unknown. members: bootstrap members of the model, whose spread widens the interval on P(go). threads:
-    0: all cores.
+    are ground, not unknown. members: bootstrap members of the model, whose spread widens the interval on P(go).
+    crossing_model: of trials that cross ditches, for those of the region; by default the one that ships for the vehicle.
+    threads: 0: all cores.
     """
     folder = Path(out)
     folder.mkdir(parents=True, exist_ok=True)
     files = map_files(folder, dem, model, soil, region, crs, transform, study=study, settings=settings, vehicle=vehicle,
                       whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture, heading=str(heading),
                       max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground,
-                      colour_blind_safe=colour_blind_safe, threads=threads)
+                      colour_blind_safe=colour_blind_safe, crossing_model=os.fspath(crossing_model), threads=threads)
     files.set_members([os.fspath(member) for member in members])
     return Map(folder, json.loads(with_gdal().make_map(files, str(folder))))
 

@@ -30,7 +30,8 @@ def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = Non
           costmap: PathLike = "", grid_map: PathLike = "", region: PathLike | None = None, crs: Any = None,
           transform: Any = None, vehicle: PathLike = "", whole_vehicle: PathLike = "", dataset: PathLike | None = None,
           study: PathLike | None = None, moisture: str = "", settings: Mapping[str, float] | None = None,
-          max_speed: float = 0, height_unit: str = "", flat_is_ground: bool = False, threads: int = 0) -> dict[str, Any]:
+          max_speed: float = 0, height_unit: str = "", flat_is_ground: bool = False, crossing_model: PathLike = "",
+          threads: int = 0) -> dict[str, Any]:
     """Routes over a region, as `gonogo route` plans them.
 
     start, end, via: (x, y) in the region's coordinate system; a way passes the places of `via` in their order. avoid:
@@ -53,6 +54,7 @@ def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = Non
     with tempfile.TemporaryDirectory() as folder:
         place = map_files(Path(folder), dem, model, soil, region, crs, transform, study=study, settings=settings,
                           vehicle=vehicle, whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture,
-                          max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground, threads=threads)
+                          max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground,
+                          crossing_model=os.fspath(crossing_model), threads=threads)
         result: dict[str, Any] = json.loads(with_gdal().plan_route(request, place))
     return result

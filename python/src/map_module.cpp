@@ -115,6 +115,7 @@ void bind_files(nb::module_& m) {
   file_property(c, "model", &MapFiles::model);
   file_property(c, "region", &MapFiles::region);
   file_property(c, "dem", &MapFiles::dem);
+  file_property(c, "crossing_model", &MapFiles::crossing_model);
   file_property(c, "study", &MapFiles::study);
   file_property(c, "dataset", &MapFiles::dataset);
   file_property(c, "vehicle", &MapFiles::vehicle);

@@ -158,6 +158,12 @@ def test_polygons_of_reach_and_regions(made, model, tmp_path):
     assert bands >= 3  # the plain is 400 m long
 
 
+def test_a_model_of_other_trials_answers_for_no_ditch(hill, tmp_path):
+    with pytest.raises(gonogo.InputError, match="no trial of it crosses a ditch"):
+        gonogo.map(hill, "hmmwv", crs="EPSG:32610", transform=TRANSFORM, soil="loam", crossing_model="hmmwv",
+                   out=tmp_path / "map")
+
+
 def test_map_options_reach_the_program(hill, model_file, program, tmp_path):
     """Heights in feet, a heading, and colours."""
     files = dict(crs="EPSG:32610", transform=TRANSFORM, soil="loam", moisture="dry", heading=45, height_unit="ft",

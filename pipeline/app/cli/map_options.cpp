@@ -28,6 +28,10 @@ void add_map_file_options(CLI::App& command, map::MapFiles& files) {
                    "Large areas of exactly one height are ground; by default unknown, as water and voids are such");
   command.add_option("--study", files.study, "Study file: thresholds and mission values of its section \"map\"")
       ->type_name(kStudy);
+  command
+      .add_option("--crossing-model", files.crossing_model,
+                  "Model of trials that cross ditches, for the region's; by default the one that ships for the vehicle")
+      ->type_name(kModel);
   command.add_option("--dataset", files.dataset, "Trials of the model; by default dataset.h5 beside it")
       ->type_name(kFile);
   command.add_option("--vehicle", files.vehicle, "Refuse unless the model is of this vehicle")->type_name(kVehicle);

@@ -129,9 +129,9 @@ void Predictor::for_each_point(std::span<const double> points, Store store) cons
 }
 
 bool Predictor::needs_summation(std::span<const double> point) const {
-  for (double x : point)
-    if (std::isnan(x)) return true;
-  return false;
+  for (std::size_t v = 0; v < point.size(); ++v)
+    if (std::isnan(point[v]) && model_->layout.encoders()[v].unit_count() > 0) return true;
+  return false;  // a variable that all trials held fixed has no units to sum over
 }
 
 void Predictor::p_go(std::span<const double> points, std::span<double> result) const {

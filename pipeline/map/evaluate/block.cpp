@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/error.h"
+#include "base/line.h"
 #include "terrain/raster/slope.h"
 
 namespace gonogo::map {
@@ -18,6 +19,8 @@ using terrain::Window;
 namespace {
 
 constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
+
+constexpr std::size_t kMostSoils = 250;  // entries of the table that page and routes tell apart
 
 /// Codes, water contents, land cover, cone indices and flat areas of a tile, as far as the region has them.
 struct Readings {
@@ -61,33 +64,79 @@ int rule_of(const Region& region, const Readings& readings, std::size_t cell) {
   return r == land_unknown_rule(region) || region.land[r].verdict ? int(r) + 1 : 0;
 }
 
-/// What decides in a cell: its soil, or a rule.
+/// What decides in a cell: its soil, or a rule. `ditch`: number of the ditch that crosses the soil; 0: none.
 struct Decision {
-  int soil = SoilTable::kUnknown, rule = 0;
+  int soil = SoilTable::kUnknown, rule = 0, ditch = 0;
 };
 
-/// Number of a feature's cells: positive 1 + the rule's position, negative minus the code of a road's soil, 0 where the
-/// soil decides.
-float mark_of(const Region& region, std::size_t obstacle, Crossing crossing) {
+/// Number of a feature's cells: positive 1 + the rule's position, minus the code of a road's soil, minus the number of
+/// a ditch, which is below those codes, 0 where the soil decides.
+float mark_of(const Region& region, std::size_t obstacle, Crossing crossing, int ditch) {
   const Obstacle& o = region.obstacles[obstacle];
   if (o.kind == ObstacleKind::road) return float(-o.road_soil);
+  if (crossing == Crossing::modelled) return float(-ditch);
   return crossing == Crossing::passes ? 0 : float(obstacle_rule(region, obstacle, crossing) + 1);
 }
 
-std::shared_ptr<const terrain::ShapeCells> read_obstacles(const Region& region, const MapGrid& grid) {
-  if (region.obstacles.empty()) return nullptr;
+/// Of two features in a cell the higher one decides.
+int rank_of(const Obstacle& o, Crossing crossing) {
+  if (o.kind == ObstacleKind::road) return 3;
+  return crossing == Crossing::no_go ? 2 : crossing == Crossing::unknown;
+}
+
+/// Calls `mark` for every feature of every obstacle with its numbers.
+template <class Mark>
+terrain::ShapeCells cells_of(const Region& region, const MapGrid& grid, const Mark& mark) {
   terrain::ShapeCells cells(grid);
   for (std::size_t k = 0; k < region.obstacles.size(); ++k) {
     const Obstacle& o = region.obstacles[k];
     cells.add(o.file, o.layer, [&](const terrain::FeatureNumbers& numbers) {
       const Crossing crossing = cross(o, region.crossing, numbers);
-      const int rank = o.kind == ObstacleKind::road ? 2 : crossing == Crossing::no_go;
-      return terrain::ShapeMark{.value = mark_of(region, k, crossing),
+      return terrain::ShapeMark{.value = mark(k, crossing, numbers),
                                 .width = o.width.of(numbers, kObstacleMetres, o.file.string()),
-                                .rank = rank};
+                                .rank = rank_of(o, crossing)};
     });
   }
-  return std::make_shared<const terrain::ShapeCells>(std::move(cells));
+  return cells;
+}
+
+/// Up to a whole number of steps: a larger ditch is no easier. No larger than what was sampled.
+double rounded_up(double size, double step, Range sampled) {
+  return std::min(step * std::ceil(size / step - 1e-9), sampled.maximum);
+}
+
+DitchSize rounded_ditch(const CrossingLimits& v, DitchSize d, double step) {
+  return {rounded_up(d.width, step, v.ditch_width), rounded_up(d.depth, step, v.ditch_depth)};
+}
+
+/// Every size has tables of its own in every soil; sizes are rounded to the finest step that leaves few of them.
+void find_ditches(const Region& region, const MapGrid& grid, MapSources& sources) {
+  constexpr std::size_t most_sizes = 12;
+  if (!region.crossing || !(region.crossing->ditch_width.minimum <= region.crossing->ditch_width.maximum)) return;
+  std::set<DitchSize> exact, rounded;
+  cells_of(region, grid, [&](std::size_t k, Crossing crossing, const terrain::FeatureNumbers& numbers) {
+    if (crossing == Crossing::modelled) exact.insert(size_of(region.obstacles[k], numbers));
+    return 0.0f;
+  });
+  for (sources.ditch_step = 0.05;; sources.ditch_step *= 2) {
+    rounded.clear();
+    for (const DitchSize& d : exact) rounded.insert(rounded_ditch(*region.crossing, d, sources.ditch_step));
+    if (rounded.size() <= most_sizes) break;
+  }
+  sources.ditches.assign(rounded.begin(), rounded.end());
+}
+
+void read_obstacles(const Region& region, const MapGrid& grid, MapSources& sources) {
+  if (region.obstacles.empty()) return;
+  find_ditches(region, grid, sources);
+  const auto ditch = [&](std::size_t k, const terrain::FeatureNumbers& numbers) {
+    const DitchSize size = rounded_ditch(*region.crossing, size_of(region.obstacles[k], numbers), sources.ditch_step);
+    return int(std::lower_bound(sources.ditches.begin(), sources.ditches.end(), size) - sources.ditches.begin()) + 1;
+  };
+  sources.obstacles = std::make_shared<const terrain::ShapeCells>(
+      cells_of(region, grid, [&](std::size_t k, Crossing crossing, const terrain::FeatureNumbers& numbers) {
+        return mark_of(region, k, crossing, crossing == Crossing::modelled ? ditch(k, numbers) : 0);
+      }));
 }
 
 /// In fine-grained soil a measured cone index decides: too low is a rule, high enough is the firm entry of the table.
@@ -96,10 +145,12 @@ Decision decide(const Region& region, const MapRules& rules, const SoilTable& ta
                 std::size_t cell) {
   const int state = moisture_state(region, rules, readings, cell);
   Decision decision{soil_of(table, readings, state, cell), rule_of(region, readings, cell)};
-  if (const float mark = readings.obstacle ? readings.obstacle->value[cell] : 0; mark < 0)
-    return {table.find(int(-mark), state), 0};
+  if (const int mark = readings.obstacle ? int(readings.obstacle->value[cell]) : 0; mark <= -kRoadCode)
+    return {table.find(-mark, state), 0};
+  else if (mark < 0)
+    decision.ditch = -mark;
   else if (mark > 0)
-    decision.rule = int(mark);
+    decision.rule = mark;
   if (!readings.cone_index || decision.soil < 0 || decision.rule > 0) return decision;
   const double index = double(readings.cone_index->value[cell]) * region.cone_index->unit;
   if (std::isnan(index) || !table.may_be_soft[std::size_t(decision.soil)]) return decision;
@@ -109,6 +160,15 @@ Decision decide(const Region& region, const MapRules& rules, const SoilTable& ta
     decision.rule = int(below_fifty_passes_rule(region)) + 1;
   else
     decision.soil = table.find_firm(table.soils[std::size_t(decision.soil)].code, state);
+  return decision;
+}
+
+/// The same, with the ditch's entry in place of the soil's.
+Decision decide_with_ditch(const Region& region, const MapRules& rules, const SoilTable& table,
+                           const Readings& readings, std::size_t cell) {
+  Decision decision = decide(region, rules, table, readings, cell);
+  if (decision.ditch > 0 && decision.rule == 0 && decision.soil >= 0)
+    decision.soil = table.find_ditch(decision.soil, decision.ditch);
   return decision;
 }
 
@@ -168,6 +228,26 @@ void add_soil(const OutcomeModel& model, const Region& region, const MapRules& r
   table.add(firm, state, may_be_soft, true, SoilResponse(model, rules, points, error_of_gradient));
 }
 
+Spread fixed_size(double metres) { return {Spread::Kind::fixed, metres, metres, "obstacles of the region"}; }
+
+/// Adds a ditch in the soil at a position of the table, measured firm or not as that is.
+void add_ditch(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
+               DitchSize size, int position, int number, SoilTable& table) {
+  const Soil ground = table.soils[std::size_t(position)];
+  Soil soil = ground;
+  soil.name += line(", ditch %.3g m wide, %.3g m deep", size.width, size.depth);
+  MapRules own = rules;
+  own.values["ditch_width"] = fixed_size(size.width);
+  own.values["ditch_depth"] = fixed_size(size.depth);
+  const Range speed = model.crossing_sampled[campaign::contract().variable_index("commanded_speed")];
+  own.max_speed = std::min({rules.max_speed, soil.max_speed, speed.maximum});
+  soil.max_speed = own.max_speed;
+  const auto points = soil_points(region, soil, own.values, rules.draws);
+  const bool firm = table.find_firm(ground.code, table.moisture[std::size_t(position)]) == position;
+  const SoftPoints soft = firm ? SoftPoints{} : soft_points(region, soil, points, model.cone_index);
+  table.add_ditch(position, number, std::move(soil), SoilResponse(model, own, points, error_of_gradient, soft));
+}
+
 /// Which states of moisture a map needs: 0 is "any".
 std::vector<int> states_of(const Region& region, const MapRules& rules) {
   std::vector<int> states;
@@ -189,6 +269,15 @@ std::optional<Tile> read_part(const std::optional<RasterSource>& source, Window 
   return source ? std::optional(source->read(window)) : std::nullopt;
 }
 
+Readings read_window(const MapSources& sources, Window window) {
+  return {.soil = read_part(sources.soil_class, window),
+          .moisture = read_part(sources.moisture, window),
+          .land = read_part(sources.land_cover, window),
+          .cone_index = read_part(sources.cone_index, window),
+          .flat = sources.elevation.has_flat() ? std::optional(sources.elevation.read_flat(window)) : std::nullopt,
+          .obstacle = sources.obstacles ? std::optional(sources.obstacles->read(window)) : std::nullopt};
+}
+
 }  // namespace
 
 MapSources MapSources::again() const {
@@ -197,7 +286,9 @@ MapSources MapSources::again() const {
           .land_cover = open_again(land_cover),
           .moisture = open_again(moisture),
           .cone_index = open_again(cone_index),
-          .obstacles = obstacles};
+          .obstacles = obstacles,
+          .ditches = ditches,
+          .ditch_step = ditch_step};
 }
 
 MapSources open_sources(const Region& region) {
@@ -221,7 +312,7 @@ MapSources open_sources(const Region& region) {
   sources.land_cover = open(region.land_cover, RasterKind::classes);
   sources.moisture = open(region.moisture, RasterKind::continuous);
   sources.cone_index = open(region.cone_index, RasterKind::continuous);
-  sources.obstacles = read_obstacles(region, grid);
+  read_obstacles(region, grid, sources);
   return sources;
 }
 
@@ -273,18 +364,33 @@ SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const
   return table;
 }
 
+void add_ditches(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
+                 const MapSources& sources, SoilTable& table) {
+  constexpr int rows_at_once = 256;
+  if (sources.ditches.empty()) return;
+  const MapGrid& grid = sources.elevation.grid();
+  std::set<std::pair<int, int>> occurring;  // (soil, ditch)
+  for (int row = 0; row < grid.rows; row += rows_at_once) {
+    const Window window{0, row, grid.columns, std::min(rows_at_once, grid.rows - row)};
+    const Readings readings = read_window(sources, window);
+    for (std::size_t i = 0; i < readings.obstacle->value.size(); ++i)
+      if (const Decision d = decide(region, rules, table, readings, i); d.ditch > 0 && d.rule == 0 && d.soil >= 0)
+        occurring.emplace(d.soil, d.ditch);
+  }
+  if (table.soils.size() + occurring.size() > kMostSoils)
+    throw InputError(region.file.string() + ": obstacles: its ditches lie in " + std::to_string(occurring.size()) +
+                     " pairs of size and soil, and " + std::to_string(kMostSoils - table.soils.size()) +
+                     " can be told apart; give widths and depths in fewer classes");
+  for (const auto& [soil, ditch] : occurring)
+    add_ditch(model, region, rules, error_of_gradient, sources.ditches[std::size_t(ditch) - 1], soil, ditch, table);
+}
+
 TileLayers evaluate_tile(const MapSources& sources, const Region& region, const SoilTable& table,
                          const std::vector<MapLayer>& layers, const MapRules& rules, Window window) {
   const MapGrid& grid = sources.elevation.grid();
   const Tile bordered =
       sources.elevation.read({window.column - 1, window.row - 1, window.columns + 2, window.rows + 2});
-  const Readings readings = {
-      .soil = read_part(sources.soil_class, window),
-      .moisture = read_part(sources.moisture, window),
-      .land = read_part(sources.land_cover, window),
-      .cone_index = read_part(sources.cone_index, window),
-      .flat = sources.elevation.has_flat() ? std::optional(sources.elevation.read_flat(window)) : std::nullopt,
-      .obstacle = sources.obstacles ? std::optional(sources.obstacles->read(window)) : std::nullopt};
+  const Readings readings = read_window(sources, window);
   const std::vector<LandRule> land = land_rules(region);
   const terrain::CellSize cell = {grid.cell_width_m(), grid.cell_height_m()};
   const Tile empty(window.columns, window.rows, kNoData);
@@ -302,7 +408,7 @@ TileLayers evaluate_tile(const MapSources& sources, const Region& region, const 
       const float slope = tile.slope.at(column, row);
       if (std::isnan(slope)) continue;
       const std::size_t i = std::size_t(row) * std::size_t(window.columns) + std::size_t(column);
-      const Decision decision = decide(region, rules, table, readings, i);
+      const Decision decision = decide_with_ditch(region, rules, table, readings, i);
       tile.soil.value[i] = float(decision.soil);
       tile.rule.value[i] = float(decision.rule);
       const CellState state = state_of(table, land, rules, decision, slope, tile.aspect.value[i]);

@@ -28,6 +28,8 @@ struct MapSources {
   terrain::RasterSource elevation;
   std::optional<terrain::RasterSource> soil_class, land_cover, moisture, cone_index;
   std::shared_ptr<const terrain::ShapeCells> obstacles;  // null: none; numbers by mark_of()
+  std::vector<DitchSize> ditches{};                      // that a model answers for; ditch k has the number k + 1
+  double ditch_step = 0;                                 // to which their sizes are rounded up [m]
 
   /// Opens the same rasters again, for use by another thread.
   MapSources again() const;
@@ -63,6 +65,11 @@ double gradient_error(const RegionRaster& elevation, const terrain::MapGrid& gri
 /// [rise per metre] widens the interval on P(go). Throws InputError for a moisture that the region does not define.
 SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
                           double gradient_error);
+
+/// Adds an entry for every ditch of the sources in every soil of the table in which one of its cells lies. The vehicle
+/// is no faster there than the trials that crossed ditches.
+void add_ditches(const OutcomeModel& model, const Region& region, const MapRules& rules, double gradient_error,
+                 const MapSources& sources, SoilTable& table);
 
 /// Every layer of the cells in `window`. A cell depends on its own inputs only, so the split into windows changes no
 /// bit. Threads must not share `sources`; see MapSources::again().

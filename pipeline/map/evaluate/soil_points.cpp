@@ -31,7 +31,8 @@ bool contains(Range sampled, double value) {
 SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double>> points, SoftPoints soft)
     : all_(std::move(points)), soft_(std::move(soft)) {
   const auto& variables = campaign::contract().variables;
-  limit_strength(model);
+  box_ = model.box_of(all_.front());  // all points of a soil have a ditch, or none has
+  limit_strength();
   soft_.is_soft.resize(all_.size(), 0);
   std::size_t soft_count = 0;
   for (std::size_t i = 0; i < all_.size(); ++i) {
@@ -39,7 +40,7 @@ SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double
     bool inside = !soft_.is_soft[i];
     soft_count += !inside;
     for (std::size_t v = 0; v < variables.size(); ++v) {
-      if (std::isnan(point[v]) || contains(model.sampled[v], point[v])) continue;
+      if (std::isnan(point[v]) || contains(box_[v], point[v])) continue;
       inside = false;
     }
     if (!inside) continue;
@@ -47,13 +48,13 @@ SoilPoints::SoilPoints(const OutcomeModel& model, std::vector<std::vector<double
     ++inside_count_;
   }
   soft_share_ = double(soft_count) / double(all_.size());
-  find_outside(model);
+  find_outside();
 }
 
-void SoilPoints::limit_strength(const OutcomeModel& model) {
+void SoilPoints::limit_strength() {
   for (const char* name : {"friction_angle", "cohesion"}) {
     const std::size_t v = campaign::contract().variable_index(name);
-    const Range sampled = model.sampled[v];
+    const Range sampled = box_[v];
     Range found = kNothing;
     std::size_t count = 0;
     for (std::vector<double>& point : all_) {
@@ -70,11 +71,11 @@ void SoilPoints::limit_strength(const OutcomeModel& model) {
   }
 }
 
-void SoilPoints::find_outside(const OutcomeModel& model) {
+void SoilPoints::find_outside() {
   const auto& variables = campaign::contract().variables;
   outside_share_.assign(variables.size(), 0);
   for (std::size_t v = 0; v < variables.size(); ++v) {
-    const Range sampled = model.sampled[v];
+    const Range sampled = box_[v];
     Range found = kNothing;
     for (const std::vector<double>& point : all_) {
       if (std::isnan(point[v]) || contains(sampled, point[v])) continue;
@@ -107,10 +108,9 @@ Prospect SoilPoints::nothing_known() const {
   return {std::vector<double>(campaign::contract().outcomes.size(), 0.0), 1, soft_share_};
 }
 
-bool SoilPoints::is_sampled(const OutcomeModel& model, double slope_along, double slope_across) const {
-  return inside_count_ > 0 &&
-         contains(model.sampled[campaign::contract().variable_index("slope_along")], slope_along) &&
-         contains(model.sampled[campaign::contract().variable_index("slope_across")], slope_across);
+bool SoilPoints::is_sampled(double slope_along, double slope_across) const {
+  return inside_count_ > 0 && contains(box_[campaign::contract().variable_index("slope_along")], slope_along) &&
+         contains(box_[campaign::contract().variable_index("slope_across")], slope_across);
 }
 
 Prospect SoilPoints::mean_of(const std::vector<double>& answers) const {
@@ -133,13 +133,13 @@ void SoilPoints::add_p_go(const std::vector<double>& answers, std::vector<double
 }
 
 Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across) const {
-  if (!is_sampled(model, slope_along, slope_across)) return nothing_known();
+  if (!is_sampled(slope_along, slope_across)) return nothing_known();
   return mean_of(answers(model.probabilities, slope_along, slope_across));
 }
 
 Prospect SoilPoints::at(const OutcomeModel& model, double slope_along, double slope_across,
                         std::vector<double>& p_go_of_each) const {
-  if (!is_sampled(model, slope_along, slope_across)) return nothing_known();
+  if (!is_sampled(slope_along, slope_across)) return nothing_known();
   const std::vector<double> result = answers(model.probabilities, slope_along, slope_across);
   add_p_go(result, p_go_of_each);
   for (const Probabilities& member : model.members) add_p_go(answers(member, slope_along, slope_across), p_go_of_each);

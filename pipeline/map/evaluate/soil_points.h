@@ -53,13 +53,14 @@ class SoilPoints {
  private:
   using Probabilities = std::function<void(std::span<const double>, std::span<double>)>;
   std::vector<double> answers(const Probabilities& model, double slope_along, double slope_across) const;
-  void limit_strength(const OutcomeModel& model);
-  void find_outside(const OutcomeModel& model);
+  void limit_strength();
+  void find_outside();
   Prospect nothing_known() const;
-  bool is_sampled(const OutcomeModel& model, double slope_along, double slope_across) const;
+  bool is_sampled(double slope_along, double slope_across) const;
   Prospect mean_of(const std::vector<double>& answers) const;
   void add_p_go(const std::vector<double>& answers, std::vector<double>& p_go) const;
 
+  std::vector<Range> box_;  // [variables] of the trials that answer for these points
   std::vector<std::vector<double>> all_;
   std::vector<double> inside_;  // [inside_count_ x variables]
   std::size_t inside_count_ = 0;

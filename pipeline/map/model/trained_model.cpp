@@ -10,6 +10,7 @@
 #include "pipeline/campaign/dataset/gravity.h"
 #include "pipeline/campaign/dataset/trial_inputs.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/learn/answer/contract_model.h"
 #include "pipeline/learn/answer/model_gravity.h"
 #include "pipeline/learn/training/named_trials.h"
 #include "pipeline/map/region/ground_gravity.h"
@@ -48,11 +49,14 @@ std::string vehicle_of(const fs::path& folder) {
   return vehicle ? vehicle->name : "";
 }
 
+bool is_of_ditches(const fs::path& folder) { return crosses_ditches(learn::read_contract_model(folder / "model.h5")); }
+
 [[noreturn]] void refuse_model(const std::string& model) {
   std::vector<std::string> names;
   for (const fs::path& folder : shipped_models()) {
     names.push_back(folder.filename().string());
-    if (const std::string vehicle = vehicle_of(folder); !vehicle.empty()) names.push_back(vehicle);
+    if (const std::string vehicle = vehicle_of(folder); !vehicle.empty() && !is_of_ditches(folder))
+      names.push_back(vehicle);
   }
   if (names.empty()) throw InputError(model + ": no such model file, and no model ships beside this program");
   throw InputError(model + ": no such model file, and no shipped model has that name (did you mean \"" +
@@ -84,6 +88,28 @@ void refuse_helpers(const TrainedModel& model) {
       throw InputError(model.dataset_file.string() + ": the model " + model.file.string() +
                        " does not answer for these trials (" + other.at("fidelity").string() +
                        "), they only helped; give the finest trials that it learned from (--dataset)");
+}
+
+std::string tyres_text(const TrialVehicle& v) { return v.compliant_tyres ? ", compliant tyres" : ", rigid tyres"; }
+
+/// Why trials of ditches do not go with the trials of a model; empty where they do.
+std::string why_not_crossing(const TrainedModel& model, const TrainedModel& ditches) {
+  if (!crosses_ditches(ditches.predictor->model()))
+    return "no trial of it crosses a ditch of varied width and depth; give a model of a study of type ditch";
+  if (ditches.gravity != model.gravity)
+    return "its trials had a gravity of " + gravity_text(ditches.gravity) + ", and those of the model " +
+           model.file.string() + " had " + gravity_text(model.gravity) + "; give one of that gravity";
+  const std::string vehicle = model_vehicle(model), other = model_vehicle(ditches);
+  const std::string part = difference(model.vehicle->file, ditches.vehicle->file);
+  if (vehicle != other || !part.empty())
+    return "is of the vehicle " + other + (vehicle == other ? " with another \"" + part + "\"" : "") +
+           ", and the model " + model.file.string() + " is of the vehicle " + vehicle + "; give one of that vehicle";
+  if (ditches.vehicle->fidelity() != model.vehicle->fidelity() ||
+      ditches.vehicle->compliant_tyres != model.vehicle->compliant_tyres)
+    return "has the fidelity \"" + ditches.vehicle->fidelity() + tyres_text(*ditches.vehicle) + "\", and the model " +
+           model.file.string() + " has \"" + model.vehicle->fidelity() + tyres_text(*model.vehicle) +
+           "\"; give one of the same trials";
+  return "";
 }
 
 }  // namespace
@@ -121,7 +147,7 @@ fs::path find_model(const std::string& model) {
   std::vector<fs::path> of_vehicle;
   for (const fs::path& folder : shipped_models()) {
     if (folder.filename() == model) return folder / "model.h5";
-    if (vehicle_of(folder) == model) of_vehicle.push_back(folder);
+    if (vehicle_of(folder) == model && !is_of_ditches(folder)) of_vehicle.push_back(folder);
   }
   if (of_vehicle.size() == 1) return of_vehicle.front() / "model.h5";
   if (of_vehicle.empty()) refuse_model(model);
@@ -154,6 +180,32 @@ TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
                      ", and those of the model " + file.string() + " had " + gravity_text(model.gravity) +
                      "; give the trials that the model learned from (--dataset)");
   return model;
+}
+
+bool crosses_ditches(const learning::Model& model) {
+  const auto sampled = [&](const char* name) {
+    return model.sampled_upper[campaign::contract().variable_index(name)] > 0;
+  };
+  return sampled("ditch_width") && sampled("ditch_depth");
+}
+
+std::optional<TrainedModel> find_crossing_model(const TrainedModel& model, const std::string& asked) {
+  if (!asked.empty()) {
+    TrainedModel found = read_trained_model(find_model(asked));
+    if (const std::string why = why_not_crossing(model, found); !why.empty())
+      throw InputError(found.file.string() + ": " + why);
+    return found;
+  }
+  std::optional<TrainedModel> found;
+  if (!model.vehicle) return found;
+  for (const fs::path& folder : shipped_models()) {
+    if (!is_of_ditches(folder) || vehicle_of(folder) != model.vehicle->name) continue;
+    TrainedModel candidate = read_trained_model(folder / "model.h5");
+    if (!why_not_crossing(model, candidate).empty()) continue;
+    if (found) return std::nullopt;
+    found = std::move(candidate);
+  }
+  return found;
 }
 
 void require_vehicle(const TrainedModel& model, const fs::path& vehicle_file) {

@@ -43,7 +43,7 @@ struct TrainedModel {
 };
 
 /// The file of a model: `model` is a file, a folder that holds model.h5, the name of a shipped folder, or the vehicle
-/// of exactly one shipped model. Throws InputError with the nearest names.
+/// of exactly one shipped model, those of ditches left out. Throws InputError with the nearest names.
 std::filesystem::path find_model(const std::string& model);
 
 /// Reads the model and its trials. `dataset`: empty to take dataset.h5 beside the model, where there is one. Where the
@@ -53,6 +53,14 @@ TrainedModel read_trained_model(const std::filesystem::path& file, const std::fi
 
 /// Folders of the models that ship, sorted by name.
 std::vector<std::filesystem::path> shipped_models();
+
+/// Whether the trials of a model crossed ditches of sampled sizes.
+bool crosses_ditches(const learning::Model& model);
+
+/// The model of ditches of a vehicle whose model on soil is `model`: `asked` as find_model() takes it, or else the only
+/// shipped one of the same vehicle, grains, tyres and gravity; nothing where none or several ship. Throws InputError
+/// for one that is asked for and is of another vehicle, other grains or tyres or another gravity, or of no ditches.
+std::optional<TrainedModel> find_crossing_model(const TrainedModel& model, const std::string& asked);
 
 /// Throws InputError unless the vehicle of this file is the model's: of the same name, and with the same numbers.
 void require_vehicle(const TrainedModel& model, const std::filesystem::path& vehicle_file);

@@ -54,7 +54,9 @@ Crossing cross_ditch(const CrossingLimits& v, double width, double depth) {
   if (v.tracked && width <= 0.5 * v.contact_length) return Crossing::passes;
   const double half = 0.5 * width, r = v.radius;
   const double sag = v.tracked || half >= r ? depth : std::min(depth, r - std::sqrt(r * r - half * half));
-  return cross_step(v, sag);
+  const Crossing crossing = cross_step(v, sag);
+  const bool sampled = v.ditch_width.contains(width) && v.ditch_depth.contains(depth);
+  return crossing == Crossing::unknown && sampled ? Crossing::modelled : crossing;
 }
 
 Crossing cross_river(const CrossingLimits& v, double depth) {
@@ -68,9 +70,11 @@ Crossing pass_between(const CrossingLimits& v, double gap) {
 }
 
 Obstacle read_obstacle(const Config& config) {
-  const std::string kind = config.choice("kind", {"river", "ditch", "stems", "boulders", "buildings", "road"});
+  const std::string kind =
+      config.choice("kind", {"river", "ditch", "dry_river", "stems", "boulders", "buildings", "road"});
+  const bool is_ditch = kind == "ditch" || kind == "dry_river";
   Obstacle o{.kind = kind == "river"      ? ObstacleKind::river
-                     : kind == "ditch"    ? ObstacleKind::ditch
+                     : is_ditch           ? ObstacleKind::ditch
                      : kind == "stems"    ? ObstacleKind::stems
                      : kind == "boulders" ? ObstacleKind::boulders
                      : kind == "road"     ? ObstacleKind::road
@@ -85,6 +89,7 @@ Obstacle read_obstacle(const Config& config) {
              .height = {},
              .source = config.text("source"),
              .licence = config.text("licence")};
+  if (kind == "dry_river") o.name = "dry river";
   o.name += " of " + o.file.filename().string();
   for (const std::string key : keys_of(o.kind)) {
     ObstacleNumber& number = key == "width_m"      ? o.width
@@ -96,6 +101,11 @@ Obstacle read_obstacle(const Config& config) {
   }
   config.text_or("note", "");
   return o;
+}
+
+DitchSize size_of(const Obstacle& ditch, const Numbers& numbers) {
+  const std::string where = ditch.file.string();
+  return {ditch.width.of(numbers, kObstacleMetres, where), ditch.depth.of(numbers, kObstacleMetres, where)};
 }
 
 Crossing cross(const Obstacle& o, const std::optional<CrossingLimits>& v, const Numbers& numbers) {

@@ -1,7 +1,7 @@
 // Obstacles of a region that are lines and polygons: rivers, ditches, stems, boulders, buildings; and roads over them.
 //
-// Geometry decides, and is said: trials of the types `ditch` and `step` have a fixed width and depth or height, and no
-// model spans them. The bounds are sufficient ones from statics; what lies between them is unknown.
+// Geometry decides, and is said. The bounds are sufficient ones from statics. What lies between them is unknown, but
+// for ditches of sizes that a model's trials sampled (pipeline/map/evaluate/crossing_model.h).
 //
 //   step h     A wheel of radius R and friction mu that nobody pushes stands on the edge under a vertical load. It
 //              climbs if the edge's normal leans by at most atan(mu): h <= R (1 - 1 / sqrt(1 + mu^2)). At h >= R
@@ -34,9 +34,12 @@ struct CrossingLimits {
   double friction = 0;                          // of tyre or belt [-]
   double width = 0, length = 0, clearance = 0;  // [m]
   double contact_length = 0;                    // of a belt [m]
+  // Of ditches that trials of this vehicle have crossed or not; nothing without a model of them [m].
+  Range ditch_width{1, 0}, ditch_depth{1, 0};
 };
 
-enum class Crossing { passes, unknown, no_go };
+/// `modelled`: between the bounds of a ditch, where trials of ditches answer.
+enum class Crossing { passes, unknown, no_go, modelled };
 
 Crossing cross_step(const CrossingLimits& v, double height);
 Crossing cross_ditch(const CrossingLimits& v, double width, double depth);
@@ -68,6 +71,15 @@ inline constexpr Range kObstacleMetres{0, 10000};
 
 /// Reads an entry of "obstacles"; a road's soil is read by the caller. Throws InputError.
 Obstacle read_obstacle(const Config& config);
+
+/// Size of a ditch [m].
+struct DitchSize {
+  double width = 0, depth = 0;
+  auto operator<=>(const DitchSize&) const = default;
+};
+
+/// Width and depth of a ditch of this feature; throws InputError for values out of range.
+DitchSize size_of(const Obstacle& ditch, const std::function<double(const std::string&)>& numbers);
 
 /// How the vehicle fares at a feature. Without a vehicle it is unknown, but for buildings.
 Crossing cross(const Obstacle& obstacle, const std::optional<CrossingLimits>& v,

@@ -83,8 +83,10 @@ class Draw {
     points_.push_back(std::move(point));
   }
 
-  /// Payload, tyres and speed stay the same on the whole way.
-  static bool is_of_mission(const campaign::Variable& variable) { return variable.source.rfind("soil table", 0) != 0; }
+  /// Payload, tyres and speed stay the same on the whole way; ditches do not.
+  static bool is_of_mission(const campaign::Variable& variable) {
+    return variable.source.rfind("soil table", 0) != 0 && !campaign::is_task_variable(variable);
+  }
 
   void enter(const DrivePiece& piece) {
     draw_soil(piece);

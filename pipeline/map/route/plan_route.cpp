@@ -75,8 +75,9 @@ Json plan_route(const RouteRequest& request) {
   const MapRequest& map = request.map;
   const MapSources sources = open_sources(map.region);
   const terrain::MapGrid& grid = sources.elevation.grid();
-  const SoilTable table =
-      make_soil_table(without_spread(map.model), with_occurring_soils(map.region, sources), map.rules, 0);
+  const Region occurring = with_occurring_soils(map.region, sources);
+  SoilTable table = make_soil_table(without_spread(map.model), occurring, map.rules, 0);
+  add_ditches(without_spread(map.model), occurring, map.rules, 0, sources, table);
   const AllCosts costs = all_costs(table, request.costs, map.rules.correlation_length);
   RouteCells cells = read_route_cells(sources, map.region, table, map.rules, map.threads);
   avoid(request.avoid, grid, cells);

@@ -50,6 +50,15 @@ void put(std::string& out, T value) {
   out.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
+/// As (position, cells).
+void put_counts(std::string& out, const std::map<std::uint32_t, std::uint64_t>& counts) {
+  put(out, std::uint32_t(counts.size()));
+  for (const auto& [position, count] : counts) {
+    put(out, position);
+    put(out, count);
+  }
+}
+
 class Reader {
  public:
   Reader(const std::string& bytes, const std::string& where) : bytes_(bytes), where_(where) {}
@@ -94,25 +103,25 @@ std::string digest_of(const TileLayers& tile, const SoilTable& table, const MapG
                       const std::vector<MapLayer>& layers) {
   const std::size_t reasons = campaign::contract().reasons.size(), verdicts = campaign::contract().verdicts.size();
   std::vector<std::uint64_t> area((verdicts + 1) * reasons, 0), soils(table.soils.size(), 0);
-  std::uint64_t steeper = 0;
+  std::uint64_t steeper = 0, unanswered_ditches = 0;
+  std::map<std::uint32_t, std::uint64_t> rules;
   for (std::size_t i = 0; i < tile.verdict().value.size(); ++i) {
     if (std::isnan(tile.verdict().value[i])) continue;
     ++area[std::size_t(tile.verdict().value[i]) * reasons + std::size_t(tile.reason().value[i])];
+    if (tile.rule.value[i] > 0) ++rules[std::uint32_t(tile.rule.value[i])];
     if (!(tile.soil.value[i] >= 0)) continue;
     const auto soil = std::size_t(tile.soil.value[i]);
     ++soils[soil];
+    unanswered_ditches += table.has_ditch[soil] && tile.verdict().value[i] == float(campaign::Verdict::unknown);
     steeper += double(tile.slope.value[i]) > table.responses[soil].sampled_slope().maximum;
   }
   std::string bytes;
   put(bytes, steeper);
+  put(bytes, unanswered_ditches);
+  put_counts(bytes, rules);
   for (const auto count : area) put(bytes, count);
   for (const auto count : soils) put(bytes, count);
-  const auto speeds = speeds_of(tile, layers);
-  put(bytes, std::uint32_t(speeds.size()));
-  for (const auto& [step, count] : speeds) {
-    put(bytes, step);
-    put(bytes, count);
-  }
+  put_counts(bytes, speeds_of(tile, layers));
   const Picks figure = picture_picks(shape.picture, grid, tile.window), page = page_picks(shape.page, tile.window);
   for (const Pick row : figure.rows)
     for (const Pick column : figure.columns)
@@ -129,6 +138,11 @@ void add_digest(const std::string& bytes, Window window, const MapGrid& grid, So
                 const std::string& where) {
   Reader reader(bytes, where);
   digest.steeper += reader.get<std::uint64_t>();
+  digest.unanswered_ditches += reader.get<std::uint64_t>();
+  for (auto entries = reader.get<std::uint32_t>(); entries > 0; --entries) {
+    const auto rule = reader.get<std::uint32_t>();
+    digest.rules[rule] += reader.get<std::uint64_t>();
+  }
   for (std::size_t verdict = 0; verdict <= campaign::contract().verdicts.size(); ++verdict)
     for (std::size_t reason = 0; reason < campaign::contract().reasons.size(); ++reason)
       if (const auto count = reader.get<std::uint64_t>())

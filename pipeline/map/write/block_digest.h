@@ -2,6 +2,7 @@
 // kept in a file, so an interrupted map continues with the next tile.
 #pragma once
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,9 @@ struct MapDigest {
   Picture picture;
   PageCells page;
   SpeedCurve speeds{};
-  std::uint64_t steeper = 0;  // cells with a known soil that are steeper than the steepest sampled slope
+  std::uint64_t steeper = 0;             // cells with a known soil that are steeper than the steepest sampled slope
+  std::uint64_t unanswered_ditches = 0;  // cells of a ditch that the model for ditches leaves unknown
+  std::map<std::uint32_t, std::uint64_t> rules{};  // cells by 1 + position in land_rules(), where a rule decides
 };
 
 /// Digest of a tile as bytes. `shape` gives the sizes of picture and page; its contents are ignored.

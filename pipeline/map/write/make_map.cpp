@@ -51,7 +51,7 @@ void remark_on_ranges(const OutcomeModel& model, const MapDigest& digest, const 
     const bool along = variables[v].name == "slope_along";
     double cells = along ? double(digest.steeper) : 0;
     for (std::size_t s = 0; s < table.soils.size() && !along; ++s)
-      cells += double(table.cells[s]) * table.responses[s].points().outside_share(v);
+      if (!table.has_ditch[s]) cells += double(table.cells[s]) * table.responses[s].points().outside_share(v);
     if (cells > 0)
       remarks.push_back(
           variables[v].name +
@@ -59,6 +59,36 @@ void remark_on_ranges(const OutcomeModel& model, const MapDigest& digest, const 
           variables[v].unit + ", on " + percent(cells / total) + " of the area" +
           (along ? " (uphill)" : " (soils by their shares)"));
   }
+}
+
+/// Where trials of ditches answer, and where a ditch between the bounds of geometry stays unknown, and why.
+void remark_on_ditches(const MapRequest& request, const MapSources& sources, const MapDigest& digest,
+                       const SoilTable& table, std::vector<std::string>& remarks) {
+  if (request.model.crossing_sampled.empty() || request.region.obstacles.empty()) return;
+  double modelled = 0, other_size = 0;
+  for (std::size_t s = 0; s < table.soils.size(); ++s)
+    if (table.has_ditch[s]) modelled += double(table.cells[s]);
+  for (std::size_t k = 0; k < request.region.obstacles.size(); ++k) {
+    const auto found = digest.rules.find(std::uint32_t(obstacle_rule(request.region, k, Crossing::unknown) + 1));
+    if (request.region.obstacles[k].kind == ObstacleKind::ditch && found != digest.rules.end())
+      other_size += double(found->second);
+  }
+  const double total = double(digest.area.total()), unanswered = double(digest.unanswered_ditches);
+  const Range width = request.region.crossing->ditch_width, depth = request.region.crossing->ditch_depth;
+  if (modelled > 0) {
+    remarks.push_back("trials of ditches decide on " + percent((modelled - unanswered) / total) +
+                      " of the area, where a ditch lies between the bounds of geometry; its P(go) is the least of "
+                      "the soil's and the ditch's");
+    if (sources.ditch_step > 0.05)
+      remarks.push_back(line("widths and depths of ditches are rounded up to %g m", sources.ditch_step));
+  }
+  if (unanswered > 0)
+    remarks.push_back("ditches on " + percent(unanswered / total) +
+                      " of the area are unknown: their trials sampled no such soil or slope");
+  if (other_size > 0)
+    remarks.push_back("ditches on " + percent(other_size / total) + " of the area are unknown: their trials sampled " +
+                      line("widths of %g to %g m and depths of %g to %g m", width.minimum, width.maximum, depth.minimum,
+                           depth.maximum));
 }
 
 /// What the map does where nobody said what the soil is.
@@ -78,7 +108,7 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest&
     remarks.push_back("trials and ground have a gravity of " + gravity_text(request.model.gravity));
   remark_on_no_soil(summary, table, remarks);
   for (std::size_t s = 0; s < table.soils.size(); ++s)
-    if (table.cells[s] > 0)
+    if (table.cells[s] > 0 && !table.has_ditch[s])
       remark_on_soil(region, table.soils[s], table.responses[s].points(),
                      double(table.cells[s]) / double(summary.area.total()), remarks);
   if (summary.area.total() > 0) remark_on_ranges(request.model, digest, table, remarks);
@@ -147,8 +177,10 @@ MapSummary make_map(const MapRequest& request) {
   if (auto finished = find_finished_map(request, origin)) return *finished;
   const MapGrid& grid = sources.elevation.grid();
   require_gravity(request.region, grid.body_radius, request.model.gravity);
-  SoilTable table = make_soil_table(request.model, with_occurring_soils(request.region, sources), request.rules,
-                                    gradient_error(request.region.elevation, grid));
+  const Region occurring = with_occurring_soils(request.region, sources);
+  const double error = gradient_error(request.region.elevation, grid);
+  SoilTable table = make_soil_table(request.model, occurring, request.rules, error);
+  add_ditches(request.model, occurring, request.rules, error, sources, table);
   create_folder(request.out);
   const Metadata metadata = map_metadata(request, origin);
   MapTiles tiles(request, grid, map_layers(request.rules, request.model, request.colour_blind_safe, metadata),
@@ -161,6 +193,7 @@ MapSummary make_map(const MapRequest& request) {
   summary.area = digest.area;
   summary.area_km2 = double(summary.area.total()) * grid.cell_area_m2() * 1e-6;
   summary.remarks = remarks_on(summary, request, digest, table);
+  if (summary.area.total() > 0) remark_on_ditches(request, sources, digest, table, summary.remarks);
   remark_on_elevation(sources.elevation, summary.remarks);
   summary.tiles_found = tiles.found();
   summary.files = tiles.finish();

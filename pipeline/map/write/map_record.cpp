@@ -80,6 +80,7 @@ Json map_inputs(const MapRequest& request) {
   inputs["model_hash"] = request.model.hash;
   if (!request.model.member_hashes.empty()) inputs["member_hashes"] = Json(request.model.member_hashes);
   if (!request.model.dataset_hash.empty()) inputs["dataset_hash"] = request.model.dataset_hash;
+  if (!request.model.crossing_hash.empty()) inputs["crossing_model_hash"] = request.model.crossing_hash;
   inputs["vehicle"] = request.model.vehicle;
   if (request.model.gravity != kGravity) inputs[campaign::kGravityKey] = request.model.gravity;
   if (const auto& need = request.model.cone_index) {

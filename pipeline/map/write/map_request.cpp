@@ -12,6 +12,7 @@
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/campaign/study/task_variables.h"
 #include "pipeline/learn/answer/named_values.h"
+#include "pipeline/map/evaluate/crossing_model.h"
 #include "pipeline/map/model/speed_of_trials.h"
 #include "pipeline/map/model/trained_model.h"
 #include "pipeline/map/region/named_soil.h"
@@ -120,6 +121,21 @@ void add_vehicle(OutcomeModel& model, Region& region, const TrainedModel& traine
   if (trained.vehicle && trained.dataset) model.speed = speed_of_trials(*trained.dataset, *trained.vehicle, *whole);
 }
 
+/// Lets trials of ditches answer for the region's ditches. Without such a model, or without a whole vehicle, geometry
+/// alone decides.
+void add_crossings(OutcomeModel& model, Region& region, const TrainedModel& trained, const std::string& asked) {
+  const bool any = std::any_of(region.obstacles.begin(), region.obstacles.end(),
+                               [](const Obstacle& o) { return o.kind == ObstacleKind::ditch; });
+  if (asked.empty() && (!any || !region.crossing)) return;
+  const std::optional<TrainedModel> ditches = find_crossing_model(trained, asked);
+  if (!ditches || !region.crossing) return;
+  const OutcomeModel crossing = outcome_model_of(*ditches);
+  region.crossing->ditch_width = crossing.sampled[campaign::contract().variable_index("ditch_width")];
+  region.crossing->ditch_depth = crossing.sampled[campaign::contract().variable_index("ditch_depth")];
+  model.remarks.insert(model.remarks.end(), crossing.remarks.begin(), crossing.remarks.end());
+  add_crossing_model(model, crossing);
+}
+
 /// Values of the mission that --set gives.
 void set_values(MapRules& rules, const std::vector<std::string>& texts) {
   for (const auto& [name, value] : learn::parse_named_values(texts)) {
@@ -216,6 +232,10 @@ MapRequest read_map_request(const MapFiles& files) {
   std::optional<campaign::Study> study;
   if (!files.study.empty()) study = campaign::read_study(files.study);
   const TrainedModel trained = read_trained_model(find_model(files.model.string()), files.dataset);
+  if (crosses_ditches(trained.predictor->model()))
+    throw InputError(trained.file.string() +
+                     ": its trials cross ditches, so that it answers for ditches alone; give the vehicle's other model "
+                     "with --model, and this one with --crossing-model");
   if (!files.vehicle.empty()) require_vehicle(trained, files.vehicle);
   if (study) require_study(trained, files.study);
   MapRequest request;
@@ -232,6 +252,7 @@ MapRequest read_map_request(const MapFiles& files) {
   if (files.max_speed_km_h > 0) request.rules.max_speed = files.max_speed_km_h / kKmPerHour;
   if (!files.whole_vehicle.empty()) request.rules.cone_index_of = files.whole_vehicle;
   add_vehicle(request.model, request.region, trained, request.rules.cone_index_of);
+  add_crossings(request.model, request.region, trained, files.crossing_model.string());
   if (trained.vehicle && request.rules.fidelity == MapRules{}.fidelity)
     request.rules.fidelity = trained.vehicle->fidelity();
   remark_helpers(request.model, trained);

@@ -38,6 +38,6 @@ inline const std::filesystem::path& model_file() {
   return path;
 }
 
-inline std::vector<double> middle_point() { return {12, 0, 33, 10, 0.5, 1500, 0.65, 0.3, 2}; }
+inline std::vector<double> middle_point() { return {12, 0, 33, 10, 0.5, 1500, 0.65, 0.3, 2, 0, 0, 0}; }
 
 }  // namespace gonogo::learn

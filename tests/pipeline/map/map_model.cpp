@@ -44,7 +44,8 @@ Held sampled_range(const std::string& name) {
   if (name == "payload") return {0, 1000};
   if (name == "tyre_friction") return {0.3, 1};
   if (name == "bed_depth") return {0.3, 0.3};
-  return {1.5, 1.5};
+  if (name == "commanded_speed") return {1.5, 1.5};
+  return {0, 0};  // no obstacle
 }
 
 /// A machine whose first hidden unit carries steep slopes to slid_back and gentle ones to go, with noise everywhere, so

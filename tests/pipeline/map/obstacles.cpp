@@ -8,18 +8,17 @@
 #include "pipeline/map/write/make_map.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/map/analytic_model.h"
+#include "tests/pipeline/map/made_shapes.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/terrain/raster_maker.h"
 
 using namespace gonogo;
 using namespace gonogo::campaign;
 using namespace gonogo::map;
+using test::kSide;
 
 namespace {
-
-constexpr int kSide = 24;
 
 const CrossingLimits kTruck{
     .vehicle = "truck", .radius = 0.47, .friction = 0.8, .width = 2.2, .length = 4.8, .clearance = 0.41};
@@ -41,38 +40,6 @@ double sag_by_search(double radius, double width, double depth) {
     sag += 1e-6;
   }
   return sag;
-}
-
-void ground(const TemporaryFolder& folder) {
-  std::vector<float> value;
-  for (int i = 0; i < kSide * kSide; ++i) value.push_back(float(500 + 0.01 * (i % kSide) + 0.003 * (i % 7)));
-  test::make_raster(folder / "dem.tif", {.columns = kSide, .rows = kSide, .value = value});
-}
-
-/// GeoJSON in the ground's system; `features` without the frame of the collection.
-void shapes(const TemporaryFolder& folder, const std::string& name, const std::string& features) {
-  write_file_atomically(folder / name,
-                        R"({"type": "FeatureCollection", "crs": {"type": "name", "properties": {"name":
-    "urn:ogc:def:crs:EPSG::32610"}}, "features": [)" +
-                            features + "]}");
-}
-
-std::string line(double column, const std::string& properties) {
-  const std::string x = std::to_string(500000 + 10 * column);
-  return R"({"type": "Feature", "properties": {)" + properties + R"(}, "geometry": {"type": "LineString",
-    "coordinates": [[)" +
-         x + ", 4399700], [" + x + ", 4400100]]}}";
-}
-
-std::string row_line(double row, const std::string& properties) {
-  const std::string y = std::to_string(4400000 - 10 * row);
-  return R"({"type": "Feature", "properties": {)" + properties + R"(}, "geometry": {"type": "LineString",
-    "coordinates": [[499900, )" +
-         y + "], [500400, " + y + "]]}}";
-}
-
-std::string entry(const std::string& kind, const std::string& file, const std::string& keys) {
-  return R"({"kind": ")" + kind + R"(", "file": ")" + file + R"(", "source": "s", "licence": "l")" + keys + "}";
 }
 
 MapRequest request_of(const TemporaryFolder& folder, const std::string& obstacles, const std::string& out) {
@@ -132,15 +99,17 @@ TEST_CASE("a ditch is the step that a wheel has to climb out of it") {
 
 TEST_CASE("ditches and rivers close their cells by width and depth, and a road carries over them") {
   const TemporaryFolder folder;
-  ground(folder);
-  shapes(folder, "ditches.geojson",
-         line(5.5, R"("w": 1.5, "d": 1.0)") + "," + line(8.5, R"("w": 0.3, "d": 1.0)") + "," +
-             line(11.5, R"("w": 0.8, "d": 0.3)"));
-  shapes(folder, "river.geojson", line(18.5, R"("depth": 2)"));
-  shapes(folder, "road.geojson", row_line(12.5, ""));
-  const std::string all = entry("ditch", "ditches.geojson", R"(, "width_m": "w", "depth_m": "d")") + "," +
-                          entry("road", "road.geojson", R"(, "width_m": 6, "soil": "paved", "speed_km_h": 50)") + "," +
-                          entry("river", "river.geojson", R"(, "width_m": 28, "depth_m": "depth")");
+  test::make_flat_ground(folder);
+  test::write_shapes(folder, "ditches.geojson",
+                     test::column_line(5.5, R"("w": 1.5, "d": 1.0)") + "," +
+                         test::column_line(8.5, R"("w": 0.3, "d": 1.0)") + "," +
+                         test::column_line(11.5, R"("w": 0.8, "d": 0.3)"));
+  test::write_shapes(folder, "river.geojson", test::column_line(18.5, R"("depth": 2)"));
+  test::write_shapes(folder, "road.geojson", test::row_line(12.5, ""));
+  const std::string all =
+      test::obstacle_entry("ditch", "ditches.geojson", R"(, "width_m": "w", "depth_m": "d")") + "," +
+      test::obstacle_entry("road", "road.geojson", R"(, "width_m": 6, "soil": "paved", "speed_km_h": 50)") + "," +
+      test::obstacle_entry("river", "river.geojson", R"(, "width_m": 28, "depth_m": "depth")");
   const Layers map = map_of(request_of(folder, all, "map"));
   for (int row = 1; row < kSide - 1; ++row)
     for (int column = 1; column < kSide - 1; ++column) {
@@ -168,22 +137,22 @@ TEST_CASE("ditches and rivers close their cells by width and depth, and a road c
 
 TEST_CASE("stems, boulders and buildings decide by their gaps, and without a vehicle only buildings do") {
   const TemporaryFolder folder;
-  ground(folder);
+  test::make_flat_ground(folder);
   const auto square = [](int column, const std::string& properties) {
     const std::string west = std::to_string(500001 + 10 * column), east = std::to_string(500009 + 10 * column);
     return R"({"type": "Feature", "properties": {)" + properties +
            R"(}, "geometry": {"type": "Polygon", "coordinates": [[[)" + west + ", 4399800], [" + east +
            ", 4399800], [" + east + ", 4399950], [" + west + ", 4399950], [" + west + ", 4399800]]]}}";
   };
-  shapes(folder, "stems.geojson",
-         square(3, R"("s": 2, "d": 0.3)") + "," + square(5, R"("s": 4, "d": 0.3)") + "," +
-             square(7, R"("s": 9, "d": 0.3)"));
-  shapes(folder, "boulders.geojson", square(9, R"("h": 0.05)") + "," + square(11, R"("h": 0.6)"));
-  shapes(folder, "houses.geojson", square(13, ""));
+  test::write_shapes(folder, "stems.geojson",
+                     square(3, R"("s": 2, "d": 0.3)") + "," + square(5, R"("s": 4, "d": 0.3)") + "," +
+                         square(7, R"("s": 9, "d": 0.3)"));
+  test::write_shapes(folder, "boulders.geojson", square(9, R"("h": 0.05)") + "," + square(11, R"("h": 0.6)"));
+  test::write_shapes(folder, "houses.geojson", square(13, ""));
   const std::string all =
-      entry("stems", "stems.geojson", R"(, "spacing_m": "s", "diameter_m": "d")") + "," +
-      entry("boulders", "boulders.geojson", R"(, "spacing_m": 2, "diameter_m": 0.5, "height_m": "h")") + "," +
-      entry("buildings", "houses.geojson", "");
+      test::obstacle_entry("stems", "stems.geojson", R"(, "spacing_m": "s", "diameter_m": "d")") + "," +
+      test::obstacle_entry("boulders", "boulders.geojson", R"(, "spacing_m": 2, "diameter_m": 0.5, "height_m": "h")") +
+      "," + test::obstacle_entry("buildings", "houses.geojson", "");
   const MapRequest request = request_of(folder, all, "map");
   const Layers map = map_of(request);
   const auto verdict = [](const Layers& of, int column) { return Verdict(int(of.go.at(column, 10))); };
@@ -206,9 +175,11 @@ TEST_CASE("stems, boulders and buildings decide by their gaps, and without a veh
 
 TEST_CASE("obstacles that cannot be meant are refused with file and feature") {
   const TemporaryFolder folder;
-  ground(folder);
-  shapes(folder, "d.geojson", line(5.5, R"("w": 1.5, "t": "wide", "n": -2, "none": null)"));
-  const auto ditch = [&](const std::string& keys) { return refusal(folder, entry("ditch", "d.geojson", keys)); };
+  test::make_flat_ground(folder);
+  test::write_shapes(folder, "d.geojson", test::column_line(5.5, R"("w": 1.5, "t": "wide", "n": -2, "none": null)"));
+  const auto ditch = [&](const std::string& keys) {
+    return refusal(folder, test::obstacle_entry("ditch", "d.geojson", keys));
+  };
   CHECK(contains(ditch(R"(, "width_m": 1)"), "depth_m"));
   CHECK(contains(ditch(R"(, "width_m": "breadth", "depth_m": 1)"), "d.geojson: feature 0: breadth: no such attribute"));
   CHECK(contains(ditch(R"(, "width_m": "t", "depth_m": 1)"), "t: is \"wide\", and a number is needed"));
@@ -217,13 +188,17 @@ TEST_CASE("obstacles that cannot be meant are refused with file and feature") {
   CHECK(contains(ditch(R"(, "width_m": -1, "depth_m": 1)"), "width_m: value -1 is outside"));
   CHECK(contains(ditch(R"(, "width_m": 1, "depth_m": 1, "layer": "x")"), "has no layer \"x\""));
   CHECK(contains(ditch(R"(, "width_m": 1, "depth_m": 1, "depht": 2)"), "depht: unknown key"));
-  CHECK(contains(refusal(folder, entry("dich", "d.geojson", "")), "kind"));
-  CHECK(contains(refusal(folder, entry("buildings", "gone.geojson", "")), "gone.geojson: no such file"));
-  CHECK(contains(refusal(folder, entry("buildings", "dem.tif", "")), "cannot be read as lines or polygons"));
-  CHECK(contains(refusal(folder, entry("road", "d.geojson", R"(, "width_m": 4, "soil": "tarmack")")), "tarmack"));
-  shapes(folder, "far.geojson", line(50000, ""));
-  CHECK(contains(refusal(folder, entry("buildings", "far.geojson", "")), "no shape of it touches the map"));
-  shapes(folder, "points.geojson",
-         R"({"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [500055, 4399950]}})");
-  CHECK(contains(refusal(folder, entry("buildings", "points.geojson", "")), "neither line nor polygon"));
+  CHECK(contains(refusal(folder, test::obstacle_entry("dich", "d.geojson", "")), "kind"));
+  CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "gone.geojson", "")), "gone.geojson: no such file"));
+  CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "dem.tif", "")),
+                 "cannot be read as lines or polygons"));
+  CHECK(contains(refusal(folder, test::obstacle_entry("road", "d.geojson", R"(, "width_m": 4, "soil": "tarmack")")),
+                 "tarmack"));
+  test::write_shapes(folder, "far.geojson", test::column_line(50000, ""));
+  CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "far.geojson", "")),
+                 "no shape of it touches the map"));
+  test::write_shapes(
+      folder, "points.geojson",
+      R"({"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [500055, 4399950]}})");
+  CHECK(contains(refusal(folder, test::obstacle_entry("buildings", "points.geojson", "")), "neither line nor polygon"));
 }
