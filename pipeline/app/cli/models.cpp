@@ -2,6 +2,7 @@
 
 #include "base/line.h"
 #include "pipeline/app/cli/command.h"
+#include "pipeline/campaign/study/task_variables.h"
 #include "pipeline/learn/answer/model_gravity.h"
 #include "pipeline/map/model/trained_model.h"
 
@@ -14,6 +15,7 @@ std::string ranges_text(const learning::Model& model) {
   for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v) {
     const campaign::Variable& variable = campaign::contract().variables[v];
     const double low = model.sampled_lower[v], high = model.sampled_upper[v];
+    if (campaign::is_task_variable(variable) && high == 0) continue;
     text += (v == 0 ? "    " : v % 3 == 0 ? ",\n    " : ", ") + variable.name;
     text += low == high ? line(" %g", low) : line(" %g to %g", low, high);
     if (variable.unit != "-") text += " " + variable.unit;
@@ -23,8 +25,11 @@ std::string ranges_text(const learning::Model& model) {
 
 Json ranges_json(const learning::Model& model) {
   Json json = Json::object();
-  for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v)
-    json[campaign::contract().variables[v].name] = Json::Array{model.sampled_lower[v], model.sampled_upper[v]};
+  for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v) {
+    const campaign::Variable& variable = campaign::contract().variables[v];
+    if (campaign::is_task_variable(variable) && model.sampled_upper[v] == 0) continue;
+    json[variable.name] = Json::Array{model.sampled_lower[v], model.sampled_upper[v]};
+  }
   return json;
 }
 

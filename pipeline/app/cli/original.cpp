@@ -32,12 +32,14 @@ void original(const Globals& globals, Options options) {
   json["stop"] = lab::stop_sentence(record.stop);
   json["grains"] = record.grains;
   json["surface_m"] = record.surface;
+  json["slowed"] = std::int64_t(record.slowed);
   json["time_s"] = last.time;
   json["x_m"] = last.position.x;
   json["y_m"] = last.position.y;
-  const std::string text = line("%s\n%zu grains, highest at %.0f mm; %.2f s, x %.3f m, y %.3f m, %.2f m/s\n",
-                                lab::stop_sentence(record.stop), record.grains, 1e3 * record.surface, last.time,
-                                last.position.x, last.position.y, last.velocity.x);
+  const std::string text =
+      line("%s\n%zu grains, highest at %.0f mm, slowed %lld times; %.2f s, x %.3f m, y %.3f m, %.2f m/s\n",
+           lab::stop_sentence(record.stop), record.grains, 1e3 * record.surface, static_cast<long long>(record.slowed),
+           last.time, last.position.x, last.position.y, last.velocity.x);
   if (!options.folder.empty()) {
     create_folder(options.folder);
     const auto file = std::filesystem::path(options.folder) / ("results_" + std::to_string(options.line) + ".out");

@@ -13,6 +13,7 @@
 #include "base/shipped.h"
 #include "pipeline/app/cli/command.h"
 #include "pipeline/app/cli/numerics_options.h"
+#include "pipeline/campaign/study/task_variables.h"
 #include "pipeline/campaign/trial/lanes.h"
 #include "pipeline/campaign/trial/trial_values.h"
 #include "pipeline/lab/film/trial_film.h"
@@ -198,6 +199,7 @@ void simulate(const Globals& globals, const Options& options) {
                      campaign::contract().info(record.reason).name + "\n";
   for (std::size_t v = 0; v < point.variables.size(); ++v) {
     const campaign::Variable& variable = campaign::contract().variables[v];
+    if (campaign::is_task_variable(variable) && point.variables[v] == 0) continue;
     json["variables"][variable.name] = point.variables[v];
     text += line("%-18s %10.4g %s\n", variable.name.c_str(), point.variables[v], variable.unit.c_str());
   }

@@ -3,12 +3,14 @@
 #include "base/line.h"
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/design/coverage.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::app {
 namespace {
 
 std::string as_csv(const std::vector<campaign::DesignPoint>& design) {
-  std::string text = campaign::point_header_row() + "\n";
+  const bool with_task = !design.empty() && campaign::has_task_values(design.front().variables);
+  std::string text = campaign::point_header_row(with_task) + "\n";
   for (const campaign::DesignPoint& point : design) text += campaign::to_row(point) + "\n";
   return text;
 }
@@ -23,6 +25,7 @@ std::string as_text(const campaign::DesignSpec& spec, const std::vector<campaign
   }
   for (std::size_t i = 0; i < spec.fixed.size(); ++i) {
     const campaign::Variable& variable = campaign::contract().variables[i];
+    if (campaign::is_task_variable(variable) && spec.fixed[i] == 0) continue;
     if (spec.fixed[i] == spec.fixed[i])
       text += line("  %-18s %g %s\n", variable.name.c_str(), spec.fixed[i], variable.unit.c_str());
   }

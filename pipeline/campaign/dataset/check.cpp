@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/line.h"
 #include "pipeline/campaign/dataset/row.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -57,10 +58,12 @@ void check_replicate(const TrialRecord& record, const std::map<std::uint64_t, co
     faults.push_back(trial_name(record) + "has the bed of the trial that it repeats");
 }
 
-std::vector<std::string> cells_of(const TrialRecord& record) {
-  std::vector<std::string> cells;
+/// By column.
+std::map<std::string, std::string> cells_of(const TrialRecord& record) {
+  std::map<std::string, std::string> cells;
   std::istringstream in(to_row(record));
-  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
+  for (const std::string& column : record_columns(has_task_values(record.point.variables)))
+    std::getline(in, cells[column], ',');
   return cells;
 }
 
@@ -141,7 +144,8 @@ DatasetDifference difference(const Dataset& first, const Dataset& second) {
   result.provenance = provenance_differences(first.provenance, second.provenance);
   std::map<std::uint64_t, const TrialRecord*> theirs;
   for (const TrialRecord& record : second.records) theirs.emplace(record.point.index, &record);
-  const std::vector<std::string> columns = record_columns();
+  const std::vector<std::string> columns =
+      record_columns(has_task_values(first.records) || has_task_values(second.records));
   for (const TrialRecord& record : first.records) {
     const auto found = theirs.find(record.point.index);
     if (found == theirs.end()) {
@@ -149,9 +153,9 @@ DatasetDifference difference(const Dataset& first, const Dataset& second) {
       continue;
     }
     ++result.common;
-    const std::vector<std::string> a = cells_of(record), b = cells_of(*found->second);
-    for (std::size_t i = 0; i < columns.size(); ++i)
-      if (a[i] != b[i]) result.rows.push_back({record.point.index, columns[i], a[i], b[i]});
+    std::map<std::string, std::string> a = cells_of(record), b = cells_of(*found->second);
+    for (const std::string& column : columns)
+      if (a[column] != b[column]) result.rows.push_back({record.point.index, column, a[column], b[column]});
     theirs.erase(found);
   }
   for (const auto& [index, record] : theirs) result.only_second.push_back(index);

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hdf5/hdf5.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -39,9 +40,15 @@ void write_design(Hdf5Writer& out, TrialColumns& columns) {
         "density of the design at this point, relative to uniform over the sampled box");
 }
 
+/// Columns of variables that only some tasks have stand where a trial sets them.
+bool is_stored(const Variable& variable, const std::vector<double>& column) {
+  return !is_task_variable(variable) || std::any_of(column.begin(), column.end(), [](double x) { return x != 0; });
+}
+
 void write_values(Hdf5Writer& out, TrialColumns& columns) {
   for (std::size_t i = 0; i < contract().variables.size(); ++i) {
     const Variable& variable = contract().variables[i];
+    if (!is_stored(variable, columns.variables[i])) continue;
     const std::string path = "variables/" + variable.name;
     store(out, path, columns.variables[i], variable.unit, variable.label);
     out.attribute(path, "range", std::vector<double>{variable.minimum, variable.maximum});
@@ -178,16 +185,25 @@ void read_design(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
                           .variables = {}};
 }
 
+/// Those of the contract, without those of tasks that the file lacks.
+std::vector<Variable> stored_variables(const Hdf5Reader& in) {
+  std::vector<Variable> variables = contract().variables;
+  std::erase_if(variables, [&](const Variable& v) { return is_task_variable(v) && !in.has("variables/" + v.name); });
+  return variables;
+}
+
 void read_values(const Hdf5Reader& in, std::vector<TrialRecord>& records) {
   const Shape rows{records.size()};
-  require_names(in, "variables", contract().variables);
+  require_names(in, "variables", stored_variables(in));
   require_names(in, "measures", contract().measures);
   for (TrialRecord& record : records) {
     record.point.variables.reserve(contract().variables.size());
     record.measures.reserve(contract().measures.size());
   }
   for (const Variable& variable : contract().variables) {
-    const auto values = in.array<double>("variables/" + variable.name, rows);
+    const std::string path = "variables/" + variable.name;
+    const bool left_out = is_task_variable(variable) && !in.has(path);
+    const auto values = left_out ? std::vector<double>(records.size(), 0) : in.array<double>(path, rows);
     for (std::size_t row = 0; row < records.size(); ++row) records[row].point.variables.push_back(values[row]);
   }
   for (const Measure& measure : contract().measures) {

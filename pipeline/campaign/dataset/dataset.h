@@ -1,7 +1,8 @@
 // The dataset: one row per trial, one HDF5 array per variable and measure, with unit, description and range beside it.
 //
 //   /design/{index, seed, replicate_of, proposal_density}   [rows]
-//   /variables/<name>, /measures/<name>                     [rows], in the unit of their attribute "unit"
+//   /variables/<name>, /measures/<name>                     [rows], in the unit of their attribute "unit"; variables
+//                                                           of tasks (task_variables.h) only where a trial has them
 //   /outcome/{verdict, reason, attempts, failed_checks}     [rows]; attributes "names" and "codes" name codes and bits
 //   /provenance/{study, inputs, files, libraries}           what the rows depend on
 //

@@ -5,20 +5,22 @@
 #include "base/error.h"
 #include "base/json/json.h"
 #include "pipeline/campaign/dataset/row.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::campaign {
 namespace {
 
 Json number_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
-Json trial_json(const TrialRecord& record) {
+Json trial_json(const TrialRecord& record, bool with_task) {
   Json trial = Json::object();
   trial["index"] = record.point.index;
   trial["seed"] = record.point.seed;
   trial["replicate_of"] = record.point.replicate_of;
   trial["proposal_density"] = record.point.proposal_density;
   for (std::size_t i = 0; i < record.point.variables.size(); ++i)
-    trial[contract().variables[i].name] = number_or_null(record.point.variables[i]);
+    if (with_task || !is_task_variable(contract().variables[i]))
+      trial[contract().variables[i].name] = number_or_null(record.point.variables[i]);
   trial["verdict"] = contract().info(record.verdict).name;
   trial["reason"] = contract().info(record.reason).name;
   trial["attempts"] = record.attempts;
@@ -48,7 +50,7 @@ Json provenance_json(const Provenance& provenance) {
 }  // namespace
 
 std::string to_csv(const Dataset& dataset) {
-  std::string text = header_row() + "\n";
+  std::string text = header_row(has_task_values(dataset.records)) + "\n";
   for (const TrialRecord& record : dataset.records) text += to_row(record) + "\n";
   return text;
 }
@@ -61,7 +63,8 @@ Dataset parse_csv(const std::string& text, const std::string& name) {
     const std::string_view row = std::string_view(text).substr(begin, end - begin);
     begin = end + 1;
     if (line == 1) {
-      if (row != header_row()) throw InputError(name + ": line 1: the columns must be " + header_row());
+      if (row != header_row(false) && row != header_row(true))
+        throw InputError(name + ": line 1: the columns must be " + header_row(false));
       continue;
     }
     const std::optional<TrialRecord> record = parse_record(row);
@@ -73,11 +76,13 @@ Dataset parse_csv(const std::string& text, const std::string& name) {
 }
 
 std::string to_json_text(const Dataset& dataset) {
+  const bool with_task = has_task_values(dataset.records);
   Json units = Json::object();
-  for (const Variable& variable : contract().variables) units[variable.name] = variable.unit;
+  for (const Variable& variable : contract().variables)
+    if (with_task || !is_task_variable(variable)) units[variable.name] = variable.unit;
   for (const Measure& measure : contract().measures) units[measure.name] = measure.unit;
   Json trials = Json::array();
-  for (const TrialRecord& record : dataset.records) trials.push_back(trial_json(record));
+  for (const TrialRecord& record : dataset.records) trials.push_back(trial_json(record, with_task));
   Json object = Json::object();
   object["provenance"] = provenance_json(dataset.provenance);
   object["units"] = units;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pipeline/campaign/study/task_variables.h"
+
 namespace gonogo::campaign {
 namespace {
 
@@ -27,7 +29,9 @@ std::string join(const std::vector<std::string>& cells) {
 /// Takes cells from the front of a row; remembers whether all of them were well-formed.
 class Cells {
  public:
-  explicit Cells(std::string_view row) : rest_(row) {}
+  /// `usual`: number of columns without the variables of tasks.
+  Cells(std::string_view row, std::size_t usual)
+      : rest_(row), with_task_(std::size_t(std::count(row.begin(), row.end(), ',')) + 1 > usual) {}
 
   std::string_view next() {
     if (ended_) ok_ = false;
@@ -67,8 +71,9 @@ class Cells {
     take(point.seed);
     take(point.replicate_of);
     take(point.proposal_density);
-    point.variables.resize(contract().variables.size());
-    for (double& value : point.variables) take(value);
+    point.variables.assign(contract().variables.size(), 0);
+    for (std::size_t v = 0; v < point.variables.size(); ++v)
+      if (with_task_ || !is_task_variable(contract().variables[v])) take(point.variables[v]);
   }
 
   /// Names joined by "+", or "none".
@@ -88,10 +93,12 @@ class Cells {
   }
 
   bool complete() const { return ok_ && ended_; }
+  /// A row holds the variables of tasks where one is set, and only there.
+  bool as_written(const DesignPoint& point) const { return with_task_ == has_task_values(point.variables); }
 
  private:
   std::string_view rest_;
-  bool ok_ = true, ended_ = false;
+  bool with_task_, ok_ = true, ended_ = false;
 };
 
 void add_point_cells(const DesignPoint& point, std::vector<std::string>& cells) {
@@ -99,26 +106,34 @@ void add_point_cells(const DesignPoint& point, std::vector<std::string>& cells) 
   cells.push_back(to_text(point.seed));
   cells.push_back(to_text(point.replicate_of));
   cells.push_back(to_text(point.proposal_density));
-  for (const double value : point.variables) cells.push_back(to_text(value));
+  const bool with_task = has_task_values(point.variables);
+  for (std::size_t v = 0; v < point.variables.size(); ++v)
+    if (with_task || !is_task_variable(contract().variables[v])) cells.push_back(to_text(point.variables[v]));
 }
 
 }  // namespace
 
-std::vector<std::string> point_columns() {
+bool has_task_values(const std::vector<TrialRecord>& records) {
+  return std::any_of(records.begin(), records.end(),
+                     [](const TrialRecord& record) { return has_task_values(record.point.variables); });
+}
+
+std::vector<std::string> point_columns(bool with_task) {
   std::vector<std::string> names{"index", "seed", "replicate_of", "proposal_density"};
-  for (const Variable& variable : contract().variables) names.push_back(variable.name);
+  for (const Variable& variable : contract().variables)
+    if (with_task || !is_task_variable(variable)) names.push_back(variable.name);
   return names;
 }
 
-std::vector<std::string> record_columns() {
-  std::vector<std::string> names = point_columns();
+std::vector<std::string> record_columns(bool with_task) {
+  std::vector<std::string> names = point_columns(with_task);
   names.insert(names.end(), {"verdict", "reason", "attempts", "failed_checks"});
   for (const Measure& measure : contract().measures) names.push_back(measure.name);
   return names;
 }
 
-std::string header_row() { return join(record_columns()); }
-std::string point_header_row() { return join(point_columns()); }
+std::string header_row(bool with_task) { return join(record_columns(with_task)); }
+std::string point_header_row(bool with_task) { return join(point_columns(with_task)); }
 
 std::string to_row(const DesignPoint& point) {
   std::vector<std::string> cells;
@@ -138,15 +153,15 @@ std::string to_row(const TrialRecord& record) {
 }
 
 std::optional<DesignPoint> parse_point(std::string_view row) {
-  Cells cells(row);
+  Cells cells(row, point_columns(false).size());
   DesignPoint point;
   cells.take_point(point);
-  if (!cells.complete()) return std::nullopt;
+  if (!cells.complete() || !cells.as_written(point)) return std::nullopt;
   return point;
 }
 
 std::optional<TrialRecord> parse_record(std::string_view row) {
-  Cells cells(row);
+  Cells cells(row, record_columns(false).size());
   TrialRecord record;
   cells.take_point(record.point);
   cells.take_name(record.verdict, contract().verdicts);
@@ -155,7 +170,7 @@ std::optional<TrialRecord> parse_record(std::string_view row) {
   cells.take_checks(record.failed_checks);
   record.measures.resize(contract().measures.size());
   for (double& value : record.measures) cells.take(value);
-  if (!cells.complete()) return std::nullopt;
+  if (!cells.complete() || !cells.as_written(record.point)) return std::nullopt;
   return record;
 }
 

@@ -1,5 +1,6 @@
 // One trial as one line of comma-separated values.
 //   index,seed,replicate_of,proposal_density,<variables...>,verdict,reason,attempts,failed_checks,<measures...>
+// Variables of a task (task_variables.h) stand only in tables of trials that have them: all or none of them.
 // Numbers have the fewest digits, at most 17, that read back to the same bits. NaN is "nan".
 #pragma once
 #include <optional>
@@ -11,14 +12,19 @@
 
 namespace gonogo::campaign {
 
-std::vector<std::string> point_columns();
-std::vector<std::string> record_columns();
+/// `with_task`: with the variables of tasks.
+std::vector<std::string> point_columns(bool with_task);
+std::vector<std::string> record_columns(bool with_task);
 
 /// Comma-separated, without the end of line.
-std::string header_row();
-std::string point_header_row();
+std::string header_row(bool with_task);
+std::string point_header_row(bool with_task);
+/// With the variables of tasks where one of them is set.
 std::string to_row(const DesignPoint& point);
 std::string to_row(const TrialRecord& record);
+
+/// Whether any of them sets a variable of a task.
+bool has_task_values(const std::vector<TrialRecord>& records);
 
 /// The inverses. Empty for a line that is no such row: wrong number of columns, no number, unknown name.
 std::optional<DesignPoint> parse_point(std::string_view row);

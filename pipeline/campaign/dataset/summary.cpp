@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "pipeline/campaign/dataset/row.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -158,6 +159,7 @@ DatasetSummary summarise(const std::vector<TrialRecord>& records) {
   }
   for (std::size_t i = 0; i < contract().variables.size(); ++i) {
     const Variable& variable = contract().variables[i];
+    if (is_task_variable(variable) && !has_task_values(records)) continue;
     summary.variables.push_back(
         range_of(variable.name, variable.unit, records, [i](const auto& r) { return r.point.variables[i]; }));
   }

@@ -8,6 +8,7 @@
 #include "pipeline/campaign/design/design_preset.h"
 #include "pipeline/campaign/design/point_file.h"
 #include "pipeline/campaign/design/sobol.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -53,7 +54,16 @@ void read_variables(const Config& section, DesignSpec& spec) {
   if (fixed) fixed->finish();
 }
 
-void require_all_variables(const Config& section, const DesignSpec& spec) {
+/// Trials that no size of an obstacle is given for cross none of that kind.
+void leave_out_obstacles(DesignSpec& spec) {
+  std::vector<bool> ranged(spec.fixed.size(), false);
+  for (const SampledVariable& range : spec.ranges) ranged[range.variable] = true;
+  for (std::size_t i = 0; i < spec.fixed.size(); ++i)
+    if (is_task_variable(contract().variables[i]) && !ranged[i] && std::isnan(spec.fixed[i])) spec.fixed[i] = 0;
+}
+
+void require_all_variables(const Config& section, DesignSpec& spec) {
+  leave_out_obstacles(spec);
   for (std::size_t i = 0; i < contract().variables.size(); ++i) {
     const Variable& variable = contract().variables[i];
     const bool ranged =

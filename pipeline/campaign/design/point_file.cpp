@@ -9,6 +9,7 @@
 #include "base/error.h"
 #include "base/line.h"
 #include "base/units.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::campaign {
 namespace fs = std::filesystem;
@@ -23,9 +24,12 @@ void check_range(const fs::path& file, std::size_t line_number, const Variable& 
                          variable.minimum, variable.maximum));
 }
 
-void require_complete(const fs::path& file, const DesignPoint& point) {
+/// Sizes of obstacles may be left out: 0, there is none.
+void complete(const fs::path& file, DesignPoint& point) {
   for (std::size_t i = 0; i < point.variables.size(); ++i)
-    if (std::isnan(point.variables[i]))
+    if (std::isnan(point.variables[i]) && is_task_variable(contract().variables[i]))
+      point.variables[i] = 0;
+    else if (std::isnan(point.variables[i]))
       throw InputError(file.string() + ": variable \"" + contract().variables[i].name +
                        "\" is neither a column nor under \"fixed\" of the study's design");
 }
@@ -63,7 +67,7 @@ std::vector<DesignPoint> read_point_csv(const fs::path& file, const std::vector<
       if (columns[i]) check_range(file, number, contract().variables[*columns[i]], value);
       (columns[i] ? point.variables[*columns[i]] : point.proposal_density) = value;
     }
-    require_complete(file, point);
+    complete(file, point);
   }
   if (points.empty()) throw InputError(file.string() + ": holds a header and no points");
   return points;
@@ -100,7 +104,7 @@ std::vector<DesignPoint> read_original_points(const fs::path& file, const std::v
     point.variables[cohesion] = values[4] * cohesion_scale;
     for (const std::size_t i : {slope, angle, cohesion})
       check_range(file, number, contract().variables[i], point.variables[i]);
-    require_complete(file, point);
+    complete(file, point);
   }
   return points;
 }

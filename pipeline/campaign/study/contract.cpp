@@ -69,7 +69,7 @@ Variable read_variable(const Config& config) {
   v.maximum = range[1];
   v.sets = config.text("sets");
   v.source = config.text("source");
-  v.prior = config.choice("prior", {"region", "uniform", "fixed"});
+  v.prior = config.choice("prior", {"region", "uniform", "fixed", "task"});
   v.encoder = read_encoder(config.object("encoder"));
   config.finish();
   return v;

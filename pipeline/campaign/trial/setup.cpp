@@ -132,6 +132,69 @@ void check_depth(const Study& study, const TrialSetup& s) {
                                  number_text(s.deepest_bed, 4) + " m; make that as deep");
 }
 
+/// Of a number that a file of points gives; the points are checked one by one [m].
+constexpr double kSmallObstacle = 0.05;
+
+/// The task of a study. Numbers that trial.task lacks and a variable may give are the points'.
+void read_study_task(const Study& study, const Config& c, TrialSetup& s) {
+  Json least = c.json(), largest = c.json();
+  for (const TaskNumber& n : task_numbers(c.text("type"))) {
+    if (c.has(n.key)) continue;
+    const Variable& variable = contract().variables[n.variable];
+    const auto design = study.config.object_if("design");
+    const auto span = design ? span_of(*design, variable.name.c_str(), {}) : std::nullopt;
+    if (!span && !(design && design->has("file")))
+      c.fail(n.key, "missing; give it, or a range or value of " + variable.name + " in the design");
+    s.task_varied.push_back(n);
+    least[n.key] = span ? span->low : kSmallObstacle;
+    largest[n.key] = span ? span->high : kSmallObstacle;
+  }
+  if (s.task_varied.empty()) {
+    s.task = read_task(c);
+    return;
+  }
+  s.task_given = c.json();
+  const std::string name = c.file().string() + ": trial.task";
+  read_task(Config::parse(least.dump(), name));
+  s.task = read_task(Config::parse(largest.dump(), name));
+}
+
+/// What trials of this task cannot take from the design: "type climb has no width".
+std::string refusal_of_size(const TrialSetup& s, std::size_t v) {
+  const std::string type = s.task->name();
+  for (const TaskNumber& n : task_numbers(type))
+    if (n.variable == v) return "trial.task gives " + n.key + " already; keep one of the two";
+  return "trials of type " + type + " have no such number; leave it out, or change trial.task.type";
+}
+
+bool is_varied(const TrialSetup& s, std::size_t v) {
+  return std::any_of(s.task_varied.begin(), s.task_varied.end(), [v](const TaskNumber& n) { return n.variable == v; });
+}
+
+void check_sizes(const TrialSetup& s, const DesignPoint& point) {
+  for (std::size_t v = 0; v < contract().variables.size(); ++v)
+    if (is_task_variable(contract().variables[v]) && point.variables[v] != 0 && !is_varied(s, v))
+      throw InputError(contract().variables[v].name + ": " + refusal_of_size(s, v));
+}
+
+/// Sizes of obstacles in the design must be numbers of the task that it leaves open, and trenches end in grains.
+void check_sizes(const Study& study, const TrialSetup& s) {
+  const auto design = study.config.object_if("design");
+  if (!design) return;
+  for (std::size_t v = 0; v < contract().variables.size(); ++v) {
+    const std::string& name = contract().variables[v].name;
+    if (!is_task_variable(contract().variables[v]) || is_varied(s, v)) continue;
+    if (const auto span = span_of(*design, name.c_str(), {}); span && span->high > 0)
+      span->part.fail(name, refusal_of_size(s, v));
+  }
+  const auto depth = span_of(*design, "ditch_depth", {}), bed = span_of(*design, "bed_depth", {});
+  const double grain = s.calibration.grain_diameter;
+  if (depth && bed && depth->high + grain > bed->low)
+    depth->part.fail("ditch_depth", "goes to " + number_text(depth->high, 4) + " m, and a bed of " +
+                                        number_text(bed->low, 4) + " m leaves no grain below it; make bed_depth " +
+                                        number_text(depth->high + 2 * grain, 3) + " m or more");
+}
+
 /// A quarter vehicle or a whole one.
 void read_mover(TrialSetup& s) {
   if (Config::read(s.vehicle_file).text("kind") == "quarter")
@@ -206,6 +269,17 @@ void fit_to_task(TrialSetup& s) {
 }
 
 }  // namespace
+
+TrialSetup setup_at(const TrialSetup& setup, const DesignPoint& point) {
+  check_sizes(setup, point);
+  if (setup.task_varied.empty()) return setup;
+  TrialSetup own = setup;
+  Json task = setup.task_given;
+  for (const TaskNumber& n : setup.task_varied) task[n.key] = point.variables[n.variable];
+  own.task = read_task(Config::parse(task.dump(), "trial " + std::to_string(point.index) + ": trial.task"));
+  fit_to_task(own);
+  return own;
+}
 
 void check_tyres(const TrialSetup& s) {
   const vehicle::TyreSpring tyre = s.whole ? s.whole->wheel.front().compliant : s.rig.compliant;
@@ -282,7 +356,7 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
     if (const auto c = trial->object_if("drive")) read_drive(*c, s);
     if (const auto c = trial->object_if("numerics")) asked = read_numerics(*c);
     if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
-    if (const auto c = trial->object_if("task")) s.task = read_task(*c);
+    if (const auto c = trial->object_if("task")) read_study_task(study, *c, s);
     s.compliant_tyres = trial->boolean_or("compliant_tyres", false);
     trial->finish();
   }
@@ -290,6 +364,7 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
   check_wheels_on_bed(s);
   check_tyres(s);
   if (s.moving_patch) terrain::check_patch(s.patch(), s.calibration.grain_diameter);
+  check_sizes(study, s);
   fit_to_task(s);
   check_reach(study, s);
   check_depth(study, s);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/campaign/study/task_variables.h"
 #include "pipeline/campaign/trial/task.h"
 #include "terrain/bed/moving_patch.h"
 #include "terrain/bed/numerics.h"
@@ -58,7 +59,10 @@ struct TrialSetup {
   Thresholds thresholds;
   std::filesystem::path packing_folder;         // cache of settled beds
   sim::Backend settled_on = sim::Backend::cpu;  // where beds are settled: on the trials' own device
+  /// Of a study whose points give numbers of it: with their largest values, which the bed must hold.
   std::shared_ptr<const TrialTask> task = default_task();
+  Json task_given = Json::object();  // trial.task of such a study, without these numbers
+  std::vector<TaskNumber> task_varied;
 
   /// Weight that drawbar pulls are divided by [N].
   double weight(double payload) const;
@@ -89,6 +93,10 @@ TrialSetup vehicle_trial_setup(const std::filesystem::path& vehicle, const std::
 
 /// Throws InputError when compliant tyres are asked of a vehicle whose file has no tyre stiffness.
 void check_tyres(const TrialSetup& s);
+
+/// The setup of the trial at a point: its task has the numbers that the point gives. Throws InputError for a point that
+/// sets a number that the task has not, or has already.
+TrialSetup setup_at(const TrialSetup& setup, const DesignPoint& point);
 
 /// Min tyre width in grain diameters for a label that may be published (the scale rule).
 inline constexpr double kGrainsPerTyre = 8;

@@ -59,11 +59,11 @@ std::uint64_t failed_checks(const TrialSetup& setup, const DriveOutcome& o) {
 }  // namespace
 
 TrialRun::TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch watch, TrialCheckpoint checkpoint)
-    : setup_(setup),
+    : setup_(setup_at(setup, point)),
       watch_(std::move(watch)),
       checkpoint_(std::move(checkpoint)),
-      conditions_(conditions_of(setup, point)),
-      packing_(settled_bed(setup, point)),
+      conditions_(conditions_of(setup_, point)),
+      packing_(settled_bed(setup_, point)),
       next_save_(in_seconds(checkpoint_.every * first_part(point.index))) {
   record_.point = point;
   record_.measures.assign(contract().measures.size(), kNaN);

@@ -16,7 +16,7 @@ namespace gonogo::campaign {
 
 class TrialRun {
  public:
-  /// Goes on from the checkpoint's file where there is one. `setup` must outlive it.
+  /// Goes on from the checkpoint's file where there is one.
   TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch watch, TrialCheckpoint checkpoint);
 
   /// Attempt that is next or under way: the places that it enters must take the steps of attempt_settings().
@@ -98,7 +98,7 @@ class TrialRun {
   TrialFrame frame_of(const TrialSample& sample, sim::BodyIndex wheel);
   void show_frame();
 
-  const TrialSetup& setup_;
+  const TrialSetup setup_;  // of this point
   TrialWatch watch_;
   TrialCheckpoint checkpoint_;
   Phase phase_ = Phase::outside;

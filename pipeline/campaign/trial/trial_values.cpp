@@ -4,7 +4,7 @@
 
 #include "base/error.h"
 #include "base/line.h"
-#include "pipeline/campaign/study/contract.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -20,6 +20,7 @@ std::vector<double> middle_values(const Study& study) {
   const auto fixed = design.object_if("fixed"), ranges = design.object_if("ranges");
   for (std::size_t v = 0; v < values.size(); ++v) {
     const std::string& name = contract().variables[v].name;
+    if (is_task_variable(contract().variables[v])) values[v] = 0;
     if (fixed && fixed->has(name)) values[v] = fixed->number(name);
     if (ranges && ranges->has(name)) values[v] = 0.5 * (ranges->numbers(name).at(0) + ranges->numbers(name).at(1));
   }

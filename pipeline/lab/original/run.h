@@ -39,6 +39,7 @@ struct OriginalRecord {
   std::string fault;  // of a run that failed
   std::size_t grains = 0;
   double surface = 0;  // top of the highest grain when the vehicle is made [m]
+  Index slowed = 0;    // times that a grain was slowed to one bin per step, with the vehicle there
   std::vector<OriginalSample> sample;
 };
 

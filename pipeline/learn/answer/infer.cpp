@@ -12,7 +12,7 @@
 #include "base/error.h"
 #include "base/file.h"
 #include "base/line.h"
-#include "pipeline/campaign/study/contract.h"
+#include "pipeline/campaign/study/task_variables.h"
 #include "pipeline/learn/answer/model_gravity.h"
 #include "pipeline/learn/answer/named_values.h"
 
@@ -146,6 +146,9 @@ Json answer_question(const Predictor& predictor, const Question& question) {
   Json json, given = Json::object(), unknown = Json::array(), outcomes = Json::object();
   for (std::size_t v = 0; v < variables.size(); ++v) {
     const std::string& name = campaign::contract().variables[v].name;
+    const bool has_it =
+        !campaign::is_task_variable(campaign::contract().variables[v]) || predictor.model().sampled_upper[v] > 0;
+    if (std::isnan(variables[v]) && !has_it) continue;
     if (std::isnan(variables[v]))
       unknown.push_back(name);
     else

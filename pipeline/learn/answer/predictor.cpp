@@ -8,7 +8,7 @@
 #include "base/hash.h"
 #include "learning/model/posterior.h"
 #include "learning/score/calibration.h"
-#include "pipeline/campaign/study/contract.h"
+#include "pipeline/learn/answer/contract_model.h"
 #include "pipeline/learn/training/training_data.h"
 
 namespace gonogo::learn {
@@ -52,24 +52,10 @@ double typical_distance(const learning::Model& model) {
   return distances[distances.size() / 2];
 }
 
-void check_contract(const learning::Model& model, const std::string& source) {
-  bool same = model.layout.variable_count() == campaign::contract().variables.size() &&
-              model.layout.outcome_count() == campaign::contract().outcomes.size();
-  for (std::size_t v = 0; same && v < campaign::contract().variables.size(); ++v)
-    same = model.layout.encoders()[v].name() == campaign::contract().variables[v].name;
-  for (std::size_t y = 0; same && y < campaign::contract().outcomes.size(); ++y)
-    same = model.layout.outcomes()[y] == campaign::contract().outcomes[y].name;
-  if (!same)
-    throw InputError(source +
-                     ": was trained with other variables or outcomes than this program's contract; train again");
-}
-
 }  // namespace
 
 Predictor Predictor::read(const std::filesystem::path& model_file) {
-  learning::Model model = learning::read_model(model_file);
-  check_contract(model, model_file.string());
-  return Predictor(std::move(model));
+  return Predictor(read_contract_model(model_file));
 }
 
 Predictor::Predictor(learning::Model model)

@@ -11,6 +11,7 @@
 #include "learning/encoding/code_penalty.h"
 #include "learning/qubo/dimod.h"
 #include "learning/qubo/foreign_file.h"
+#include "pipeline/learn/answer/contract_model.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/qubo/code_machine.h"
 #include "pipeline/learn/qubo/decode_answer.h"
@@ -137,7 +138,7 @@ Exported write(const learning::Problem& problem, Sidecar sidecar, const fs::path
 Exported export_problem(const fs::path& model_file, const fs::path& problem_file,
                         const std::map<std::string, double>& clamped, learning::Vartype vartype,
                         const FileChoice& choice, std::optional<double> code_penalty) {
-  const learning::Model model = learning::read_model(model_file);
+  const learning::Model model = read_contract_model(model_file);
   const std::vector<double> fixed = unit_values(model, clamped);
   const std::vector<double> point = model_point(model, clamped);
   const PreparedMachine prepared =

@@ -11,6 +11,7 @@
 #include "learning/rbm/train.h"
 #include "learning/sampler/stand_in.h"
 #include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/learn/answer/contract_model.h"
 #include "pipeline/learn/training/kept_work.h"
 #include "pipeline/learn/training/teacher.h"
 #include "pipeline/learn/training/training_data.h"
@@ -34,7 +35,7 @@ void reweigh(learning::TrainingTable& table, std::uint64_t seed, int member) {
 }  // namespace
 
 std::vector<std::filesystem::path> train_members(const TrainRequest& request, int count) {
-  const learning::Model base = learning::read_model(request.model);
+  const learning::Model base = read_contract_model(request.model);
   if (base.provenance.at("data_hash").string() != file_hash(request.dataset))
     throw InputError(request.model.string() + ": was trained on other trials than " + request.dataset.string() +
                      "; train it anew with gonogo train");

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::map {
 namespace {
@@ -60,6 +61,8 @@ std::vector<std::vector<double>> spread_points(const Spreads& spreads, int draws
       std::vector<double>(variables.size(), std::numeric_limits<double>::quiet_NaN()));
   int dimension = 0;
   for (std::size_t v = 0; v < variables.size(); ++v) {
+    if (campaign::is_task_variable(variables[v]))
+      for (std::vector<double>& point : points) point[v] = 0;
     const auto found = spreads.find(variables[v].name);
     if (found == spreads.end() || found->second.kind == Spread::Kind::unknown) continue;
     const Spread& spread = found->second;

@@ -24,7 +24,8 @@ using Spreads = std::map<std::string, Spread>;
 /// without a source. Slopes are refused because the elevation raster gives them.
 Spreads read_spreads(const Config& config);
 
-/// Equally likely points over all variables of the contract [points][variable count]; NaN where unknown, as slopes are.
+/// Equally likely points over all variables of the contract [points][variable count]; NaN where unknown, as slopes are,
+/// and 0 for sizes of obstacles that are not given: there is none.
 /// They are the Hammersley set of `draws` points over the ranges, or one point without a range. No random numbers.
 /// Hammersley 1960, "Monte Carlo methods for solving multivariable problems". Every `shift` is another set: it is
 /// rotated by shift times the square root of the dimension's prime, modulo 1 (Cranley and Patterson 1976).

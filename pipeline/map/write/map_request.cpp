@@ -10,6 +10,7 @@
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/study/study.h"
+#include "pipeline/campaign/study/task_variables.h"
 #include "pipeline/learn/answer/named_values.h"
 #include "pipeline/map/model/speed_of_trials.h"
 #include "pipeline/map/model/trained_model.h"
@@ -133,7 +134,8 @@ void open_mission(Region& region, const OutcomeModel& model) {
   for (std::size_t v = 0; v < model.sampled.size(); ++v) {
     const campaign::Variable& variable = campaign::contract().variables[v];
     const Range sampled = model.sampled[v];
-    if (variable.prior == "region" || !(sampled.minimum < sampled.maximum)) continue;
+    if (variable.prior == "region" || campaign::is_task_variable(variable) || !(sampled.minimum < sampled.maximum))
+      continue;
     region.values[variable.name] = {Spread::Kind::range, sampled.minimum, sampled.maximum,
                                     "not given: the range that trials sampled"};
   }

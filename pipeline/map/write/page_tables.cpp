@@ -5,6 +5,7 @@
 
 #include "base/line.h"
 #include "base/units.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 namespace gonogo::map {
 namespace {
@@ -67,6 +68,7 @@ std::vector<std::string> unknown_of(const MapRequest& request, const Soil& soil,
   for (std::size_t v = 0; v < variables.size(); ++v) {
     if (variables[v].name == "slope_along" || variables[v].name == "slope_across") continue;
     const Range sampled = request.model.sampled[v];
+    if (campaign::is_task_variable(variables[v]) && sampled.maximum == 0) continue;
     if (sampled.minimum == sampled.maximum)
       lines.push_back(
           line("%s: all trials had %g %s", variables[v].label.c_str(), sampled.minimum, variables[v].unit.c_str()));

@@ -307,7 +307,7 @@ TEST_CASE("a study steps by the numerics of its soil's table but for those that 
 
 TEST_CASE("shipped studies lie within reach of their tables, and one with more cohesion than that is refused at once") {
   const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
-  for (const char* study : {"demo", "quarter_wheel_32mm", "hmmwv_32mm"})
+  for (const char* study : {"demo", "quarter_wheel_32mm", "hmmwv_32mm", "hmmwv_ditch_32mm"})
     CHECK_NOTHROW(read_trial_setup(read_study(configs / "studies" / (std::string(study) + ".json"))));
   const TemporaryFolder folder;
   std::string text = read_file(configs / "studies/quarter_wheel_32mm.json");
