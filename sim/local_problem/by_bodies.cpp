@@ -1,10 +1,10 @@
 #include "sim/local_problem/by_bodies.h"
 
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseLU>
 
 #include "sim/local_problem/block_diagonal.h"
-#include "sim/local_problem/body_form.h"
+#include "sim/local_problem/block_ldlt.h"
+#include "sim/local_problem/scaled_form.h"
 
 namespace gonogo::sim {
 namespace {
@@ -12,37 +12,42 @@ namespace {
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 
-/// B in the units of `of`, without the rows that stay 0.
-Sparse scaled_form(const LocalProblem& p, const ScaledProblem& of, const std::vector<char>& fixed) {
-  constexpr int kFreedoms = BodyForm::kFreedoms;
-  std::vector<Eigen::Triplet<double>> entry;
-  for (Index i = 0; i < p.contact_count(); ++i) {
-    const BodyForm::Contact& c = p.bodies->contact[std::size_t(i)];
-    for (int k = 0; k < 2; ++k)
-      for (int a = 0; a < p.dimension && c.body[k] >= 0; ++a) {
-        const Index row = i * p.dimension + a;
-        for (int f = 0; f < kFreedoms && !fixed[std::size_t(row)]; ++f)
-          if (c.row[k][a][f] != 0) entry.emplace_back(row, c.body[k] * kFreedoms + f, of.unit[row] * c.row[k][a][f]);
-      }
+/// L D L^T by fronts of bodies' blocks, with the interface of Eigen's factors.
+class Fronts {
+ public:
+  void compute(const Sparse& a) {
+    Sparse nothing(a.rows(), a.cols());
+    is_sound_ = factors_.factorise(a, nothing);
   }
-  Sparse b(Eigen::Index(p.q.size()), Eigen::Index(p.bodies->body_count) * kFreedoms);
-  b.setFromTriplets(entry.begin(), entry.end());
-  return b;
-}
+  Eigen::ComputationInfo info() const { return is_sound_ ? Eigen::Success : Eigen::NumericalIssue; }
+  VectorXd solve(VectorXd x) const {
+    factors_.solve(x);
+    return x;
+  }
+
+ private:
+  BlockLdlt factors_{BodyForm::kFreedoms};
+  bool is_sound_ = false;
+};
 
 template <class Factors>
 class ByBodies final : public NewtonSystem {
  public:
-  ByBodies(Sparse b, int dimension) : b_(std::move(b)), transposed_(b_.transpose()), dimension_(dimension) {}
+  ByBodies(Sparse b, int dimension)
+      : b_(std::move(b)),
+        transposed_(b_.transpose()),
+        identity_(b_.cols(), b_.cols()),
+        unit_(b_.rows(), b_.rows()),
+        dimension_(dimension) {
+    identity_.setIdentity();
+    unit_.setIdentity();
+  }
 
-  bool factorise(const Sparse& w, const Sparse& cones) override {
-    w_ = &w;
+  bool factorise(const Sparse&, const Sparse& cones) override {
     cones_ = cones;
-    inverse_ = inverse_blocks(cones, dimension_);
+    inverse_ = inverse_blocks(Sparse(cones + kShift * unit_), dimension_);
     const Sparse scaled = inverse_ * b_;
-    Sparse matrix = transposed_ * scaled;
-    for (Eigen::Index k = 0; k < matrix.cols(); ++k) matrix.coeffRef(k, k) += 1;
-    factors_.compute(matrix);
+    factors_.compute(Sparse(identity_ + Sparse(transposed_ * scaled)));
     return factors_.info() == Eigen::Success;
   }
 
@@ -52,7 +57,7 @@ class ByBodies final : public NewtonSystem {
     constexpr double kEnough = 1e-13;
     x = once(rhs);
     for (int k = 0; k < kRefinements; ++k) {
-      const VectorXd left = rhs - *w_ * x - cones_ * x;
+      const VectorXd left = rhs - b_ * VectorXd(transposed_ * x) - cones_ * x;
       if (!(left.norm() > kEnough * rhs.norm())) break;
       x += once(left);
     }
@@ -66,8 +71,9 @@ class ByBodies final : public NewtonSystem {
     return y - inverse_ * VectorXd(b_ * motion);
   }
 
-  Sparse b_, transposed_, cones_, inverse_;
-  const Sparse* w_ = nullptr;
+  /// Added to the cones, whose smallest numbers would else lose all digits. What that changes is refined away.
+  static constexpr double kShift = 1e-9;
+  Sparse b_, transposed_, identity_, unit_, cones_, inverse_;
   int dimension_;
   Factors factors_;
 };
@@ -77,7 +83,7 @@ class ByBodies final : public NewtonSystem {
 std::unique_ptr<NewtonSystem> make_system_by_bodies(const LocalProblem& problem, const ScaledProblem& of,
                                                     const std::vector<char>& fixed, bool is_symmetric) {
   Sparse b = scaled_form(problem, of, fixed);
-  if (is_symmetric) return std::make_unique<ByBodies<Eigen::SimplicialLDLT<Sparse>>>(std::move(b), problem.dimension);
+  if (is_symmetric) return std::make_unique<ByBodies<Fronts>>(std::move(b), problem.dimension);
   return std::make_unique<ByBodies<Eigen::SparseLU<Sparse>>>(std::move(b), problem.dimension);
 }
 

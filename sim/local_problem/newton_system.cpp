@@ -7,6 +7,7 @@
 #include "sim/local_problem/banded/spike_preconditioner.h"
 #include "sim/local_problem/block_ldlt.h"
 #include "sim/local_problem/by_bodies.h"
+#include "sim/local_problem/hub_system.h"
 #include "sim/local_problem/tt_system.h"
 
 namespace gonogo::sim {
@@ -105,6 +106,7 @@ std::unique_ptr<NewtonSystem> make_newton_system(LocalSolver solver, bool is_sym
   if (solver == LocalSolver::pdip_blocks || solver == LocalSolver::pdip_tt)
     return make_block_system(problem.dimension, solver == LocalSolver::pdip_tt);
   if (solver != LocalSolver::pdip) return std::make_unique<Krylov>(solver == LocalSolver::pdip_spike);
+  if (is_symmetric && (!problem.is_whole || has_hubs(problem))) return make_system_without_hubs(problem, of, fixed);
   if (is_symmetric) return std::make_unique<ByFronts>(problem.dimension);
   return std::make_unique<General>();
 }

@@ -265,7 +265,7 @@ LocalSolution solve_pdip(const LocalProblem& problem, const LocalSolveSettings& 
   const bool is_direct =
       settings.solver == LocalSolver::pdip ||
       settings.solver == LocalSolver::pdip_bodies;  // the others show what Krylov methods reach alone
-  if (is_direct && k < max && best.best.error > settings.tolerance)
+  if (is_direct && problem.is_whole && k < max && best.best.error > settings.tolerance)
     finish_by_proximal_points(problem, settings, max - k, best);
   return best.best;
 }

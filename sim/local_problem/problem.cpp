@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "sim/local_problem/body_form.h"
 
 namespace gonogo::sim {
 namespace {
@@ -111,6 +112,7 @@ void contact_velocity(const LocalProblem& problem, const std::vector<double>& r,
 }
 
 std::vector<double> velocity(const LocalProblem& problem, const std::vector<double>& r) {
+  if (!problem.is_whole) return velocity_by_bodies(problem, r);
   std::vector<double> u(problem.q.size());
   for (Index i = 0; i < problem.contact_count(); ++i)
     contact_velocity(problem, r, i, u.data() + std::size_t(i) * problem.dimension);

@@ -50,6 +50,7 @@ struct LocalProblem {
   }
 
   std::shared_ptr<const struct BodyForm> bodies;  // W = B B^T by bodies (body_form.h), where that is known
+  bool is_whole = true;  // false: w holds the diagonal blocks alone, and products with W go by bodies
 
   std::vector<std::size_t> diagonal;  // block number of each contact's diagonal block [contact_count]
 };
@@ -63,7 +64,7 @@ LocalProblem make_problem(const std::string& name, int dimension, const std::vec
 /// u = W r + q.
 std::vector<double> velocity(const LocalProblem& problem, const std::vector<double>& r);
 
-/// The rows of u = W r + q that belong to one contact, into u[dimension].
+/// The rows of u = W r + q that belong to one contact, into u[dimension]. The problem is whole.
 void contact_velocity(const LocalProblem& problem, const std::vector<double>& r, Index contact, double* u);
 
 }  // namespace gonogo::sim

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/local_problem/body_form.h"
 #include "sim/local_problem/methods.h"
 
 namespace gonogo::sim {
@@ -99,12 +100,19 @@ LocalSolution solve_fixed_point(const LocalProblem& problem, const LocalSolveSet
   const double omega = settings.omega > 0 ? settings.omega : by_jacobi ? 0.2 : 1;
   Values r(problem.q.size(), 0.0);
   return iterate(problem, settings, r, [&] {
-    const Values all = by_jacobi ? velocity(problem, r) : Values();
+    if (by_jacobi) {
+      const Values u = velocity(problem, r);
+      for (std::size_t k = 0; k < r.size(); k += std::size_t(d))
+        relax(problem, Index(k) / d, omega, settings.lambda, u.data() + k, r.data() + k);
+      return;
+    }
+    ContactVelocities velocities(problem, r);
     for (Index i = 0; i < problem.contact_count(); ++i) {
-      double u[5];
-      if (!by_jacobi) contact_velocity(problem, r, i, u);
-      relax(problem, i, omega, settings.lambda, by_jacobi ? all.data() + std::size_t(i) * d : u,
-            r.data() + std::size_t(i) * d);
+      double u[5], before[5], *const ri = r.data() + std::size_t(i) * d;
+      velocities.at(i, u);
+      std::copy_n(ri, d, before);
+      relax(problem, i, omega, settings.lambda, u, ri);
+      velocities.changed(i, before);
     }
   });
 }

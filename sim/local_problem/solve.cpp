@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "sim/local_problem/body_form.h"
 #include "sim/local_problem/methods.h"
 #include "sim/local_problem/one_contact.h"
 
@@ -57,14 +58,17 @@ std::vector<double> diagonal_weight(const LocalProblem& problem) {
 
 void sweep(const LocalProblem& problem, Target target, std::vector<double>& r) {
   const int d = problem.dimension;
-  double b[5];
+  ContactVelocities velocities(problem, r);
+  double b[5], before[5];
   for (Index i = 0; i < problem.contact_count(); ++i) {
     double* const ri = r.data() + std::size_t(i) * d;
     const double* const block = problem.diagonal_block(i);
-    contact_velocity(problem, r, i, b);
+    velocities.at(i, b);
+    std::copy_n(ri, d, before);
     for (int row = 0; row < d; ++row)
       for (int column = 0; column < d; ++column) b[row] -= block[row * d + column] * ri[column];
     solve_one_contact(problem, i, target, block, b, ri);
+    velocities.changed(i, before);
   }
 }
 
@@ -94,6 +98,24 @@ bool is_for_ccp_alone(LocalSolver solver) {
     case LocalSolver::pdip_blocks:
     case LocalSolver::pdip_tt:
       return true;
+    default:
+      return false;
+  }
+}
+
+/// Whether the solver needs no more of W than products and diagonal blocks, or makes what it needs from the bodies.
+bool is_without_matrix(LocalSolver solver, Target target) {
+  switch (solver) {
+    case LocalSolver::nsgs:
+    case LocalSolver::apgd:
+    case LocalSolver::anderson:
+    case LocalSolver::jacobi:
+    case LocalSolver::gauss_seidel:
+    case LocalSolver::nesterov:
+    case LocalSolver::pdip_bodies:
+      return true;
+    case LocalSolver::pdip:
+      return target == Target::ccp;
     default:
       return false;
   }
@@ -129,6 +151,10 @@ LocalSolution solve(const LocalProblem& problem, const LocalSolveSettings& setti
     return refused(problem, settings, " refuses coulomb; it solves the convex relaxation, ccp");
   if (settings.solver == LocalSolver::pdip_bodies && !problem.bodies)
     return refused(problem, settings, " refuses a problem whose bodies are not known; take a step of a scene, or pdip");
+  if (!problem.is_whole && !is_without_matrix(settings.solver, settings.target))
+    return refused(problem, settings,
+                   " refuses a problem without its matrix W; take fewer bodies, or apgd, nsgs, anderson, pdip_bodies, "
+                   "or pdip for ccp");
   switch (settings.solver) {
     case LocalSolver::nsgs:
       return solve_nsgs(problem, settings);

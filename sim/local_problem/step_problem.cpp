@@ -49,7 +49,7 @@ double root_of(Real inverse) { return std::sqrt(double(inverse)); }
 }  // namespace
 
 StepProblem::StepProblem(const std::string& name, const SceneWorld& world, const std::vector<BodyState>& before,
-                         const std::vector<Contact>& found, double step) {
+                         const std::vector<Contact>& found, double step, std::size_t most_whole) {
   check(name, world, found);
   for (const Contact& c : found)
     if (c.rho > 0) local_.dimension = 5;
@@ -68,8 +68,14 @@ StepProblem::StepProblem(const std::string& name, const SceneWorld& world, const
   add_contacts(found);
   if (form_.contact.empty()) throw InputError(name + ": the step has no contact; take a scene in which bodies touch");
   std::vector<double> q = std::move(local_.q), mu = std::move(local_.mu), roll = std::move(local_.mu_roll);
-  local_ = make_problem(name, local_.dimension, delassus(name), std::move(q), std::move(mu), std::move(roll));
+  const auto ends = ends_of_bodies();
+  std::size_t blocks = 0;
+  for (const auto& of_body : ends) blocks += of_body.size() * of_body.size();
+  const bool is_whole = blocks <= most_whole;
+  local_ = make_problem(name, local_.dimension, is_whole ? delassus(ends) : diagonal_blocks(), std::move(q),
+                        std::move(mu), std::move(roll));
   local_.bodies = std::make_shared<const BodyForm>(form_);
+  local_.is_whole = is_whole;
 }
 
 void StepProblem::set_free_motion(const SceneWorld& world, const std::vector<BodyState>& before, double step) {
@@ -135,30 +141,39 @@ void StepProblem::add_contacts(const std::vector<Contact>& found) {
   }
 }
 
-std::vector<Triplet> StepProblem::delassus(const std::string& name) const {
-  struct End {
-    Index contact;
-    int side;
-  };
-  std::vector<std::vector<End>> of_body(std::size_t(form_.body_count));
+std::vector<std::vector<StepProblem::End>> StepProblem::ends_of_bodies() const {
+  std::vector<std::vector<End>> ends(std::size_t(form_.body_count));
   for (std::size_t i = 0; i < form_.contact.size(); ++i)
     for (int k = 0; k < 2; ++k)
-      if (const Index b = form_.contact[i].body[k]; b >= 0) of_body[std::size_t(b)].push_back({Index(i), k});
-  std::size_t blocks = 0;
-  for (const auto& ends : of_body) blocks += ends.size() * ends.size();
-  if (blocks > kMaxBlocks)
-    throw InputError(name + ": its matrix has " + std::to_string(blocks) + " blocks; at most " +
-                     std::to_string(kMaxBlocks) + " are possible, take fewer bodies");
+      if (const Index b = form_.contact[i].body[k]; b >= 0) ends[std::size_t(b)].push_back({Index(i), k});
+  return ends;
+}
+
+std::vector<Triplet> StepProblem::delassus(const std::vector<std::vector<End>>& ends) const {
   const int d = local_.dimension;
+  std::size_t blocks = 0;
+  for (const auto& of_body : ends) blocks += of_body.size() * of_body.size();
   std::vector<Triplet> w;
   w.reserve(blocks * std::size_t(d * d));
-  for (const auto& ends : of_body)
-    for (const End& i : ends)
-      for (const End& j : ends)
+  for (const auto& of_body : ends)
+    for (const End& i : of_body)
+      for (const End& j : of_body)
         for (int a = 0; a < d; ++a)
           for (int b = 0; b < d; ++b)
             w.push_back({i.contact * d + a, j.contact * d + b,
                          dot(form_.contact[i.contact].row[i.side][a], form_.contact[j.contact].row[j.side][b])});
+  return w;
+}
+
+std::vector<Triplet> StepProblem::diagonal_blocks() const {
+  const int d = local_.dimension;
+  std::vector<Triplet> w;
+  for (std::size_t i = 0; i < form_.contact.size(); ++i)
+    for (int k = 0; k < 2; ++k)
+      for (int a = 0; a < d && form_.contact[i].body[k] >= 0; ++a)
+        for (int b = 0; b < d; ++b)
+          w.push_back(
+              {Index(i) * d + a, Index(i) * d + b, dot(form_.contact[i].row[k][a], form_.contact[i].row[k][b])});
   return w;
 }
 

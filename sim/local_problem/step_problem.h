@@ -25,14 +25,14 @@ struct StepMotion {
 
 class StepProblem {
  public:
-  static constexpr std::size_t kMaxBlocks = 12'000'000;
+  static constexpr std::size_t kMostWhole = 12'000'000;  // blocks of W
 
   /// `before`: all bodies at the start of the step. `found`: the contacts of the engine in it, bodies counted in the
-  /// world. `step` [s], taken as one substep. Contacts that no body can yield to are left out. Throws InputError,
-  /// starting with `name`, for joints, springs, motors, force elements, cohesion, compliant contacts and spinning
-  /// friction, where no contact is left, and where W has more than kMaxBlocks blocks.
+  /// world. `step` [s], taken as one substep. Contacts that no body can yield to are left out. A problem whose W has
+  /// more than `most_whole` blocks is not whole. Throws InputError, starting with `name`, for joints, springs, motors,
+  /// force elements, cohesion, compliant contacts and spinning friction, and where no contact is left.
   StepProblem(const std::string& name, const SceneWorld& world, const std::vector<BodyState>& before,
-              const std::vector<Contact>& found, double step);
+              const std::vector<Contact>& found, double step, std::size_t most_whole = kMostWhole);
 
   const LocalProblem& local() const { return local_; }
 
@@ -49,10 +49,18 @@ class StepProblem {
     Vec3d linear, turn[3];
   };
 
+  /// A contact of a body, which is its first or second one.
+  struct End {
+    Index contact;
+    int side;
+  };
+
   void set_free_motion(const SceneWorld& world, const std::vector<BodyState>& before, double step);
   void add_contacts(const std::vector<Contact>& found);
   Freedoms scaled_row(BodyIndex body, const Vec3d& linear, const Vec3d& angular) const;
-  std::vector<Triplet> delassus(const std::string& name) const;
+  std::vector<std::vector<End>> ends_of_bodies() const;
+  std::vector<Triplet> delassus(const std::vector<std::vector<End>>& ends) const;
+  std::vector<Triplet> diagonal_blocks() const;
 
   LocalProblem local_;
   BodyForm form_;

@@ -106,6 +106,72 @@ TEST_CASE("systems over bodies solve exact friction as those over contacts do") 
   CHECK(length(a.momentum - b.momentum) < 1e-4 * length(b.momentum));
 }
 
+TEST_CASE("without W, products by bodies and the solvers that need no more agree with those on W") {
+  for (const double rolling : {0.0, 0.2}) {
+    const Step s = first_step(pile(5, rolling));
+    const StepProblem with = problem_of(s), without = {"step", s.world, s.world.body, s.contacts, s.length, 0};
+    const LocalProblem &p = with.local(), &by_bodies = without.local();
+    REQUIRE(p.is_whole);
+    REQUIRE(!by_bodies.is_whole);
+    CHECK(by_bodies.w.column.size() == by_bodies.mu.size());
+    std::vector<double> r(p.q.size());
+    for (std::size_t k = 0; k < r.size(); ++k) r[k] = std::sin(double(k + 1));
+    const std::vector<double> u = velocity(p, r), also = velocity(by_bodies, r);
+    double largest = 0;
+    for (const double value : u) largest = std::max(largest, std::fabs(value));
+    for (std::size_t k = 0; k < u.size(); ++k) CHECK(std::fabs(also[k] - u[k]) < 1e-12 * largest);
+    for (const LocalSolver solver :
+         {LocalSolver::nsgs, LocalSolver::apgd, LocalSolver::anderson, LocalSolver::jacobi, LocalSolver::gauss_seidel,
+          LocalSolver::nesterov, LocalSolver::pdip_bodies, LocalSolver::pdip}) {
+      const LocalSolveSettings settings{solver, Target::ccp, 1e-5, 5000};
+      const LocalSolution x = sim::solve(p, settings), y = sim::solve(by_bodies, settings);
+      INFO(solver_name(solver) << " rolling " << rolling << " iterations " << x.iterations << ", " << y.iterations);
+      CHECK(y.refusal.empty());
+      CHECK(y.error <= std::max(1e-5, 1.01 * x.error));
+      CHECK(std::abs(x.iterations - y.iterations) <= 10 + x.iterations / 10);
+      CHECK(siconos_error(p, y.r, Target::ccp) == Approx(y.error).epsilon(1e-6));
+      CHECK(without.motion(y.r).kinetic_energy == Approx(with.motion(x.r).kinetic_energy).epsilon(1e-3));
+    }
+    for (const LocalSolver solver :
+         {LocalSolver::pdip_blocks, LocalSolver::ppa, LocalSolver::admm, LocalSolver::minres})
+      CHECK(sim::solve(by_bodies, {solver, Target::ccp, 1e-5, 0}).refusal.find("without its matrix W") !=
+            std::string::npos);
+  }
+}
+
+TEST_CASE("interior points set a lid of many contacts apart, with and without W, and find the motion of gradients") {
+  SceneWorld w = open_world({0.5f, 0, 0});
+  add_plane(w);
+  constexpr double kRadius = 0.02;
+  Draw draw(11);
+  for (int k = 0; k < 162; ++k) {
+    const Vec3d at = Vec3d{2.0 * (k % 9), 2.0 * (k / 9 % 9), 2.0 * (k / 81) + 1} * kRadius + draw.direction() * 2e-4;
+    const BodyIndex b = w.add_sphere(at, Real(kRadius), density_for(0.05, kRadius), 0);
+    w.body[b].velocity = static_cast<Vec3>(draw.direction() * 0.3);
+  }
+  const BodyIndex lid = add_plane(w, {0, 0, 4 * kRadius + 1e-4}, {0, 1, 0, 0});
+  w.mass[lid].inverse_mass.z = 0.2f;
+  w.shape.front().group = w.shape.back().group = 1;  // floor and lid
+  const Step s = first_step(w);
+  const StepProblem with = problem_of(s), without = {"step", s.world, s.world.body, s.contacts, s.length, 0};
+  Index lid_contacts = 0;
+  for (const Contact& c : s.contacts) lid_contacts += c.body_a == lid || c.body_b == lid;
+  REQUIRE(lid_contacts > 48);
+  const LocalSolution reference = sim::solve(with.local(), {LocalSolver::apgd, Target::ccp, 1e-8, 0});
+  REQUIRE(reference.error <= 1e-8);
+  const StepMotion expected = with.motion(reference.r);
+  for (const StepProblem* problem : {&with, &without})
+    for (const auto& [solver, error] : {std::pair{LocalSolver::pdip, 1e-7}, {LocalSolver::pdip_bodies, 1e-5}}) {
+      const LocalSolution x = sim::solve(problem->local(), {solver, Target::ccp, error, 0});
+      INFO(solver_name(solver) << " whole " << problem->local().is_whole << " iterations " << x.iterations);
+      CHECK(x.error <= error);
+      CHECK(x.iterations <= 30);
+      const StepMotion found = problem->motion(x.r);
+      CHECK(found.kinetic_energy == Approx(expected.kinetic_energy).epsilon(1e-4));
+      CHECK(length(found.momentum - expected.momentum) < 1e-4 * length(expected.momentum));
+    }
+}
+
 TEST_CASE("a start of the right impulses is taken by those that can and refused by the others") {
   const Step s = first_step(pile(3, 0));
   const StepProblem problem = problem_of(s);

@@ -184,6 +184,11 @@ void add_solver_bench(CLI::App& bench, const Globals& globals) {
                    "A solver that took longer at some size is not run at larger ones [s]")
       ->check(CLI::Range(0.001, 1e6))
       ->capture_default_str();
+  command
+      ->add_option("--whole", request->bench.most_whole,
+                   "Scenes whose matrix W has more blocks are solved without it, with products by bodies")
+      ->check(CLI::Range(0, 100000000))
+      ->capture_default_str();
   command->add_option("--solver", request->solvers, "Solvers as for gonogo validate fclib, separated by commas")
       ->check(CLI::IsMember(sim::solver_names()))
       ->delimiter(',')

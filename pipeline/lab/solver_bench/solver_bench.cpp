@@ -84,7 +84,7 @@ class SceneRuns {
   void run(int bodies) {
     runs_.begin("settling " + step_scene_names()[std::size_t(scene_)] + " " + std::to_string(bodies));
     const SceneStep step = settled_step(scene_, bodies, bench_.threads);
-    const sim::StepProblem problem = step_problem(step);
+    const sim::StepProblem problem = step_problem(step, bench_.most_whole);
     for (const sim::LocalSolver solver : bench_.solvers) {
       sim::LocalSolveSettings settings = settings_of(bench_, solver);
       if (bench_.is_warm && sim::takes_start(solver)) settings.start = warm_start(step, problem);

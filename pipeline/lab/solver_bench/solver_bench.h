@@ -27,7 +27,8 @@ struct SolverBench {
   sim::LocalSolveSettings settings;                     // target, limits and facets; the tolerance is the last of these
   bool is_warm = false;                                 // solvers that can, start from the step before
   double skip_after = 60;  // a solver that took longer at a size of a scene is not run at larger ones [s]
-  int threads = 1;         // of the engine
+  std::size_t most_whole = sim::StepProblem::kMostWhole;  // blocks of W; with more, products go by bodies
+  int threads = 1;                                        // of the engine
 };
 
 struct SolverRun {

@@ -223,8 +223,8 @@ SceneStep settled_step(StepScene scene, int bodies, int threads) {
   return step;
 }
 
-sim::StepProblem step_problem(const SceneStep& step) {
-  return {step.name, step.world, step.world.body, step.contacts, step.settings.step};
+sim::StepProblem step_problem(const SceneStep& step, std::size_t most_whole) {
+  return {step.name, step.world, step.world.body, step.contacts, step.settings.step, most_whole};
 }
 
 std::vector<double> warm_start(const SceneStep& step, const sim::StepProblem& problem) {

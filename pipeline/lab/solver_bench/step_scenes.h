@@ -37,7 +37,8 @@ struct SceneStep {
 /// the user asked to stop.
 SceneStep settled_step(StepScene scene, int bodies, int threads);
 
-sim::StepProblem step_problem(const SceneStep& step);
+/// Not whole where W has more than `most_whole` blocks.
+sim::StepProblem step_problem(const SceneStep& step, std::size_t most_whole = sim::StepProblem::kMostWhole);
 
 /// The impulses of the step before, in the frames of the problem's contacts; 0 for new contacts. Contacts are known by
 /// their bodies.

@@ -105,6 +105,25 @@ TEST_CASE("all solvers agree on momentum and kinetic energy after a step of a sc
   }
 }
 
+TEST_CASE("a bench without W runs the solvers that need none, to the same motion, and the others refuse") {
+  SolverBench bench;
+  bench.scenes = {{StepScene::filling, {40}}};
+  bench.solvers = {sim::LocalSolver::apgd, sim::LocalSolver::nsgs, sim::LocalSolver::pdip, sim::LocalSolver::ppa};
+  bench.tolerances = {1e-4};
+  bench.settings.target = sim::Target::ccp;
+  const auto with = bench_solvers(bench);
+  bench.most_whole = 0;
+  const auto without = bench_solvers(bench);
+  REQUIRE(without.size() == 4);
+  for (std::size_t k = 0; k < 3; ++k) {
+    INFO(without[k].solver);
+    CHECK(without[k].error <= 1e-4);
+    CHECK(without[k].motion.kinetic_energy == Approx(with[0].motion.kinetic_energy).epsilon(1e-2));
+  }
+  CHECK(with[3].refusal.empty());
+  CHECK(without[3].refusal.find("without its matrix W") != std::string::npos);
+}
+
 TEST_CASE("a warm start is nearer to the solution than nothing") {
   const SceneStep step = settled_step(StepScene::stack, 8, 1);
   const sim::StepProblem problem = step_problem(step);
