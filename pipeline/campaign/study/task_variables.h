@@ -2,7 +2,7 @@
 //
 // Their name is that of the type and of the number: ditch_width is "width_m" of the type "ditch". A study gives such a
 // number either in trial.task, for all trials, or as a variable of its design. In all other trials the variable is 0,
-// which none of these numbers can be. Datasets, tables and models without any of them lack their columns.
+// which none of these numbers can be. Datasets and tables without any of them lack their columns, and old models too.
 #pragma once
 #include <span>
 #include <string>

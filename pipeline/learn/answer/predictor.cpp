@@ -8,7 +8,7 @@
 #include "base/hash.h"
 #include "learning/model/posterior.h"
 #include "learning/score/calibration.h"
-#include "pipeline/learn/answer/contract_model.h"
+#include "pipeline/learn/training/contract_model.h"
 #include "pipeline/learn/training/training_data.h"
 
 namespace gonogo::learn {

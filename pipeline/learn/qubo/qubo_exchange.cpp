@@ -11,12 +11,12 @@
 #include "learning/encoding/code_penalty.h"
 #include "learning/qubo/dimod.h"
 #include "learning/qubo/foreign_file.h"
-#include "pipeline/learn/answer/contract_model.h"
 #include "pipeline/learn/answer/predictor.h"
 #include "pipeline/learn/qubo/code_machine.h"
 #include "pipeline/learn/qubo/decode_answer.h"
 #include "pipeline/learn/qubo/prepared_machine.h"
 #include "pipeline/learn/qubo/qubo_embed.h"
+#include "pipeline/learn/training/contract_model.h"
 
 namespace gonogo::learn {
 namespace {

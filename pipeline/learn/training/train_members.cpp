@@ -11,7 +11,7 @@
 #include "learning/rbm/train.h"
 #include "learning/sampler/stand_in.h"
 #include "pipeline/campaign/dataset/dataset.h"
-#include "pipeline/learn/answer/contract_model.h"
+#include "pipeline/learn/training/contract_model.h"
 #include "pipeline/learn/training/kept_work.h"
 #include "pipeline/learn/training/teacher.h"
 #include "pipeline/learn/training/training_data.h"

@@ -64,7 +64,7 @@ void remark_on_ranges(const OutcomeModel& model, const MapDigest& digest, const 
 /// Where trials of ditches answer, and where a ditch between the bounds of geometry stays unknown, and why.
 void remark_on_ditches(const MapRequest& request, const MapSources& sources, const MapDigest& digest,
                        const SoilTable& table, std::vector<std::string>& remarks) {
-  if (request.model.crossing_sampled.empty() || request.region.obstacles.empty()) return;
+  if (request.model.crossing_sampled.empty() || !request.region.crossing) return;
   double modelled = 0, other_size = 0;
   for (std::size_t s = 0; s < table.soils.size(); ++s)
     if (table.has_ditch[s]) modelled += double(table.cells[s]);

@@ -1,4 +1,4 @@
-#include "pipeline/learn/answer/contract_model.h"
+#include "pipeline/learn/training/contract_model.h"
 
 #include "base/error.h"
 #include "pipeline/campaign/study/task_variables.h"
