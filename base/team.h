@@ -39,6 +39,12 @@ void for_each_team(Cpu exec, Index count, const Body& body) {
   for (Index i = 0; i < count; ++i) body(LoneThread{}, i);
 }
 
+/// A team's room as an array of other numbers.
+template <class T>
+GONOGO_HD T* room_of(double* room) {
+  return reinterpret_cast<T*>(room);
+}
+
 /// body(team, i, room) for teams with a room, which holds anything when a team begins. room: double*.
 template <class Body>
 void for_each_team(Cpu exec, Index count, const TeamShape& shape, const Body& body) {

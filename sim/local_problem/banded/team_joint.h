@@ -144,7 +144,7 @@ struct JoinPair {
       return;
     }
     const Tips<Scalar> r = tips_of(tips, k, left + 1);
-    Scalar *const s = reinterpret_cast<Scalar*>(room), *const e = s + k * k;
+    Scalar *const s = room_of<Scalar>(room), *const e = s + k * k;
     for (Index i = team.row(); i < k; i += team.rows())
       for (Index j = team.column(); j < k; j += team.columns()) e[i * k + j] = i == j ? Scalar(1) : Scalar(0);
     team.sync();
@@ -215,7 +215,7 @@ struct JoinEnds {
     }
     const Tips<Scalar> l = tips_of(tips, k, left), r = tips_of(tips, k, left + 1);
     const Scalar* const inverse = joints.inverse_of(k, pairs.joint + pair);
-    Scalar *const rest = reinterpret_cast<Scalar*>(room), *const h = middle.data + std::int64_t(pairs.joint + pair) * w;
+    Scalar *const rest = room_of<Scalar>(room), *const h = middle.data + std::int64_t(pairs.joint + pair) * w;
     for (Index i = team.rank(); i < k; i += team.size())
       rest[i] = row_product(gr[i], Scalar(-1), r.top + i * w + k, gl + k, k);
     team.sync();
@@ -260,7 +260,7 @@ struct SplitOuter {
     const Scalar* const bottom = tips_of(tips, k, left).bottom;
     const Scalar *const n = joints.response_of(k, pairs.joint + pair), *const h = middle.data +
                                                                                   std::int64_t(pairs.joint + pair) * w;
-    Scalar* const more = reinterpret_cast<Scalar*>(room);  // N (n, p)
+    Scalar* const more = room_of<Scalar>(room);  // N (n, p)
     for (Index i = team.rank(); i < k; i += team.size()) {
       more[i] = row_product(Scalar(0), Scalar(1), n + i * w, np, w);
       to_left[i] = h[i] + more[i];

@@ -88,7 +88,7 @@ struct FactorisePartition {
   template <class Team>
   GONOGO_HD void operator()(Team team, Index p, double* room) const {
     const Index k = all.half, rows = all.rows(p), spike = swept.size > 0 ? k : 0;
-    const RowRing<Scalar> ring{reinterpret_cast<Scalar*>(room), 2 * k + 1 + spike, k + 1 + kTile};
+    const RowRing<Scalar> ring{room_of<Scalar>(room), 2 * k + 1 + spike, k + 1 + kTile};
     load(team, p, ring, 0, k + 1 < rows ? k + 1 : rows);
     team.sync();
     for (Index i = 0, place = 0; i < rows; ++i, place = ring.next(place, 1)) {
@@ -159,7 +159,7 @@ struct FindTips {
   GONOGO_HD void operator()(Team team, Index p, double* room) const {
     const Index k = all.half, rows = all.rows(p), columns = swept.size > 0 ? 2 * k : k;
     const Index last = swept.size > 0 ? 0 : rows - k;
-    const RowRing<Scalar> ring{reinterpret_cast<Scalar*>(room), k + 1 + columns, k + 1 + kTile};
+    const RowRing<Scalar> ring{room_of<Scalar>(room), k + 1 + columns, k + 1 + kTile};
     load(team, p, ring, rows - k - 1 > last ? rows - k - 1 : last, rows);
     team.sync();
     for (Index i = rows - 1, step = 0, place = i % ring.places; i >= last; --i, ++step, place = ring.before(place, 1)) {
@@ -219,7 +219,7 @@ struct SolvePartition {
   TeamShape shape() const;
   template <class Team>
   GONOGO_HD void operator()(Team team, Index p, double* room) const {
-    const RowRing<Scalar> ring{reinterpret_cast<Scalar*>(room), all.half + 2, all.half + 1 + kTile};
+    const RowRing<Scalar> ring{room_of<Scalar>(room), all.half + 2, all.half + 1 + kTile};
     forward(team, p, ring);
     backward(team, p, ring);
   }

@@ -32,7 +32,7 @@ class TeamSpikeOn final : public TeamSpike {
     }
     for (Buffer<Scalar, Exec>* v : {&right_, &step_}) v->resize(n);
     for (Buffer<double, Exec>* v : {&b_, &x_, &tried_, &rest_}) v->resize(n);
-    sums_.resize(std::size_t(2 * residual().teams()));
+    sums_.resize(2 * std::size_t(residual().teams()));
     boosted_.fill_zero(1);
     least_ =
         std::max(Scalar(plan.largest) * std::numeric_limits<Scalar>::epsilon(), std::numeric_limits<Scalar>::min());
