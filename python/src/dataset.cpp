@@ -4,7 +4,9 @@
 
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/dataset/export.h"
+#include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/dataset/summary.h"
+#include "pipeline/campaign/study/task_variables.h"
 #include "python/src/arrays.h"
 #include "python/src/calls.h"
 #include "python/src/module.h"
@@ -19,13 +21,15 @@ nb::typed<nb::dict, nb::str, nb::any> columns_of(const campaign::Dataset& datase
   campaign::TrialColumns columns(dataset.records.size());
   for (const campaign::TrialRecord& record : dataset.records) columns.append(record);
   const campaign::Contract& contract = campaign::contract();
+  const bool with_task = campaign::has_task_values(dataset.records);
   nb::dict result;
   result["index"] = array_of(std::move(columns.index));
   result["seed"] = array_of(std::move(columns.seed));
   result["replicate_of"] = array_of(std::move(columns.replicate_of));
   result["proposal_density"] = array_of(std::move(columns.proposal_density));
   for (std::size_t v = 0; v < contract.variables.size(); ++v)
-    result[contract.variables[v].name.c_str()] = array_of(std::move(columns.variables[v]));
+    if (with_task || !campaign::is_task_variable(contract.variables[v]))
+      result[contract.variables[v].name.c_str()] = array_of(std::move(columns.variables[v]));
   result["verdict"] = array_of(std::move(columns.verdict));
   result["reason"] = array_of(std::move(columns.reason));
   result["attempts"] = array_of(std::move(columns.attempts));

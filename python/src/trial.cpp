@@ -1,4 +1,5 @@
 #include "pipeline/campaign/trial/trial.h"
+#include "pipeline/campaign/study/task_variables.h"
 
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
@@ -97,9 +98,12 @@ nb::typed<nb::dict, nb::str, double> measures_of(const campaign::TrialRecord& re
 }
 
 nb::typed<nb::dict, nb::str, double> variables_of(const campaign::DesignPoint& point) {
+  const bool with_task = campaign::has_task_values(point.variables);
   nb::dict result;
   for (std::size_t v = 0; v < point.variables.size(); ++v)
-    result[campaign::contract().variables[v].name.c_str()] = point.variables[v];
+    if (const campaign::Variable& variable = campaign::contract().variables[v];
+        with_task || !campaign::is_task_variable(variable))
+      result[variable.name.c_str()] = point.variables[v];
   return result;
 }
 
