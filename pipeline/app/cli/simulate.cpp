@@ -100,7 +100,7 @@ campaign::TrialRecord watched_trial(const Globals& globals, const Options& optio
     watch.frame = [&film](const campaign::TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = options.film.wants_series() ? options.film.every : setup.time_limit;
   const campaign::TrialDevice device{device_of(options), threads_or_all(globals.threads)};
-  const campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
+  campaign::TrialRecord record = campaign::run_trial(setup, point, watch, options.checkpoint, device);
   if (!options.csv.empty()) write_file_atomically(options.csv, csv);
   film.finish(record);
   return record;

@@ -82,7 +82,7 @@ Measure read_measure(const Config& config) {
 }
 
 std::string read_colour(const Config& config, const std::string& key) {
-  const std::string colour = config.text(key);
+  std::string colour = config.text(key);
   const bool hexadecimal = colour.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
   if (colour.size() != 7 || colour[0] != '#' || !hexadecimal) config.fail(key, "expected a colour like \"#1a9641\"");
   return colour;

@@ -72,7 +72,7 @@ Json sample_problem(const std::filesystem::path& problem, const std::filesystem:
 
 /// Writes rows drawn by a sampler as sample_problem() does. Returns what it returns.
 Json write_answer(const learning::Problem& problem, learning::SampleSet answer, const std::string& sampler,
-                  const learning::SampleRequest& request, const std::filesystem::path& path);
+                  const learning::SampleRequest& request, const std::filesystem::path& answer_file);
 
 /// How rows with words that are no code words are read (decode_answer.h).
 enum class Decoding {

@@ -61,14 +61,14 @@ Region with_occurring_soils(const Region& region, const MapSources& sources);
 /// error [m], r its correlation between neighbouring cells. 12 is the sum of the squared weights 1 2 1 of both sides.
 double gradient_error(const RegionRaster& elevation, const terrain::MapGrid& grid);
 
-/// Tabulates the model for every soil of the region and every moisture state that the map needs. `gradient_error`
+/// Tabulates the model for every soil of the region and every moisture state that the map needs. `error_of_gradient`
 /// [rise per metre] widens the interval on P(go). Throws InputError for a moisture that the region does not define.
 SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
-                          double gradient_error);
+                          double error_of_gradient);
 
 /// Adds an entry for every ditch of the sources in every soil of the table in which one of its cells lies. The vehicle
 /// is no faster there than the trials that crossed ditches.
-void add_ditches(const OutcomeModel& model, const Region& region, const MapRules& rules, double gradient_error,
+void add_ditches(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
                  const MapSources& sources, SoilTable& table);
 
 /// Every layer of the cells in `window`. A cell depends on its own inputs only, so the split into windows changes no

@@ -202,7 +202,7 @@ Region region_of(const MapFiles& files, const std::optional<campaign::Study>& st
 }
 
 void check_moisture(const std::string& moisture) {
-  if (moisture != "" && moisture != "dry" && moisture != "moist" && moisture != "wet")
+  if (!moisture.empty() && moisture != "dry" && moisture != "moist" && moisture != "wet")
     throw InputError("map: --moisture \"" + moisture + "\" is no scenario; use dry, moist or wet");
 }
 
