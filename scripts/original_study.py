@@ -14,6 +14,9 @@ that of the soil. Neither radius nor density is a variable there. Needs Python a
 """
 import argparse, csv, json, pathlib, subprocess
 
+from fidelity_study import export
+from label_quality import passes
+
 HERE = pathlib.Path(__file__).resolve().parent.parent
 INPUTS = HERE / "configs/studies/original_inputs.txt"
 POINTS = HERE / "configs/studies/original.csv"
@@ -95,11 +98,8 @@ def read_run(folder, k):
 
 
 def reference_trials(options):
-    table = options.reference / "trials.csv"
-    subprocess.run([options.gonogo, "dataset", "export", str(options.reference / "dataset.h5"), "--format", "csv", "--out", str(table)],
-                   check=True)
-    with open(table) as file:
-        return {int(t["index"]): t for t in csv.DictReader(file)}
+    trials = export(options.gonogo, options.reference / "dataset.h5", options.reference / "trials.csv")
+    return {int(t["index"]): t for t in trials}
 
 
 def report(options):
@@ -116,16 +116,16 @@ def report(options):
         writer = csv.DictWriter(file, rows[0], lineterminator="\n")
         writer.writeheader()
         writer.writerows(rows)
-    passes = lambda verdict: verdict in ("go", "slow_go")
     print("| slope [deg] | radius [mm] | density [kg/m^3] | friction | cohesion [kPa] | original ends | at x [m], t [s] | reference |")
     print("|---|---|---|---|---|---|---|---|")
     for r in sorted(rows, key=lambda r: r["slope_deg"]):
         print(f"| {r['slope_deg']:.1f} | {r['radius_mm']:.1f} | {r['density']:.0f} | {r['friction']:.2f} | {r['cohesion_kPa']:.0f} "
               f"| {r['stop']} | {r['x_m']:.2f}, {r['time_s']:.2f} | {r['reference']} ({r['reference_reason']}) |")
+    reference_passes = lambda r: passes({"verdict": r["reference"]})
     known = [r for r in rows if r["label"] != "unknown"]
-    same = sum((r["label"] == "go") == passes(r["reference"]) for r in known)
+    same = sum((r["label"] == "go") == reference_passes(r) for r in known)
     print(f"\n{same} of {len(known)} labels are equal; {sum(r['label'] == 'go' for r in rows)} pass in the original, "
-          f"{sum(passes(r['reference']) for r in rows)} in the reference")
+          f"{sum(reference_passes(r) for r in rows)} in the reference")
 
 
 def main():

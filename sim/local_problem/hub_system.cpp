@@ -66,13 +66,8 @@ class WithoutHubs final : public NewtonSystem {
   bool solve(const VectorXd& rhs, VectorXd& x) override {
     constexpr int kRefinements = 2;
     constexpr double kEnough = 1e-12;
-    x = once(rhs);
-    for (int k = 0; k < kRefinements; ++k) {
-      const VectorXd left = rhs - b_ * VectorXd(transposed_ * x) - cones_ * x;
-      if (!(left.norm() > kEnough * rhs.norm())) break;
-      x += once(left);
-    }
-    return x.allFinite();
+    const auto by_factors = [this](const VectorXd& right) { return once(right); };
+    return solve_refined(b_, transposed_, cones_, rhs, kRefinements, kEnough, by_factors, x);
   }
 
  private:

@@ -27,4 +27,19 @@ inline Eigen::SparseMatrix<double> scaled_form(const LocalProblem& p, const Scal
   return b;
 }
 
+/// x of (B B^T + C) x = rhs by `once(rhs)`, then refined against the matrix itself, at most `most` times, while what is
+/// left is above `enough` of rhs. False where x is not finite.
+template <class Once>
+bool solve_refined(const Eigen::SparseMatrix<double>& b, const Eigen::SparseMatrix<double>& transposed,
+                   const Eigen::SparseMatrix<double>& cones, const Eigen::VectorXd& rhs, int most, double enough,
+                   const Once& once, Eigen::VectorXd& x) {
+  x = once(rhs);
+  for (int k = 0; k < most; ++k) {
+    const Eigen::VectorXd left = rhs - b * Eigen::VectorXd(transposed * x) - cones * x;
+    if (!(left.norm() > enough * rhs.norm())) break;
+    x += once(left);
+  }
+  return x.allFinite();
+}
+
 }  // namespace gonogo::sim

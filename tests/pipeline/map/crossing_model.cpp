@@ -19,11 +19,10 @@ using namespace gonogo;
 using namespace gonogo::campaign;
 using namespace gonogo::map;
 using test::kSide;
+using test::kTruck;
 
 namespace {
 
-const CrossingLimits kTruck{
-    .vehicle = "truck", .radius = 0.47, .friction = 0.8, .width = 2.2, .length = 4.8, .clearance = 0.41};
 constexpr double kBed = 0.9;  // of all trials of ditches [m]
 
 std::size_t index(const char* name) { return contract().variable_index(name); }

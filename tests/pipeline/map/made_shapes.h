@@ -1,15 +1,19 @@
-// Nearly flat ground with straight lines and squares on it, as files of a region.
+// Nearly flat ground with straight lines and squares on it, as files of a region, and a truck that crosses them.
 #pragma once
 #include <string>
 #include <vector>
 
 #include "base/file.h"
+#include "pipeline/map/region/obstacle.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/terrain/raster_maker.h"
 
 namespace gonogo::test {
 
 inline constexpr int kSide = 24;  // cells of 10 m
+
+inline const map::CrossingLimits kTruck{
+    .vehicle = "truck", .radius = 0.47, .friction = 0.8, .width = 2.2, .length = 4.8, .clearance = 0.41};
 
 inline void make_flat_ground(const TemporaryFolder& folder) {
   std::vector<float> value;

@@ -17,11 +17,10 @@ using namespace gonogo;
 using namespace gonogo::campaign;
 using namespace gonogo::map;
 using test::kSide;
+using test::kTruck;
 
 namespace {
 
-const CrossingLimits kTruck{
-    .vehicle = "truck", .radius = 0.47, .friction = 0.8, .width = 2.2, .length = 4.8, .clearance = 0.41};
 const CrossingLimits kTank{.vehicle = "carrier",
                            .tracked = true,
                            .radius = 0.3,
