@@ -1,10 +1,21 @@
 #include "pipeline/lab/solver_bench/engine_runs.h"
 
+#include <chrono>
 #include <ctime>
 
 #include "base/cancel.h"
 
 namespace gonogo::lab {
+
+namespace {
+
+/// Of the processor, or by the clock where a GPU works.
+double seconds_now(sim::Backend backend) {
+  if (backend == sim::Backend::cpu) return double(std::clock()) / CLOCKS_PER_SEC;
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
 
 std::string engine_run_name(sim::Solver solver) {
   constexpr const char* kNames[] = {"apgd", "jacobi", "gauss_seidel", "bb", "jacobi_scan"};
@@ -12,7 +23,7 @@ std::string engine_run_name(sim::Solver solver) {
 }
 
 SolverRun engine_run(const SceneStep& step, const sim::StepProblem& problem, sim::Solver solver,
-                     const sim::LocalSolveSettings& settings, int threads) {
+                     const sim::LocalSolveSettings& settings, int threads, sim::Backend backend) {
   constexpr int kPatience = 10;  // runs without a lower error
   const sim::LocalProblem& local = problem.local();
   const int max = settings.max_iterations > 0 ? settings.max_iterations : 10000;
@@ -30,10 +41,10 @@ SolverRun engine_run(const SceneStep& step, const sim::StepProblem& problem, sim
     with.solver = solver;
     with.iterations = run.iterations = int(next);
     with.target = settings.target;
-    const auto simulation = sim::make_simulation(sim::Backend::cpu, {step.world}, with, threads);
-    const std::clock_t start = std::clock();
+    const auto simulation = sim::make_simulation(backend, {step.world}, with, threads);
+    const double start = seconds_now(backend);
     simulation->advance(1);
-    const double seconds = double(std::clock() - start) / CLOCKS_PER_SEC;
+    const double seconds = seconds_now(backend) - start;
     const std::vector<double> r = problem.impulses(simulation->contacts(0), simulation->impulses(0));
     const double error = sim::siconos_error(local, r, settings.target);
     in_vain = error < 0.9 * run.error ? 0 : in_vain + 1;

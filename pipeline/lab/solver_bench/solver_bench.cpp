@@ -83,7 +83,7 @@ class SceneRuns {
 
   void run(int bodies) {
     runs_.begin("settling " + step_scene_names()[std::size_t(scene_)] + " " + std::to_string(bodies));
-    const SceneStep step = settled_step(scene_, bodies, bench_.threads);
+    const SceneStep step = settled_step(scene_, bodies, bench_.threads, bench_.backend);
     const sim::StepProblem problem = step_problem(step, bench_.most_whole);
     for (const sim::LocalSolver solver : bench_.solvers) {
       sim::LocalSolveSettings settings = settings_of(bench_, solver);
@@ -93,7 +93,7 @@ class SceneRuns {
     }
     for (const sim::Solver solver : bench_.engine_solvers)
       add(engine_run_name(solver), step, problem,
-          [&] { return engine_run(step, problem, solver, bench_.settings, bench_.threads); });
+          [&] { return engine_run(step, problem, solver, bench_.settings, bench_.threads, bench_.backend); });
   }
 
  private:

@@ -29,6 +29,7 @@ struct SolverBench {
   double skip_after = 60;  // a solver that took longer at a size of a scene is not run at larger ones [s]
   std::size_t most_whole = sim::StepProblem::kMostWhole;  // blocks of W; with more, products go by bodies
   int threads = 1;                                        // of the engine
+  sim::Backend backend = sim::Backend::cpu;               // of the engine, which also settles the scenes
 };
 
 struct SolverRun {

@@ -161,11 +161,11 @@ void require_sound(sim::Simulation& simulation, const std::string& name) {
     throw DeviceError(name + ": " + sim::description(report.fault, simulation.settings().step));
 }
 
-void settle(Start& start, const std::string& name, int threads) {
+void settle(Start& start, const std::string& name, int threads, sim::Backend backend) {
   constexpr double kCoarse = 2e-3;
   const auto run = [&](double time) {
     if (!(time > 0)) return;
-    const auto simulation = sim::make_simulation(sim::Backend::cpu, {start.world},
+    const auto simulation = sim::make_simulation(backend, {start.world},
                                                  settings_of(start, kCoarse, 50, 0.05 * start.diameter), threads);
     advance(*simulation, Index(std::ceil(time / kCoarse)));
     require_sound(*simulation, name);
@@ -198,7 +198,7 @@ StepScene step_scene(const std::string& name) {
   return StepScene(at - names.begin());
 }
 
-SceneStep settled_step(StepScene scene, int bodies, int threads) {
+SceneStep settled_step(StepScene scene, int bodies, int threads, sim::Backend backend) {
   const int most = scene == StepScene::stack ? 1000 : 1'000'000;
   const std::string& word = step_scene_names()[std::size_t(scene)];
   if (bodies < 1 || bodies > most)
@@ -207,17 +207,17 @@ SceneStep settled_step(StepScene scene, int bodies, int threads) {
   Start (*const start_of[])(int) = {filling, drafting, stack, wheel};
   Start start = start_of[int(scene)](bodies);
   const std::string name = word + " " + std::to_string(moving_bodies(start.world));
-  settle(start, name, threads);
+  settle(start, name, threads, backend);
   SceneStep step{
       .name = name, .bodies = moving_bodies(start.world), .settings = settings_of(start, kStep, 100, kEnvelope)};
-  const auto simulation = sim::make_simulation(sim::Backend::cpu, {start.world}, step.settings, threads);
+  const auto simulation = sim::make_simulation(backend, {start.world}, step.settings, threads);
   advance(*simulation, kLastSteps);
   require_sound(*simulation, name);
   step.earlier = simulation->contacts(0);
   step.earlier_impulse = simulation->impulses(0);
   start.world.body = simulation->bodies(0);
   step.world = std::move(start.world);
-  const auto anew = sim::make_simulation(sim::Backend::cpu, {step.world}, step.settings, threads);  // its order holds
+  const auto anew = sim::make_simulation(backend, {step.world}, step.settings, threads);  // its order holds
   anew->advance(1);
   step.contacts = anew->contacts(0);
   return step;
