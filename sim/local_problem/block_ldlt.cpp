@@ -134,6 +134,13 @@ void BlockLdlt::add_blocks_left(const Supernode& child, const Supernode& s, Inde
     }
 }
 
+double BlockLdlt::multiply_adds() const {
+  double sum = 0;
+  for (const Supernode& s : node_)
+    for (Index c = 1; c <= s.width * size_; ++c) sum += 0.5 * double(rows(s) - c) * double(rows(s) - c + 1);
+  return sum;
+}
+
 bool BlockLdlt::factorise(const Sparse& w, const Sparse& blocks) {
   if (!has_pattern_of(w)) analyse(w);
   std::size_t top = 0;

@@ -22,6 +22,7 @@ class BlockLdlt {
   void solve(Eigen::VectorXd& x) const;
 
   std::size_t bytes() const { return value_.size() * sizeof(double); }  // of L
+  double multiply_adds() const;                                         // of the eliminations of a factorisation
 
  private:
   using Index = Eigen::Index;

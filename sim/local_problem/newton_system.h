@@ -1,12 +1,16 @@
 // How an interior point method solves Newton's systems. Inside sim/local_problem.
 #pragma once
 #include <Eigen/Sparse>
+#include <ctime>
 #include <memory>
 
 #include "sim/local_problem/scaled_problem.h"
 #include "sim/local_problem/solve.h"
 
 namespace gonogo::sim {
+
+/// Processor time.
+inline double ms_since(std::clock_t start) { return 1000.0 * double(std::clock() - start) / CLOCKS_PER_SEC; }
 
 class NewtonSystem {
  public:
@@ -15,6 +19,7 @@ class NewtonSystem {
   virtual bool factorise(const Eigen::SparseMatrix<double>& w, const Eigen::SparseMatrix<double>& cones) = 0;
   /// False when no solution was found.
   virtual bool solve(const Eigen::VectorXd& rhs, Eigen::VectorXd& x) = 0;
+  /// Without solves and times where the caller may as well take them.
   virtual LinearWork work() const { return {}; }
 };
 

@@ -1,7 +1,5 @@
 #include "sim/local_problem/tt_system.h"
 
-#include <ctime>
-
 #include "sim/local_problem/block_diagonal.h"
 #include "sim/local_problem/tensor_train/tt_inverse.h"
 
@@ -10,8 +8,6 @@ namespace {
 
 using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
-
-double ms_since(std::clock_t start) { return 1000.0 * double(std::clock() - start) / CLOCKS_PER_SEC; }
 
 class BlockSystem final : public NewtonSystem {
  public:

@@ -96,6 +96,22 @@ TEST_CASE("factors by fronts take a new pattern, negative pivots, and refuse a p
   }
 }
 
+TEST_CASE("multiply-adds of factors are those of a dense matrix, and of a chain") {
+  std::mt19937 random(8);
+  const auto counted = [&](Index contacts, Index clique) {
+    const MatrixXd a = random_blocks(random, contacts, 3, 0, clique);
+    BlockLdlt factors(3);
+    REQUIRE(factors.factorise(Sparse(a.sparseView()), Sparse(a.rows(), a.rows())));
+    return factors.multiply_adds();
+  };
+  double dense = 0;  // n^3 / 6 and less
+  for (int k = 0; k < 60; ++k)
+    for (int j = k + 1; j < 60; ++j) dense += j - k;
+  CHECK(counted(20, 20) == dense);
+  // A chain leaves one block below each; groups of columns may keep zeros.
+  CHECK(counted(200, 0) < 200 * (5 * 6 / 2 + 4 * 5 / 2 + 3 * 4 / 2) * 4);
+}
+
 TEST_CASE("the pattern of factors covers their fill, and its groups follow each other") {
   std::mt19937 random(6);
   for (int trial = 0; trial < 10; ++trial) {

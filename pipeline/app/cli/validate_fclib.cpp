@@ -25,6 +25,7 @@ Json linear_json(const sim::LinearWork& work) {
   json["setup_ms"] = work.setup_ms;
   json["solve_ms"] = work.solve_ms;
   json["bytes"] = Json(std::uint64_t(work.bytes));
+  json["multiply_adds"] = work.multiply_adds;
   json["half_bandwidth"] = Json(std::int64_t(work.half));
   json["full_half_bandwidth"] = Json(std::int64_t(work.full_half));
   json["partitions"] = work.partitions;
@@ -59,6 +60,9 @@ std::string as_line(const lab::FclibResult& r) {
   if (r.facets > 0)
     std::snprintf(line, sizeof line, "  lcp %.1e; the rest is the error of %d facets", r.claimed_error,
                   r.dimension == 2 ? 2 : r.facets);
+  else if (r.linear.solves > 0 && r.linear.partitions == 0)
+    std::snprintf(line, sizeof line, "  set-up %.1f ms, solve %.1f ms, %.2f MB", r.linear.setup_ms, r.linear.solve_ms,
+                  double(r.linear.bytes) / 1e6);
   else if (r.linear.solves > 0)
     std::snprintf(line, sizeof line, "  %ld inner, set-up %.1f ms, solve %.1f ms, %.2f MB, band %td of %td, P %d",
                   r.linear.inner_iterations, r.linear.setup_ms, r.linear.solve_ms, double(r.linear.bytes) / 1e6,

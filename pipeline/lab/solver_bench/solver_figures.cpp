@@ -23,14 +23,15 @@ std::string curves_csv(const std::vector<SolverRun>& runs) {
 std::string times_csv(const SolverBench& bench, const std::vector<SolverRun>& runs) {
   std::string csv =
       "problem,bodies,contacts,solver,tolerance,seconds,iterations,final_error,lcp_error,inner_iterations,setup_ms,"
-      "solve_ms,bytes,rank,builds\n";
+      "solve_ms,bytes,rank,builds,multiply_adds\n";
   for (const SolverRun& run : runs)
     for (const double tolerance : bench.tolerances) {
       const double seconds = run.seconds_to(tolerance);
       csv += line("%s,%d,%d,%s,%g,", run.problem.c_str(), run.bodies, run.contacts, run.solver.c_str(), tolerance);
       csv += std::isfinite(seconds) ? line("%.6g,%.0f,", seconds, run.iterations_to(tolerance)) : ",,";
-      csv += line("%.6g,%.6g,%ld,%.6g,%.6g,%zu,%td,%ld\n", run.error, run.lcp_error, run.linear.inner_iterations,
-                  run.linear.setup_ms, run.linear.solve_ms, run.linear.bytes, run.linear.rank, run.linear.builds);
+      csv += line("%.6g,%.6g,%ld,%.6g,%.6g,%zu,%td,%ld,%.6g\n", run.error, run.lcp_error, run.linear.inner_iterations,
+                  run.linear.setup_ms, run.linear.solve_ms, run.linear.bytes, run.linear.rank, run.linear.builds,
+                  run.linear.multiply_adds);
     }
   return csv;
 }
