@@ -69,9 +69,7 @@ class WithoutHubs final : public NewtonSystem {
     const auto by_factors = [this](const VectorXd& right) { return once(right); };
     return solve_refined(b_, transposed_, cones_, rhs, kRefinements, kEnough, by_factors, x);
   }
-  LinearWork work() const override {
-    return {.bytes = factors_.bytes(), .multiply_adds = factors_.multiply_adds()};
-  }
+  LinearWork work() const override { return {.bytes = factors_.bytes(), .multiply_adds = factors_.multiply_adds()}; }
 
  private:
   VectorXd once(const VectorXd& rhs) const {

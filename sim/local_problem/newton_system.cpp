@@ -27,9 +27,7 @@ class ByFronts final : public NewtonSystem {
     factors_.solve(x);
     return x.allFinite();
   }
-  LinearWork work() const override {
-    return {.bytes = factors_.bytes(), .multiply_adds = factors_.multiply_adds()};
-  }
+  LinearWork work() const override { return {.bytes = factors_.bytes(), .multiply_adds = factors_.multiply_adds()}; }
 
  private:
   BlockLdlt factors_;
