@@ -130,11 +130,11 @@ std::vector<Vec3d> dropped_grains(const OriginalBin& bin, double radius, std::ui
 
 sim::SceneWorld bin_world(const OriginalBin& bin, const OriginalInput& input, double tyre_friction,
                           const std::vector<sim::BodyState>& grain) {
-  // Of the domain [m]. A vehicle may slide back until its middle is at the rear wall.
-  constexpr double around = 0.5, behind = 3.5, above = 4;
+  // Of the domain [m]. A vehicle may slide back until its middle is at the rear wall, and fall out of the bin.
+  constexpr double around = 0.5, behind = 3.5, above = 4, below = 6;
   sim::SceneWorld world;
-  world.origin = {-bin.half_length - behind, -bin.half_width - around, -1};
-  world.size = {2 * bin.half_length + behind + around, 2 * (bin.half_width + around), above + 1};
+  world.origin = {-bin.half_length - behind, -bin.half_width - around, -below};
+  world.size = {2 * bin.half_length + behind + around, 2 * (bin.half_width + around), above + below};
   const sim::PairLaw soil{Real(input.friction), Real(0), Real(input.cohesion)};
   // The larger friction and the smaller cohesion of two materials act; tyres have none.
   const sim::PairLaw tyre{Real(std::max(input.friction, tyre_friction)), 0, 0};

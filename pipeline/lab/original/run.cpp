@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/cancel.h"
 #include "base/error.h"
@@ -110,6 +111,16 @@ OriginalStop stop_of(sim::StopCause cause) {
   return cause == sim::StopCause::time_limit ? OriginalStop::max_time : OriginalStop::failed;
 }
 
+/// Floor and spheres let tyres through, so that a vehicle that digs itself in falls out of the bin. The original goes on
+/// until it is behind lost_x or the time is over. Below the floor nothing touches it: the rest is a parabola.
+std::optional<OriginalStop> stop_of_fall(const OriginalSample& s, const OriginalRequest& r) {
+  constexpr double kAllBelow = -2.5;  // of the origin: no wheel reaches the floor [m]
+  if (s.position.z > kAllBelow) return std::nullopt;
+  const double left = r.time.end - s.time, pull = -kGravity * std::sin(r.input.slope);
+  const double end_x = s.position.x + left * s.velocity.x + 0.5 * left * left * pull;
+  return end_x <= r.time.lost_x ? OriginalStop::sliding_backward : OriginalStop::max_time;
+}
+
 }  // namespace
 
 const char* stop_sentence(OriginalStop stop) {
@@ -143,7 +154,10 @@ OriginalRecord run_original(const Vehicle& vehicle, const OriginalRequest& r) {
     if (const sim::WorldStop stop = s->stop(0); stop.cause != sim::StopCause::none) {
       record.stop = stop_of(stop.cause);
       record.slowed = s->report(0).slowed;
-      if (record.stop == OriginalStop::failed) record.fault = sim::description(s->report(0).fault, r.time.step);
+      const sim::StepReport report = s->report(0);
+      if (report.flags & sim::flag_left_domain)
+        record.stop = stop_of_fall(record.sample.back(), r).value_or(record.stop);
+      if (record.stop == OriginalStop::failed) record.fault = sim::description(report.fault, r.time.step);
       return record;
     }
     if (taken == tilt)

@@ -67,6 +67,20 @@ TEST_CASE("layers of the original bin are as many as its program had for each ra
   CHECK(agrees("grains of 10 mm, in millions", 0.33, 1e-6 * double(dropped_grains(bin, 0.01, 1).size()), 0.03));
 }
 
+TEST_CASE("a vehicle that falls through the floor of the original bin ends as its parabola does") {
+  const auto end_of = [](double slope_deg) {
+    OriginalRequest r = short_run(slope_deg, 0.5);
+    r.bin.spread = 12;  // hardly a grain
+    r.time.lost_x = -6;
+    r.time.goal_x = 3.5;
+    const OriginalRecord record = run_original(test::shipped_vehicle("hmmwv"), r);
+    CHECK(record.sample.back().position.z < -2.5);
+    return record.stop;
+  };
+  CHECK(end_of(5) == OriginalStop::max_time);  // 0.85 m/s2 for 3 s: 3.4 m behind its start
+  CHECK(end_of(15) == OriginalStop::sliding_backward);
+}
+
 TEST_CASE("points of a Poisson disk keep their distance and leave no place for another") {
   const double half_x = 1.5, half_y = 0.7, apart = 0.05;
   const auto points = poisson_disk(half_x, half_y, apart, 5);
