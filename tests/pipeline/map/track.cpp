@@ -20,7 +20,9 @@ namespace {
 constexpr double kWest = 500000, kNorth = 4400000;
 
 /// A surface that bilinear interpolation gives back exactly.
-double twisted(double x, double y) { return 900 + 0.3 * (x - kWest) - 0.2 * (kNorth - y) + 1e-3 * (x - kWest) * (kNorth - y); }
+double twisted(double x, double y) {
+  return 900 + 0.3 * (x - kWest) - 0.2 * (kNorth - y) + 1e-3 * (x - kWest) * (kNorth - y);
+}
 
 /// Cells of 10 by 12, as made_cells() has.
 terrain::RasterSource twisted_elevation(const TemporaryFolder& folder, int columns, int rows) {
@@ -28,10 +30,8 @@ terrain::RasterSource twisted_elevation(const TemporaryFolder& folder, int colum
   for (int row = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column)
       height.push_back(float(twisted(kWest + 10 * (column + 0.5), kNorth - 12 * (row + 0.5))));
-  test::make_raster(folder / "dem.tif", {.columns = columns,
-                                         .rows = rows,
-                                         .transform = {kWest, 10, 0, kNorth, 0, -12},
-                                         .value = height});
+  test::make_raster(folder / "dem.tif",
+                    {.columns = columns, .rows = rows, .transform = {kWest, 10, 0, kNorth, 0, -12}, .value = height});
   return terrain::RasterSource::open_elevation(folder / "dem.tif");
 }
 
@@ -114,7 +114,8 @@ TEST_CASE("a track holds corners and borders of cells, with the height of the gr
   double worst = 0, seconds = 0;
   std::size_t at = 0;
   for (std::size_t leg = 1; leg < route.cell.size(); ++leg) {
-    const TrackPoint a = centre_of(route.cell[leg - 1], elevation.grid()), b = centre_of(route.cell[leg], elevation.grid());
+    const TrackPoint a = centre_of(route.cell[leg - 1], elevation.grid()),
+                     b = centre_of(route.cell[leg], elevation.grid());
     const int heading = (int(std::lround(std::atan2(b.x - a.x, b.y - a.y) / kDegree)) + 360) % 360;
     CHECK(same(track[at], {a.x, a.y, track[at].height, track[at].seconds}));
     constexpr int samples = 100'000;
