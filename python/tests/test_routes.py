@@ -11,13 +11,14 @@ import numpy as np
 import PIL.Image
 import pytest
 import rasterio
+import rasterio.warp
 import yaml
 
 import gonogo
 
 CELL, ROWS, COLUMNS, WEST, SOUTH = 10.0, 60, 40, 730000.0, 4368000.0
 NORTH = SOUTH + ROWS * CELL
-START, END = "730055,4368055", "730345,4368255"
+START, END, UPHILL = "730055,4368055", "730345,4368255", "730345,4368355"
 GO, SLOW_GO, NO_GO, UNKNOWN = 1, 2, 3, 4
 
 
@@ -100,7 +101,49 @@ def test_a_track_starts_at_its_departure_and_takes_the_time_of_the_route(route, 
     assert times[0] == np.datetime64("2026-05-01T06:00:00")
     assert (np.diff(times) > np.timedelta64(0)).all()
     assert (times[-1] - times[0]) / np.timedelta64(1, "s") == pytest.approx(found["time_s"], abs=1)
-    assert all(0 < float(point.find("{*}ele").text) < 1000 for point in points)
+
+
+def test_a_track_stays_within_a_quarter_of_a_cell_a_metre_and_five_seconds_of_the_whole_way(route, ground, tmp_path):
+    """The way from its GeoPackage, heights from the raster, times from the costs per metre of the eight headings."""
+    words = ("--from", START, "--to", UPHILL, "--cost", "fastest", "--eight-directions")
+    route(*words, "--out", tmp_path / "way.gpkg", "--grid-map", tmp_path / "costs.tif")
+    route(*words, "--out", tmp_path / "way.gpx")
+    line = line_of(tmp_path / "way.gpkg", "fastest")
+    with rasterio.open(tmp_path / "costs.tif") as file:
+        layer = dict(zip(file.descriptions, file.read().astype(float)))
+    with rasterio.open(ground.folder / "elevation.vrt") as file:
+        height = file.read(1).astype(float)
+
+    def cell(place):
+        return int((NORTH - place[1]) / CELL), int((place[0] - WEST) / CELL)
+
+    way = [(line[0], height[cell(line[0])], 0.0)]  # place, height, time at centres of cells and half way between them
+    for a, b in zip(line, line[1:]):
+        steps, heading = round(max(abs(b - a)) / CELL), round(np.degrees(np.arctan2(*(b - a)))) % 360
+        for k in range(steps):
+            c, d = a + (b - a) * k / steps, a + (b - a) * (k + 1) / steps
+            half, (e, f) = np.hypot(*(d - c)) / 2, (cell(c), cell(d))
+            crossed = height[e[0], e[1]], height[e[0], f[1]], height[f[0], e[1]], height[f[0], f[1]]  # bilinear
+            way.append(((c + d) / 2, np.mean(crossed), way[-1][2] + half * layer[f"cost_{heading:03d}"][e]))
+            way.append((d, height[f], way[-1][2] + half * layer[f"cost_{heading:03d}"][f]))
+    place, ground_height, seconds = (np.array(part) for part in zip(*way))
+    points = ElementTree.parse(tmp_path / "way.gpx").findall(".//{*}trkpt")
+    lon, lat, told = (np.array([read(point) for point in points]) for read in (
+        lambda p: float(p.get("lon")), lambda p: float(p.get("lat")), lambda p: float(p.find("{*}ele").text)))
+    time = np.array([p.find("{*}time").text.rstrip("Z") for p in points], dtype="datetime64[ms]")
+    time = (time - time[0]) / np.timedelta64(1, "s")
+    kept = np.array(rasterio.warp.transform("EPSG:4326", "EPSG:32610", lon, lat)).T
+    index = [np.hypot(*(place - point).T).argmin() for point in kept]
+    assert (np.diff(index) > 0).all() and index[0] == 0 and index[-1] == len(place) - 1
+    assert 2 < len(points) < len(place) / 2
+    assert np.hypot(*(place[index] - kept).T).max() < 0.01  # eight digits of a degree are 1 mm
+    assert told == pytest.approx(ground_height[index], abs=0.01)
+    assert time == pytest.approx(seconds[index], abs=0.01)
+    along = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(place, axis=0).T))])
+    east, north, up, later = (np.interp(along, along[index], values) for values in (*kept.T, told, time))
+    assert np.hypot(east - place[:, 0], north - place[:, 1]).max() <= CELL / 4 + 0.01
+    assert np.abs(up - ground_height).max() <= 1 + 0.01
+    assert np.abs(later - seconds).max() <= 5 + 0.01
 
 
 def test_the_chance_to_get_through_is_told_with_the_weakest_stretch(route):

@@ -148,6 +148,20 @@ TEST_CASE("a GPU that is not there is refused before any work") {
   check_refusal(run_gonogo({"bench", "wheel", "--target", "magic"}), 2, {"--target", "ccp", "coulomb"});
 }
 
+TEST_CASE("bench collapse takes the seed of its packing, 1 by default, and refuses what is none") {
+  const auto height = [](std::vector<std::string> more) {
+    std::vector<std::string> words = {"bench", "collapse",  "--spheres", "100",   "--iterations",
+                                      "20",    "--repeats", "0",         "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return Json::parse(run_gonogo(words).out, "stdout").at("height_over_radius").number();
+  };
+  const double usual = height({});
+  CHECK(height({"--seed", "1"}) == usual);
+  CHECK(height({"--seed", "2"}) != usual);
+  check_refusal(run_gonogo({"bench", "collapse", "--seed", "-1"}), 2, {"--seed", "-1"});
+  check_refusal(run_gonogo({"bench", "collapse", "--seed", "red"}), 2, {"--seed", "red"});
+}
+
 TEST_CASE("validate fclib solves the problems it is given, and fails when one stays above the limit") {
   const std::string file = GONOGO_SOURCE_DIR "/tests/data/fclib/Rover1040.dat";
   const Ending solved = run_gonogo({"validate", "fclib", file, "--json"});

@@ -35,6 +35,15 @@ Excess excess_between(const std::vector<TrackPoint>& track, const std::vector<do
   return worst;
 }
 
+/// The point next to the middle of the way between `first` and `last`; needs a point between them.
+std::size_t middle_of(const std::vector<double>& way, std::size_t first, std::size_t last) {
+  const double half = (way[first] + way[last]) / 2;
+  const auto begin = way.begin() + std::ptrdiff_t(first) + 1, end = way.begin() + std::ptrdiff_t(last) - 1;
+  auto at = std::lower_bound(begin, end, half);
+  if (at != begin && half - *(at - 1) < *at - half) --at;
+  return std::size_t(at - way.begin());
+}
+
 }  // namespace
 
 TrackPoint centre_of(std::uint32_t cell, const terrain::MapGrid& grid) {
@@ -95,10 +104,12 @@ std::vector<TrackPoint> simplified(const std::vector<TrackPoint>& track, const T
     const auto [first, last] = open.back();
     open.pop_back();
     const Excess worst = excess_between(track, way, first, last, most);
-    if (worst.factor <= 1) continue;
-    kept[worst.at] = 1;
-    open.emplace_back(first, worst.at);
-    open.emplace_back(worst.at, last);
+    const bool long_line = way[last] - way[first] > most.piece && last - first > 1;
+    if (worst.factor <= 1 && !long_line) continue;
+    const std::size_t at = worst.factor > 1 ? worst.at : middle_of(way, first, last);
+    kept[at] = 1;
+    open.emplace_back(first, at);
+    open.emplace_back(at, last);
   }
   std::vector<TrackPoint> rest;
   for (std::size_t i = 0; i < track.size(); ++i)

@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/shipped.h"
 #include "base/units.h"
+#include "pipeline/lab/scenes/collapse.h"
 #include "pipeline/lab/scenes/collide.h"
 #include "pipeline/lab/scenes/drum.h"
 #include "pipeline/lab/scenes/pebbles.h"
@@ -18,6 +19,7 @@
 #include "tests/support/draw.h"
 #include "tests/support/refused.h"
 #include "tests/support/run_scene.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
@@ -126,6 +128,33 @@ TEST_CASE("a search by itself in a tank counts the contacts of a step there") {
   simulation->advance(1);
   CHECK(r.contacts == simulation->report(0).contact_count);
   CHECK(r.ms_per_search > 0);
+}
+
+TEST_CASE("a seed is a packing of the column: the same one gives the same bits, another one another heap") {
+  const auto heap = [](const CollapseSpec& spec) {
+    ManyScene scene = collapse_scene(spec, {.iterations = 20});
+    scene.duration -= spec.spread_time - 0.3;
+    std::vector<sim::BodyState> bodies;
+    scene.measure = [&](sim::Simulation& simulation) -> std::vector<Measured> {
+      bodies = simulation.bodies(0);
+      return {};
+    };
+    run_on_one_core(scene);
+    return bodies;
+  };
+  CollapseSpec spec;
+  spec.of.count = 300;
+  const std::vector<sim::BodyState> first = heap(spec);
+  CHECK(same_bits(first, heap(spec)));
+  spec.of.seed = 1;
+  CHECK(same_bits(first, heap(spec)));
+  spec.of.seed = 2;
+  const std::vector<sim::BodyState> other = heap(spec);
+  REQUIRE(other.size() == first.size());
+  std::size_t elsewhere = 0;
+  for (std::size_t b = 0; b < 300; ++b)
+    elsewhere += length(other[b].position - first[b].position) > 0.1 * spec.of.diameter;
+  CHECK(elsewhere > 150);
 }
 
 TEST_CASE("the mixing index is 0 for what is apart and 1 for what was mixed by draw") {
