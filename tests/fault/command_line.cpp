@@ -162,6 +162,12 @@ TEST_CASE("bench collapse takes the seed of its packing, 1 by default, and refus
   check_refusal(run_gonogo({"bench", "collapse", "--seed", "red"}), 2, {"--seed", "red"});
 }
 
+TEST_CASE("a negative seed is refused, not taken for the greatest") {
+  const std::string study = GONOGO_SOURCE_DIR "/configs/studies/demo.json";
+  check_refusal(run_gonogo({"simulate", study, "--seed", "-1"}), 2, {"--seed", "-1", "0 or a positive"});
+  check_refusal(run_gonogo({"soil", "test", "triaxial", "--seed", "-3"}), 2, {"--seed", "-3", "0 or a positive"});
+}
+
 TEST_CASE("validate fclib solves the problems it is given, and fails when one stays above the limit") {
   const std::string file = GONOGO_SOURCE_DIR "/tests/data/fclib/Rover1040.dat";
   const Ending solved = run_gonogo({"validate", "fclib", file, "--json"});

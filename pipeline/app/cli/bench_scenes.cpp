@@ -68,7 +68,7 @@ void add_collapse(CLI::App& parent, const Globals& globals) {
       ->check(CLI::Range(0.1, 20.0));
   command->add_option("--rolling", spec->rolling_friction, "Rolling friction [-]")->check(CLI::Range(0.0, 10.0));
   command->add_option("--seed", spec->of.seed, "Seed of the spheres' sizes and places")
-      ->check(CLI::NonNegativeNumber)
+      ->check(kSeed)
       ->capture_default_str();
   add_examples(*command, {"gonogo bench collapse --aspect 1 --picture out/collapse.png"});
 }

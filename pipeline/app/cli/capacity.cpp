@@ -44,7 +44,7 @@ void add_capacity_command(CLI::App& app, const Globals& globals, const Work<Capa
                    "bits, hidden units and connectivity for all else")
       ->delimiter(',')
       ->check(CLI::Range(0, 64));
-  command->add_option("--seed", request.seed, "Seed")->capture_default_str();
+  command->add_option("--seed", request.seed, "Seed")->check(kSeed)->capture_default_str();
   command->add_option("--out", options->out, "CSV file to write")->type_name(kFile);
   add_examples(*command, {"gonogo capacity --dataset out/demo/dataset.h5 --bits 2,4,8 --hidden 2,8,32 \\\n"
                           "      --connectivity full sparse:0.3 chimera:12,0.02 --out capacity.csv",

@@ -27,6 +27,13 @@ inline constexpr const char* kVariable = "VARIABLE";        // of the contract, 
 inline constexpr const char* kSetting = "VARIABLE=NUMBER";  // of the contract
 inline constexpr const char* kCommand = "COMMAND";          // of this program
 
+/// Seeds are unsigned, and CLI11 takes -1 for the greatest.
+inline const CLI::Validator kSeed(
+    [](std::string& text) -> std::string {
+      return !text.empty() && text.front() == '-' ? text + " is given; 0 or a positive whole number is possible" : "";
+    },
+    "");
+
 /// "{a,b,c}": the name of a value that is one of a few words.
 std::string one_of(const std::vector<std::string>& words);
 

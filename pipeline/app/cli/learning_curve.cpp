@@ -34,7 +34,7 @@ void add_learning_curve_command(CLI::App& app, const Globals& globals, const Wor
   command->add_flag("--active", options->active,
                     "Draw the trials of the smallest number only; to each next one add those that an active design "
                     "would take");
-  command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1");
+  command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1")->check(kSeed);
   add_examples(
       *command,
       {"gonogo learning-curve --dataset data/quarter_wheel_32mm/dataset.h5 \\\n"

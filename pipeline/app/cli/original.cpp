@@ -68,7 +68,7 @@ void add_original_command(CLI::App& app, const Globals& globals) {
                    "Friction of the tyres [-]; the larger of theirs and the soil's acts")
       ->check(CLI::Range(0.0, 3.0))
       ->capture_default_str();
-  command->add_option("--seed", o->request.seed, "Seed of the grains' places")->capture_default_str();
+  command->add_option("--seed", o->request.seed, "Seed of the grains' places")->check(kSeed)->capture_default_str();
   command->add_option("--end", o->request.time.end, "Time limit of the run [s]")
       ->check(CLI::Range(0.5, 100.0))
       ->capture_default_str();

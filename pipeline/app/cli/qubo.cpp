@@ -88,6 +88,7 @@ void add_sampler_options(CLI::App* command, const SharedQubo& options) {
   command
       ->add_option("--dead-seed", options->device.graph.dead_seed,
                    "emulator: seed of the dead qubits; also the device's serial")
+      ->check(kSeed)
       ->capture_default_str();
 }
 
@@ -104,7 +105,9 @@ void add_embed(CLI::App& qubo, const SharedQubo& options, const Globals& globals
   command->add_option("--dead-share", embed.graph.dead_share, "Share of dead qubits of --graph")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
-  command->add_option("--dead-seed", embed.graph.dead_seed, "Seed of the choice of dead qubits")->capture_default_str();
+  command->add_option("--dead-seed", embed.graph.dead_seed, "Seed of the choice of dead qubits")
+      ->check(kSeed)
+      ->capture_default_str();
   command->add_option("--method", embed.method, "Method of embedding")
       ->type_name(one_of({"auto", "biclique", "clique", "heuristic"}))
       ->capture_default_str();
@@ -112,7 +115,7 @@ void add_embed(CLI::App& qubo, const SharedQubo& options, const Globals& globals
                                               "Default: torque compensation, 1.414 rms(J) sqrt(mean degree)");
   CLI::Option* gauge = command->add_option("--gauge", options->gauge, "Seed of a random gauge; default: none");
   command->add_flag("--auto-scale", embed.auto_scale, "Scale to the full range; the sidecar keeps the factor");
-  command->add_option("--seed", embed.seed, "Seed of the heuristic")->capture_default_str();
+  command->add_option("--seed", embed.seed, "Seed of the heuristic")->check(kSeed)->capture_default_str();
   command->add_option("--time-limit", embed.time_limit_s, "Of the heuristic [s]")
       ->check(CLI::Range(0.1, 1e6))
       ->capture_default_str();
@@ -172,7 +175,7 @@ void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& global
   command->add_option("--sweeps", options->sweeps, "Sweeps of every chain")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Seed")->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed")->check(kSeed)->capture_default_str();
   command->add_option("--out", options->out, "Answer file to write")->type_name(kFile)->required();
   add_examples(*command,
                {"gonogo qubo sample problem.json --sampler block_gibbs --reads 1000 --seed 7 --out answer.json",

@@ -118,7 +118,7 @@ void add_qubo_contact(CLI::App& qubo, const Globals& globals) {
   command->add_option("--sweeps", request->sampling.sweeps, "Sweeps of every chain")
       ->check(CLI::Range(1, 1000000000))
       ->capture_default_str();
-  command->add_option("--seed", request->sampling.seed, "Seed")->capture_default_str();
+  command->add_option("--seed", request->sampling.seed, "Seed")->check(kSeed)->capture_default_str();
   command->add_option("--csv", request->csv, "Table of the samplers' errors to write")->type_name(kFile);
   add_examples(*command, {"gonogo qubo contact tests/data/fclib/FC3D_Example1.dat --bits 4 --out contact.json",
                           "gonogo qubo contact tests/data/fclib/FC3D_Example1.dat --bits 8 --sampler anneal"});

@@ -120,6 +120,7 @@ void add_qubo_import(CLI::App& qubo, const SharedQubo& options, const Globals& g
       ->type_name(one_of({"weighted_random", "majority_vote", "discard", "minimize_energy"}))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "Seed of weighted_random, and of the rows that are written")
+      ->check(kSeed)
       ->capture_default_str();
   command->add_option("--model", options->model, "Also check that the problem was exported from this model")
       ->type_name(kFile);

@@ -56,6 +56,7 @@ void add_chain_options(CLI::App* command, learn::RowRequest& request) {
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
   command->add_option("--dead-seed", request.device.graph.dead_seed, "emulator: seed of the dead qubits")
+      ->check(kSeed)
       ->capture_default_str();
 }
 
@@ -89,7 +90,7 @@ void add_sample_command(CLI::App& app, const Globals& globals) {
       ->capture_default_str();
   add_chain_options(command, options->request);
   command->add_flag("--middles", options->middles, "Middles of bins instead of values inside them");
-  command->add_option("--seed", options->request.seed, "Seed")->capture_default_str();
+  command->add_option("--seed", options->request.seed, "Seed")->check(kSeed)->capture_default_str();
   add_examples(*command,
                {"gonogo sample --model out/demo/model.h5 --rows 1000 --out rows.csv",
                 "gonogo sample --model hmmwv --set slope_along=12 --set friction_angle=32 --out rows.h5",

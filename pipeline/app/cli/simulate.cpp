@@ -239,7 +239,7 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
       ->add_option("--set", options->settings,
                    "Value of a variable; the others have the study's fixed value or mid-range")
       ->type_name(kSetting);
-  command->add_option("--seed", options->seed, "Seed of the bed");
+  command->add_option("--seed", options->seed, "Seed of the bed")->check(kSeed);
   command->add_flag("--compliant-tyres", options->compliant, "Tyres of the stiffness in the vehicle's file");
   command->add_flag("--folded", options->folded,
                     "Bed of two thirds of the track, periodic across, with a third of the grains");

@@ -60,7 +60,7 @@ void add_soil_options(CLI::App& command, lab::SoilTestRequest& r) {
       ->capture_default_str();
   command.add_option("--grain-density", r.soil.grain_density, "Density of the grains' solid [kg/m3]")
       ->capture_default_str();
-  command.add_option("--seed", r.soil.seed, "First seed")->capture_default_str();
+  command.add_option("--seed", r.soil.seed, "First seed")->check(kSeed)->capture_default_str();
   command.add_option("--seeds", r.seeds, "Packings, one per seed")->check(CLI::Range(1, 100))->capture_default_str();
   command.add_flag("--quick", r.quick, "Smaller beds and shorter paths, for a first look");
 }

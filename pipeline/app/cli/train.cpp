@@ -23,7 +23,7 @@ void add_train_command(CLI::App& app, const Globals& globals, const Work<TrainOp
                    "Valid trials that are not trained on, replicates together, drawn from the seed; gonogo evaluate "
                    "on the same dataset scores them")
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1");
+  command->add_option("--seed", options->seed, "Seed; the study's when left out, without a study 1")->check(kSeed);
   command
       ->add_option("--members", options->members,
                    "Also train so many models on reweighted trials, for the spread of the model in maps")

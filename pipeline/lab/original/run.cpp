@@ -111,8 +111,8 @@ OriginalStop stop_of(sim::StopCause cause) {
   return cause == sim::StopCause::time_limit ? OriginalStop::max_time : OriginalStop::failed;
 }
 
-/// Floor and spheres let tyres through, so that a vehicle that digs itself in falls out of the bin. The original goes on
-/// until it is behind lost_x or the time is over. Below the floor nothing touches it: the rest is a parabola.
+/// Floor and spheres let tyres through, so that a vehicle that digs itself in falls out of the bin. The original goes
+/// on until it is behind lost_x or the time is over. Below the floor nothing touches it: the rest is a parabola.
 std::optional<OriginalStop> stop_of_fall(const OriginalSample& s, const OriginalRequest& r) {
   constexpr double kAllBelow = -2.5;  // of the origin: no wheel reaches the floor [m]
   if (s.position.z > kAllBelow) return std::nullopt;
