@@ -165,8 +165,8 @@ void settle(Start& start, const std::string& name, int threads, sim::Backend bac
   constexpr double kCoarse = 2e-3;
   const auto run = [&](double time) {
     if (!(time > 0)) return;
-    const auto simulation = sim::make_simulation(backend, {start.world},
-                                                 settings_of(start, kCoarse, 50, 0.05 * start.diameter), threads);
+    const auto simulation =
+        sim::make_simulation(backend, {start.world}, settings_of(start, kCoarse, 50, 0.05 * start.diameter), threads);
     advance(*simulation, Index(std::ceil(time / kCoarse)));
     require_sound(*simulation, name);
     start.world.body = simulation->bodies(0);

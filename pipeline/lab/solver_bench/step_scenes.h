@@ -32,9 +32,9 @@ struct SceneStep {
   std::vector<sim::Impulse> earlier_impulse = {};  // the engine's, by `earlier`
 };
 
-/// Settles the scene with the engine's `apgd` on `backend`, whose contacts the step has. `bodies`: about so many, at least 1. Throws InputError for
-/// more than 1,000,000, and above 1000 for `stack`. Throws DeviceError when the engine raises a flag, Cancelled when
-/// the user asked to stop.
+/// Settles the scene with the engine's `apgd` on `backend`, whose contacts the step has. `bodies`: about so many, at
+/// least 1. Throws InputError for more than 1,000,000, and above 1000 for `stack`. Throws DeviceError when the engine
+/// raises a flag, Cancelled when the user asked to stop.
 SceneStep settled_step(StepScene scene, int bodies, int threads, sim::Backend backend = sim::Backend::cpu);
 
 /// Not whole where W has more than `most_whole` blocks.
