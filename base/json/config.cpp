@@ -120,7 +120,7 @@ std::string Config::text_or(const std::string& key, const std::string& fallback)
 }
 
 std::string Config::choice(const std::string& key, const std::vector<std::string>& allowed) const {
-  const std::string value = text(key);
+  std::string value = text(key);
   if (std::find(allowed.begin(), allowed.end(), value) == allowed.end())
     fail(key, "\"" + value + "\" is not one of: " + join_words(allowed));
   return value;

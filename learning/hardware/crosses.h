@@ -1,5 +1,6 @@
 // Pairs of a vertical and a horizontal line of the same number, joined where they cross.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "learning/hardware/graph.h"
@@ -8,8 +9,8 @@ namespace gonogo::learning {
 
 /// The two arms of a chain, each from end to end.
 struct Cross {
-  std::vector<Qubit> arm[2];  // vertical, horizontal
-  Qubit joint[2] = {0, 0};    // the coupled qubits of the two arms
+  std::array<std::vector<Qubit>, 2> arm;  // vertical, horizontal
+  Qubit joint[2] = {0, 0};                // the coupled qubits of the two arms
 };
 
 /// The longest cross of every number of lines that has one, in the order of lines.

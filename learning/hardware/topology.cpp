@@ -132,7 +132,7 @@ HardwareGraph pegasus(std::uint32_t m, bool fabric_only) {
     for (std::uint32_t z = 0; z + 1 < m; ++z)
       couplers.emplace_back(2 * line * (m - 1) + z, (2 * line + 1) * (m - 1) + z);
   pegasus_internal(size, couplers);
-  const HardwareGraph full("pegasus:" + std::to_string(m), size, count, all_qubits(count), couplers);
+  HardwareGraph full("pegasus:" + std::to_string(m), size, count, all_qubits(count), couplers);
   if (!fabric_only) return full;
   std::vector<Qubit> outside;
   for (std::uint32_t u = 0; u < 2; ++u)

@@ -112,10 +112,10 @@ RaiseEstimate raise_log_likelihood(const RbmWeights& weights, std::span<const do
 }
 
 std::vector<double> independent_bias(std::span<const double> rows, std::size_t visible_count) {
-  const double count = double(rows.size() / visible_count);
+  const std::size_t row_count = rows.size() / visible_count;
   std::vector<double> bias(visible_count, 0.0);
   for (std::size_t k = 0; k < rows.size(); ++k) bias[k % visible_count] += rows[k];
-  for (double& x : bias) x = std::log((x + 0.5) / (count - x + 0.5));
+  for (double& x : bias) x = std::log((x + 0.5) / (double(row_count) - x + 0.5));
   return bias;
 }
 

@@ -157,7 +157,7 @@ PosteriorAnswer Posterior::marginal(std::span<const double> variables, const Mar
   if (terms <= double(options.max_terms)) {
     // With nothing unknown the bits are those of operator().
     if (auto answer = unknown.empty() ? std::nullopt : sum_products(field, unknown)) return *answer;
-    return sum_logarithms(std::move(field), unknown);
+    return sum_logarithms(field, unknown);
   }
   return joint(variables, std::nullopt, options).outcome;
 }
@@ -169,7 +169,7 @@ std::vector<std::size_t> Posterior::bin_counts(const std::vector<std::size_t>& v
 }
 
 template <class Visit>
-void Posterior::visit_combinations(std::vector<double> field, const std::vector<std::size_t>& unknown,
+void Posterior::visit_combinations(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
                                    Visit&& visit) const {
   const std::size_t hidden = field.size(), depth = unknown.size();
   // Level k: the field and the bias with the first k unknown variables set.
@@ -186,7 +186,8 @@ void Posterior::visit_combinations(std::vector<double> field, const std::vector<
       [&] { visit(partial[depth], bias[depth]); });
 }
 
-PosteriorAnswer Posterior::sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const {
+PosteriorAnswer Posterior::sum_logarithms(const std::vector<double>& field,
+                                          const std::vector<std::size_t>& unknown) const {
   PosteriorAnswer answer;
   answer.standard_error.assign(outcome_count(), 0.0);
   if (unknown.empty()) {
@@ -196,7 +197,7 @@ PosteriorAnswer Posterior::sum_logarithms(std::vector<double> field, const std::
   }
   std::vector<double> score(outcome_count()), highest(outcome_count(), -INFINITY), sum(outcome_count(), 0.0);
   if (has_prior_) {
-    visit_combinations(std::move(field), unknown, [&](const std::vector<double>& combined, double log_prior) {
+    visit_combinations(field, unknown, [&](const std::vector<double>& combined, double log_prior) {
       const double prior = std::exp(log_prior);
       if (prior == 0) return;
       outcome_shares(combined, score);
@@ -204,7 +205,7 @@ PosteriorAnswer Posterior::sum_logarithms(std::vector<double> field, const std::
     });
     answer.probability = sum;
   } else {
-    visit_combinations(std::move(field), unknown, [&](const std::vector<double>& combined, double bias) {
+    visit_combinations(field, unknown, [&](const std::vector<double>& combined, double bias) {
       scores(combined, score);
       for (std::size_t y = 0; y < score.size(); ++y) {
         const double term = score[y] + bias;

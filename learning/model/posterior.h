@@ -85,7 +85,7 @@ class Posterior {
   void scores(std::span<const double> field, std::span<double> result) const;
   /// Sum over all combinations of bins of the unknown variables. sum_products() is several times faster, and returns
   /// nothing when a product could overflow a double (product_sum.cpp).
-  PosteriorAnswer sum_logarithms(std::vector<double> field, const std::vector<std::size_t>& unknown) const;
+  PosteriorAnswer sum_logarithms(const std::vector<double>& field, const std::vector<std::size_t>& unknown) const;
   std::optional<PosteriorAnswer> sum_products(std::span<const double> field,
                                               const std::vector<std::size_t>& unknown) const;
   static constexpr std::size_t kOutcomesAtOnce = 8;
@@ -100,7 +100,8 @@ class Posterior {
   std::vector<std::size_t> bin_counts(const std::vector<std::size_t>& variables) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>
-  void visit_combinations(std::vector<double> field, const std::vector<std::size_t>& unknown, Visit&& visit) const;
+  void visit_combinations(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
+                          Visit&& visit) const;
   struct Question;  // question.h
   Question question(std::span<const double> variables, std::optional<std::size_t> outcome) const;
   JointAnswer joint_sum(const Question& asked) const;

@@ -1,6 +1,7 @@
 #include "learning/qubo/bqm_file.h"
 
 #include <algorithm>
+#include <bit>
 #include <map>
 
 #include "base/error.h"
@@ -120,7 +121,7 @@ std::vector<Coupling> read_couplings(ByteReader& body, const Shape& shape, const
   std::sort(lower.begin(), lower.end(),
             [](const Coupling& x, const Coupling& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
   const auto same = [](const Coupling& x, const Coupling& y) {
-    return x.a == y.a && x.b == y.b && std::memcmp(&x.value, &y.value, sizeof x.value) == 0;
+    return x.a == y.a && x.b == y.b && std::bit_cast<std::uint64_t>(x.value) == std::bit_cast<std::uint64_t>(y.value);
   };
   if (!std::equal(upper.begin(), upper.end(), lower.begin(), lower.end(), same))
     body.fail("the two neighbourhoods that hold an interaction do not agree on it");

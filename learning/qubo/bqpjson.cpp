@@ -27,7 +27,7 @@ Json terms_json(const std::vector<Entry>& entries, bool linear) {
 }
 
 std::vector<std::int64_t> read_ids(const JsonReader& reader) {
-  const std::vector<std::int64_t> ids = reader.integers("variable_ids", 0, kMaxId);
+  std::vector<std::int64_t> ids = reader.integers("variable_ids", 0, kMaxId);
   std::set<std::int64_t> seen;
   for (std::int64_t id : ids)
     if (!seen.insert(id).second) reader.fail("variable_ids", std::to_string(id) + " is listed twice");

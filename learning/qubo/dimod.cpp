@@ -17,7 +17,7 @@ Json number_json(double x) {
   return Json(x);
 }
 
-Json array_json(Json data, const char* data_type, std::vector<std::size_t> shape) {
+Json array_json(Json data, const char* data_type, const std::vector<std::size_t>& shape) {
   Json json;
   json["type"] = "array";
   json["data"] = std::move(data);
@@ -54,7 +54,7 @@ std::vector<Coupling> read_couplings(const JsonReader& reader, std::size_t varia
 
 /// Contents of an array member: checks its kind and shape, hands back the reader for its "data".
 JsonReader read_array(const JsonReader& reader, const std::string& key, const std::vector<std::size_t>& shape) {
-  const JsonReader array = reader.object(key);
+  JsonReader array = reader.object(key);
   array.expect_text("type", "array");
   array.expect_no_bytes();
   const auto extents = array.integers("shape", 0, INT32_MAX);

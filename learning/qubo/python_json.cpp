@@ -115,7 +115,7 @@ std::string python_number(double x) {
   GONOGO_ASSERT(std::isfinite(x));
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, x, std::chars_format::scientific).ptr;
-  const std::string scientific(text, end);
+  std::string scientific(text, end);
   const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
   if (exponent < -4 || exponent >= 16) return scientific;
   char fixed[64];

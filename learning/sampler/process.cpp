@@ -13,8 +13,6 @@
 #include "base/cancel.h"
 #include "base/error.h"
 
-extern char** environ;
-
 namespace gonogo::learning {
 namespace {
 

@@ -28,7 +28,7 @@ nb::typed<nb::dict, nb::str, nb::any> columns_of(const campaign::Dataset& datase
   result["replicate_of"] = array_of(std::move(columns.replicate_of));
   result["proposal_density"] = array_of(std::move(columns.proposal_density));
   for (std::size_t v = 0; v < contract.variables.size(); ++v)
-    if (with_task || !campaign::is_task_variable(contract.variables[v]))
+    if (campaign::has_column(contract.variables[v], with_task))
       result[contract.variables[v].name.c_str()] = array_of(std::move(columns.variables[v]));
   result["verdict"] = array_of(std::move(columns.verdict));
   result["reason"] = array_of(std::move(columns.reason));

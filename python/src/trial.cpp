@@ -102,7 +102,7 @@ nb::typed<nb::dict, nb::str, double> variables_of(const campaign::DesignPoint& p
   nb::dict result;
   for (std::size_t v = 0; v < point.variables.size(); ++v)
     if (const campaign::Variable& variable = campaign::contract().variables[v];
-        with_task || !campaign::is_task_variable(variable))
+        campaign::has_column(variable, with_task))
       result[variable.name.c_str()] = point.variables[v];
   return result;
 }

@@ -33,8 +33,8 @@ class Fronts {
 template <class Factors>
 class ByBodies final : public NewtonSystem {
  public:
-  ByBodies(Sparse b, int dimension)
-      : b_(std::move(b)),
+  ByBodies(const Sparse& b, int dimension)
+      : b_(b),
         transposed_(b_.transpose()),
         identity_(b_.cols(), b_.cols()),
         unit_(b_.rows(), b_.rows()),
@@ -77,9 +77,9 @@ class ByBodies final : public NewtonSystem {
 
 std::unique_ptr<NewtonSystem> make_system_by_bodies(const LocalProblem& problem, const ScaledProblem& of,
                                                     const std::vector<char>& fixed, bool is_symmetric) {
-  Sparse b = scaled_form(problem, of, fixed);
-  if (is_symmetric) return std::make_unique<ByBodies<Fronts>>(std::move(b), problem.dimension);
-  return std::make_unique<ByBodies<Eigen::SparseLU<Sparse>>>(std::move(b), problem.dimension);
+  const Sparse b = scaled_form(problem, of, fixed);
+  if (is_symmetric) return std::make_unique<ByBodies<Fronts>>(b, problem.dimension);
+  return std::make_unique<ByBodies<Eigen::SparseLU<Sparse>>>(b, problem.dimension);
 }
 
 }  // namespace gonogo::sim

@@ -38,7 +38,7 @@ struct FlatWorld {
 
   WorldSize size() const;
 };
-FlatWorld flatten(const SceneWorld& world, WorldIndex w, const StepSettings& settings);
+FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& settings);
 
 /// State from which a world continues with the same bits, in this batch or another.
 struct Snapshot {

@@ -12,8 +12,8 @@ namespace gonogo::sim {
 class SurfaceLibrary {
  public:
   /// Adds a mesh, unless it is there already; returns its index in the batch. It must have passed check_mesh.
-  Index add(const std::shared_ptr<const TriangleMesh>& mesh);
-  Index add(const std::shared_ptr<const Heightfield>& field);
+  Index add(const std::shared_ptr<const TriangleMesh>& source);
+  Index add(const std::shared_ptr<const Heightfield>& source);
 
   /// Number of meshes and heightfields.
   Index size() const { return Index(mesh.size() + field.size()); }

@@ -46,10 +46,10 @@ std::vector<Grain> lobes_of(GrainShape shape, const std::vector<Grain>& grains);
 /// Copies the positions of the first bodies to the grains; for clumps also the orientations.
 void take_places(std::vector<Grain>& grains, GrainShape shape, const std::vector<sim::BodyState>& bodies);
 
-/// Orientation of the grain's mirror image in y. Lobes lie in their body's plane z = 0, so the body is its own mirror
-/// image in that plane. The image of the body turned by R is therefore the body turned by S R T, a rotation, with the
-/// mirrors S = diag(1, -1, 1) and T = diag(1, 1, -1).
-Quat mirrored(GrainShape shape, const Quat& orientation);
+/// Orientation of the mirror image in y of a grain turned by q. Lobes lie in their body's plane z = 0, so the body is
+/// its own mirror image in that plane. The image of the body turned by R is therefore the body turned by S R T, a
+/// rotation, with the mirrors S = diag(1, -1, 1) and T = diag(1, 1, -1).
+Quat mirrored(GrainShape shape, const Quat& q);
 
 /// Orientation from three numbers in [0, 1). Uniform numbers give uniform rotations (Shoemake, Graphics Gems III (1992)
 /// 124-132).

@@ -90,7 +90,7 @@ Packing cached_packing(const BedSpec& spec, const std::filesystem::path& folder,
       log_line("bed", std::string(e.what()) + "; settling it again");
     }
   }
-  const Packing packing = settle_packing(spec, threads);
+  Packing packing = settle_packing(spec, threads);
   write_packing(path, packing);
   return packing;
 }

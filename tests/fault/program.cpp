@@ -108,7 +108,7 @@ Json check_json_refusal(const Ending& ending, int exit_code, const std::string& 
   const std::string sentence = check_sentence(ending, exit_code, parts);
   const auto lines = lines_of(ending.out);
   REQUIRE_FALSE(lines.empty());
-  const Json error = Json::parse(lines.back(), "stdout").at("error");
+  Json error = Json::parse(lines.back(), "stdout").at("error");
   CHECK(error.at("kind").string() == kind);
   CHECK(error.at("message").string() == sentence);
   return error;

@@ -288,10 +288,9 @@ TEST_CASE("a step that has to be repeated with more memory for its contacts is d
   SceneWorld crowd = flywheel(velocity_controller(ControllerType::velocity_by_torque, 1, 100));
   crowd.controller[0].proportional = 1;
   crowd.controller[0].integral = 10;
-  for (int i = 0; i < 512; ++i)
-    crowd.add_sphere(Vec3d{5 + 0.1 * (i % 8), 0.1 * (i / 8 % 8), 0.1 * (i / 64)}, 0.05f, 1000, 0);
+  for (int i = 0; i < 512; ++i) crowd.add_sphere(Vec3d{5, 0, 0} + grid_place(i, 8, 8) * 0.1, 0.05f, 1000, 0);
   SceneWorld loners = empty_space();
-  for (int i = 0; i < 3000; ++i) loners.add_sphere({-40 + 0.5 * (i % 100), 0.5 * (i / 100), 0}, 0.05f, 1000, 0);
+  for (int i = 0; i < 3000; ++i) loners.add_sphere(Vec3d{-40, 0, 0} + grid_place(i, 100, 30) * 0.5, 0.05f, 1000, 0);
   StepSettings settings;
   settings.envelope = 0.05f;
   settings.iterations = 2;

@@ -24,7 +24,8 @@ SceneWorld cart(double speed, int pairs) {
   const BodyIndex ground = add_plane(w);
   const BodyIndex frame = w.add_body({{0, 0, 0.4}, {}, {}, {}}, solid(40, {4, 6, 8}));
   for (int k = 0; k < 2 * pairs; ++k) {
-    const Vec3d at{0.5 * (k / 2), k % 2 ? 0.4 : -0.4, 0.2};
+    const int pair = k / 2;
+    const Vec3d at{0.5 * pair, k % 2 ? 0.4 : -0.4, 0.2};
     const BodyIndex wheel = w.add_sphere(at, 0.2f, 200, 0);
     w.joint.push_back(revolute(w, wheel, frame, at, {0, 1, 0}));
     w.motor.push_back(speed_motor(w.joint.back(), speed, 20));

@@ -49,7 +49,7 @@ SceneWorld grains() {
   w.law[0][0].spinning_friction = 0.1f;
   add_plane(w);
   for (int k = 0; k < 48; ++k) {
-    const Vec3d at{0.08 * (k % 4), 0.08 * (k / 4 % 4), 0.04 + 0.078 * (k / 16)};
+    const Vec3d at = scale(grid_place(k, 4, 4), {0.08, 0.08, 0.078}) + Vec3d{0, 0, 0.04};
     const BodyIndex b = w.add_sphere(at + draw.direction() * 1e-3, Real(k % 5 ? 0.04 : 0.03), 2600, 0);
     if (k % 7 == 0) w.mass[b] = fixed_body();
   }
@@ -322,8 +322,7 @@ TEST_CASE("two short steps of the tiny worlds by every solver") {  // few enough
 TEST_CASE("a step that finds more contacts than there is room for is taken again") {
   for (const Backend backend : backends()) {
     SceneWorld crowd = empty_world({Real(0.5), 0, 0});
-    for (int k = 0; k < 216; ++k)
-      crowd.add_sphere(Vec3d{0.05 * (k % 6), 0.05 * (k / 6 % 6), 0.05 * (k / 36)}, 0.025f, 1000, 0);
+    for (int k = 0; k < 216; ++k) crowd.add_sphere(grid_place(k, 6, 6) * 0.05, 0.025f, 1000, 0);
     StepSettings settings = settings_with(Solver::apgd, Target::ccp, 1);
     settings.envelope = 0.03f;
     const auto simulation = simulate(backend, crowd, settings);

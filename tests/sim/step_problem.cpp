@@ -20,7 +20,7 @@ SceneWorld pile(std::uint64_t seed, double rolling) {
   SceneWorld w = open_world({0.5f, Real(rolling), 0});
   add_plane(w);
   for (int k = 0; k < 12; ++k) {
-    const Vec3d at = Vec3d{2.0 * (k % 3), 2.0 * (k / 3 % 2), 2.0 * (k / 6) + 1} * kRadius + draw.direction() * 5e-4;
+    const Vec3d at = (grid_place(k, 3, 2) * 2.0 + Vec3d{0, 0, 1}) * kRadius + draw.direction() * 5e-4;
     const BodyIndex b = w.add_sphere(at, Real(kRadius), density_for(0.05 * draw.magnitude(1, 10), kRadius), 0);
     w.body[b].velocity = static_cast<Vec3>(draw.direction() * 0.3);
     w.body[b].angular_velocity = static_cast<Vec3>(draw.direction() * 3.0);
@@ -145,7 +145,7 @@ TEST_CASE("interior points set a lid of many contacts apart, with and without W,
   constexpr double kRadius = 0.02;
   Draw draw(11);
   for (int k = 0; k < 162; ++k) {
-    const Vec3d at = Vec3d{2.0 * (k % 9), 2.0 * (k / 9 % 9), 2.0 * (k / 81) + 1} * kRadius + draw.direction() * 2e-4;
+    const Vec3d at = (grid_place(k, 9, 9) * 2.0 + Vec3d{0, 0, 1}) * kRadius + draw.direction() * 2e-4;
     const BodyIndex b = w.add_sphere(at, Real(kRadius), density_for(0.05, kRadius), 0);
     w.body[b].velocity = static_cast<Vec3>(draw.direction() * 0.3);
   }

@@ -12,6 +12,12 @@ namespace gonogo::test {
 inline Quat about_x(double angle) { return {Real(std::cos(angle / 2)), Real(std::sin(angle / 2)), 0, 0}; }
 inline Quat about_y(double angle) { return {Real(std::cos(angle / 2)), 0, Real(std::sin(angle / 2)), 0}; }
 
+/// Column, row and layer of the k-th place of a grid with so many columns and rows.
+inline Vec3d grid_place(int k, int columns, int rows) {
+  const int row = k / columns % rows, layer = k / (columns * rows);
+  return {double(k % columns), double(row), double(layer)};
+}
+
 /// Fixed plane through `centre`; its normal is the z axis of `orientation`.
 inline sim::BodyIndex add_plane(sim::SceneWorld& world, const Vec3d& centre = {}, const Quat& orientation = {},
                                 int material = 0) {

@@ -14,7 +14,7 @@ namespace gonogo::terrain {
 namespace {
 
 std::filesystem::path scratch(const std::string& name) {
-  const auto folder = std::filesystem::temp_directory_path() / ("gonogo-test-" + name);
+  auto folder = std::filesystem::temp_directory_path() / ("gonogo-test-" + name);
   std::filesystem::remove_all(folder);
   return folder;
 }

@@ -161,10 +161,10 @@ TEST_CASE("whole metres make plains flat, which is no water; a lake among them i
   constexpr int side = 200;
   std::vector<float> plain, lake;
   for (int i = 0; i < side * side; ++i) {
-    const int column = i % side, row = i / side;
-    plain.push_back(float(300 + column / 40));
+    const int column = i % side, row = i / side, height = 300 + column / 40;
+    plain.push_back(float(height));
     const bool in_lake = std::hypot(column - 100, row - 100) < 25;  // 1.77 km2
-    lake.push_back(in_lake ? 290.f : float(300 + column / 40));
+    lake.push_back(in_lake ? 290.f : float(height));
   }
   const auto recipe = [&](const std::vector<float>& value) {
     return RasterRecipe{.columns = side,

@@ -61,7 +61,7 @@ std::string day_of(GDALDataset& file, const char* layer) {
   REQUIRE(rows);
   const OGRFeatureUniquePtr row(rows->GetNextFeature());
   REQUIRE(row);
-  const std::string day = row->GetFieldAsString(0);
+  std::string day = row->GetFieldAsString(0);
   file.ReleaseResultSet(rows);
   return day;
 }

@@ -50,8 +50,10 @@ inline void make_raster(const std::filesystem::path& path, const RasterRecipe& r
   if (recipe.scale != 1) band.SetScale(recipe.scale);
   if (recipe.offset != 0) band.SetOffset(recipe.offset);
   std::vector<float> value = recipe.value;
-  for (int i = int(value.size()); i < recipe.columns * recipe.rows; ++i)
-    value.push_back(float(i % recipe.columns + 10 * (i / recipe.columns)));
+  for (int i = int(value.size()); i < recipe.columns * recipe.rows; ++i) {
+    const int row = i / recipe.columns;
+    value.push_back(float(i % recipe.columns + 10 * row));
+  }
   for (int b = 1; b <= recipe.bands; ++b)
     if (raster->GetRasterBand(b)->RasterIO(GF_Write, 0, 0, recipe.columns, recipe.rows, value.data(), recipe.columns,
                                            recipe.rows, GDT_Float32, 0, 0, nullptr) != CE_None)

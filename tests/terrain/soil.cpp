@@ -28,7 +28,7 @@ Calibration table() {
 }
 
 std::filesystem::path scratch(const std::string& name) {
-  const auto folder = std::filesystem::temp_directory_path() / ("gonogo-test-" + name);
+  auto folder = std::filesystem::temp_directory_path() / ("gonogo-test-" + name);
   std::filesystem::remove_all(folder);
   return folder;
 }

@@ -19,7 +19,7 @@ std::filesystem::path altered(const std::string& from, const std::string& to) {
   std::string text = read_file(kSoils / "dry_sand.json");
   const auto at = text.find(from);
   REQUIRE(at != std::string::npos);
-  const auto path = std::filesystem::temp_directory_path() / "gonogo-test-soil.json";
+  auto path = std::filesystem::temp_directory_path() / "gonogo-test-soil.json";
   write_file_atomically(path, text.replace(at, from.size(), to));
   return path;
 }

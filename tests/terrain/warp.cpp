@@ -28,10 +28,11 @@ const std::string kGolden = GONOGO_SOURCE_DIR "/tests/golden/terrain/";
 /// to 1e-3 of the rise over the few kilometres of these rasters.
 std::vector<float> plane(const RasterRecipe& recipe, double metres_east, double metres_north) {
   std::vector<float> value;
+  const int middle_row = recipe.rows / 2, middle_column = recipe.columns / 2;
   for (int row = 0; row < recipe.rows; ++row)
     for (int column = 0; column < recipe.columns; ++column)
-      value.push_back(float(1000 + kEastRise * metres_east * (column - recipe.columns / 2) -
-                            kNorthRise * metres_north * (row - recipe.rows / 2)));
+      value.push_back(float(1000 + kEastRise * metres_east * (column - middle_column) -
+                            kNorthRise * metres_north * (row - middle_row)));
   return value;
 }
 

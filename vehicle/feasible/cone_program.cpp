@@ -200,9 +200,8 @@ bool independent_equations(ConeProgram& p) {
 
 }  // namespace
 
-ConeAnswer solve(const ConeProgram& given, double tolerance) {
+ConeAnswer solve(ConeProgram p, double tolerance) {
   constexpr int kMaxIterations = 100;
-  ConeProgram p = given;
   ConeAnswer answer;
   answer.consistent = independent_equations(p);
   if (!answer.consistent) return answer;

@@ -30,6 +30,6 @@ struct ConeAnswer {
 };
 
 /// Redundant equations are dropped.
-ConeAnswer solve(const ConeProgram& program, double tolerance = 1e-9);
+ConeAnswer solve(ConeProgram program, double tolerance = 1e-9);
 
 }  // namespace gonogo::vehicle

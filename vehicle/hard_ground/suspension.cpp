@@ -109,8 +109,8 @@ Eigen::Vector2d axle_rates(const Vehicle& v, const Shaker& shaker, const HardGro
   const auto wheels = stations(v);
   Eigen::Vector2d rate;
   for (int a = 0; a < 2; ++a) {
-    const double sprung = load[std::size_t(2 * a)] + load[std::size_t(2 * a + 1)] -
-                          unsprung_of_axle(wheels, wheels[std::size_t(2 * a)].axle) * kGravity;
+    const std::size_t left = 2 * std::size_t(a);
+    const double sprung = load[left] + load[left + 1] - unsprung_of_axle(wheels, wheels[left].axle) * kGravity;
     rate(a) = 2 * kGravityChange * sprung / (high(a) - low(a));
   }
   return rate;

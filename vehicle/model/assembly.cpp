@@ -172,7 +172,7 @@ std::vector<Station> road_wheels(const Vehicle& v) {
       s.axle = int(i);
       s.side = side;
       s.mount = {side > 0 ? t.road_wheel_x[i] : t.right_road_wheel_x[i], side * t.offset, t.road_wheel_z};
-      s.suspension = &find_suspension(v, t.suspension[damped ? 0 : 1]);
+      s.suspension = &find_suspension(v, damped ? t.suspension_with_damper : t.suspension);
       s.wheel = &find_wheel(v, t.wheel);
       s.centre = s.mount + mirrored(s.suspension->point.at("wheel"), side);
       s.driven = true;

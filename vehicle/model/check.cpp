@@ -73,8 +73,8 @@ void check_vehicle(const Config& c, const Vehicle& v) {
   if (v.kind == VehicleKind::tracked) {
     const Config wheels = c.object("track").object("road_wheels");
     require_known(wheels, "wheel", "wheel", v.wheel, v.track[0].wheel);
-    require_known(wheels, "suspension_with_damper", "suspension", v.suspension, v.track[0].suspension[0]);
-    require_known(wheels, "suspension", "suspension", v.suspension, v.track[0].suspension[1]);
+    require_known(wheels, "suspension_with_damper", "suspension", v.suspension, v.track[0].suspension_with_damper);
+    require_known(wheels, "suspension", "suspension", v.suspension, v.track[0].suspension);
     check_belt(c, v);
   } else {
     check_axles(c, v);

@@ -17,7 +17,7 @@ sim::BodyIndex add_part(sim::SceneWorld& world, const Part& p, const Vec3d& orig
   Eigen::Matrix3d axes = principal.eigenvectors();
   if (axes.determinant() < 0) axes.col(2) *= -1;
   const Eigen::Quaterniond turn(axes);
-  const Eigen::VectorXd moment = principal.eigenvalues();
+  const Eigen::VectorXd& moment = principal.eigenvalues();
   sim::BodyState state;
   state.position = origin + p.centre;
   state.orientation = {Real(turn.w()), Real(turn.x()), Real(turn.y()), Real(turn.z())};

@@ -50,8 +50,8 @@ Belt read_belt(const Config& c, const Track& t) {
 
 void read_road_wheels(const Config& c, Track& t) {
   t.wheel = c.text("wheel");
-  t.suspension[0] = c.text("suspension_with_damper");
-  t.suspension[1] = c.text("suspension");
+  t.suspension_with_damper = c.text("suspension_with_damper");
+  t.suspension = c.text("suspension");
   t.road_wheel_x = c.numbers("left_x_m", {-50, 50});
   t.right_road_wheel_x = c.numbers("right_x_m", {-50, 50});
   t.road_wheel_z = c.number("z_m", {-20, 20});

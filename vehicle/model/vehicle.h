@@ -118,10 +118,10 @@ struct Belt {
 struct Track {
   double offset = 0;  // y of the track's middle plane [m]
   Part sprocket, idler;
-  double sprocket_radius = 0;  // of the pins [m]
-  double idler_radius = 0;     // [m]
-  Vec3d idler_travel;          // end point of the idler's travel by the tensioner [m]
-  std::string suspension[2];   // of the road wheels with and without damper
+  double sprocket_radius = 0;                      // of the pins [m]
+  double idler_radius = 0;                         // [m]
+  Vec3d idler_travel;                              // end point of the idler's travel by the tensioner [m]
+  std::string suspension, suspension_with_damper;  // of the road wheels without and with damper
   std::string wheel;
   std::vector<double> road_wheel_x, right_road_wheel_x;  // [m]
   double road_wheel_z = 0;

@@ -6,7 +6,7 @@ namespace gonogo::app {
 namespace {
 
 std::shared_ptr<CapacityOptions> defaults() {
-  const auto options = std::make_shared<CapacityOptions>();
+  auto options = std::make_shared<CapacityOptions>();
   options->request.bits = {4, 8};
   options->request.hidden = {4, 8, 16};
   options->request.connectivity = {"full", "sparse:0.3"};

@@ -45,7 +45,7 @@ void check_rasters(const map::Region& region, double gravity) {
 
 /// Trials of other fidelities, checked against what this study is going to simulate.
 std::vector<std::filesystem::path> trials_beside(const campaign::Study& study) {
-  const auto files = learn::named_trials(study.config.object_if("learning"));
+  auto files = learn::named_trials(study.config.object_if("learning"));
   if (files.empty()) return files;
   campaign::Provenance own;
   own.study = study.config.json().dump();

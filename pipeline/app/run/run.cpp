@@ -52,7 +52,8 @@ std::optional<Config> design_of(const RunPlan& plan, const std::filesystem::path
   return Config::parse(text, dataset.string() + ": study").object_if("design");
 }
 
-Stage training_stage(const RunPlan& plan) {
+/// `files`: of learned_trials().
+Stage training_stage(const RunPlan& plan, const std::vector<std::filesystem::path>& files) {
   Json inputs = Json::object();
   inputs["program"] = program();
   inputs["dataset.h5"] = path_hash(plan.dataset());
@@ -61,8 +62,7 @@ Stage training_stage(const RunPlan& plan) {
   Json& learning = inputs["learning"] = learn::to_json(plan.learning);
   learning["given"] = section_json(plan.study, "learning");  // the other settings follow the number of trials
   inputs["design"] = section_json(plan.study, "design");
-  return {.name = "train", .outputs = {"model.h5"}, .inputs = inputs, .work = [&plan] {
-            const auto files = learned_trials(plan);
+  return {.name = "train", .outputs = {"model.h5"}, .inputs = inputs, .work = [&plan, &files] {
             learn::train_model({.dataset = files.front(),
                                 .model = plan.model(),
                                 .seed = plan.study.seed,
@@ -72,20 +72,21 @@ Stage training_stage(const RunPlan& plan) {
           }};
 }
 
-Stage map_stage(const RunPlan& plan) {
+/// `dataset`: the trials that the model answers for.
+Stage map_stage(const RunPlan& plan, const std::filesystem::path& dataset) {
   Json inputs = Json::object();
   inputs["program"] = program();
   inputs["model.h5"] = path_hash(plan.model());
-  inputs["dataset.h5"] = path_hash(learned_trials(plan).front());
+  inputs["dataset.h5"] = path_hash(dataset);
   inputs["region"] = path_hash(plan.region.file);
   for (const auto& [role, hash] : map::raster_hashes(plan.region)) inputs[role] = hash;
   inputs["map"] = section_json(plan.study, "map");
   if (!plan.map.cone_index_of.empty()) inputs["cone_index_of"] = path_hash(plan.map.cone_index_of);
-  return {.name = "map", .outputs = {"map"}, .inputs = inputs, .work = [&plan] {
+  return {.name = "map", .outputs = {"map"}, .inputs = inputs, .work = [&plan, &dataset] {
             map::make_map(map::read_map_request({.model = plan.model(),
                                                  .region = {},
                                                  .study = plan.study.file,
-                                                 .dataset = learned_trials(plan).front(),
+                                                 .dataset = dataset,
                                                  .out = plan.map_folder(),
                                                  .threads = plan.threads}));
           }};
@@ -146,8 +147,9 @@ RunSummary run_study(const RunRequest& request) {
     if (run_stage(plan.out, stage)) summary.done.push_back(stage.name);
   };
   run(campaign_stage(plan));
-  run(training_stage(plan));
-  run(map_stage(plan));
+  const std::vector<std::filesystem::path> files = learned_trials(plan);
+  run(training_stage(plan, files));
+  run(map_stage(plan, files.front()));
   summary.map_folder = plan.map_folder();
   summary.record = make_record(plan);
   write_file_atomically(plan.out / "run.json", summary.record.dump(2) + "\n");

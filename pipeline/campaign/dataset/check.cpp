@@ -83,7 +83,8 @@ std::vector<std::string> provenance_differences(const Provenance& first, const P
     const auto other = b.find(name);
     const std::string theirs = other == b.end() ? "nothing" : other->second;
     if (theirs == value) continue;
-    differences.push_back(name == "study" ? "the study" : name + ": " + value + " against " + theirs);
+    differences.push_back(name == "study" ? "the study"
+                                          : line("%s: %s against %s", name.c_str(), value.c_str(), theirs.c_str()));
   }
   return differences;
 }

@@ -19,7 +19,7 @@ Json trial_json(const TrialRecord& record, bool with_task) {
   trial["replicate_of"] = record.point.replicate_of;
   trial["proposal_density"] = record.point.proposal_density;
   for (std::size_t i = 0; i < record.point.variables.size(); ++i)
-    if (with_task || !is_task_variable(contract().variables[i]))
+    if (has_column(contract().variables[i], with_task))
       trial[contract().variables[i].name] = number_or_null(record.point.variables[i]);
   trial["verdict"] = contract().info(record.verdict).name;
   trial["reason"] = contract().info(record.reason).name;
@@ -79,7 +79,7 @@ std::string to_json_text(const Dataset& dataset) {
   const bool with_task = has_task_values(dataset.records);
   Json units = Json::object();
   for (const Variable& variable : contract().variables)
-    if (with_task || !is_task_variable(variable)) units[variable.name] = variable.unit;
+    if (has_column(variable, with_task)) units[variable.name] = variable.unit;
   for (const Measure& measure : contract().measures) units[measure.name] = measure.unit;
   Json trials = Json::array();
   for (const TrialRecord& record : dataset.records) trials.push_back(trial_json(record, with_task));

@@ -73,7 +73,7 @@ class Cells {
     take(point.proposal_density);
     point.variables.assign(contract().variables.size(), 0);
     for (std::size_t v = 0; v < point.variables.size(); ++v)
-      if (with_task_ || !is_task_variable(contract().variables[v])) take(point.variables[v]);
+      if (has_column(contract().variables[v], with_task_)) take(point.variables[v]);
   }
 
   /// Names joined by "+", or "none".
@@ -108,7 +108,7 @@ void add_point_cells(const DesignPoint& point, std::vector<std::string>& cells) 
   cells.push_back(to_text(point.proposal_density));
   const bool with_task = has_task_values(point.variables);
   for (std::size_t v = 0; v < point.variables.size(); ++v)
-    if (with_task || !is_task_variable(contract().variables[v])) cells.push_back(to_text(point.variables[v]));
+    if (has_column(contract().variables[v], with_task)) cells.push_back(to_text(point.variables[v]));
 }
 
 }  // namespace
@@ -121,7 +121,7 @@ bool has_task_values(const std::vector<TrialRecord>& records) {
 std::vector<std::string> point_columns(bool with_task) {
   std::vector<std::string> names{"index", "seed", "replicate_of", "proposal_density"};
   for (const Variable& variable : contract().variables)
-    if (with_task || !is_task_variable(variable)) names.push_back(variable.name);
+    if (has_column(variable, with_task)) names.push_back(variable.name);
   return names;
 }
 

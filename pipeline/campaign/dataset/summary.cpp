@@ -157,9 +157,10 @@ DatasetSummary summarise(const std::vector<TrialRecord>& records) {
     if (record.verdict == Verdict::unknown)
       summary.failed.emplace_back(record.point.index, names_of_checks(record.failed_checks));
   }
+  const bool with_task = has_task_values(records);
   for (std::size_t i = 0; i < contract().variables.size(); ++i) {
     const Variable& variable = contract().variables[i];
-    if (is_task_variable(variable) && !has_task_values(records)) continue;
+    if (!has_column(variable, with_task)) continue;
     summary.variables.push_back(
         range_of(variable.name, variable.unit, records, [i](const auto& r) { return r.point.variables[i]; }));
   }

@@ -27,7 +27,7 @@ std::vector<std::uint64_t> all_shards(const ShardPlan& plan) {
 /// Hash of all that the trials depend on.
 std::string campaign_id(const CampaignRequest& request) {
   std::string text;
-  for (const auto& [name, value] : request.depends_on) text += name + '\n' + value + '\n';
+  for (const auto& [name, value] : request.depends_on) text.append(name).append("\n").append(value).append("\n");
   return content_hash(text);
 }
 

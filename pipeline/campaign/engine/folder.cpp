@@ -52,7 +52,7 @@ void require_same(const fs::path& folder, const Json& before, const Dependencies
 }
 
 Json read_claim_file(const fs::path& folder) {
-  const Json claim = Json::read(claim_path(folder));
+  Json claim = Json::read(claim_path(folder));
   const Json* format = find_text(claim, "format");
   if (!format || format->string() != kFormat || !claim.find("trials") || !claim.find("trials_per_shard") ||
       !claim.find("depends_on"))

@@ -21,7 +21,8 @@ void add_leaves(const std::string& path, const Json& value, Dependencies& leaves
     leaves.emplace_back(path, value.dump());
     return;
   }
-  for (const auto& [key, member] : value.members()) add_leaves(path + "." + key, member, leaves);
+  const std::string prefix = path + ".";
+  for (const auto& [key, member] : value.members()) add_leaves(prefix + key, member, leaves);
 }
 
 /// The parts of the study that trials depend on.

@@ -9,6 +9,8 @@
 
 #include "base/error.h"
 #include "base/file.h"
+#include "base/line.h"
+#include "base/nearest.h"
 
 namespace gonogo::campaign {
 namespace fs = std::filesystem;
@@ -115,10 +117,9 @@ std::string slurm_state(const fs::path& folder) {
       if (!state.empty()) ++states[state];
     }
     if (states.empty()) continue;
-    std::string list;
-    for (const auto& [state, number] : states)
-      list += (list.empty() ? "" : ", ") + std::to_string(number) + " " + state;
-    text += (text.empty() ? "" : "; ") + ("job " + job + ": " + list);
+    std::vector<std::string> counts;
+    for (const auto& [state, number] : states) counts.push_back(std::to_string(number) + " " + state);
+    text += line("%sjob %s: ", text.empty() ? "" : "; ", job.c_str()) + join_words(counts);
   }
   return text;
 }

@@ -17,7 +17,7 @@ void check_study(const Study& study);
 /// calibration file and the device. `prepare` settles the beds of missing trials on the host before workers start.
 /// Throws InputError.
 CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::path& folder,
-                                    const ComputeRequest& compute);
+                                    const ComputeRequest& asked);
 
 struct WorkerOptions {
   sim::Backend device = sim::Backend::cpu;
@@ -33,7 +33,7 @@ void run_study_worker(const std::filesystem::path& study_file, const WorkerOptio
 void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine& line);
 
 /// Options of the `worker`-th worker, for engines that pass no command line.
-WorkerOptions worker_options(const Study& study, const std::filesystem::path& folder, const ComputeRequest& compute,
+WorkerOptions worker_options(const Study& study, const std::filesystem::path& folder, const ComputeRequest& asked,
                              int worker);
 
 }  // namespace gonogo::campaign

@@ -14,6 +14,9 @@ namespace gonogo::campaign {
 
 inline bool is_task_variable(const Variable& v) { return v.prior == "task"; }
 
+/// Whether a table has a column for this variable. `with_task`: the table has the variables of tasks.
+inline bool has_column(const Variable& v, bool with_task) { return with_task || !is_task_variable(v); }
+
 /// Number of a task and the variable of the contract that may give it.
 struct TaskNumber {
   std::string key;  // "width_m"

@@ -179,16 +179,16 @@ double beyond(double from, double x, double length) {
 
 std::shared_ptr<const TrialTask> default_task() { return std::make_shared<const Climb>(); }
 
-std::shared_ptr<const TrialTask> read_task(const Config& c) {
+std::shared_ptr<const TrialTask> read_task(const Config& task) {
   const std::string type =
-      c.choice("type", {"climb", "side_slope", "drawbar", "single_wheel", "step", "ditch", "crossing"});
-  if (type == "side_slope") return made<SideSlope>(c);
-  if (type == "drawbar") return made<Drawbar>(c);
-  if (type == "single_wheel") return made<SingleWheel>(c);
-  if (type == "step") return made<Step>(c);
-  if (type == "ditch") return made<Ditch>(c);
-  if (type == "crossing") return made<Crossing>(c);
-  c.finish();
+      task.choice("type", {"climb", "side_slope", "drawbar", "single_wheel", "step", "ditch", "crossing"});
+  if (type == "side_slope") return made<SideSlope>(task);
+  if (type == "drawbar") return made<Drawbar>(task);
+  if (type == "single_wheel") return made<SingleWheel>(task);
+  if (type == "step") return made<Step>(task);
+  if (type == "ditch") return made<Ditch>(task);
+  if (type == "crossing") return made<Crossing>(task);
+  task.finish();
   return default_task();
 }
 

@@ -123,6 +123,7 @@ class Drive {
   WheelBenchResult drive() {
     const double sample_time = 0.01;
     const int per_sample = std::max(1, steps(sample_time)), samples = std::max(4, steps(drive_time()) / per_sample);
+    const int passed_over = samples / 2, measured = samples - passed_over;
     WheelBenchResult r;
     std::vector<Odometer> odometer, half;
     for (int w = 0; w < request_.worlds; ++w) odometer.emplace_back(scene_, wheel(w));
@@ -131,10 +132,10 @@ class Drive {
       simulation_.advance(per_sample);
       for (int w = 0; w < request_.worlds; ++w) odometer[w].add(wheel(w), per_sample * request_.step);
       add_reports(r, 1.0 / samples);
-      if (k == samples / 2 - 1) half = odometer;
-      if (k < samples / 2) continue;
-      r.sinkage += sinkage() / (samples - samples / 2);
-      r.torque += torque() / (samples - samples / 2);
+      if (k == passed_over - 1) half = odometer;
+      if (k < passed_over) continue;
+      r.sinkage += sinkage() / measured;
+      r.torque += torque() / measured;
     }
     const double wall = seconds() - start;
     r.steps = samples * per_sample;
@@ -220,8 +221,7 @@ sim::StepSettings wheel_settings(const WheelScene& scene, const WheelBench& requ
 
 }  // namespace
 
-WheelBenchResult bench_wheel(const WheelBench& given) {
-  WheelBench request = given;
+WheelBenchResult bench_wheel(WheelBench request) {
   sim::require_backend(request.backend);
   const WheelScene scene = read_wheel_scene(request.scene);
   log_line("bench", "settling the bed, or reading it from " + request.packing_folder.string());

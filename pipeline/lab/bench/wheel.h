@@ -43,6 +43,6 @@ struct WheelBenchResult {
 
 /// Reads the scene, settles the tilted bed, lets the wheel down, ramps its speed up and drives.
 /// Throws InputError for a bad scene file and DeviceError when the run raises a flag.
-WheelBenchResult bench_wheel(const WheelBench& request);
+WheelBenchResult bench_wheel(WheelBench request);
 
 }  // namespace gonogo::lab

@@ -32,7 +32,7 @@ report::FilmStyle style_of(const report::FilmRequest& request, const FilmedTrial
 
 }  // namespace
 
-TrialFilm::TrialFilm(report::FilmRequest request, FilmedTrial trial)
+TrialFilm::TrialFilm(const report::FilmRequest& request, FilmedTrial trial)
     : trial_(std::move(trial)), film_(request, style_of(request, trial_)) {}
 
 void TrialFilm::add(const campaign::TrialFrame& frame) {

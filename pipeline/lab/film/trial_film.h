@@ -17,7 +17,7 @@ struct FilmedTrial {
 class TrialFilm {
  public:
   /// Throws InputError as report::check_film() does.
-  TrialFilm(report::FilmRequest request, FilmedTrial trial);
+  TrialFilm(const report::FilmRequest& request, FilmedTrial trial);
 
   /// Call it at the start of each attempt: frames of an earlier one are dropped.
   void start() { film_.start(); }

@@ -31,7 +31,7 @@ std::vector<double> numbers_of(const std::string& text, const std::string& where
   for (std::string word; words >> word;) {
     char* end = nullptr;
     numbers.push_back(std::strtod(word.c_str(), &end));
-    if (*end != 0) throw InputError(where + ": \"" + word + "\" is not a number");
+    if (*end != 0) throw InputError(where + line(": \"%s\" is not a number", word.c_str()));
   }
   if (numbers.size() != std::size(kColumn))
     throw InputError(where + " has " + std::to_string(numbers.size()) +

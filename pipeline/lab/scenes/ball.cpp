@@ -15,8 +15,7 @@ double sunk_share(double depth, double radius) {
 
 }  // namespace
 
-ManyScene ball_scene(const BallSpec& given, const RunOn& on) {
-  BallSpec spec = given;
+ManyScene ball_scene(BallSpec spec, const RunOn& on) {
   spec.tank.of.friction = 0;
   ManyScene scene;
   scene.name = "ball";

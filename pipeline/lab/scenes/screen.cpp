@@ -40,7 +40,8 @@ void fill_cell(const ScreenSpec& spec, const Vec3d& corner, bool large, std::uin
   const double edge = pitch(spec) / per_side, diameter = large ? kSizeRatio * spec.of.diameter : spec.of.diameter;
   for (int k = 0; k < per_side * per_side * per_side && Index(feed.sphere.size()) < spec.of.count; ++k) {
     const double size = 1 + spec.of.size_spread * (2 * random_unit(spec.of.seed, 0, draw++) - 1);
-    const Vec3d at{(k % 2 + 0.5) * edge, (k / 2 % 2 + 0.5) * edge, (k / 4 + 0.5) * edge};
+    const int row = k / 2 % 2, layer = k / 4;
+    const Vec3d at{(k % 2 + 0.5) * edge, (row + 0.5) * edge, (layer + 0.5) * edge};
     feed.sphere.push_back({corner + at, diameter / 2 * size});
     feed.is_large.push_back(large);
   }

@@ -1,5 +1,6 @@
 // The same drive on two undisturbed beds: means over seeds, and differences of the two trials of a seed.
 #pragma once
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -29,7 +30,7 @@ struct BedSide {
 };
 
 struct BedComparison {
-  std::string key[2], name[2];
+  std::array<std::string, 2> key, name;
   MeanOf slip[2], sinkage[2];                  // over the last half of the driving [-], [m]
   MeanOf slip_difference, sinkage_difference;  // of a seed's two trials
   std::size_t grains[2] = {};

@@ -17,7 +17,7 @@ constexpr const char* kKind = "benchmarks";
 
 /// What a benchmark names: a file beside it, or one that ships.
 fs::path named_file(const Config& c, const std::string& key, const std::string& kind, const std::string& what) {
-  const fs::path beside = c.path(key);
+  fs::path beside = c.path(key);
   if (fs::is_regular_file(beside)) return beside;
   try {
     return shipped_file(kind, what, c.text(key));

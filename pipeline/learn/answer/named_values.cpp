@@ -23,7 +23,7 @@ std::map<std::string, double> parse_named_values(const std::vector<std::string>&
     if (!(value >= variable.minimum && value <= variable.maximum))
       throw InputError(text + ": outside the allowed range, " + line("%g to %g ", variable.minimum, variable.maximum) +
                        variable.unit);
-    if (!values.emplace(name, value).second) throw InputError(text + ": " + name + " is given twice");
+    if (!values.emplace(name, value).second) throw InputError(text + ": its variable is given twice");
   }
   return values;
 }

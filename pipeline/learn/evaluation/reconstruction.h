@@ -23,7 +23,7 @@ struct ReconstructionSettings {
 ///
 /// Intervals of 95 % are by bootstrap over rows. { rows, pairs, coverage, gain_nat, variables }, or { "left_out":
 /// reason } where fewer than two inputs vary or no row is whole.
-Json reconstruction_scores(const Predictor& predictor, const learning::TrainingTable& rows,
+Json reconstruction_scores(const Predictor& predictor, const learning::TrainingTable& table,
                            const ReconstructionSettings& settings = {});
 std::string reconstruction_text(const Json& scores);
 

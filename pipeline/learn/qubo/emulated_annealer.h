@@ -26,6 +26,6 @@ learning::CorrectedAnnealer corrected_annealer(const learning::Problem& problem,
 /// embedded here, or one that gonogo qubo embed wrote; its chains then come back unbroken. Writes the answer as
 /// sample_problem() does, and adds what was corrected, and what is left. Throws InputError if the problem does not fit.
 Json sample_emulated(const std::filesystem::path& problem, const std::filesystem::path& answer,
-                     const DeviceChoice& device, const learning::SampleRequest& request, const FileChoice& choice = {});
+                     const DeviceChoice& choice, const learning::SampleRequest& request, const FileChoice& file = {});
 
 }  // namespace gonogo::learn

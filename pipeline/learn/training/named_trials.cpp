@@ -15,7 +15,7 @@ constexpr const char* kKey = "with";
 constexpr const char* kFile = "dataset.h5";
 
 fs::path find_trials(const Config& section, const std::string& name) {
-  const fs::path file = section.file().parent_path() / name;
+  fs::path file = section.file().parent_path() / name;
   if (fs::is_regular_file(file)) return file;
   std::vector<std::string> names;
   for (const fs::path& folder : shipped_data_folders(kFile)) {

@@ -32,8 +32,8 @@ HeadingTable::HeadingTable(const OutcomeModel& model, const MapRules& rules, con
   for (int i = 0; i < along_count_ * across_count_; ++i) {
     if (cancel_requested() || points.sampled_count() == 0) continue;
     HeadingAnswer& node = nodes_[std::size_t(i)];
-    node.prospect = points.at(model, double(first_along_ + i / across_count_) / kHeadingSteps,
-                              double(first_across_ + i % across_count_) / kHeadingSteps);
+    const int along_step = first_along_ + i / across_count_, across_step = first_across_ + i % across_count_;
+    node.prospect = points.at(model, double(along_step) / kHeadingSteps, double(across_step) / kHeadingSteps);
     node.result = classify(node.prospect, rules);
     node.p_go = float(node.prospect.p_go());
   }

@@ -54,7 +54,7 @@ struct SpeedModel {
   MeasureFit slip, sinkage;  // of trials that passed [-], [m]
 
   /// Depth of the rut [m] under wheels that sink so far [m] and give way under this load [N].
-  double rut(double sinkage, double load) const;
+  double rut(double sinks, double load) const;
 };
 
 /// Top speed on one soil.

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/hash.h"
+#include "base/line.h"
 #include "base/nearest.h"
 #include "base/shipped.h"
 #include "terrain/soil/soil_file.h"
@@ -38,8 +39,8 @@ NameAndMoisture split(const std::string& name, const std::string& moisture) {
     const bool ends = name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
     if (!ends) continue;
     if (!moisture.empty() && moisture != word)
-      throw InputError("\"" + name + "\" is " + word + ", and the moisture " + moisture +
-                       " is asked for; give one of them");
+      throw InputError(line("\"%s\" is %s, and the moisture %s is asked for; give one of them", name.c_str(),
+                            word.c_str(), moisture.c_str()));
     return {name.substr(0, name.size() - end.size()), word};
   }
   return {name, moisture};

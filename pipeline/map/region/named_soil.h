@@ -8,11 +8,11 @@
 
 namespace gonogo::map {
 
-/// `name`: a USDA texture ("sandy loam"), the name of a soil in configs/soils ("lete_sand"), or a soil file; a moisture
-/// may follow ("sandy loam, wet"). Each of its
-/// states is one sample; with a moisture ("dry", "moist" or "wet") only the states of that moisture are. Throws
-/// InputError for an unknown name, with the nearest ones, and for a soil without a state of that moisture.
-Soil named_soil(const std::string& name, const std::string& moisture);
+/// `text`: a USDA texture ("sandy loam"), the name of a soil in configs/soils ("lete_sand"), or a soil file; a moisture
+/// may follow ("sandy loam, wet"), or be asked for beside it. Each of the soil's states is one sample; with a moisture
+/// ("dry", "moist" or "wet") only the states of that moisture are. Throws InputError for an unknown name, with the
+/// nearest ones, and for a soil without a state of that moisture.
+Soil named_soil(const std::string& text, const std::string& asked);
 
 /// What a soil may be that nobody named: every USDA texture, at this moisture or at any if it is empty.
 Soil soil_not_given(const std::string& moisture);
@@ -23,7 +23,7 @@ Soil soil_not_given(const std::string& moisture);
 std::vector<Soil> texture_soils(const std::vector<std::string>& class_names, const std::string& moisture,
                                 const std::string& where);
 
-/// Hash of the soil files behind a name, for the record of a map.
-std::string soil_hash(const std::string& name);
+/// Hash of the soil files behind such a text, for the record of a map.
+std::string soil_hash(const std::string& text);
 
 }  // namespace gonogo::map

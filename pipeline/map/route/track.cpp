@@ -47,8 +47,8 @@ std::size_t middle_of(const std::vector<double>& way, std::size_t first, std::si
 }  // namespace
 
 TrackPoint centre_of(std::uint32_t cell, const terrain::MapGrid& grid) {
-  return {.x = grid.west + (cell % std::uint32_t(grid.columns) + 0.5) * grid.cell_width,
-          .y = grid.north - (cell / std::uint32_t(grid.columns) + 0.5) * grid.cell_height};
+  const auto columns = std::uint32_t(grid.columns), row = cell / columns;
+  return {.x = grid.west + (cell % columns + 0.5) * grid.cell_width, .y = grid.north - (row + 0.5) * grid.cell_height};
 }
 
 double height_at(const terrain::RasterSource& elevation, double x, double y) {

@@ -69,7 +69,7 @@ OneMap open_map(const fs::path& folder, const MapGrid& grid) {
 }
 
 MapGrid common_grid(const CompareRequest& request) {
-  const MapGrid first = RasterSource::open_elevation(request.first / "go.tif").grid();
+  MapGrid first = RasterSource::open_elevation(request.first / "go.tif").grid();
   const MapGrid second = RasterSource::open_elevation(request.second / "go.tif").grid();
   if (first.crs_wkt != second.crs_wkt || first.columns != second.columns || first.rows != second.rows ||
       first.west != second.west || first.north != second.north || first.cell_width != second.cell_width)

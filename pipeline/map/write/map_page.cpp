@@ -238,7 +238,7 @@ double largest(const MapRequest& request, const std::string& name, double fallba
 }  // namespace
 
 PageCells::PageCells(const terrain::MapGrid& grid) {
-  while (double(grid.columns / step) * double(grid.rows / step) > kPageCells) ++step;
+  while (std::int64_t(grid.columns / step) * std::int64_t(grid.rows / step) > kPageCells) ++step;
   columns = std::max(1, grid.columns / step);
   rows = std::max(1, grid.rows / step);
   const std::size_t count = std::size_t(columns) * std::size_t(rows);

@@ -103,10 +103,10 @@ double p_slow(const Prospect& prospect) {
 template <class OutcomeAt>
 void add_reasons(const std::string& table, int index, std::size_t count, std::size_t width, OutcomeAt outcome_at,
                  std::vector<Blob>& blobs) {
+  const std::string prefix = table + "_" + std::to_string(index) + "_";
   for (std::size_t o = 0; o < campaign::contract().outcomes.size(); ++o) {
     if (campaign::contract().outcomes[o].verdict != campaign::Verdict::no_go) continue;
-    const std::string& reason = campaign::contract().info(campaign::contract().outcomes[o].reason).name;
-    Blob blob{table + "_" + std::to_string(index) + "_" + reason, 8, width, {}};
+    Blob blob{prefix + campaign::contract().info(campaign::contract().outcomes[o].reason).name, 8, width, {}};
     double most = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const double p = outcome_at(i, o);

@@ -103,12 +103,13 @@ std::vector<std::string> Canvas::wrapped(const std::string& words, double size, 
   std::istringstream in(words);
   std::string word, line;
   while (in >> word) {
-    const std::string longer = line.empty() ? word : line + " " + word;
+    std::string longer = line;
+    longer += (line.empty() ? "" : " ") + word;
     if (!line.empty() && text_width(longer, size) > width) {
       lines.push_back(line);
       line = word;
     } else {
-      line = longer;
+      line = std::move(longer);
     }
   }
   if (!line.empty()) lines.push_back(line);

@@ -43,8 +43,8 @@ class Ring {
   void add_tangent(const Vector& u, const Rim& rim, double stiffening, Triplets& tangent) const;
   /// Of the air, minus the pressure times the volume [J].
   double energy_of_air(const RingShape& shape) const;
-  /// Twice the energy of the springs of belt and rubber at some strains [J].
-  double square_of(const double* strain) const;
+  /// Twice the energy of the springs of belt and rubber at the strains `q` [J].
+  double square_of(const double* q) const;
   /// Mass and moment of inertia of a node: a share of the belt as a block twice as thick as the tread [kg], [kg m^2].
   std::array<double, 2> mass() const;
 

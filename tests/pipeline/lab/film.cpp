@@ -46,7 +46,7 @@ TrialRecord filmed(const TrialSetup& setup, const DesignPoint& p, TrialFilm& fil
   if (samples) watch.sample = [samples](const TrialSample& s) { samples->push_back(s); };
   watch.frame = [&film](const TrialFrame& frame) { film.add(frame); };
   watch.frame_interval = 0.05;
-  const TrialRecord record = run_trial(setup, p, watch);
+  TrialRecord record = run_trial(setup, p, watch);
   film.finish(record);
   return record;
 }

@@ -27,7 +27,7 @@ const std::string kHeader = [] {
 }();
 
 fs::path written(const std::string& text) {
-  const fs::path path = scratch() / "rows.csv";
+  fs::path path = scratch() / "rows.csv";
   write_file_atomically(path, text);
   return path;
 }

@@ -186,7 +186,7 @@ TEST_CASE("a learning curve refuses numbers of trials that there are not") {
 TEST_CASE("the teacher helps few trials, its weight is a setting, and the same seed gives the same bytes") {
   const fs::path data = dataset_file("few.h5", 60, 8);
   const auto trained = [&](const std::string& name, const std::string& learning) {
-    const fs::path file = scratch() / (name + ".h5");
+    fs::path file = scratch() / (name + ".h5");
     train_model({.dataset = data, .model = file, .seed = 3, .learning = section(learning), .design = {}});
     return file;
   };

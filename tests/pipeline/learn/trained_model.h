@@ -18,7 +18,7 @@ inline const std::filesystem::path& scratch() {
 }
 
 inline std::filesystem::path dataset_file(const std::string& name, std::size_t trials, std::uint64_t seed) {
-  const std::filesystem::path path = scratch() / name;
+  std::filesystem::path path = scratch() / name;
   write_dataset(path, {synthetic_trials(trials, seed), {}});
   return path;
 }
@@ -31,7 +31,7 @@ inline const std::filesystem::path& model_dataset() {
 
 inline const std::filesystem::path& model_file() {
   static const std::filesystem::path path = [] {
-    const std::filesystem::path file = scratch() / "model.h5";
+    std::filesystem::path file = scratch() / "model.h5";
     train_model({.dataset = model_dataset(), .model = file, .seed = 3, .learning = {}, .design = {}});
     return file;
   }();

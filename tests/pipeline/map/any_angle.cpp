@@ -99,8 +99,9 @@ TEST_CASE("a line costs what fine samples of it add up to, and corners beside ob
   for (std::uint64_t k = 0; k < 400; ++k) {
     const auto from = std::uint32_t(random_bits(1, 0, k) % 1200), to = std::uint32_t(random_bits(1, 1, k) % 1200);
     if (from == to) continue;
-    const double x0 = from % 40 + 0.5, y0 = from / 40 + 0.5, dx = double(to % 40) - from % 40,
-                 dy = double(to / 40) - from / 40;
+    const std::uint32_t from_row = from / 40, to_row = to / 40;
+    const double x0 = from % 40 + 0.5, y0 = from_row + 0.5, dx = double(to % 40) - from % 40,
+                 dy = double(to_row) - from_row;
     const int heading = (int(std::lround(std::atan2(dx * 10, -dy * 12) / kDegree)) + 360) % 360;
     constexpr int samples = 20011;
     double sum = 0;

@@ -228,7 +228,7 @@ TEST_CASE("in soil or on slopes that trials of ditches did not sample, their cel
 
   // A plane of 12 degrees, beyond the 10 of the trials of ditches and within the 35 of those on soil.
   std::vector<float> value;
-  for (int i = 0; i < kSide * kSide; ++i) value.push_back(float(500 + 10 * std::tan(0.2094395) * (i / kSide)));
+  for (int row = 0; row < kSide; ++row) value.insert(value.end(), kSide, float(500 + 10 * std::tan(0.2094395) * row));
   test::make_raster(folder / "dem.tif", {.columns = kSide, .rows = kSide, .value = value});
   const Layers steep = map_of(request_of(folder, 30, ditch, "steep"));
   CHECK(Verdict(int(steep.go.at(3, 10))) == Verdict::unknown);

@@ -53,7 +53,7 @@ std::string refused(const Change& change) {
 std::string read_text(const std::string& text) {
   const std::filesystem::path path = std::filesystem::temp_directory_path() / "gonogo_elastic_bad.msh";
   write_file_atomically(path, text);
-  const std::string message = said([&] { read_gmsh(path); });
+  std::string message = said([&] { read_gmsh(path); });
   std::filesystem::remove(path);
   return message;
 }
