@@ -15,7 +15,8 @@ double sunk_share(double depth, double radius) {
 
 }  // namespace
 
-ManyScene ball_scene(BallSpec spec, const RunOn& on) {
+ManyScene ball_scene(const BallSpec& given, const RunOn& on) {
+  BallSpec spec = given;
   spec.tank.of.friction = 0;
   ManyScene scene;
   scene.name = "ball";

@@ -13,6 +13,6 @@ struct BallSpec {
 
 /// A ball laid onto a tank of smooth spheres, which are as fluid as spheres can be. Measured: share of the ball's
 /// volume below the mean surface. Archimedes: `relative_density`.
-ManyScene ball_scene(BallSpec spec, const RunOn& on);
+ManyScene ball_scene(const BallSpec& spec, const RunOn& on);
 
 }  // namespace gonogo::lab
