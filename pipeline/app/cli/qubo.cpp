@@ -113,7 +113,8 @@ void add_embed(CLI::App& qubo, const SharedQubo& options, const Globals& globals
       ->capture_default_str();
   CLI::Option* strength = command->add_option("--chain-strength", options->chain_strength,
                                               "Default: torque compensation, 1.414 rms(J) sqrt(mean degree)");
-  CLI::Option* gauge = command->add_option("--gauge", options->gauge, "Seed of a random gauge; default: none");
+  CLI::Option* gauge =
+      command->add_option("--gauge", options->gauge, "Seed of a random gauge; default: none")->check(kSeed);
   command->add_flag("--auto-scale", embed.auto_scale, "Scale to the full range; the sidecar keeps the factor");
   command->add_option("--seed", embed.seed, "Seed of the heuristic")->check(kSeed)->capture_default_str();
   command->add_option("--time-limit", embed.time_limit_s, "Of the heuristic [s]")

@@ -60,7 +60,7 @@ std::string as_line(const lab::FclibResult& r) {
   if (r.facets > 0)
     std::snprintf(line, sizeof line, "  lcp %.1e; the rest is the error of %d facets", r.claimed_error,
                   r.dimension == 2 ? 2 : r.facets);
-  else if (r.linear.solves > 0 && r.linear.partitions == 0)
+  else if (r.linear.solves > 0 && r.linear.inner_iterations == 0)
     std::snprintf(line, sizeof line, "  set-up %.1f ms, solve %.1f ms, %.2f MB", r.linear.setup_ms, r.linear.solve_ms,
                   double(r.linear.bytes) / 1e6);
   else if (r.linear.solves > 0)

@@ -23,7 +23,8 @@ std::map<std::string, double> parse_named_values(const std::vector<std::string>&
     if (!(value >= variable.minimum && value <= variable.maximum))
       throw InputError(text + ": outside the allowed range, " + line("%g to %g ", variable.minimum, variable.maximum) +
                        variable.unit);
-    if (!values.emplace(name, value).second) throw InputError(text + ": its variable is given twice");
+    if (!values.emplace(name, value).second)
+      throw InputError(line("%s: %s is given twice", text.c_str(), name.c_str()));
   }
   return values;
 }
