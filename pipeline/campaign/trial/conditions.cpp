@@ -49,8 +49,8 @@ TrialConditions conditions_of(const TrialSetup& setup, const DesignPoint& point)
   c.gravity = static_cast<Vec3>(g);
   const std::size_t packing = packing_of(setup, point);
   const sim::PairLaw grain = terrain::contact_law(setup.calibration, soil_of(point), packing);
-  // The tyre touches grains with its own friction; soil cohesion and rolling resistance act between grains alone.
-  c.laws = {grain, {Real(value(point, "tyre_friction")), 0, 0}};
+  // The tyre touches grains with its own friction; soil cohesion acts between grains alone.
+  c.laws = {grain, {Real(value(point, "tyre_friction")), Real(setup.wheel_rolling) * grain.rolling_friction, 0}};
   if (setup.compliant_tyres) {
     const vehicle::ContactSpring spring = tyre_contact(setup, value(point, "payload"));
     c.laws.tool.stiffness = Real(spring.stiffness);

@@ -45,6 +45,7 @@ struct TrialSetup {
   bool moving_patch = false;               // ground left behind becomes undisturbed ground ahead
   bool folded = false;                     // a bed narrower than the vehicle, see pipeline/campaign/trial/lanes.h
   bool compliant_tyres = false;            // tyres have the contact stiffness of the vehicle's file
+  double wheel_rolling = 0;                // rolling friction of grains on wheels over that between grains [-]
   double start = 0;                        // x where the vehicle starts; 0: as course() says [m]
   int packing_seeds = 2;                   // beds per packing level
   double deepest_bed = 0;                  // shallower beds are cut from packings of this depth; 0: each is settled [m]

@@ -67,6 +67,7 @@ campaign::TrialSetup setup_of(const Benchmark& b, const WheelRun& run) {
 campaign::TrialSetup setup_on(const Benchmark& b, const WheelRun& run, const WheelBed& bed) {
   campaign::TrialSetup s = setup_of(b, run);
   s.calibration.grain_diameter = bed.grain;
+  s.wheel_rolling = run.wheel_rolling;
   s.settled_on = run.gpu ? sim::Backend::cuda : sim::Backend::cpu;
   s.tiles_along = s.tiles_across = 1;
   s.moving_patch = true;

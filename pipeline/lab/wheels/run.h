@@ -20,6 +20,7 @@ struct WheelRun {
   bool band = true;                                    // also at both ends of every range
   std::string state;                                   // of the soil; empty: the benchmark's
   std::optional<double> wheel_friction;                // in the place of the benchmark's
+  double wheel_rolling = 1;                            // see TrialSetup; grains are as angular on a rim as on grains
   terrain::AskedNumerics numerics;                     // in the place of the table's; of which usual runs take
                                                        // four times the iterations
 };

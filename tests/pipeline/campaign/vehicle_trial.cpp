@@ -281,6 +281,40 @@ TEST_CASE("a quarter vehicle's compliant tyre has the contact springs of its loa
   CHECK_THROWS_AS(check_tyres(setup), InputError);
 }
 
+TEST_CASE("grains roll on wheels as freely as the setup says, without it freely") {
+  const fs::path configs = fs::path(GONOGO_SOURCE_DIR) / "configs";
+  TrialSetup setup =
+      vehicle_trial_setup(configs / "vehicles/hmmwv_quarter.json", configs / "soils/calibration_32mm.json");
+  DesignPoint point;
+  for (const Variable& v : contract().variables) point.variables.push_back((v.minimum + v.maximum) / 2);
+  CHECK(conditions_of(setup, point).laws.tool.rolling_friction == 0);
+  setup.wheel_rolling = 0.5;
+  const auto laws = conditions_of(setup, point).laws;
+  REQUIRE(laws.grain.rolling_friction > 0);
+  CHECK(laws.tool.rolling_friction == Real(0.5) * laws.grain.rolling_friction);
+
+  const TemporaryFolder folder;
+  const auto rolling = [&](const std::string& key) {
+    std::string text = read_file(configs / "studies/quarter_wheel_32mm.json");
+    text.replace(text.find("\"numerics\""), 0, key);
+    for (auto up = text.find("../../"); up != std::string::npos; up = text.find("../../"))
+      text.replace(up, 6, std::string(GONOGO_SOURCE_DIR) + "/");
+    for (auto up = text.find("../"); up != std::string::npos; up = text.find("../"))
+      text.replace(up, 3, configs.string() + "/");
+    write_file_atomically(folder / "study.json", text);
+    return read_trial_setup(read_study(folder / "study.json")).wheel_rolling;
+  };
+  CHECK(rolling("") == 0);
+  CHECK(rolling("\"wheel_rolling\": 1, ") == 1);
+  std::string refusal;
+  try {
+    rolling("\"wheel_rolling\": -1, ");
+  } catch (const InputError& error) {
+    refusal = error.what();
+  }
+  CHECK(refusal.find("trial.wheel_rolling") != std::string::npos);
+}
+
 TEST_CASE("a study steps by the numerics of its soil's table but for those that it names") {
   const fs::path root = GONOGO_SOURCE_DIR;
   const TemporaryFolder folder;

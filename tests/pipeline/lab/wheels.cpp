@@ -136,6 +136,15 @@ TEST_CASE("wheels take four times the table's iterations, quick ones the table's
   CHECK(iterations(asked) == 3);
 }
 
+TEST_CASE("grains roll on the wheels of benchmarks as on each other, or as asked") {
+  WheelRun run;
+  run.calibration = std::string(GONOGO_SOURCE_DIR) + "/configs/soils/calibration_32mm.json";
+  const auto rolling = [&] { return plan_wheels({read_benchmark("ding_smooth")}, run).setup.front()->wheel_rolling; };
+  CHECK(rolling() == 1);
+  run.wheel_rolling = 0;
+  CHECK(rolling() == 0);
+}
+
 TEST_CASE("formulas climb the slope on which their pull is the load's part along it") {
   Benchmark b = read_benchmark("mgru3");
   BekkerCases sand{{{.n = 1.1,
