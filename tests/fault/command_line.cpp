@@ -44,6 +44,14 @@ TEST_CASE("values out of range and words too many are refused") {
   check_refusal(run_gonogo({"doctor", "--threads", "-3"}), 2, {"--threads", "-3", "0 to 4096"});
   check_refusal(run_gonogo({"doctor", "--threads", "two"}), 2, {"--threads", "two"});
   check_refusal(run_gonogo({"doctor", "run"}), 2, {"\"run\" is one word more", "gonogo doctor --help"});
+  check_refusal(run_gonogo({"simulate", "--vehicle", "hmmwv", "--wheel-rolling", "-1"}), 2,
+                {"--wheel-rolling", "-1", "0 to 10"});
+}
+
+TEST_CASE("options of a vehicle's trial are refused beside a study, with the key that they are there") {
+  const std::string study = std::string(GONOGO_SOURCE_DIR) + "/configs/studies/demo.json";
+  check_refusal(run_gonogo({"simulate", study, "--wheel-rolling", "1"}), 2, {"--vehicle", "trial.wheel_rolling"});
+  check_refusal(run_gonogo({"simulate", study, "--compliant-tyres"}), 2, {"--vehicle", "trial.compliant_tyres"});
 }
 
 TEST_CASE("under --json an error is an object on stdout, too") {

@@ -67,6 +67,13 @@ void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked
   add_contact_options(command, choose, asked.overlap, whose, from);
 }
 
+void add_wheel_rolling_option(CLI::App& command, double& rolling) {
+  command
+      .add_option("--wheel-rolling", rolling, "Rolling friction of grains on the wheels, over that between grains [-]")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+}
+
 bool numerics_given(const CLI::App& command) {
   for (const char* name : {"--step", "--substeps", "--iterations", "--tolerance", "--target", "--contact", "--overlap"})
     if (command.get_option_no_throw(name) && command.count(name) > 0) return true;

@@ -14,7 +14,10 @@ void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const 
 void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
                                 bool tolerance = true);
 
-/// Whether any of those was given.
+/// --wheel-rolling.
+void add_wheel_rolling_option(CLI::App& command, double& rolling);
+
+/// Whether any of the numerics was given.
 bool numerics_given(const CLI::App& command);
 
 }  // namespace gonogo::app

@@ -33,6 +33,7 @@ struct Options {
   terrain::AskedNumerics numerics;
   std::string size = "1280x720", colour = "speed";
   bool gpu = false, compliant = false, folded = false, numerics_given = false;
+  double wheel_rolling = 0;
 };
 
 sim::Backend device_of(const Options& options) { return options.gpu ? sim::Backend::cuda : sim::Backend::cpu; }
@@ -120,6 +121,8 @@ Request request_of(const Options& options) {
   if (options.vehicle.empty()) {
     if (options.compliant)
       throw InputError("--compliant-tyres goes with --vehicle; in a study it is trial.compliant_tyres");
+    if (options.wheel_rolling > 0)
+      throw InputError("--wheel-rolling goes with --vehicle; in a study it is trial.wheel_rolling");
     if (options.folded) throw InputError("--folded goes with --vehicle; in a study it is trial.bed.folded");
     if (options.numerics_given)
       throw InputError(
@@ -140,6 +143,7 @@ Request request_of(const Options& options) {
   if (options.folded) campaign::fold_bed(r.setup);
   r.setup.settled_on = device_of(options);
   r.setup.compliant_tyres = options.compliant;
+  r.setup.wheel_rolling = options.wheel_rolling;
   r.setup.gravity = options.gravity.value_or(kGravity);
   campaign::check_tyres(r.setup);
   r.point.variables = with_settings(campaign::usual_values(r.setup), options);
@@ -241,6 +245,7 @@ void add_simulate_command(CLI::App& app, const Globals& globals) {
       ->type_name(kSetting);
   command->add_option("--seed", options->seed, "Seed of the bed")->check(kSeed);
   command->add_flag("--compliant-tyres", options->compliant, "Tyres of the stiffness in the vehicle's file");
+  add_wheel_rolling_option(*command, options->wheel_rolling);
   command->add_flag("--folded", options->folded,
                     "Bed of two thirds of the track, periodic across, with a third of the grains");
   add_asked_numerics_options(*command, options->numerics, "With --vehicle");

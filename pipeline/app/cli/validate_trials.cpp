@@ -112,6 +112,7 @@ void add_drawbar(CLI::App& command, const Globals& globals) {
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
   drawbar->add_flag("--compliant-tyres", o->request.compliant_tyres, "Tyres of the stiffness in the vehicle's file");
+  add_wheel_rolling_option(*drawbar, o->request.wheel_rolling);
   drawbar->add_flag("--folded", o->request.folded, "Bed of two thirds of the track, with a third of the grains");
   drawbar->add_option("--out", o->folder, "Folder for a table and a picture")->type_name(kFolder);
   add_examples(*drawbar, {"gonogo validate drawbar --soil configs/soils/calibration_90mm.json --out docs/validation"});

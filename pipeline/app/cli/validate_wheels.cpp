@@ -145,11 +145,7 @@ void add_wheels_check(CLI::App& validate, const Globals& globals) {
   wheels->add_option("--state", r->run.state, "State of the soil; default: the benchmark's");
   wheels->add_option("--wheel-friction", r->wheel_friction, "Of grains on the wheels [-]; default: the benchmark's")
       ->check(CLI::Range(0.0, 2.0));
-  wheels
-      ->add_option("--wheel-rolling", r->run.wheel_rolling,
-                   "Rolling friction of grains on the wheels, over that between grains [-]")
-      ->check(CLI::Range(0.0, 10.0))
-      ->capture_default_str();
+  add_wheel_rolling_option(*wheels, r->run.wheel_rolling);
   wheels->add_flag("--gpu", r->run.gpu, "Run on the GPU, all trials of one grain size side by side");
   wheels->add_option("--out", r->folder, "Folder for tables, figures and JSON")->type_name(kFolder);
   add_bed_options(*wheels, r->run);

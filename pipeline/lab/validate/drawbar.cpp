@@ -62,6 +62,7 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
   if (r.folded) campaign::fold_bed(setup);
   setup.compliant_tyres = r.compliant_tyres;
+  setup.wheel_rolling = r.wheel_rolling;
   campaign::check_tyres(setup);
   const vehicle::Vehicle& v = *setup.whole;
   const auto points = replicates(plain_variables(setup, 0, r.friction_angle, r.speed), r.seeds);

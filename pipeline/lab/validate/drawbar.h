@@ -18,6 +18,7 @@ struct DrawbarRequest {
   int seeds = 1;
   bool folded = false;           // bed, see pipeline/campaign/trial/lanes.h
   bool compliant_tyres = false;  // of the stiffness that the vehicle's file names
+  double wheel_rolling = 0;      // see campaign::TrialSetup
   campaign::BatchSettings batch;
 };
 
