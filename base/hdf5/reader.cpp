@@ -127,13 +127,13 @@ struct Hdf5Reader::State {
     return source;
   }
 
-  Source open_attribute(const std::string& name, const std::string& attribute) const {
+  Source open_attribute(const std::string& path, const std::string& name) const {
     Source source;
     source.is_attribute = true;
-    source.where = name + ":" + attribute;
-    if (!has(name)) fail(name, "is missing, so that its attribute '" + attribute + "' cannot be read");
-    const Handle owner(H5Oopen(file.get(), name.empty() ? "/" : name.c_str(), H5P_DEFAULT), H5Oclose);
-    source.object = Handle(H5Aopen(owner.get(), attribute.c_str(), H5P_DEFAULT), H5Aclose);
+    source.where = path + ":" + name;
+    if (!has(path)) fail(path, "is missing, so that its attribute '" + name + "' cannot be read");
+    const Handle owner(H5Oopen(file.get(), path.empty() ? "/" : path.c_str(), H5P_DEFAULT), H5Oclose);
+    source.object = Handle(H5Aopen(owner.get(), name.c_str(), H5P_DEFAULT), H5Aclose);
     if (!source.object.valid()) {
       H5Eclear2(H5E_DEFAULT);
       fail(source.where, "this attribute is missing");

@@ -52,8 +52,10 @@ void scatter(const LocalDofs& dofs, int corner, const Vec3T<Dual<N>>& f, int dim
     force[row] += component[c].value;
     if (tangent == nullptr) continue;
     for (int k = 0; k < dofs.all; ++k)
-      for (int e = 0; e < dimension; ++e)
-        tangent->emplace_back(row, dofs.first[k] + e, -component[c].slope[std::size_t(k * dimension + e)]);
+      for (int e = 0; e < dimension; ++e) {
+        const int variable = k * dimension + e;
+        tangent->emplace_back(row, dofs.first[k] + e, -component[c].slope[std::size_t(variable)]);
+      }
   }
 }
 

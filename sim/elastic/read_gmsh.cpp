@@ -67,9 +67,8 @@ int corners_of(int type) {
       return 2;
     case 2:
       return 3;
-    case 3:
-      return 4;
-    case 4:
+    case 3:  // quadrangle
+    case 4:  // tetrahedron
       return 4;
     case 5:
       return 8;

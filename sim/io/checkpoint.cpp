@@ -175,6 +175,13 @@ void visit_integers(Snapshot& s, Visit&& visit) {
     visit(*i);
 }
 
+/// Numbers of type Number that a record consists of.
+template <class Number, class Record>
+constexpr std::size_t numbers_in_record() {
+  static_assert(sizeof(Record) % sizeof(Number) == 0 && std::is_trivially_copyable_v<Record>);
+  return sizeof(Record) / sizeof(Number);  // NOLINT(bugprone-sizeof-expression): some records are one number
+}
+
 /// Writes arrays and collects what their hash is taken of.
 class Store {
  public:
@@ -183,8 +190,7 @@ class Store {
   /// Rows of records that consist of numbers of type Number.
   template <class Number, class Record>
   void rows(const std::string& name, const std::vector<Record>& records) {
-    static_assert(sizeof(Record) % sizeof(Number) == 0 && std::is_trivially_copyable_v<Record>);
-    constexpr std::size_t columns = sizeof(Record) / sizeof(Number);
+    constexpr std::size_t columns = numbers_in_record<Number, Record>();
     const auto* first = reinterpret_cast<const Number*>(records.data());
     numbers(name, std::vector<Number>(first, first + columns * records.size()), columns);
   }
@@ -207,7 +213,7 @@ class Load {
 
   template <class Number, class Record>
   void rows(const std::string& name, std::vector<Record>& records) {
-    constexpr std::size_t columns = sizeof(Record) / sizeof(Number);
+    constexpr std::size_t columns = numbers_in_record<Number, Record>();
     const std::vector<Number> values = numbers<Number>(name, columns);
     records.resize(values.size() / columns);
     std::copy(values.begin(), values.end(), reinterpret_cast<Number*>(records.data()));

@@ -21,7 +21,7 @@ constexpr Index kGroup = Lanes<double>::kWidth;
 using Lane = Lanes<double>;
 
 // Columns are short: a call of memset or memmove would cost more than the work.
-void clear_packs(double* from, double* to) {
+void clear_packs(double* from, const double* to) {
   for (; from < to; from += Lane::kWidth) Lane::store(from, Lane::Pack{});
 }
 void copy_column(const double* from, Index count, double* to) {

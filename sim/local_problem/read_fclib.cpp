@@ -1,3 +1,5 @@
+#include <initializer_list>
+
 #include "base/error.h"
 #include "base/file.h"
 #include "base/hdf5/hdf5.h"
@@ -87,8 +89,8 @@ TripletMatrix read_matrix(const Hdf5Reader& file, const std::string& place) {
   return matrix;
 }
 
-void refuse_equalities(const Hdf5Reader& file, const std::string& group, const std::vector<std::string>& names) {
-  for (const std::string& name : names)
+void refuse_equalities(const Hdf5Reader& file, const std::string& group, std::initializer_list<const char*> names) {
+  for (const char* name : names)
     if (file.has(group + "/" + name))
       file.fail(group + "/" + name, "bilateral rows are not supported; give a problem of contacts only");
 }

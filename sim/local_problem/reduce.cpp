@@ -8,7 +8,7 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-Sparse to_eigen(const std::string& name, const std::string& what, const TripletMatrix& a) {
+Sparse to_eigen(const std::string& name, const char* what, const TripletMatrix& a) {
   std::vector<Eigen::Triplet<double>> entry;
   for (const Triplet& t : a.entry) {
     if (!std::isfinite(t.value))

@@ -20,7 +20,7 @@ Principal principal_axes(const SolidMoments& moments) {
   Eigen::Matrix3d axes = solver.eigenvectors();
   if (axes.determinant() < 0) axes.col(2) = -axes.col(2);
   const Eigen::Quaterniond q(axes);
-  const Eigen::Vector3d values = solver.eigenvalues();
+  const Eigen::Vector3d& values = solver.eigenvalues();
   return {{values[0], values[1], values[2]}, {Real(q.w()), Real(q.x()), Real(q.y()), Real(q.z())}};
 }
 

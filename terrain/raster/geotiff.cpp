@@ -134,7 +134,7 @@ std::string encode_window(const Tile& tile, int left, int top, double nodata) {
 
 }  // namespace
 
-GeoTiffWriter::GeoTiffWriter(fs::path path, MapGrid grid, LayerInfo info, std::string key)
+GeoTiffWriter::GeoTiffWriter(const fs::path& path, const MapGrid& grid, const LayerInfo& info, const std::string& key)
     : state_(new State{.path = path,
                        .grid = grid,
                        .info = info,

@@ -34,7 +34,8 @@ class GeoTiffWriter {
  public:
   /// Without a `key` the destructor removes the scratch file. With one it stays until finish(), and the next writer of
   /// the same path and key continues from it.
-  GeoTiffWriter(std::filesystem::path path, MapGrid grid, LayerInfo info, std::string key = "");
+  GeoTiffWriter(const std::filesystem::path& path, const MapGrid& grid, const LayerInfo& info,
+                const std::string& key = "");
   GeoTiffWriter(const GeoTiffWriter&) = delete;
   GeoTiffWriter& operator=(const GeoTiffWriter&) = delete;
   ~GeoTiffWriter();

@@ -57,8 +57,8 @@ std::string qgis_style(const VectorStyle& style) {
   std::string categories, symbols;
   for (std::size_t i = 0; i < style.legend.size(); ++i) {
     const std::string label = xml_escaped(style.legend[i].label);
-    categories += "      <category value=\"" + label + "\" label=\"" + label +
-                  line("\" symbol=\"%zu\" type=\"string\" render=\"true\"/>\n", i);
+    categories += "      <category value=\"" + label + "\" label=\"";
+    categories += label + line("\" symbol=\"%zu\" type=\"string\" render=\"true\"/>\n", i);
     symbols += symbol(style.legend[i], style.polygons, i);
   }
   return "<!DOCTYPE qgis>\n<qgis version=\"3.22\" styleCategories=\"Symbology\">\n  <renderer-v2 "

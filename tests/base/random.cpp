@@ -44,6 +44,7 @@ TEST_CASE("seed, stream and index reach the generator in full") {
 TEST_CASE("the uniform numbers fill [0, 1) evenly") {
   // 64 bins, 64,000 draws: chi-squared with 63 degrees of freedom exceeds 113 once in 10,000.
   constexpr int bins = 64, draws = 64000;
+  constexpr double expected = double(draws) / bins;
   std::array<int, bins> count{};
   double smallest = 1, largest = 0;
   for (int i = 0; i < draws; ++i) {
@@ -53,7 +54,7 @@ TEST_CASE("the uniform numbers fill [0, 1) evenly") {
     ++count[std::size_t(u * bins)];
   }
   double chi_squared = 0;
-  for (const int n : count) chi_squared += std::pow(n - draws / bins, 2) / (draws / bins);
+  for (const int n : count) chi_squared += std::pow(n - expected, 2) / expected;
   CHECK(smallest >= 0);
   CHECK(largest < 1);
   CHECK(chi_squared < 113);

@@ -54,7 +54,7 @@ StepSettings few_iterations(Solver solver = Solver::apgd) {
   return s;
 }
 
-constexpr Index kSteps = 30;
+constexpr Index kSteps = 30, kHalf = kSteps / 2;
 constexpr Solver kEverySolver[] = {Solver::apgd, Solver::jacobi, Solver::gauss_seidel, Solver::bb, Solver::jacobi_scan};
 
 }  // namespace
@@ -121,18 +121,18 @@ TEST_CASE("a restored simulation goes on with the bits of an uninterrupted one")
   for (const Backend backend : backends()) {
     const SceneWorld w = driven_wheel(603);
     const auto through = simulate(backend, w, few_iterations());
-    through->advance(kSteps / 2);
+    through->advance(kHalf);
     // What the driver of a trial changes between steps belongs to the state too.
     through->set_gravity(0, {1, 0, -9});
     through->set_motor(0, 0, 6, 50);
     through->set_law(0, 0, 1, {Real(0.3), Real(0.05), 0});
     const Snapshot saved = through->snapshot(0);
-    through->advance(kSteps / 2);
+    through->advance(kHalf);
 
     const auto resumed = simulate(backend, w, few_iterations());
     resumed->restore(0, saved);
-    CHECK(resumed->report(0).time == Approx(kSteps / 2 * double(few_iterations().step)));
-    resumed->advance(kSteps / 2);
+    CHECK(resumed->report(0).time == Approx(kHalf * double(few_iterations().step)));
+    resumed->advance(kHalf);
     INFO(name_of(backend));
     CHECK(same_bits(through->bodies(0), resumed->bodies(0)));
     CHECK(through->motor_torque(0, 0) == resumed->motor_torque(0, 0));
@@ -141,7 +141,7 @@ TEST_CASE("a restored simulation goes on with the bits of an uninterrupted one")
     // Back in time in the same simulation, which holds more contacts than the snapshot by now.
     through->restore(0, saved);
     CHECK(length(through->contact_force(0, 0)) == 0);  // no step taken since
-    through->advance(kSteps / 2);
+    through->advance(kHalf);
     CHECK(same_bits(through->bodies(0), resumed->bodies(0)));
   }
 }

@@ -214,9 +214,8 @@ TEST_CASE("contacts that share fewer freedoms than they have rows are solved by 
 
 TEST_CASE("problems that make no sense are refused by name and value") {
   const std::vector<Triplet> w = {{0, 0, 1}, {1, 1, 1}, {2, 2, 1}};
-  const auto make_with = [&](int d, std::vector<Triplet> entry, std::vector<double> q, std::vector<double> mu) {
-    return [=] { make_problem("p.dat", d, entry, q, mu); };
-  };
+  const auto make_with = [&](int d, const std::vector<Triplet>& entry, const std::vector<double>& q,
+                             const std::vector<double>& mu) { return [=] { make_problem("p.dat", d, entry, q, mu); }; };
   refused(make_with(4, w, {0, 0, 0, 0}, {0.5}), "p.dat: spacedim = 4; 2, 3 or 5");
   refused(make_with(3, w, {0, 0}, {0.5}), "q has 2 values, 3 are needed");
   refused(make_with(3, w, {0, 0, 0}, {-0.5}), "mu[0] = -0.5");

@@ -125,13 +125,14 @@ TEST_CASE("one problem in every layout of FCLib and Siconos reads the same") {
 }
 
 TEST_CASE("a global problem becomes W = H^T M^-1 H and q = w + H^T M^-1 f, as a dense elimination finds") {
-  const int freedoms = 7, contacts = 2, rows = 3 * contacts;
-  Eigen::MatrixXd m = Eigen::MatrixXd::Identity(freedoms, freedoms) * 3, h(freedoms, rows);
+  const int freedoms = 7, contacts = 2, reactions = 3 * contacts;
+  Eigen::MatrixXd m = Eigen::MatrixXd::Identity(freedoms, freedoms) * 3, h(freedoms, reactions);
   for (int i = 0; i < freedoms; ++i)
-    for (int j = 0; j < rows; ++j) h(i, j) = std::sin(1 + 3.0 * i + j * j);
+    for (int j = 0; j < reactions; ++j) h(i, j) = std::sin(1 + 3.0 * i + j * j);
   m(0, 3) = m(3, 0) = 1;
   m(5, 6) = 0.5;
-  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(freedoms, -1, 2), w = Eigen::VectorXd::LinSpaced(rows, 3, 4);
+  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(freedoms, -1, 2),
+                        w = Eigen::VectorXd::LinSpaced(reactions, 3, 4);
   const Eigen::MatrixXd expected_w = h.transpose() * m.fullPivLu().solve(h);
   const Eigen::VectorXd expected_q = w + h.transpose() * m.fullPivLu().solve(f);
   const auto triplets = [](const Eigen::MatrixXd& a) {
@@ -150,7 +151,7 @@ TEST_CASE("a global problem becomes W = H^T M^-1 H and q = w + H^T M^-1 f, as a 
   Hdf5Writer out;
   put_scalar(out, "fclib_global/spacedim", 3);
   put_matrix(out, "fclib_global/M", freedoms, freedoms, 0, triplets(m));
-  put_matrix(out, "fclib_global/H", freedoms, rows, -1, triplets(h));
+  put_matrix(out, "fclib_global/H", freedoms, reactions, -1, triplets(h));
   out.array("fclib_global/vectors/f", std::vector<double>(f.begin(), f.end()));
   out.array("fclib_global/vectors/w", std::vector<double>(w.begin(), w.end()));
   out.array("fclib_global/vectors/mu", std::vector<double>{0.1, 0.2});
@@ -160,9 +161,9 @@ TEST_CASE("a global problem becomes W = H^T M^-1 H and q = w + H^T M^-1 f, as a 
   const Files files;
   for (const LocalProblem& p : {files.hdf5(out), files.text(text + "\n0.1 0.2\n")}) {
     CHECK(p.mu == std::vector<double>{0.1, 0.2});
-    for (int i = 0; i < rows; ++i) CHECK(p.q[i] == Approx(expected_q[i]).epsilon(1e-13));
-    for (int row = 0; row < rows; ++row)
-      for (int column = 0; column < rows; ++column)
+    for (int i = 0; i < reactions; ++i) CHECK(p.q[i] == Approx(expected_q[i]).epsilon(1e-13));
+    for (int row = 0; row < reactions; ++row)
+      for (int column = 0; column < reactions; ++column)
         CHECK(p.w.value[std::size_t((row / 3 * 2 + column / 3) * 9 + row % 3 * 3 + column % 3)] ==
               Approx(expected_w(row, column)).epsilon(1e-12));
   }

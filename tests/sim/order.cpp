@@ -26,7 +26,7 @@ SceneWorld gas(std::uint64_t seed) {
   add_plane(w);
   add_plane(w, {0, 0, 1.1}, about_x(kPi));
   for (int k = 0; k < kBalls; ++k) {
-    const Vec3d cell{k % 8 + 0.5, k / 8 % 8 + 0.5, k / 64 + 1.0};
+    const Vec3d cell = grid_place(k, 8, 8) + Vec3d{0.5, 0.5, 1};
     const BodyIndex b = w.add_sphere(cell * 0.1, Real(draw.between(0.02, 0.04)), 2000, 0);
     w.body[b].velocity = static_cast<Vec3>(draw.direction() * 4.0);
   }

@@ -20,7 +20,7 @@ SceneWorld flying_spheres() {
   SceneWorld w = open_world({Real(0.5), Real(0.1)});
   w.gravity = {};
   for (int i = 0; i < 27; ++i) {
-    const Vec3d at{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
+    const Vec3d at = grid_place(i, 3, 3) - Vec3d{1, 1, 1};
     const BodyIndex b = w.add_sphere(at * 0.022, 0.01f, 2600, 0);
     w.body[b].velocity = static_cast<Vec3>(at * -1.0 + draw.direction() * 0.3);
     w.body[b].angular_velocity = static_cast<Vec3>(draw.direction() * 30.0);

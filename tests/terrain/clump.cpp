@@ -100,8 +100,8 @@ TEST_CASE("shapes have names, and another name is refused with these") {
 TEST_CASE("orientations drawn at random are uniform") {
   Vec3d mean, square;
   constexpr int draws = 20000;
-  for (int i = 0; i < draws; ++i) {
-    const auto u = [&](int k) { return random_unit(3, 1, std::uint64_t(3 * i + k)); };
+  for (std::uint64_t i = 0; i < draws; ++i) {
+    const auto u = [&](std::uint64_t k) { return random_unit(3, 1, 3 * i + k); };
     const auto axis = static_cast<Vec3d>(rotate(random_orientation(u(0), u(1), u(2)), {0.6f, 0, 0.8f}));
     mean += axis * (1.0 / draws);
     square += scale(axis, axis) * (1.0 / draws);

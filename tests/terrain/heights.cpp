@@ -23,8 +23,10 @@ constexpr int kSide = 60;
 /// Slopes of up to about 20 degrees around `middle` [m], over cells of 10 m; no height is a whole number.
 std::vector<float> hills(double middle, double height = 30) {
   std::vector<float> value;
-  for (int i = 0; i < kSide * kSide; ++i)
-    value.push_back(float(middle + height * std::sin(i % kSide / 8.0) * std::cos(i / kSide / 9.0) + 0.003 * (i % 7)));
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const int column = i % kSide, row = i / kSide;
+    value.push_back(float(middle + height * std::sin(column / 8.0) * std::cos(row / 9.0) + 0.003 * (i % 7)));
+  }
   return value;
 }
 
@@ -57,8 +59,8 @@ TEST_CASE("codes that nobody declared are found, left out and named, and nothing
   const float code = GENERATE(-9999.f, -32768.f, -3.4028235e38f, 65535.f, 0.f, -999.f);
   INFO(code);
   std::vector<float> value = hills(1500);
-  for (int row = 20; row < 27; ++row)
-    for (int column = 30; column < 41; ++column) value[std::size_t(row * kSide + column)] = code;
+  for (std::size_t row = 20; row < 27; ++row)
+    for (std::size_t column = 30; column < 41; ++column) value[row * kSide + column] = code;
   value[5 * kSide + 5] = code;
   make_raster(folder / "dem.tif", recipe_of(value));
   const RasterSource source = open(folder / "dem.tif"), other = source.again();
@@ -87,8 +89,8 @@ TEST_CASE("the sea at height 0 is no void where the shore is a shore, and clean 
 TEST_CASE("a void is left out before it is warped, so that no neighbour takes part of it") {
   const TemporaryFolder folder;
   std::vector<float> value = hills(1500);
-  for (int row = 20; row < 30; ++row)
-    for (int column = 20; column < 30; ++column) value[std::size_t(row * kSide + column)] = -9999;
+  for (std::size_t row = 20; row < 30; ++row)
+    for (std::size_t column = 20; column < 30; ++column) value[row * kSide + column] = -9999;
   make_raster(folder / "dem.tif", {.columns = kSide,
                                    .rows = kSide,
                                    .epsg = 4326,
@@ -125,9 +127,11 @@ TEST_CASE("flat areas are those that a flood fill finds") {
   // Cells in rows of at least four of one height; what of them hangs together; what of that is large.
   std::vector<char> counts(value.size()), seen(value.size());
   for (int i = 0; i < side * side; ++i) {
-    int left = i % side, right = i % side;
-    while (left > 0 && value[std::size_t(i - i % side + left - 1)] == value[std::size_t(i)]) --left;
-    while (right < side - 1 && value[std::size_t(i - i % side + right + 1)] == value[std::size_t(i)]) ++right;
+    const int column = i % side;
+    const float* const row = value.data() + (i - column);
+    int left = column, right = column;
+    while (left > 0 && row[left - 1] == row[column]) --left;
+    while (right < side - 1 && row[right + 1] == row[column]) ++right;
     counts[std::size_t(i)] = right - left + 1 >= 4;
   }
   int flat = 0, areas = 0;

@@ -155,8 +155,8 @@ TEST_CASE("the golden window in degrees gives back the slopes of the window") {
 TEST_CASE("holes in degrees stay holes") {
   const TemporaryFolder folder;
   RasterRecipe recipe = plane_in_degrees(-120.3, 39.4);
-  for (int row = 40; row < 60; ++row)
-    for (int column = 50; column < 70; ++column) recipe.value[std::size_t(row * 120 + column)] = -9999;
+  for (std::size_t row = 40; row < 60; ++row)
+    for (std::size_t column = 50; column < 70; ++column) recipe.value[row * 120 + column] = -9999;
   make_raster(folder / "dem.tif", recipe);
   const RasterSource source = RasterSource::open_elevation(folder / "dem.tif");
   const MapGrid& grid = source.grid();

@@ -81,11 +81,11 @@ double track_contact_length(const Vehicle& v) {
 
 std::vector<double> contact_pressures(const Vehicle& v) {
   const auto wheels = stations(v);
+  const std::size_t per_track = wheels.size() / 2;
   std::vector<double> result = static_loads(v);
   for (std::size_t i = 0; i < wheels.size(); ++i)
-    result[i] /= v.kind == VehicleKind::tracked
-                     ? v.track[0].shoe_width * track_contact_length(v) / double(wheels.size() / 2)
-                     : wheels[i].wheel->width * wheels[i].wheel->radius;
+    result[i] /= v.kind == VehicleKind::tracked ? v.track[0].shoe_width * track_contact_length(v) / double(per_track)
+                                                : wheels[i].wheel->width * wheels[i].wheel->radius;
   return result;
 }
 

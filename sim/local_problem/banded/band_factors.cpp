@@ -272,12 +272,14 @@ void sweep_rows_backward(const BandWalk<const Scalar, Direction>& lu, Scalar* x,
   }
 }
 
+// NOLINTBEGIN(bugprone-macro-parentheses): a type in parentheses would not name one
 #define GONOGO_INSTANTIATE(Scalar, Direction)                                                        \
   template int factorise_band(const BandWalk<Scalar, Direction>&, Scalar);                           \
   template void sweep_forward(const BandWalk<const Scalar, Direction>&, Scalar*);                    \
   template void sweep_backward(const BandWalk<const Scalar, Direction>&, Scalar*);                   \
   template void sweep_rows_forward(const BandWalk<const Scalar, Direction>&, Scalar*, Index, Index); \
   template void sweep_rows_backward(const BandWalk<const Scalar, Direction>&, Scalar*, Index)
+// NOLINTEND(bugprone-macro-parentheses)
 GONOGO_INSTANTIATE(float, 1);
 GONOGO_INSTANTIATE(float, -1);
 GONOGO_INSTANTIATE(double, 1);

@@ -84,7 +84,7 @@ TtMatrix compress(const Eigen::SparseMatrix<double>& a, const Hierarchy& tree, d
   Blocks blocks = leaf_blocks(a, tree);
   const double allowed = tolerance * blocks.value.norm() / std::sqrt(double(tree.levels + 1));
   TtMatrix out;
-  out.core.resize(std::size_t(tree.levels + 1));
+  out.core.resize(std::size_t(tree.levels) + 1);
   MatrixXd span = basis(blocks.value, allowed, max_rank);
   out.core.back() = core_of(span, tree.leaf_rows, 1);
   for (int level = tree.levels - 1; level >= 0; --level) {

@@ -25,8 +25,9 @@ constexpr int kSide = 24;
 /// Gentle hills around 500 m over cells of `cell` metres.
 std::vector<float> hills(double cell = 10) {
   std::vector<float> value;
-  for (int i = 0; i < kSide * kSide; ++i)
-    value.push_back(float(500.37 + 0.6 * cell * std::sin(i % kSide / 4.0) * std::cos(i / kSide / 5.0)));
+  for (int row = 0; row < kSide; ++row)
+    for (int column = 0; column < kSide; ++column)
+      value.push_back(float(500.37 + 0.6 * cell * std::sin(column / 4.0) * std::cos(row / 5.0)));
   return value;
 }
 

@@ -154,12 +154,13 @@ TEST_CASE("errors of neighbouring slopes are correlated as Horn's weights say, a
   CHECK(two_apart == Approx(-expected / 2).epsilon(0.06));
   CHECK(std::abs(far) < 0.03 * expected);
   const std::vector<Range> sampled = {{0, 10}, {5, 5}, {0, 2}};
+  const std::uint64_t fields = count / 2;
   double same = 0, product = 0;
-  for (std::uint64_t d = 0; d < count / 2; ++d) {
+  for (std::uint64_t d = 0; d < fields; ++d) {
     const LikenessField field(sampled, 0.3, 4, d);
     const double a = field.at(std::vector<double>{2, 5, 1}), b = field.at(std::vector<double>{5, 5, 1.4});
-    same += a * a / (count / 2);
-    product += a * b / (count / 2);
+    same += a * a / fields;
+    product += a * b / fields;
   }
   const double distance2 = (0.3 * 0.3 + 0.2 * 0.2) / (0.3 * 0.3);
   CHECK(same == Approx(1).margin(0.06));

@@ -241,8 +241,9 @@ namespace {
 /// A map of waves of 30 m over cells of 100 m, anywhere on any body.
 Json map_at(const TemporaryFolder& folder, const std::string& crs, double west, double north) {
   std::vector<float> height;
-  for (int i = 0; i < kSide * kSide; ++i)
-    height.push_back(float(1000 + 30 * std::sin(i % kSide / 3.0) * std::cos(i / kSide / 4.0)));
+  for (int row = 0; row < kSide; ++row)
+    for (int column = 0; column < kSide; ++column)
+      height.push_back(float(1000 + 30 * std::sin(column / 3.0) * std::cos(row / 4.0)));
   test::make_raster(
       folder / "dem.tif",
       {.columns = kSide, .rows = kSide, .transform = {west, 100, 0, north, 0, -100}, .value = height, .crs = crs});

@@ -34,7 +34,7 @@ Spread range(double low, double high) { return {Spread::Kind::range, low, high, 
 
 std::size_t index(const char* variable) { return contract().variable_index(variable); }
 
-Soil loam(std::vector<Spreads> samples, Spreads values = {}) {
+Soil loam(const std::vector<Spreads>& samples, Spreads values = {}) {
   Soil soil{.code = 4, .name = "loam", .note = "", .texture = "", .samples = {}, .values = std::move(values)};
   for (const Spreads& sample : samples) soil.samples.push_back({sample, "test"});
   return soil;

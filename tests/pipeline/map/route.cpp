@@ -149,11 +149,11 @@ TEST_CASE("connected regions are those that a flood along two-way steps fills") 
                    .slope = std::vector<std::uint16_t>(27, 0),
                    .aspect = std::vector<std::uint16_t>(27, 0),
                    .soil = std::vector<std::uint8_t>(27, 0)};
-  for (int row = 0; row < 3; ++row) cells.soil[std::size_t(9 * row + 4)] = RouteCells::kNowhere;
+  for (std::size_t row = 0; row < 3; ++row) cells.soil[9 * row + 4] = RouteCells::kNowhere;
   const auto region = connected_regions(cells, RouteCosts(table, RouteCost::length, 100));
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 9; ++column)
-      CHECK(region[std::size_t(9 * row + column)] == (column < 4 ? 0 : column == 4 ? -1 : 1));
+  for (std::size_t row = 0; row < 3; ++row)
+    for (std::size_t column = 0; column < 9; ++column)
+      CHECK(region[9 * row + column] == (column < 4 ? 0 : column == 4 ? -1 : 1));
 }
 
 TEST_CASE("bands of equal cost have round widths, labels in readable units, and hold every cell that is reached") {

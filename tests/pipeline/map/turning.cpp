@@ -44,12 +44,14 @@ std::vector<Direction> directions_of(const RouteCells& cells) {
   return list;
 }
 
+std::size_t cell_of(const RouteCells& cells, int x, int y) {
+  return std::size_t(y) * std::size_t(cells.columns) + std::size_t(x);
+}
+
 /// Cost of a straight step: between crossings of the grid's lines, the cell in the middle of the piece counts.
 double step_cost(const RouteCells& cells, int x, int y, const Direction& d, RouteCost cost) {
   if (x + d.dx < 0 || y + d.dy < 0 || x + d.dx >= cells.columns || y + d.dy >= cells.rows) return INFINITY;
-  const auto cell_at = [&](double px, double py) {
-    return std::size_t(std::lround(py)) * std::size_t(cells.columns) + std::size_t(std::lround(px));
-  };
+  const auto cell_at = [&](double px, double py) { return cell_of(cells, int(std::lround(px)), int(std::lround(py))); };
   std::vector<double> t = {0, 1};
   for (int k = 0; k < std::abs(d.dx); ++k) t.push_back((k + 0.5) / std::abs(d.dx));
   for (int k = 0; k < std::abs(d.dy); ++k) t.push_back((k + 0.5) / std::abs(d.dy));
@@ -93,7 +95,7 @@ double dijkstra(const RouteCells& cells, const std::vector<std::uint32_t>& stops
         const int x = int(cell) % cells.columns, y = int(cell) / cells.columns;
         const double driven = step_cost(cells, x, y, here, cost);
         if (std::isfinite(driven))
-          add(vertex(leg, cell, d), vertex(leg, std::size_t((y + here.dy) * cells.columns + x + here.dx), d), driven);
+          add(vertex(leg, cell, d), vertex(leg, cell_of(cells, x + here.dx, y + here.dy), d), driven);
         if (leg + 1 < legs && cell == stops[leg + 1]) add(vertex(leg, cell, d), vertex(leg + 1, cell, d), 0);
         if (leg == 0 && cell == stops[0]) add(source, vertex(0, cell, d), 0);
       }
@@ -106,7 +108,7 @@ double dijkstra(const RouteCells& cells, const std::vector<std::uint32_t>& stops
 
 void block(RouteCells& cells, int left, int top, int right, int bottom) {
   for (int y = top; y <= bottom; ++y)
-    for (int x = left; x <= right; ++x) cells.soil[std::size_t(y * cells.columns + x)] = RouteCells::kNowhere;
+    for (int x = left; x <= right; ++x) cells.soil[cell_of(cells, x, y)] = RouteCells::kNowhere;
 }
 
 }  // namespace
@@ -156,8 +158,8 @@ TEST_CASE("a corridor with two bends costs its length and two quarter turns") {
   const SoilTable table = made_table();
   RouteCells cells = level_cells(12, 9);
   block(cells, 0, 0, 11, 8);
-  for (int x = 1; x <= 10; ++x) cells.soil[std::size_t(12 + x)] = cells.soil[std::size_t(7 * 12 + x)] = 0;
-  for (int y = 1; y <= 7; ++y) cells.soil[std::size_t(12 * y + 10)] = 0;
+  for (int x = 1; x <= 10; ++x) cells.soil[cell_of(cells, x, 1)] = cells.soil[cell_of(cells, x, 7)] = 0;
+  for (int y = 1; y <= 7; ++y) cells.soil[cell_of(cells, 10, y)] = 0;
   const RouteCosts costs(table, RouteCost::length, 100);
   for (const double quarter : {1.0, 25.0}) {
     const auto way = find_turning(cells, costs, Turning(cells, costs, quarter), {12 + 1, 7 * 12 + 1});

@@ -1,6 +1,7 @@
 // Contact forces: consistent tangents against differences, actio and reactio, the law against its definition.
 #include <cmath>
 #include <random>
+#include <utility>
 
 #include "sim/elastic/contact_forces.h"
 #include "sim/elastic/make_mesh.h"
@@ -27,7 +28,7 @@ Model on_shape(ElementKind kind, RigidShape shape) {
   m.body = {{"block", block(dimension_of(kind) == 3, kind), {1e7, 0.3, 0}}};
   Contact c;
   c.face = side(m.body[0].mesh, 0);
-  c.shape = shape;
+  c.shape = std::move(shape);
   c.law = law(1.5, 2.5);
   m.contact.push_back(c);
   return m;
