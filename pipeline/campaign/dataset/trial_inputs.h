@@ -13,4 +13,7 @@ const std::string* input_text(const Provenance& provenance, const char* name);
 /// JSON.
 bool had_compliant_tyres(const Provenance& provenance, const std::string& where);
 
+/// Rolling friction of grains on the wheels of the trials, over that between grains [-]. Throws as the above.
+double wheel_rolling_of(const Provenance& provenance, const std::string& where);
+
 }  // namespace gonogo::campaign

@@ -31,7 +31,8 @@ struct Named {
   std::string where;
   std::string vehicle;  // the whole one
   Fidelity fidelity;
-  double gravity = 0;  // [m/s^2]
+  double gravity = 0;        // [m/s^2]
+  double wheel_rolling = 0;  // rolling friction of grains on wheels over that between grains [-]
 };
 
 /// Name of the whole vehicle: "hmmwv" of hmmwv and of hmmwv_quarter.
@@ -45,7 +46,7 @@ std::string whole_vehicle(const campaign::Provenance& provenance, const std::str
 
 Named named(const std::string& where, const campaign::Provenance& provenance) {
   return {where, whole_vehicle(provenance, where), fidelity_of(provenance, where),
-          campaign::gravity_of(provenance, where)};
+          campaign::gravity_of(provenance, where), campaign::wheel_rolling_of(provenance, where)};
 }
 
 Named named(const fs::path& file) { return named(file.string(), campaign::read_dataset(file).provenance); }
@@ -54,6 +55,9 @@ void require_pair(const Named& a, const Named& b) {
   if (a.gravity != b.gravity)
     throw InputError(b.where + line(": its trials had a gravity of %.4g m/s^2, those of ", b.gravity) + a.where +
                      line(" %.4g; train on each alone", a.gravity));
+  if (a.wheel_rolling != b.wheel_rolling)
+    throw InputError(b.where + line(": its trials had a wheel_rolling of %.4g, those of ", b.wheel_rolling) + a.where +
+                     line(" %.4g; train on each alone, or compute one of them anew", a.wheel_rolling));
   if (a.vehicle != b.vehicle)
     throw InputError(b.where + ": its trials drove the vehicle " + b.vehicle + ", those of " + a.where + " " +
                      a.vehicle + "; another vehicle needs a model of its own: train on each alone");

@@ -9,6 +9,7 @@
 #include "learning/model/model.h"
 #include "learning/rbm/gaussian_process.h"
 #include "learning/score/score.h"
+#include "pipeline/campaign/dataset/trial_inputs.h"
 #include "pipeline/learn/training/named_trials.h"
 #include "pipeline/learn/training/train_model.h"
 #include "tests/pipeline/learn/trained_model.h"
@@ -97,6 +98,20 @@ TEST_CASE("trials of another vehicle are refused, those of a quarter of the same
   for (auto& [name, text] : other.files)
     if (name == "vehicle") text.replace(text.find("hmmwv_quarter"), 13, "truck_quarter");
   refused([&] { require_together(other, "truck", {kVehicle}); }, "another vehicle needs a model of its own");
+}
+
+TEST_CASE("trials with other rolling friction on the wheels are refused") {
+  campaign::Provenance other = campaign::read_dataset(kQuarter).provenance;
+  const auto with_rolling = [&](const std::string& value) {
+    campaign::Provenance p = other;
+    const auto at = p.study.find("\"trial\"");
+    p.study.insert(p.study.find('{', at) + 1, "\"wheel_rolling\": " + value + ", ");
+    return p;
+  };
+  CHECK(campaign::wheel_rolling_of(other, "quarter") == 0);
+  CHECK(campaign::wheel_rolling_of(with_rolling("0.5"), "quarter") == 0.5);
+  CHECK_NOTHROW(require_together(with_rolling("0"), "quarter", {kVehicle}));
+  refused([&] { require_together(with_rolling("1"), "quarter", {kVehicle}); }, "wheel_rolling of");
 }
 
 TEST_CASE("a study names the trials that it learns too, by shipped name or by file") {
