@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "base/error.h"
 #include "base/file.h"
@@ -12,6 +13,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/locked_grains.h"
 #include "tests/support/measure.h"
+#include "tests/support/refused.h"
 #include "tests/support/short_trial.h"
 #include "tests/support/temporary_folder.h"
 
@@ -21,6 +23,15 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::agrees;
+
+/// A shipped study's text, so that it can lie in another folder than configs/studies.
+std::string with_whole_paths(std::string text) {
+  const std::string root = std::string(GONOGO_SOURCE_DIR) + "/";
+  for (const auto& [relative, whole] : {std::pair{"../../", root}, std::pair{"../", root + "configs/"}})
+    for (auto at = text.find(relative); at != std::string::npos; at = text.find(relative, at + whole.size()))
+      text.replace(at, std::strlen(relative), whole);
+  return text;
+}
 
 /// A vehicle on grains far too coarse for a label, so that a test is short.
 TrialSetup coarse_vehicle(const std::string& vehicle, const std::string& task) {
@@ -297,22 +308,12 @@ TEST_CASE("grains roll on wheels as freely as the setup says, without it freely"
   const auto rolling = [&](const std::string& key) {
     std::string text = read_file(configs / "studies/quarter_wheel_32mm.json");
     text.replace(text.find("\"numerics\""), 0, key);
-    for (auto up = text.find("../../"); up != std::string::npos; up = text.find("../../"))
-      text.replace(up, 6, std::string(GONOGO_SOURCE_DIR) + "/");
-    for (auto up = text.find("../"); up != std::string::npos; up = text.find("../"))
-      text.replace(up, 3, configs.string() + "/");
-    write_file_atomically(folder / "study.json", text);
+    write_file_atomically(folder / "study.json", with_whole_paths(text));
     return read_trial_setup(read_study(folder / "study.json")).wheel_rolling;
   };
   CHECK(rolling("") == 0);
   CHECK(rolling("\"wheel_rolling\": 1, ") == 1);
-  std::string refusal;
-  try {
-    rolling("\"wheel_rolling\": -1, ");
-  } catch (const InputError& error) {
-    refusal = error.what();
-  }
-  CHECK(refusal.find("trial.wheel_rolling") != std::string::npos);
+  refused([&] { rolling("\"wheel_rolling\": -1, "); }, "trial.wheel_rolling");
 }
 
 TEST_CASE("a study steps by the numerics of its soil's table but for those that it names") {
@@ -324,9 +325,7 @@ TEST_CASE("a study steps by the numerics of its soil's table but for those that 
     text.replace(at, end - at, numerics);
     const auto soil = text.find("../../data/quarter_wheel_32mm/calibration_32mm.json");
     text.replace(soil, std::string("../../data/quarter_wheel_32mm/calibration_32mm.json").size(), table);
-    for (auto up = text.find("../"); up != std::string::npos; up = text.find("../", up))
-      text.replace(up, 3, (root / "configs").string() + "/");
-    write_file_atomically(folder / "study.json", text);
+    write_file_atomically(folder / "study.json", with_whole_paths(text));
     return read_trial_setup(read_study(folder / "study.json"));
   };
   const std::string table = (root / "configs/soils/calibration_32mm.json").string();
@@ -358,8 +357,7 @@ TEST_CASE("shipped studies lie within reach of their tables, and one with more c
     }
     return std::string();
   };
-  replace("../../", std::string(GONOGO_SOURCE_DIR) + "/");
-  replace("../", configs.string() + "/");
+  text = with_whole_paths(text);
   CHECK(refusal().empty());
   replace("\"cohesion\": [0, 15]", "\"cohesion\": [0, 25]");
   CHECK(refusal().find("study.json: design.ranges.cohesion") != std::string::npos);
