@@ -6,6 +6,7 @@
 #include "pipeline/app/cli/command.h"
 #include "pipeline/campaign/dataset/check.h"
 #include "pipeline/campaign/dataset/export.h"
+#include "pipeline/campaign/dataset/paired.h"
 #include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/campaign/engine/replay.h"
 #include "pipeline/learn/importance/dataset_report.h"
@@ -103,21 +104,28 @@ void add_verify(CLI::App& parent, const Globals& globals) {
 }
 
 void add_diff(CLI::App& parent, const Globals& globals) {
-  CLI::App* command = parent.add_subcommand("diff", "Compare two datasets bit for bit; exit status 1 when they differ");
+  CLI::App* command = parent.add_subcommand("diff",
+                                            "Compare two datasets bit for bit, and verdicts and measures of the "
+                                            "same points; exit status 1 when bits differ");
   auto options = std::make_shared<Options>();
   command->add_option("first", options->dataset, "Dataset (HDF5)")->type_name(kFile)->required();
   command->add_option("second", options->other, "Dataset (HDF5)")->type_name(kFile)->required();
-  add_examples(*command, {"gonogo dataset diff out/cpu/dataset.h5 out/gpu/dataset.h5"});
+  add_examples(*command, {"gonogo dataset diff out/cpu/dataset.h5 out/gpu/dataset.h5",
+                          "gonogo dataset diff data/hmmwv_32mm/fresh.h5 data/hmmwv_32mm/fresh_rolling.h5"});
   command->callback([options, &globals] {
-    const campaign::DatasetDifference d =
-        campaign::difference(campaign::read_dataset(options->dataset), campaign::read_dataset(options->other));
+    const campaign::Dataset first = campaign::read_dataset(options->dataset),
+                            second = campaign::read_dataset(options->other);
+    const campaign::DatasetDifference d = campaign::difference(first, second);
+    const campaign::PairedTrials pairs = campaign::paired(first, second);
     Json result = Json::object();
     result["same"] = d.none();
     result["common"] = std::uint64_t(d.common);
     result["only_first"] = std::uint64_t(d.only_first.size());
     result["only_second"] = std::uint64_t(d.only_second.size());
     result["different_values"] = std::uint64_t(d.rows.size());
-    conclude(globals, result, campaign::to_text(d), d.none(), options->dataset + " and " + options->other + " differ");
+    result["paired"] = campaign::to_json(pairs);
+    conclude(globals, result, campaign::to_text(d) + (d.none() ? "" : campaign::to_text(pairs)), d.none(),
+             options->dataset + " and " + options->other + " differ");
   });
 }
 

@@ -42,7 +42,7 @@ void compare_replicates(const std::vector<TrialRecord>& records, DatasetSummary&
     if (original == verdict_of.end() || original->second == Verdict::unknown || record.verdict == Verdict::unknown)
       continue;
     ++summary.replicate_pairs;
-    summary.replicate_agree += is_passable(original->second) == is_passable(record.verdict);
+    summary.replicate_agree += passes(original->second) == passes(record.verdict);
   }
 }
 
@@ -145,8 +145,6 @@ Json counts_json(const std::map<std::string, std::size_t>& counts) {
 }
 
 }  // namespace
-
-bool is_passable(Verdict verdict) { return verdict == Verdict::go || verdict == Verdict::slow_go; }
 
 DatasetSummary summarise(const std::vector<TrialRecord>& records) {
   DatasetSummary summary;

@@ -32,9 +32,6 @@ struct DatasetSummary {
   std::vector<SlopeBin> slope;                                // over slope_along
 };
 
-/// go or slow_go.
-bool is_passable(Verdict verdict);
-
 DatasetSummary summarise(const std::vector<TrialRecord>& records);
 
 std::string to_text(const DatasetSummary& summary);

@@ -1,21 +1,9 @@
 #include "pipeline/campaign/dataset/trial_inputs.h"
 
-#include <optional>
-
-#include "base/json/json.h"
+#include "base/json/config.h"
+#include "pipeline/campaign/study/study.h"
 
 namespace gonogo::campaign {
-namespace {
-
-/// Value of a key of the study's section "trial"; nothing where it has none.
-std::optional<Json> of_trial(const Provenance& provenance, const std::string& where, const char* key) {
-  const Json study = Json::parse(provenance.study, where + ": study");
-  const Json* trial = study.find("trial");
-  const Json* value = trial ? trial->find(key) : nullptr;
-  return value ? std::optional(*value) : std::nullopt;
-}
-
-}  // namespace
 
 const std::string* input_text(const Provenance& provenance, const char* name) {
   for (const auto& [key, text] : provenance.files)
@@ -23,14 +11,16 @@ const std::string* input_text(const Provenance& provenance, const char* name) {
   return nullptr;
 }
 
-bool had_compliant_tyres(const Provenance& provenance, const std::string& where) {
-  const auto compliant = of_trial(provenance, where, "compliant_tyres");
-  return compliant && compliant->boolean();
-}
-
-double wheel_rolling_of(const Provenance& provenance, const std::string& where) {
-  const auto rolling = of_trial(provenance, where, "wheel_rolling");
-  return rolling ? rolling->number() : 0;
+TrialSettings settings_of(const Provenance& provenance, const std::string& where) {
+  TrialSettings s;
+  if (provenance.study.empty()) return s;
+  const Config study = Config::parse(provenance.study, where + ": study");
+  s.gravity = study.number_or("gravity", s.gravity, kGravityRange);
+  if (const auto trial = study.object_if("trial")) {
+    s.compliant_tyres = trial->boolean_or("compliant_tyres", s.compliant_tyres);
+    s.wheel_rolling = trial->number_or("wheel_rolling", s.wheel_rolling, kWheelRollingRange);
+  }
+  return s;
 }
 
 }  // namespace gonogo::campaign

@@ -1,7 +1,8 @@
-// What the provenance of a dataset says of its trials' vehicle and soil.
+// What the provenance of a dataset says of its trials: vehicle, soil, gravity, tyres.
 #pragma once
 #include <string>
 
+#include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
 
 namespace gonogo::campaign {
@@ -9,11 +10,15 @@ namespace gonogo::campaign {
 /// Text of a file that the trials depend on ("vehicle", "calibration", ...); null where the dataset does not hold it.
 const std::string* input_text(const Provenance& provenance, const char* name);
 
-/// Whether tyres were compliant in the trials. `where` starts the messages. Throws InputError for a study that is no
-/// JSON.
-bool had_compliant_tyres(const Provenance& provenance, const std::string& where);
+/// What the study of a dataset sets for all of its trials. A study without a key has the value here, and so has a
+/// dataset without a study.
+struct TrialSettings {
+  double gravity = kGravity;     // [m/s^2]
+  bool compliant_tyres = false;  // see TrialSetup
+  double wheel_rolling = 0;      // rolling friction of grains on wheels over that between grains [-]
+};
 
-/// Rolling friction of grains on the wheels of the trials, over that between grains [-]. Throws as the above.
-double wheel_rolling_of(const Provenance& provenance, const std::string& where);
+/// `where` starts the messages. Throws InputError for a study that is no JSON and for a value out of range.
+TrialSettings settings_of(const Provenance& provenance, const std::string& where);
 
 }  // namespace gonogo::campaign

@@ -25,6 +25,7 @@ struct Study {
 
 /// Gravity that trials can have [m/s^2]: from small moons to above that of Jupiter's cloud tops.
 inline constexpr Range kGravityRange{0.1, 30};
+inline constexpr Range kWheelRollingRange{0, 10};  // of trial.wheel_rolling
 /// Key of the gravity in model and map files, which only those of another gravity than the Earth's hold.
 inline constexpr const char* kGravityKey = "gravity_m_per_s2";
 

@@ -358,7 +358,7 @@ TrialSetup read_trial_setup(const Study& study, const std::filesystem::path& pac
     if (const auto c = trial->object_if("thresholds")) read_thresholds(*c, s.thresholds);
     if (const auto c = trial->object_if("task")) read_study_task(study, *c, s);
     s.compliant_tyres = trial->boolean_or("compliant_tyres", false);
-    s.wheel_rolling = trial->number_or("wheel_rolling", 0, {0, 10});
+    s.wheel_rolling = trial->number_or("wheel_rolling", 0, kWheelRollingRange);
     trial->finish();
   }
   s.numerics = terrain::numerics_by_table(s.calibration, s.calibration_file, asked);

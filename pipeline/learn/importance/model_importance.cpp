@@ -39,7 +39,7 @@ std::vector<VariableImportance> model_importance(const Predictor& predictor, con
   for (const campaign::TrialRecord& record : dataset.records) {
     if (record.verdict == campaign::Verdict::unknown) continue;
     for (const std::size_t i : varied) points.push_back(record.point.variables[i]);
-    truth.push_back(campaign::is_passable(record.verdict) ? 1 : 0);
+    truth.push_back(campaign::passes(record.verdict) ? 1 : 0);
   }
   if (truth.empty()) throw InputError("the dataset has no valid trial; importance needs at least one");
   const TotalIndices indices = sobol_total_indices(p_go, box, kSamples, seed);

@@ -10,7 +10,6 @@
 #include "base/hash.h"
 #include "base/json/config.h"
 #include "base/line.h"
-#include "pipeline/campaign/dataset/gravity.h"
 #include "pipeline/campaign/dataset/trial_inputs.h"
 #include "pipeline/learn/training/training_data.h"
 #include "vehicle/model/statics.h"
@@ -27,12 +26,17 @@ const std::string& text_of(const campaign::Provenance& provenance, const char* n
                    ", so its fidelity is unknown; train on it alone, or compute its trials anew");
 }
 
+std::string rolling_text(double wheel_rolling) {
+  if (wheel_rolling == 0) return ", which roll freely on it";
+  return wheel_rolling == 1 ? ", which resist rolling on it"
+                            : line(", which resist rolling on it %.3g-fold", wheel_rolling);
+}
+
 struct Named {
   std::string where;
   std::string vehicle;  // the whole one
   Fidelity fidelity;
-  double gravity = 0;        // [m/s^2]
-  double wheel_rolling = 0;  // rolling friction of grains on wheels over that between grains [-]
+  double gravity = 0;  // [m/s^2]
 };
 
 /// Name of the whole vehicle: "hmmwv" of hmmwv and of hmmwv_quarter.
@@ -46,7 +50,7 @@ std::string whole_vehicle(const campaign::Provenance& provenance, const std::str
 
 Named named(const std::string& where, const campaign::Provenance& provenance) {
   return {where, whole_vehicle(provenance, where), fidelity_of(provenance, where),
-          campaign::gravity_of(provenance, where), campaign::wheel_rolling_of(provenance, where)};
+          campaign::settings_of(provenance, where).gravity};
 }
 
 Named named(const fs::path& file) { return named(file.string(), campaign::read_dataset(file).provenance); }
@@ -55,9 +59,6 @@ void require_pair(const Named& a, const Named& b) {
   if (a.gravity != b.gravity)
     throw InputError(b.where + line(": its trials had a gravity of %.4g m/s^2, those of ", b.gravity) + a.where +
                      line(" %.4g; train on each alone", a.gravity));
-  if (a.wheel_rolling != b.wheel_rolling)
-    throw InputError(b.where + line(": its trials had a wheel_rolling of %.4g, those of ", b.wheel_rolling) + a.where +
-                     line(" %.4g; train on each alone, or compute one of them anew", a.wheel_rolling));
   if (a.vehicle != b.vehicle)
     throw InputError(b.where + ": its trials drove the vehicle " + b.vehicle + ", those of " + a.where + " " +
                      a.vehicle + "; another vehicle needs a model of its own: train on each alone");
@@ -89,18 +90,20 @@ void append(learning::TrainingTable& table, const learning::TrainingTable& rows,
 }  // namespace
 
 bool Fidelity::is_finer_than(const Fidelity& other) const {
-  return std::tuple(is_whole, has_compliant_tyres, grains_per_tyre) >
-         std::tuple(other.is_whole, other.has_compliant_tyres, other.grains_per_tyre);
+  const auto rank = [](const Fidelity& f) {
+    return std::tuple(f.is_whole, f.has_compliant_tyres, -std::abs(f.wheel_rolling - 1), f.grains_per_tyre);
+  };
+  return rank(*this) > rank(other);
 }
 
 std::string Fidelity::text() const {
   return std::string(is_whole ? "whole vehicle" : "quarter of a vehicle") +
          (has_compliant_tyres ? ", compliant tyres" : ", rigid tyres") +
-         line(", %.1f grains across a wheel", grains_per_tyre);
+         line(", %.1f grains across a wheel", grains_per_tyre) + rolling_text(wheel_rolling);
 }
 
 std::vector<double> Fidelity::inputs() const {
-  return {double(is_whole), double(has_compliant_tyres), std::log2(grains_per_tyre)};
+  return {double(is_whole), double(has_compliant_tyres), std::log2(grains_per_tyre), wheel_rolling};
 }
 
 Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& where) {
@@ -108,7 +111,9 @@ Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& 
   const Json soil = Json::parse(text_of(provenance, "calibration", where), where + ": calibration");
   Fidelity fidelity;
   fidelity.is_whole = file.text("kind") != "quarter";
-  fidelity.has_compliant_tyres = campaign::had_compliant_tyres(provenance, where);
+  const campaign::TrialSettings settings = campaign::settings_of(provenance, where);
+  fidelity.has_compliant_tyres = settings.compliant_tyres;
+  fidelity.wheel_rolling = settings.wheel_rolling;
   const double width =
       fidelity.is_whole ? vehicle::tread_width(vehicle::read_vehicle(file)) : vehicle::read_wheel_rig(file).width;
   fidelity.grains_per_tyre = width / soil.at("grain_diameter_m").number();

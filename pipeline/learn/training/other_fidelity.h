@@ -17,13 +17,15 @@ namespace gonogo::learn {
 struct Fidelity {
   bool is_whole = false, has_compliant_tyres = false;
   double grains_per_tyre = 0;  // tyre width over grain diameter [-]
+  double wheel_rolling = 0;    // rolling friction of grains on wheels over that between grains [-]
 
   bool operator==(const Fidelity&) const = default;
-  /// A whole vehicle is finer than a quarter; then compliant tyres than rigid ones; then small grains than large ones.
+  /// A whole vehicle is finer than a quarter; then compliant tyres than rigid ones; then grains that resist rolling on
+  /// wheels as on each other (docs/wheels.md); then small grains than large ones.
   bool is_finer_than(const Fidelity& other) const;
-  /// "whole vehicle, compliant tyres, 7.9 grains across a wheel"
+  /// "whole vehicle, compliant tyres, 7.9 grains across a wheel, which resist rolling on it"
   std::string text() const;
-  /// Inputs of the process: 0 or 1, 0 or 1, log2(grains_per_tyre).
+  /// Inputs of the process: 0 or 1, 0 or 1, log2(grains_per_tyre), wheel_rolling.
   std::vector<double> inputs() const;
 };
 

@@ -10,7 +10,7 @@
 #include "learning/rbm/logistic.h"
 #include "learning/rbm/train.h"
 #include "learning/score/calibration.h"
-#include "pipeline/campaign/dataset/gravity.h"
+#include "pipeline/campaign/dataset/trial_inputs.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/learn/training/baselines.h"
 #include "pipeline/learn/training/kept_work.h"
@@ -159,7 +159,7 @@ LearningSettings trainable_settings(const std::optional<Config>& section) {
 Json train_model(const TrainRequest& request) {
   LearningSettings settings = trainable_settings(request.learning);
   const campaign::Dataset dataset = campaign::read_dataset(request.dataset);
-  const double gravity = campaign::gravity_of(dataset.provenance, request.dataset.string());
+  const double gravity = campaign::settings_of(dataset.provenance, request.dataset.string()).gravity;
   TrainingData data = make_training_data(dataset.records, request.design);
   temper_weights(data, settings.importance);
   learning::TrainingTable held_out;

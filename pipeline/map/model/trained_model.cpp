@@ -7,7 +7,6 @@
 #include "base/line.h"
 #include "base/nearest.h"
 #include "base/shipped.h"
-#include "pipeline/campaign/dataset/gravity.h"
 #include "pipeline/campaign/dataset/trial_inputs.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/learn/answer/model_gravity.h"
@@ -90,7 +89,9 @@ void refuse_helpers(const TrainedModel& model) {
                        "), they only helped; give the finest trials that it learned from (--dataset)");
 }
 
-std::string tyres_text(const TrialVehicle& v) { return v.compliant_tyres ? ", compliant tyres" : ", rigid tyres"; }
+std::string tyres_text(const TrialVehicle& v) {
+  return (v.compliant_tyres ? ", compliant tyres" : ", rigid tyres") + line(", wheel_rolling %.3g", v.wheel_rolling);
+}
 
 /// Why trials of ditches do not go with the trials of a model; empty where they do.
 std::string why_not_crossing(const TrainedModel& model, const TrainedModel& ditches) {
@@ -105,7 +106,8 @@ std::string why_not_crossing(const TrainedModel& model, const TrainedModel& ditc
     return "is of the vehicle " + other + (vehicle == other ? " with another \"" + part + "\"" : "") +
            ", and the model " + model.file.string() + " is of the vehicle " + vehicle + "; give one of that vehicle";
   if (ditches.vehicle->fidelity() != model.vehicle->fidelity() ||
-      ditches.vehicle->compliant_tyres != model.vehicle->compliant_tyres)
+      ditches.vehicle->compliant_tyres != model.vehicle->compliant_tyres ||
+      ditches.vehicle->wheel_rolling != model.vehicle->wheel_rolling)
     return "has the fidelity \"" + ditches.vehicle->fidelity() + tyres_text(*ditches.vehicle) + "\", and the model " +
            model.file.string() + " has \"" + model.vehicle->fidelity() + tyres_text(*model.vehicle) +
            "\"; give one of the same trials";
@@ -134,8 +136,10 @@ std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance
   else
     v.whole = vehicle::read_vehicle(file);
   v.grain_diameter = Json::parse(*soil, where + ": calibration").at("grain_diameter_m").number();
-  v.gravity = campaign::gravity_of(provenance, where);
-  v.compliant_tyres = campaign::had_compliant_tyres(provenance, where);
+  const campaign::TrialSettings settings = campaign::settings_of(provenance, where);
+  v.gravity = settings.gravity;
+  v.compliant_tyres = settings.compliant_tyres;
+  v.wheel_rolling = settings.wheel_rolling;
   return v;
 }
 
@@ -174,7 +178,7 @@ TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
   refuse_helpers(model);
   model.dataset = campaign::read_dataset(model.dataset_file);
   model.vehicle = trial_vehicle(model.dataset->provenance, model.dataset_file.string());
-  const double of_trials = campaign::gravity_of(model.dataset->provenance, model.dataset_file.string());
+  const double of_trials = campaign::settings_of(model.dataset->provenance, model.dataset_file.string()).gravity;
   if (of_trials != model.gravity)
     throw InputError(model.dataset_file.string() + ": its trials had a gravity of " + gravity_text(of_trials) +
                      ", and those of the model " + file.string() + " had " + gravity_text(model.gravity) +

@@ -22,6 +22,7 @@ struct TrialVehicle {
   std::optional<vehicle::Vehicle> whole;  // one of the two is set
   std::optional<vehicle::WheelRig> rig;
   bool compliant_tyres = false;  // tyres gave way in the trials
+  double wheel_rolling = 0;      // rolling friction of grains on wheels over that between grains [-]
   double grain_diameter = 0;     // [m]
   double gravity = kGravity;     // [m/s^2]
   Json file;                     // text of the vehicle's file

@@ -10,6 +10,7 @@
 #include "base/hdf5/hdf5.h"
 #include "pipeline/campaign/dataset/check.h"
 #include "pipeline/campaign/dataset/export.h"
+#include "pipeline/campaign/dataset/paired.h"
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/dataset/summary.h"
 #include "tests/support/catch.h"
@@ -242,6 +243,40 @@ TEST_CASE("differences of datasets: none with themselves, every changed bit, row
   CHECK(d.rows[0].index == 4);
   CHECK(d.rows[0].column == contract().measures[0].name);
   CHECK(d.provenance == std::vector<std::string>{"backend: cpu against cuda, X"});
+}
+
+TEST_CASE("pairs of two datasets: verdicts that change, and measures where both pass") {
+  Dataset a = sample(6), b;
+  const std::size_t slip = contract().measure_index("slip");
+  const auto set = [&](TrialRecord& record, Verdict verdict, Reason reason, double value) {
+    record.verdict = verdict;
+    record.reason = reason;
+    record.measures[slip] = value;
+  };
+  for (std::size_t n = 0; n < 6; ++n) set(a.records[n], Verdict::go, Reason::none, 0.1);
+  set(a.records[3], Verdict::no_go, Reason::traction, 0.9);
+  b = a;
+  set(b.records[0], Verdict::go, Reason::none, 0.2);
+  set(b.records[1], Verdict::slow_go, Reason::none, 0.4);
+  set(b.records[2], Verdict::no_go, Reason::traction, 1.0);
+  set(b.records[3], Verdict::slow_go, Reason::none, 0.5);
+  set(b.records[4], Verdict::unknown, Reason::simulation_failed, kNaN);
+  b.records[5].point.variables[0] += 1;
+  const PairedTrials pairs = paired(a, b);
+  CHECK(pairs.pairs == 4);
+  CHECK(pairs.verdicts ==
+        std::map<std::pair<std::string, std::string>, std::size_t>{
+            {{"go", "go"}, 1}, {{"go", "slow_go"}, 1}, {{"go", "no_go"}, 1}, {{"no_go", "slow_go"}, 1}});
+  CHECK(pairs.now_pass == 1);
+  CHECK(pairs.now_fail == 1);
+  const MeasureChange& change = pairs.measures[slip];
+  CHECK(change.pairs == 2);
+  CHECK(change.mean == Approx(0.2));
+  CHECK(change.error == Approx(0.1));  // of 0.1 and 0.3
+  CHECK(to_text(pairs).find("1 equal, 1 from go to no_go, 1 from go to slow_go, 1 from no_go to slow_go; 1 pass now, "
+                            "1 fail now") != std::string::npos);
+  CHECK(to_text(paired(a, Dataset{})).empty());
+  CHECK(to_json(pairs).at("measures").at("slip").at("mean").number() == Approx(0.2));
 }
 
 TEST_CASE("datasets of one study merge into the whole, overlapping or growing; others are refused") {

@@ -52,8 +52,8 @@ TEST_CASE("the shipped trials of the whole vehicle are finer than those of a qua
     return fidelity_of(campaign::read_dataset(file).provenance, file.string());
   };
   const Fidelity whole = of(kVehicle), quarter = of(kQuarter);
-  CHECK(whole.text() == "whole vehicle, compliant tyres, 7.9 grains across a wheel");
-  CHECK(quarter.text() == "quarter of a vehicle, rigid tyres, 7.9 grains across a wheel");
+  CHECK(whole.text() == "whole vehicle, compliant tyres, 7.9 grains across a wheel, which roll freely on it");
+  CHECK(quarter.text() == "quarter of a vehicle, rigid tyres, 7.9 grains across a wheel, which roll freely on it");
   CHECK(whole.grains_per_tyre == Approx(0.254 / 0.032));
   CHECK(whole.is_finer_than(quarter));
   CHECK_FALSE(quarter.is_finer_than(whole));
@@ -61,6 +61,16 @@ TEST_CASE("the shipped trials of the whole vehicle are finer than those of a qua
   Fidelity coarse = quarter;
   coarse.grains_per_tyre = 2.8;
   CHECK(quarter.is_finer_than(coarse));
+  Fidelity resisting = coarse, half = coarse, twice = coarse;
+  resisting.wheel_rolling = 1;
+  half.wheel_rolling = 0.5;
+  twice.wheel_rolling = 2;
+  CHECK(resisting.is_finer_than(quarter));
+  CHECK(resisting.is_finer_than(half));
+  CHECK(resisting.is_finer_than(twice));
+  CHECK(resisting.inputs().back() == 1);
+  CHECK(resisting.text().ends_with("which resist rolling on it"));
+  CHECK(half.text().ends_with("which resist rolling on it 0.5-fold"));
   CHECK(finest_first({kQuarter, kVehicle}) == std::vector<fs::path>{kVehicle, kQuarter});
 }
 
@@ -71,7 +81,7 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
   const learning::TrainingTable joined = others.joined(own.table);
   const std::size_t first = own.table.row_count();
   REQUIRE(joined.row_count() == first + others.table.row_count());
-  REQUIRE(joined.variable_count == variables + 3);
+  REQUIRE(joined.variable_count == variables + 4);
   for (std::size_t v = 0; v < variables; ++v) CHECK(joined.row(5)[v] == own.table.row(5)[v]);
   CHECK(joined.row(5)[variables] == 1);
   CHECK(joined.row(first)[variables] == 0);
@@ -80,7 +90,7 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
     for (std::size_t m = n; m < 40; ++m)
       CHECK((joined.group[n] == joined.group[m]) == (own.table.group[n] == own.table.group[m]));
   const std::vector<double> points = others.at_own({1, 2, 3, 4}, 2);
-  CHECK(points == std::vector<double>{1, 2, 1, 1, others.own[2], 3, 4, 1, 1, others.own[2]});
+  CHECK(points == std::vector<double>{1, 2, 1, 1, others.own[2], 0, 3, 4, 1, 1, others.own[2], 0});
   CHECK(read_other_trials(kVehicle, {}).joined(own.table).variables == own.table.variables);
 }
 
@@ -100,7 +110,7 @@ TEST_CASE("trials of another vehicle are refused, those of a quarter of the same
   refused([&] { require_together(other, "truck", {kVehicle}); }, "another vehicle needs a model of its own");
 }
 
-TEST_CASE("trials with other rolling friction on the wheels are refused") {
+TEST_CASE("the rolling friction of grains on the wheels tells two fidelities apart") {
   campaign::Provenance other = campaign::read_dataset(kQuarter).provenance;
   const auto with_rolling = [&](const std::string& value) {
     campaign::Provenance p = other;
@@ -108,10 +118,11 @@ TEST_CASE("trials with other rolling friction on the wheels are refused") {
     p.study.insert(p.study.find('{', at) + 1, "\"wheel_rolling\": " + value + ", ");
     return p;
   };
-  CHECK(campaign::wheel_rolling_of(other, "quarter") == 0);
-  CHECK(campaign::wheel_rolling_of(with_rolling("0.5"), "quarter") == 0.5);
-  CHECK_NOTHROW(require_together(with_rolling("0"), "quarter", {kVehicle}));
-  refused([&] { require_together(with_rolling("1"), "quarter", {kVehicle}); }, "wheel_rolling of");
+  CHECK(campaign::settings_of(other, "quarter").wheel_rolling == 0);
+  CHECK(campaign::settings_of(with_rolling("0.5"), "quarter").wheel_rolling == 0.5);
+  refused([&] { require_together(with_rolling("0"), "quarter", {kQuarter}); }, "have the fidelity of");
+  CHECK_NOTHROW(require_together(with_rolling("1"), "quarter", {kQuarter}));
+  refused([&] { campaign::settings_of(with_rolling("-1"), "quarter"); }, "wheel_rolling");
 }
 
 TEST_CASE("a study names the trials that it learns too, by shipped name or by file") {
