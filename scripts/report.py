@@ -101,7 +101,7 @@ class Report:
     def curve(self):
         for name, more in (("curve", []), ("curve_active", ["--active"])):
             folder = self.out / name
-            self.run("learning-curve", "--dataset", DATASET, "--study", STUDY, "--trials", "50,100,300", "--subsets",
+            self.run("learning-curve", "--dataset", DATASET, "--study", STUDY, "--trials", "50,100,300,1000", "--subsets",
                      SUBSETS, "--hold-out", HELD_OUT, "--out", folder, *more, result=folder / "learning_curve.csv")
 
     def samplers(self):

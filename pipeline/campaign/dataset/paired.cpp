@@ -67,8 +67,7 @@ std::string to_text(const PairedTrials& p) {
                      line("; %zu pass now, %zu fail now\n", p.now_pass, p.now_fail);
   text += "where both pass, the second less the first, mean and standard error:\n";
   for (const MeasureChange& m : p.measures)
-    if (m.pairs > 1)
-      text += line("  %-18s %+11.4g +- %-10.2g %s\n", m.name.c_str(), m.mean, m.error, m.unit.c_str());
+    if (m.pairs > 1) text += line("  %-18s %+11.4g +- %-10.2g %s\n", m.name.c_str(), m.mean, m.error, m.unit.c_str());
   return text;
 }
 

@@ -28,6 +28,13 @@ void add_ends(std::vector<AssumedCase>& cases, const std::string& name, double l
   }
 }
 
+/// Grains larger than lugs fill the room between them and make a wheel as large as their tips: its pull grows by a
+/// third (docs/log/wheels_why.md).
+double usual_grain(const vehicle::WheelRig& wheel) {
+  const double coarse = wheel.width / 10, fine = wheel.width / 20;
+  return wheel.lug_count > 0 ? std::clamp(wheel.lug_height, fine, coarse) : coarse;
+}
+
 /// As far across the way as the wheel reaches at its steepest slip angle, pressed in by a quarter of its radius.
 double width_across(const Benchmark& b, const vehicle::WheelRig& wheel) {
   double width = wheel.width;
@@ -216,7 +223,7 @@ WheelBed bed_of(const Benchmark& b, const WheelRun& run) {
   const double reach = wheel.radius + wheel.lug_height;
   const bool whole = is_whole(b);
   WheelBed bed;
-  bed.grain = or_else(run.grain, wheel.width / (run.quick ? 5 : 10));
+  bed.grain = or_else(run.grain, run.quick ? wheel.width / 5 : usual_grain(wheel));
   bed.length = or_else(run.length, (whole ? 14 : run.quick ? 6 : 8) * reach);
   bed.width = or_else(run.width, whole ? 0 : (run.quick ? 2.5 : 3.5) * width_across(b, wheel));
   bed.depth = or_else(run.depth, (run.quick ? 0.6 : 0.8) * reach);

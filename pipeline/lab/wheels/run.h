@@ -26,7 +26,8 @@ struct WheelRun {
 };
 
 /// Grains and bed of a benchmark by the rule, or as asked: for a wheel of reach R (with lugs) and width b, grains of
-/// b / 10, a bed 8 R long, 3.5 times as wide as the wheel across the way and 0.8 R deep, driven over 6.4 radii of rim.
+/// b / 10, or as large as the lugs where these are lower, down to b / 20; a bed 8 R long, 3.5 times as wide as the
+/// wheel across the way and 0.8 R deep, driven over 6.4 radii of rim.
 /// Whole vehicles: 14 R long, folded, driven three times as far. Quick: b / 5, 6 R, 2.5, 0.6 R, half as far.
 struct WheelBed {
   double grain = 0, length = 0, width = 0, depth = 0, time = 0;  // [m], [s]; width 0: folded

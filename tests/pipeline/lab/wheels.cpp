@@ -145,6 +145,23 @@ TEST_CASE("grains roll on the wheels of benchmarks as on each other, or as asked
   CHECK(rolling() == 0);
 }
 
+TEST_CASE("grains are a tenth of the wheel's width, or as large as lower lugs down to a twentieth") {
+  Benchmark b = read_benchmark("ding_lugs");
+  WheelRun run;
+  const double width = b.rig.width;
+  REQUIRE(width == Approx(0.165));
+  CHECK(bed_of(read_benchmark("ding_smooth"), run).grain == Approx(0.0165));
+  CHECK(bed_of(b, run).grain == Approx(0.01));
+  b.rig.lug_height = 0.03;
+  CHECK(bed_of(b, run).grain == Approx(0.0165));
+  b.rig.lug_height = 0.002;
+  CHECK(bed_of(b, run).grain == Approx(0.00825));
+  run.quick = true;
+  CHECK(bed_of(b, run).grain == Approx(0.033));
+  run.grain = 0.012;
+  CHECK(bed_of(b, run).grain == Approx(0.012));
+}
+
 TEST_CASE("formulas climb the slope on which their pull is the load's part along it") {
   Benchmark b = read_benchmark("mgru3");
   BekkerCases sand{{{.n = 1.1,
