@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Everything that docs/report.md shows: pictures and tables of the HMMWV's shipped trials and model.
 
-  scripts/report.py                        # all parts, most of an hour on two cores
+  scripts/report.py                        # all parts, 40 minutes on two cores
   scripts/report.py maps route pictures    # some of them
 
   plots      what decides, boundary plots with reasons

@@ -65,11 +65,13 @@ std::string table_of(const Json& curve, const std::string& score, const std::str
 
 report::Chart chart_of(const Json& curve) {
   report::Chart chart{.title = "Brier score on held-out trials (lower is better)",
-                      .x_label = "log10 of the trials trained on",
+                      .x_label = "trials trained on",
                       .y_label = "mean over subsets, standard error",
                       .x_low = INFINITY,
                       .x_high = 0,
                       .y_high = 0,
+                      .log_x = true,
+                      .legend_right = true,
                       .series = {}};
   const auto points = collected(curve, "brier");
   for (const std::string& name : names()) {
@@ -78,12 +80,12 @@ report::Chart chart_of(const Json& curve) {
     std::replace(series.label.begin(), series.label.end(), '_', ' ');
     for (const auto& [trials, scores] : points) {
       const Scores& s = scores.at(name);
-      series.x.push_back(std::log10(double(trials)));
+      series.x.push_back(double(trials));
       series.y.push_back(s.mean());
       series.low.push_back(s.mean() - s.error());
       series.high.push_back(s.mean() + s.error());
-      chart.x_low = std::min(chart.x_low, series.x.back() - 0.1);
-      chart.x_high = std::max(chart.x_high, series.x.back() + 0.1);
+      chart.x_low = std::min(chart.x_low, series.x.back() / 1.25);
+      chart.x_high = std::max(chart.x_high, series.x.back() * 1.25);
       chart.y_high = std::max(chart.y_high, 1.2 * series.high.back());
     }
     chart.series.push_back(std::move(series));

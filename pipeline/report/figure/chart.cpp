@@ -35,20 +35,35 @@ std::string number_text(double x) {
 struct Axes {
   Box box;
   const Chart& chart;
-  double x(double value) const { return box.left + (value - chart.x_low) / (chart.x_high - chart.x_low) * box.width; }
+  double x(double value) const {
+    const double share = chart.log_x ? std::log(value / chart.x_low) / std::log(chart.x_high / chart.x_low)
+                                     : (value - chart.x_low) / (chart.x_high - chart.x_low);
+    return box.left + share * box.width;
+  }
   double y(double value) const {
     return box.bottom() - (value - chart.y_low) / (chart.y_high - chart.y_low) * box.height;
   }
 };
 
+/// Round numbers inside [low, high].
+std::vector<double> ticks_inside(double low, double high) {
+  const double step = tick_step(high - low);
+  std::vector<double> ticks;
+  for (double v = std::ceil(low / step - 1e-9) * step; v <= high + 1e-9 * step; v += step) ticks.push_back(v);
+  return ticks;
+}
+
+std::vector<double> x_ticks(const Chart& chart) {
+  return chart.log_x && !chart.series.empty() ? chart.series.front().x : ticks_inside(chart.x_low, chart.x_high);
+}
+
 void draw_axes(const Canvas& canvas, const Axes& axes) {
   const Chart& chart = axes.chart;
-  const double x_step = tick_step(chart.x_high - chart.x_low), y_step = tick_step(chart.y_high - chart.y_low);
-  for (double v = std::ceil(chart.x_low / x_step - 1e-9) * x_step; v <= chart.x_high + 1e-9 * x_step; v += x_step) {
+  for (const double v : x_ticks(chart)) {
     canvas.line(axes.x(v), axes.box.top, axes.x(v), axes.box.bottom(), kFaint, 1);
     canvas.text(axes.x(v), axes.box.bottom() + 28, number_text(v), kLetters, Align::centre);
   }
-  for (double v = std::ceil(chart.y_low / y_step - 1e-9) * y_step; v <= chart.y_high + 1e-9 * y_step; v += y_step) {
+  for (const double v : ticks_inside(chart.y_low, chart.y_high)) {
     canvas.line(axes.box.left, axes.y(v), axes.box.right(), axes.y(v), kFaint, 1);
     canvas.text(axes.box.left - 12, axes.y(v) + 7, number_text(v), kLetters, Align::right);
   }
@@ -82,7 +97,8 @@ void draw_legend(const Canvas& canvas, const Axes& axes) {
   for (const ChartSeries& series : axes.chart.series)
     width = std::max(width, canvas.text_width(series.label, kLetters));
   const double line = 28, height = line * double(axes.chart.series.size()) + 14;
-  const Box box = {axes.box.left + 14, axes.box.top + 14, width + 84, height};
+  const double left = axes.chart.legend_right ? axes.box.right() - width - 98 : axes.box.left + 14;
+  const Box box = {left, axes.box.top + 14, width + 84, height};
   canvas.fill(box, {1, 1, 1, 0.85});
   for (std::size_t s = 0; s < axes.chart.series.size(); ++s) {
     const double y = box.top + 22 + line * double(s);

@@ -15,7 +15,9 @@ struct ChartSeries {
 struct Chart {
   std::string title, x_label, y_label;
   double x_low = 0, x_high = 1, y_low = 0, y_high = 1;
-  bool diagonal = false;  // a thin line y = x
+  bool diagonal = false;      // a thin line y = x
+  bool log_x = false;         // logarithmic x axis, with ticks at the places of the first series; x_low above 0
+  bool legend_right = false;  // for curves that fall; left is for those that rise
   std::vector<ChartSeries> series;
 };
 

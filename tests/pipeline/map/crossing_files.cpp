@@ -208,6 +208,7 @@ TEST_CASE("models of ditches that do not fit the vehicle's model are refused, an
   CHECK(contains(refusal({.vehicle = "another truck"}), "is of the vehicle another truck, and the model"));
   CHECK(contains(refusal({.table = "calibration_90mm.json"}), "grains of 90 mm"));
   CHECK(contains(refusal({.keys = ""}), "rigid tyres"));
+  CHECK(contains(refusal({.keys = R"("compliant_tyres": true, "wheel_rolling": 1)"}), "wheel_rolling 1"));
   CHECK(contains(refusal({.gravity = 1.62}), "its trials had a gravity of 1.62 m/s2"));
   CHECK_FALSE(fs::exists(folder / "refused"));
   ::setenv("GONOGO_SHARE", folder.path().c_str(), 1);
