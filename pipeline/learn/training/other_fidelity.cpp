@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -125,6 +126,18 @@ learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows)
   learning::TrainingTable result;
   append(result, rows, own);
   append(result, table, {});
+  return result;
+}
+
+OtherTrials OtherTrials::away_from(const learning::TrainingTable& rows) const {
+  std::set<std::vector<double>> points;
+  for (std::size_t n = 0; n < rows.row_count(); ++n) points.emplace(rows.row(n).begin(), rows.row(n).end());
+  std::vector<std::size_t> kept;
+  for (std::size_t n = 0; n < table.row_count(); ++n)
+    if (!points.contains({table.row(n).begin(), table.row(n).begin() + std::ptrdiff_t(rows.variable_count)}))
+      kept.push_back(n);
+  OtherTrials result = *this;
+  if (kept.size() < table.row_count()) result.table = table.subset(kept);
   return result;
 }
 

@@ -52,8 +52,9 @@ const ProcessAnswers& Teacher::answers(std::size_t fold) {
   std::vector<std::size_t> training, held_out;
   for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == fold ? held_out : training).push_back(n);
   const std::size_t variables = data_.table.variable_count;
-  const learning::GaussianProcessModel process = process_of(data_.table.subset(training), others_);
-  ProcessAnswers fresh{process.probabilities(others_.at_own(data_.table.subset(held_out).variables, variables)),
+  const learning::TrainingTable unseen = data_.table.subset(held_out);
+  const learning::GaussianProcessModel process = process_of(data_.table.subset(training), others_.away_from(unseen));
+  ProcessAnswers fresh{process.probabilities(others_.at_own(unseen.variables, variables)),
                        weight_ > 0 ? process.most_probable(others_.at_own(points_, variables)) : std::vector<double>()};
   kept_.keep_process(fold, fresh);
   return answers_.emplace(fold, std::move(fresh)).first->second;

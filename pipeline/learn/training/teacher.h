@@ -33,7 +33,6 @@ class Teacher {
 
  private:
   const ProcessAnswers& answers(std::size_t fold);
-  std::shared_ptr<const learning::Teaching> teaching(const std::vector<double>& probability) const;
 
   const TrainingData& data_;
   const OtherTrials& others_;

@@ -94,6 +94,23 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
   CHECK(read_other_trials(kVehicle, {}).joined(own.table).variables == own.table.variables);
 }
 
+TEST_CASE("a process that is judged at some points does not know other trials at the same points") {
+  const fs::path rolling = kData / "hmmwv_32mm/rolling.h5";  // the first points of kVehicle, at another fidelity
+  const OtherTrials others = read_other_trials(rolling, {kVehicle});
+  const TrainingData own = make_training_data(campaign::read_dataset(rolling).records, {});
+  const learning::TrainingTable first = own.table.subset({0, 1, 2, 3, 4});
+  const OtherTrials away = others.away_from(first);
+  CHECK(away.own == others.own);
+  CHECK(away.table.variable_count == others.table.variable_count);
+  std::size_t same = 0;
+  for (std::size_t n = 0; n < others.table.row_count(); ++n)
+    for (std::size_t k = 0; k < 5; ++k)
+      same += std::equal(first.row(k).begin(), first.row(k).end(), others.table.row(n).begin());
+  CHECK(same >= 5);  // replicates, too
+  CHECK(away.table.row_count() == others.table.row_count() - same);
+  CHECK(others.away_from(own.table.subset({})).table.row_count() == others.table.row_count());
+}
+
 TEST_CASE("two datasets of one fidelity are refused, and one that does not tell its own") {
   refused([] { read_other_trials(kVehicle, {kQuarter, kQuarter}); }, "have the fidelity of");
   refused([] { read_other_trials(kVehicle, {kVehicle}); }, "give one dataset of each fidelity");
