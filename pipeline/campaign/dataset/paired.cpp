@@ -1,5 +1,6 @@
 #include "pipeline/campaign/dataset/paired.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/line.h"

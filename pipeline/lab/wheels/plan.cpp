@@ -28,8 +28,8 @@ void add_ends(std::vector<AssumedCase>& cases, const std::string& name, double l
   }
 }
 
-/// Grains larger than lugs fill the room between them and make a wheel as large as their tips: its pull grows by a
-/// third (docs/log/wheels_why.md).
+/// Grains larger than lugs fill the room between them and make a wheel as large as their tips: its pull grows by up to
+/// a third (docs/log/wheels_why.md).
 double usual_grain(const vehicle::WheelRig& wheel) {
   const double coarse = wheel.width / 10, fine = wheel.width / 20;
   return wheel.lug_count > 0 ? std::clamp(wheel.lug_height, fine, coarse) : coarse;
