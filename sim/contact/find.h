@@ -74,7 +74,7 @@ struct ContactWriter {
   View<Index> contact_weight_of_body, second_count;  // [body] sums, for the solver
 
   GONOGO_HD void write(ContactIndex at, ShapeIndex i, ShapeIndex j, int feature, const Touch& t, const Vec3d& d) const {
-    const Contact c = make_contact(i, j, t, d);
+    const Contact c = make_contact(i, j, feature, t, d);
     const Impulse start = warm_start(i, j, feature);
     store_words(contact[at], c);
     key[at] = pair_key(j, feature);
@@ -105,12 +105,15 @@ struct ContactWriter {
     c.gap_bias = bias_of_gap(c.gap, c.gap_rate, c.softness, settings);
   }
 
-  /// `d`: from the other shape's centre to the owner's.
-  GONOGO_HD_INLINED Contact make_contact(ShapeIndex i, ShapeIndex j, const Touch& t, const Vec3d& d) const {
+  /// `d`: from the other shape's centre to the owner's. A grain rolls freely on a lug, which is thin and so has little
+  /// but edges: its effective radius with an edge is 0.
+  GONOGO_HD_INLINED Contact make_contact(ShapeIndex i, ShapeIndex j, int feature, const Touch& t,
+                                         const Vec3d& d) const {
     const Shape &si = find.shape[i], &sj = find.shape[j];
     const WorldIndex w = find.world_of_body[si.body];
     const PairLaw& law = find.world[w].law[si.material][sj.material];
-    const Real radius = rolling_radius(si, sj), smaller = cohesion_radius(si, sj);
+    const Real radius = is_on_lug(si, sj, feature) ? Real(0) : rolling_radius(si, sj);
+    const Real smaller = cohesion_radius(si, sj);
     Contact c;
     c.normal = t.normal;
     c.gap = t.gap;

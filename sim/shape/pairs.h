@@ -70,6 +70,8 @@ GONOGO_HD inline void visit_plane_touches(const ShapePair& pair, Visit&& visit) 
   });
 }
 
+inline constexpr int kPartShift = 22;  // of a part in the name of a solid's contact with a wheel
+
 GONOGO_HD inline ShapeType core_type(ShapeType type) { return type == ShapeType::wheel ? ShapeType::cylinder : type; }
 
 /// Calls visit(part, convex body) for the cylinder inside a wheel's lugs (part 0) and for the lugs (parts 1 + k) that
@@ -93,6 +95,14 @@ GONOGO_HD inline void visit_parts(const Shape& s, const Vec3& centre, const Quat
   }
 }
 
+/// Whether contact `feature` of a round shape and a wheel is on a lug, by the names of visit_sphere_touches and
+/// visit_solid_touches.
+GONOGO_HD inline bool is_on_lug(const Shape& a, const Shape& b, int feature) {
+  if ((a.type == ShapeType::wheel) == (b.type == ShapeType::wheel)) return false;
+  const bool sphere = a.type == ShapeType::sphere || b.type == ShapeType::sphere;
+  return (sphere ? feature : feature >> kPartShift) > 0;
+}
+
 /// Capsules, ellipsoids, cylinders, boxes and the parts of wheels.
 template <class Visit>
 GONOGO_HD inline void visit_solid_touches(const ShapePair& pair, Visit&& visit) {
@@ -103,7 +113,7 @@ GONOGO_HD inline void visit_solid_touches(const ShapePair& pair, Visit&& visit) 
       const Vec3 to_centre = a.centre - d;
       visit_convex_touches(a, b, pair.envelope, [&](int feature, const Touch& t) {
         const int name = wheels ? feature_name(std::uint32_t(part_a), std::uint32_t(part_b), std::uint32_t(feature))
-                                : feature + (part_b << 22);
+                                : feature + (part_b << kPartShift);
         visit(name, Touch{t.gap, t.normal, t.point + to_centre});
       });
     });

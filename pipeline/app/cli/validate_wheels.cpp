@@ -109,8 +109,10 @@ void validate_wheels(const Globals& globals, WheelsRequest& request) {
 
 void add_bed_options(CLI::App& wheels, lab::WheelRun& run) {
   CLI::App& of = *wheels.add_option_group("bed", "Grains and bed; what is not given follows from the wheel's size");
-  of.add_option("--grain", run.grain,
-                "Grain diameter [m]; default: a tenth of the wheel's width, or as large as lower lugs")
+  of.add_option(
+        "--grain", run.grain,
+        "Grain diameter [m]; default: a tenth of the wheel's width, an eighth under slip angles, or as large as "
+        "lower lugs")
       ->check(CLI::Range(0.0005, 0.2));
   of.add_option("--depth", run.depth, "Depth of the bed [m]; default: 0.8 radii")->check(CLI::Range(0.01, 2.0));
   of.add_option("--length", run.length, "Length of the bed [m]; default: 8 radii")->check(CLI::Range(0.1, 20.0));
@@ -119,9 +121,7 @@ void add_bed_options(CLI::App& wheels, lab::WheelRun& run) {
   of.add_option("--time", run.time, "Time driven [s], of which the last half counts; default: by way")
       ->check(CLI::Range(0.1, 1000.0));
   add_asked_numerics_options(of, run.numerics, "Trials");
-  of.get_option("--iterations")
-      ->description(
-          "Trials: max iterations of a substep; default: four times the soil table's, with --quick the table's");
+  of.get_option("--iterations")->description("Trials: max iterations of a substep; default: twice the soil table's");
 }
 
 }  // namespace

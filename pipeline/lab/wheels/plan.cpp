@@ -28,10 +28,13 @@ void add_ends(std::vector<AssumedCase>& cases, const std::string& name, double l
   }
 }
 
+/// A wheel under slip angles ploughs. It sinks by up to its radius, and needs a way across for that.
+bool ploughs(const Benchmark& b) { return b.leads(Quantity::slip_angle); }
+
 /// Grains larger than lugs fill the room between them and make a wheel as large as their tips: its pull grows by up to
-/// a third (docs/log/wheels_why.md).
-double usual_grain(const vehicle::WheelRig& wheel) {
-  const double coarse = wheel.width / 10, fine = wheel.width / 20;
+/// a third (docs/log/wheels_why.md). Across its way a wheel is wider than along it.
+double usual_grain(const Benchmark& b, const vehicle::WheelRig& wheel) {
+  const double coarse = wheel.width / (ploughs(b) ? 8 : 10), fine = wheel.width / 20;
   return wheel.lug_count > 0 ? std::clamp(wheel.lug_height, fine, coarse) : coarse;
 }
 
@@ -47,9 +50,13 @@ double width_across(const Benchmark& b, const vehicle::WheelRig& wheel) {
   return width;
 }
 
-/// A slow wheel sinks by the speeds that the solver leaves between grains: with the table's two iterations twice as
-/// deep as with 8 or 32. Friction angles hardly depend on them (docs/log/wheels_why.md).
-constexpr int kIterationsOverTable = 4;
+/// A slow wheel sinks by the speeds that the solver leaves between grains. At kSlowest, four iterations for the table's
+/// two leave as little of the way as eight at a third of that speed. Friction angles hardly depend on them
+/// (docs/log/wheels_why.md).
+constexpr int kIterationsOverTable = 2;
+
+/// Rim speed over sqrt(g r) at which inertia does not matter yet: what moves at it rises by a thirtieth of a radius.
+constexpr double kSlowest = 0.25;
 
 campaign::TrialSetup setup_by_table(const Benchmark& b, const WheelRun& run) {
   if (!b.vehicle.empty())
@@ -66,7 +73,7 @@ campaign::TrialSetup setup_by_table(const Benchmark& b, const WheelRun& run) {
 
 campaign::TrialSetup setup_of(const Benchmark& b, const WheelRun& run) {
   campaign::TrialSetup s = setup_by_table(b, run);
-  if (!run.quick && !run.numerics.iterations) s.numerics.iterations *= kIterationsOverTable;
+  if (!run.numerics.iterations) s.numerics.iterations *= kIterationsOverTable;
   return s;
 }
 
@@ -116,6 +123,12 @@ std::vector<double> variables_at(const Benchmark& b, const BenchmarkPoint& p, co
   return values;
 }
 
+/// `time`, or up to five times as much, for the carriage to move by three radii.
+double ploughing_time(const Benchmark& b, const BenchmarkPoint& p, double time) {
+  const double slip = std::clamp(p.led.at(Quantity::slip), 0.0, 0.99);
+  return std::clamp(3 * wheel_of(b).radius / ((1 - slip) * rim_speed_of(b)), time, 5 * time);
+}
+
 void add_case(const Benchmark& b, std::size_t index, std::size_t of_case, const AssumedCase& c, const WheelRun& run,
               const campaign::TrialSetup& base, WheelPlan& plan) {
   const double density = terrain::fit_soil(base.calibration, c.soil).grain_density;
@@ -126,6 +139,8 @@ void add_case(const Benchmark& b, std::size_t index, std::size_t of_case, const 
       plan.setup.push_back(std::make_unique<campaign::TrialSetup>(base));
       plan.setup.back()->grain_density = density;
       plan.setup.back()->task = task_at(b, p);
+      if (run.time <= 0 && ploughs(b))
+        plan.setup.back()->min_drive_time = plan.setup.back()->time_limit = ploughing_time(b, p, base.min_drive_time);
     }
     const campaign::TrialSetup& setup = *plan.setup.back();
     const double depth = plan.outcome[index].bed.depth;
@@ -215,7 +230,7 @@ std::vector<AssumedCase> cases_of(const Benchmark& b, const terrain::Calibration
 
 double rim_speed_of(const Benchmark& b) {
   const double radius = wheel_of(b).radius;
-  return b.rim_turning > 0 ? b.rim_turning * radius : 0.1 * std::sqrt(kGravity * radius);
+  return std::max(b.rim_turning * radius, kSlowest * std::sqrt(kGravity * radius));
 }
 
 WheelBed bed_of(const Benchmark& b, const WheelRun& run) {
@@ -223,10 +238,10 @@ WheelBed bed_of(const Benchmark& b, const WheelRun& run) {
   const double reach = wheel.radius + wheel.lug_height;
   const bool whole = is_whole(b);
   WheelBed bed;
-  bed.grain = or_else(run.grain, run.quick ? wheel.width / 5 : usual_grain(wheel));
+  bed.grain = or_else(run.grain, run.quick ? wheel.width / 5 : usual_grain(b, wheel));
   bed.length = or_else(run.length, (whole ? 14 : run.quick ? 6 : 8) * reach);
   bed.width = or_else(run.width, whole ? 0 : (run.quick ? 2.5 : 3.5) * width_across(b, wheel));
-  bed.depth = or_else(run.depth, (run.quick ? 0.6 : 0.8) * reach);
+  bed.depth = or_else(run.depth, (run.quick ? 0.6 : 0.8) * (ploughs(b) ? 2 : 1) * reach);
   const double way = 6.4 * wheel.radius * (whole ? 3 : 1) * (run.quick ? 0.5 : 1);
   bed.time = or_else(run.time, way / rim_speed_of(b));
   return bed;

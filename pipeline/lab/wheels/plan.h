@@ -29,8 +29,8 @@ struct WheelPlan {
 
 WheelBed bed_of(const Benchmark& b, const WheelRun& run);
 
-/// Rim speed of a benchmark [m/s]: as it says, or 0.1 sqrt(g r). At that speed inertia does not matter yet: what moves
-/// at it rises by a two-hundredth of a radius.
+/// Rim speed of a benchmark [m/s]: as it says, but no less than 0.25 sqrt(g r). Experiments are slower than that, down
+/// to speeds that no simulation can afford.
 double rim_speed_of(const Benchmark& b);
 
 WheelPlan plan_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run);

@@ -21,16 +21,16 @@ struct WheelRun {
   std::string state;                                   // of the soil; empty: the benchmark's
   std::optional<double> wheel_friction;                // in the place of the benchmark's
   double wheel_rolling = 1;                            // see TrialSetup; grains are as angular on a rim as on grains
-  terrain::AskedNumerics numerics;                     // in the place of the table's; of which usual runs take
-                                                       // four times the iterations
+  terrain::AskedNumerics numerics;                     // in the place of the table's, whose iterations are doubled
 };
 
 /// Grains and bed of a benchmark by the rule, or as asked: for a wheel of reach R (with lugs) and width b, grains of
 /// b / 10, or as large as the lugs where these are lower, down to b / 20; a bed 8 R long, 3.5 times as wide as the
 /// wheel across the way and 0.8 R deep, driven over 6.4 radii of rim.
+/// Under slip angles: grains of b / 8, a bed twice as deep, driven until the carriage, too, has gone three radii.
 /// Whole vehicles: 14 R long, folded, driven three times as far. Quick: b / 5, 6 R, 2.5, 0.6 R, half as far.
 struct WheelBed {
-  double grain = 0, length = 0, width = 0, depth = 0, time = 0;  // [m], [s]; width 0: folded
+  double grain = 0, length = 0, width = 0, depth = 0, time = 0;  // [m], [s], the least of its points; width 0: folded
 };
 
 /// A quantity at a point: mean and standard error over the beds, and its least and greatest mean over what is assumed.
