@@ -79,6 +79,27 @@ std::vector<lab::Benchmark> benchmarks_of(const WheelsRequest& request) {
   return benchmarks;
 }
 
+std::vector<lab::WheelReport> in_order(const std::map<std::size_t, lab::WheelReport>& reports) {
+  std::vector<lab::WheelReport> all;
+  for (const auto& [i, r] : reports) all.push_back(r);
+  return all;
+}
+
+void print_reports(const Globals& globals, const std::vector<lab::WheelReport>& reports) {
+  Json json = Json::object();
+  std::string text;
+  int failed = 0;
+  for (const lab::WheelReport& r : reports) {
+    json[r.benchmark.name] = lab::as_json(r);
+    text += lab::as_text(r);
+    failed += lab::failures(r);
+  }
+  json["failed"] = failed;
+  if (failed > 0)
+    fail_with_result(globals, json, text, DeviceError(std::to_string(failed) + " bounds of wheels do not hold"));
+  print_result(globals, json, text);
+}
+
 void validate_wheels(const Globals& globals, WheelsRequest& request) {
   request.run.calibration = shipped_file("soils", "calibration", request.calibration);
   request.run.threads = threads_or_all(globals.threads);
@@ -86,25 +107,16 @@ void validate_wheels(const Globals& globals, WheelsRequest& request) {
   if (request.wheel_friction >= 0) request.run.wheel_friction = request.wheel_friction;
   const std::vector<lab::Benchmark> benchmarks = benchmarks_of(request);
   const Numbers numbers = soil_numbers(request, benchmarks);
-  std::vector<lab::WheelOutcome> outcomes(benchmarks.size());
-  if (!request.formulas) outcomes = lab::run_wheels(benchmarks, request.run);
-  std::vector<lab::WheelReport> reports;
-  Json json = Json::object();
-  std::string text;
-  int failed = 0;
-  for (std::size_t i = 0; i < benchmarks.size(); ++i) {
+  std::map<std::size_t, lab::WheelReport> reports;  // by benchmark
+  const auto report = [&](std::size_t i, const lab::WheelOutcome& outcome) {
     std::vector<std::string> missing;
     const auto formulas = formulas_of(benchmarks[i], numbers, missing);
-    reports.push_back(lab::report_of(benchmarks[i], outcomes[i], formulas, missing));
-    json[benchmarks[i].name] = lab::as_json(reports.back());
-    text += lab::as_text(reports.back());
-    failed += lab::failures(reports.back());
-  }
-  if (!request.folder.empty()) lab::write_reports(request.folder, reports);
-  json["failed"] = failed;
-  if (failed > 0)
-    fail_with_result(globals, json, text, DeviceError(std::to_string(failed) + " bounds of wheels do not hold"));
-  print_result(globals, json, text);
+    reports.emplace(i, lab::report_of(benchmarks[i], outcome, formulas, missing));
+    if (!request.folder.empty()) lab::write_reports(request.folder, in_order(reports));
+  };
+  if (!request.formulas) lab::run_wheels(benchmarks, request.run, report);
+  for (std::size_t i = 0; request.formulas && i < benchmarks.size(); ++i) report(i, {});
+  print_reports(globals, in_order(reports));
 }
 
 void add_bed_options(CLI::App& wheels, lab::WheelRun& run) {

@@ -123,10 +123,10 @@ std::vector<double> variables_at(const Benchmark& b, const BenchmarkPoint& p, co
   return values;
 }
 
-/// `time`, or up to five times as much, for the carriage to move by three radii.
+/// `time`, or up to three times as much, for the carriage to move by three radii.
 double ploughing_time(const Benchmark& b, const BenchmarkPoint& p, double time) {
   const double slip = std::clamp(p.led.at(Quantity::slip), 0.0, 0.99);
-  return std::clamp(3 * wheel_of(b).radius / ((1 - slip) * rim_speed_of(b)), time, 5 * time);
+  return std::clamp(3 * wheel_of(b).radius / ((1 - slip) * rim_speed_of(b)), time, 3 * time);
 }
 
 void add_case(const Benchmark& b, std::size_t index, std::size_t of_case, const AssumedCase& c, const WheelRun& run,

@@ -55,35 +55,52 @@ std::vector<campaign::TrialRecord> run_batch(const std::vector<PlannedTrial>& tr
   return records;
 }
 
-/// Settles beds, then runs the trials in batches of one grain size each.
-std::vector<campaign::TrialRecord> run_trials_of(const WheelPlan& plan, const WheelRun& run, std::vector<Way>& ways) {
+/// Trials of one grain size, which run as one batch.
+struct Group {
+  std::vector<std::size_t> member;  // of the plan's trials
+  double work = 0;                  // grains times time, up to a factor
+};
+
+/// The group with the least work first, so that its results are there early.
+std::vector<Group> groups_of(const WheelPlan& plan) {
+  std::vector<Group> groups;
+  for (std::size_t k = 0; k < plan.trial.size(); ++k) {
+    const campaign::TrialSetup& setup = *plan.trial[k].setup;
+    const auto own = std::find_if(groups.begin(), groups.end(), [&](const Group& g) {
+      return campaign::same_steps(setup, *plan.trial[g.member.front()].setup);
+    });
+    Group& group = own != groups.end() ? *own : groups.emplace_back();
+    group.member.push_back(k);
+    const WheelBed& bed = plan.outcome[plan.trial[k].benchmark].bed;
+    group.work += bed.length * setup.bed_width * bed.depth / std::pow(bed.grain, 3) * setup.time_limit;
+  }
+  std::stable_sort(groups.begin(), groups.end(), [](const Group& a, const Group& b) { return a.work < b.work; });
+  return groups;
+}
+
+void settle_beds(const WheelPlan& plan, const WheelRun& run) {
   for (const auto& setup : plan.setup) {
     std::vector<campaign::DesignPoint> points;
     for (const PlannedTrial& t : plan.trial)
       if (t.setup == setup.get()) points.push_back(t.point);
     campaign::prepare_trials(*setup, points, run.threads);
   }
-  std::vector<campaign::TrialRecord> records(plan.trial.size());
-  std::vector<bool> taken(plan.trial.size(), false);
-  for (std::size_t first = 0; first < plan.trial.size(); ++first) {
-    if (taken[first]) continue;
-    std::vector<std::size_t> members;
-    std::vector<PlannedTrial> group;
-    std::vector<Way> seen;
-    for (std::size_t k = first; k < plan.trial.size(); ++k) {
-      if (taken[k] || !campaign::same_steps(*plan.trial[k].setup, *plan.trial[first].setup)) continue;
-      taken[k] = true;
-      members.push_back(k);
-      group.push_back(plan.trial[k]);
-      seen.push_back(ways[k]);
-    }
-    std::vector<campaign::TrialRecord> of_group = run_batch(group, run, seen);
-    for (std::size_t i = 0; i < members.size(); ++i) {
-      records[members[i]] = std::move(of_group[i]);
-      ways[members[i]] = seen[i];
-    }
+}
+
+/// Fills the records of a group's trials and what their observers saw.
+void run_group(const WheelPlan& plan, const Group& group, const WheelRun& run,
+               std::vector<campaign::TrialRecord>& records, std::vector<Way>& ways) {
+  std::vector<PlannedTrial> trials;
+  std::vector<Way> seen;
+  for (const std::size_t k : group.member) {
+    trials.push_back(plan.trial[k]);
+    seen.push_back(ways[k]);
   }
-  return records;
+  std::vector<campaign::TrialRecord> of_group = run_batch(trials, run, seen);
+  for (std::size_t i = 0; i < group.member.size(); ++i) {
+    records[group.member[i]] = std::move(of_group[i]);
+    ways[group.member[i]] = seen[i];
+  }
 }
 
 /// Means of all cases at a point; the first case is the nominal one.
@@ -138,14 +155,24 @@ void keep_quick_points(Benchmark& b) {
   b.point = {b.point.front(), b.point[b.point.size() / 2], b.point.back()};
 }
 
-std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run) {
+std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run,
+                                     const WheelDone& done) {
   const WheelPlan plan = plan_wheels(benchmarks, run);
+  settle_beds(plan, run);
+  std::vector<campaign::TrialRecord> records(plan.trial.size());
   std::vector<Way> ways;
   for (const PlannedTrial& t : plan.trial) ways.push_back(Way{t.setup->park_time, {}});
-  const std::vector<campaign::TrialRecord> records = run_trials_of(plan, run, ways);
-  std::vector<WheelOutcome> outcomes;
-  for (std::size_t i = 0; i < benchmarks.size(); ++i)
-    outcomes.push_back(outcome_of(benchmarks[i], i, plan, records, ways));
+  std::vector<WheelOutcome> outcomes(benchmarks.size());
+  for (const Group& group : groups_of(plan)) {
+    run_group(plan, group, run, records, ways);
+    // All trials of a benchmark have its grain size.
+    for (std::size_t i = 0; i < benchmarks.size(); ++i) {
+      const auto is_own = [&](std::size_t k) { return plan.trial[k].benchmark == i; };
+      if (std::none_of(group.member.begin(), group.member.end(), is_own)) continue;
+      outcomes[i] = outcome_of(benchmarks[i], i, plan, records, ways);
+      if (done) done(i, outcomes[i]);
+    }
+  }
   return outcomes;
 }
 

@@ -1,5 +1,6 @@
 // Benchmarks of wheels through a calibration, untuned: trials on beds of grains that have the benchmark's soil.
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -59,9 +60,13 @@ struct WheelOutcome {
 /// Points of the benchmark that a quick run takes: at most three, first, middle and last of the order led.
 void keep_quick_points(Benchmark& b);
 
-/// Runs all benchmarks side by side. Throws InputError that begins with the benchmark for a soil that the table does
-/// not reach and for a bed too small. Outcomes in the order of the benchmarks.
-std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run);
+/// Called with the index of a benchmark as soon as its trials have ended.
+using WheelDone = std::function<void(std::size_t, const WheelOutcome&)>;
+
+/// Runs all benchmarks, those of one grain size side by side. Throws InputError that begins with the benchmark for a
+/// soil that the table does not reach and for a bed too small. Outcomes in the order of the benchmarks.
+std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run,
+                                     const WheelDone& done = {});
 
 /// The wheel that slip, sinkage and pressures belong to, and the load on it at a point.
 vehicle::WheelRig wheel_of(const Benchmark& b);
