@@ -15,6 +15,7 @@ namespace {
 struct WheelsRequest {
   std::vector<std::string> benchmarks;
   std::string calibration = "calibration_32mm", folder;
+  std::string trials;                // wheels.json of an earlier run
   std::vector<std::string> numbers;  // files of gonogo soil export
   bool nominal = false, formulas = false, no_soil_tests = false;
   double wheel_friction = -1;
@@ -114,8 +115,13 @@ void validate_wheels(const Globals& globals, WheelsRequest& request) {
     reports.emplace(i, lab::report_of(benchmarks[i], outcome, formulas, missing));
     if (!request.folder.empty()) lab::write_reports(request.folder, in_order(reports));
   };
-  if (!request.formulas) lab::run_wheels(benchmarks, request.run, report);
-  for (std::size_t i = 0; request.formulas && i < benchmarks.size(); ++i) report(i, {});
+  if (!request.formulas && request.trials.empty()) {
+    lab::run_wheels(benchmarks, request.run, report);
+  } else {
+    const auto outcomes = request.formulas ? std::vector<lab::WheelOutcome>(benchmarks.size())
+                                           : lab::read_outcomes(request.trials, benchmarks);
+    for (std::size_t i = 0; i < benchmarks.size(); ++i) report(i, outcomes[i]);
+  }
   print_reports(globals, in_order(reports));
 }
 
@@ -148,7 +154,12 @@ void add_wheels_check(CLI::App& validate, const Globals& globals) {
   wheels->add_flag("--quick", r->run.quick,
                    "Three points, one bed, coarse grains, small beds, no band, no soil tests: minutes on two cores");
   wheels->add_flag("--nominal", r->nominal, "No trials at the ends of what is assumed");
-  wheels->add_flag("--formulas", r->formulas, "Only the formulas, without trials");
+  CLI::Option* formulas = wheels->add_flag("--formulas", r->formulas, "Only the formulas, without trials");
+  wheels
+      ->add_option("--trials", r->trials,
+                   "wheels.json of an earlier run in the place of trials: tables, figures and formulas are made anew")
+      ->type_name(kFile)
+      ->excludes(formulas);
   wheels
       ->add_option("--soil-numbers", r->numbers,
                    "Numbers by gonogo soil export --format bekker; default: tests are run")
@@ -162,9 +173,11 @@ void add_wheels_check(CLI::App& validate, const Globals& globals) {
   wheels->add_flag("--gpu", r->run.gpu, "Run on the GPU, all trials of one grain size side by side");
   wheels->add_option("--out", r->folder, "Folder for tables, figures and JSON")->type_name(kFolder);
   add_bed_options(*wheels, r->run);
-  add_examples(*wheels, {"gonogo validate wheels --quick",
-                         "gonogo validate wheels ding_lugs my_wheel.json --grain 0.016 --gpu --out out/wheels",
-                         "gonogo validate wheels --formulas  # seconds"});
+  add_examples(*wheels,
+               {"gonogo validate wheels --quick",
+                "gonogo validate wheels ding_lugs my_wheel.json --grain 0.016 --gpu --out out/wheels",
+                "gonogo validate wheels --formulas  # seconds",
+                "gonogo validate wheels --trials out/wheels/wheels.json --soil-numbers ding2011.json --out out/again"});
   wheels->callback([&globals, r, wheels] {
     if (r->run.quick && wheels->get_option("--seeds")->count() == 0) r->run.seeds = 1;
     validate_wheels(globals, *r);

@@ -110,7 +110,7 @@ void write_reports(const std::filesystem::path& folder, const std::vector<WheelR
     const std::string& name = r.benchmark.name;
     all[name] = as_json(r);
     write_file_atomically(folder / (name + ".csv"), csv_of(r));
-    if (r.benchmark.leads(Quantity::slope)) write_file_atomically(folder / (name + "_over_time.csv"), over_time_csv(r));
+    if (!r.outcome.slip_over_time.empty()) write_file_atomically(folder / (name + "_over_time.csv"), over_time_csv(r));
     for (const Quantity q : r.benchmark.measured())
       report::draw_line_plot(folder / (name + "_" + name_of(q) + ".png"), plot_of(r, q));
   }

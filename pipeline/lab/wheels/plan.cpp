@@ -123,10 +123,10 @@ std::vector<double> variables_at(const Benchmark& b, const BenchmarkPoint& p, co
   return values;
 }
 
-/// `time`, or up to three times as much, for the carriage to move by three radii.
+/// `time`, or up to twice as much, for the carriage to move by three radii.
 double ploughing_time(const Benchmark& b, const BenchmarkPoint& p, double time) {
   const double slip = std::clamp(p.led.at(Quantity::slip), 0.0, 0.99);
-  return std::clamp(3 * wheel_of(b).radius / ((1 - slip) * rim_speed_of(b)), time, 3 * time);
+  return std::clamp(3 * wheel_of(b).radius / ((1 - slip) * rim_speed_of(b)), time, 2 * time);
 }
 
 void add_case(const Benchmark& b, std::size_t index, std::size_t of_case, const AssumedCase& c, const WheelRun& run,
@@ -242,7 +242,7 @@ WheelBed bed_of(const Benchmark& b, const WheelRun& run) {
   bed.length = or_else(run.length, (whole ? 14 : run.quick ? 6 : 8) * reach);
   bed.width = or_else(run.width, whole ? 0 : (run.quick ? 2.5 : 3.5) * width_across(b, wheel));
   bed.depth = or_else(run.depth, (run.quick ? 0.6 : 0.8) * (ploughs(b) ? 2 : 1) * reach);
-  const double way = 6.4 * wheel.radius * (whole ? 3 : 1) * (run.quick ? 0.5 : 1);
+  const double way = 6.4 * wheel.radius * (whole ? 2 : 1) * (run.quick ? 0.5 : 1);
   bed.time = or_else(run.time, way / rim_speed_of(b));
   return bed;
 }

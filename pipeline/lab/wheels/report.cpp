@@ -80,7 +80,9 @@ Json points_json(const WheelReport& r) {
       of["measured"] = m.mean;
       of["tests"] = m.tests;
       of["scatter"] = r.benchmark.scatter_at(p, quantity);
-      for (const Predictor& predictor : r.predictor) of[predictor.name] = predicted_json(at(predictor, i, quantity));
+      for (const Predictor& predictor : r.predictor)
+        if (const Predicted& x = at(predictor, i, quantity); std::isfinite(x.mean))
+          of[predictor.name] = predicted_json(x);
       one[column_of(quantity)] = std::move(of);
     }
     points.push_back(std::move(one));

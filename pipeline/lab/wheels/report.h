@@ -35,6 +35,10 @@ Predictor interpolated(const Benchmark& b, const PublishedPrediction& published)
 std::vector<ComparedValue> compared(const Benchmark& b, const Predictor& p, Quantity q,
                                     double up_to = std::numeric_limits<double>::infinity());
 
+/// What trials gave in an earlier run, from its wheels.json, for each of these benchmarks. Slips over time are not in
+/// it. Throws InputError for a benchmark that is not in the file or has other points there.
+std::vector<WheelOutcome> read_outcomes(const std::filesystem::path& file, const std::vector<Benchmark>& benchmarks);
+
 Json as_json(const WheelReport& r);
 std::string as_text(const WheelReport& r);
 /// Number of bounds that do not hold.

@@ -138,7 +138,7 @@ WheelOutcome outcome_of(const Benchmark& b, std::size_t index, const WheelPlan& 
     add_values(b, *t.setup, records[k], values[t.at][t.of_case]);
     if (t.of_case == 0) nominal[t.at].push_back(ways[k]);
   }
-  o.predictor.name = "gonogo";
+  o.predictor.name = kOurs;
   for (std::size_t i = 0; i < b.point.size(); ++i) {
     o.predictor.point.push_back(predicted(values[i]));
     if (b.leads(Quantity::slope))

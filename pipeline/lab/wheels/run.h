@@ -28,8 +28,9 @@ struct WheelRun {
 /// Grains and bed of a benchmark by the rule, or as asked: for a wheel of reach R (with lugs) and width b, grains of
 /// b / 10, or as large as the lugs where these are lower, down to b / 20; a bed 8 R long, 3.5 times as wide as the
 /// wheel across the way and 0.8 R deep, driven over 6.4 radii of rim.
-/// Under slip angles: grains of b / 8, a bed twice as deep, driven until the carriage, too, has gone three radii.
-/// Whole vehicles: 14 R long, folded, driven three times as far. Quick: b / 5, 6 R, 2.5, 0.6 R, half as far.
+/// Under slip angles: grains of b / 8, a bed twice as deep, driven until the carriage, too, has gone three radii,
+/// or for twice the time.
+/// Whole vehicles: 14 R long, folded, driven twice as far. Quick: b / 5, 6 R, 2.5, 0.6 R, half as far.
 struct WheelBed {
   double grain = 0, length = 0, width = 0, depth = 0, time = 0;  // [m], [s], the least of its points; width 0: folded
 };
@@ -38,6 +39,8 @@ struct WheelBed {
 struct Predicted {
   double mean = campaign::kNaN, error = 0, low = campaign::kNaN, high = campaign::kNaN;
 };
+
+inline constexpr const char* kOurs = "gonogo";  // name of the trials among the predictors
 
 /// Predictions for each point of a benchmark, and where they come from.
 struct Predictor {

@@ -4,9 +4,11 @@
 
 #include "base/file.h"
 #include "pipeline/lab/wheels/benchmark.h"
+#include "pipeline/lab/wheels/report.h"
 #include "pipeline/lab/wheels/run.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
+#include "tests/support/temporary_folder.h"
 
 using namespace gonogo;
 using namespace gonogo::lab;
@@ -91,4 +93,36 @@ TEST_CASE("lugs finer than half a grain are marked coarse") {
   CHECK_FALSE(o.coarse());
   o.lug_grains = 0;  // no lugs
   CHECK_FALSE(o.coarse());
+}
+
+TEST_CASE("trials of an earlier run are read from its file as they were written") {
+  const Benchmark b = read_benchmark("ding_smooth");
+  WheelOutcome o;
+  o.bed = {0.0165, 1.26, 0.58, 0.13, 3.2};
+  o.grains_per_width = 10;
+  o.trials = 6;
+  o.failed = 1;
+  o.varied = {"wheel friction 0.3"};
+  o.predictor.name = kOurs;
+  for (std::size_t i = 0; i < b.point.size(); ++i)
+    o.predictor.point.push_back({{Quantity::pull, {double(i), 0.1, double(i) - 1, double(i) + 2}}});
+  o.predictor.point[2].clear();  // failed
+  const TemporaryFolder folder;
+  Json all;
+  all[b.name] = as_json(report_of(b, o, {}, {}));
+  const fs::path file = folder / "wheels.json";
+  write_file_atomically(file, all.dump());
+  const WheelOutcome back = read_outcomes(file, {b}).front();
+  CHECK(back.bed.length == 1.26);
+  CHECK(back.failed == 1);
+  CHECK(back.varied == o.varied);
+  CHECK(as_text(report_of(b, back, {}, {})) == as_text(report_of(b, o, {}, {})));
+  CHECK(as_json(report_of(b, back, {}, {})).dump() == all[b.name].dump());
+
+  refused([&] { read_outcomes(file, {read_benchmark("ding_lugs")}); }, "ding_lugs");
+  Benchmark other = b;
+  other.point[1].led[Quantity::slip] = 0.15;
+  refused([&] { read_outcomes(file, {other}); }, "run its trials again");
+  other.point.pop_back();
+  refused([&] { read_outcomes(file, {other}); }, "has 6 points");
 }

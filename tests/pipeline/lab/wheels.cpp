@@ -123,17 +123,50 @@ TEST_CASE("a wheel's rig carries its load, and each point of CMU its own") {
   CHECK(load_at(rover, rover.point[0]) == Approx(88 * 9.81 / 4).epsilon(1e-3));
 }
 
-TEST_CASE("wheels take four times the table's iterations, quick ones the table's, and either those asked for") {
+TEST_CASE("wheels take twice the table's iterations, or those asked for") {
   const auto iterations = [](WheelRun run) {
     run.calibration = std::string(GONOGO_SOURCE_DIR) + "/configs/soils/calibration_32mm.json";
     return plan_wheels({read_benchmark("ding_smooth")}, run).setup.front()->numerics.iterations;
   };
-  CHECK(iterations({}) == 8);
-  WheelRun quick, asked;
-  quick.quick = true;
-  CHECK(iterations(quick) == 2);
+  CHECK(iterations({}) == 4);
+  WheelRun asked;
   asked.numerics.iterations = 3;
   CHECK(iterations(asked) == 3);
+}
+
+TEST_CASE("rims turn as fast as the experiment's, and no slower than at a quarter of sqrt(g r)") {
+  Benchmark b = read_benchmark("ding_smooth");
+  const double radius = b.rig.radius, slowest = 0.25 * std::sqrt(9.81 * radius);
+  CHECK(rim_speed_of(b) == Approx(slowest));
+  b.rim_turning = 0.1;
+  CHECK(rim_speed_of(b) == Approx(slowest));
+  b.rim_turning = 10;
+  CHECK(rim_speed_of(b) == Approx(10 * radius));
+}
+
+TEST_CASE(
+    "a wheel under slip angles ploughs a bed twice as deep, until its carriage has gone three radii or for twice the "
+    "time") {
+  WheelRun run;
+  run.calibration = std::string(GONOGO_SOURCE_DIR) + "/configs/soils/calibration_32mm.json";
+  run.band = false;
+  run.seeds = 1;
+  const Benchmark b = read_benchmark("cmu_smooth");
+  const WheelBed bed = bed_of(b, run);
+  CHECK(bed.grain == Approx(b.rig.width / 8));
+  CHECK(bed.depth == Approx(1.6 * b.rig.radius));
+  CHECK(bed.time == Approx(6.4 * b.rig.radius / rim_speed_of(b)));
+  const WheelPlan plan = plan_wheels({b}, run);
+  for (const PlannedTrial& t : plan.trial) {
+    const double slip = b.point[t.at].led.at(Quantity::slip), time = t.setup->time_limit;
+    CHECK(time == t.setup->min_drive_time);
+    CHECK(time >= bed.time);
+    CHECK(time <= 2.001 * bed.time);
+    if (slip < 0 || time > 1.999 * bed.time) continue;
+    CHECK((1 - slip) * rim_speed_of(b) * time >= 2.999 * b.rig.radius);
+  }
+  run.time = 1;
+  CHECK(plan_wheels({b}, run).setup.back()->time_limit == 1);
 }
 
 TEST_CASE("grains roll on the wheels of benchmarks as on each other, or as asked") {
