@@ -13,8 +13,8 @@ namespace {
 constexpr Real kGrain = 0.01f, kRolling = 0.3f;
 constexpr double kRim = 0.2, kLug = 0.05;
 
-/// A fixed wheel with four lugs at 0, 90, 180 and 270 degrees, and a grain or a short rod of it that touches at `angle`,
-/// `from_axle` away from the axle.
+/// A fixed wheel with four lugs at 0, 90, 180 and 270 degrees, and a grain or a short rod of it that touches at
+/// `angle`, `from_axle` away from the axle.
 SceneWorld grain_at(ShapeType type, double angle, double from_axle) {
   SceneWorld w;
   w.origin = {-1, -1, -1};

@@ -3,6 +3,7 @@
 
 #include "base/cancel.h"
 #include "base/cores.h"
+#include "base/error.h"
 #include "base/shipped.h"
 #include "pipeline/app/cli/numerics_options.h"
 #include "pipeline/app/cli/validate_parts.h"
@@ -22,30 +23,43 @@ struct WheelsRequest {
   lab::WheelRun run;
 };
 
-using Numbers = std::map<std::string, lab::SoilNumbers>;  // by key_of
+/// Numbers of soils by key_of, and why other soils have none.
+struct Numbers {
+  std::map<std::string, lab::SoilNumbers> of;
+  std::map<std::string, std::string> why_not;
+};
 
 std::string key_of(const std::string& soil, const std::string& state) { return soil + ", " + state; }
 
+lab::SoilNumbers tested_numbers(const lab::Benchmark& b, const lab::WheelRun& run) {
+  lab::SoilNumbersRequest tests;
+  tests.soil = b.soil_path;
+  tests.state = b.soil.name;
+  tests.calibration = run.calibration;
+  tests.grain = run.grain;
+  tests.seeds = run.seeds;
+  tests.threads = run.threads;
+  return lab::measure_soil_numbers(tests);
+}
+
 /// Numbers that files give, and those of all other soils by tests, unless the run is quick or without tests or trials.
+/// Tests that fit no numbers leave the formulas without them.
 Numbers soil_numbers(const WheelsRequest& request, const std::vector<lab::Benchmark>& benchmarks) {
   Numbers numbers;
   for (const std::string& file : request.numbers) {
     const lab::SoilNumbers n = lab::read_soil_numbers(file);
-    numbers.emplace(key_of(n.soil, n.state), n);
+    numbers.of.emplace(key_of(n.soil, n.state), n);
   }
   if (request.run.quick || request.formulas || request.no_soil_tests) return numbers;
   for (const lab::Benchmark& b : benchmarks) {
     const std::string key = key_of(b.soil_file, b.soil.name);
-    if (numbers.count(key)) continue;
+    if (numbers.of.count(key) || numbers.why_not.count(key)) continue;
     stop_if_cancelled();
-    lab::SoilNumbersRequest tests;
-    tests.soil = b.soil_path;
-    tests.state = b.soil.name;
-    tests.calibration = request.run.calibration;
-    tests.grain = request.run.grain;
-    tests.seeds = request.run.seeds;
-    tests.threads = request.run.threads;
-    numbers.emplace(key, lab::measure_soil_numbers(tests));
+    try {
+      numbers.of.emplace(key, tested_numbers(b, request.run));
+    } catch (const InputError& error) {
+      numbers.why_not.emplace(key, error.what());
+    }
   }
   return numbers;
 }
@@ -58,12 +72,15 @@ std::vector<lab::Predictor> formulas_of(const lab::Benchmark& b, const Numbers& 
     formulas.push_back(lab::analytic_predictor(b, *measured, "Bekker-Wong, measured soil", b.soil_file));
   else
     missing.push_back("no Bekker-Wong with measured numbers: the soil file has no n, k_c, k_phi and K");
-  const auto own = numbers.find(key_of(b.soil_file, b.soil.name));
-  if (own != numbers.end())
+  const std::string key = key_of(b.soil_file, b.soil.name);
+  if (const auto own = numbers.of.find(key); own != numbers.of.end()) {
     formulas.push_back(lab::analytic_predictor(b, lab::exported_numbers(own->second), "Bekker-Wong, our soil tests",
                                                own->second.table));
-  else
-    missing.push_back("no Bekker-Wong with numbers of our tests: give --soil-numbers, or let the tests run");
+    return formulas;
+  }
+  const auto why = numbers.why_not.find(key);
+  missing.push_back("no Bekker-Wong with numbers of our tests: " +
+                    (why != numbers.why_not.end() ? why->second : "give --soil-numbers, or let the tests run"));
   return formulas;
 }
 

@@ -68,27 +68,43 @@ report::LinePlot plot_of(const WheelReport& r, Quantity q) {
   return plot;
 }
 
-/// Pull over load, predicted over measured, of all wheels whose pull or traction slope was measured.
+/// What all wheels have in common: pull over load, and on given slopes slip.
+report::PlotLine overview_points(const Benchmark& b, const Predictor& p) {
+  const std::vector<Quantity> has = b.measured();
+  const auto measures = [&](Quantity q) { return std::find(has.begin(), has.end(), q) != has.end(); };
+  const Quantity q = b.leads(Quantity::slope)             ? Quantity::slip
+                     : measures(Quantity::traction_slope) ? Quantity::traction_slope
+                                                          : Quantity::pull;
+  const auto share = [q](double x, double load) {
+    return q == Quantity::slip ? x : q == Quantity::traction_slope ? std::tan(to_radians(x)) : x / load;
+  };
+  report::PlotLine points{b.name + (q == Quantity::slip ? " (slip), " : ", ") + p.name, {}, {}, true};
+  for (const ComparedValue& v : compared(b, p, q)) {
+    points.x.push_back(share(v.measured, v.load));
+    points.y.push_back(share(v.predicted, v.load));
+  }
+  return points;
+}
+
+/// Predicted over measured, of all wheels.
 report::LinePlot overview(const std::vector<WheelReport>& reports) {
   report::LinePlot plot;
-  plot.title = "Pull over load: measured and predicted";
+  plot.title = "Pull over load, slip on slopes: measured and predicted";
   plot.x_label = "measured";
   plot.y_label = "predicted";
   plot.from_zero = false;
-  plot.lines.push_back({"equal", {-0.4, 0.8}, {-0.4, 0.8}, false});
-  for (const WheelReport& r : reports) {
-    const std::vector<Quantity> has = r.benchmark.measured();
-    const bool slopes = std::find(has.begin(), has.end(), Quantity::traction_slope) != has.end();
-    const Quantity q = slopes ? Quantity::traction_slope : Quantity::pull;
+  std::vector<report::PlotLine> wheels;
+  double low = 0, high = 0;
+  for (const WheelReport& r : reports)
     for (const Predictor& p : r.predictor) {
-      report::PlotLine points{r.benchmark.name + ", " + p.name, {}, {}, true};
-      for (const ComparedValue& v : compared(r.benchmark, p, q)) {
-        points.x.push_back(slopes ? std::tan(to_radians(v.measured)) : v.measured / v.load);
-        points.y.push_back(slopes ? std::tan(to_radians(v.predicted)) : v.predicted / v.load);
-      }
-      if (!points.x.empty()) plot.lines.push_back(points);
+      report::PlotLine points = overview_points(r.benchmark, p);
+      if (points.x.empty()) continue;
+      low = std::min(low, *std::min_element(points.x.begin(), points.x.end()));
+      high = std::max(high, *std::max_element(points.x.begin(), points.x.end()));
+      wheels.push_back(std::move(points));
     }
-  }
+  plot.lines.push_back({"equal", {low, high}, {low, high}, false});
+  plot.lines.insert(plot.lines.end(), wheels.begin(), wheels.end());
   return plot;
 }
 
