@@ -86,7 +86,11 @@ report::PlotLine overview_points(const Benchmark& b, const Predictor& p) {
   return points;
 }
 
-/// Predicted over measured, of all wheels.
+bool is_published(const Benchmark& b, const Predictor& p) {
+  return std::any_of(b.published.begin(), b.published.end(), [&](const auto& other) { return other.name == p.name; });
+}
+
+/// Predicted over measured by trials and formulas, of all wheels.
 report::LinePlot overview(const std::vector<WheelReport>& reports) {
   report::LinePlot plot;
   plot.title = "Pull over load, slip on slopes: measured and predicted";
@@ -97,6 +101,7 @@ report::LinePlot overview(const std::vector<WheelReport>& reports) {
   double low = 0, high = 0;
   for (const WheelReport& r : reports)
     for (const Predictor& p : r.predictor) {
+      if (is_published(r.benchmark, p)) continue;
       report::PlotLine points = overview_points(r.benchmark, p);
       if (points.x.empty()) continue;
       low = std::min(low, *std::min_element(points.x.begin(), points.x.end()));
