@@ -69,7 +69,9 @@ void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked
 
 void add_wheel_rolling_option(CLI::App& command, double& rolling) {
   command
-      .add_option("--wheel-rolling", rolling, "Rolling friction of grains on the wheels, over that between grains [-]")
+      .add_option(
+          "--wheel-rolling", rolling,
+          "Rolling friction of grains on the rims of wheels, over that between grains [-]; on lugs they roll freely")
       ->check(CLI::Range(0.0, 10.0))
       ->capture_default_str();
 }

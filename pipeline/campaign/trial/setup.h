@@ -45,17 +45,17 @@ struct TrialSetup {
   bool moving_patch = false;               // ground left behind becomes undisturbed ground ahead
   bool folded = false;                     // a bed narrower than the vehicle, see pipeline/campaign/trial/lanes.h
   bool compliant_tyres = false;            // tyres have the contact stiffness of the vehicle's file
-  double wheel_rolling = 0;                // rolling friction of grains on wheels over that between grains [-]
-  double start = 0;                        // x where the vehicle starts; 0: as course() says [m]
-  int packing_seeds = 2;                   // beds per packing level
-  double deepest_bed = 0;                  // shallower beds are cut from packings of this depth; 0: each is settled [m]
-  double bed_settle_time = 0.25;           // of the tilted bed before the vehicle acts [s]
-  double park_time = 0.2;                  // the wheel is let down with its brake on [s]
-  double ramp_time = 0.4;                  // of the rim speed from zero to the commanded one [s]
-  double run_in_distance = 0.4;            // not counted [m]
-  double test_distance = 2.4;              // to be covered after the run-in [m]
-  double min_drive_time = 1.6;             // driven at least this long, once the ramp is over [s]
-  double time_limit = 5;                   // of the driving, ramp included [s]
+  double wheel_rolling = 0;       // rolling friction of grains on rims over that between grains [-]; see sim/contact
+  double start = 0;               // x where the vehicle starts; 0: as course() says [m]
+  int packing_seeds = 2;          // beds per packing level
+  double deepest_bed = 0;         // shallower beds are cut from packings of this depth; 0: each is settled [m]
+  double bed_settle_time = 0.25;  // of the tilted bed before the vehicle acts [s]
+  double park_time = 0.2;         // the wheel is let down with its brake on [s]
+  double ramp_time = 0.4;         // of the rim speed from zero to the commanded one [s]
+  double run_in_distance = 0.4;   // not counted [m]
+  double test_distance = 2.4;     // to be covered after the run-in [m]
+  double min_drive_time = 1.6;    // driven at least this long, once the ramp is over [s]
+  double time_limit = 5;          // of the driving, ramp included [s]
   terrain::Numerics numerics{2e-3, 1, 200, 0.01};  // studies and vehicles take the soil table's
   Thresholds thresholds;
   std::filesystem::path packing_folder;         // cache of settled beds

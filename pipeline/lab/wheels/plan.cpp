@@ -73,7 +73,7 @@ campaign::TrialSetup setup_by_table(const Benchmark& b, const WheelRun& run) {
 
 campaign::TrialSetup setup_of(const Benchmark& b, const WheelRun& run) {
   campaign::TrialSetup s = setup_by_table(b, run);
-  if (!run.numerics.iterations) s.numerics.iterations *= kIterationsOverTable;
+  if (!run.quick && !run.numerics.iterations) s.numerics.iterations *= kIterationsOverTable;
   return s;
 }
 

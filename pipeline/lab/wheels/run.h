@@ -23,6 +23,7 @@ struct WheelRun {
   std::optional<double> wheel_friction;                // in the place of the benchmark's
   double wheel_rolling = 1;                            // see TrialSetup; grains are as angular on a rim as on grains
   terrain::AskedNumerics numerics;                     // in the place of the table's, whose iterations are doubled
+                                                       // unless the run is quick
 };
 
 /// Grains and bed of a benchmark by the rule, or as asked: for a wheel of reach R (with lugs) and width b, grains of

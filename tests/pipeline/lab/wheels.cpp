@@ -123,13 +123,15 @@ TEST_CASE("a wheel's rig carries its load, and each point of CMU its own") {
   CHECK(load_at(rover, rover.point[0]) == Approx(88 * 9.81 / 4).epsilon(1e-3));
 }
 
-TEST_CASE("wheels take twice the table's iterations, or those asked for") {
+TEST_CASE("wheels take twice the table's iterations, quick ones the table's, and either those asked for") {
   const auto iterations = [](WheelRun run) {
     run.calibration = std::string(GONOGO_SOURCE_DIR) + "/configs/soils/calibration_32mm.json";
     return plan_wheels({read_benchmark("ding_smooth")}, run).setup.front()->numerics.iterations;
   };
   CHECK(iterations({}) == 4);
-  WheelRun asked;
+  WheelRun quick, asked;
+  quick.quick = true;
+  CHECK(iterations(quick) == 2);
   asked.numerics.iterations = 3;
   CHECK(iterations(asked) == 3);
 }
