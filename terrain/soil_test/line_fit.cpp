@@ -40,14 +40,6 @@ LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y, con
   return f;
 }
 
-MeanError mean_error(const std::vector<double>& values) {
-  double mean = 0, square = 0;
-  for (const double v : values) mean += v / double(values.size());
-  for (const double v : values) square += (v - mean) * (v - mean);
-  const auto n = double(values.size());
-  return {mean, n > 1 ? std::sqrt(square / (n - 1) / n) : 0};
-}
-
 Angle angle_of_tangent(double tangent, double error) {
   return {std::atan(tangent) / kDegree, error / (1 + tangent * tangent) / kDegree};
 }

@@ -2,6 +2,8 @@
 #pragma once
 #include <vector>
 
+#include "base/mean_error.h"
+
 namespace gonogo::terrain {
 
 struct LineFit {
@@ -13,11 +15,6 @@ struct LineFit {
 /// y = intercept + slope x. Empty `weight`: equal weights. Needs three points at two values of x. Standard errors as in
 /// Press et al., Numerical Recipes, section 15.2, with the variance estimated from the residuals.
 LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& weight = {});
-
-struct MeanError {
-  double mean = 0, error = 0;  // standard error of the mean; 0 for one value
-};
-MeanError mean_error(const std::vector<double>& values);
 
 /// An angle from its tangent or sine, with its standard error [deg].
 struct Angle {

@@ -1,9 +1,9 @@
 #include "pipeline/campaign/dataset/paired.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/line.h"
+#include "base/mean_error.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -25,17 +25,16 @@ std::vector<Pair> valid_pairs(const Dataset& first, const Dataset& second) {
 
 MeasureChange change_of(const std::vector<Pair>& pairs, std::size_t measure) {
   MeasureChange change{.name = contract().measures[measure].name, .unit = contract().measures[measure].unit};
-  double sum = 0, squares = 0;
+  std::vector<double> differences;
   for (const auto& [a, b] : pairs) {
     const double difference = b->measures[measure] - a->measures[measure];
     if (!passes(a->verdict) || !passes(b->verdict) || std::isnan(difference)) continue;
-    ++change.pairs;
-    sum += difference;
-    squares += difference * difference;
+    differences.push_back(difference);
   }
-  const double n = double(change.pairs);
-  if (n > 0) change.mean = sum / n;
-  if (n > 1) change.error = std::sqrt(std::max(0.0, squares / n - change.mean * change.mean) / (n - 1));
+  change.pairs = differences.size();
+  const MeanError of = mean_error(differences);
+  if (change.pairs > 0) change.mean = of.mean;
+  if (change.pairs > 1) change.error = of.error;
   return change;
 }
 

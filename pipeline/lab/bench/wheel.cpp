@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "base/json/config.h"
+#include "base/mean_error.h"
 #include "base/progress.h"
 #include "base/units.h"
 #include "pipeline/lab/bench/timing.h"
@@ -181,13 +182,12 @@ class Drive {
   }
 
   void set_slip(WheelBenchResult& r, const std::vector<Odometer>& from, const std::vector<Odometer>& to) const {
-    double squares = 0;
-    for (int w = 0; w < request_.worlds; ++w) {
-      const double slip = 1 - (to[w].x() - from[w].x()) / (to[w].rolled() - from[w].rolled());
-      r.slip += slip / request_.worlds;
-      squares += slip * slip / request_.worlds;
-    }
-    if (request_.worlds > 1) r.slip_error = std::sqrt(std::max(0.0, squares - r.slip * r.slip) / (request_.worlds - 1));
+    std::vector<double> slip;
+    for (int w = 0; w < request_.worlds; ++w)
+      slip.push_back(1 - (to[w].x() - from[w].x()) / (to[w].rolled() - from[w].rolled()));
+    const MeanError of_worlds = mean_error(slip);
+    r.slip = of_worlds.mean;
+    r.slip_error = of_worlds.error;
   }
 
   const WheelScene& scene_;

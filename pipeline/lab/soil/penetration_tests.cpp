@@ -93,7 +93,7 @@ void report_cone(SoilTestOutcome& o, const std::vector<terrain::ConeResult>& res
     index.push_back(one.index);
     density += one.bulk_density / double(results.size());
   }
-  const terrain::MeanError ci = terrain::mean_error(index);
+  const MeanError ci = mean_error(index);
   const terrain::LineFit fit = fit_cone(results);
   o.json["cone_diameter_m"] = results[0].diameter;
   o.json["cone_index_kPa"] = ci.mean / 1e3;

@@ -50,7 +50,7 @@ Measure janosi_of(const std::vector<terrain::ShearResult>& results, double grain
     }
     k.push_back(terrain::fit_janosi(displacement, stress, r.shear_stress));
   }
-  const terrain::MeanError mean = terrain::mean_error(k);
+  const MeanError mean = mean_error(k);
   return {mean.mean, mean.error};
 }
 

@@ -40,7 +40,7 @@ SoilTestOutcome repose(const SoilTestRequest& r) {
     }
     o.plot.lines.push_back(profile);
   }
-  const terrain::MeanError mean = terrain::mean_error(angles);
+  const MeanError mean = mean_error(angles);
   const double error = angles.size() > 1 ? mean.error : results[0].angle.error;
   o.json["angle_of_repose"] = angle_json({mean.mean, error});
   o.json["rest_speed_m_per_s"] = rest;

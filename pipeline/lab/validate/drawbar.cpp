@@ -33,10 +33,10 @@ struct PartSum {
 
 DrawbarPoint point_of(const PartSum& part, const vehicle::Vehicle& v, double friction_angle) {
   DrawbarPoint p;
-  p.slip = mean_of(part.slip).mean;
-  p.pull = mean_of(part.pull);
-  p.resistance = mean_of(part.resistance);
-  p.sinkage = mean_of(part.sinkage).mean;
+  p.slip = mean_error(part.slip).mean;
+  p.pull = mean_error(part.pull);
+  p.resistance = mean_error(part.resistance);
+  p.sinkage = mean_error(part.sinkage).mean;
   p.band = sand_band(v, friction_angle, p.slip);
   return p;
 }
@@ -88,7 +88,7 @@ DrawbarReport measure_drawbar(const DrawbarRequest& r) {
   report.friction_angle = r.friction_angle;
   report.grains_per_tyre = campaign::grains_per_tyre(setup);
   for (const PartSum& k : part)
-    if (const double slip = mean_of(k.slip).mean; slip > 0.01 && slip < 0.95)
+    if (const double slip = mean_error(k.slip).mean; slip > 0.01 && slip < 0.95)
       report.point.push_back(point_of(k, v, r.friction_angle));
   std::sort(report.point.begin(), report.point.end(),
             [](const DrawbarPoint& a, const DrawbarPoint& b) { return a.slip < b.slip; });

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/json/json.h"
+#include "base/mean_error.h"
 #include "pipeline/lab/validate/sand_band.h"
 #include "pipeline/lab/validate/trials.h"
 
@@ -25,8 +26,8 @@ struct DrawbarRequest {
 /// One part of a sweep, mean over the seeds.
 struct DrawbarPoint {
   double slip = 0;
-  MeanOf pull, resistance;  // of the weight; resistance: torque over rolling radius less pull
-  double sinkage = 0;       // of the axle: with what a compliant tyre is pressed in [m]
+  MeanError pull, resistance;  // of the weight; resistance: torque over rolling radius less pull
+  double sinkage = 0;          // of the axle: with what a compliant tyre is pressed in [m]
   TractionBand band;
   bool pull_inside() const { return pull.mean >= band.pull[0] && pull.mean <= band.pull[1]; }
   bool resistance_inside() const {

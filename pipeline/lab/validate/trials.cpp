@@ -7,16 +7,6 @@
 
 namespace gonogo::lab {
 
-MeanOf mean_of(const std::vector<double>& values) {
-  MeanOf m;
-  const double n = double(values.size());
-  for (const double x : values) m.mean += x / n;
-  double squares = 0;
-  for (const double x : values) squares += (x - m.mean) * (x - m.mean);
-  if (values.size() > 1) m.error = std::sqrt(squares / (n - 1) / n);
-  return m;
-}
-
 std::vector<campaign::DesignPoint> replicates(const std::vector<double>& variables, int count) {
   std::vector<campaign::DesignPoint> points;
   for (int i = 0; i < count; ++i) {

@@ -6,12 +6,6 @@
 
 namespace gonogo::lab {
 
-/// Mean and its standard error; one value has none.
-struct MeanOf {
-  double mean = 0, error = 0;
-};
-MeanOf mean_of(const std::vector<double>& values);
-
 /// The same variables with the seeds 0, 1, ...: replicates of one trial.
 std::vector<campaign::DesignPoint> replicates(const std::vector<double>& variables, int count);
 

@@ -57,10 +57,10 @@ Side run_side(const BedSide& bed, const BedsRequest& r, const std::vector<campai
   return side;
 }
 
-MeanOf difference(const std::vector<double>& a, const std::vector<double>& b) {
+MeanError difference(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> d;
   for (std::size_t i = 0; i < a.size(); ++i) d.push_back(a[i] - b[i]);
-  return mean_of(d);
+  return mean_error(d);
 }
 
 }  // namespace
@@ -93,8 +93,8 @@ BedComparison compare_beds(const BedsRequest& r, const BedSide& first, const Bed
     side[k] = run_side(bed, r, points);
     c.key[k] = bed.key;
     c.name[k] = bed.name;
-    c.slip[k] = mean_of(side[k].slip);
-    c.sinkage[k] = mean_of(side[k].sinkage);
+    c.slip[k] = mean_error(side[k].slip);
+    c.sinkage[k] = mean_error(side[k].sinkage);
     c.grains[k] = side[k].grains;
     c.length[k] = bed.setup.tiles_along * bed.setup.bed_length;
     c.width[k] = bed.setup.tiles_across * bed.setup.bed_width;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/json/json.h"
+#include "base/mean_error.h"
 #include "pipeline/lab/validate/trials.h"
 
 namespace gonogo::lab {
@@ -31,8 +32,8 @@ struct BedSide {
 
 struct BedComparison {
   std::array<std::string, 2> key, name;
-  MeanOf slip[2], sinkage[2];                  // over the last half of the driving [-], [m]
-  MeanOf slip_difference, sinkage_difference;  // of a seed's two trials
+  MeanError slip[2], sinkage[2];                  // over the last half of the driving [-], [m]
+  MeanError slip_difference, sinkage_difference;  // of a seed's two trials
   std::size_t grains[2] = {};
   double cost[2][2] = {};             // contact-iterations per metre over the first and the second half of the way
   double length[2] = {}, width[2]{};  // of the bed [m]

@@ -107,12 +107,12 @@ void run_group(const WheelPlan& plan, const Group& group, const WheelRun& run,
 std::map<Quantity, Predicted> predicted(const std::vector<Values>& cases) {
   std::map<Quantity, Predicted> at;
   for (const auto& [quantity, values] : cases.front()) {
-    const terrain::MeanError nominal = terrain::mean_error(values);
+    const MeanError nominal = mean_error(values);
     Predicted p{nominal.mean, nominal.error, nominal.mean, nominal.mean};
     for (const Values& one : cases) {
       const auto found = one.find(quantity);
       if (found == one.end()) continue;
-      const double mean = terrain::mean_error(found->second).mean;
+      const double mean = mean_error(found->second).mean;
       p.low = std::min(p.low, mean);
       p.high = std::max(p.high, mean);
     }

@@ -1,9 +1,9 @@
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "base/file.h"
 #include "base/line.h"
+#include "base/mean_error.h"
 #include "pipeline/learn/evaluation/learning_curve.h"
 #include "pipeline/learn/training/score_report.h"
 #include "pipeline/report/figure/chart.h"
@@ -12,30 +12,14 @@
 namespace gonogo::learn {
 namespace {
 
-/// Scores of one forecaster at one number of trials.
-struct Scores {
-  std::vector<double> of_subset;
-  double mean() const {
-    double sum = 0;
-    for (double x : of_subset) sum += x;
-    return sum / double(of_subset.size());
-  }
-  /// Standard error of the mean over the subsets; 0 for one.
-  double error() const {
-    double square = 0;
-    for (double x : of_subset) square += (x - mean()) * (x - mean());
-    const double n = double(of_subset.size());
-    return n > 1 ? std::sqrt(square / (n * (n - 1))) : 0;
-  }
-};
-
-using ByName = std::map<std::string, Scores>;
+/// Scores of each forecaster at one number of trials, one of each subset.
+using ByName = std::map<std::string, std::vector<double>>;
 
 std::map<std::size_t, ByName> collected(const Json& curve, const std::string& score) {
   std::map<std::size_t, ByName> result;
   for (const Json& entry : curve.at("points").items())
     for (const auto& [name, value] : entry.at(score).members())
-      result[std::size_t(entry.at("trials").integer())][name].of_subset.push_back(value.number());
+      result[std::size_t(entry.at("trials").integer())][name].push_back(value.number());
   return result;
 }
 
@@ -46,8 +30,9 @@ std::vector<std::string> names() {
 }
 
 std::string best_of(const ByName& scores) {
-  return std::min_element(scores.begin(), scores.end(),
-                          [](const auto& a, const auto& b) { return a.second.mean() < b.second.mean(); })
+  return std::min_element(
+             scores.begin(), scores.end(),
+             [](const auto& a, const auto& b) { return mean_error(a.second).mean < mean_error(b.second).mean; })
       ->first;
 }
 
@@ -56,8 +41,8 @@ std::string table_of(const Json& curve, const std::string& score, const std::str
   for (const std::string& name : names()) text += line(" %20s", name.c_str());
   text += "  best\n";
   for (const auto& [trials, scores] : collected(curve, score)) {
-    text += line("%7zu %7zu", trials, scores.begin()->second.of_subset.size());
-    for (const std::string& name : names()) text += line(" %20.4f", scores.at(name).mean());
+    text += line("%7zu %7zu", trials, scores.begin()->second.size());
+    for (const std::string& name : names()) text += line(" %20.4f", mean_error(scores.at(name)).mean);
     text += "  " + best_of(scores) + "\n";
   }
   return text;
@@ -79,11 +64,11 @@ report::Chart chart_of(const Json& curve) {
     report::ChartSeries series{.label = name, .x = {}, .y = {}, .low = {}, .high = {}};
     std::replace(series.label.begin(), series.label.end(), '_', ' ');
     for (const auto& [trials, scores] : points) {
-      const Scores& s = scores.at(name);
+      const MeanError s = mean_error(scores.at(name));
       series.x.push_back(double(trials));
-      series.y.push_back(s.mean());
-      series.low.push_back(s.mean() - s.error());
-      series.high.push_back(s.mean() + s.error());
+      series.y.push_back(s.mean);
+      series.low.push_back(s.mean - s.error);
+      series.high.push_back(s.mean + s.error);
       chart.x_low = std::min(chart.x_low, series.x.back() / 1.25);
       chart.x_high = std::max(chart.x_high, series.x.back() * 1.25);
       chart.y_high = std::max(chart.y_high, 1.2 * series.high.back());

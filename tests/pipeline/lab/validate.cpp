@@ -29,10 +29,10 @@ vehicle::BekkerSoil dry_sand(double friction_angle) {
 }  // namespace
 
 TEST_CASE("means of replicates carry their standard errors") {
-  const MeanOf m = mean_of({1, 2, 3, 4});
+  const MeanError m = mean_error({1, 2, 3, 4});
   CHECK(m.mean == 2.5);
   CHECK(m.error == Approx(std::sqrt(5.0 / 3 / 4)));
-  CHECK(mean_of({7}).error == 0);
+  CHECK(mean_error({7}).error == 0);
 }
 
 TEST_CASE("the band of drawbar pulls on sand holds every formula that makes it and is bounded by friction") {
