@@ -124,6 +124,9 @@ void validate_wheels(const Globals& globals, WheelsRequest& request) {
   request.run.band = !request.nominal;
   if (request.wheel_friction >= 0) request.run.wheel_friction = request.wheel_friction;
   const std::vector<lab::Benchmark> benchmarks = benchmarks_of(request);
+  const bool runs = !request.formulas && request.trials.empty();
+  std::vector<lab::WheelOutcome> outcomes(benchmarks.size());
+  if (!request.trials.empty()) outcomes = lab::read_outcomes(request.trials, benchmarks);
   const Numbers numbers = soil_numbers(request, benchmarks);
   std::map<std::size_t, lab::WheelReport> reports;  // by benchmark
   const auto report = [&](std::size_t i, const lab::WheelOutcome& outcome) {
@@ -132,13 +135,8 @@ void validate_wheels(const Globals& globals, WheelsRequest& request) {
     reports.emplace(i, lab::report_of(benchmarks[i], outcome, formulas, missing));
     if (!request.folder.empty()) lab::write_reports(request.folder, in_order(reports));
   };
-  if (!request.formulas && request.trials.empty()) {
-    lab::run_wheels(benchmarks, request.run, report);
-  } else {
-    const auto outcomes = request.formulas ? std::vector<lab::WheelOutcome>(benchmarks.size())
-                                           : lab::read_outcomes(request.trials, benchmarks);
-    for (std::size_t i = 0; i < benchmarks.size(); ++i) report(i, outcomes[i]);
-  }
+  if (runs) lab::run_wheels(benchmarks, request.run, report);
+  for (std::size_t i = 0; !runs && i < benchmarks.size(); ++i) report(i, outcomes[i]);
   print_reports(globals, in_order(reports));
 }
 
