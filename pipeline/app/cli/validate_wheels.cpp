@@ -132,8 +132,10 @@ void validate_wheels(const Globals& globals, WheelsRequest& request) {
   const auto report = [&](std::size_t i, const lab::WheelOutcome& outcome) {
     std::vector<std::string> missing;
     const auto formulas = formulas_of(benchmarks[i], numbers, missing);
-    reports.emplace(i, lab::report_of(benchmarks[i], outcome, formulas, missing));
-    if (!request.folder.empty()) lab::write_reports(request.folder, in_order(reports));
+    const auto& added = reports.emplace(i, lab::report_of(benchmarks[i], outcome, formulas, missing)).first->second;
+    if (request.folder.empty()) return;
+    lab::write_report(request.folder, added);
+    lab::write_overview(request.folder, in_order(reports));
   };
   if (runs) lab::run_wheels(benchmarks, request.run, report);
   for (std::size_t i = 0; !runs && i < benchmarks.size(); ++i) report(i, outcomes[i]);

@@ -124,19 +124,21 @@ std::string over_time_csv(const WheelReport& r) {
 
 }  // namespace
 
-void write_reports(const std::filesystem::path& folder, const std::vector<WheelReport>& reports) {
+void write_report(const std::filesystem::path& folder, const WheelReport& r) {
+  create_folder(folder);
+  const std::string& name = r.benchmark.name;
+  write_file_atomically(folder / (name + ".csv"), csv_of(r));
+  if (!r.outcome.slip_over_time.empty()) write_file_atomically(folder / (name + "_over_time.csv"), over_time_csv(r));
+  for (const Quantity q : r.benchmark.measured())
+    report::draw_line_plot(folder / (name + "_" + name_of(q) + ".png"), plot_of(r, q));
+}
+
+void write_overview(const std::filesystem::path& folder, const std::vector<WheelReport>& reports) {
   create_folder(folder);
   Json all;
-  for (const WheelReport& r : reports) {
-    const std::string& name = r.benchmark.name;
-    all[name] = as_json(r);
-    write_file_atomically(folder / (name + ".csv"), csv_of(r));
-    if (!r.outcome.slip_over_time.empty()) write_file_atomically(folder / (name + "_over_time.csv"), over_time_csv(r));
-    for (const Quantity q : r.benchmark.measured())
-      report::draw_line_plot(folder / (name + "_" + name_of(q) + ".png"), plot_of(r, q));
-  }
-  const report::LinePlot pulls = overview(reports);
-  if (pulls.lines.size() > 1) report::draw_line_plot(folder / "wheels.png", pulls);
+  for (const WheelReport& r : reports) all[r.benchmark.name] = as_json(r);
+  const report::LinePlot wheels = overview(reports);
+  if (wheels.lines.size() > 1) report::draw_line_plot(folder / "wheels.png", wheels);
   write_file_atomically(folder / "wheels.json", all.dump(2) + "\n");
 }
 

@@ -154,7 +154,7 @@ void add_benchmark(const Benchmark& b, std::size_t index, const WheelRun& run, W
   WheelOutcome o;
   o.bed = bed_of(b, run);
   o.grains_per_width = wheel.width / o.bed.grain;
-  o.lug_grains = wheel.lug_count > 0 ? wheel.lug_height / (0.5 * o.bed.grain) : 0;
+  o.lug_grains = lug_grains(wheel, o.bed.grain);
   const campaign::TrialSetup base = setup_on(b, run, o.bed);
   std::vector<AssumedCase> cases = cases_of(b, base.calibration, run.band && !run.quick);
   if (run.wheel_friction)
@@ -188,6 +188,10 @@ double load_at(const Benchmark& b, const BenchmarkPoint& p) {
   if (!is_whole(b)) return vehicle::rig_mass(vehicle::read_wheel_rig(b.vehicle), 0) * kGravity * std::cos(slope);
   const vehicle::Vehicle v = vehicle::read_vehicle(b.vehicle);
   return vehicle::weigh(v).total * kGravity * std::cos(slope) / double(vehicle::stations(v).size());
+}
+
+double lug_grains(const vehicle::WheelRig& wheel, double grain) {
+  return wheel.lug_count > 0 ? wheel.lug_height / (0.5 * grain) : 0;
 }
 
 double slip_from_rim(const Benchmark& b, const vehicle::WheelRig& w, double slip) {

@@ -33,8 +33,7 @@ WheelOutcome read_outcome(const Config& c, const Benchmark& b) {
   o.bed.depth = bed[2];
   o.bed.time = c.number("drive_s", {0, 1e6});
   o.grains_per_width = c.number("grains_per_width", {0, 1e6});
-  const vehicle::WheelRig wheel = wheel_of(b);
-  o.lug_grains = wheel.lug_count > 0 ? wheel.lug_height / (0.5 * o.bed.grain) : 0;
+  o.lug_grains = lug_grains(wheel_of(b), o.bed.grain);
   o.trials = int(c.integer("trials", {1, 1e9}));
   o.failed = int(c.integer("failed_trials", {0, double(o.trials)}));
   o.varied = c.texts("band_over");

@@ -44,8 +44,11 @@ std::string as_text(const WheelReport& r);
 /// Number of bounds that do not hold.
 int failures(const WheelReport& r);
 
-/// <benchmark>.csv, <benchmark>_<quantity>.png, <benchmark>_over_time.csv on slopes, wheels.json of all and wheels.png:
-/// measured against predicted pulls over load of all wheels. Pictures where the build has them.
-void write_reports(const std::filesystem::path& folder, const std::vector<WheelReport>& reports);
+/// <benchmark>.csv, <benchmark>_<quantity>.png, and <benchmark>_over_time.csv on slopes. Pictures where the build has
+/// them.
+void write_report(const std::filesystem::path& folder, const WheelReport& report);
+
+/// wheels.json of all and wheels.png: predicted over measured, of all wheels.
+void write_overview(const std::filesystem::path& folder, const std::vector<WheelReport>& reports);
 
 }  // namespace gonogo::lab

@@ -75,6 +75,8 @@ std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, c
 /// The wheel that slip, sinkage and pressures belong to, and the load on it at a point.
 vehicle::WheelRig wheel_of(const Benchmark& b);
 double load_at(const Benchmark& b, const BenchmarkPoint& p);
+/// Height of the lugs over the grains' radius; 0 without lugs.
+double lug_grains(const vehicle::WheelRig& wheel, double grain);
 
 /// Slip at the benchmark's circle from that of the rim, and back. Both are 1 - v / (w r).
 double slip_from_rim(const Benchmark& b, const vehicle::WheelRig& wheel, double slip);
