@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Checks the prose of the Markdown files: no sentence over 40 words, and 90 % of all sentences under 25.
 
-    scripts/check_prose.py                  all .md files that git tracks, and the commit subjects
+    scripts/check_prose.py                  all .md files that git tracks
     scripts/check_prose.py docs/map.md ...  only these files; lists every sentence over 24 words
 
 Code blocks do not count. Inline code and a number with its unit count as one word. Each table cell, list item and
-heading holds sentences of its own. Commit subjects after FIRST_CHECKED_COMMIT have at most 72 characters.
+heading holds sentences of its own.
 """
 import re
 import subprocess
@@ -15,8 +15,6 @@ from pathlib import Path
 LONGEST = 40        # words in any sentence
 USUAL = 25          # 90 % of all sentences have fewer
 USUAL_SHARE = 0.9
-LONGEST_SUBJECT = 72
-FIRST_CHECKED_COMMIT = "f79d486b"  # the rule holds for commits after this one
 NOT_OURS = ("LICENSE",)
 
 
@@ -64,14 +62,6 @@ def tracked_files():
     return [name for name in listed if not name.endswith(NOT_OURS)]
 
 
-def long_subjects():
-    log = subprocess.run(["git", "log", "--no-merges", "--format=%h %s", f"{FIRST_CHECKED_COMMIT}..HEAD"],
-                         capture_output=True, text=True)
-    if log.returncode != 0:
-        return []  # a copy without this history, such as a release archive
-    return [line for line in log.stdout.splitlines() if len(line.split(" ", 1)[1]) > LONGEST_SUBJECT]
-
-
 def main():
     named = sys.argv[1:]
     lengths, faults = [], []
@@ -87,7 +77,6 @@ def main():
                     faults.append(shown)
                 elif named and words >= USUAL:
                     print(shown)
-    faults += [f"commit {line}: over {LONGEST_SUBJECT} characters" for line in ([] if named else long_subjects())]
     share = sum(length < USUAL for length in lengths) / max(len(lengths), 1)
     print(f"{len(lengths)} sentences, {100 * share:.1f} % under {USUAL} words, longest {max(lengths, default=0)}")
     if share < USUAL_SHARE:
