@@ -4,6 +4,7 @@
 //   Cancelled    the user pressed Ctrl-C. Finished work is kept.
 // A numerical failure is a status in the result, not an error. A broken invariant is a bug: GONOGO_ASSERT.
 #pragma once
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
@@ -13,6 +14,21 @@ namespace gonogo {
 
 struct InputError : std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+/// Place of a fault in the input. Unknown fields are empty or 0.
+struct InputPlace {
+  std::string file{};      // as the user named it
+  std::string path{};      // of a value in a JSON file, "bed.size_m[2]"
+  std::size_t line = 0;    // from 1
+  std::size_t column = 0;  // from 1, in characters of UTF-8
+};
+
+/// An InputError with the place of the fault in separate fields, for programs that read `gonogo --json`. The message
+/// names the place too.
+struct PlacedInputError : InputError {
+  PlacedInputError(const std::string& message, InputPlace where) : InputError(message), place(std::move(where)) {}
+  InputPlace place;
 };
 
 struct DeviceError : std::runtime_error {

@@ -24,4 +24,40 @@ std::string number_text(double x, int digits) {
   return plain;
 }
 
+namespace {
+
+constexpr std::size_t kBeginning = 3;  // letters that count as the beginning of a word
+
+}  // namespace
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({substituted, row[j] + 1, row[j - 1] + 1});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string nearest_word(std::string_view misspelt, const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    if (misspelt.size() >= kBeginning && word.starts_with(misspelt)) return word;
+  const auto nearest = std::min_element(words.begin(), words.end(), [&](const auto& a, const auto& b) {
+    return edit_distance(a, misspelt) < edit_distance(b, misspelt);
+  });
+  return nearest == words.end() ? "" : *nearest;
+}
+
+std::string join_words(const std::vector<std::string>& words) {
+  std::string text;
+  for (const auto& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
 }  // namespace gonogo

@@ -1,6 +1,10 @@
-// Numbers as people read them in messages.
+// Text of messages: numbers as people read them, formatted lines, and the word that was probably meant.
 #pragma once
+#include <cstdarg>
+#include <cstdio>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace gonogo {
 
@@ -8,5 +12,25 @@ namespace gonogo {
 /// rounded away; digits before the point are all kept. Below 1e-4 and from 1e7 on in size with an exponent: "2e-08".
 /// NaN and infinities are "NaN", "infinity" and "-infinity".
 std::string number_text(double x, int digits = 3);
+
+/// printf into a string, for lines of reports and tables. Cuts the text off after 400 characters.
+__attribute__((format(printf, 1, 2))) inline std::string line(const char* format, ...) {
+  char text[400];
+  std::va_list arguments;
+  va_start(arguments, format);
+  std::vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  return text;
+}
+
+/// Number of single-character insertions, deletions and substitutions between two words (Levenshtein 1966).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// The first of `words` that begins with `misspelt`, if that has three letters or more. Otherwise the first with the
+/// smallest edit distance; empty when there are no words.
+std::string nearest_word(std::string_view misspelt, const std::vector<std::string>& words);
+
+/// "a, b, c"
+std::string join_words(const std::vector<std::string>& words);
 
 }  // namespace gonogo

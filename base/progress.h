@@ -1,10 +1,32 @@
-// Progress of long work on stderr: one line redrawn on a terminal, a plain line every few seconds otherwise.
+// Long work: its progress on stderr, and Ctrl-C, which sets a flag that it polls where stopping loses nothing.
 #pragma once
 #include <chrono>
+#include <csignal>
 #include <cstddef>
 #include <string>
 
 namespace gonogo {
+
+/// SIGINT and SIGTERM set the flag; a second one ends the process at once.
+void install_cancel_handler();
+
+bool cancel_requested();
+
+/// Throws Cancelled when the user asked to stop. Call between trials, blocks or epochs.
+void stop_if_cancelled();
+
+/// For a call inside a host program that handles SIGINT itself, such as Python: SIGINT sets the flag while the scope
+/// lives. Its end restores the host's handler and clears the flag. Not for two scopes at once.
+class CancelScope {
+ public:
+  CancelScope();
+  ~CancelScope();
+  CancelScope(const CancelScope&) = delete;
+  CancelScope& operator=(const CancelScope&) = delete;
+
+ private:
+  struct sigaction host_;
+};
 
 /// How far work is, for the time it will still take.
 struct Pace {
@@ -15,6 +37,7 @@ struct Pace {
 /// [s]; NaN as long as this run has finished no item.
 double seconds_left(const Pace& pace);
 
+/// One line redrawn on a terminal, a plain line every few seconds otherwise.
 class Progress {
  public:
   /// `unit` is plural ("trials"); `total` may be 0 when unknown.

@@ -4,7 +4,7 @@
 # is installed. Libraries form components, each with an export set of its own, so that a user of `sim` needs neither
 # GDAL nor LibTorch nor cairo:
 #
-#   find_package(gonogo 0.1 REQUIRED COMPONENTS sim)
+#   find_package(gonogo 0.2 REQUIRED COMPONENTS sim)
 #   target_link_libraries(mine gonogo::vehicle)
 
 include(GNUInstallDirs)
@@ -12,12 +12,14 @@ include(CMakePackageConfigHelpers)
 
 # Component of a library, by the folder that defines it. A component may use those before it.
 set(gonogo_components sim report learn map lab)
-set(folders_sim base sim vehicle terrain/bed terrain/soil terrain/soil_test terrain/calibration pipeline/campaign)
-set(folders_report pipeline/report)
-set(folders_learn learning pipeline/learn)
-set(folders_map terrain/raster pipeline/map)
+set(folders_sim base sim vehicle terrain pipeline/campaign)
+set(folders_report pipeline/report pipeline/inspect)
+set(folders_learn learning pipeline/outcome)
+set(folders_map pipeline/map)
 set(folders_lab pipeline/lab)
-set(component_of_map_figure map)  # figures of maps: the one library of its folder that needs GDAL
+# The libraries of their folders that need GDAL.
+set(component_of_map_figure map)
+set(component_of_raster map)
 
 # Public headers: a header and all that it includes from this project, by paths from the source root.
 function(gonogo_follow_header header)
@@ -83,7 +85,7 @@ write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/gonogoConfigVersio
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/gonogoConfig.cmake" "${CMAKE_CURRENT_BINARY_DIR}/gonogoConfigVersion.cmake"
   DESTINATION "${package_folder}")
 
-# The files that ship by name: vehicles, soils, studies, regions and their schema. pipeline/app/cli installs the program.
+# The files that ship by name: vehicles, soils, studies, regions and their schema. pipeline/app installs the program.
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/configs" DESTINATION "${CMAKE_INSTALL_DATADIR}/gonogo")
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/python/qgis/gonogo" DESTINATION "${CMAKE_INSTALL_DATADIR}/gonogo/qgis"
         PATTERN __pycache__ EXCLUDE)

@@ -15,26 +15,26 @@ int main(int argc, char** argv) try {
   std::filesystem::create_directories(folder);
   const auto model = folder / "model.h5", problem = folder / "problem.json", answer = folder / "answer.json";
 
-  learn::TrainRequest request;
+  outcome::TrainRequest request;
   request.dataset = dataset;
   request.model = model;
   request.seed = 1;
-  std::printf("%s", learn::report_text(learn::train_model(request)).c_str());
+  std::printf("%s", outcome::report_text(outcome::train_model(request)).c_str());
 
   // Which outcomes and other variables go with twelve degrees uphill?
   const double penalty = 8;  // energy of bit patterns that are no code word
-  learn::export_problem(model, problem, {{"slope_along", 12}}, learning::Vartype::binary, {}, penalty);
+  outcome::export_problem(model, problem, {{"slope_along", 12}}, learning::Vartype::binary, {}, penalty);
 
   learning::SampleRequest reads;
   reads.reads = 2000;
   reads.seed = 1;
-  learn::sample_problem(problem, answer, *learning::make_sampler("tempering"), reads);
+  outcome::sample_problem(problem, answer, *learning::make_sampler("tempering"), reads);
 
-  learn::ImportRequest import;
+  outcome::ImportRequest import;
   import.problem = problem;
   import.answer = answer;
   import.model = model;
-  std::printf("%s\n", learn::import_answer(import).dump(2).c_str());
+  std::printf("%s\n", outcome::to_json(outcome::import_answer(import)).dump(2).c_str());
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());
   return 1;

@@ -7,7 +7,10 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 out=out/demo
 start=$SECONDS
 scripts/setup.sh
-configure cpu-release
+options=()
+# A folder that is configured keeps what it builds.
+[[ -e build/cpu-release/CMakeCache.txt ]] || options=(-DGONOGO_LAB=OFF -DGONOGO_TESTS=OFF)
+configure cpu-release "${options[@]}"
 build cpu-release gonogo
 built=$SECONDS
 say "running the main job: gonogo run configs/studies/demo.json --out $out"

@@ -22,7 +22,7 @@ if [[ -e .cache/no_python ]]; then
   python=(-DGONOGO_PYTHON=OFF)
   say "the Python module is not tested: PyPI cannot be reached"
 fi
-configure cpu-release "${python[@]}" -DGONOGO_BROWSER_TESTS=$browser_tests -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON -DGONOGO_MPI=ON "$@"
+configure cpu-release "${python[@]}" -DGONOGO_BROWSER_TESTS=$browser_tests -DGONOGO_LAB=ON -DGONOGO_TESTS=ON -DGONOGO_TORCH=ON -DGONOGO_GDAL=ON -DGONOGO_MPI=ON "$@"
 build cpu-release
 registered=$(ctest --test-dir "$folder" -N | sed -n 's/^Total Tests: //p')
 ((registered > 0)) || fail "no test is registered"

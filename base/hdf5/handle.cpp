@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "base/hash.h"
+#include "base/files/file.h"
 
 namespace gonogo::hdf5 {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "base/file.h"
-#include "base/input_place.h"
-#include "base/nearest.h"
+#include "base/error.h"
+#include "base/files/file.h"
+#include "base/format.h"
 
 namespace gonogo {
 namespace {

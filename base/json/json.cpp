@@ -6,8 +6,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/input_place.h"
+#include "base/files/file.h"
 
 namespace gonogo {
 namespace {

@@ -3,11 +3,11 @@
 #pragma once
 #include "base/error.h"
 #include "pipeline/campaign/dataset/dataset.h"
-#include "pipeline/campaign/dataset/export.h"
+#include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/campaign/design/design.h"
 #include "pipeline/campaign/engine/study_campaign.h"
+#include "pipeline/campaign/setup/read_setup.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/campaign/trial/trial.h"
-#include "pipeline/campaign/trial/trial_values.h"

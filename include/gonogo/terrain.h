@@ -3,8 +3,5 @@
 #pragma once
 #include "base/error.h"
 #include "terrain/bed/bed.h"
-#include "terrain/bed/hard_layer.h"
-#include "terrain/bed/moving_patch.h"
-#include "terrain/bed/numerics.h"
 #include "terrain/soil/calibration.h"
-#include "terrain/soil/soil_file.h"
+#include "terrain/soil/soil.h"

@@ -27,7 +27,7 @@ struct Model {
   std::vector<double> training_weights;              // [point count], mean 1: prior / proposal density
   InputPrior input_prior;                            // of unknown variables; empty: the machine's joint distribution
   std::vector<EpochLog> log;
-  double calibration_power = 1;      // exponent of probabilities before normalisation (score/calibration.h)
+  double calibration_power = 1;      // exponent of probabilities before normalisation (score/score.h)
   Json provenance = Json::object();  // data_hash, contract_hash, sampler, seed, settings, counts, scores
 };
 

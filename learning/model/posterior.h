@@ -84,7 +84,7 @@ class Posterior {
   /// Log of the unnormalised probability of every outcome, with hidden units summed out.
   void scores(std::span<const double> field, std::span<double> result) const;
   /// Sum over all combinations of bins of the unknown variables. sum_products() is several times faster, and returns
-  /// nothing when a product could overflow a double (product_sum.cpp).
+  /// nothing when a product could overflow a double .
   PosteriorAnswer sum_logarithms(const std::vector<double>& field, const std::vector<std::size_t>& unknown) const;
   std::optional<PosteriorAnswer> sum_products(std::span<const double> field,
                                               const std::vector<std::size_t>& unknown) const;
@@ -95,18 +95,18 @@ class Posterior {
   void prepare_products();
   bool products_fit(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
   std::vector<double> outcome_products(std::span<const double> field, const std::vector<std::size_t>& unknown) const;
-  /// P(outcome) of one combination. power: a of product_sum.cpp [hidden]; product: [padded_outcomes()], 0 beyond.
+  /// P(outcome) of one combination. power: a of sum_products() [hidden]; product: [padded_outcomes()], 0 beyond.
   void shares_of_products(std::span<const double> power, std::span<double> product) const;
   std::vector<std::size_t> bin_counts(const std::vector<std::size_t>& variables) const;
   /// visit(field, bias) for every combination of bins of the unknown variables; bias: the sum of theirs.
   template <class Visit>
   void visit_combinations(const std::vector<double>& field, const std::vector<std::size_t>& unknown,
                           Visit&& visit) const;
-  struct Question;  // question.h
+  struct Question;  // posterior_parts.h
   Question question(std::span<const double> variables, std::optional<std::size_t> outcome) const;
   JointAnswer joint_sum(const Question& asked) const;
   JointAnswer joint_sample(const Question& asked, const MarginalOptions& options) const;
-  struct DrawnSums;  // drawn.cpp
+  struct DrawnSums;  // joint.cpp
   void draw_group(const Question& asked, const std::vector<std::vector<double>>& prior, const MarginalOptions& options,
                   std::size_t g, DrawnSums& sums) const;
   JointAnswer joint_drawn(const Question& asked, const MarginalOptions& options) const;

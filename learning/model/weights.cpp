@@ -15,6 +15,8 @@ RbmWeights RbmWeights::zeros(std::size_t visible, std::size_t hidden) {
           .hidden_bias = std::vector<double>(hidden)};
 }
 
+double sigmoid(double x) { return 1 / (1 + std::exp(-x)); }
+
 double softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
 
 double log_sum_exp(std::span<const double> terms) {

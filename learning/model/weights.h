@@ -18,6 +18,8 @@ struct RbmWeights {
   bool operator==(const RbmWeights&) const = default;
 };
 
+/// 1 / (1 + exp(-x)).
+double sigmoid(double x);
 /// log(1 + exp(x)) without overflow.
 double softplus(double x);
 /// log of a sum of exponentials, without overflow.

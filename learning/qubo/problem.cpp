@@ -1,12 +1,11 @@
 #include "learning/qubo/problem.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include "base/error.h"
-#include "base/hash.h"
-#include "learning/qubo/dimod.h"
-#include "learning/qubo/python_json.h"
+#include "learning/qubo/json.h"
 
 namespace gonogo::learning {
 
@@ -29,6 +28,11 @@ std::string label_text(const Label& label) {
   if (const auto* number = std::get_if<std::int64_t>(&label)) return std::to_string(*number);
   if (const auto* text = std::get_if<std::string>(&label)) return *text;
   return python_text(Json::parse(std::get<JsonLabel>(label).text, "label"));
+}
+
+void sort_couplings(std::vector<Coupling>& couplings) {
+  std::stable_sort(couplings.begin(), couplings.end(),
+                   [](const Coupling& x, const Coupling& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
 }
 
 void check_problem(const Problem& problem, const std::string& source) {
@@ -123,7 +127,5 @@ Problem clamp(const Problem& problem, std::span<const double> values) {
   }
   return result;
 }
-
-std::string problem_hash(const Problem& problem) { return content_hash(to_dimod_json(problem)); }
 
 }  // namespace gonogo::learning

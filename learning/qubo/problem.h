@@ -45,6 +45,9 @@ struct Problem {
   bool operator==(const Problem&) const = default;
 };
 
+/// Sorts by (a, b); couplings of one pair keep their order.
+void sort_couplings(std::vector<Coupling>& couplings);
+
 /// Throws InputError for sizes that differ, values that are not finite, repeated labels, and couplings that are
 /// unsorted, repeated, on the diagonal or out of range. Messages begin with `source`.
 void check_problem(const Problem& problem, const std::string& source);
@@ -60,8 +63,5 @@ double energy(const Problem& problem, std::span<const std::int8_t> row);
 /// Removes the variables with a given value. values: [variable_count()], NaN for variables that stay; values between
 /// those of the vartype are allowed. Energies do not change.
 Problem clamp(const Problem& problem, std::span<const double> values);
-
-/// Hash of vartype, labels, biases, couplings and offset, by which an answer names its problem.
-std::string problem_hash(const Problem& problem);
 
 }  // namespace gonogo::learning

@@ -1,74 +1,73 @@
 #include "learning/qubo/sample_set.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <sstream>
+#include <vector>
 
 #include "base/error.h"
 
 namespace gonogo::learning {
 namespace {
 
-/// Column of the answer that holds each variable of the problem.
-std::vector<std::size_t> columns(const Problem& problem, const SampleSet& answer, const std::string& source) {
-  std::map<Label, std::size_t> column;
-  for (std::size_t k = 0; k < answer.labels.size(); ++k) column.emplace(answer.labels[k], k);
-  if (column.size() != problem.variable_count() || answer.labels.size() != problem.variable_count())
-    throw InputError(source + ": the answer has " + std::to_string(answer.labels.size()) + " variables, the problem " +
-                     std::to_string(problem.variable_count()) + "; give the answer to this very problem");
-  std::vector<std::size_t> result;
-  for (const Label& label : problem.labels) {
-    const auto found = column.find(label);
-    if (found == column.end())
-      throw InputError(source + ": the answer has no variable " + label_text(label) +
-                       "; give the answer to this very problem");
-    result.push_back(found->second);
+constexpr double kWindow = 5;             // of the autocorrelation times summed over
+constexpr std::size_t kFewestGroups = 4;  // fewer say little about their spread
+
+/// 1 + 2 sum of autocorrelations of a series of mean 0, up to the window; at least 1.
+double correlation_time(std::span<const double> x) {
+  double variance = 0;
+  for (double e : x) variance += e * e;
+  if (variance == 0) return 1;
+  double time = 1;
+  for (std::size_t lag = 1; lag < x.size() / 4 && double(lag) < kWindow * time; ++lag) {
+    double sum = 0;
+    for (std::size_t k = lag; k < x.size(); ++k) sum += x[k] * x[k - lag];
+    time = std::max(1.0, time + 2 * sum / variance);
   }
-  return result;
+  return time;
 }
 
-void check_hash(const Problem& problem, const SampleSet& answer, const std::string& source) {
-  const Json* hash = answer.info.is_object() ? answer.info.find("problem_hash") : nullptr;
-  if (hash && hash->is_string() && hash->string() != problem_hash(problem))
-    throw InputError(source + ": info.problem_hash: this answer was made for another problem (" + hash->string() + ")");
-}
-
-double energy_scale(const Problem& problem) {
-  double scale = std::abs(problem.offset);
-  for (double bias : problem.linear) scale += std::abs(bias);
-  for (const Coupling& c : problem.couplings) scale += std::abs(c.value);
-  return std::max(scale, 1e-300);
+/// Variance of the mean of residuals of mean 0, from the means of equal groups.
+double variance_of_groups(std::span<const double> residual, std::size_t groups) {
+  const std::size_t size = residual.size() / groups;
+  double square = 0;
+  for (std::size_t g = 0; g < groups; ++g) {
+    double sum = 0;
+    for (double e : residual.subspan(g * size, size)) sum += e;
+    square += sum / double(size) * sum / double(size);
+  }
+  return square / double(groups) / double(groups - 1);
 }
 
 }  // namespace
 
-SampleSet check_answer(const Problem& problem, const SampleSet& answer, const std::string& source) {
-  check_hash(problem, answer, source);
-  const std::vector<std::size_t> column = columns(problem, answer, source);
-  SampleSet result;
-  result.vartype = problem.vartype;
-  result.labels = problem.labels;
-  result.occurrences = answer.occurrences;
-  result.info = answer.info;
-  const double tolerance = 1e-6 * energy_scale(problem);
-  const std::size_t n = problem.variable_count();
-  for (std::size_t r = 0; r < answer.row_count(); ++r) {
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::int8_t value = answer.row(r)[column[i]];
-      if (answer.vartype == problem.vartype)
-        result.values.push_back(value);
-      else
-        result.values.push_back(problem.vartype == Vartype::binary ? value > 0 : (value > 0 ? 1 : -1));
-    }
-    const double expected = energy(problem, std::span(result.values).subspan(r * n, n));
-    if (!(std::abs(expected - answer.energies[r]) <= tolerance)) {
-      std::ostringstream text;
-      text << source << ": row " << r << ": energy " << answer.energies[r] << " does not match the problem's "
-           << expected << "; the answer is for another problem, or was scaled";
-      throw InputError(text.str());
-    }
-    result.energies.push_back(expected);
+SeriesMean series_mean(std::span<const double> value, std::span<const double> weight,
+                       std::span<const std::int64_t> occurrences, const ReadOrder& order) {
+  double reads = 0, total = 0, square = 0, sum = 0;
+  for (std::size_t r = 0; r < value.size(); ++r) {
+    const double count = double(occurrences[r]);
+    reads += count;
+    total += count * weight[r];
+    square += count * weight[r] * weight[r];
+    if (weight[r] > 0) sum += count * weight[r] * value[r];
   }
+  SeriesMean result{.mean = sum / total, .standard_error = NAN, .correlation_time = 1, .independent_reads = 0};
+  if (!(total > 0)) return result;
+  std::vector<double> residual;
+  double variance = 0;
+  for (std::size_t r = 0; r < value.size(); ++r) {
+    const double e = weight[r] > 0 ? weight[r] * (value[r] - result.mean) * reads / total : 0;
+    residual.push_back(e);
+    variance += double(occurrences[r]) * e * e / reads;
+  }
+  const bool single = std::all_of(occurrences.begin(), occurrences.end(), [](std::int64_t c) { return c == 1; });
+  if (single && order.as_drawn) result.correlation_time = correlation_time(residual);
+  double of_mean = variance * result.correlation_time / reads;
+  if (single && order.groups >= kFewestGroups && residual.size() % order.groups == 0)
+    of_mean = std::max(of_mean, variance_of_groups(residual, order.groups));
+  result.standard_error = std::sqrt(of_mean);
+  result.independent_reads = total * total / square / result.correlation_time;
   return result;
 }
 

@@ -1,4 +1,4 @@
-// Answers to a problem: rows of values with their energies.
+// Answers to a problem: rows of values with their energies, and means over them.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -29,9 +29,24 @@ struct SampleSet {
   }
 };
 
-/// The answer in the problem's vartype and order of variables. Throws InputError when it belongs to another problem: by
-/// its labels, by "problem_hash" in its info, or by its energies. Energies may differ by 1e-6 of the problem's largest
-/// energy difference, because some tools compute in single precision.
-SampleSet check_answer(const Problem& problem, const SampleSet& answer, const std::string& source);
+/// What the order of an answer's rows says about how they were drawn.
+struct ReadOrder {
+  bool as_drawn = true;    // false: sorted or counted, so neighbours say nothing
+  std::size_t groups = 0;  // equal consecutive parts that share an error, as the programmings of a device do; 0: none
+};
+
+struct SeriesMean {
+  double mean = 0, standard_error = 0;
+  double correlation_time = 1;   // reads that count as one, at least 1
+  double independent_reads = 0;  // reads of equal weight and without correlation that the answer is worth
+};
+
+/// Weighted mean of `value` [row], with a standard error that counts correlated reads. weight: [row], 0 for rows left
+/// out. The standard error has three parts: the spread of weighted residuals; their integrated autocorrelation time
+/// along the rows, with Sokal's window of five times itself (Sokal, "Monte Carlo methods in statistical mechanics",
+/// 1997, section 3); and, with four groups or more, the spread of the groups' means where that is larger. All NaN when
+/// every weight is 0.
+SeriesMean series_mean(std::span<const double> value, std::span<const double> weight,
+                       std::span<const std::int64_t> occurrences, const ReadOrder& order);
 
 }  // namespace gonogo::learning

@@ -1,7 +1,7 @@
 // A Gaussian process classifier on LibTorch: baseline of every model and teacher of machines with few trials. Rasmussen
 // & Williams, "Gaussian Processes for Machine Learning" (2006), chapter 3; equations and algorithms below are theirs.
 //
-//   P(1 | f) = sigmoid(f),  f ~ GP(0, k),  k(x, x') = s exp(-1/2 sum_v (z_v - z'_v)^2 / l_v^2),  z as in standardise.h
+//   P(1 | f) = sigmoid(f),  f ~ GP(0, k),  k(x, x') = s exp(-1/2 sum_v (z_v - z'_v)^2 / l_v^2),  z as in baselines.h
 //
 // The posterior of f at the rows is Laplace's approximation (algorithm 3.1); a row of weight w counts as w rows. P(1 |
 // x) is the mean of sigmoid over the posterior of f(x) (equation 3.25), by Gauss-Hermite quadrature. log l_v and log s
@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "learning/rbm/standardise.h"
+#include "learning/rbm/baselines.h"
 
 namespace gonogo::learning {
 

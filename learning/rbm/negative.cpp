@@ -1,7 +1,7 @@
 #include "learning/rbm/negative.h"
 
 #include "base/error.h"
-#include "base/random.h"
+#include "base/math/random.h"
 
 namespace gonogo::learning {
 namespace {

@@ -2,9 +2,9 @@
 #pragma once
 #include <optional>
 
+#include "learning/machine/ladder.h"
+#include "learning/machine/word_machine.h"
 #include "learning/rbm/tensors.h"
-#include "learning/sampler/ladder.h"
-#include "learning/sampler/word_chains.h"
 
 namespace gonogo::learning {
 

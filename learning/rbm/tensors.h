@@ -1,8 +1,7 @@
 // A table as tensors, the machine as parameters, and the terms of the objective. Only inside learning/rbm.
 #pragma once
-#include <torch/torch.h>
-
 #include <ATen/Parallel.h>
+#include <torch/torch.h>
 
 #include "learning/rbm/train.h"
 
@@ -19,6 +18,9 @@ class OneTorchThread {
  private:
   int before_;
 };
+
+/// The numbers of a tensor of doubles, row by row.
+std::vector<double> values_of(const torch::Tensor& tensor);
 
 /// Throws InputError for `cuda` when this LibTorch has no GPU.
 torch::Device torch_device(GradientDevice device);
@@ -66,5 +68,24 @@ torch::Tensor negative_free_energy(const Machine& machine, const torch::Tensor& 
 /// L of train.h; negative: [row x visible], or undefined without a generative term. table_rows is N.
 torch::Tensor objective(const Machine& machine, const RowTensors& rows, const torch::Tensor& negative,
                         const TrainingSettings& settings, std::size_t table_rows);
+
+/// The teacher's term of the objective.
+class TeachingTerm {
+ public:
+  /// Throws InputError if the points do not match the layout, a probability lies outside [0, 1], or a class has no
+  /// outcome.
+  TeachingTerm(const VisibleLayout& layout, const Teaching& teaching, torch::Device device = torch::kCPU);
+  /// The term over the next `count` points, which follow each other around.
+  torch::Tensor next(const Machine& machine, std::size_t count);
+  /// The term over all points.
+  torch::Tensor all(const Machine& machine) const;
+
+ private:
+  torch::Tensor over(const Machine& machine, const torch::Tensor& smooth, const torch::Tensor& probability) const;
+  double weight_;
+  torch::Tensor smooth_, probability_;  // [point x input unit], [point]
+  torch::Tensor passes_, fails_;        // [outcome]: 0 for the outcomes of the class, minus infinity for all others
+  std::int64_t next_ = 0;
+};
 
 }  // namespace gonogo::learning

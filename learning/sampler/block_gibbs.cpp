@@ -1,17 +1,20 @@
-#include "learning/sampler/block_gibbs.h"
-
-#include "base/cancel.h"
+// Block Gibbs sampling of bipartite problems: one sweep draws the right side given the left, then the left given the
+// right. Random numbers depend on (seed, chain, sweep, unit) alone, so bits depend neither on threads nor on the other
+// chains. On a GPU rows differ, and large machines are refused: chains/gpu_chains.h.
 #include "base/error.h"
+#include "base/progress.h"
 #include "learning/encoding/encoder.h"
-#include "learning/sampler/bipartite.h"
-#include "learning/sampler/chain_random.h"
-#include "learning/sampler/gpu_chains.h"
+#include "learning/sampler/chains/bipartite.h"
+#include "learning/sampler/chains/chain_random.h"
+#include "learning/sampler/chains/gpu_chains.h"
+#include "learning/sampler/chains/spins.h"
+#include "learning/sampler/sampler.h"
 
 namespace gonogo::learning {
 namespace {
 
 /// Rows of bits, the left side of each first; see Bipartite.
-struct Rows {
+struct BlockRows {
   const Bipartite& sides;
   std::vector<Bit> bit;
 
@@ -32,7 +35,7 @@ struct Rows {
   }
 };
 
-void run_chain(const SampleRequest& request, std::size_t chain, Rows& rows) {
+void run_chain(const SampleRequest& request, std::size_t chain, BlockRows& rows) {
   const Bipartite& sides = rows.sides;
   const std::span<Bit> left = rows.left(chain), right = rows.right(chain);
   std::vector<double> left_field(left.size()), right_field(right.size());
@@ -51,7 +54,7 @@ void run_chain(const SampleRequest& request, std::size_t chain, Rows& rows) {
   }
 }
 
-void run_on_cpu(const SampleRequest& request, Rows& rows) {
+void run_on_cpu(const SampleRequest& request, BlockRows& rows) {
 #pragma omp parallel for schedule(static)
   for (std::size_t chain = 0; chain < request.reads; ++chain)
     if (!cancel_requested()) run_chain(request, chain, rows);
@@ -61,7 +64,7 @@ void run_on_cpu(const SampleRequest& request, Rows& rows) {
 /// Between two looks at whether the user wants to stop.
 constexpr std::uint64_t kSweepsAtOnce = 10'000;
 
-void run_on_gpu(const SampleRequest& request, Rows& rows) {
+void run_on_gpu(const SampleRequest& request, BlockRows& rows) {
   GpuChains chains(rows.sides, request.reads, request.seed);
   request.start ? chains.set_rows(rows.bit) : chains.scatter();
   for (std::uint64_t done = 0; done < request.sweeps;) {
@@ -73,9 +76,8 @@ void run_on_gpu(const SampleRequest& request, Rows& rows) {
   rows.bit = chains.rows();
 }
 
-}  // namespace
-
-SampleSet BlockGibbs::sample(const Problem& problem, const SampleRequest& request) const {
+/// Chains start from fair bits unless the request has rows. Throws InputError for a problem that is not bipartite.
+SampleSet sample_blocks(const Problem& problem, const SampleRequest& request, const SamplerSettings& settings) {
   const Problem qubo = to_qubo(problem);
   const auto sides = split_in_two(qubo);
   if (!sides)
@@ -83,19 +85,14 @@ SampleSet BlockGibbs::sample(const Problem& problem, const SampleRequest& reques
         "sampler block_gibbs: the problem is not bipartite (three or another odd number of variables are "
         "coupled in a ring); use anneal, tempering or population, or exact when it is small");
   const std::size_t n = problem.variable_count();
-  SampleSet result;
-  result.vartype = problem.vartype;
-  result.labels = problem.labels;
-  result.values.resize(request.reads * n);
-  result.energies.resize(request.reads);
-  result.occurrences.assign(request.reads, 1);
-  Rows rows{*sides, std::vector<Bit>(request.reads * n)};
+  SampleSet result = empty_rows(problem, request.reads);
+  BlockRows rows{*sides, std::vector<Bit>(request.reads * n)};
   if (request.start) {
     if (request.start->row_count() != request.reads || request.start->labels != problem.labels)
       throw InputError("sampler block_gibbs: the rows to start from do not fit the problem and the number of reads");
     for (std::size_t chain = 0; chain < request.reads; ++chain) rows.take(chain, request.start->row(chain));
   }
-  on_gpu_ ? run_on_gpu(request, rows) : run_on_cpu(request, rows);
+  setting<bool>(settings, "on_gpu") ? run_on_gpu(request, rows) : run_on_cpu(request, rows);
 #pragma omp parallel for schedule(static)
   for (std::size_t chain = 0; chain < request.reads; ++chain) {
     const auto row = std::span(result.values).subspan(chain * n, n);
@@ -104,5 +101,15 @@ SampleSet BlockGibbs::sample(const Problem& problem, const SampleRequest& reques
   }
   return result;
 }
+
+}  // namespace
+
+extern const SamplerKind kBlockGibbs = {
+    .name = "block_gibbs",
+    .title = "BlockGibbs",
+    .about = "Block Gibbs sampling of bipartite problems, such as those of models without clamped hidden units.",
+    .parameters = {{"on_gpu", "--gpu", "on a GPU, with weights of 16 bits", false}},
+    .any_problem = false,
+    .sample = sample_blocks};
 
 }  // namespace gonogo::learning

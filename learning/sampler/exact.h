@@ -1,7 +1,8 @@
 // Exact log Z, marginals and independent samples. Of a bipartite problem the smaller side is enumerated and the other
 // summed in closed form. Other problems are enumerated as a whole. Large problems of low treewidth are summed variable
-// by variable (junction_tree.h).
+// by variable.
 #pragma once
+#include <cstdint>
 #include <vector>
 
 #include "learning/sampler/sampler.h"
@@ -20,10 +21,35 @@ struct ExactMoments {
 /// too large for both.
 ExactMoments exact_moments(const Problem& problem);
 
-class ExactSampler final : public Sampler {
+inline constexpr std::size_t kMaxTableEntries = std::size_t(1) << 26;  // of all tables together: 512 MB
+
+/// Exact answers for problems of low treewidth by bucket elimination (Dechter, Artificial Intelligence 113 (1999) 41).
+/// Each eliminated variable has a table over itself and its remaining neighbours. Sampling goes back through the
+/// tables; rows are independent draws.
+class JunctionTree {
  public:
-  std::string name() const override { return "exact"; }
-  SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
+  /// Eliminates the variable with the fewest neighbours first. Throws InputError when the tables are too large.
+  explicit JunctionTree(const Problem& problem);
+
+  double log_z() const { return log_z_; }
+  std::size_t width() const;  // max number of variables in a table, less one
+  /// Spins +1 and -1 of one row.
+  std::vector<std::int8_t> draw(std::uint64_t seed, std::uint64_t row) const;
+  ExactMoments moments() const;
+
+ private:
+  struct Bucket {
+    std::uint32_t variable;
+    std::vector<std::uint32_t> rest;  // neighbours when eliminated, by order of elimination
+    std::vector<double> log_weight;   // [2^(1 + rest)], bit 0: variable, bit k + 1: rest[k]
+  };
+  void order(const Problem& ising);
+  void eliminate(const Problem& ising);
+
+  Problem problem_;
+  std::vector<Bucket> buckets_;
+  std::vector<std::size_t> bucket_of_;  // [variable]
+  double log_z_ = 0;
 };
 
 }  // namespace gonogo::learning

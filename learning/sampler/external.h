@@ -1,36 +1,19 @@
-// Rows from outside: from a file that a person provides, or from another program.
+// Parts of the samplers whose rows come from outside.
 #pragma once
-#include "learning/sampler/sampler.h"
+#include <string>
+#include <vector>
 
 namespace gonogo::learning {
 
-/// Writes problems to <folder>/<hash>.json (dimod's JSON, with a sidecar) and reads answers from
-/// <folder>/<hash>.answer.json (dimod's SampleSet). When the answer is missing, InputError names it; the same command
-/// continues once the file exists. The hash covers seed and number of reads, so that each request has its own file.
-class FileSampler final : public Sampler {
- public:
-  explicit FileSampler(const SamplerSettings& settings) : settings_(settings) {}
-  std::string name() const override { return "file"; }
-  SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
-
- private:
-  SamplerSettings settings_;
+struct ProcessResult {
+  int exit_status = -1;    // of a program that exited
+  int signal = 0;          // that ended it; 0: none
+  bool timed_out = false;  // it and all its children were killed
+  std::string error_text;  // the last 4,000 bytes of its stderr
 };
 
-/// Runs a program that reads {problem} (dimod's JSON) and writes {answer} (dimod's SampleSet). It must exit with status
-/// 0 within the time limit, and give the requested number of reads. Otherwise throws InputError with the end of its
-/// stderr.
-class CommandSampler final : public Sampler {
- public:
-  explicit CommandSampler(const SamplerSettings& settings);
-  std::string name() const override { return "command"; }
-  SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
-
- private:
-  SamplerSettings settings_;
-};
-
-/// One row per read instead of counts. Throws InputError unless there are `reads` rows. Messages begin with `source`.
-SampleSet spread_reads(const SampleSet& answer, std::size_t reads, const std::string& source);
+/// Runs another program to its end, without a shell and with a time limit. stdin is empty, stdout is dropped. Throws
+/// InputError when the program cannot be started. On Ctrl-C kills the program's process group and throws Cancelled.
+ProcessResult run_process(const std::vector<std::string>& arguments, double time_limit_s);
 
 }  // namespace gonogo::learning

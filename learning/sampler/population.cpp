@@ -1,10 +1,13 @@
+// Population annealing from beta 0 to beta_end in equal steps. At each step the population is resampled with weights
+// exp(-dbeta E) and swept (Hukushima, Iba, AIP Conf. Proc. 690, 200 (2003); Machta, arXiv:1006.3268). The population
+// has at least 1,000 members. info.log_z estimates log Z.
 #include <algorithm>
 #include <cmath>
 
-#include "base/cancel.h"
 #include "base/error.h"
-#include "learning/sampler/annealing.h"
-#include "learning/sampler/spins.h"
+#include "base/progress.h"
+#include "learning/sampler/chains/spins.h"
+#include "learning/sampler/sampler.h"
 
 namespace gonogo::learning {
 namespace {
@@ -12,7 +15,7 @@ namespace {
 constexpr std::size_t kMinMembers = 1000;          // members: fewer would bias the weights
 constexpr std::uint64_t kResampling = UINT64_MAX;  // stream of the resampling draws
 
-/// Systematic resampling with weights exp(-step E). Hands back log of the mean weight.
+/// Systematic resampling with weights exp(-step E). Returns the log of the mean weight.
 double resample(std::vector<Spins>& population, double step, double draw) {
   std::vector<double> log_weight;
   for (const Spins& member : population) log_weight.push_back(-step * member.energy());
@@ -31,21 +34,19 @@ double resample(std::vector<Spins>& population, double step, double draw) {
   return highest + std::log(sum / double(population.size()));
 }
 
-}  // namespace
-
-SampleSet PopulationAnnealing::sample(const Problem& problem, const SampleRequest& request) const {
+SampleSet anneal_population(const Problem& problem, const SampleRequest& request, const SamplerSettings& settings) {
+  const auto beta_end = setting<double>(settings, "beta_end");
+  const auto steps = std::size_t(setting<std::int64_t>(settings, "temperatures"));
   const Problem ising = to_ising(problem);
   const SpinGraph graph(ising);
-  const std::size_t members = std::max(request.reads, kMinMembers), steps = settings_.temperatures;
-  if (steps < 1) throw InputError("sampler population: needs at least 1 temperature");
+  const std::size_t members = std::max(request.reads, kMinMembers);
   const std::size_t sweeps = std::max<std::size_t>(1, request.sweeps / steps);
   std::vector<Spins> population(members, Spins(graph));
-  double log_z = double(graph.size()) * std::log(2.0) - settings_.beta_end * ising.offset;
+  double log_z = double(graph.size()) * std::log(2.0) - beta_end * ising.offset;
   for (std::size_t step = 0; step <= steps; ++step) {
-    const double beta = settings_.beta_end * double(step) / double(steps);
+    const double beta = beta_end * double(step) / double(steps);
     stop_if_cancelled();
-    if (step > 0)
-      log_z += resample(population, settings_.beta_end / double(steps), random_unit(request.seed, kResampling, step));
+    if (step > 0) log_z += resample(population, beta_end / double(steps), random_unit(request.seed, kResampling, step));
 #pragma omp parallel for schedule(static)
     for (std::size_t k = 0; k < members; ++k) {
       ChainRandom random(request.seed, k, graph.size());
@@ -63,5 +64,15 @@ SampleSet PopulationAnnealing::sample(const Problem& problem, const SampleReques
   rows.info["log_z"] = log_z;
   return rows;
 }
+
+}  // namespace
+
+extern const SamplerKind kPopulation = {
+    .name = "population",
+    .title = "Population",
+    .about = "Population annealing over `temperatures` steps up to beta_end [1 / energy].",
+    .parameters = {{"beta_end", "--beta", "rows follow exp(-beta E)", 1.0},
+                   {"temperatures", "--temperatures", "steps", std::int64_t(30), 1}},
+    .sample = anneal_population};
 
 }  // namespace gonogo::learning

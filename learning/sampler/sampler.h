@@ -1,11 +1,14 @@
-// Interface of samplers, which draw rows from P(x) proportional to exp(-E(x)). Training takes its negative phase from
-// any of them.
+// Samplers, which draw rows from P(x) proportional to exp(-E(x)), and the registry of those of this folder: each is a
+// file that defines a SamplerKind, and its name in sampler.cpp. Command line, Python and training learn of it from
+// there.
 #pragma once
 #include <cstdint>
-#include <filesystem>
+#include <limits>
+#include <map>
 #include <memory>
-#include <optional>
+#include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "learning/qubo/problem.h"
@@ -16,23 +19,12 @@ namespace gonogo::learning {
 struct SampleRequest {
   std::size_t reads = 1;
   std::uint64_t seed = 0;
-  /// Of Markov-chain samplers: sweeps before a chain is read.
+  /// Markov-chain samplers: sweeps before a chain is read.
   std::size_t sweeps = 1000;
-  /// Of Markov-chain samplers: `reads` rows to continue from, and the number of sweeps behind them. A chain of 3 + 4
+  /// Markov-chain samplers: `reads` rows to continue from, and the number of sweeps behind them. A chain of 3 + 4
   /// sweeps then has the bits of a chain of 7. Samplers without chains ignore both.
   const SampleSet* start = nullptr;
   std::uint64_t first_sweep = 0;
-};
-
-/// Settings of particular samplers.
-struct SamplerSettings {
-  bool on_gpu = false;                    // block_gibbs
-  double beta_start = 0.1, beta_end = 1;  // anneal, tempering, population; rows follow exp(-beta_end E)
-  std::size_t replicas = 10;              // tempering: number of temperatures
-  std::size_t temperatures = 30;          // population: number of steps of beta
-  std::filesystem::path folder;           // file: folder of problems and answers
-  std::vector<std::string> command;       // command: program and arguments; {problem}, {answer}, {reads}, {seed}
-  double time_limit_s = 600;              // command
 };
 
 class Sampler {
@@ -44,7 +36,65 @@ class Sampler {
   virtual SampleSet sample(const Problem& problem, const SampleRequest& request) const = 0;
 };
 
-/// "block_gibbs", "anneal", "tempering", "population", "exact", "file" or "command". Throws InputError that lists them.
+/// A setting: a flag, a whole number, a number, a text, or a program with its arguments.
+using SettingValue = std::variant<bool, std::int64_t, double, std::string, std::vector<std::string>>;
+/// Settings of a sampler by name of the parameter.
+using SamplerSettings = std::map<std::string, SettingValue>;
+
+struct SamplerParameter {
+  const char* name;       // "beta_start", as in Python
+  const char* option;     // "--beta-start", of gonogo qubo sample; without dashes: what is given after all options
+  const char* help;       // for lists of options
+  SettingValue fallback;  // also says of which type it is; an empty text or program must be given
+  double lowest = -std::numeric_limits<double>::max(), highest = std::numeric_limits<double>::max();  // of numbers
+  bool above_lowest = false;  // the lowest number itself is too low
+};
+
+/// Where rows come from.
+enum class RowOrigin { here, program, person };
+
+struct SamplerKind {
+  const char* name;   // "anneal"
+  const char* title;  // "Annealer", the class in Python
+  const char* about;  // one sentence
+  std::vector<SamplerParameter> parameters = {};
+  bool any_problem = true;  // false: bipartite problems only
+  RowOrigin origin = RowOrigin::here;
+  /// As Sampler::sample(). `settings` has a value of the right type and range for every parameter.
+  SampleSet (*sample)(const Problem& problem, const SampleRequest& request, const SamplerSettings& settings) = nullptr;
+};
+
+std::span<const SamplerKind* const> samplers();
+/// Names of those that fit, in the order of the registry.
+std::vector<std::string> sampler_names(bool (*fits)(const SamplerKind& kind) = nullptr);
+/// Throws InputError with the nearest name and all names.
+const SamplerKind& sampler_named(const std::string& name);
+
+/// `settings` of some parameters; the others have their defaults. Whole numbers do for numbers. Throws InputError for a
+/// sampler or a parameter that does not exist, and for values of another type or out of range.
 std::unique_ptr<Sampler> make_sampler(const std::string& name, const SamplerSettings& settings = {});
+
+/// A setting that make_sampler() has checked.
+template <class T>
+const T& setting(const SamplerSettings& settings, const std::string& name) {
+  return std::get<T>(settings.at(name));
+}
+
+/// Samples with `wanted` until it throws InputError or DeviceError, and with `other` from then on. stood_in() and
+/// reason() report the switch.
+class WithStandIn final : public Sampler {
+ public:
+  WithStandIn(std::unique_ptr<Sampler> wanted, std::unique_ptr<Sampler> other)
+      : wanted_(std::move(wanted)), other_(std::move(other)) {}
+  std::string name() const override { return stood_in() ? other_->name() : wanted_->name(); }
+  SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
+  bool stood_in() const { return !reason_.empty(); }
+  const std::string& reason() const { return reason_; }
+  std::string wanted_name() const { return wanted_->name(); }
+
+ private:
+  std::unique_ptr<Sampler> wanted_, other_;
+  mutable std::string reason_;
+};
 
 }  // namespace gonogo::learning

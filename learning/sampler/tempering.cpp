@@ -1,9 +1,14 @@
+// Parallel tempering over inverse temperatures from beta_start to beta_end in a geometric series. Neighbours exchange
+// states after every sweep (Hukushima, Nemoto, J. Phys. Soc. Jpn. 65, 1604 (1996)). Every temperature has two replicas,
+// so that a run gives two reads. On sparse graphs the two also exchange a cluster of spins in which they differ, which
+// keeps the sum of their energies (Zhu, Ochoa, Katzgraber, arXiv:1501.05630). On dense graphs a cluster is the whole
+// graph, and there is no such move.
 #include <cmath>
 
-#include "base/cancel.h"
 #include "base/error.h"
-#include "learning/sampler/annealing.h"
-#include "learning/sampler/spins.h"
+#include "base/progress.h"
+#include "learning/sampler/chains/spins.h"
+#include "learning/sampler/sampler.h"
 
 namespace gonogo::learning {
 namespace {
@@ -11,9 +16,10 @@ namespace {
 constexpr double kDenseDegree = 10;  // mean neighbours from which on clusters percolate
 
 /// One run: two sets of replicas at the same temperatures. state[set][temperature].
-class Run {
+class TemperingRun {
  public:
-  Run(const SpinGraph& graph, const std::vector<double>& beta, bool clusters, std::uint64_t seed, std::uint64_t run)
+  TemperingRun(const SpinGraph& graph, const std::vector<double>& beta, bool clusters, std::uint64_t seed,
+               std::uint64_t run)
       : graph_(graph),
         beta_(beta),
         clusters_(clusters),
@@ -80,23 +86,21 @@ class Run {
   std::vector<Spins> state_[2];
 };
 
-}  // namespace
-
-SampleSet Tempering::sample(const Problem& problem, const SampleRequest& request) const {
+SampleSet temper(const Problem& problem, const SampleRequest& request, const SamplerSettings& settings) {
+  const auto beta_start = setting<double>(settings, "beta_start"), beta_end = setting<double>(settings, "beta_end");
+  const auto count = std::size_t(setting<std::int64_t>(settings, "replicas"));
   const SpinGraph graph(to_ising(problem));
-  const std::size_t count = settings_.replicas;
-  if (count < 2 || !(settings_.beta_start > 0) || !(settings_.beta_end > settings_.beta_start))
-    throw InputError("sampler tempering: needs at least 2 replicas and 0 < beta_start < beta_end");
+  if (!(beta_start > 0) || !(beta_end > beta_start))
+    throw InputError("sampler tempering: needs 0 < beta_start < beta_end");
   std::vector<double> beta;
   for (std::size_t t = 0; t < count; ++t)
-    beta.push_back(settings_.beta_end *
-                   std::pow(settings_.beta_start / settings_.beta_end, double(count - 1 - t) / double(count - 1)));
+    beta.push_back(beta_end * std::pow(beta_start / beta_end, double(count - 1 - t) / double(count - 1)));
   const bool sparse = double(graph.neighbour.size()) < kDenseDegree * double(graph.size());
   SampleSet rows = empty_rows(problem, request.reads);
 #pragma omp parallel for schedule(static)
   for (std::size_t number = 0; number < (request.reads + 1) / 2; ++number) {
     if (cancel_requested()) continue;
-    Run run(graph, beta, sparse, request.seed, number);
+    TemperingRun run(graph, beta, sparse, request.seed, number);
     for (std::size_t sweep = 0; sweep < request.sweeps; ++sweep) run.sweep(sweep);
     for (std::size_t set = 0; set < 2 && 2 * number + set < request.reads; ++set)
       set_row(rows, 2 * number + set, problem, run.cold(set));
@@ -104,5 +108,16 @@ SampleSet Tempering::sample(const Problem& problem, const SampleRequest& request
   stop_if_cancelled();
   return rows;
 }
+
+}  // namespace
+
+extern const SamplerKind kTempering = {
+    .name = "tempering",
+    .title = "Tempering",
+    .about = "Parallel tempering over `replicas` temperatures between beta_start and beta_end [1 / energy].",
+    .parameters = {{"beta_start", "--beta-start", "first inverse temperature", 0.1},
+                   {"beta_end", "--beta", "rows follow exp(-beta E)", 1.0},
+                   {"replicas", "--replicas", "temperatures", std::int64_t(10), 2}},
+    .sample = temper};
 
 }  // namespace gonogo::learning

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "base/error.h"
-#include "base/normal.h"
+#include "base/math/random.h"
 #include "learning/score/mixing.h"
 
 namespace gonogo::learning {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "learning/score/boosted_trees.h"
+#include "learning/score/two_sample.h"
 
 namespace gonogo::learning {
 

@@ -8,9 +8,9 @@
 #include <ctime>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/campaign/study/contract.h"
-#include "pipeline/learn/answer/infer.h"
+#include "pipeline/outcome/answer/infer.h"
 
 namespace {
 
@@ -22,7 +22,7 @@ std::vector<double> read_points(const char* path) {
 }
 
 void time_predictions(const char* model, const char* points_file, int repeats) {
-  const auto predictor = gonogo::learn::Predictor::read(model);
+  const auto predictor = gonogo::outcome::Predictor::read(model);
   const std::vector<double> points = read_points(points_file);
   double best = 1e300, sum = 0;
   for (int k = 0; k < repeats; ++k) {

@@ -1,5 +1,4 @@
 """Campaigns: all trials of a study, in worker processes."""
-import json
 import os
 import sys
 import threading
@@ -42,8 +41,7 @@ class Campaign:
         if progress is not None:
             watcher.start()
         try:
-            summary = json.loads(_core.run_campaign(self.study, os.fspath(self.folder), command, workers, places, device,
-                                                    trials_per_shard))
+            summary = _core.run_campaign(self.study, os.fspath(self.folder), command, workers, places, device, trials_per_shard)
         finally:
             over.set()
             if progress is not None:
@@ -54,8 +52,7 @@ class Campaign:
 
     def status(self) -> dict[str, Any]:
         """Trials, done trials, speed, counts; also while the campaign runs, in this process or another."""
-        status: dict[str, Any] = json.loads(_core.campaign_status(os.fspath(self.folder)))
-        return status
+        return _core.campaign_status(os.fspath(self.folder))
 
     def _watch(self, over: threading.Event, progress: Callable[[int, int], object] | None, interval: float) -> None:
         while not over.wait(interval):

@@ -1,5 +1,4 @@
 """Datasets of trials."""
-import json
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -49,10 +48,8 @@ class Dataset:
 
     def summary(self) -> dict[str, Any]:
         """Counts of verdicts and reasons, ranges of variables and measures, agreement of replicates."""
-        summary: dict[str, Any] = json.loads(self._dataset.summary())
-        return summary
+        return self._dataset.summary()
 
     def provenance(self) -> dict[str, Any]:
         """What the rows depend on: study, program, contract, inputs and libraries."""
-        provenance: dict[str, Any] = json.loads(self._dataset.provenance())
-        return provenance
+        return self._dataset.provenance()

@@ -176,11 +176,11 @@ def map(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = None,
                       max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground,
                       colour_blind_safe=colour_blind_safe, crossing_model=os.fspath(crossing_model), threads=threads)
     files.set_members([os.fspath(member) for member in members])
-    return Map(folder, json.loads(with_gdal().make_map(files, str(folder))))
+    return Map(folder, with_gdal().make_map(files, str(folder)))
 
 
 def compare(first: Map | PathLike, second: Map | PathLike, out: PathLike) -> dict[str, Any]:
     """Compares two maps of one region, as `gonogo compare` does. Writes rasters and figures to the folder `out`."""
     one, two = (os.fspath(m.folder if isinstance(m, Map) else m) for m in (first, second))
-    result: dict[str, Any] = json.loads(with_gdal().compare_maps(one, two, os.fspath(out)))
+    result: dict[str, Any] = with_gdal().compare_maps(one, two, os.fspath(out))
     return result

@@ -1,8 +1,5 @@
 """Trained models: predictions, reconstructions, annealing problems and their answers."""
-import csv
-import json
 import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -90,13 +87,11 @@ class Model:
         The answer is that of `gonogo infer --reconstruct --json`: "reconstruction" holds mean, deviation, low, high and
         all bins of each unknown variable, in its unit.
         """
-        answer: dict[str, Any] = json.loads(self._predictor.answer(points_of(given).values, outcome, True))
-        return answer
+        return self._predictor.answer(points_of(given).values, outcome, True)
 
     def infer(self, given: Mapping[str, float], outcome: str | None = None) -> dict[str, Any]:
         """The answer of `gonogo infer --json` to one point, with standard errors, novelty and what was summed out."""
-        answer: dict[str, Any] = json.loads(self._predictor.answer(points_of(given).values, outcome, False))
-        return answer
+        return self._predictor.answer(points_of(given).values, outcome, False)
 
     def to_bqm(self, given: Mapping[str, float] | None = None, vartype: str = "BINARY",
                code_penalty: float | None = None) -> "dimod.BinaryQuadraticModel":
@@ -107,9 +102,9 @@ class Model:
         """
         import dimod
 
-        with tempfile.TemporaryDirectory() as folder:
-            problem = self._export(Path(folder), given, vartype, code_penalty)
-            return dimod.BinaryQuadraticModel.from_serializable(json.loads(problem.read_text()))
+        labels, linear, first, second, coupling, offset = self._machine(given, vartype, code_penalty).coefficients()
+        return dimod.BinaryQuadraticModel.from_numpy_vectors(linear, (first, second, coupling), offset, vartype,
+                                                             variable_order=labels)
 
     def answer(self, sampleset: "dimod.SampleSet", given: Mapping[str, float] | None = None,
                code_penalty: float | None = None, *, decoding: str = "weigh", min_reads: float = 100,
@@ -120,12 +115,13 @@ class Model:
         the hidden units of every row weigh all code words; "discard" leaves out rows with a pattern that is no code word;
         "repair" maps them to the nearest value. Answers with fewer usable reads than the two limits are refused.
         """
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            problem = self._export(folder, given, sampleset.vartype.name, code_penalty)
-            rows: Any = sampleset  # dimod's own annotations end here
-            (folder / "answer.json").write_text(json.dumps(rows.to_serializable(use_bytes=False)))
-            return self._decode(problem, folder / "answer.json", decoding, min_reads, min_share)
+        rows: Any = sampleset  # dimod's own annotations end here
+        record, vartype = rows.record, rows.vartype.name
+        labels = [label if isinstance(label, (int, str)) else str(label) for label in rows.variables]
+        return Answer(*self._machine(given, vartype, code_penalty).decode(
+            vartype, labels, np.ascontiguousarray(record.sample, dtype=np.int8),
+            np.ascontiguousarray(record.energy, dtype=np.float64),
+            np.ascontiguousarray(record.num_occurrences, dtype=np.int64), rows.info, decoding, min_reads, min_share))
 
     def sample(self, reads: int, given: Mapping[str, float] | None = None, *, sampler: str = "exact",
                sweeps: int = 1000, seed: int = 0, decoding: str = "weigh", code_penalty: float | None = None) -> Answer:
@@ -134,12 +130,8 @@ class Model:
         sampler: "exact" enumerates machines of up to 22 hidden units; "block_gibbs", "tempering" and "population" draw
         from larger ones with Markov chains of `sweeps` sweeps. The same arguments give the same rows.
         """
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            problem = self._export(folder, given, "BINARY", code_penalty)
-            choice = _core.SamplerChoice(sampler)
-            _core.sample_file(str(problem), str(folder / "answer.json"), choice, reads, seed, sweeps)
-            return self._decode(problem, folder / "answer.json", decoding, 0, 0)
+        machine = self._machine(given, "BINARY", code_penalty)
+        return Answer(*machine.sample(_core.SamplerChoice(sampler), reads, seed, sweeps, decoding))
 
     @property
     def sampled_ranges(self) -> dict[str, tuple[float, float]]:
@@ -150,19 +142,7 @@ class Model:
     @property
     def provenance(self) -> dict[str, Any]:
         """Settings, counts and scores of the training, and hashes of what it read."""
-        provenance: dict[str, Any] = json.loads(self._predictor.provenance)
-        return provenance
+        return self._predictor.provenance
 
-    def _export(self, folder: Path, given: Mapping[str, float] | None, vartype: str, code_penalty: float | None) -> Path:
-        problem = folder / "problem.json"
-        _core.export_problem(str(self.path), str(problem), dict(given or {}), vartype, code_penalty)
-        return problem
-
-    def _decode(self, problem: Path, answer: Path, decoding: str, min_reads: float, min_share: float) -> Answer:
-        rows = problem.with_name("rows.csv")
-        summary = _core.import_answer(str(problem), str(answer), str(self.path), str(rows), decoding, min_reads, min_share)
-        with rows.open(newline="") as file:
-            reader = csv.DictReader(file)
-            names, lines = list(reader.fieldnames or []), list(reader)
-        kinds = {"outcome": str, "occurrences": int}
-        return Answer(json.loads(summary), {name: [kinds.get(name, float)(row[name]) for row in lines] for name in names})
+    def _machine(self, given: Mapping[str, float] | None, vartype: str, code_penalty: float | None) -> _core.MachineProblem:
+        return _core.MachineProblem(self._predictor, dict(given or {}), vartype, code_penalty)

@@ -1,6 +1,5 @@
 """Routes over a region."""
 import datetime
-import json
 import os
 import tempfile
 from collections.abc import Iterable, Mapping
@@ -56,5 +55,5 @@ def route(dem: Any = None, model: Model | PathLike = "", soil: Soil | None = Non
                           vehicle=vehicle, whole_vehicle=whole_vehicle, dataset=dataset, moisture=moisture,
                           max_speed_km_h=max_speed, height_unit=height_unit, flat_is_ground=flat_is_ground,
                           crossing_model=os.fspath(crossing_model), threads=threads)
-        result: dict[str, Any] = json.loads(with_gdal().plan_route(request, place))
+        result: dict[str, Any] = with_gdal().plan_route(request, place)
     return result

@@ -33,5 +33,5 @@ def train(dataset: PathLike, out: PathLike, *, study: PathLike | None = None, le
 def evaluate(model: Model | PathLike, dataset: PathLike) -> dict[str, Any]:
     """Scores a model on the trials that it was not trained on: the report of `gonogo evaluate --json`."""
     file = os.fspath(model.path if isinstance(model, Model) else model)
-    report: dict[str, Any] = json.loads(_with_torch().evaluate(file, os.fspath(dataset)))
+    report: dict[str, Any] = _with_torch().evaluate(file, os.fspath(dataset))
     return report

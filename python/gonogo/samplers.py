@@ -3,9 +3,7 @@
 All are pure functions of problem, parameters and seed. Rows of block Gibbs, tempering and population follow
 exp(-energy) at beta_end = 1.
 """
-import json
-import tempfile
-from pathlib import Path
+import inspect
 from typing import Any
 
 import dimod
@@ -20,7 +18,7 @@ class _LibrarySampler(dimod.Sampler):
     _name = ""
 
     def __init__(self, **options: Any) -> None:
-        self._choice = _core.SamplerChoice(self._name, **options)
+        self._choice = _core.SamplerChoice(self._name, options)
         self._options = options
 
     @property
@@ -46,8 +44,7 @@ class _LibrarySampler(dimod.Sampler):
 
     def _draw(self, bqm: dimod.BinaryQuadraticModel, reads: int, sweeps: int, seed: int) -> tuple[Any, Any, Any, Any]:
         problem = _problem(bqm, self._labels(bqm))
-        values, energies, counts, info = _core.sample(problem, self._choice, reads, seed, sweeps)
-        return values, energies, counts, json.loads(info)
+        return _core.sample(problem, self._choice, reads, seed, sweeps)
 
 
 def _problem(bqm: dimod.BinaryQuadraticModel, labels: list[int]) -> _core.Problem:
@@ -61,50 +58,33 @@ def _problem(bqm: dimod.BinaryQuadraticModel, labels: list[int]) -> _core.Proble
                          np.ascontiguousarray(coupling[order], dtype=np.float64), float(vectors.offset))
 
 
-class BlockGibbs(_LibrarySampler):
-    """Block Gibbs sampling of bipartite problems, such as those of models without clamped hidden units."""
+def _sampler_class(name: str, title: str, about: str, parameters: list[tuple[str, Any, str]]) -> type[_LibrarySampler]:
+    kind = inspect.Parameter.POSITIONAL_OR_KEYWORD
+    signature = inspect.Signature([inspect.Parameter("self", kind)] + [
+        inspect.Parameter(parameter, kind, default=value, annotation=type(value)) for parameter, value, _ in parameters])
 
-    _name = "block_gibbs"
+    def __init__(*args: Any, **options: Any) -> None:
+        given = signature.bind(*args, **options)
+        given.apply_defaults()
+        _LibrarySampler.__init__(**given.arguments)
 
-    def __init__(self, on_gpu: bool = False) -> None:
-        super().__init__(on_gpu=on_gpu)
-
-
-class Annealer(_LibrarySampler):
-    """Simulated annealing from beta_start to beta_end [1 / energy]."""
-
-    _name = "anneal"
-
-    def __init__(self, beta_start: float = 0.1, beta_end: float = 1.0) -> None:
-        super().__init__(beta_start=beta_start, beta_end=beta_end)
+    __init__.__signature__ = signature  # type: ignore[attr-defined]
+    lines = [about, "", *(f"{parameter}: {text}" for parameter, _, text in parameters)]
+    return type(title, (_LibrarySampler,), {"__doc__": "\n".join(lines).strip(), "__module__": __name__, "_name": name,
+                                            "__init__": __init__})
 
 
-class Tempering(_LibrarySampler):
-    """Parallel tempering over `replicas` temperatures between beta_start and beta_end [1 / energy]."""
-
-    _name = "tempering"
-
-    def __init__(self, beta_start: float = 0.1, beta_end: float = 1.0, replicas: int = 10) -> None:
-        super().__init__(beta_start=beta_start, beta_end=beta_end, replicas=replicas)
+# BlockGibbs, Annealer, Tempering, ...: the library's samplers, whose parameters have its names and defaults.
+globals().update({title: _sampler_class(name, title, about, parameters)
+                  for name, title, about, parameters in _core.samplers()})
 
 
-class Population(_LibrarySampler):
-    """Population annealing over `temperatures` steps from beta_start to beta_end [1 / energy]."""
-
-    _name = "population"
-
-    def __init__(self, beta_start: float = 0.1, beta_end: float = 1.0, temperatures: int = 30) -> None:
-        super().__init__(beta_start=beta_start, beta_end=beta_end, temperatures=temperatures)
-
-
-class Exact(_LibrarySampler):
-    """Independent samples of small problems and of those of low treewidth."""
-
-    _name = "exact"
+def __getattr__(name: str) -> type[_LibrarySampler]:  # tells type checkers of these classes
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 class _EmulatedSampler(_LibrarySampler):
-    """Samples problem files, as `gonogo qubo sample --sampler emulator` does."""
+    """The rows of `gonogo qubo sample --sampler emulator`."""
 
     _name = "emulator"
     _as_programmed = False
@@ -115,16 +95,7 @@ class _EmulatedSampler(_LibrarySampler):
         self._device = _core.Device(graph, dead_share, dead_seed, temperature, self._as_programmed)
 
     def _draw(self, bqm: dimod.BinaryQuadraticModel, reads: int, sweeps: int, seed: int) -> tuple[Any, Any, Any, Any]:
-        labels = self._labels(bqm)
-        plain = dimod.BinaryQuadraticModel(bqm, dtype=np.float64)
-        plain.relabel_variables(dict(zip(list(bqm.variables), labels)))
-        with tempfile.TemporaryDirectory() as name:
-            problem, answer = Path(name) / "problem.json", Path(name) / "answer.json"
-            problem.write_text(json.dumps(plain.to_serializable()))
-            report = _core.sample_emulated(str(problem), str(answer), self._device, reads, seed, sweeps)
-            rows = dimod.SampleSet.from_serializable(json.loads(answer.read_text()))
-        columns = [rows.variables.index(label) for label in labels]
-        return (rows.record.sample[:, columns], rows.record.energy, rows.record.num_occurrences, json.loads(report))
+        return _core.sample_emulated(_problem(bqm, self._labels(bqm)), self._device, reads, seed, sweeps)
 
 
 class Emulator(_EmulatedSampler):

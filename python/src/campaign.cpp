@@ -1,31 +1,34 @@
-#include "pipeline/campaign/engine/campaign.h"
-
+// Campaigns and their datasets.
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/dataset/row.h"
+#include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/campaign/design/design.h"
+#include "pipeline/campaign/engine/campaign.h"
 #include "pipeline/campaign/engine/study_campaign.h"
-#include "python/src/arrays.h"
-#include "python/src/calls.h"
-#include "python/src/module.h"
+#include "pipeline/campaign/study/contract.h"
+#include "python/src/binding.h"
 
 namespace nb = nanobind;
 
 namespace gonogo::python {
 namespace {
 
-Json counts_json(const campaign::Counts& counts) {
-  Json json = Json::object();
-  for (const auto& [name, count] : counts) json[name] = std::uint64_t(count);
-  return json;
+nb::dict counts_of(const campaign::Counts& counts) {
+  nb::dict result;
+  for (const auto& [name, count] : counts) result[name.c_str()] = count;
+  return result;
 }
 
 /// `worker`: the words that start Python with gonogo.worker, in the place of the program and its command.
-std::string run_campaign(const std::string& study, const std::string& folder, const std::vector<std::string>& worker,
-                         std::optional<int> workers, std::optional<int> places, std::optional<std::string> device,
-                         std::size_t trials_per_shard) {
-  return long_call([&] {
+Members run_campaign(const std::string& study, const std::string& folder, const std::vector<std::string>& worker,
+                     std::optional<int> workers, std::optional<int> places, std::optional<std::string> device,
+                     std::size_t trials_per_shard) {
+  const campaign::CampaignSummary done = long_call([&] {
     campaign::ComputeRequest compute;
     compute.workers = workers;
     compute.places = places;
@@ -36,31 +39,29 @@ std::string run_campaign(const std::string& study, const std::string& folder, co
     words.erase(words.begin(), words.begin() + kProgramWords);
     words.insert(words.begin(), worker.begin(), worker.end());
     request.trials_per_shard = trials_per_shard;
-    const campaign::CampaignSummary done = campaign::run_campaign(request);
-    Json json;
-    json["dataset"] = done.dataset.string();
-    json["trials"] = std::uint64_t(done.trials);
-    json["computed"] = std::uint64_t(done.computed);
-    json["reused"] = std::uint64_t(done.reused);
-    json["verdicts"] = counts_json(done.by_verdict);
-    json["reasons"] = counts_json(done.by_reason);
-    return json.dump();
+    return campaign::run_campaign(request);
   });
+  Members summary;
+  summary["dataset"] = done.dataset.string();
+  summary["trials"] = done.trials;
+  summary["computed"] = done.computed;
+  summary["reused"] = done.reused;
+  summary["verdicts"] = counts_of(done.by_verdict);
+  summary["reasons"] = counts_of(done.by_reason);
+  return summary;
 }
 
-std::string status(const std::string& folder) {
-  return long_call([&] {
-    const campaign::CampaignStatus now = campaign::campaign_status(folder);
-    Json json;
-    json["trials"] = std::uint64_t(now.trials);
-    json["done"] = std::uint64_t(now.done);
-    json["running"] = now.use != campaign::FolderUse::none;
-    json["trials_per_second"] = now.rate;
-    json["seconds_left"] = now.seconds_left;
-    json["verdicts"] = counts_json(now.by_verdict);
-    json["reasons"] = counts_json(now.by_reason);
-    return json.dump();
-  });
+Members status(const std::string& folder) {
+  const campaign::CampaignStatus now = long_call([&] { return campaign::campaign_status(folder); });
+  Members status;
+  status["trials"] = now.trials;
+  status["done"] = now.done;
+  status["running"] = now.use != campaign::FolderUse::none;
+  status["trials_per_second"] = to_python(now.rate);
+  status["seconds_left"] = to_python(now.seconds_left);
+  status["verdicts"] = counts_of(now.by_verdict);
+  status["reasons"] = counts_of(now.by_reason);
+  return status;
 }
 
 /// Points of a study's design [trial_count, variable_count].
@@ -92,11 +93,79 @@ void run_worker(const std::string& study, const std::string& device, int places,
 void bind_campaign(nb::module_& m) {
   using namespace nb::literals;
   m.def("run_campaign", &run_campaign, "study"_a, "folder"_a, "worker"_a, "workers"_a.none(), "places"_a.none(),
-        "device"_a.none(), "trials_per_shard"_a, "Computes what is missing. Returns JSON of the summary.");
-  m.def("campaign_status", &status, "folder"_a, "JSON of the progress; may be called while a campaign runs.");
+        "device"_a.none(), "trials_per_shard"_a, "Computes what is missing. Returns the summary.");
+  m.def("campaign_status", &status, "folder"_a, "The progress; may be called while a campaign runs.");
   m.def("design", &design, "study"_a, "Points of a study's design [trial_count, variable_count].");
   m.def("run_worker", &run_worker, "study"_a, "device"_a, "places"_a, "gpu"_a, "checkpoints"_a, "checkpoint_every"_a,
         "A worker process of a campaign: points from standard input, trials to standard output.");
+}
+
+namespace {
+
+/// Column name -> array [rows], in the order of the program's CSV.
+Members columns_of(const campaign::Dataset& dataset) {
+  campaign::TrialColumns columns(dataset.records.size());
+  for (const campaign::TrialRecord& record : dataset.records) columns.append(record);
+  const campaign::Contract& contract = campaign::contract();
+  const bool with_task = campaign::has_task_values(dataset.records);
+  nb::dict result;
+  result["index"] = array_of(std::move(columns.index));
+  result["seed"] = array_of(std::move(columns.seed));
+  result["replicate_of"] = array_of(std::move(columns.replicate_of));
+  result["proposal_density"] = array_of(std::move(columns.proposal_density));
+  for (std::size_t v = 0; v < contract.variables.size(); ++v)
+    if (campaign::has_column(contract.variables[v], with_task))
+      result[contract.variables[v].name.c_str()] = array_of(std::move(columns.variables[v]));
+  result["verdict"] = array_of(std::move(columns.verdict));
+  result["reason"] = array_of(std::move(columns.reason));
+  result["attempts"] = array_of(std::move(columns.attempts));
+  result["failed_checks"] = array_of(std::move(columns.failed_checks));
+  for (std::size_t k = 0; k < contract.measures.size(); ++k)
+    result[contract.measures[k].name.c_str()] = array_of(std::move(columns.measures[k]));
+  return result;
+}
+
+Members provenance_of(const campaign::Dataset& dataset) {
+  const campaign::Provenance& p = dataset.provenance;
+  const auto object = [](const campaign::Provenance::Pairs& pairs) {
+    Json json = Json::object();
+    for (const auto& [name, value] : pairs) json[name] = value;
+    return json;
+  };
+  Json json;
+  json["study"] = Json::parse(p.study.empty() ? "null" : p.study, "study");
+  json["contract_hash"] = p.contract_hash;
+  json["program_version"] = p.program_version;
+  json["backend"] = p.backend;
+  json["inputs"] = object(p.inputs);
+  json["libraries"] = object(p.libraries);
+  return members_of(json);
+}
+
+}  // namespace
+
+void bind_dataset(nb::module_& m) {
+  m.def("names_of_checks", &campaign::names_of_checks, nb::arg("bits"), "\"residual+energy\", or \"none\".");
+  nb::class_<campaign::Dataset>(m, "Dataset", "Trials of a campaign, one row each.")
+      .def_static(
+          "read", [](const std::string& path) { return long_call([&] { return campaign::read_dataset(path); }); },
+          nb::arg("path"))
+      .def("__len__", [](const campaign::Dataset& d) { return d.records.size(); })
+      .def("columns", &columns_of, "Column name -> array [rows].")
+      .def(
+          "csv", [](const campaign::Dataset& d) { return long_call([&] { return campaign::to_csv(d); }); },
+          "Header and one line per trial.")
+      .def(
+          "write",
+          [](const campaign::Dataset& d, const std::string& path) {
+            long_call([&] { campaign::write_dataset(path, d); });
+          },
+          nb::arg("path"), "Writes the HDF5 file.")
+      .def(
+          "summary",
+          [](const campaign::Dataset& d) { return members_of(campaign::to_json(campaign::summarise(d.records))); },
+          "Counts, ranges and the agreement of replicates.")
+      .def("provenance", &provenance_of, "What the rows depend on.");
 }
 
 }  // namespace gonogo::python

@@ -1,7 +1,7 @@
 #include <filesystem>
 
 #include "base/error.h"
-#include "python/src/module.h"
+#include "python/src/binding.h"
 
 namespace nb = nanobind;
 

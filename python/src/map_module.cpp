@@ -6,13 +6,11 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include "base/shipped.h"
+#include "base/files/shipped.h"
+#include "pipeline/map/map_request.h"
 #include "pipeline/map/route/plan_route.h"
 #include "pipeline/map/write/compare_maps.h"
-#include "pipeline/map/write/map_request.h"
-#include "python/src/arrays.h"
-#include "python/src/calls.h"
-#include "python/src/module.h"
+#include "python/src/binding.h"
 #include "terrain/raster/raster_source.h"
 
 namespace nb = nanobind;
@@ -27,8 +25,8 @@ map::MapRequest request_of(map::MapFiles files) {
   return map::read_map_request(files);
 }
 
-std::string make_map(map::MapFiles files, const std::string& out) {
-  return long_call([&] {
+Members make_map(map::MapFiles files, const std::string& out) {
+  return members_of(long_call([&] {
     files.out = out;
     const map::MapSummary summary = map::make_map(request_of(std::move(files)));
     Json json, written = Json::array();
@@ -39,8 +37,8 @@ std::string make_map(map::MapFiles files, const std::string& out) {
     json["files"] = std::move(written);
     json["remarks"] = summary.remarks;
     json["reused"] = summary.reused;
-    return json.dump();
-  });
+    return json;
+  }));
 }
 
 using Place = std::pair<double, double>;
@@ -63,21 +61,21 @@ map::RouteRequest route_request(std::optional<Place> from, std::optional<Place> 
   return request;
 }
 
-std::string plan_route(map::RouteRequest request, const map::MapFiles& files) {
-  return long_call([&] {
+Members plan_route(map::RouteRequest request, const map::MapFiles& files) {
+  return members_of(long_call([&] {
     request.map = request_of(files);
-    return map::plan_route(request).dump();
-  });
+    return map::route_json(map::plan_route(request));
+  }));
 }
 
-std::string compare_maps(const std::string& first, const std::string& second, const std::string& out) {
-  return long_call([&] {
+Members compare_maps(const std::string& first, const std::string& second, const std::string& out) {
+  return members_of(long_call([&] {
     map::CompareRequest request;
     request.first = first;
     request.second = second;
     request.out = out;
-    return map::compare_maps(request).dump();
-  });
+    return map::compare_json(map::compare_maps(request));
+  }));
 }
 
 using Transform = std::array<double, 6>;
@@ -157,10 +155,9 @@ NB_MODULE(_map, m) {
   python::raise_errors_of_core();
   python::bind_files(m);
   python::bind_route_request(m);
-  m.def("make_map", &python::make_map, "files"_a, "out"_a, "Writes the map's folder. Returns JSON of the summary.");
-  m.def("plan_route", &python::plan_route, "request"_a, "files"_a,
-        "Writes the files asked for. Returns JSON of the routes.");
-  m.def("compare_maps", &python::compare_maps, "first"_a, "second"_a, "out"_a, "Returns JSON of the comparison.");
+  m.def("make_map", &python::make_map, "files"_a, "out"_a, "Writes the map's folder. Returns the summary.");
+  m.def("plan_route", &python::plan_route, "request"_a, "files"_a, "Writes the files asked for. Returns the routes.");
+  m.def("compare_maps", &python::compare_maps, "first"_a, "second"_a, "out"_a, "Returns the comparison.");
   m.def("read_raster", &python::read_raster, "path"_a,
         "Values [row, column], NaN: nodata; affine transform; coordinate system as WKT2.");
 }

@@ -1,16 +1,17 @@
+// Trained models, and machines over any variables.
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
+#include <cmath>
 
-#include "base/line.h"
+#include "base/format.h"
+#include "learning/model/posterior.h"
 #include "pipeline/campaign/study/contract.h"
-#include "pipeline/learn/answer/infer.h"
-#include "pipeline/map/model/trained_model.h"
-#include "python/src/arrays.h"
-#include "python/src/calls.h"
-#include "python/src/module.h"
+#include "pipeline/map/trained_model.h"
+#include "pipeline/outcome/answer/infer.h"
+#include "python/src/binding.h"
 
 namespace nb = nanobind;
 
@@ -43,13 +44,13 @@ std::span<const double> checked(const Points& points) {
   return all;
 }
 
-Array<double> p_go(const learn::Predictor& predictor, const Points& points) {
+Array<double> p_go(const outcome::Predictor& predictor, const Points& points) {
   std::vector<double> result(points.shape(0));
   long_call([&] { predictor.p_go(checked(points), result); });
   return array_of(std::move(result));
 }
 
-Array<double> outcome_probabilities(const learn::Predictor& predictor, const Points& points) {
+Array<double> outcome_probabilities(const outcome::Predictor& predictor, const Points& points) {
   const std::size_t rows = points.shape(0), outcomes = predictor.model().layout.outcome_count();
   std::vector<double> result(rows * outcomes);
   long_call([&] { predictor.outcome_probabilities(checked(points), result); });
@@ -71,16 +72,16 @@ Array<T> each_row(const Points& points, F&& f) {
   return array_of(std::move(result));
 }
 
-std::string answer(const learn::Predictor& predictor, const Points& point, const std::optional<std::string>& outcome,
-                   bool reconstruct) {
-  learn::Question question;
-  if (outcome) question.outcome = learn::outcome_named(*outcome);
+Members answer(const outcome::Predictor& predictor, const Points& point, const std::optional<std::string>& outcome,
+               bool reconstruct) {
+  outcome::Question question;
+  if (outcome) question.outcome = outcome::outcome_named(*outcome);
   question.reconstruct = reconstruct;
-  return long_call([&] {
+  return members_of(long_call([&] {
     const auto all = checked(point);
     question.variables.assign(all.begin(), all.end());
-    return learn::answer_question(predictor, question).dump();
-  });
+    return outcome::to_json(outcome::answer_question(predictor, question));
+  }));
 }
 
 }  // namespace
@@ -100,29 +101,92 @@ void bind_model(nb::module_& m) {
         return names;
       },
       "Names of the models that ship.");
-  nb::class_<learn::Predictor>(m, "Predictor", "A trained model. Points are [n, variable_count], NaN: unknown.")
+  nb::class_<outcome::Predictor>(m, "Predictor", "A trained model. Points are [n, variable_count], NaN: unknown.")
       .def_static(
-          "read", [](const std::string& path) { return long_call([&] { return learn::Predictor::read(path); }); },
+          "read", [](const std::string& path) { return long_call([&] { return outcome::Predictor::read(path); }); },
           nb::arg("path"))
       .def("p_go", &p_go, nb::arg("points"), "P(go or slow_go) [n].")
       .def("outcome_probabilities", &outcome_probabilities, nb::arg("points"), "P(outcome) [n, outcome_count].")
       .def(
           "novelty",
-          [](const learn::Predictor& p, const Points& points) {
+          [](const outcome::Predictor& p, const Points& points) {
             return each_row<double>(points, [&](auto point) { return p.novelty(point); });
           },
           nb::arg("points"), "Distance to the nearest trial over the usual distance between trials [n].")
       .def(
           "inside_sampled_box",
-          [](const learn::Predictor& p, const Points& points) {
+          [](const outcome::Predictor& p, const Points& points) {
             return each_row<std::uint8_t>(points, [&](auto point) { return p.inside_sampled_box(point); });
           },
           nb::arg("points"), "1 where all known variables lie in the sampled ranges, otherwise 0 [n].")
       .def("answer", &answer, nb::arg("point"), nb::arg("outcome").none(), nb::arg("reconstruct"),
-           "JSON of the answer to one point [1, variable_count].")
-      .def_prop_ro("sampled_lower", [](const learn::Predictor& p) { return p.model().sampled_lower; })
-      .def_prop_ro("sampled_upper", [](const learn::Predictor& p) { return p.model().sampled_upper; })
-      .def_prop_ro("provenance", [](const learn::Predictor& p) { return p.model().provenance.dump(); });
+           "The answer to one point [1, variable_count].")
+      .def_prop_ro("sampled_lower", [](const outcome::Predictor& p) { return p.model().sampled_lower; })
+      .def_prop_ro("sampled_upper", [](const outcome::Predictor& p) { return p.model().sampled_upper; })
+      .def_prop_ro("provenance", [](const outcome::Predictor& p) { return members_of(p.model().provenance); });
+}
+
+namespace {
+
+class Machine {
+ public:
+  /// layout: JSON. weight [visible, hidden], visible_bias [visible], hidden_bias [hidden].
+  Machine(const std::string& layout, const ArrayIn<double, 2>& weight, const ArrayIn<double, 1>& visible_bias,
+          const ArrayIn<double, 1>& hidden_bias)
+      : layout_(learning::VisibleLayout::from_json(Json::parse(layout, "machine"), "machine")),
+        posterior_(layout_, weights_of(weight, visible_bias, hidden_bias)) {}
+
+  /// P(class) [row, class]; NaN is unknown and summed out.
+  Array<double> probabilities(const ArrayIn<double, 2>& rows) const {
+    const std::size_t count = rows.shape(0), width = rows.shape(1), classes = layout_.outcome_count();
+    if (width != layout_.variable_count())
+      throw InputError("machine: " + std::to_string(width) + " variables given, " +
+                       std::to_string(layout_.variable_count()) + " needed");
+    std::vector<double> result(count * classes);
+    long_call([&] {
+      for (std::size_t n = 0; n < count; ++n) {
+        stop_if_cancelled();
+        answer(std::span(rows.data() + n * width, width), std::span(result).subspan(n * classes, classes));
+      }
+    });
+    return array_of(std::move(result), {count, classes});
+  }
+
+ private:
+  static learning::RbmWeights weights_of(const ArrayIn<double, 2>& weight, const ArrayIn<double, 1>& visible_bias,
+                                         const ArrayIn<double, 1>& hidden_bias) {
+    learning::RbmWeights w;
+    w.visible_count = visible_bias.size();
+    w.hidden_count = hidden_bias.size();
+    if (weight.shape(0) != w.visible_count || weight.shape(1) != w.hidden_count)
+      throw InputError("machine: weights and biases differ in size");
+    w.weight.assign(weight.data(), weight.data() + weight.size());
+    w.visible_bias = vector_of(visible_bias);
+    w.hidden_bias = vector_of(hidden_bias);
+    return w;
+  }
+
+  void answer(std::span<const double> row, std::span<double> result) const {
+    bool known = true;
+    for (double x : row) known = known && !std::isnan(x);
+    if (known) return posterior_(row, result);
+    const std::vector<double> p = posterior_.marginal(row).probability;
+    std::copy(p.begin(), p.end(), result.begin());
+  }
+
+  learning::VisibleLayout layout_;
+  learning::Posterior posterior_;
+};
+
+}  // namespace
+
+void bind_machine(nb::module_& m) {
+  using namespace nb::literals;
+  nb::class_<Machine>(m, "Machine", "A restricted Boltzmann machine over any variables.")
+      .def(nb::init<const std::string&, const ArrayIn<double, 2>&, const ArrayIn<double, 1>&,
+                    const ArrayIn<double, 1>&>(),
+           "layout"_a, "weight"_a, "visible_bias"_a, "hidden_bias"_a)
+      .def("probabilities", &Machine::probabilities, "rows"_a, "P(class) [row, class]; NaN is unknown.");
 }
 
 }  // namespace gonogo::python

@@ -1,11 +1,11 @@
-#include "python/src/module.h"
+#include "python/src/binding.h"
 
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 #include <omp.h>
 
 #include "base/error.h"
-#include "base/shipped.h"
+#include "base/files/shipped.h"
 #include "base/version.h"
 #include "pipeline/campaign/study/contract.h"
 

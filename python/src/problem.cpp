@@ -4,12 +4,13 @@
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
-#include "pipeline/learn/qubo/emulated_annealer.h"
-#include "python/src/arrays.h"
-#include "python/src/calls.h"
-#include "python/src/module.h"
+#include "learning/formats/format.h"
+#include "pipeline/outcome/answer/predictor.h"
+#include "pipeline/outcome/qubo/qubo_exchange.h"
+#include "python/src/binding.h"
 
 namespace nb = nanobind;
 
@@ -50,80 +51,152 @@ struct SamplerChoice {
   learning::SamplerSettings settings;
 };
 
-using Rows = std::tuple<Array<std::int8_t>, Array<double>, Array<std::int64_t>, std::string>;
+using Parameters = std::vector<std::tuple<std::string, learning::SettingValue, std::string>>;
 
-Rows rows_of(learning::SampleSet&& answer) {
+std::vector<std::tuple<std::string, std::string, std::string, Parameters>> drawing_samplers() {
+  std::vector<std::tuple<std::string, std::string, std::string, Parameters>> list;
+  for (const learning::SamplerKind* kind : learning::samplers()) {
+    if (kind->origin != learning::RowOrigin::here) continue;
+    Parameters parameters;
+    for (const auto& p : kind->parameters) parameters.emplace_back(p.name, p.fallback, p.help);
+    list.emplace_back(kind->name, kind->title, kind->about, std::move(parameters));
+  }
+  return list;
+}
+
+using Rows = std::tuple<Array<std::int8_t>, Array<double>, Array<std::int64_t>, Members>;
+
+Rows rows_of(learning::SampleSet&& answer, const Json& info) {
   const std::size_t rows = answer.row_count(), variables = answer.variable_count();
   return {array_of(std::move(answer.values), {rows, variables}), array_of(std::move(answer.energies)),
-          array_of(std::move(answer.occurrences)), answer.info.dump()};
+          array_of(std::move(answer.occurrences)), members_of(info)};
 }
 
 Rows sample(const ProblemArrays& arrays, const SamplerChoice& choice, std::size_t reads, std::uint64_t seed,
             std::size_t sweeps) {
-  return rows_of(long_call([&] {
+  learning::SampleSet rows = long_call([&] {
     const auto sampler = learning::make_sampler(choice.name, choice.settings);
     const learning::SampleRequest request{.reads = reads, .seed = seed, .sweeps = sweeps};
     return sampler->sample(problem_of(arrays), request);
-  }));
+  });
+  const Json info = rows.info;
+  return rows_of(std::move(rows), info);
 }
 
-std::vector<std::string> export_problem(const std::string& model, const std::string& problem,
-                                        const std::map<std::string, double>& given, const std::string& vartype,
-                                        std::optional<double> code_penalty) {
+outcome::MachineProblem machine_problem(const outcome::Predictor& predictor, const std::map<std::string, double>& given,
+                                        const std::string& vartype, std::optional<double> code_penalty) {
   return long_call(
-      [&] { return learn::export_problem(model, problem, given, vartype_named(vartype), {}, code_penalty).notes; });
+      [&] { return outcome::machine_problem(predictor.model(), given, vartype_named(vartype), code_penalty); });
 }
 
-learn::Decoding decoding_named(const std::string& name) {
-  for (const auto decoding : {learn::Decoding::weigh, learn::Decoding::discard, learn::Decoding::repair})
-    if (learn::decoding_name(decoding) == name) return decoding;
+/// Labels, linear biases, first and second variable of each coupling, its value, offset.
+std::tuple<std::vector<std::string>, Array<double>, Array<std::uint32_t>, Array<std::uint32_t>, Array<double>, double>
+coefficients(const outcome::MachineProblem& machine) {
+  const learning::Problem& problem = machine.problem;
+  std::vector<std::string> labels;
+  for (const learning::Label& label : problem.labels) labels.push_back(learning::label_text(label));
+  std::vector<std::uint32_t> first, second;
+  std::vector<double> value;
+  for (const learning::Coupling& c : problem.couplings) {
+    first.push_back(c.a);
+    second.push_back(c.b);
+    value.push_back(c.value);
+  }
+  return {std::move(labels),          array_of(std::vector<double>(problem.linear)),
+          array_of(std::move(first)), array_of(std::move(second)),
+          array_of(std::move(value)), problem.offset};
+}
+
+outcome::Decoding decoding_named(const std::string& name) {
+  for (const auto decoding : {outcome::Decoding::weigh, outcome::Decoding::discard, outcome::Decoding::repair})
+    if (outcome::decoding_name(decoding) == name) return decoding;
   throw InputError("decoding " + name + ": there are weigh, discard and repair");
 }
 
-std::string import_answer(const std::string& problem, const std::string& answer, const std::string& model,
-                          const std::string& rows, const std::string& decoding, double min_reads, double min_share) {
-  return long_call([&] {
-    learn::ImportRequest request;
-    request.problem = problem;
-    request.answer = answer;
-    request.model = model;
-    request.rows = rows;
-    request.decoding = decoding_named(decoding);
-    request.limits = {min_reads, min_share};
-    return learn::import_answer(request).dump();
-  });
+outcome::DecodeSettings decode_settings(const std::string& decoding, double min_reads, double min_share) {
+  outcome::DecodeSettings settings;
+  settings.decoding = decoding_named(decoding);
+  settings.limits = {min_reads, min_share};
+  return settings;
 }
 
-void sample_file(const std::string& problem, const std::string& answer, const SamplerChoice& choice, std::size_t reads,
-                 std::uint64_t seed, std::size_t sweeps) {
-  long_call([&] {
+/// The summary, and a list for every column of the rows.
+using Decoded = std::tuple<Members, nb::typed<nb::dict, nb::str, nb::typed<nb::list, nb::any>>>;
+
+Decoded decoded(const outcome::MachineProblem& machine, const learning::SampleSet& rows,
+                const outcome::DecodeSettings& settings) {
+  const outcome::ImportedAnswer answer = long_call([&] {
+    const learning::SampleSet checked = learning::check_answer(machine.problem, rows, "answer");
+    if (checked.row_count() == 0) throw InputError("answer: it has no rows; sample the problem with reads");
+    return outcome::decode_answer_to(machine.problem, machine.sidecar, checked, settings, "answer");
+  });
+  const learning::VisibleLayout& layout = machine.sidecar.layout;
+  nb::typed<nb::dict, nb::str, nb::typed<nb::list, nb::any>> columns;
+  const auto add = [&](const std::string& name, const auto& of_row) {
+    nb::list column;
+    for (const outcome::DecodedAnswer::Row& row : answer.decoded.rows) column.append(of_row(row));
+    columns[name.c_str()] = column;
+  };
+  for (std::size_t v = 0; v < layout.variable_count(); ++v)
+    add(layout.encoders()[v].name(), [v](const auto& row) { return row.values[v]; });
+  add("outcome", [&](const auto& row) { return layout.outcomes()[row.outcome]; });
+  add("energy", [](const auto& row) { return row.energy; });
+  add("occurrences", [](const auto& row) { return row.occurrences; });
+  if (answer.decoded.decoding == outcome::Decoding::weigh) add("weight", [](const auto& row) { return row.weight; });
+  return {members_of(outcome::to_json(answer)), columns};
+}
+
+/// `labels`: of the columns of `values` [row, variable]. `info`: of the sampler.
+Decoded decode(const outcome::MachineProblem& machine, const std::string& vartype,
+               const std::vector<std::variant<std::int64_t, std::string>>& labels,
+               const ArrayIn<std::int8_t, 2>& values, const ArrayIn<double, 1>& energies,
+               const ArrayIn<std::int64_t, 1>& occurrences, const Members& info, const std::string& decoding,
+               double min_reads, double min_share) {
+  learning::SampleSet rows;
+  rows.vartype = vartype_named(vartype);
+  for (const auto& label : labels) std::visit([&](const auto& name) { rows.labels.emplace_back(name); }, label);
+  rows.values.assign(values.data(), values.data() + values.size());
+  rows.energies = vector_of(energies);
+  rows.occurrences.assign(occurrences.data(), occurrences.data() + occurrences.size());
+  if (info.contains("problem_hash")) rows.info["problem_hash"] = nb::cast<std::string>(info["problem_hash"]);
+  if (info.contains("programmings")) rows.info["programmings"] = nb::cast<std::int64_t>(info["programmings"]);
+  return decoded(machine, rows, decode_settings(decoding, min_reads, min_share));
+}
+
+Decoded sample_machine(const outcome::MachineProblem& machine, const SamplerChoice& choice, std::size_t reads,
+                       std::uint64_t seed, std::size_t sweeps, const std::string& decoding) {
+  const learning::SampleSet rows = long_call([&] {
     const auto sampler = learning::make_sampler(choice.name, choice.settings);
-    learn::sample_problem(problem, answer, *sampler, {.reads = reads, .seed = seed, .sweeps = sweeps});
+    return sampler->sample(machine.problem, {.reads = reads, .seed = seed, .sweeps = sweeps});
   });
+  return decoded(machine, rows, decode_settings(decoding, 0, 0));
 }
 
-std::string sample_emulated(const std::string& problem, const std::string& answer, const learn::DeviceChoice& device,
-                            std::size_t reads, std::uint64_t seed, std::size_t sweeps) {
-  return long_call([&] {
-    return learn::sample_emulated(problem, answer, device, {.reads = reads, .seed = seed, .sweeps = sweeps}).dump();
+Rows sample_emulated(const ProblemArrays& arrays, const outcome::DeviceChoice& device, std::size_t reads,
+                     std::uint64_t seed, std::size_t sweeps) {
+  learning::SampleSet rows = long_call([&] {
+    return outcome::emulated_rows({problem_of(arrays), {}}, device, {.reads = reads, .seed = seed, .sweeps = sweeps});
   });
+  outcome::SampleReport report = outcome::sample_report(rows);
+  if (!device.as_programmed) report.correction = rows.info;
+  return rows_of(std::move(rows), outcome::to_json(report));
 }
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-std::tuple<std::vector<std::uint32_t>, Pairs> graph_of(const learn::DeviceChoice& device) {
-  const learning::HardwareGraph graph = learn::chosen_graph(device.graph);
+std::tuple<std::vector<std::uint32_t>, Pairs> graph_of(const outcome::DeviceChoice& device) {
+  const learning::HardwareGraph graph = outcome::chosen_graph(device.graph);
   return {graph.qubits(), graph.couplers()};
 }
 
-void bind_device(nb::module_& m) {
+void bind_emulator(nb::module_& m) {
   using namespace nb::literals;
-  nb::class_<learn::DeviceChoice>(m, "Device", "An emulated annealer with the errors of a D-Wave 2X.")
+  nb::class_<outcome::DeviceChoice>(m, "Device", "An emulated annealer with the errors of a D-Wave 2X.")
       .def(
           "__init__",
-          [](learn::DeviceChoice* self, const std::string& graph, double dead_share, std::uint64_t dead_seed,
+          [](outcome::DeviceChoice* self, const std::string& graph, double dead_share, std::uint64_t dead_seed,
              double temperature, bool as_programmed) {
-            new (self) learn::DeviceChoice;
+            new (self) outcome::DeviceChoice;
             self->graph.name = graph;
             self->graph.dead_share = dead_share;
             self->graph.dead_seed = dead_seed;
@@ -131,8 +204,8 @@ void bind_device(nb::module_& m) {
             self->as_programmed = as_programmed;
           },
           "graph"_a, "dead_share"_a, "dead_seed"_a, "temperature"_a, "as_programmed"_a);
-  m.def("sample_emulated", &sample_emulated, "problem"_a, "answer"_a, "device"_a, "reads"_a, "seed"_a, "sweeps"_a,
-        "Samples a problem file and writes the answer in dimod's JSON. Returns JSON of what was corrected.");
+  m.def("sample_emulated", &sample_emulated, "problem"_a, "device"_a, "reads"_a, "seed"_a, "sweeps"_a,
+        "Rows of the device, as sample() gives them. The information says what was corrected.");
   m.def("graph_of", &graph_of, "device"_a, "Qubits and couplers.");
 }
 
@@ -149,30 +222,29 @@ void bind_problem(nb::module_& m) {
           },
           nb::arg("vartype"), nb::arg("labels"), nb::arg("linear"), nb::arg("first"), nb::arg("second"),
           nb::arg("coupling"), nb::arg("offset"));
-  bind_device(m);
+  bind_emulator(m);
   nb::class_<SamplerChoice>(m, "SamplerChoice", "A sampler of the library and its settings.")
       .def(
           "__init__",
-          [](SamplerChoice* self, const std::string& name, double beta_start, double beta_end, std::size_t replicas,
-             std::size_t temperatures, bool on_gpu) {
-            new (self) SamplerChoice{name, {}};
-            self->settings.beta_start = beta_start;
-            self->settings.beta_end = beta_end;
-            self->settings.replicas = replicas;
-            self->settings.temperatures = temperatures;
-            self->settings.on_gpu = on_gpu;
+          [](SamplerChoice* self, const std::string& name, const learning::SamplerSettings& settings) {
+            learning::make_sampler(name, settings);  // refuses names and values
+            new (self) SamplerChoice{name, settings};
           },
-          nb::arg("name"), nb::arg("beta_start") = 0.1, nb::arg("beta_end") = 1.0, nb::arg("replicas") = 10,
-          nb::arg("temperatures") = 30, nb::arg("on_gpu") = false);
+          nb::arg("name"), nb::arg("settings") = learning::SamplerSettings());
+  m.def("samplers", &drawing_samplers,
+        "Samplers that draw rows here: name, class, description, and (name, default, help) of every parameter.");
   m.def("sample", &sample, nb::arg("problem"), nb::arg("sampler"), nb::arg("reads"), nb::arg("seed"), nb::arg("sweeps"),
-        "Values [reads, variable_count], energies [reads], occurrences [reads], JSON of the sampler's information.");
-  m.def("export_problem", &export_problem, nb::arg("model"), nb::arg("problem"), nb::arg("given"), nb::arg("vartype"),
-        nb::arg("code_penalty").none(), "Writes a model's problem and its sidecar. Returns notes, a sentence each.");
-  m.def("import_answer", &import_answer, nb::arg("problem"), nb::arg("answer"), nb::arg("model"), nb::arg("rows"),
-        nb::arg("decoding"), nb::arg("min_reads"), nb::arg("min_share"),
-        "Checks and decodes an answer in dimod's JSON. Writes the rows as CSV. Returns JSON.");
-  m.def("sample_file", &sample_file, nb::arg("problem"), nb::arg("answer"), nb::arg("sampler"), nb::arg("reads"),
-        nb::arg("seed"), nb::arg("sweeps"), "Samples a problem file and writes the answer in dimod's JSON.");
+        "Values [reads, variable_count], energies [reads], occurrences [reads], the sampler's information.");
+  nb::class_<outcome::MachineProblem>(m, "MachineProblem", "A model's machine as an annealing problem.")
+      .def(nb::new_(&machine_problem), nb::arg("predictor"), nb::arg("given"), nb::arg("vartype"),
+           nb::arg("code_penalty").none())
+      .def("coefficients", &coefficients,
+           "Labels, linear biases, first and second variable of each coupling, its value, offset.")
+      .def("decode", &decode, nb::arg("vartype"), nb::arg("labels"), nb::arg("values"), nb::arg("energies"),
+           nb::arg("occurrences"), nb::arg("info"), nb::arg("decoding"), nb::arg("min_reads"), nb::arg("min_share"),
+           "Checks and decodes an answer. Returns its summary, and a list for every column of the rows.")
+      .def("sample", &sample_machine, nb::arg("sampler"), nb::arg("reads"), nb::arg("seed"), nb::arg("sweeps"),
+           nb::arg("decoding"), "Draws rows and decodes them.");
 }
 
 }  // namespace gonogo::python

@@ -1,14 +1,13 @@
-// Worlds to simulate, settled beds, and the wheel rig.
+// Worlds to simulate, settled beds, and the quarter vehicle.
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 
-#include "python/src/arrays.h"
-#include "python/src/calls.h"
-#include "python/src/module.h"
+#include "python/src/binding.h"
 #include "terrain/bed/bed.h"
-#include "vehicle/wheel_rig.h"
+#include "vehicle/model/statics.h"
+#include "vehicle/world/engine_vehicle.h"
 
 namespace nb = nanobind;
 
@@ -90,10 +89,14 @@ sim::SceneWorld world_of(const terrain::Packing& packing, double friction, doubl
   return terrain::bed_world(packing, {law, law}, headroom);
 }
 
-std::tuple<int, int, int> add_wheel(sim::SceneWorld& world, const vehicle::WheelRig& rig, const Numbers& axle,
+/// A vehicle of kind quarter, which Python knows as a WheelRig.
+struct Quarter : vehicle::Vehicle {};
+
+std::tuple<int, int, int> add_wheel(sim::SceneWorld& world, const Quarter& quarter, const Numbers& axle,
                                     double payload) {
-  const vehicle::RigBodies b = vehicle::add_wheel_rig(world, rig, vec3d(axle), payload, terrain::tool_material);
-  return {b.wheel, b.sprung, b.motor};
+  const vehicle::Vehicle v = vehicle::loaded(quarter, payload);
+  const vehicle::EngineVehicle e = vehicle::add_vehicle(world, v, vec3d(axle), terrain::tool_material);
+  return {e.wheel.front(), e.bodies.body.front(), e.drive_motor.front()};
 }
 
 }  // namespace
@@ -154,14 +157,18 @@ void bind_scene(nb::module_& m) {
       .def_prop_ro("highest_point", &terrain::highest_point, "[m]")
       .def("world", &world_of, "friction"_a, "rolling_friction"_a = 0.0, "cohesion_pressure"_a = 0.0,
            "headroom"_a = 2.0, "A world with this bed. Bodies 0 to grain_count - 1 are the grains, then the base.");
-  nb::class_<vehicle::WheelRig>(m, "WheelRig", "A quarter vehicle: wheel, hub and sprung mass.")
+  nb::class_<Quarter>(m, "WheelRig", "A quarter vehicle: wheel, hub and sprung mass.")
       .def_static(
-          "read", [](const std::string& path) { return vehicle::read_wheel_rig(path); }, "path"_a)
-      .def_ro("name", &vehicle::WheelRig::name)
-      .def_ro("radius", &vehicle::WheelRig::radius, "Without lugs [m].")
-      .def_ro("width", &vehicle::WheelRig::width, "[m]")
-      .def_ro("lug_height", &vehicle::WheelRig::lug_height, "[m]")
-      .def_ro("max_torque", &vehicle::WheelRig::max_torque, "At the wheel [N m].");
+          "read", [](const std::string& path) { return Quarter{vehicle::read_quarter_vehicle(path)}; }, "path"_a)
+      .def_prop_ro("name", [](const Quarter& q) { return q.name; })
+      .def_prop_ro(
+          "radius", [](const Quarter& q) { return q.wheel.front().radius; }, "Without lugs [m].")
+      .def_prop_ro(
+          "width", [](const Quarter& q) { return q.wheel.front().width; }, "[m]")
+      .def_prop_ro(
+          "lug_height", [](const Quarter& q) { return q.wheel.front().lug_height; }, "[m]")
+      .def_prop_ro(
+          "max_torque", [](const Quarter& q) { return vehicle::largest_drive_torque(q); }, "At the wheel [N m].");
 }
 
 }  // namespace gonogo::python

@@ -5,11 +5,8 @@
 
 #include <memory>
 
-#include "python/src/arrays.h"
-#include "python/src/calls.h"
-#include "python/src/module.h"
-#include "python/src/state.h"
-#include "sim/simulation/device.h"
+#include "python/src/binding.h"
+#include "sim/simulation/simulation.h"
 #include "terrain/bed/bed.h"
 
 namespace nb = nanobind;
@@ -52,9 +49,9 @@ class Batch {
     sim::Simulation& simulation = at(world);
     if (!size_[std::size_t(world)].holds(v.world))
       throw InputError("drive: the vehicle was added to another world than world " + std::to_string(world));
-    vehicle::drive(simulation, world, v.parts, throttle, steering);
+    vehicle::set_controls(simulation, world, v.parts, throttle, steering);
   }
-  /// Of one world, or of all without a number.
+  /// For one world, or for all without a number.
   sim::BodiesOnDevice bodies_on_device(std::optional<sim::WorldIndex> world) {
     if (world) return at(*world).bodies_on_device(*world, 1);
     return simulation_->bodies_on_device(0, sim::WorldIndex(size_.size()));

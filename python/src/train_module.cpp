@@ -6,11 +6,9 @@
 
 #include "learning/rbm/train.h"
 #include "pipeline/campaign/study/study.h"
-#include "pipeline/learn/evaluation/evaluate_model.h"
-#include "pipeline/learn/training/train_model.h"
-#include "python/src/arrays.h"
-#include "python/src/calls.h"
-#include "python/src/module.h"
+#include "pipeline/outcome/evaluation/evaluate_model.h"
+#include "pipeline/outcome/training/train_model.h"
+#include "python/src/binding.h"
 
 namespace nb = nanobind;
 
@@ -18,10 +16,10 @@ namespace gonogo::python {
 namespace {
 
 /// `study`: JSON file with sections learning and design, or "". `learning`: JSON text of the section, wins over it.
-std::string train(const std::string& dataset, const std::string& out, const std::string& study,
-                  const std::string& learning, std::optional<std::uint64_t> seed, std::size_t hold_out) {
-  return long_call([&] {
-    learn::TrainRequest request{
+Members train(const std::string& dataset, const std::string& out, const std::string& study, const std::string& learning,
+              std::optional<std::uint64_t> seed, std::size_t hold_out) {
+  return members_of(long_call([&] {
+    outcome::TrainRequest request{
         .dataset = dataset, .model = out, .seed = seed.value_or(1), .learning = {}, .design = {}, .hold_out = hold_out};
     if (!study.empty()) {
       const campaign::Study read = campaign::read_study(study);
@@ -30,8 +28,8 @@ std::string train(const std::string& dataset, const std::string& out, const std:
       request.design = read.config.object_if("design");
     }
     if (!learning.empty()) request.learning = Config::parse(learning, "learning");
-    return learn::train_model(request).dump();
-  });
+    return outcome::to_json(outcome::train_model(request));
+  }));
 }
 
 struct Bins {
@@ -91,8 +89,8 @@ Fitted fit(const ArrayIn<double, 2>& rows, const ArrayIn<std::int64_t, 1>& outco
   return fit_machine(rows, outcome, weight, classes, {bins, code}, settings);
 }
 
-std::string evaluate(const std::string& model, const std::string& dataset) {
-  return long_call([&] { return learn::evaluate_model(model, dataset).dump(); });
+Members evaluate(const std::string& model, const std::string& dataset) {
+  return members_of(long_call([&] { return outcome::to_json(outcome::evaluate_model(model, dataset)); }));
 }
 
 }  // namespace
@@ -104,9 +102,9 @@ NB_MODULE(_train, m) {
   m.doc() = "Training and evaluation. Use the package gonogo; names here may change.";
   python::raise_errors_of_core();
   m.def("train", &python::train, "dataset"_a, "out"_a, "study"_a, "learning"_a, "seed"_a.none(), "hold_out"_a,
-        "Trains and writes a model. Returns JSON of the report.");
+        "Trains and writes a model. Returns the report.");
   m.def("fit", &python::fit, "rows"_a, "outcome"_a, "weight"_a, "classes"_a, "bins"_a, "code"_a, "hidden"_a, "epochs"_a,
         "learning_rate"_a, "weight_decay"_a, "generative"_a, "seed"_a,
         "Trains a machine over any variables. Returns JSON of its layout, weights, visible and hidden biases.");
-  m.def("evaluate", &python::evaluate, "model"_a, "dataset"_a, "Scores a model on a held-out set. Returns JSON.");
+  m.def("evaluate", &python::evaluate, "model"_a, "dataset"_a, "Scores a model on a held-out set. Returns the report.");
 }

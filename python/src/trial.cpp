@@ -1,17 +1,14 @@
 #include "pipeline/campaign/trial/trial.h"
-#include "pipeline/campaign/study/task_variables.h"
+#include "pipeline/campaign/study/contract.h"
 
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "base/shipped.h"
-#include "pipeline/campaign/trial/trial_values.h"
-#include "python/src/arrays.h"
-#include "python/src/calls.h"
-#include "python/src/module.h"
-#include "python/src/state.h"
+#include "base/files/shipped.h"
+#include "pipeline/campaign/setup/read_setup.h"
+#include "python/src/binding.h"
 
 namespace nb = nanobind;
 

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "sim/elastic/contact_point.h"
 #include "sim/elastic/model.h"
 
 namespace gonogo::sim::elastic {
@@ -112,7 +111,6 @@ class Simulation {
   /// Gauss points at the end of the last step.
   const std::vector<ContactPoint>& contact_points() const;
   Vec3d contact_force(int contact) const;  // on `body` [N]
-  Vec3d reaction(int fixed) const;         // of what holds the nodes, statics only [N]
   Energy energy() const;                   // with the mass matrix of the last integrator: consistent, or lumped
   /// xx, yy, zz, xy, yz, zx [Pa] per node, mean of its elements weighted by volume.
   std::vector<std::array<double, 6>> node_stress(int body) const;

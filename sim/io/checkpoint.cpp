@@ -3,7 +3,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "base/hash.h"
+#include "base/files/file.h"
 
 namespace gonogo::sim {
 namespace {
@@ -34,7 +34,7 @@ class Bytes {
 };
 
 // A record that grows must grow here too.
-static_assert(sizeof(PairLaw) == 24 && sizeof(PenaltyLaw) == 28 && sizeof(StepSettings) == 76 && sizeof(Shape) == 68 &&
+static_assert(sizeof(PairLaw) == 24 && sizeof(PenaltyLaw) == 28 && sizeof(StepSettings) == 80 && sizeof(Shape) == 68 &&
                   sizeof(Motor) == 40 && sizeof(Attachment) == 44 && sizeof(Joint) == 104 &&
                   sizeof(SpringDamper) == 376 && sizeof(ForceTable) == 260 && sizeof(BodyMass) == 32 &&
                   sizeof(BodyState) == 64 && sizeof(ForceElement) == 80 && sizeof(Controller) == 152 &&
@@ -75,9 +75,13 @@ void add(Bytes& b, const Shape& s) {
   b << number_of(s.type) << s.body << s.material << s.group << s.lug_count << s.surface << s.offset_B << s.size
     << s.lug_thickness << s.turn_B;
 }
+/// As when one list numbered iterations and penalty laws.
+std::int32_t number_of(ContactLaw contact, Iteration iteration) {
+  return is_penalty(contact) ? 4 + std::int32_t(contact) : std::int32_t(iteration);
+}
 void add(Bytes& b, const StepSettings& s) {
   b << s.step << s.iterations << s.tolerance << s.envelope << s.recovery_speed << s.recovery_share << s.cohesion_range
-    << s.solver << s.target << s.substeps << s.sort_every << s.max_slowed;
+    << number_of(s.contact, s.iteration) << s.target << s.substeps << s.sort_every << s.max_slowed;
 }
 
 void add(Bytes& b, const TablePoint& p) { b << p.at << p.value; }
@@ -345,7 +349,7 @@ std::string scene_hash(const SceneWorld& world, const StepSettings& settings) {
   Bytes b;
   add(b, settings);
   add(b, world);
-  if (is_penalty(settings.solver)) {
+  if (is_penalty(settings.contact)) {
     add(b, settings.penalty);
     for (const auto& row : world.penalty)
       for (const PenaltyLaw& law : row) add(b, law);

@@ -7,11 +7,13 @@
 // W = H^T M^-1 H is the Delassus matrix; q the relative velocity without contact impulses. The units are the file's.
 // Source of form and names: FCLib (Acary, Bremond, Koziara, Perignon, INRIA RT-0444, 2014), De Saxce & Feng 1998.
 #pragma once
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "base/vec.h"
+#include "base/math/vec.h"
+#include "sim/state/iteration.h"
 
 namespace gonogo::sim {
 
@@ -49,7 +51,7 @@ struct LocalProblem {
     return w.value.data() + diagonal[contact] * dimension * dimension;
   }
 
-  std::shared_ptr<const struct BodyForm> bodies;  // W = B B^T by bodies (body_form.h), where that is known
+  std::shared_ptr<const struct BodyForm> bodies;  // W = B B^T by bodies, where that is known
   bool is_whole = true;  // false: w holds the diagonal blocks alone, and products with W go by bodies
 
   std::vector<std::size_t> diagonal;  // block number of each contact's diagonal block [contact_count]
@@ -66,5 +68,58 @@ std::vector<double> velocity(const LocalProblem& problem, const std::vector<doub
 
 /// The rows of u = W r + q that belong to one contact, into u[dimension]. The problem is whole.
 void contact_velocity(const LocalProblem& problem, const std::vector<double>& r, Index contact, double* u);
+
+// A Delassus matrix by its factors: W = B B^T, B [rows x freedoms of bodies].
+
+struct BodyForm {
+  static constexpr int kFreedoms = 6;  // of a body: along x, y, z, about three axes; scaled so that their mass is 1
+
+  struct Contact {
+    Index body[2];                                        // -1: it cannot move
+    std::array<std::array<double, kFreedoms>, 5> row[2];  // B: of the first `dimension` rows, for each body
+  };
+
+  Index body_count = 0;
+  std::vector<Contact> contact;  // [contact_count]
+};
+
+/// y = B^T r, the bodies' motion under impulses r: [body_count * kFreedoms]. The problem has bodies.
+std::vector<double> body_motion(const LocalProblem& problem, const std::vector<double>& r);
+
+/// u = B B^T r + q.
+std::vector<double> velocity_by_bodies(const LocalProblem& problem, const std::vector<double>& r);
+
+/// Velocities at contacts while the impulses change contact by contact: by rows of W, or where the problem is not
+/// whole by the bodies' motion, which costs the same for every contact however many others its bodies have.
+class ContactVelocities {
+ public:
+  /// Keeps references to both.
+  ContactVelocities(const LocalProblem& problem, const std::vector<double>& r);
+  /// Rows of W r + q, into u[dimension].
+  void at(Index contact, double* u) const;
+  /// To be called after r of the contact has changed from `before`.
+  void changed(Index contact, const double* before);
+
+ private:
+  const LocalProblem& problem_;
+  const std::vector<double>& r_;
+  std::vector<double> motion_;  // empty for a whole problem
+};
+
+// Error of impulses r as a solution of a LocalProblem; the measure of every solver here.
+
+/// Nearest point of K, in the plain metric, for one contact: p[dimension] in and out.
+///   min (n - p_n)^2 + sum_d (|t_d| - |p_d|)^2,  n >= 0, |t_d| <= c_d n
+void project_onto_cone(const LocalProblem& problem, Index contact, double* p);
+
+/// De Saxce's term sum_d c_d |u_d|: what `coulomb` adds to the normal velocity, so that u_n = 0 in sliding.
+double de_saxce_term(const LocalProblem& problem, Index contact, const double* u);
+
+/// | r - P_K(r - u^) | / max(|q|, |r|, |u|) with u = W r + q and u^ = u + de_saxce_term e_n for `coulomb`, u^ = u for
+/// `ccp`; Euclidean norms over all contacts, as in fc3d_compute_error of Siconos. 0 when q, r and u are all 0.
+double siconos_error(const LocalProblem& problem, const std::vector<double>& r, Target target = Target::coulomb);
+/// With u = W r + q given.
+double siconos_error(const LocalProblem& problem, const std::vector<double>& r, const std::vector<double>& u,
+                     Target target);
 
 }  // namespace gonogo::sim

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "sim/simulation/spin.h"
+#include "sim/simulation/step.h"
 
 namespace gonogo::sim {
 namespace {
@@ -38,7 +38,7 @@ struct Frame {
   }
 };
 
-double dot(const std::array<double, kFreedoms>& a, const std::array<double, kFreedoms>& b) {
+double row_product(const std::array<double, kFreedoms>& a, const std::array<double, kFreedoms>& b) {
   double sum = 0;
   for (int k = 0; k < kFreedoms; ++k) sum += a[k] * b[k];
   return sum;
@@ -130,7 +130,7 @@ void StepProblem::add_contacts(const std::vector<Contact>& found) {
       double mobility = gonogo::dot(g.linear, g.linear);
       for (const Vec3d& axis : g.turn) mobility += gonogo::dot(axis, axis);
       record.body[k] = mobility > 0 ? b : -1;
-      normal += dot(record.row[k][0], record.row[k][0]);
+      normal += row_product(record.row[k][0], record.row[k][0]);
     }
     if (!(normal > 0)) continue;
     form_.contact.push_back(record);
@@ -160,8 +160,9 @@ std::vector<Triplet> StepProblem::delassus(const std::vector<std::vector<End>>& 
       for (const End& j : of_body)
         for (int a = 0; a < d; ++a)
           for (int b = 0; b < d; ++b)
-            w.push_back({i.contact * d + a, j.contact * d + b,
-                         dot(form_.contact[i.contact].row[i.side][a], form_.contact[j.contact].row[j.side][b])});
+            w.push_back(
+                {i.contact * d + a, j.contact * d + b,
+                 row_product(form_.contact[i.contact].row[i.side][a], form_.contact[j.contact].row[j.side][b])});
   return w;
 }
 
@@ -172,8 +173,8 @@ std::vector<Triplet> StepProblem::diagonal_blocks() const {
     for (int k = 0; k < 2; ++k)
       for (int a = 0; a < d && form_.contact[i].body[k] >= 0; ++a)
         for (int b = 0; b < d; ++b)
-          w.push_back(
-              {Index(i) * d + a, Index(i) * d + b, dot(form_.contact[i].row[k][a], form_.contact[i].row[k][b])});
+          w.push_back({Index(i) * d + a, Index(i) * d + b,
+                       row_product(form_.contact[i].row[k][a], form_.contact[i].row[k][b])});
   return w;
 }
 
@@ -199,7 +200,7 @@ StepMotion StepProblem::motion(const std::vector<double>& r) const {
           for (int f = 0; f < kFreedoms; ++f) y[b][f] += form_.contact[i].row[k][a][f] * r[i * std::size_t(d) + a];
   StepMotion out;
   for (std::size_t b = 0; b < y.size(); ++b) {
-    out.kinetic_energy += dot(y[b], y[b]) / 2;
+    out.kinetic_energy += row_product(y[b], y[b]) / 2;
     const Vec3d& g = root_[b].linear;
     out.momentum += Vec3d{g.x > 0 ? y[b][0] / g.x : 0, g.y > 0 ? y[b][1] / g.y : 0, g.z > 0 ? y[b][2] / g.z : 0};
   }

@@ -9,7 +9,6 @@
 #include <memory>
 #include <vector>
 
-#include "sim/local_problem/body_form.h"
 #include "sim/local_problem/problem.h"
 #include "sim/scene/scene.h"
 #include "sim/state/contact.h"

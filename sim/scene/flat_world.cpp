@@ -1,18 +1,18 @@
 #include "sim/scene/flat_world.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numeric>
+#include <string>
 
 #include "base/error.h"
-#include "sim/contact/bins.h"
-#include "sim/contact/finder.h"
-#include "sim/scene/check_contact.h"
-#include "sim/scene/check_joint.h"
-#include "sim/scene/check_shape.h"
-#include "sim/scene/check_world.h"
-#include "sim/scene/critical_step.h"
-#include "sim/scene/layout.h"
-#include "sim/scene/order.h"
-#include "sim/scene/prepare_elements.h"
+#include "sim/constraint/bins.h"
+#include "sim/scene/check_scene.h"
+#include "sim/scene/flat_elements.h"
+#include "sim/scene/penalty_setup.h"
+#include "sim/state/state.h"
 
 namespace gonogo::sim {
 namespace {
@@ -39,6 +39,7 @@ WorldParameters world_parameters(const SceneWorld& world, const StepSettings& se
 
 /// The same world with its bodies in another order.
 SceneWorld reordered(const SceneWorld& world, const std::vector<BodyIndex>& place) {
+  GONOGO_ASSERT(place.size() == world.body.size());
   SceneWorld r = world;
   for (std::size_t b = 0; b < place.size(); ++b) {
     r.body[place[b]] = world.body[b];
@@ -78,6 +79,7 @@ void append_shapes(const SceneWorld& world, Real binned_up_to, FlatWorld& flat) 
     }
   }
   if (flat.large.size() >= std::size_t(kGroupedFrom)) sort_by_place(world, flat.shape, flat.large);
+  GONOGO_ASSERT(next == world.shape.size() && flat.first_shape.size() == world.body.size());
   flat.world.large_count = Index(flat.large.size());
   flat.world.shape_count = Index(flat.shape.size());
 }
@@ -125,6 +127,7 @@ std::vector<BodyIndex> way(const std::vector<BodyIndex>& from, const std::vector
 
 template <class T>
 std::vector<T> permuted(const std::vector<T>& list, const std::vector<Index>& place) {
+  GONOGO_ASSERT(place.size() == list.size());
   std::vector<T> result(list.size());
   for (std::size_t i = 0; i < list.size(); ++i) result[place[i]] = list[i];
   return result;
@@ -160,7 +163,7 @@ FlatWorld flatten(const SceneWorld& given, WorldIndex w, const StepSettings& set
   check_elements(given, std::size_t(w), settings);
   const auto scene = std::make_shared<SceneWorld>(given);
   set_surface_sizes(*scene);
-  if (is_penalty(settings.solver)) check_penalty(*scene, std::size_t(w), settings);
+  if (is_penalty(settings.contact)) check_penalty(*scene, std::size_t(w), settings);
   const WorldParameters parameters = world_parameters(*scene, settings, std::size_t(w));
   FlatWorld flat = arranged(scene, parameters, spatial_order(positions(*scene), parameters), settings, where);
   check_pairs(flat, w);
@@ -203,6 +206,186 @@ Snapshot rearranged(const Snapshot& snapshot, const FlatWorld& from, const FlatW
     p.contact_end[i] = Index(p.key.size());
   }
   return p;
+}
+
+namespace {
+
+constexpr Real kBinnedSizeRatio = 4;
+/// So many shapes may stay out of the bins to make the bins at least so much narrower; those of similar size as the
+/// others stay in.
+constexpr std::size_t kFewLarge = 16;
+constexpr Real kWorthwhile = 1.5, kSimilar = 1.25;
+
+/// Bins of a world: this many whatever its shapes, and so many per binned shape.
+constexpr double kMinBins = 4096, kBinsPerShape = 4;
+
+bool is_finite(const Shape& s) { return s.type != ShapeType::plane && s.type != ShapeType::heightfield; }
+
+/// Three bins must fit into a periodic side.
+bool fits_period(const SceneWorld& world, Real radius, Real envelope) {
+  const double width = 2 * double(radius) + envelope;
+  return !(world.periodic_x && 3 * width > world.size.x) && !(world.periodic_y && 3 * width > world.size.y);
+}
+
+/// Largest sphere among those of similar size; 0 without spheres.
+Real largest_grain(const SceneWorld& world) {
+  Real least = std::numeric_limits<Real>::infinity(), largest = 0;
+  for (const Shape& s : world.shape)
+    if (s.type == ShapeType::sphere) least = std::min(least, s.size.x);
+  for (const Shape& s : world.shape)
+    if (s.type == ShapeType::sphere && s.size.x <= kBinnedSizeRatio * least) largest = std::max(largest, s.size.x);
+  return largest;
+}
+
+struct Span {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+};
+
+/// Where the binned shapes are at the start, without the offsets inside their bodies.
+void find_spans(const SceneWorld& world, Real radius, Span (&span)[3]) {
+  for (const Shape& s : world.shape) {
+    if (!is_binned(s, radius)) continue;
+    const Vec3d& x = world.body[s.body].position;
+    const double at[3] = {x.x, x.y, x.z};
+    for (int k = 0; k < 3; ++k) {
+      span[k].low = std::min(span[k].low, at[k] - radius);
+      span[k].high = std::max(span[k].high, at[k] + radius);
+    }
+  }
+}
+
+/// The whole domain where that takes few bins, otherwise the region of the shapes; fewer where even that is too much.
+void choose_counts(const SceneWorld& world, double width, Real radius, double max_bins, Index (&bins)[3]) {
+  const double size[3] = {world.size.x, world.size.y, world.size.z};
+  const bool periodic[3] = {world.periodic_x, world.periodic_y, false};
+  double count[3];
+  for (int k = 0; k < 3; ++k) count[k] = std::max(3.0, std::floor(size[k] / width) + (periodic[k] ? 0 : 1));
+  if (count[0] * count[1] * count[2] > max_bins) {
+    Span span[3];
+    find_spans(world, radius, span);
+    for (int k = 0; k < 3; ++k)
+      count[k] = std::min(count[k], std::max(3.0, std::ceil((span[k].high - span[k].low) / width) + 4));
+  }
+  while (count[0] * count[1] * count[2] > max_bins) {
+    double& largest = *std::max_element(count, count + 3);
+    largest = std::max(3.0, std::floor(0.8 * largest));
+  }
+  for (int k = 0; k < 3; ++k) bins[k] = Index(count[k]);
+}
+
+}  // namespace
+
+bool is_binned(const Shape& s, Real binned_radius) { return is_finite(s) && bounding_radius(s) <= binned_radius; }
+
+Real binned_radius(const SceneWorld& world, const StepSettings& settings) {
+  std::vector<Real> radius;
+  for (const Shape& s : world.shape)
+    if (is_finite(s)) radius.push_back(bounding_radius(s));
+  if (radius.empty()) return 0;
+  std::sort(radius.begin(), radius.end());
+  const auto within = std::upper_bound(radius.begin(), radius.end(), kBinnedSizeRatio * radius.front());
+  auto limit = *(within - 1);
+  if (std::size_t(within - radius.begin()) > kFewLarge) {
+    const Real without = *(within - 1 - kFewLarge);
+    if (limit > kWorthwhile * without)
+      limit = *(std::upper_bound(radius.begin(), radius.end(), kSimilar * without) - 1);
+  }
+  // What does not fit into a short periodic side stays out of its bins.
+  while (!fits_period(world, limit, settings.envelope)) {
+    const auto smaller = std::lower_bound(radius.begin(), radius.end(), limit);
+    if (smaller == radius.begin()) return 0;
+    limit = *(smaller - 1);
+  }
+  return limit;
+}
+
+void lay_out_bins(const SceneWorld& world, const StepSettings& settings, std::size_t w, WorldParameters& p) {
+  const Real radius = binned_radius(world, settings);
+  const auto binned =
+      std::count_if(world.shape.begin(), world.shape.end(), [&](const Shape& s) { return is_binned(s, radius); });
+  if (!fits_period(world, largest_grain(world), settings.envelope))
+    throw InputError("world " + std::to_string(w) +
+                     ": a periodic side is shorter than three grains; make the bed larger or the grains smaller");
+  if (binned == 0) {
+    p.bins[0] = p.bins[1] = p.bins[2] = 3;
+    p.bin_size = {Real(world.size.x / 3), Real(world.size.y / 3), Real(world.size.z / 3)};
+    return;
+  }
+  const double width = 2 * double(radius) + settings.envelope;
+  choose_counts(world, width, radius, std::max(kMinBins, kBinsPerShape * double(binned)), p.bins);
+  // Bins tile a periodic side; elsewhere they have the least width and repeat.
+  p.bin_size = {Real(world.periodic_x ? world.size.x / p.bins[0] : width),
+                Real(world.periodic_y ? world.size.y / p.bins[1] : width), Real(width)};
+}
+
+namespace {
+
+/// Interleaves the lowest ten bits of three numbers: neighbours in space get close numbers.
+std::uint32_t interleaved(const BinCoordinates& bin) {
+  std::uint32_t code = 0;
+  for (int bit = 0; bit < 10; ++bit)
+    code |= (std::uint32_t(bin.x >> bit & 1) << (3 * bit)) | (std::uint32_t(bin.y >> bit & 1) << (3 * bit + 1)) |
+            (std::uint32_t(bin.z >> bit & 1) << (3 * bit + 2));
+  return code;
+}
+
+constexpr double kCellsAlong = 1023;  // ten bits
+
+/// Place of each in ascending order of its code.
+std::vector<Index> places_along(const std::vector<BinCoordinates>& bin) {
+  std::vector<std::uint32_t> code;
+  for (const BinCoordinates& b : bin) code.push_back(interleaved(b));
+  std::vector<Index> sorted(bin.size()), place(bin.size());
+  std::iota(sorted.begin(), sorted.end(), 0);
+  std::stable_sort(sorted.begin(), sorted.end(), [&](Index a, Index b) { return code[a] < code[b]; });
+  for (std::size_t k = 0; k < bin.size(); ++k) place[sorted[k]] = Index(k);
+  return place;
+}
+
+/// Fewer successors than this share of what sorting would bring, and bodies are sorted anew.
+constexpr double kMinOrder = 0.8;
+
+bool are_beside(const BinCoordinates& a, const BinCoordinates& b) {
+  return std::abs(a.x - b.x) <= 1 && std::abs(a.y - b.y) <= 1 && std::abs(a.z - b.z) <= 1;
+}
+
+std::size_t beside_their_successor(const std::vector<BinCoordinates>& bin) {
+  std::size_t count = 0;
+  for (std::size_t b = 1; b < bin.size(); ++b) count += are_beside(bin[b - 1], bin[b]);
+  return count;
+}
+
+}  // namespace
+
+std::vector<BodyIndex> spatial_order(const std::vector<Vec3d>& position, const WorldParameters& world) {
+  std::vector<BinCoordinates> bin;
+  for (const Vec3d& x : position) bin.push_back(bin_of(world, x));
+  return places_along(bin);
+}
+
+std::vector<Index> order_along_curve(const std::vector<Vec3d>& position) {
+  Vec3d low = position.at(0), high = low;
+  for (const Vec3d& x : position) {
+    low = {std::min(low.x, x.x), std::min(low.y, x.y), std::min(low.z, x.z)};
+    high = {std::max(high.x, x.x), std::max(high.y, x.y), std::max(high.z, x.z)};
+  }
+  const double cell = std::max({high.x - low.x, high.y - low.y, high.z - low.z, 1e-9}) / kCellsAlong;
+  std::vector<BinCoordinates> bin;
+  for (const Vec3d& x : position)
+    bin.push_back({Index((x.x - low.x) / cell), Index((x.y - low.y) / cell), Index((x.z - low.z) / cell)});
+  return places_along(bin);
+}
+
+bool have_mixed(const std::vector<Vec3d>& position, const std::vector<BodyIndex>& place, const WorldParameters& world) {
+  std::vector<BinCoordinates> bin(position.size()), sorted(position.size());
+  for (std::size_t b = 0; b < bin.size(); ++b) bin[b] = sorted[place[b]] = bin_of(world, position[b]);
+  return double(beside_their_successor(bin)) < kMinOrder * double(beside_their_successor(sorted));
+}
+
+std::vector<BodyIndex> composed(const std::vector<BodyIndex>& first, const std::vector<BodyIndex>& second) {
+  std::vector<BodyIndex> both;
+  for (const BodyIndex place : first) both.push_back(second[place]);
+  return both;
 }
 
 }  // namespace gonogo::sim

@@ -1,11 +1,13 @@
-// Worlds as the engine takes them: checked, as flat arrays, bodies in spatial order.
+// Worlds as the engine takes them: checked, as flat arrays. Bodies lie along a space-filling curve, so that neighbours
+// in space, which the solver reads together, are neighbours in memory. Host only.
 #pragma once
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "sim/scene/flatten.h"
-#include "sim/state/fault.h"
+#include "sim/scene/flat_mechanisms.h"
+#include "sim/scene/scene.h"
+#include "sim/state/world.h"
 
 namespace gonogo::sim {
 
@@ -63,5 +65,29 @@ FlatWorld rearranged(const FlatWorld& world, std::vector<BodyIndex> place_of_bod
 
 /// A snapshot of `from` for the same world in another order.
 Snapshot rearranged(const Snapshot& snapshot, const FlatWorld& from, const FlatWorld& to);
+
+/// Max bounding radius of binned shapes [m]; 0 when the world has none. It is at most four times the smallest radius,
+/// and the few shapes much larger than all others stay out, so that one box does not widen the bins of a whole bed.
+Real binned_radius(const SceneWorld& world, const StepSettings& settings);
+
+bool is_binned(const Shape& s, Real binned_radius);
+
+/// Sets bin_size and bins of `p`: at most a few bins per binned shape, for any size of the domain. Throws InputError,
+/// naming world `w`, when a periodic side is too short for the world's spheres.
+void lay_out_bins(const SceneWorld& world, const StepSettings& settings, std::size_t w, WorldParameters& p);
+
+/// Index in the list -> place along the curve of Morton (1966) through the world's bins. Bodies of one bin keep their
+/// order.
+std::vector<BodyIndex> spatial_order(const std::vector<Vec3d>& position, const WorldParameters& world);
+
+/// The same with 1023 cells a side of the cube around all positions instead of bins.
+std::vector<Index> order_along_curve(const std::vector<Vec3d>& position);
+
+/// Whether sorting pays: compares, before and after, how many bodies have their successor in memory in the same or an
+/// adjacent bin. `place`: from spatial_order().
+bool have_mixed(const std::vector<Vec3d>& position, const std::vector<BodyIndex>& place, const WorldParameters& world);
+
+/// Order `first`, then order `second`.
+std::vector<BodyIndex> composed(const std::vector<BodyIndex>& first, const std::vector<BodyIndex>& second);
 
 }  // namespace gonogo::sim

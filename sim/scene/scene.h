@@ -1,4 +1,4 @@
-// Description of a batch of worlds, from which a simulation is made.
+// Description of a batch of worlds, from which a simulation is made. Host only.
 #pragma once
 #include <memory>
 #include <vector>
@@ -6,10 +6,12 @@
 #include "base/units.h"
 #include "sim/shape/triangle_mesh.h"
 #include "sim/state/elements.h"
-#include "sim/state/joint.h"
+#include "sim/state/mechanism.h"
 #include "sim/state/world.h"
 
 namespace gonogo::sim {
+
+struct SphereCover;
 
 /// Position and motion of one body; world frame.
 struct BodyState {
@@ -33,7 +35,7 @@ struct SceneWorld {
   std::vector<BodyState> body;
   std::vector<BodyMass> mass;
   std::vector<Shape> shape;
-  std::vector<Joint> joint;  // sim/scene/build_joint.h makes these three
+  std::vector<Joint> joint;  // sim/scene/scene.h makes these three
   std::vector<SpringDamper> spring;
   std::vector<std::shared_ptr<const TriangleMesh>> mesh;        // by add_mesh; shapes refer to them by index
   std::vector<std::shared_ptr<const Heightfield>> heightfield;  // by add_heightfield
@@ -64,5 +66,52 @@ BodyMass solid(Real mass, const Vec3& inertia_B);
 BodyMass fixed_body();
 
 using Scene = std::vector<SceneWorld>;
+
+/// Adds a body with the mass properties of the mesh as a solid of this density [kg/m^3], and the spheres of the cover
+/// as its shapes. `at`: position and orientation of the mesh's axes, and velocity of its centre of mass. The body's
+/// axes are its principal axes of inertia. Returns the body's index.
+BodyIndex add_compound(SceneWorld& world, const BodyState& at, const TriangleMesh& mesh, const SphereCover& cover,
+                       double density, int material);
+
+// Joints, springs and motors from points and axes in the world, for the bodies where they are now. They throw
+// InputError for a body that is not in the world and for an axis without direction.
+
+/// `side_W` need not be at right angles to the axis; without one, any is taken.
+Attachment attach(const SceneWorld& world, BodyIndex body, const Vec3d& point_W, const Vec3d& axis_W,
+                  const Vec3d& side_W = {});
+
+Joint revolute(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W, const Vec3d& axis_W);
+Joint spherical(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W);
+Joint prismatic(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W, const Vec3d& axis_W);
+Joint fixed(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W);
+/// a's point stays on the line through b's along the axis.
+Joint in_line(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W, const Vec3d& axis_W);
+/// Keeps the distance that the points have now.
+Joint distance(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_a_W, const Vec3d& point_b_W);
+/// `axis_a_W` turns with a, `axis_b_W` with b; they must be at right angles.
+Joint universal(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_W, const Vec3d& axis_a_W,
+                const Vec3d& axis_b_W);
+
+/// Along the line between two points; unloaded at their present distance. [N/m, N s/m]
+SpringDamper spring_between(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_a_W,
+                            const Vec3d& point_b_W, double stiffness, double damping);
+/// Along an axis that turns with b, whatever the offset across it; unloaded where a's point is now. [N/m, N s/m]
+SpringDamper spring_along(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& point_a_W,
+                          const Vec3d& point_b_W, const Vec3d& axis_W, double stiffness, double damping);
+/// Along the axis of a prismatic joint; unloaded when a is `free_length` along it [m]. [N/m, N s/m]
+SpringDamper spring_along(const Joint& prismatic, double free_length, double stiffness, double damping);
+/// About the axis of a revolute joint; unloaded when a has turned by `free_angle` from where it was when the joint was
+/// made [rad]. [N m/rad, N m s/rad]
+SpringDamper spring_about(const Joint& revolute, double free_angle, double stiffness, double damping);
+
+/// Holds a speed of a relative to b [rad/s] with limited torque [N m]; b may be kWorld.
+Motor speed_motor(const SceneWorld& world, BodyIndex a, BodyIndex b, const Vec3d& axis_W, double speed,
+                  double max_torque);
+Motor speed_motor(const Joint& revolute, double speed, double max_torque);
+/// Torque on a about the axis [N m], its opposite on b.
+Motor torque_motor(const Joint& revolute, double torque);
+
+/// Points from (stretch, force) pairs; see ForceTable.
+ForceTable force_table(const std::vector<std::pair<double, double>>& points);
 
 }  // namespace gonogo::sim

@@ -1,6 +1,6 @@
 // Shapes of bodies, which touch each other. A body may have several (a compound).
 #pragma once
-#include "base/view.h"
+#include "base/parallel/buffer.h"
 
 namespace gonogo::sim {
 
@@ -43,6 +43,20 @@ struct Shape {
   Real lug_thickness = 0;  // along the circumference [m]
   Quat turn_B;             // from the shape's axes to the body's
 };
+
+/// Whether all numbers of a vector are finite; host only.
+template <class V>
+bool is_finite(const V& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// For assertions. NaN passes: a world that has raised flag_not_finite goes on.
+GONOGO_HD inline bool is_unit(const Vec3& v) { return !(std::fabs(dot(v, v) - 1) > Real(1e-3)); }
+GONOGO_HD inline bool is_unit(const Vec3d& v) { return !(std::fabs(dot(v, v) - 1) > 1e-3); }
+GONOGO_HD inline bool is_unit(const Quat& q) {
+  return !(std::fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) > Real(1e-2));
+}
+GONOGO_HD inline bool is_material(std::int32_t m) { return m >= 0 && m < kMaxMaterials; }
 
 /// Axes of a shape in the world.
 GONOGO_HD inline Quat shape_orientation(const Shape& s, const Quat& body) {

@@ -4,7 +4,7 @@
 //   so that a contact keeps its name while it crosses the edges of a flat face; visit_near(low, high, visit).
 // Triangles run counterclockwise seen from outside (above).
 #pragma once
-#include "base/view.h"
+#include "base/parallel/buffer.h"
 
 namespace gonogo::sim {
 
@@ -78,6 +78,7 @@ struct MeshSurface {
   GONOGO_HD void visit_where(Wanted&& wanted, Visit&& visit) const {
     for (Index n = 0; n < range.node_count;) {
       const MeshNode& at = node[n];
+      GONOGO_ASSERT(at.skip > n && at.skip <= range.node_count && at.count >= 0);
       if (!wanted(at)) {
         n = at.skip;
         continue;
@@ -103,12 +104,14 @@ struct FieldSurface {
 
   GONOGO_HD Index cells_x() const { return range.nx - 1; }
   GONOGO_HD Index vertex(Index t, int k) const {
+    GONOGO_ASSERT(t >= 0 && t < 2 * cells_x() * (range.ny - 1) && k >= 0 && k < 3);
     const Index cell = t / 2, i = cell % cells_x(), j = cell / cells_x();
     const bool upper = t % 2 == 1;
     const Index right = k == 1 || (k == 2 && !upper) ? 1 : 0, up = k == 2 || (k == 1 && upper) ? 1 : 0;
     return (j + up) * range.nx + i + right;
   }
   GONOGO_HD Index neighbour(Index t, int k) const {
+    GONOGO_ASSERT(t >= 0 && t < 2 * cells_x() * (range.ny - 1) && k >= 0 && k < 3);
     const Index cell = t / 2, i = cell % cells_x(), j = cell / cells_x();
     if (t % 2 == 0) {
       if (k == 2) return t + 1;
@@ -120,6 +123,7 @@ struct FieldSurface {
     return i > 0 ? 2 * (cell - 1) : -1;
   }
   GONOGO_HD Vec3d place(Index v) const {
+    GONOGO_ASSERT(v >= 0 && v < range.nx * range.ny);
     const Index i = v % range.nx, j = v / range.nx;
     return {(i - 0.5 * (range.nx - 1)) * double(range.spacing_x), (j - 0.5 * (range.ny - 1)) * double(range.spacing_y),
             double(height[v])};
@@ -173,6 +177,131 @@ struct SurfaceView {
     const FieldRange& r = field[i];
     return {r, height.data + r.height, name.data + r.name};
   }
+};
+
+/// Nearest point of a triangle to the origin. feature: 0 face, 1 + k the edge from corner k, 4 + k the corner.
+struct OnTriangle {
+  Vec3 point;
+  int feature;
+};
+
+/// Ericson, Real-Time Collision Detection (2005), 5.1.5, with the point at the origin.
+GONOGO_HD inline OnTriangle nearest_on_triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a;
+  const Real d1 = -dot(ab, a), d2 = -dot(ac, a);
+  if (d1 <= 0 && d2 <= 0) return {a, 4};
+  const Real d3 = -dot(ab, b), d4 = -dot(ac, b);
+  if (d3 >= 0 && d4 <= d3) return {b, 5};
+  const Real vc = d1 * d4 - d3 * d2;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {a + ab * (d1 / (d1 - d3)), 1};
+  const Real d5 = -dot(ab, c), d6 = -dot(ac, c);
+  if (d6 >= 0 && d5 <= d6) return {c, 6};
+  const Real vb = d5 * d2 - d1 * d6;
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {a + ac * (d2 / (d2 - d6)), 3};
+  const Real va = d3 * d6 - d5 * d4;
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return {b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6))), 2};
+  const Vec3 n = cross(ab, ac);
+  return {n * (dot(a, n) / dot(n, n)), 0};  // foot of the perpendicular: exact where weights of corners would cancel
+}
+
+/// A surface seen from a point: positions are relative to it, so that a float resolves the gap.
+template <class Surface>
+struct SurfaceFrom {
+  const Surface& surface;
+  Vec3d origin;
+
+  GONOGO_HD Vec3 corner(Index t, int k) const { return at(surface.vertex(t, k)); }
+  GONOGO_HD Vec3 at(Index vertex) const { return static_cast<Vec3>(surface.place(vertex) - origin); }
+
+  GONOGO_HD Vec3 normal(Index t) const {
+    const Vec3 a = corner(t, 0), n = cross(corner(t, 1) - a, corner(t, 2) - a);
+    return n * (1 / length(n));
+  }
+
+  GONOGO_HD OnTriangle nearest(Index t) const { return nearest_on_triangle(corner(t, 0), corner(t, 1), corner(t, 2)); }
+
+  /// From the edge of `t` after corner k into the triangle across it, square to the edge; zero at a rim.
+  GONOGO_HD Vec3 across(Index t, int k) const {
+    const Index other = surface.neighbour(t, k);
+    if (other < 0) return {};
+    const Vec3 from = corner(t, k), edge = corner(t, (k + 1) % 3) - from;
+    Index far = 0;
+    for (int i = 0; i < 3; ++i) {
+      const Index v = surface.vertex(other, i);
+      if (v != surface.vertex(t, k) && v != surface.vertex(t, (k + 1) % 3)) far = v;
+    }
+    const Vec3 in = at(far) - from;
+    return in - edge * (dot(in, edge) / dot(edge, edge));
+  }
+
+  /// Sum of the normals beside the edge, which points outward.
+  GONOGO_HD Vec3 edge_normal(Index t, int k) const {
+    const Index other = surface.neighbour(t, k);
+    return other < 0 ? normal(t) : normal(t) + normal(other);
+  }
+
+  GONOGO_HD int corner_of(Index t, Index vertex) const {
+    return surface.vertex(t, 0) == vertex ? 0 : surface.vertex(t, 1) == vertex ? 1 : 2;
+  }
+
+  /// Calls visit(triangle, its corner) for the triangles around corner k of `t`, starting there.
+  template <class Visit>
+  GONOGO_HD void visit_ring(Index t, int k, Visit&& visit) const {
+    const Index vertex = surface.vertex(t, k);
+    visit(t, k);
+    for (int way = 0; way < 2; ++way) {  // one way round; at a rim also the other way from the start
+      Index now = t;
+      for (int steps = 0; steps < 1000; ++steps) {
+        const int c = corner_of(now, vertex);
+        now = surface.neighbour(now, way == 0 ? (c + 2) % 3 : c);
+        if (now == t) return;
+        if (now < 0) break;
+        visit(now, corner_of(now, vertex));
+      }
+    }
+  }
+
+  /// Sum of the normals around a corner, weighted by their angles, which decides inside or outside (Baerentzen & Aanaes
+  /// 2005).
+  GONOGO_HD Vec3 corner_normal(Index t, int k) const {
+    Vec3 sum;
+    visit_ring(t, k, [&](Index r, int c) {
+      const Vec3 here = corner(r, c), u = corner(r, (c + 1) % 3) - here, v = corner(r, (c + 2) % 3) - here;
+      const Real cosine = dot(u, v) / (length(u) * length(v));
+      sum += normal(r) * std::acos(std::fmin(std::fmax(cosine, Real(-1)), Real(1)));
+    });
+    return sum;
+  }
+
+  GONOGO_HD Vec3 outward(Index t, int feature) const {
+    return feature == 0 ? normal(t) : feature < 4 ? edge_normal(t, feature - 1) : corner_normal(t, feature - 4);
+  }
+
+  static constexpr Real kSlack = Real(1e-4);  // sine of an angle: rounding must not drop both of two neighbours
+
+  /// Whether the distance has a local minimum at an edge or corner, met from this triangle first. `d`: from there to
+  /// the point.
+  GONOGO_HD bool is_local_minimum(Index t, int feature, const Vec3& d) const {
+    if (feature == 0) return true;
+    const Real size = length(d);
+    if (feature < 4) {
+      const Index other = surface.neighbour(t, feature - 1);
+      const Vec3 in = across(t, feature - 1);
+      return (other < 0 || t < other) && dot(d, in) <= kSlack * size * length(in);
+    }
+    bool first = true, minimum = true;
+    visit_ring(t, feature - 4, [&](Index r, int c) {
+      first = first && r >= t;
+      for (int k = 1; k < 3; ++k) {
+        const Vec3 edge = corner(r, (c + k) % 3) - corner(r, c);
+        minimum = minimum && dot(d, edge) <= kSlack * size * length(edge);
+      }
+    });
+    return first && minimum;
+  }
+
+  /// Names of contacts: 8 per triangle.
+  GONOGO_HD int name(Index t, int feature) const { return feature == 0 ? 8 * surface.name(t) : 8 * t + feature; }
 };
 
 }  // namespace gonogo::sim

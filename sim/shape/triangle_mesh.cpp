@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
+#include "sim/shape/shape.h"
 
 namespace gonogo::sim {
 namespace {
@@ -28,8 +29,6 @@ std::string edge_text(const TriangleMesh& mesh, Index a, Index b) {
   return "the edge from vertex " + std::to_string(a) + " " + text(mesh.vertex[a]) + " to vertex " + std::to_string(b) +
          " " + text(mesh.vertex[b]);
 }
-
-bool is_finite(const Vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
 
 void check_triangle(const TriangleMesh& mesh, std::size_t t) {
   const auto& corner = mesh.triangle[t];

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/vec.h"
+#include "base/math/vec.h"
 
 namespace gonogo::sim {
 

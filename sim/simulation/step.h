@@ -1,20 +1,59 @@
 // One time step of a batch: the half-implicit scheme of Stewart & Trinkle. The solver may divide a step into substeps,
 // which converge faster than as many iterations on the whole step (Macklin et al. 2019). Gaps follow the velocities
 // from substep to substep. Normals, arms, the maps of mechanisms and the forces are those of the step's start.
+//
+// Free rotation of a body over one step. Let L = I w be the momentum in body axes. The implicit midpoint rule for
+// Euler's equation, with the Cayley rotation of `turned`, is
+//     L+ - L = -h w x (I w),   w = I^-1 (L + L+) / 2,   R+ = R cay(h w).
+// It keeps every quadratic invariant, so |L|, the momentum in world axes and the energy 1/2 L . I^-1 L are exact
+// (Austin, Krishnaprasad, Wang 1993). The engine stores w, the mean of a step, which in body axes is the same before
+// and after the turn. The momentum at the step's end is I w - h/2 w x I w, and the next mean w' solves
+//     I w' + h/2 w' x I w' = I w - h/2 w x I w.
 #pragma once
-#include "base/beside.h"
-#include "sim/contact/find.h"
-#include "sim/joint/prepare.h"
-#include "sim/simulation/element/drive.h"
-#include "sim/simulation/element/watch.h"
-#include "sim/simulation/spin.h"
-#include "sim/simulation/stages.h"
-#include "sim/solver/storage.h"
-#include "sim/state/tiles.h"
+#include "base/math/vec.h"
+#include "base/parallel/for_each.h"
+#include "sim/constraint/find_contacts.h"
+#include "sim/constraint/prepare_joints.h"
+#include "sim/simulation/drive.h"
+#include "sim/simulation/simulation.h"
+#include "sim/simulation/watch.h"
+#include "sim/solver/solve.h"
+#include "sim/state/contact_lists.h"
 
 namespace gonogo::sim {
 
-/// Change of a velocity by gravity and free rotation (spin.h) in a substep, and the body's inertia in the world frame.
+/// Moment of inertia of an axis; 0 for an axis that cannot turn (inverse 0).
+GONOGO_HD inline Real moment_of(Real inverse) { return inverse > 0 ? 1 / inverse : 0; }
+
+/// x with A x = b, A given by its columns (Cramer's rule).
+GONOGO_HD inline Vec3 solve3(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& right) {
+  const Vec3 bc = cross(b, c);
+  const Real inverse = 1 / dot(a, bc);
+  return {dot(right, bc) * inverse, dot(a, cross(right, c)) * inverse, dot(a, cross(b, right)) * inverse};
+}
+
+/// Change of the mean angular velocity from the last step to the next, in body axes [rad/s].
+GONOGO_HD inline Vec3 free_spin_change_B(const Vec3& inverse_inertia_B, const Vec3& w_B, Real step) {
+  GONOGO_ASSERT(step > 0);
+  const Vec3 inertia{moment_of(inverse_inertia_B.x), moment_of(inverse_inertia_B.y), moment_of(inverse_inertia_B.z)};
+  const Real half = step / 2;
+  // The unknown is the change d of w, so that only it is rounded: F(d) = 0, F' = I + h/2 (w'^ I - (I w')^).
+  const Vec3 momentum = scale(inertia, w_B), rate = half * cross(w_B, momentum);
+  const Vec3 free{inertia.x > 0 ? Real(1) : 0, inertia.y > 0 ? Real(1) : 0, inertia.z > 0 ? Real(1) : 0};
+  const Vec3 held = Vec3{1, 1, 1} - free;
+  Vec3 d;
+  for (int newton = 0; newton < 3; ++newton) {
+    const Vec3 w = w_B + d, l = scale(inertia, w);
+    const Vec3 miss = scale(free, scale(inertia, d) + half * cross(w, l) + rate);
+    const auto column = [&](const Vec3& e) {
+      return scale(free, scale(inertia, e) + half * (cross(w, scale(inertia, e)) + cross(e, l))) + scale(held, e);
+    };
+    d -= solve3(column({1, 0, 0}), column({0, 1, 0}), column({0, 0, 1}), miss);
+  }
+  return d;
+}
+
+/// Change of a velocity by gravity and free rotation in a substep, and the body's inertia in the world frame.
 struct FreeMotion {
   View<const WorldParameters> world;
   View<const WorldIndex> world_of_body;
@@ -26,6 +65,7 @@ struct FreeMotion {
   Real substep;
 
   GONOGO_HD void operator()(BodyIndex b) const {
+    GONOGO_ASSERT(is_unit(orientation[b]));
     const BodyMass& m = mass[b];
     const Vec3 g = world[world_of_body[b]].gravity;
     Velocity change;
@@ -58,6 +98,7 @@ struct Integrate {
     const Real substep = settings.substep();
     const WorldIndex w = world_of_body[b];
     const WorldParameters& p = world[w];
+    GONOGO_ASSERT(p.bin_size.x > 0 && b >= p.first_body);
     const Velocity &last = velocity[b], &earlier = earlier_velocity[b];
     Vec3 path = last.linear + earlier.linear, turn = last.angular + earlier.angular;
     const Real speed = square_of_speed(last), max_speed = p.bin_size.x / settings.step;
@@ -79,6 +120,7 @@ struct Integrate {
     x.y = folded(x.y, p.origin.y, p.period.y);
     position[b] = x;
     if (turn.x != 0 || turn.y != 0 || turn.z != 0) orientation[b] = turned(orientation[b], turn, substep);
+    GONOGO_ASSERT(is_unit(orientation[b]));
   }
 
   /// Flags of a body that would cross more than a bin in a step; 0: it may be slowed.
@@ -162,9 +204,17 @@ void integrate(Exec exec, State<Exec>& s, const StepSettings& settings) {
   finish_step(exec, s, settings);
 }
 
-/// `own`: see SolverStorage.
+/// One step of all worlds, from the state of the bodies to that a step later.
+/// In: positions, orientations and velocities of the bodies; motors, histories of elements and the contacts' impulses
+/// of the step before, in store[1 - parity]. Out: the same a step later, the impulses in store[parity], and what the
+/// stages say that they compute (State lists it). The caller swaps the parity. `own` is scratch memory of solve(). No
+/// array of the State or of `own` may alias another. Worlds that have stopped or raised a flag are stepped as all
+/// others. On the GPU a step that finds more contacts than fit does nothing; see Progress.
 template <class Exec>
 void step(Exec exec, State<Exec>& s, SolverStorage<Exec>& own, const StepSettings& settings) {
+  GONOGO_ASSERT(settings.step > 0 && settings.substeps >= 1);
+  GONOGO_ASSERT(s.position.size() == s.body_count && s.orientation.size() == s.body_count);
+  GONOGO_ASSERT(s.shape.size() == s.shape_count && s.world.size() == s.world_count);
   beside(
       exec, [&](Exec main) { prepare_contacts(main, s, settings); },
       [&](Exec side) { prepare_motion(side, s, settings); });

@@ -1,11 +1,11 @@
 // Blocks: the host updates eight contacts at once, stored field by field. Each tile starts a new block.
 #pragma once
-#include "sim/solver/penalty_storage.h"
-#include "sim/solver/scan_storage.h"
+#include "sim/solver/jacobi_scan.h"
+#include "sim/solver/penalty_method.h"
+#include "sim/solver/solve.h"
 #include "sim/solver/spectral.h"
 #include "sim/solver/split.h"
-#include "sim/solver/storage.h"
-#include "sim/state/tiles.h"
+#include "sim/state/contact_lists.h"
 
 namespace gonogo::sim {
 
@@ -78,6 +78,7 @@ struct FillTile {
   }
 
   void fill(ContactBlock& out, ContactIndex first, ContactIndex end) const {
+    GONOGO_ASSERT(first < end && end <= contact.size);
     Pack field[kNumbers];
     for (int lane = 0; lane < kPackWidth; ++lane) {
       const ContactIndex i = first + lane < end ? first + lane : end - 1;
@@ -122,6 +123,7 @@ inline void store_wrenches(const Vec3T<Pack>& linear, const Vec3T<Pack>& angular
 /// Writes the wrenches of a block's impulses, which the bodies then sum.
 inline void scatter_wrenches(const ContactBlock& b, const ImpulseT<Pack>& p, ContactIndex first, Index count,
                              View<Wrench> wrench_a, View<Wrench> wrench_b) {
+  GONOGO_ASSERT(count > 0 && count <= kPackWidth && wrench_b.size > wrench_a.size);
   Pack row[kPackWidth];
   store_wrenches(p.linear, cross(b.numbers.arm_a, p.linear) + p.angular, row);
   for (Index lane = 0; lane < count; ++lane) *reinterpret_cast<PackInMemory*>(&wrench_a[first + lane]) = row[lane];
@@ -164,6 +166,7 @@ struct UpdateTile {
   void operator()(Index tile) const {
     const Momentum& m = momentum[tiles.tile[tile].world];
     if (m.done) return;
+    GONOGO_ASSERT(parity == (m.updates & 1));
     const ContactRange range = tiles.contacts(tile);
     const Pack beta = constant<Pack>(m.beta);
     UpdateSums s;
@@ -203,6 +206,7 @@ struct AdvanceTile {
       const Index in_tile = i - range.begin, lane = in_tile % kPackWidth;
       ContactBlock& b = block[tile * kBlocksPerTile + in_tile / kPackWidth];
       Contact& c = contact[i];
+      GONOGO_ASSERT(c.body_a == b.body_a[lane] && c.body_b == b.body_b[lane]);
       advance_gap(c, substep_velocity[c.body_a], substep_velocity[c.body_b], settings);
       b.numbers.bias[lane] = b.gap_bias[lane] = c.bias;
     }
@@ -228,5 +232,14 @@ struct StoreImpulses {
     }
   }
 };
+
+/// Bytes of one update of a contact if each record is moved once: its lane of a block read, one of the block's two
+/// impulses written, and both wrenches written and then read by the bodies' sums.
+constexpr double host_bytes_per_contact() {
+  return double(sizeof(ContactBlock) + sizeof(ImpulseT<Pack>)) / kPackWidth + 4 * sizeof(Wrench);
+}
+/// Bytes of one update of a body: mass, ranges of its contacts and five velocities. Read: free and present; written:
+/// present and extrapolated; the contacts read the extrapolated one again.
+constexpr double host_bytes_per_body() { return sizeof(BodyMass) + 4 * sizeof(Index) + 5 * sizeof(Velocity); }
 
 }  // namespace gonogo::sim

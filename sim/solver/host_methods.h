@@ -1,7 +1,7 @@
 // Updates of the host's tiles by the methods that are not accelerated: Gauss-Seidel and spectral gradients.
 #pragma once
-#include "sim/solver/body_update.h"
 #include "sim/solver/host_blocks.h"
+#include "sim/solver/shared_stages.h"
 
 namespace gonogo::sim {
 
@@ -45,6 +45,7 @@ struct SweepTile {
   void operator()(Index tile) const {
     const Momentum& m = momentum[tiles.tile[tile].world];
     if (m.done) return;
+    GONOGO_ASSERT(parity == (m.updates & 1) && present >= 0);
     const ContactRange range = tiles.contacts(tile);
     if (present == 0) sums[tile] = {};
     for (ContactIndex i = range.begin; i < range.end; ++i)
@@ -100,6 +101,7 @@ struct SpectralTile {
     const Momentum& m = momentum[w];
     if (m.done) return;
     const ContactRange range = tiles.contacts(tile);
+    GONOGO_ASSERT(length[w].length >= 1 && length[w].length <= kMaxStep);
     const Pack step = constant<Pack>(Real(length[w].length));
     UpdateSums s;
     SpectralSums spectral;

@@ -3,7 +3,7 @@
 // order of additions follows from the slots' places alone, so any number of threads gives the same bits. In the GPU
 // library's scans it depends on timing. Also: sums over long stretches by a fixed number of lanes.
 #pragma once
-#include "base/view.h"
+#include "base/parallel/buffer.h"
 
 namespace gonogo::sim {
 
@@ -27,6 +27,7 @@ struct ScanRun {
   GONOGO_HD void operator()(Index run) const {
     const Index begin = run * kScanRun, full = begin + kScanRun, end = full < *slots ? full : *slots;
     if (begin >= end) return;
+    GONOGO_ASSERT(end <= value.size);
     T sum = value[begin];
     Index open = segment(begin);
     for (Index i = begin + 1; i < end; ++i) {
@@ -42,6 +43,7 @@ struct ScanRun {
 /// Sum over the slots of a segment from `begin` to `end` - 1, after all runs have been scanned.
 template <class T>
 GONOGO_HD T segment_sum(View<const T> scanned, Index begin, Index end) {
+  GONOGO_ASSERT(begin >= 0 && begin <= end && end <= scanned.size);
   T sum{};
   while (begin < end) {
     const Index of_run = (begin / kScanRun + 1) * kScanRun, next = of_run < end ? of_run : end;

@@ -172,109 +172,106 @@ inline void advance_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Inde
       kTilesInParallel);
 }
 
-template <bool turning>
-void update_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
-  for_each_index(exec, tile_count,
-                 UpdateTile<turning>{.tiles = tiles(s),
-                                     .block = own.block.view(),
-                                     .velocity = s.extrapolated_velocity.view(),
-                                     .momentum = s.momentum.view(),
-                                     .wrench_a = own.wrench_a.view(),
-                                     .wrench_b = own.wrench_b.view(),
-                                     .sums = own.tile_sums.view(),
-                                     .parity = parity},
-                 kTilesInParallel);
-}
-
-/// Each contact waits for those before it; see Colouring.
-inline void colour_contacts(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index contacts) {
-  own.colour.resize(s.contact_capacity);
-  std::fill_n(own.colour.view().begin(), contacts, kNoColour);
-  const Colouring all = colouring(s, own.colour.view());
-  bool waiting = true;
-  while (waiting) {
-    for_each_index(exec, contacts, [&](ContactIndex i) { all.try_colour(i); });
-    waiting = std::count(own.colour.view().begin(), own.colour.view().begin() + contacts, kNoColour) > 0;
-  }
-  own.colours =
-      contacts > 0 ? 1 + *std::max_element(own.colour.view().begin(), own.colour.view().begin() + contacts) : 0;
-}
-
-template <bool turning>
-void sweep_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
-  const SweptBodies bodies{incidence(s), s.mass.view(), s.inverse_inertia_W.view(), s.extrapolated_velocity.view()};
-  for (Index colour = 0; colour < std::max<Index>(1, own.colours); ++colour)
-    for_each_index(exec, tile_count,
-                   SweepTile<turning>{.tiles = tiles(s),
-                                      .block = own.block.view(),
-                                      .colour = own.colour.view(),
-                                      .bodies = bodies,
-                                      .momentum = s.momentum.view(),
-                                      .sums = own.tile_sums.view(),
-                                      .parity = parity,
-                                      .present = colour},
-                   kTilesInParallel);
-  for_each_index(
-      exec, tile_count,
-      ScatterSweep{tiles(s), own.block.view(), s.momentum.view(), own.wrench_a.view(), own.wrench_b.view(), 1 - parity},
-      kTilesInParallel);
-}
-
-template <bool turning>
-void spectral_tiles(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
-  for_each_index(exec, tile_count,
-                 SpectralTile<turning>{.tiles = tiles(s),
-                                       .block = own.block.view(),
-                                       .velocity = s.velocity.view(),
-                                       .velocity_before = own.velocity_before.view(),
-                                       .momentum = s.momentum.view(),
-                                       .length = own.length.view(),
-                                       .wrench_a = own.wrench_a.view(),
-                                       .wrench_b = own.wrench_b.view(),
-                                       .sums = own.tile_sums.view(),
-                                       .spectral_sums = own.spectral_sums.view(),
-                                       .parity = parity},
-                 kTilesInParallel);
-}
-
-/// Update number `k` of all contacts.
-template <bool turning>
-void update_contacts(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index k, Solver solver) {
-  switch (solver) {
-    case Solver::apgd:
-    case Solver::jacobi:
-      return update_tiles<turning>(exec, s, own, tile_count, k & 1);
-    case Solver::gauss_seidel:
-      return sweep_tiles<turning>(exec, s, own, tile_count, k & 1);
-    case Solver::bb:
-      return spectral_tiles<turning>(exec, s, own, tile_count, k & 1);
-    case Solver::jacobi_scan:
-    case Solver::spring_damper:
-    case Solver::hertz:
-      return;  // solve() has gone another way
-  }
-}
-
-inline void prepare_method(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Solver solver) {
-  if (solver == Solver::gauss_seidel) colour_contacts(exec, s, own, *contact_count(s).count);
-  if (solver != Solver::bb) return;
-  own.velocity_before.resize(s.body_count);
-  own.spectral_sums.resize(tile_count);
-  own.length.upload(std::vector<SpectralStep>(std::size_t(s.world_count)));
-}
-
 /// Decides the next update of every world.
 inline void decide(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const IterationRules& rules) {
-  if (rules.solver == Solver::bb) own.momentum_before.upload(s.momentum.download());
   for_each_index(exec, s.world_count,
                  DecideNextUpdate{s.first_tile.view(), own.tile_sums.view(), tiles(s), s.momentum.view(), rules},
                  kTilesInParallel);
-  if (rules.solver == Solver::bb)
+}
+
+/// `apgd` and `jacobi`. A method prepares a step, updates all contacts, and decides the next update. `parity`: which of
+/// a block's two impulses is the latest.
+struct GradientMethod {
+  static void prepare(Cpu, State<Cpu>&, SolverStorage<Cpu>&, Index /*tile_count*/) {}
+
+  template <bool turning>
+  static void update(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
+    for_each_index(exec, tile_count,
+                   UpdateTile<turning>{.tiles = tiles(s),
+                                       .block = own.block.view(),
+                                       .velocity = s.extrapolated_velocity.view(),
+                                       .momentum = s.momentum.view(),
+                                       .wrench_a = own.wrench_a.view(),
+                                       .wrench_b = own.wrench_b.view(),
+                                       .sums = own.tile_sums.view(),
+                                       .parity = parity},
+                   kTilesInParallel);
+  }
+
+  static void decide_next(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const IterationRules& rules) {
+    decide(exec, s, own, rules);
+  }
+};
+
+/// `gauss_seidel`
+struct SweepMethod : GradientMethod {
+  /// Colours the contacts. Each waits for those before it; see Colouring.
+  static void prepare(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index /*tile_count*/) {
+    const Index contacts = *contact_count(s).count;
+    own.colour.resize(s.contact_capacity);
+    Index* const begin = own.colour.view().begin();
+    std::fill_n(begin, contacts, kNoColour);
+    const Colouring all = colouring(s, own.colour.view());
+    while (std::find(begin, begin + contacts, kNoColour) != begin + contacts)
+      for_each_index(exec, contacts, [&](ContactIndex i) { all.try_colour(i); });
+    own.colours = contacts > 0 ? 1 + *std::max_element(begin, begin + contacts) : 0;
+  }
+
+  template <bool turning>
+  static void update(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
+    const SweptBodies bodies{incidence(s), s.mass.view(), s.inverse_inertia_W.view(), s.extrapolated_velocity.view()};
+    for (Index colour = 0; colour < std::max<Index>(1, own.colours); ++colour)
+      for_each_index(exec, tile_count,
+                     SweepTile<turning>{.tiles = tiles(s),
+                                        .block = own.block.view(),
+                                        .colour = own.colour.view(),
+                                        .bodies = bodies,
+                                        .momentum = s.momentum.view(),
+                                        .sums = own.tile_sums.view(),
+                                        .parity = parity,
+                                        .present = colour},
+                     kTilesInParallel);
+    for_each_index(exec, tile_count,
+                   ScatterSweep{tiles(s), own.block.view(), s.momentum.view(), own.wrench_a.view(), own.wrench_b.view(),
+                                1 - parity},
+                   kTilesInParallel);
+  }
+};
+
+/// `bb`
+struct SpectralMethod : GradientMethod {
+  static void prepare(Cpu, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count) {
+    own.velocity_before.resize(s.body_count);
+    own.spectral_sums.resize(tile_count);
+    own.length.upload(std::vector<SpectralStep>(std::size_t(s.world_count)));
+  }
+
+  template <bool turning>
+  static void update(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, Index parity) {
+    for_each_index(exec, tile_count,
+                   SpectralTile<turning>{.tiles = tiles(s),
+                                         .block = own.block.view(),
+                                         .velocity = s.velocity.view(),
+                                         .velocity_before = own.velocity_before.view(),
+                                         .momentum = s.momentum.view(),
+                                         .length = own.length.view(),
+                                         .wrench_a = own.wrench_a.view(),
+                                         .wrench_b = own.wrench_b.view(),
+                                         .sums = own.tile_sums.view(),
+                                         .spectral_sums = own.spectral_sums.view(),
+                                         .parity = parity},
+                   kTilesInParallel);
+  }
+
+  static void decide_next(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const IterationRules& rules) {
+    own.momentum_before.upload(s.momentum.download());
+    decide(exec, s, own, rules);
     for_each_index(exec, s.world_count,
                    DecideNextLength{s.first_tile.view(), own.spectral_sums.view(), own.momentum_before.view(),
                                     s.momentum.view(), own.length.view(), rules},
                    kTilesInParallel);
-}
+  }
+};
 
 inline void measure(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile_count, const StepSettings& settings) {
   View<Impulse> impulse = s.store[s.parity].impulse.view();
@@ -295,38 +292,51 @@ inline void measure(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, Index tile
                  kTilesInParallel);
 }
 
-/// From the warm start in the step's contact store to the velocities and impulses at the end of the step.
-inline void solve(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const StepSettings& settings) {
-  if (settings.solver == Solver::jacobi_scan) {
-    reserve_scan(s, own.scan, settings);
-    return solve_by_scan(exec, s, own.scan, settings);
-  }
-  if (is_penalty(settings.solver)) {
-    reserve_penalty(s, own.penalty);
-    return solve_by_penalty(exec, s, own.penalty, settings);
-  }
+template <class Method>
+void iterate(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const StepSettings& settings) {
   const IterationRules rules = settings.rules();
   const Index tile_count = tiles(s).count();
-  const bool turning = s.turning;
   for_each_counted(exec, contact_count(s), mass_splitting(s, settings));
   fill_blocks(exec, s, own, tile_count);
   for (WorldIndex w = 0; w < s.world_count; ++w) s.momentum.write(w, first_momentum(rules));
-  prepare_method(exec, s, own, tile_count, rules.solver);
+  Method::prepare(exec, s, own, tile_count);
   own.motor_before.upload(s.mechanisms.motor_impulse.download());
-  for_each_index(
-      exec, s.body_count,
-      BeginBody{s.velocity.view(), s.velocity_change.view(), s.free_velocity.view(), s.earlier_velocity.view()});
+  begin_bodies(exec, s);
   gather(exec, s, own, true);
   for (Index k = 0; !all_done(s, s.momentum.view()); ++k) {
+    GONOGO_ASSERT(k < std::int64_t(rules.substeps) * rules.max_iterations + rules.substeps);
     if (any_world(s, &Momentum::begins)) advance_tiles(exec, s, own, tile_count, settings);
-    turning ? update_contacts<true>(exec, s, own, tile_count, k, rules.solver)
-            : update_contacts<false>(exec, s, own, tile_count, k, rules.solver);
+    s.turning ? Method::template update<true>(exec, s, own, tile_count, k & 1)
+              : Method::template update<false>(exec, s, own, tile_count, k & 1);
     for_each_index(exec, s.mechanisms.motor.size(), motor_update(s, own.motor_before.view(), settings));
     gather(exec, s, own, false);
     if (any_world(s, &Momentum::ends)) carry_bodies(exec, s);
-    decide(exec, s, own, rules);
+    Method::decide_next(exec, s, own, rules);
   }
   measure(exec, s, own, tile_count, settings);
+}
+
+inline void solve(Cpu exec, State<Cpu>& s, SolverStorage<Cpu>& own, const StepSettings& settings) {
+  GONOGO_ASSERT(settings.step > 0 && settings.iterations >= 1 && settings.substeps >= 1 && settings.tolerance >= 0);
+  GONOGO_ASSERT((s.parity == 0 || s.parity == 1) && s.store[s.parity].impulse.size() == s.contact_capacity);
+  GONOGO_ASSERT(*contact_count(s).count >= 0 && *contact_count(s).count <= s.contact_capacity);
+  GONOGO_ASSERT(s.velocity.size() == s.body_count && s.momentum.size() == s.world_count);
+  if (is_penalty(settings.contact)) {
+    reserve_penalty(s, own.penalty);
+    return solve_by_penalty(exec, s, own.penalty, settings);
+  }
+  switch (settings.iteration) {
+    case Iteration::apgd:
+    case Iteration::jacobi:
+      return iterate<GradientMethod>(exec, s, own, settings);
+    case Iteration::gauss_seidel:
+      return iterate<SweepMethod>(exec, s, own, settings);
+    case Iteration::bb:
+      return iterate<SpectralMethod>(exec, s, own, settings);
+    case Iteration::jacobi_scan:
+      reserve_scan(s, own.scan, settings);
+      return solve_by_scan(exec, s, own.scan, settings);
+  }
 }
 
 }  // namespace gonogo::sim

@@ -6,7 +6,7 @@
 // kMaxStep.
 #pragma once
 #include "sim/state/contact.h"
-#include "sim/state/momentum.h"
+#include "sim/state/iteration.h"
 
 namespace gonogo::sim {
 
@@ -43,6 +43,7 @@ struct alignas(16) SpectralStep {
 /// after.
 GONOGO_HD inline void decide_next_length(SpectralStep& step, const SpectralSums& sums, const Momentum& m,
                                          const Momentum& next, const IterationRules& rules) {
+  GONOGO_ASSERT(step.weight >= 1 && rules.max_iterations >= 1);
   const bool first = m.iterations == 0;  // of a substep: the iterate before belongs to another objective
   if (first) {
     step.objective = step.mean = 0;

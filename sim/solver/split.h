@@ -5,10 +5,84 @@
 // with 1 / d the contact's share of a body and A a bound on the body's part of the contact's inverse mass. Then
 // S^-1 >= N as quadratic forms, so g - S grad never overshoots and needs no line search. A heavy wheel on light grains
 // adds little to S^-1, although it has hundreds of contacts, and so does not slow the iteration.
+//
+// Colours for Gauss-Seidel: contacts of one colour share no body whose velocity the sweep changes, so they are updated
+// at once. A wheel with hundreds of contacts would need hundreds of colours. Such bodies, and those of mechanisms, keep
+// their velocity through a sweep and split their mass instead, which never overshoots either. Colours follow
+// the greedy rule in the order of a hash (Jones & Plassmann 1993). Each contact waits for its neighbours that come
+// before it, so any number of threads finds the same colours.
 #pragma once
-#include "sim/solver/colour.h"
+#include "sim/state/contact_lists.h"
 
 namespace gonogo::sim {
+
+/// Bodies with more contacts are not swept. A contact of two swept bodies has at most 62 neighbours, so 64 colours
+/// suffice.
+inline constexpr Index kMaxSweptContacts = 32;
+inline constexpr Index kNoColour = -1;
+
+/// Whether a sweep changes the body's velocity contact by contact.
+GONOGO_HD inline bool is_swept(BodyIndex b, const BodyMass& mass, const Incidence& incidence) {
+  if (is_fixed(mass) || mass.slot >= 0) return false;
+  const Index owned = incidence.owned_end(b) - incidence.owned_begin(b);
+  GONOGO_ASSERT(owned >= 0 && incidence.first_second[b] <= incidence.first_second[b + 1]);
+  return owned + incidence.first_second[b + 1] - incidence.first_second[b] <= kMaxSweptContacts;
+}
+
+/// A permutation of the integers below 2^32: the finaliser of MurmurHash3 (public domain).
+GONOGO_HD inline std::uint32_t shuffled(std::uint32_t i) {
+  i = (i ^ (i >> 16)) * 0x85ebca6bu;
+  i = (i ^ (i >> 13)) * 0xc2b2ae35u;
+  return i ^ (i >> 16);
+}
+
+struct Colouring {
+  Incidence incidence;
+  View<const BodyMass> mass;
+  View<const WorldParameters> world;
+  View<const Contact> contact;
+  View<Index> colour;  // [contact]
+
+  /// Colours the contact if all neighbours before it have colours. Returns whether it has one now. Many threads may
+  /// call this at once.
+  GONOGO_HD bool try_colour(ContactIndex i) const {
+    if (load_relaxed(colour[i]) != kNoColour) return true;
+    const Contact& c = contact[i];
+    const ContactIndex first = incidence.first_contact[world[c.world].first_shape];
+    std::uint64_t taken = 0;
+    if (!mark_before(i, first, c.body_a, taken) || !mark_before(i, first, c.body_b, taken)) return false;
+    Index free = 0;
+    while (taken >> free & 1) ++free;
+    GONOGO_ASSERT(free < 2 * kMaxSweptContacts - 1);
+    store_relaxed(colour[i], free);
+    return true;
+  }
+
+ private:
+  /// Marks the colours of a body's contacts that come before `i`; false if one has none yet.
+  GONOGO_HD bool mark_before(ContactIndex i, ContactIndex first, BodyIndex b, std::uint64_t& taken) const {
+    if (!is_swept(b, mass[b], incidence)) return true;
+    for (ContactIndex k = incidence.owned_begin(b); k < incidence.owned_end(b); ++k)
+      if (!mark(i, k, first, taken)) return false;
+    for (Index k = incidence.first_second[b]; k < incidence.first_second[b + 1]; ++k)
+      if (!mark(i, incidence.second[k], first, taken)) return false;
+    return true;
+  }
+
+  GONOGO_HD bool mark(ContactIndex i, ContactIndex other, ContactIndex first, std::uint64_t& taken) const {
+    if (shuffled(std::uint32_t(other - first)) >= shuffled(std::uint32_t(i - first))) return true;
+    const Index its = load_relaxed(colour[other]);
+    if (its == kNoColour) return false;
+    GONOGO_ASSERT(its >= 0 && its < 64);
+    taken |= std::uint64_t(1) << its;
+    return true;
+  }
+};
+
+template <class Exec>
+Colouring colouring(State<Exec>& s, View<Index> colour) {
+  return {incidence(s), s.mass.view(), s.world.view(), s.contact.view(), colour};
+}
 
 /// Share s of rolling and spinning in the bound of inverse_mass_bound.
 inline constexpr Real kTurningShare = 0.5f;
@@ -35,6 +109,7 @@ GONOGO_HD inline Real turning_bound(const Vec3& arm, const BodyMass& mass, const
 /// m^2)].
 GONOGO_HD inline ConeStep inverse_mass_bound(const Vec3& arm, const Vec3& normal, const BodyMass& mass,
                                              const Quat& orientation, bool turning) {
+  GONOGO_ASSERT(is_unit(normal) && is_unit(orientation));
   const Vec3 normal_share = scale(mass.inverse_mass, scale(normal, normal));
   const Real linear = std::fmax(mass.inverse_mass.x, std::fmax(mass.inverse_mass.y, mass.inverse_mass.z));
   const Vec3& i = mass.inverse_inertia_B;
@@ -71,6 +146,7 @@ struct SplitMasses {
   /// Number of shares over the contact's own. The motors of a mechanism get half of its bodies' masses.
   GONOGO_HD Real share(BodyIndex b, Real own) const {
     if (sweeps && is_swept(b, mass[b], incidence)) return 1;
+    GONOGO_ASSERT(own >= 1 && (is_fixed(mass[b]) || Real(weight[b]) >= own));
     const bool driven = mass[b].slot >= 0 && jointed[mass[b].slot].driven != 0;
     return Real(weight[b]) * (driven ? Real(2) : Real(1)) / own;
   }
@@ -88,6 +164,7 @@ struct SplitMasses {
     c.step.t = stretch / (share_a * a.t + share_b * b.t);
     c.step.r = turning ? stretch / (share_a * a.r + share_b * b.r) : Real(1);
     c.unsplit = (share_a * a.n + share_b * b.n) / (stretch * (a.n + b.n));
+    GONOGO_ASSERT(!(c.step.n <= 0) && !(c.step.t <= 0) && !(c.step.r <= 0) && !(c.unsplit <= 0));
     c.bias = target_bias(c, velocity[c.body_a], velocity[c.body_b], target);
   }
 };
@@ -119,7 +196,7 @@ GONOGO_HD_INLINED Real contact_residual(const Contact& c, const Velocity& a, con
 template <class Exec>
 SplitMasses mass_splitting(State<Exec>& s, const StepSettings& settings) {
   const bool stretched =
-      settings.substeps > 1 && settings.solver != Solver::gauss_seidel && settings.solver != Solver::bb;
+      settings.substeps > 1 && settings.iteration != Iteration::gauss_seidel && settings.iteration != Iteration::bb;
   return {.mass = s.mass.view(),
           .jointed = s.mechanisms.body.view(),
           .orientation = s.orientation.view(),
@@ -129,7 +206,7 @@ SplitMasses mass_splitting(State<Exec>& s, const StepSettings& settings) {
           .contact = s.contact.view(),
           .incidence = incidence(s),
           .target = settings.target,
-          .sweeps = settings.solver == Solver::gauss_seidel,
+          .sweeps = settings.iteration == Iteration::gauss_seidel,
           .stretch = stretched ? kStretch : Real(1)};
 }
 

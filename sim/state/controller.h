@@ -1,12 +1,36 @@
 // Controllers set a motor's target speed and torque limit at the beginning of every step, from the time and the state
-// then.
+// then. Their commands are piecewise-linear tables; all tables of a batch lie in one array.
 #pragma once
 #include <vector>
 
+#include "base/parallel/buffer.h"
 #include "sim/state/force.h"
-#include "sim/state/table.h"
 
 namespace gonogo::sim {
+
+struct TablePoint {
+  double at = 0, value = 0;
+};
+
+/// Points first .. first + count - 1, ascending in `at`, at least one.
+struct Table {
+  Index first = 0, count = 0;
+};
+
+/// Linear between points; the outer values hold beyond the ends.
+GONOGO_HD inline double interpolate(View<const TablePoint> points, const Table& table, double at) {
+  GONOGO_ASSERT(table.count >= 1 && table.first >= 0);
+  Index low = table.first, high = table.first + table.count - 1;
+  if (at <= points[low].at) return points[low].value;
+  if (at >= points[high].at) return points[high].value;
+  while (high - low > 1) {
+    const Index middle = low + (high - low) / 2;
+    (points[middle].at <= at ? low : high) = middle;
+  }
+  const TablePoint &a = points[low], &b = points[high];
+  GONOGO_ASSERT(a.at < b.at);
+  return a.value + (b.value - a.value) * ((at - a.at) / (b.at - a.at));
+}
 
 enum class ControllerType : std::int32_t {
   schedule,            // speed and torque limit over time
@@ -104,12 +128,16 @@ GONOGO_HD inline MotorCommand throttle_command(View<const TablePoint> points, co
   return {throttle < 0 ? -top : top, std::fabs(throttle) * interpolate(points, c.limit, std::fabs(motor_speed))};
 }
 
-GONOGO_HD inline double clamped(double x, double limit) { return std::fmin(limit, std::fmax(-limit, x)); }
+GONOGO_HD inline double clamped(double x, double limit) {
+  GONOGO_ASSERT(limit >= 0);
+  return std::fmin(limit, std::fmax(-limit, x));
+}
 
 /// Proportional-integral law. The integral stops while the output is at its limit and the error would push it further
 /// (conditional integration: Astrom & Hagglund, PID Controllers, section 3.5).
 GONOGO_HD inline double proportional_integral(const ControllerPlan& c, double command, double velocity, double limit,
                                               double step, ControllerState& state) {
+  GONOGO_ASSERT(step > 0);
   const double error = command - velocity;
   const double at_once = c.proportional * error + c.feed_forward * command;
   const double integral = state.error_integral + error * step;
@@ -133,6 +161,7 @@ struct ArmPose {
 /// Turns an arm to an angle [rad].
 GONOGO_HD inline MotorCommand turn_to(View<const TablePoint> points, const ControllerPlan& c, double time,
                                       const ArmPose& arm, double wish) {
+  GONOGO_ASSERT(is_unit(arm.forward) && is_unit(arm.up) && is_unit(arm.pointer));
   const double angle =
       std::atan2(double(dot(arm.up, cross(arm.forward, arm.pointer))), double(dot(arm.forward, arm.pointer)));
   return {clamped(c.rate * (wish - angle), c.top_speed), interpolate(points, c.limit, time)};

@@ -129,6 +129,7 @@ GONOGO_HD inline double direct_torque(View<const TablePoint> points, const Drive
 GONOGO_HD inline double converter_torque(View<const TablePoint> points, const DrivelinePlan& d, double ratio,
                                          double throttle, double shaft_speed, double step, DrivelineState& state) {
   const double engine = std::fmax(state.engine_speed, d.idle_speed);
+  GONOGO_ASSERT(d.engine_inertia > 0);
   const double n = std::fmin(1.0, std::fmax(0.0, shaft_speed * ratio / std::fmax(engine, 1e-6)));
   const double capacity = interpolate(points, d.capacity, n), rate = step / d.engine_inertia;
   const double next = (engine + rate * engine_torque(points, d, throttle, engine)) / (1 + rate * capacity * engine);
@@ -141,6 +142,7 @@ GONOGO_HD inline double converter_torque(View<const TablePoint> points, const Dr
 GONOGO_HD inline double clutch_torque(View<const TablePoint> points, const DrivelinePlan& d, double ratio,
                                       double throttle, double shaft_speed, double step, DrivelineState& state) {
   const double engine = std::fmax(state.engine_speed, d.idle_speed);
+  GONOGO_ASSERT(d.engine_inertia > 0 && d.clutch_torque >= 0);
   const double closed = (engine - d.idle_speed) / std::fmax(1e-6, d.engaged_speed - d.idle_speed);
   const double max = d.clutch_torque * std::fmin(1.0, std::fmax(0.0, closed));
   const double free = engine + step / d.engine_inertia * engine_torque(points, d, throttle, engine);
@@ -167,6 +169,7 @@ GONOGO_HD inline void shift(const DrivelinePlan& d, double time, DrivelineState&
 /// Torque behind the gearbox [N m] at the speed of the shaft there.
 GONOGO_HD inline double gearbox_torque(View<const TablePoint> points, const DrivelinePlan& d, double throttle,
                                        double shaft_speed, double step, DrivelineState& state) {
+  GONOGO_ASSERT(Index(state.gear) >= 0 && Index(state.gear) < d.gear_count && step > 0);
   const double ratio = d.ratio[Index(state.gear)];
   if (d.coupling == Coupling::converter) return converter_torque(points, d, ratio, throttle, shaft_speed, step, state);
   if (d.coupling == Coupling::clutch) return clutch_torque(points, d, ratio, throttle, shaft_speed, step, state);
@@ -176,6 +179,7 @@ GONOGO_HD inline double gearbox_torque(View<const TablePoint> points, const Driv
 /// Max torque [N m] from the faster to the slower wheel when their axle gets `torque` T. With T/2 + c and T/2 - c in
 /// the ratio of the bias, c = T/2 (bias - 1) / (bias + 1).
 GONOGO_HD inline double lock_limit(const DrivenAxle& a, double torque) {
+  GONOGO_ASSERT(a.bias >= 1 && a.lock_torque >= 0);
   return a.lock_torque + 0.5 * std::fabs(torque) * (a.bias - 1) / (a.bias + 1);
 }
 

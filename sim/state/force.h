@@ -1,5 +1,5 @@
 // Explicit forces on bodies, computed at the beginning of a step: constant or ramped loads, and aerodynamic drag.
-// Springs and dampers are implicit, see joint.h.
+// Springs and dampers are implicit, see mechanism.h.
 #pragma once
 #include "sim/state/contact.h"
 
@@ -51,6 +51,7 @@ struct LoadedMotion {
 
 /// Share of a ramped load [0, 1].
 GONOGO_HD inline double ramp_share(double time, double start, double ramp) {
+  GONOGO_ASSERT(ramp >= 0);
   if (time >= start + ramp) return 1;
   return time > start ? (time - start) / ramp : 0;
 }
@@ -65,6 +66,7 @@ GONOGO_HD inline Real inverse_mass_along(const LoadedMotion& m, const Vec3& arm,
 /// v' = -c v^2 / (2 m) has the solution v / (1 + c v t / (2 m)). It never reverses the motion, for any step.
 GONOGO_HD inline Vec3 drag_force(const ForceElement& f, const LoadedMotion& m, const Vec3& arm, Real step) {
   const Vec3 through_air = m.velocity.linear + cross(m.velocity.angular, arm) - f.wind;
+  GONOGO_ASSERT(f.drag >= 0 && step > 0);
   const Real speed = length(through_air);
   if (!(speed > 0)) return {};
   const Real rate = Real(0.5) * f.drag * speed;
@@ -72,6 +74,7 @@ GONOGO_HD inline Vec3 drag_force(const ForceElement& f, const LoadedMotion& m, c
 }
 
 GONOGO_HD inline ForceAndTorque load_of(const ForceElement& f, const LoadedMotion& m, double time, Real step) {
+  GONOGO_ASSERT(is_unit(m.orientation));
   const Vec3 arm = rotate(m.orientation, f.point_B);
   if (f.type == ForceType::drag) {
     const Vec3 force = drag_force(f, m, arm, step);

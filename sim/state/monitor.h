@@ -110,6 +110,7 @@ GONOGO_HD inline void add_energy(MonitorState& m, const WatchedStep& s) {
 }
 
 GONOGO_HD inline void add_step(MonitorState& m, const WatchedStep& s, double step) {
+  GONOGO_ASSERT(step > 0 && s.step > m.now.step);
   MonitorSample& now = m.now;
   now.x += s.moved.x;
   now.y += s.moved.y;
@@ -160,6 +161,7 @@ struct MonitorMeans {
 
 /// `to` must be later than `from`.
 GONOGO_HD inline MonitorMeans means_between(const MonitorSample& from, const MonitorSample& to, double step) {
+  GONOGO_ASSERT(to.step > from.step);
   const double count = to.step - from.step;
   return {.time = count * step,
           .x = to.x - from.x,

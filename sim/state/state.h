@@ -1,11 +1,10 @@
 // Arrays of a batch of worlds. A world is a box, periodic along x and y if asked. Its bodies and shapes are contiguous
 // and always in the same order, so that its result does not depend on the other worlds of the batch.
 #pragma once
-#include "base/for_each.h"
-#include "sim/state/element_store.h"
-#include "sim/state/fault.h"
-#include "sim/state/mechanism_store.h"
-#include "sim/state/surface_store.h"
+#include "base/parallel/for_each.h"
+#include "sim/shape/surface_library.h"
+#include "sim/state/elements.h"
+#include "sim/state/mechanism.h"
 #include "sim/state/world.h"
 
 namespace gonogo::sim {
@@ -53,6 +52,29 @@ struct LargeGroups {
   int levels = 0;
 };
 
+/// Rows that hold the half of the 27 bins around a shape that it searches.
+inline constexpr Index kNeighbourRows = 5;
+
+/// Parts of a shape's contacts: those of two spheres for each row of bins, then all others. Where there are many, a
+/// thread of its own counts and writes each part.
+inline constexpr Index kSearchParts = kNeighbourRows + 1;
+
+/// Pairs of a part that the count notes, so that they need no second search.
+inline constexpr Index kNotedPairs = 3;
+
+/// Name of a contact inside its owner's list, the same in every step.
+GONOGO_HD inline std::uint64_t pair_key(ShapeIndex other, int feature) {
+  GONOGO_ASSERT(other >= 0 && feature >= 0);
+  return (std::uint64_t(std::uint32_t(other)) << 32) | std::uint64_t(std::uint32_t(feature));
+}
+
+inline ShapeIndex other_shape(std::uint64_t key) { return ShapeIndex(key >> 32); }
+
+/// The same name after the other shape's index has changed by `shapes`.
+inline std::uint64_t shifted_key(std::uint64_t key, ShapeIndex shapes) {
+  return pair_key(other_shape(key) + shapes, int(std::uint32_t(key)));
+}
+
 /// Contacts of one step, in the order of the shapes that own them. A step writes one store and reads the other for its
 /// warm start.
 template <class Exec>
@@ -72,7 +94,7 @@ struct ContactRange {
   ContactIndex begin, end;
 };
 
-/// A run of contacts of one world; see tiles.h.
+/// A run of contacts of one world; see contact_lists.h.
 struct alignas(16) Tile {
   ContactRange contacts;
   WorldIndex world;
@@ -128,10 +150,10 @@ struct State {
   Buffer<BinnedShape, Exec> shape_by_bin;  // by bin
   Buffer<Index, Exec> bin_cursor;          // [bin] while the bins are filled
   Buffer<LargeShape, Exec> large;          // by world; which shapes: set by the host
-  Buffer<LargeShape, Exec> large_group;    // boxes around them, see large.h
+  Buffer<LargeShape, Exec> large_group;    // boxes around them, see bins.h
   LargeGroups large_groups;                // the same as the search sees them
 
-  // Computed by find_contacts(); see find.h.
+  // Computed by find_contacts(); see find_contacts.h.
   Buffer<Index, Exec> contacts_of_part, first_of_part;  // [shape * kSearchParts]
   Buffer<ShapeIndex, Exec> noted;                       // [shape * kNeighbourRows * kNotedPairs]
   Buffer<ContactPair, Exec> pair;                       // [contact]
@@ -140,7 +162,7 @@ struct State {
   Buffer<Index, Exec> contact_weight;                   // [body] see split.h
   Buffer<Index, Exec> second_count;                     // [body] contacts where it is body b and can move
 
-  // Computed by list_contacts(); see incidence.h and tiles.h.
+  // Computed by list_contacts(); see contact_lists.h.
   Buffer<Index, Exec> first_second;                         // [body + 1] into the next two
   Buffer<ContactIndex, Exec> second_found, second_contact;  // in any order; in ascending order
   Buffer<Index, Exec> second_cursor;                        // [body] while the lists are filled
@@ -176,6 +198,7 @@ struct State {
 /// The number of contacts of this step, which only the execution space knows.
 template <class Exec>
 Counted contact_count(State<Exec>& s) {
+  GONOGO_ASSERT(s.contact.size() == s.contact_capacity && s.progress.size() == 1);
   return {s.contact_capacity, &s.progress.data()->contact_total};
 }
 

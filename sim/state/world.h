@@ -1,10 +1,30 @@
-// Records of a world as the engine holds it: numerical parameters, laws of contact, masses, large shapes.
+// Records of a world as the engine holds it: numerical parameters, laws of contact, masses, large shapes, faults; and
+// positions along periodic axes.
 #pragma once
+#include <cmath>
+
+#include "base/math/vec.h"
+#include "base/parallel/for_each.h"
+#include "sim/law/penalty_law.h"
 #include "sim/state/contact.h"
-#include "sim/state/momentum.h"
-#include "sim/state/penalty_law.h"
+#include "sim/state/iteration.h"
 
 namespace gonogo::sim {
+
+/// Position folded into [origin, origin + period); a period of 0: not periodic.
+GONOGO_HD inline double folded(double x, double origin, double period) {
+  if (period <= 0) return x;
+  return x - period * std::floor((x - origin) / period);
+}
+
+/// Shortest periodic image of the difference between two points that lie less than 1.5 periods apart.
+GONOGO_HD inline double nearest_image(double d, double period) {
+  const double half = period / 2;
+  return period <= 0 || (d <= half && d >= -half) ? d : d > 0 ? d - period : d + period;
+}
+GONOGO_HD inline Vec3d nearest_image(const Vec3d& d, const Vec3d& period) {
+  return {nearest_image(d.x, period.x), nearest_image(d.y, period.y), d.z};
+}
 
 /// How two materials touch.
 struct PairLaw {
@@ -25,7 +45,8 @@ struct StepSettings {
   Real recovery_speed = 0.1f;     // overlaps are pushed out no faster than this [m/s]
   Real recovery_share = 0.2f;     // share of an overlap pushed out in one step
   Real cohesion_range = 0.5e-3f;  // cohesion acts up to this gap [m]
-  Solver solver = Solver::apgd;
+  ContactLaw contact = ContactLaw::complementarity;
+  Iteration iteration = Iteration::apgd;  // the next two: of complementarity
   Target target = Target::ccp;
   Index substeps = 1;       // into which the solver divides a step; see step.h
   Index sort_every = 2000;  // steps of a world after which its bodies are sorted in memory, if they have mixed
@@ -35,15 +56,21 @@ struct StepSettings {
   PenaltyLaw penalty;  // of pairs of materials for which the scene states no stiffness
 
   /// Length of a substep [s]; reported forces and impulses are those of the last substep.
-  GONOGO_HD Real substep() const { return step / Real(substeps); }
+  GONOGO_HD Real substep() const {
+    GONOGO_ASSERT(step > 0 && substeps >= 1);
+    return step / Real(substeps);
+  }
 
-  GONOGO_HD IterationRules rules() const { return {solver, target, iterations, tolerance, substeps}; }
+  ContactMethod method() const { return {contact, iteration}; }
+
+  GONOGO_HD IterationRules rules() const { return {iteration, target, iterations, tolerance, substeps}; }
 };
 
 /// Bias of a contact [m/s]; the solver keeps the normal speed above its negative. A gap may close in this substep, an
 /// overlap opens at a limited speed; a compliant contact gets the resting speed of its spring and damper. `rate`,
 /// `softness`: see Contact.
 GONOGO_HD inline Real bias_of_gap(Real gap, Real rate, Real softness, const StepSettings& settings) {
+  GONOGO_ASSERT(rate > 0 && softness >= 0);
   const Real bias = rate * gap;
   if (softness > 0 || gap >= 0) return bias;
   const Real push_out = settings.recovery_share * bias;
@@ -93,5 +120,35 @@ struct LargeShape {
            dot(d, up) < radius;
   }
 };
+
+/// Bits of the flag word of a world.
+enum StepFlag : Index {
+  flag_not_finite = 1,   // a velocity or position is NaN or infinite: smaller step or more iterations
+  flag_too_fast = 2,     // a body moves more than a bin in a step, see StepSettings::max_slowed: smaller step
+  flag_left_domain = 4,  // a body fell out of the domain: deeper domain or rougher base
+};
+
+/// The first fault of a world: of the step that raised the first flag, the body with the lowest index, for any order of
+/// the threads.
+struct Fault {
+  Index flags = 0;      // of this body in this step; 0: nothing has gone wrong
+  Index step = 0;       // counted from 1
+  BodyIndex body = -1;  // in its world
+};
+
+/// Smaller is earlier, then lower in index.
+using PackedFault = std::uint64_t;
+inline constexpr PackedFault kNoFault = ~PackedFault(0);
+
+GONOGO_HD inline PackedFault packed(const Fault& f) {
+  if (f.flags == 0) return kNoFault;
+  GONOGO_ASSERT(f.flags > 0 && f.flags < 8 && f.step >= 0 && f.body >= 0);
+  return PackedFault(std::uint32_t(f.step)) << 34 | PackedFault(std::uint32_t(f.body)) << 3 | PackedFault(f.flags);
+}
+
+GONOGO_HD inline Fault unpacked(PackedFault p) {
+  if (p == kNoFault) return {};
+  return {Index(p & 7), Index(p >> 34), BodyIndex(p >> 3 & 0x7FFFFFFF)};
+}
 
 }  // namespace gonogo::sim

@@ -3,15 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/cancel.h"
 #include "base/error.h"
+#include "base/files/file.h"
 #include "base/format.h"
-#include "base/hash.h"
+#include "base/hdf5/hdf5.h"
 #include "base/json/json.h"
-#include "base/random.h"
+#include "base/math/random.h"
+#include "base/progress.h"
 #include "base/units.h"
+#include "sim/law/contact_law.h"
+#include "sim/scene/penalty_setup.h"
 
 namespace gonogo::terrain {
+
 namespace {
 
 using sim::SceneWorld;
@@ -321,6 +325,194 @@ Packing tiled(const Packing& tile, int nx, int ny) {
   copy(tile.grain, bed.grain);
   copy(tile.base, bed.base);
   return bed;
+}
+
+namespace {
+
+constexpr std::size_t kColumns = 8, kSpecNumbers = 11;
+
+void write_grains(Hdf5Writer& out, const std::string& name, const std::vector<Grain>& grains) {
+  std::vector<double> rows;
+  for (const Grain& g : grains) {
+    const Quat& q = g.orientation;
+    rows.insert(rows.end(), {g.position.x, g.position.y, g.position.z, g.radius, q.w, q.x, q.y, q.z});
+  }
+  out.array(name, rows, {grains.size(), kColumns});
+  out.attribute(name, "columns",
+                std::vector<std::string>{"x [m]", "y [m]", "z [m]", "radius [m]", "orientation w", "x", "y", "z"});
+}
+
+std::vector<Grain> read_grains(const Hdf5Reader& in, const std::string& name) {
+  const auto shape = in.shape(name);
+  if (shape.size() != 2 || shape[1] != kColumns)
+    in.fail(name, "expected eight columns; remove the file, it will be made again");
+  const auto rows = in.array<double>(name);
+  std::vector<Grain> grains;
+  for (std::size_t i = 0; i + kColumns <= rows.size(); i += kColumns)
+    grains.push_back({{rows[i], rows[i + 1], rows[i + 2]},
+                      rows[i + 3],
+                      {Real(rows[i + 4]), Real(rows[i + 5]), Real(rows[i + 6]), Real(rows[i + 7])}});
+  return grains;
+}
+
+}  // namespace
+
+void write_packing(const std::filesystem::path& path, const Packing& packing) {
+  Hdf5Writer out;
+  const BedSpec& s = packing.spec;
+  write_grains(out, "grain", packing.grain);
+  write_grains(out, "base", packing.base);
+  out.array("spec", std::vector<double>{s.length, s.width, s.depth, s.grain_diameter, s.size_spread, s.grain_density,
+                                        s.settle_friction, s.settle_rolling, double(s.seed), double(s.shape),
+                                        double(s.settled_on)});
+  out.attribute("spec", "shapes", grain_shape_names());
+  out.array("measured", std::vector<double>{packing.surface, packing.solid_fraction, packing.residual_speed});
+  out.attribute("measured", "columns",
+                std::vector<std::string>{"surface [m]", "solid_fraction [-]", "residual_speed [m/s]"});
+  out.save(path);
+}
+
+Packing read_packing(const std::filesystem::path& path) {
+  const Hdf5Reader in(path);
+  const auto s = in.array<double>("spec", gonogo::Shape{kSpecNumbers});
+  const auto measured = in.array<double>("measured", gonogo::Shape{3});
+  Packing p;
+  if (!(s[9] >= 0 && s[9] < double(grain_shape_names().size())))
+    in.fail("spec", "the shape of the grains is " + number_text(s[9]) + ", allowed are 0 to 2; remove the file");
+  p.spec = {.length = s[0],
+            .width = s[1],
+            .depth = s[2],
+            .grain_diameter = s[3],
+            .size_spread = s[4],
+            .grain_density = s[5],
+            .settle_friction = s[6],
+            .settle_rolling = s[7],
+            .seed = std::uint64_t(s[8]),
+            .shape = GrainShape(int(s[9])),
+            .settled_on = s[10] == 0 ? sim::Backend::cpu : sim::Backend::cuda};
+  p.grain = read_grains(in, "grain");
+  p.base = read_grains(in, "base");
+  p.surface = measured[0];
+  p.solid_fraction = measured[1];
+  p.residual_speed = measured[2];
+  return p;
+}
+
+std::filesystem::path packing_path(const BedSpec& spec, const std::filesystem::path& folder) {
+  return folder / ("packing-" + spec.hash() + ".h5");
+}
+
+Packing cached_packing(const BedSpec& spec, const std::filesystem::path& folder, int threads) {
+  const auto path = packing_path(spec, folder);
+  if (std::filesystem::exists(path)) {
+    try {
+      return read_packing(path);
+    } catch (const InputError& e) {
+      log_line("bed", std::string(e.what()) + "; settling it again");
+    }
+  }
+  Packing packing = settle_packing(spec, threads);
+  write_packing(path, packing);
+  return packing;
+}
+
+sim::StepSettings step_settings(double grain_diameter, const Numerics& n) {
+  sim::StepSettings s = bed_step_settings(grain_diameter, n.step, n.iterations, n.tolerance);
+  s.substeps = n.substeps;
+  s.target = n.target;
+  if (!sim::is_penalty(n.contact)) return s;
+  s.contact = n.contact;
+  s.penalty =
+      sim::law_of_overlap(n.overlap, kOverlapSpeed, grain_diameter / 2, BedSpec{}.grain_density, kPenaltyRestitution);
+  return s;
+}
+
+std::string description(const Numerics& n) {
+  if (sim::is_penalty(n.contact))
+    return line("step %g s, %s, overlaps to %g of a radius", n.step, sim::name_of(n.contact), n.overlap);
+  return line("step %g s, %d x %d updates to %g m/s%s", n.step, n.substeps, n.iterations, n.tolerance,
+              n.target == sim::Target::coulomb ? ", coulomb" : "");
+}
+
+void write_numerics(Json& object, const Numerics& n) {
+  object["step_s"] = n.step;
+  object["substeps"] = n.substeps;
+  object["iterations"] = n.iterations;
+  object["tolerance_m_per_s"] = n.tolerance;
+  if (n.target != sim::Target::ccp) object["target"] = sim::name_of(n.target);
+  if (!sim::is_penalty(n.contact)) return;
+  object["contact"] = sim::name_of(n.contact);
+  object["overlap"] = n.overlap;
+}
+
+Numerics read_numerics(const Json& object) {
+  Numerics n;
+  n.step = object.at("step_s").number();
+  n.substeps = int(object.at("substeps").integer());
+  n.iterations = int(object.at("iterations").integer());
+  n.tolerance = object.at("tolerance_m_per_s").number();
+  if (const Json* target = object.find("target")) n.target = sim::target_named(target->string());
+  if (const Json* contact = object.find("contact")) n.contact = sim::contact_named(contact->string());
+  if (const Json* overlap = object.find("overlap")) n.overlap = overlap->number();
+  return n;
+}
+
+Packing on_hard_layer(const Packing& packing, double depth) {
+  const double d = packing.spec.grain_diameter, top = packing.surface - depth;
+  if (top < d / 2) return packing;
+  Packing bed = packing;
+  bed.grain.clear();
+  bed.base.clear();
+  const double lowest = -2 * d * (1 + packing.spec.size_spread);  // two grains thick: no grain above finds a hole
+  const auto lowered = [&](Grain g) {
+    g.position.z -= top;
+    if (g.position.z >= 0)
+      bed.grain.push_back(g);
+    else if (g.position.z > lowest)
+      for (const Grain& lobe : lobes_of(packing.spec.shape, {g})) bed.base.push_back(lobe);
+  };
+  for (const Grain& g : packing.grain) lowered(g);
+  for (Grain g : packing.base) {  // glued already
+    g.position.z -= top;
+    if (g.position.z > lowest) bed.base.push_back(g);
+  }
+  bed.surface = depth;
+  bed.spec.depth = depth;
+  return bed;
+}
+
+void check_patch(const MovingPatch& patch, double grain_diameter) {
+  const double slab = patch.length - 2 * patch.reach;
+  if (!(slab >= 4 * grain_diameter))
+    throw InputError("a bed of " + number_text(patch.length, 5) +
+                     " m is too short for a moving patch: the vehicle needs " + number_text(2 * patch.reach, 5) +
+                     " m and a slab of four grains; make the bed longer");
+}
+
+std::vector<GrainPlace> grain_places(const std::vector<sim::BodyState>& bodies, GrainShape shape, std::size_t count) {
+  std::vector<Grain> grains(count);
+  take_places(grains, shape, bodies);
+  std::vector<GrainPlace> places;
+  for (const Grain& g : grains) places.push_back({g.position, g.orientation});
+  return places;
+}
+
+std::vector<sim::BodyIndex> virgin_grains(const MovingPatch& patch, const std::vector<GrainPlace>& start, double x) {
+  std::vector<sim::BodyIndex> virgin;
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    const double way = (start[i].position.x - x) / patch.length;  // periods; the nearest image is half of one away
+    if (std::fabs(way - std::floor(way + 0.5)) * patch.length > patch.reach) virgin.push_back(sim::BodyIndex(i));
+  }
+  return virgin;
+}
+
+void renew_ground(sim::Simulation& simulation, sim::WorldIndex world, const MovingPatch& patch,
+                  const std::vector<GrainPlace>& start, double x) {
+  const std::vector<sim::BodyIndex> virgin = virgin_grains(patch, start, x);
+  std::vector<sim::BodyState> states;
+  for (const sim::BodyIndex i : virgin)
+    states.push_back({start[std::size_t(i)].position, start[std::size_t(i)].orientation, {}, {}});
+  simulation.set_bodies(world, virgin, states);
 }
 
 }  // namespace gonogo::terrain

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json/json.h"
 #include "sim/simulation/simulation.h"
 #include "terrain/bed/clump.h"
 
@@ -81,5 +82,72 @@ double surface_height(const std::vector<Grain>& spheres, double length, double w
 
 /// Height of the highest point of all grains [m].
 double highest_point(const Packing& packing);
+
+/// Numerics of trials, and of the soil tests behind their table: a measured friction angle holds for its numerics only
+/// (docs/soils.md).
+struct Numerics {
+  double step = 2e-3;       // [s]
+  int substeps = 1;         // of a step
+  int iterations = 200;     // max in a substep
+  double tolerance = 5e-3;  // residual at which the solver stops; 0: never [m/s]
+  sim::Target target = sim::Target::ccp;
+  sim::ContactLaw contact =
+      sim::ContactLaw::complementarity;  // or a law of the penalty family, which takes whole steps
+  double overlap = 0.02;  // penalty: largest, as a share of the radius, in an impact at kOverlapSpeed [-]
+};
+
+/// Speed of the impact for which penalty contact is made stiff enough [m/s].
+inline constexpr double kOverlapSpeed = 2;
+/// Coefficient of restitution of penalty contact between grains [-].
+inline constexpr double kPenaltyRestitution = 0.3;
+
+inline bool operator==(const Numerics& a, const Numerics& b) {
+  return a.step == b.step && a.substeps == b.substeps && a.iterations == b.iterations && a.tolerance == b.tolerance &&
+         a.target == b.target && a.contact == b.contact && a.overlap == b.overlap;
+}
+
+sim::StepSettings step_settings(double grain_diameter, const Numerics& n);
+
+/// "step 0.006 s, 14 x 2 updates to 0 m/s, coulomb"; without the target when it is ccp. Different numerics differ here.
+std::string description(const Numerics& n);
+
+/// Writes the keys of a study's `numerics`: step_s, substeps, iterations, tolerance_m_per_s, target unless ccp, and
+/// contact and overlap unless complementarity.
+void write_numerics(Json& object, const Numerics& n);
+/// Reads the same keys.
+Numerics read_numerics(const Json& object);
+
+/// One settled packing serves every depth of soft soil: the packing with a hard layer `depth` [m] below its surface.
+/// Grains with deeper centres become the rough base; those that nothing above can touch are left out. z = 0 is the top
+/// of the hard layer. The packing is returned unchanged unless it is deeper than `depth` by half a grain.
+Packing on_hard_layer(const Packing& packing, double depth);
+
+/// An endless bed for a vehicle that moves along x. On a periodic bed, the ground far ahead of the vehicle and the
+/// ground far behind it are the same place. The grains there are put back to their positions at the start, at rest. The
+/// vehicle always drives onto undisturbed ground, and the cost does not grow with the distance.
+struct MovingPatch {
+  double length = 0;  // period of the bed [m]
+  double reach = 0;   // grains that started within this distance of the vehicle along x are left alone [m]
+};
+
+/// Throws InputError for a bed so short that no slab is left to renew.
+void check_patch(const MovingPatch& patch, double grain_diameter);
+
+/// Pose of a grain at the start.
+struct GrainPlace {
+  Vec3d position;         // [m]
+  Quat orientation = {};  // of clumps
+};
+
+/// Present poses of the first `count` bodies, which are grains of this shape.
+std::vector<GrainPlace> grain_places(const std::vector<sim::BodyState>& bodies, GrainShape shape, std::size_t count);
+
+/// Grains that started beyond the reach of a vehicle at `x`.
+std::vector<sim::BodyIndex> virgin_grains(const MovingPatch& patch, const std::vector<GrainPlace>& start, double x);
+
+/// Puts the virgin grains back. Bodies 0 .. start.size() - 1 of the world are the grains. The result depends on `x`
+/// alone; a second call with the same `x` changes nothing.
+void renew_ground(sim::Simulation& simulation, sim::WorldIndex world, const MovingPatch& patch,
+                  const std::vector<GrainPlace>& start, double x);
 
 }  // namespace gonogo::terrain

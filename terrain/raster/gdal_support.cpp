@@ -3,7 +3,6 @@
 #include <cpl_conv.h>
 #include <cpl_error.h>
 #include <cpl_string.h>
-
 #include <algorithm>
 #include <cstdint>
 
@@ -50,6 +49,13 @@ OGRSpatialReference system_of(const MapGrid& grid) {
   return crs;
 }
 
+OGRSpatialReference own_degrees(const OGRSpatialReference& crs) {
+  OGRSpatialReference degrees;
+  degrees.CopyGeogCSFrom(&crs);
+  degrees.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  return degrees;
+}
+
 OGRSpatialReference wgs84() {
   OGRSpatialReference crs;
   crs.importFromEPSG(4326);
@@ -82,6 +88,17 @@ DatasetHandle open_reduced(const std::filesystem::path& layer, double max_cells)
     dataset = open(options.List());
   }
   return dataset;
+}
+
+Transformation to_wgs84(const MapGrid& grid, const std::filesystem::path& path) {
+  const GdalCall call;
+  const OGRSpatialReference from = system_of(grid), to = wgs84();
+  Transformation turn(OGRCreateCoordinateTransformation(&from, &to));
+  if (!turn)
+    throw InputError(path.string() +
+                     ": this format holds longitude and latitude on WGS 84, to which no way is known from \"" +
+                     grid.crs_name + "\"; write a GeoPackage (.gpkg)");
+  return turn;
 }
 
 }  // namespace gonogo::terrain

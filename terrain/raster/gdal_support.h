@@ -1,8 +1,7 @@
-// GDAL handles and errors. Only for the .cpp files of this folder.
+// GDAL handles, errors and coordinate systems. Only for the .cpp files of terrain/raster.
 #pragma once
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
-
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -45,6 +44,11 @@ class FixedDate {
 /// The grid's coordinate system, with axes in the order x, y.
 OGRSpatialReference system_of(const MapGrid& grid);
 
+using Transformation = std::unique_ptr<OGRCoordinateTransformation>;
+
+/// Longitude and latitude of the system's own datum, in this order.
+OGRSpatialReference own_degrees(const OGRSpatialReference& crs);
+
 /// Longitude and latitude on WGS 84, in this order.
 OGRSpatialReference wgs84();
 
@@ -53,5 +57,8 @@ std::string export_wkt(const OGRSpatialReference& crs);
 
 /// The layer, or its largest overview of at most `max_cells` cells.
 DatasetHandle open_reduced(const std::filesystem::path& layer, double max_cells);
+
+/// Throws InputError that `path` cannot be written in longitude and latitude where no way to WGS 84 is known.
+Transformation to_wgs84(const MapGrid& grid, const std::filesystem::path& path);
 
 }  // namespace gonogo::terrain

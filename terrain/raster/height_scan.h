@@ -1,12 +1,13 @@
 // Looks through an elevation raster for heights that cannot be: undeclared voids, and large areas that are exactly
-// flat. Only for the .cpp files of this folder.
+// flat; and reads it without them. Only for the .cpp files of terrain/raster.
 #pragma once
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "terrain/raster/gdal_support.h"
+#include "terrain/raster/raster_open.h"
 
 namespace gonogo::terrain {
 
@@ -17,7 +18,7 @@ struct HeightScale {
   bool on_earth = true;
 };
 
-/// A stored value that stands for "no height" without being declared.
+/// A stored value that means "no height" without being declared as such.
 struct FoundVoid {
   float value = 0;
   std::uint64_t cells = 0;
@@ -26,21 +27,25 @@ struct FoundVoid {
 /// Cells by row: ascending, disjoint runs [begin, end).
 using CellRuns = std::vector<std::vector<std::pair<int, int>>>;
 
-struct HeightScan {
+/// What in an elevation raster must not count as ground.
+struct HeightDoubt {
   std::vector<FoundVoid> voids;
-  CellRuns flat;  // [row]; empty when no area is flat
-  int flat_areas = 0;
-  std::uint64_t flat_cells = 0;
+  std::shared_ptr<const CellRuns> flat;  // null: no flat area, or they are ground
 };
 
-/// Reads all cells once, row by row. Voids are
-///   - -9999, and values outside of -11,500 to 9,000 m on the Earth or +-30,000 m elsewhere, if there are at most
-///   three;
-///   - -999, -99 and 0, if at least half of their borders with other heights are steeper than 60 degrees.
-/// Flat are connected areas of one height with at least 400 cells and 1 ha. Where all heights are whole numbers, plains
-/// have such areas too; there it takes 1 km2 that hardly borders on anything lower. Fringes less than four cells wide
-/// are not counted in. Memory grows with the width of the raster and the flat areas.
-/// Throws InputError when more values than three cannot be heights, and for a damaged file.
-HeightScan scan_heights(GDALDataset& dataset, const std::string& name, const HeightScale& scale);
+/// `scale` and `offset` turn stored values into metres.
+HeightScale height_scale(GDALDataset& dataset, const GeoTransform& t, const OGRSpatialReference& crs, double scale,
+                         double offset);
+
+/// Looks at every cell. Adds a remark for each kind of void, and one for the flat areas.
+HeightDoubt doubt_heights(GDALDataset& dataset, const std::string& name, const HeightScale& scale,
+                          const HeightWish& wish, std::vector<std::string>& remarks);
+
+/// Replaces the dataset by one that reads as Float32 with NaN as nodata, and NaN where the stored value is one of
+/// `voids`. Scale and offset stay.
+void leave_out_voids(OpenRaster& raster, const std::vector<FoundVoid>& voids);
+
+/// Replaces the dataset by one of bytes on the same grid: 1 in the runs, 0 elsewhere.
+void mark_runs(OpenRaster& raster, const std::shared_ptr<const CellRuns>& runs);
 
 }  // namespace gonogo::terrain

@@ -1,13 +1,14 @@
-// Opens rasters and rejects unusable ones with one sentence each. Only for the .cpp files of this folder.
+// Opens rasters, rejects unusable ones with one sentence each, and warps them to another grid while they are read. Only
+// for the .cpp files of terrain/raster.
 #pragma once
 #include <ogr_spatialref.h>
-
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "terrain/raster/gdal_support.h"
-#include "terrain/raster/grid.h"
 
 namespace gonogo::terrain {
 
@@ -34,5 +35,44 @@ GeoTransform require_north_up(GDALDataset& dataset, const std::string& name);
 /// Factor from the band's stated unit of height to metres.
 double vertical_metres(GDALRasterBand& band, const std::string& name);
 MapGrid describe_grid(int columns, int rows, const OGRSpatialReference& crs, const GeoTransform& t);
+
+/// Throws InputError for complex values, for a colour table, and for three or more bands, which are a picture.
+void require_heights(GDALDataset& dataset, const std::string& name);
+/// Throws InputError for complex values and for bands of red, green and blue.
+void require_one_value(GDALDataset& dataset, const std::string& name);
+
+/// Factor from heights to metres: `told` ("m", "ft", "us-ft") wins, with a remark if the raster says something else;
+/// then the band's unit or the vertical part of the coordinate system. Metres if nothing is said and the grid is not in
+/// feet. Throws InputError for an unknown unit, for band and system that differ, and for a grid in feet whose heights
+/// have no unit.
+double height_unit(GDALDataset& dataset, const OGRSpatialReference& crs, const std::string& name,
+                   const std::string& told, std::vector<std::string>& remarks);
+
+/// Ground distance [m] between two near points {longitude, latitude} [deg] on the ellipsoid with semi-major axis a [m]
+/// and inverse flattening 1/f. Radii of curvature at the middle latitude: M = a (1 - e2) / (1 - e2 sin2)^(3/2)
+/// northward and N cos(lat), N = a / sqrt(1 - e2 sin2), eastward (Snyder, Map Projections, USGS PP 1395, eq. 4-18 to
+/// 4-21).
+double ground_distance(std::array<double, 2> from, std::array<double, 2> to, double semi_major,
+                       double inverse_flattening);
+
+/// Extent {west, south, east, north} of a raster in another coordinate system; empty when it has none there.
+std::optional<std::array<double, 4>> extent_on(GDALDataset& dataset, const GeoTransform& t,
+                                               const OGRSpatialReference& from, const OGRSpatialReference& to);
+
+/// Ground size of the cell in the middle [m]: {eastward, southward}; nothing when it has no place on the ground.
+std::optional<std::array<double, 2>> middle_cell_size(GDALDataset& dataset, const GeoTransform& t,
+                                                      const OGRSpatialReference& crs);
+
+/// Grid that the elevation must be warped to; empty when its own grid serves. Throws InputError when neither is
+/// possible, and when the metres of a wished system are more than 3 % off those of the ground, because it belongs to
+/// another part of the globe.
+std::optional<MapGrid> grid_for(const OpenRaster& raster, const OGRSpatialReference& crs, const GeoTransform& t,
+                                const GridWish& wish);
+
+/// Throws InputError when PROJ knows only a ballpark transformation, off by up to some hundred metres.
+void require_known_shift(const OGRSpatialReference& from, const OGRSpatialReference& to, const std::string& name);
+
+/// `resampling`: a name of gdalwarp's -r.
+void warp_to(OpenRaster& raster, const MapGrid& grid, const std::string& resampling);
 
 }  // namespace gonogo::terrain

@@ -7,12 +7,9 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/line.h"
-#include "terrain/raster/derived_dataset.h"
-#include "terrain/raster/height_doubt.h"
-#include "terrain/raster/heights.h"
+#include "base/format.h"
+#include "terrain/raster/height_scan.h"
 #include "terrain/raster/raster_open.h"
-#include "terrain/raster/raster_warp.h"
 
 namespace gonogo::terrain {
 namespace fs = std::filesystem;
@@ -30,13 +27,9 @@ struct RasterSource::State {
 
 namespace {
 
-constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
-
 void require_some_value(const RasterSource& source) {
-  const MapGrid& grid = source.grid();
-  constexpr int band_rows = 64;
-  for (int row = 0; row < grid.rows; row += band_rows) {
-    const Tile tile = source.read({0, row, grid.columns, std::min(band_rows, grid.rows - row)});
+  for (const Window band : windows_of(source.grid(), source.grid().columns, 64)) {
+    const Tile tile = source.read(band);
     if (std::any_of(tile.value.begin(), tile.value.end(), [](float v) { return !std::isnan(v); })) return;
   }
   throw InputError(source.name() + ": every cell is nodata; give a raster that covers the region");
@@ -201,7 +194,7 @@ RasterSource RasterSource::open_on_grid(const RasterFiles& files, const MapGrid&
   const GeoTransform t = require_north_up(dataset, original.name);
   const OGRSpatialReference target = system_of(grid);
   require_known_shift(crs, target, original.name);
-  const double east = grid.west + grid.columns * grid.cell_width, south = grid.north - grid.rows * grid.cell_height;
+  const double east = grid.east(), south = grid.south();
   const auto extent = extent_on(dataset, t, crs, target);
   if (!extent || (*extent)[0] >= east || (*extent)[2] <= grid.west || (*extent)[1] >= grid.north ||
       (*extent)[3] <= south)

@@ -12,8 +12,6 @@
 namespace gonogo::terrain {
 namespace {
 
-constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
-
 /// Eastward and southward rise per metre; NaN next to nodata, which any of the nine values passes on.
 struct Gradient {
   double east, south;

@@ -19,7 +19,7 @@ struct Place {
   double reach;  // end of the pit [m]
 };
 
-/// Of a grain from its centre of mass [m].
+/// Largest reach of a grain from its centre of mass [m].
 double largest_reach(const BedSpec& s) { return clump_of(s.shape, s.grain_diameter / 2).reach * (1 + s.size_spread); }
 
 Place place_of(const Packing& bed) {

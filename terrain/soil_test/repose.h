@@ -1,7 +1,6 @@
 // Virtual angle of repose. A bed stands between two walls on a rough base. One wall is lowered slowly, grains spill
 // over it into a pit, and the remaining slope is measured. Plane strain: the bed is periodic across.
 #pragma once
-#include "terrain/soil_test/line_fit.h"
 #include "terrain/soil_test/test_run.h"
 
 namespace gonogo::terrain {

@@ -1,15 +1,34 @@
-// Shared by all virtual soil tests: the soil under test, its bed, the numerics, and a world that is stepped and
-// checked.
+// Shared by all virtual soil tests: the soil under test, its bed, the numerics, a world that is stepped and checked,
+// and lines through what was measured.
 #pragma once
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "base/math/statistics.h"
 #include "sim/io/capture.h"
-#include "terrain/bed/numerics.h"
+#include "terrain/bed/bed.h"
 
 namespace gonogo::terrain {
+
+/// A weighted least-squares line through measured points.
+struct LineFit {
+  double intercept = 0, slope = 0;
+  double intercept_error = 0, slope_error = 0;  // standard errors, from the scatter about the line
+  double r2 = 0;                                // share of the variance of y that the line explains
+};
+
+/// y = intercept + slope x. Empty `weight`: equal weights. Needs three points at two values of x. Standard errors as in
+/// Press et al., Numerical Recipes, section 15.2, with the variance estimated from the residuals.
+LineFit fit_line(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& weight = {});
+
+/// An angle from its tangent or sine, with its standard error [deg].
+struct Angle {
+  double degrees = 0, error = 0;
+};
+Angle angle_of_tangent(double tangent, double error);
+Angle angle_of_sine(double sine, double error);
 
 /// Grains of one size, with contact laws and relative density.
 struct TestSoil {
@@ -101,5 +120,20 @@ struct TestScene {
 
 /// Runs job(0) .. job(count - 1), `threads` at a time. The first failure or Ctrl-C stops the others and is thrown.
 void run_jobs(std::size_t count, int threads, const std::function<void(std::size_t)>& job);
+
+/// A bed at rest under its own weight: vertical stress in its contacts against the weight above, level by level.
+struct GeostaticSample {
+  double depth;           // below the surface [m]
+  double stress, weight;  // vertical stress in contacts; weight above over area [Pa]
+};
+
+struct GeostaticResult {
+  std::vector<GeostaticSample> profile;  // one per grain diameter, from the surface to the base
+  double worst_error = 0;                // max of |stress / weight - 1| below the upper two grains [-]
+  double solid_fraction = 0;
+};
+
+/// `grains_deep` diameters of soil on a periodic cell of ten by six.
+GeostaticResult geostatic_test(const TestSoil& soil, double grains_deep, const TestPace& pace);
 
 }  // namespace gonogo::terrain

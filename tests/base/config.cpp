@@ -1,7 +1,7 @@
 #include "base/json/config.h"
 
-#include "base/file.h"
-#include "base/input_place.h"
+#include "base/error.h"
+#include "base/files/file.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

@@ -1,4 +1,4 @@
-#include "base/for_each.h"
+#include "base/parallel/for_each.h"
 
 #include <numeric>
 

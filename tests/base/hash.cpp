@@ -1,8 +1,7 @@
-#include "base/hash.h"
+#include "base/files/file.h"
 
 #include <set>
 
-#include "base/file.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <limits>
 
-#include "base/input_place.h"
-#include "base/random.h"
+#include "base/error.h"
+#include "base/math/random.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 

@@ -1,4 +1,4 @@
-#include "base/lock.h"
+#include "base/files/file.h"
 
 #include <sys/wait.h>
 #include <unistd.h>

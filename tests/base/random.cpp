@@ -1,11 +1,10 @@
-#include "base/random.h"
+#include "base/math/random.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-#include "base/normal.h"
 #include "tests/support/catch.h"
 
 namespace gonogo {

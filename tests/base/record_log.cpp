@@ -1,9 +1,9 @@
 // Records survive a torn end, flipped bits and a change of key as promised.
-#include "base/record_log.h"
+#include "base/files/record_log.h"
 
 #include <filesystem>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 

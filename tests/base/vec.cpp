@@ -1,4 +1,4 @@
-#include "base/vec.h"
+#include "base/math/vec.h"
 
 #include <Eigen/Geometry>
 

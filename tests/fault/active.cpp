@@ -1,7 +1,7 @@
 // A study that chooses its own trials, and how much of a region a design's box holds: both by the built program.
 #include <sstream>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/campaign/engine/campaign.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <csignal>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

@@ -7,7 +7,7 @@
 
 #include <cstdlib>
 
-#include "pipeline/campaign/engine/journal.h"
+#include "pipeline/campaign/engine/ledger.h"
 #include "tests/fault/campaign_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

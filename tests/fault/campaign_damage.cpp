@@ -7,9 +7,9 @@
 #include <fstream>
 #include <memory>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "pipeline/campaign/engine/campaign.h"
-#include "pipeline/campaign/engine/journal.h"
+#include "pipeline/campaign/engine/ledger.h"
 #include "tests/fault/campaign_run.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

@@ -13,15 +13,15 @@
 #include <string>
 #include <thread>
 
-#include "base/cancel.h"
 #include "base/error.h"
-#include "pipeline/campaign/engine/journal.h"
-#include "pipeline/campaign/engine/slurm.h"
+#include "base/progress.h"
+#include "pipeline/campaign/engine/cluster/slurm.h"
+#include "pipeline/campaign/engine/ledger.h"
 #include "pipeline/campaign/engine/worker.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/support/trials.h"
 #ifdef GONOGO_WITH_MPI
-#include "pipeline/campaign/engine/mpi/mpi_crew.h"
+#include "pipeline/campaign/engine/cluster/mpi_crew.h"
 #endif
 
 namespace gonogo::campaign {

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/campaign/engine/folder.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/support/catch.h"

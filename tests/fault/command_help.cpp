@@ -1,7 +1,7 @@
 // What the program says of itself: help, man page, completions; and what it loads for that.
 #include <cstdlib>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/fault/program.h"
 #include "tests/fault/shell.h"
 #include "tests/support/catch.h"

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "base/file.h"
-#include "pipeline/report/figure/pictures.h"
+#include "base/files/file.h"
+#include "pipeline/report/figure/captioned.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

@@ -1,9 +1,9 @@
 // gonogo design and gonogo dataset: what they print, and what they answer to bad input.
 #include <fstream>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/json/json.h"
-#include "pipeline/campaign/dataset/export.h"
+#include "pipeline/campaign/dataset/row.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"

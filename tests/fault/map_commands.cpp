@@ -2,11 +2,11 @@
 // maps compared; and the smallest rasters that there are.
 #include <cmath>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/fault/program.h"
-#include "tests/pipeline/learn/synthetic_trials.h"
+#include "tests/pipeline/outcome/synthetic_trials.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -46,7 +46,7 @@ std::string make_region(const TemporaryFolder& folder, int side) {
 
 /// A model of synthetic trials, with members.
 void train(const TemporaryFolder& folder, int members) {
-  campaign::write_dataset(folder / "dataset.h5", {learn::synthetic_trials(160, 4), {}});
+  campaign::write_dataset(folder / "dataset.h5", {outcome::synthetic_trials(160, 4), {}});
   write_file_atomically(folder / "study.json", R"({"study": "t", "seed": 1, "learning": {"epochs": 20, "folds": 2}})");
   const Ending ending = run_gonogo({"train", "--dataset", folder / "dataset.h5", "--study", folder / "study.json",
                                     "--out", folder / "model.h5", "--members", std::to_string(members)});

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <thread>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/fault/shell.h"
 #include "tests/support/catch.h"

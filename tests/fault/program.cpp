@@ -9,7 +9,7 @@
 #include <csignal>
 #include <thread>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

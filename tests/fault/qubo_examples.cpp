@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <sstream>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/fault/program.h"
 #include "tests/fault/shell.h"
 #include "tests/support/catch.h"

@@ -3,8 +3,7 @@
 #include <csignal>
 #include <map>
 
-#include "base/file.h"
-#include "base/hash.h"
+#include "base/files/file.h"
 #include "pipeline/campaign/engine/campaign.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"

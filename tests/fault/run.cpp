@@ -1,6 +1,6 @@
 // The main job met with bad input and bad luck: one sentence, a non-zero exit status, nothing lost, nothing
 // half-written.
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/fault/program.h"
 #include "tests/fault/study_folder.h"
 #include "tests/support/catch.h"

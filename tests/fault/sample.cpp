@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <sstream>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/hdf5/hdf5.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"

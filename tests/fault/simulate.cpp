@@ -1,7 +1,7 @@
 // One trial killed and interrupted at the command line: the same command goes on and prints what it would have printed.
 #include <csignal>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/json/json.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"

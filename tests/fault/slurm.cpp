@@ -3,8 +3,8 @@
 
 #include <cstdlib>
 
-#include "base/file.h"
-#include "pipeline/campaign/engine/slurm.h"
+#include "base/files/file.h"
+#include "pipeline/campaign/engine/cluster/slurm.h"
 #include "tests/fault/cheap_campaign.h"
 #include "tests/fault/shell.h"
 #include "tests/support/catch.h"

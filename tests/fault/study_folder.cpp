@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/units.h"
 
 namespace gonogo {

@@ -2,11 +2,10 @@
 #include <chrono>
 #include <csignal>
 
-#include "base/file.h"
-#include "base/hash.h"
+#include "base/files/file.h"
 #include "pipeline/campaign/dataset/dataset.h"
 #include "tests/fault/program.h"
-#include "tests/pipeline/learn/synthetic_trials.h"
+#include "tests/pipeline/outcome/synthetic_trials.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -31,7 +30,7 @@ std::size_t count_with(const fs::path& folder, const std::string& word) {
 
 TEST_CASE("an interrupted training continues with the next fold, then with the next member") {
   const TemporaryFolder folder;
-  campaign::write_dataset(folder / "d.h5", {learn::synthetic_trials(120, 1), {}});
+  campaign::write_dataset(folder / "d.h5", {outcome::synthetic_trials(120, 1), {}});
   write_file_atomically(folder / "study.json", kStudy);
   const auto words = [&](const std::string& model) {
     return std::vector<std::string>{"train", "--dataset",    folder / "d.h5", "--study", folder / "study.json",
@@ -61,7 +60,7 @@ TEST_CASE("an interrupted training continues with the next fold, then with the n
 
 TEST_CASE("training through the emulated annealer tells how long it will still take") {
   const TemporaryFolder folder;
-  campaign::write_dataset(folder / "d.h5", {learn::synthetic_trials(120, 1), {}});
+  campaign::write_dataset(folder / "d.h5", {outcome::synthetic_trials(120, 1), {}});
   std::string study = kStudy;
   const std::string epochs = "\"epochs\": 120";
   study.replace(study.find(epochs), epochs.size(), R"("epochs": 4000, "sampler": "emulator")");

@@ -1,7 +1,7 @@
 // gonogo vehicle: answers for shipped vehicles, and refusals.
 #include <cmath>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/fault/program.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

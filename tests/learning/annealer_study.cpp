@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
-#include "learning/hardware/annealer_sampler.h"
-#include "learning/hardware/emulator.h"
-#include "learning/hardware/gray_box.h"
-#include "learning/likelihood/likelihood.h"
+#include "base/math/random.h"
+#include "learning/annealer/annealer_sampler.h"
+#include "learning/annealer/emulator.h"
 #include "learning/rbm/train.h"
 #include "learning/sampler/exact.h"
+#include "tests/learning/gray_box.h"
+#include "tests/learning/machine_likelihood.h"
 
 using namespace gonogo;
 using namespace gonogo::learning;
@@ -55,8 +55,8 @@ std::vector<double> teacher_rows(std::uint64_t draw) {
     for (std::size_t j = 0; j < kHidden; ++j) teacher.visible_bias[i] -= teacher.weight[i * kHidden + j] / 2;
   for (std::size_t i = 0; i < kVisible; ++i)
     for (std::size_t j = 0; j < kHidden; ++j) teacher.hidden_bias[j] -= teacher.weight[i * kHidden + j] / 2;
-  const SampleSet samples = ExactSampler().sample(to_qubo(teacher, layout_of_bits().unit_labels()),
-                                                  {.reads = kRows, .seed = 2 * use.seed - 1 + draw});
+  const SampleSet samples = make_sampler("exact")->sample(to_qubo(teacher, layout_of_bits().unit_labels()),
+                                                          {.reads = kRows, .seed = 2 * use.seed - 1 + draw});
   std::vector<double> rows;
   for (std::size_t r = 0; r < kRows; ++r)
     for (std::size_t i = 0; i < kVisible; ++i) rows.push_back(samples.row(r)[i]);
@@ -165,8 +165,8 @@ void compare_thermometers(const TrainingTable& table) {
   constexpr double kRatio = 0.75;
   std::vector<double> of_exact[2];  // energies of rows whose betas are 1 and kRatio without doubt
   for (const int k : {0, 1}) {
-    const SampleSet rows = ExactSampler().sample(scaled(problem, k == 0 ? 1 : kRatio),
-                                                 {.reads = 2000, .seed = use.seed + std::uint64_t(k)});
+    const SampleSet rows = make_sampler("exact")->sample(scaled(problem, k == 0 ? 1 : kRatio),
+                                                         {.reads = 2000, .seed = use.seed + std::uint64_t(k)});
     for (std::size_t r = 0; r < rows.row_count(); ++r) of_exact[k].push_back(energy(problem, rows.row(r)));
   }
   const BetaEstimate exact = histogram_beta(of_exact[0], 1, of_exact[1], kRatio);

@@ -2,8 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "learning/rbm/logistic.h"
-#include "learning/rbm/network.h"
+#include "learning/rbm/baselines.h"
 #include "learning/score/score.h"
 #include "tests/learning/smooth_boundary.h"
 #include "tests/support/catch.h"
@@ -53,7 +52,8 @@ TEST_CASE("the network is a function of its seed, takes unknown inputs at their 
   x[1] = NAN;
   CHECK(one(x) == at_mean);
   const auto fold = assign_folds(table, 3, 1);
-  const auto out = cross_validate_network(table, label, fold, 3);
+  const auto out =
+      out_of_fold(table, label, fold, 3, [](const auto& rows, auto labels) { return fit_network(rows, labels); });
   std::vector<std::size_t> others;
   std::vector<int> other_label;
   for (std::size_t n = 0; n < fold.size(); ++n)

@@ -1,9 +1,9 @@
-#include "learning/score/calibration.h"
+#include "learning/score/score.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;

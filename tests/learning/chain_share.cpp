@@ -1,4 +1,4 @@
-#include "learning/sampler/chain_share.h"
+#include "learning/sampler/chains/gpu_chains.h"
 
 #include <array>
 #include <map>

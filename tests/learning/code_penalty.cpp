@@ -1,10 +1,10 @@
 // Every word of a small layout is tried: code words keep their energies, all others pay.
-#include "learning/encoding/code_penalty.h"
+#include "learning/encoding/layout.h"
 
 #include <cmath>
 #include <limits>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "learning/model/weights.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"

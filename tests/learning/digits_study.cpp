@@ -8,9 +8,9 @@
 #include <string>
 
 #include "base/error.h"
-#include "learning/likelihood/likelihood.h"
 #include "learning/rbm/train.h"
 #include "tests/learning/digit_rows.h"
+#include "tests/learning/machine_likelihood.h"
 
 using namespace gonogo;
 using namespace gonogo::learning;

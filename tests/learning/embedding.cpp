@@ -1,12 +1,13 @@
 // Embeddings against what is known of the graphs, and embedded problems against enumeration.
-#include "learning/hardware/embedding.h"
+#include "learning/qubits/embedding.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 
-#include "base/random.h"
-#include "learning/hardware/biclique_chains.h"
+#include "base/math/random.h"
+#include "learning/qubits/line_chains.h"
+#include "learning/qubits/line_embedding.h"
 #include "learning/qubo/problem.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -102,7 +103,7 @@ double min_coupled(std::uint64_t first, std::uint64_t last) {
 // them must end there: no embedding with connected chains keeps every pair of the other rows.
 TEST_CASE("with 2 % of the qubits dead 85 % of the pairs of C12 stay coupled") { CHECK(min_coupled(5, 10) >= 0.85); }
 
-TEST_CASE("the same over a hundred masks", "[.masks]") { CHECK(min_coupled(1, 100) >= 0.85); }
+TEST_CASE("the same over a hundred masks", "[.table]") { CHECK(min_coupled(1, 100) >= 0.85); }
 
 TEST_CASE("chains that grow over unused qubits stay chains, gain the pairs they count, and lose none by trimming") {
   std::size_t gained = 0;

@@ -1,10 +1,10 @@
-#include "learning/hardware/emulator.h"
+#include "learning/annealer/emulator.h"
 
 #include <cmath>
 #include <cstdio>
 #include <set>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "learning/sampler/exact.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"

@@ -3,10 +3,9 @@
 
 #include <chrono>
 
-#include "base/file.h"
-#include "learning/qubo/dimod.h"
+#include "base/files/file.h"
+#include "learning/formats/dimod.h"
 #include "learning/sampler/exact.h"
-#include "learning/sampler/process.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/refused.h"
@@ -26,17 +25,15 @@ Problem pair() {
 }
 
 SamplerSettings script(const std::string& text, double limit_s = 20) {
-  SamplerSettings settings;
-  settings.command = {"sh", "-c", text, "script", "{problem}", "{answer}", "{reads}"};
-  settings.time_limit_s = limit_s;
-  return settings;
+  return {{"program", std::vector<std::string>{"sh", "-c", text, "script", "{problem}", "{answer}", "{reads}"}},
+          {"time_limit_s", limit_s}};
 }
 
 }  // namespace
 
 TEST_CASE("a program's answer is taken when it is whole") {
   const TemporaryFolder folder;
-  const SampleSet answer = ExactSampler().sample(pair(), {.reads = 12, .seed = 1});
+  const SampleSet answer = make_sampler("exact")->sample(pair(), {.reads = 12, .seed = 1});
   write_file_atomically(folder / "answer.json", to_dimod_json(answer));
   const std::string copy = "test -s \"$1\" && cp '" + (folder / "answer.json").string() + "' \"$2\"";
   CHECK(make_sampler("command", script(copy))->sample(pair(), {.reads = 12}) == answer);
@@ -86,15 +83,13 @@ TEST_CASE("arguments are never read by a shell") {
 
 TEST_CASE("training by file: the problem is written, the same request goes on when the answer is there") {
   const TemporaryFolder folder;
-  SamplerSettings settings;
-  settings.folder = folder.path();
-  const auto sampler = make_sampler("file", settings);
+  const auto sampler = make_sampler("file", {{"folder", folder.path().string()}});
   const std::string message = input_error([&] { sampler->sample(pair(), {.reads = 4, .seed = 2}); });
   CHECK(contains(message, "waits for 4 reads"));
   const std::string name = message.substr(message.find(folder.path().string()));
   const std::string problem = name.substr(0, name.find(' '));
   CHECK(problem_from_dimod_json(read_file(problem), problem) == pair());
-  const SampleSet answer = ExactSampler().sample(pair(), {.reads = 4, .seed = 6});
+  const SampleSet answer = make_sampler("exact")->sample(pair(), {.reads = 4, .seed = 6});
   write_file_atomically(problem.substr(0, problem.size() - 5) + ".answer.json", to_dimod_json(answer));
   CHECK(sampler->sample(pair(), {.reads = 4, .seed = 2}) == answer);
   CHECK(contains(input_error([&] { sampler->sample(pair(), {.reads = 4, .seed = 3}); }), "waits"));

@@ -7,9 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "base/random.h"
-#include "learning/rbm/logistic.h"
-#include "learning/rbm/quadratic.h"
+#include "base/math/random.h"
+#include "learning/rbm/baselines.h"
 #include "learning/score/score.h"
 #include "tests/learning/smooth_boundary.h"
 #include "tests/support/catch.h"

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "learning/model/weights.h"
-#include "learning/sampler/block_gibbs.h"
 #include "learning/sampler/exact.h"
+#include "learning/sampler/sampler.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/refused.h"
@@ -42,7 +42,15 @@ std::size_t differing_rows(const SampleSet& a, const SampleSet& b) {
   return count;
 }
 
-const BlockGibbs kGpu(true), kCpu;
+const Sampler& gpu_sampler() {
+  static const auto sampler = make_sampler("block_gibbs", {{"on_gpu", true}});
+  return *sampler;
+}
+
+const Sampler& cpu_sampler() {
+  static const auto sampler = make_sampler("block_gibbs");
+  return *sampler;
+}
 
 }  // namespace
 
@@ -53,7 +61,7 @@ TEST_CASE("with weights that 16 bits hold the GPU's rows are the CPU's") {
     // Of 20,000 chains of the largest machine, blocks share groups (chain_share.h).
     for (const std::size_t reads : {50u, 12'000u, 20'000u}) {
       const SampleRequest request{.reads = reads, .seed = 3, .sweeps = reads == 50 ? 40u : 4u};
-      const SampleSet cpu = kCpu.sample(problem, request), gpu = kGpu.sample(problem, request);
+      const SampleSet cpu = cpu_sampler().sample(problem, request), gpu = gpu_sampler().sample(problem, request);
       // A draw within 2^-24 of its probability may fall to either side.
       INFO(visible << " x " << hidden << ", " << reads << " chains");
       CHECK(double(differing_rows(cpu, gpu)) <= 1 + 3e-7 * double(visible + hidden) * double(reads * request.sweeps));
@@ -63,14 +71,14 @@ TEST_CASE("with weights that 16 bits hold the GPU's rows are the CPU's") {
 
 TEST_CASE("a chain of the GPU has the same bits in any batch, and after an interruption") {
   const Problem problem = random_problem(168, 168, 0.4, 0);
-  const SampleSet few = kGpu.sample(problem, {.reads = 100, .seed = 5, .sweeps = 7});
-  const SampleSet many = kGpu.sample(problem, {.reads = 20'000, .seed = 5, .sweeps = 7});
+  const SampleSet few = gpu_sampler().sample(problem, {.reads = 100, .seed = 5, .sweeps = 7});
+  const SampleSet many = gpu_sampler().sample(problem, {.reads = 20'000, .seed = 5, .sweeps = 7});
   CHECK(std::equal(few.values.begin(), few.values.end(), many.values.begin()));
-  const SampleSet first = kGpu.sample(problem, {.reads = 100, .seed = 5, .sweeps = 3});
+  const SampleSet first = gpu_sampler().sample(problem, {.reads = 100, .seed = 5, .sweeps = 3});
   const SampleSet rest =
-      kGpu.sample(problem, {.reads = 100, .seed = 5, .sweeps = 4, .start = &first, .first_sweep = 3});
+      gpu_sampler().sample(problem, {.reads = 100, .seed = 5, .sweeps = 4, .start = &first, .first_sweep = 3});
   CHECK(rest.values == few.values);
-  CHECK(rest.values != kGpu.sample(problem, {.reads = 100, .seed = 6, .sweeps = 7}).values);
+  CHECK(rest.values != gpu_sampler().sample(problem, {.reads = 100, .seed = 6, .sweeps = 7}).values);
 }
 
 TEST_CASE("the GPU's rows follow the exact distribution") {
@@ -86,7 +94,7 @@ TEST_CASE("the GPU's rows follow the exact distribution") {
         row.push_back(std::int8_t((s >> i & 1) ? 1 : spin ? -1 : 0));
       z += p[s] = std::exp(-energy(problem, row));
     }
-    const SampleSet rows = kGpu.sample(problem, {.reads = reads, .seed = 11, .sweeps = 60});
+    const SampleSet rows = gpu_sampler().sample(problem, {.reads = reads, .seed = 11, .sweeps = 60});
     for (std::size_t r = 0; r < reads; ++r) {
       std::size_t s = 0;
       for (std::size_t i = 0; i < problem.variable_count(); ++i) s |= std::size_t(rows.row(r)[i] > 0) << i;
@@ -111,7 +119,7 @@ TEST_CASE("the moments of a machine of the GPU's are exact within their errors")
   const Problem problem = random_problem(60, 18, 0.5, 0);
   const ExactMoments exact = exact_moments(problem);
   const std::size_t reads = 200'000;
-  const SampleSet rows = kGpu.sample(problem, {.reads = reads, .seed = 2, .sweeps = 200});
+  const SampleSet rows = gpu_sampler().sample(problem, {.reads = reads, .seed = 2, .sweeps = 200});
   double worst = 0;
   for (std::size_t i = 0; i < problem.variable_count(); ++i) {
     double mean = 0;
@@ -130,8 +138,8 @@ TEST_CASE("the moments of a machine of the GPU's are exact within their errors")
 }
 
 TEST_CASE("machines that the GPU cannot hold are refused with the sizes") {
-  refused([] { (void)kGpu.sample(random_problem(2000, 500, 1, 0), {.reads = 1}); }, "500 units");
+  refused([] { (void)gpu_sampler().sample(random_problem(2000, 500, 1, 0), {.reads = 1}); }, "500 units");
   Problem large = random_problem(3, 2, 1, 0);
   large.couplings[0].value = 1e5;
-  refused([&] { (void)kGpu.sample(large, {.reads = 1}); }, "65504");
+  refused([&] { (void)gpu_sampler().sample(large, {.reads = 1}); }, "65504");
 }

@@ -1,7 +1,7 @@
 // Gradients that LibTorch works out on a GPU against the same on a core. Needs a LibTorch that has CUDA, and a GPU.
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "learning/rbm/train.h"
 #include "learning/sampler/exact.h"
 #include "tests/learning/smooth_boundary.h"

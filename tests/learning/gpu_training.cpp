@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "learning/likelihood/likelihood.h"
 #include "learning/model/weights.h"
-#include "learning/sampler/block_gibbs.h"
 #include "learning/sampler/exact.h"
+#include "learning/sampler/sampler.h"
+#include "tests/learning/machine_likelihood.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;
@@ -48,7 +48,7 @@ void add_gradient(const RbmWeights& machine, std::size_t rows, Row&& row, double
 
 /// `steps`: weights are rounded to whole multiples of 1 / steps for the sampler, which 16 bits hold exactly; 0: they
 /// are not.
-RbmWeights trained(const BlockGibbs& sampler, int updates, double steps, std::uint64_t seed) {
+RbmWeights trained(const Sampler& sampler, int updates, double steps, std::uint64_t seed) {
   const std::vector<double> data = bars();
   RbmWeights machine = RbmWeights::zeros(kVisible, kHidden);
   for (std::size_t k = 0; k < machine.weight.size(); ++k) machine.weight[k] = 0.3 * std::sin(double(7 * k + 1));
@@ -86,14 +86,22 @@ std::size_t differing_weights(const RbmWeights& a, const RbmWeights& b) {
   return count;
 }
 
-const BlockGibbs kGpu(true), kCpu;
+const Sampler& gpu_sampler() {
+  static const auto sampler = make_sampler("block_gibbs", {{"on_gpu", true}});
+  return *sampler;
+}
+
+const Sampler& cpu_sampler() {
+  static const auto sampler = make_sampler("block_gibbs");
+  return *sampler;
+}
 
 }  // namespace
 
 TEST_CASE("a machine trained with rows of the GPU is the CPU's bit by bit where 16 bits hold what is sampled from") {
   // 24 units x 256 chains x 5 sweeps x 8 updates are 245,760 draws; a few in 10^7 fall within rounding of their
   // probability and may go either way: such a run is rare, and its weights would differ from then on.
-  const RbmWeights cpu = trained(kCpu, 8, 64, 3), gpu = trained(kGpu, 8, 64, 3);
+  const RbmWeights cpu = trained(cpu_sampler(), 8, 64, 3), gpu = trained(gpu_sampler(), 8, 64, 3);
   const double likelihood_cpu = mean_log_likelihood(cpu, bars()), likelihood_gpu = mean_log_likelihood(gpu, bars());
   std::printf("%zu of %zu weights differ; %.6f and %.6f nat per row\n", differing_weights(cpu, gpu), cpu.weight.size(),
               likelihood_cpu, likelihood_gpu);
@@ -107,11 +115,11 @@ TEST_CASE("machines trained with rows of the GPU score like the CPU's, weights o
   const double best = -std::log(16.0);
   std::vector<double> cpu;
   for (std::uint64_t seed = 3; seed < 9; ++seed)
-    cpu.push_back(mean_log_likelihood(trained(kCpu, 1500, 0, seed), bars()));
+    cpu.push_back(mean_log_likelihood(trained(cpu_sampler(), 1500, 0, seed), bars()));
   double mean = 0, square = 0;
   for (double x : cpu) mean += x / double(cpu.size());
   for (double x : cpu) square += (x - mean) * (x - mean) / double(cpu.size() - 1);
-  const double deviation = std::sqrt(square), gpu = mean_log_likelihood(trained(kGpu, 1500, 0, 3), bars());
+  const double deviation = std::sqrt(square), gpu = mean_log_likelihood(trained(gpu_sampler(), 1500, 0, 3), bars());
   std::printf("bars: CPU %.4f, deviation %.4f over %zu seeds; GPU %.4f; best possible %.4f nat per row\n", mean,
               deviation, cpu.size(), gpu, best);
   CHECK(gpu > best - 0.9);

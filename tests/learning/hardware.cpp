@@ -1,5 +1,5 @@
 // Hardware graphs against Ocean's (sums of their sorted edge lists).
-#include "learning/hardware/graph.h"
+#include "learning/qubits/graph.h"
 
 #include <algorithm>
 #include <set>

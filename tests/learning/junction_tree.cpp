@@ -1,11 +1,11 @@
 // The junction tree against enumeration, and samplers against the junction tree on 128 qubits.
-#include "learning/sampler/junction_tree.h"
+#include "learning/sampler/exact.h"
 
 #include <cmath>
 #include <cstdio>
 
-#include "base/random.h"
-#include "learning/hardware/graph.h"
+#include "base/math/random.h"
+#include "learning/qubits/graph.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "learning/sampler/annealing.h"
+#include "learning/sampler/chains/spins.h"
 #include "learning/sampler/exact.h"
-#include "learning/sampler/spin_lanes.h"
+#include "learning/sampler/sampler.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 
@@ -65,9 +65,9 @@ TEST_CASE("the draws of eight lanes are those of eight chains") {
 
 TEST_CASE("an annealed chain has the same bits in any company") {
   const Problem problem = random_spins(40, 0.2, 1, 1);
-  const Annealer annealer({});
-  const SampleSet few = annealer.sample(problem, {.reads = 3, .seed = 5, .sweeps = 100});
-  const SampleSet many = annealer.sample(problem, {.reads = 20, .seed = 5, .sweeps = 100});
+  const auto annealer = make_sampler("anneal");
+  const SampleSet few = annealer->sample(problem, {.reads = 3, .seed = 5, .sweeps = 100});
+  const SampleSet many = annealer->sample(problem, {.reads = 20, .seed = 5, .sweeps = 100});
   CHECK(std::equal(few.values.begin(), few.values.end(), many.values.begin()));
   CHECK_FALSE(std::equal(many.row(0).begin(), many.row(0).end(), many.row(8).begin()));
 }
@@ -75,9 +75,8 @@ TEST_CASE("an annealed chain has the same bits in any company") {
 TEST_CASE("moments of annealed rows are exact within their errors") {
   const Problem problem = random_spins(14, 0.4, 0.7, 2);
   for (const double start : {0.05, 1.0}) {
-    SamplerSettings settings;
-    settings.beta_start = start;
-    const SampleSet rows = Annealer(settings).sample(problem, {.reads = 20'000, .seed = 4, .sweeps = 200});
+    const SampleSet rows =
+        make_sampler("anneal", {{"beta_start", start}})->sample(problem, {.reads = 20'000, .seed = 4, .sweeps = 200});
     const double worst = largest_z(problem, rows);
     std::printf("anneal from beta %.2f: largest z of %zu moments %.2f\n", start,
                 problem.variable_count() + problem.couplings.size(), worst);
@@ -101,7 +100,7 @@ TEST_CASE("terms that 24 bits would lose beside a penalty are sampled right") {
   std::sort(problem.couplings.begin(), problem.couplings.end(),
             [](const Coupling& x, const Coupling& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); });
   CHECK_FALSE(single_precision_holds(SpinGraph(problem), 1));
-  const SampleSet rows = Annealer({}).sample(problem, {.reads = 10'000, .seed = 4, .sweeps = 200});
+  const SampleSet rows = make_sampler("anneal")->sample(problem, {.reads = 10'000, .seed = 4, .sweeps = 200});
   SampleSet free;
   free.vartype = Vartype::spin;
   free.labels = small.labels;

@@ -1,13 +1,13 @@
-#include "learning/likelihood/likelihood.h"
+#include "tests/learning/machine_likelihood.h"
 
 #include <omp.h>
 
 #include <cmath>
 #include <cstdio>
 
-#include "base/random.h"
+#include "base/math/random.h"
+#include "learning/machine/ladder.h"
 #include "learning/sampler/exact.h"
-#include "learning/sampler/ladder.h"
 #include "tests/learning/toy.h"
 #include "tests/support/catch.h"
 
@@ -28,7 +28,7 @@ RbmWeights random_machine(std::size_t visible, std::size_t hidden, double size, 
 std::vector<double> rows_of(const RbmWeights& machine, std::size_t count, std::uint64_t seed) {
   std::vector<std::string> labels;
   for (std::size_t i = 0; i < machine.visible_count; ++i) labels.push_back("v" + std::to_string(i));
-  const SampleSet samples = ExactSampler().sample(to_qubo(machine, labels), {.reads = count, .seed = seed});
+  const SampleSet samples = make_sampler("exact")->sample(to_qubo(machine, labels), {.reads = count, .seed = seed});
   std::vector<double> rows;
   for (std::size_t r = 0; r < count; ++r)
     for (std::size_t i = 0; i < machine.visible_count; ++i) rows.push_back(samples.row(r)[i]);

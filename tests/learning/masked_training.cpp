@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <memory>
 
-#include "base/random.h"
-#include "learning/hardware/annealer_sampler.h"
-#include "learning/hardware/emulator.h"
+#include "base/math/random.h"
+#include "learning/annealer/annealer_sampler.h"
+#include "learning/annealer/emulator.h"
 #include "learning/rbm/train.h"
 #include "tests/support/catch.h"
 

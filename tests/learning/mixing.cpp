@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "base/normal.h"
+#include "base/math/random.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;

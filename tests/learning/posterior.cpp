@@ -6,7 +6,7 @@
 #include <cstdio>
 
 #include "base/error.h"
-#include "base/random.h"
+#include "base/math/random.h"
 #include "learning/score/score.h"
 #include "tests/support/catch.h"
 

@@ -2,17 +2,11 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/hash.h"
-#include "base/random.h"
-#include "learning/qubo/bqm_file.h"
-#include "learning/qubo/bqpjson.h"
-#include "learning/qubo/bytes.h"
-#include "learning/qubo/coo.h"
-#include "learning/qubo/dimod.h"
-#include "learning/qubo/format.h"
-#include "learning/qubo/optimisation_text.h"
-#include "learning/qubo/qbsolv.h"
-#include "learning/qubo/sidecar.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
+#include "learning/formats/dimod.h"
+#include "learning/formats/format.h"
+#include "learning/qubo/text.h"
 #include "tests/support/catch.h"
 #include "tests/support/md5.h"
 #include "tests/support/message.h"
@@ -22,6 +16,29 @@ using namespace gonogo;
 using namespace gonogo::learning;
 
 namespace {
+
+std::string written_as(const char* format, const Problem& problem) { return format_named(format).write(problem, {}); }
+Problem read_as(const char* format, const std::string& text, const std::string& source) {
+  return format_named(format).read(text, {}, source);
+}
+std::string to_coo(const Problem& problem) { return written_as("coo", problem); }
+Problem problem_from_coo(const std::string& text, std::optional<Vartype> vartype, const std::string& source) {
+  return format_named("coo").read(text, {.solver = nullptr, .sapi = {}, .vartype = vartype}, source);
+}
+std::string to_qbsolv(const Problem& problem) { return written_as("qbsolv", problem); }
+Problem problem_from_qbsolv(const std::string& text, const std::string& source) {
+  return read_as("qbsolv", text, source);
+}
+std::string to_bqpjson(const Problem& problem) { return written_as("bqpjson", problem); }
+Problem problem_from_bqpjson(const std::string& text, const std::string& source) {
+  return read_as("bqpjson", text, source);
+}
+std::string to_bqm_file(const Problem& problem, int version = 2) {
+  return written_as(version == 1 ? "dimod_bqm_v1" : "dimod_bqm", problem);
+}
+Problem problem_from_bqm_file(const std::string& text, const std::string& source) {
+  return read_as("dimod_bqm", text, source);
+}
 
 Problem chain_of_three() {
   Problem problem;
@@ -216,7 +233,7 @@ TEST_CASE("qbsolv's own example has the optimum its README names") {
   CHECK(to_qbsolv(Problem{}) ==
         "c id : 0\nc \nc scale : 1.0\nc offset : 0.0\nc \np qubo 0 0 0 0\nc linear terms\nc quadratic terms\n");
   CHECK(problem_from_qbsolv("p qubo 0 0 0 0\n", "p.qubo") == Problem{});
-  const SampleSet answer = samples_from_qbsolv(
+  const SampleSet answer = answer_format_named("qbsolv").read_answer(
       "4 bits, find Min, SubMatrix= 47, -a o, timeout=2592000.0 sec\n0011\n-3.52000 Energy of solution\n"
       "0 Number of Partitioned calls, 1 output sample\n 0.00062 seconds of classic cpu time",
       problem, "a.txt");
@@ -273,27 +290,25 @@ TEST_CASE("the three meanings of \"n m\" differ by sign and the factor 2") {
   const std::string sample = "3 5\n1 1 5\n2 2 3\n3 3 1\n1 2 -6\n2 3 -1\n";
   // MQLib's own sample: its largest value is 6, at 1 0 1
   std::string state;
-  const Problem mqlib = problem_from_optimisation_text(sample, OptimisationDialect::mqlib, "s");
+  const Problem mqlib = read_as("mqlib", sample, "s");
   CHECK(lowest_energy(mqlib, &state) == -6);
   CHECK(state == "101");
   // as Biq Mac: x'Qx with symmetric Q, least at 1 1 1: 5 + 3 + 1 - 2 * 6 - 2 * 1
-  const Problem biq_mac = problem_from_optimisation_text(sample, OptimisationDialect::biq_mac, "s");
+  const Problem biq_mac = read_as("biq_mac", sample, "s");
   CHECK(lowest_energy(biq_mac, &state) == -5);
   CHECK(state == "111");
-  CHECK(to_optimisation_text(mqlib, OptimisationDialect::mqlib) == "3 5\n1 1 5\n1 2 -6\n2 2 3\n2 3 -1\n3 3 1\n");
-  CHECK(problem_from_optimisation_text(to_optimisation_text(biq_mac, OptimisationDialect::biq_mac),
-                                       OptimisationDialect::biq_mac, "s") == biq_mac);
+  CHECK(written_as("mqlib", mqlib) == "3 5\n1 1 5\n1 2 -6\n2 2 3\n2 3 -1\n3 3 1\n");
+  CHECK(read_as("biq_mac", written_as("biq_mac", biq_mac), "s") == biq_mac);
   // a 5-cycle with unit weights: its largest cut is 4 of 5 edges; E = W - 2 cut
-  const Problem cycle =
-      problem_from_optimisation_text("5 5\n1 2 1\n2 3 1\n3 4 1\n4 5 1\n5 1 1\n", OptimisationDialect::rudy, "c5");
+  const Problem cycle = read_as("rudy", "5 5\n1 2 1\n2 3 1\n3 4 1\n4 5 1\n5 1 1\n", "c5");
   CHECK(cycle.vartype == Vartype::spin);
   CHECK(lowest_energy(cycle) == 5 - 2 * 4);
-  CHECK(to_optimisation_text(cycle, OptimisationDialect::rudy) == "5 5\n1 2 1\n1 5 1\n2 3 1\n3 4 1\n4 5 1\n");
+  CHECK(written_as("rudy", cycle) == "5 5\n1 2 1\n1 5 1\n2 3 1\n3 4 1\n4 5 1\n");
 }
 
 TEST_CASE("damaged \"n m\" files are refused") {
-  const auto read = [](const std::string& text, OptimisationDialect dialect = OptimisationDialect::biq_mac) {
-    return [=] { problem_from_optimisation_text(text, dialect, "p.txt"); };
+  const auto read = [](const std::string& text, const char* dialect = "biq_mac") {
+    return [=] { read_as(dialect, text, "p.txt"); };
   };
   refused(read(""), "no line");
   refused(read("3 2\n1 2 1\n"), "declared");
@@ -301,26 +316,28 @@ TEST_CASE("damaged \"n m\" files are refused") {
   refused(read("3 1\n0 1 1\n"), "line 2");
   refused(read("3 2\n1 2 1\n2 1 1\n"), "twice");
   refused(read("99999999999 1\n1 2 1\n"), "whole number");
-  refused(read("3 1\n1 1 1\n", OptimisationDialect::rudy), "itself");
+  refused(read("3 1\n1 1 1\n", "rudy"), "itself");
   Problem field = chain_of_three();
-  refused([&] { to_optimisation_text(field, OptimisationDialect::rudy); }, "linear");
+  refused([&] { written_as("rudy", field); }, "linear");
 }
 
 TEST_CASE("every format with its sidecar gives the exported problem back, to the last bit") {
   const auto vartype = GENERATE(Vartype::binary, Vartype::spin);
   const Problem problem = random_problem(9, vartype, 4);
-  for (const FormatFacts& format : problem_formats()) {
-    if (format.format == ProblemFormat::sapi) continue;
+  for (const Format* choice : problem_formats()) {
+    const Format& format = *choice;
+    const std::string name = format.name;
+    if (name == "sapi") continue;
     Problem given = problem;
-    if (format.format == ProblemFormat::rudy) {
+    if (name == "rudy") {
       given = to_ising(given);
       given.linear.assign(9, 0.0);
     }
-    CAPTURE(format.name);
-    const WrittenProblem written = write_problem(given, format.format);
+    CAPTURE(name);
+    const WrittenProblem written = write_problem(given, format);
     const ProblemSidecar sidecar =
-        sidecar_from_json(Config::parse(to_json(sidecar_of(written, format.format)).dump(), "p.sidecar.json"));
-    const Problem back = restore(read_problem(written.text, format.format, {}, "p"), sidecar, "p");
+        sidecar_from_json(Config::parse(to_json(sidecar_of(written, format)).dump(), "p.sidecar.json"));
+    const Problem back = restore(read_problem(written.text, format, {}, "p"), sidecar, "p");
     CHECK(back == written.problem);
     CHECK(problem_hash(back) == sidecar.problem_hash);
     for (int k = 0; k < 20; ++k) {  // the energies of the problem that was given
@@ -338,10 +355,10 @@ TEST_CASE("every format with its sidecar gives the exported problem back, to the
 
 TEST_CASE("a sidecar of another problem, or a changed file, is refused") {
   const Problem problem = random_problem(6, Vartype::binary, 8);
-  const WrittenProblem written = write_problem(problem, ProblemFormat::coo);
-  ProblemSidecar sidecar = sidecar_of(written, ProblemFormat::coo);
+  const WrittenProblem written = write_problem(problem, format_named("coo"));
+  ProblemSidecar sidecar = sidecar_of(written, format_named("coo"));
   const auto read = [&](const std::string& text) {
-    return [&, text] { restore(read_problem(text, ProblemFormat::coo, {}, "p.coo"), sidecar, "p.coo"); };
+    return [&, text] { restore(read_problem(text, format_named("coo"), {}, "p.coo"), sidecar, "p.coo"); };
   };
   CHECK_NOTHROW(read(written.text)());
   refused(read(written.text + "0 1 0.5\n"), "another problem");
@@ -384,7 +401,7 @@ TEST_CASE("labels of every kind of dimod go through its files and tables and com
   answer.energies = {energy(problem, answer.values)};
   answer.occurrences = {2};
   CHECK(samples_from_dimod_json(to_dimod_json(answer), "a.json") == answer);
-  CHECK(read_answer(samples_csv(answer), AnswerFormat::csv, problem, "a.csv") == answer);
+  CHECK(read_answer(samples_csv(answer), answer_format_named("csv"), problem, "a.csv") == answer);
 
   const auto with_label = [&](const std::string& label) {
     return [=] { problem_from_dimod_json(with_text(to_dimod_json(product()), R"("x")", label), "p.json"); };
@@ -396,7 +413,7 @@ TEST_CASE("labels of every kind of dimod go through its files and tables and com
 
 TEST_CASE("files of neighbouring kinds are called by their names") {
   const auto read = [](const std::string& text) {
-    return [=] { read_problem(text, ProblemFormat::dimod_json, {}, "p.json"); };
+    return [=] { read_problem(text, format_named("dimod_json"), {}, "p.json"); };
   };
   refused(read("DIMODCQM\2"), "constrained quadratic model (CQM)");
   refused(read("DIMODDQM\1"), "discrete quadratic model (DQM)");
@@ -404,7 +421,7 @@ TEST_CASE("files of neighbouring kinds are called by their names") {
   refused(read(std::string("\x80\x04\x95\x00.", 5)), "pickle");
   refused(read("\\ a comment\nMinimize\n obj: + 1 x\nEnd\n"), "LP file");
   refused(read("PK\3\4..."), "ZIP");
-  refused([] { read_answer("DIMODQM\1", AnswerFormat::dimod_json, product(), "a.json"); }, "quadratic model");
+  refused([] { read_answer("DIMODQM\1", answer_format_named("dimod_json"), product(), "a.json"); }, "quadratic model");
 }
 
 TEST_CASE("dimod's empty sample set is read, whatever width it gives") {
@@ -419,7 +436,9 @@ TEST_CASE("dimod's empty sample set is read, whatever width it gives") {
 
 TEST_CASE("answers as tables: labels and values are checked") {
   const Problem problem = random_problem(3, Vartype::spin, 1);
-  const auto read = [&](const std::string& text) { return read_answer(text, AnswerFormat::csv, problem, "a.csv"); };
+  const auto read = [&](const std::string& text) {
+    return read_answer(text, answer_format_named("csv"), problem, "a.csv");
+  };
   const SampleSet answer = read("u1,u0,u2,num_occurrences\n1,-1,1,3\n-1,-1,1,1\n");
   CHECK(answer.values == std::vector<std::int8_t>{-1, 1, 1, -1, -1, 1});
   CHECK(answer.occurrences == std::vector<std::int64_t>{3, 1});

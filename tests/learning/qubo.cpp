@@ -2,8 +2,9 @@
 #include <limits>
 
 #include "base/error.h"
+#include "learning/formats/dimod.h"
+#include "learning/formats/format.h"
 #include "learning/model/weights.h"
-#include "learning/qubo/dimod.h"
 #include "learning/sampler/exact.h"
 #include "tests/learning/toy.h"
 #include "tests/support/catch.h"
@@ -203,7 +204,7 @@ TEST_CASE("damaged answers are refused with the place") {
 
 TEST_CASE("an answer is taken only for its own problem") {
   const Problem problem = ring();
-  SampleSet answer = ExactSampler().sample(problem, {.reads = 20, .seed = 3});
+  SampleSet answer = make_sampler("exact")->sample(problem, {.reads = 20, .seed = 3});
   CHECK(check_answer(problem, answer, "answer") == answer);
 
   SECTION("columns in another order and the other vartype are put right") {

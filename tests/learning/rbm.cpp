@@ -1,5 +1,5 @@
-#include "learning/likelihood/likelihood.h"
 #include "learning/rbm/train.h"
+#include "tests/learning/machine_likelihood.h"
 
 #include <omp.h>
 
@@ -9,8 +9,8 @@
 #include <memory>
 
 #include "base/error.h"
-#include "base/random.h"
-#include "learning/rbm/logistic.h"
+#include "base/math/random.h"
+#include "learning/rbm/baselines.h"
 #include "learning/sampler/exact.h"
 #include "learning/score/score.h"
 #include "tests/learning/smooth_boundary.h"
@@ -65,7 +65,8 @@ TEST_CASE("the gradient equals finite differences of the objective, also with un
   std::uint64_t k = 0;
   for (auto* part : {&machine.weight, &machine.visible_bias, &machine.hidden_bias})
     for (double& w : *part) w = random_unit(4, 4, k++) - 0.5;
-  const SampleSet negative = ExactSampler().sample(to_qubo(machine, layout.unit_labels()), {.reads = 30, .seed = 2});
+  const SampleSet negative =
+      make_sampler("exact")->sample(to_qubo(machine, layout.unit_labels()), {.reads = 30, .seed = 2});
   const Objective at = training_objective(machine, layout, table, settings, negative);
   const auto check = [&](std::vector<double> RbmWeights::*part) {
     for (std::size_t i = 0; i < (machine.*part).size(); ++i) {

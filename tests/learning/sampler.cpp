@@ -5,12 +5,13 @@
 #include <map>
 
 #include "base/error.h"
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
-#include "learning/sampler/block_gibbs.h"
 #include "learning/sampler/exact.h"
+#include "learning/sampler/sampler.h"
 #include "tests/learning/toy.h"
 #include "tests/support/catch.h"
+#include "tests/support/refused.h"
 
 using namespace gonogo;
 using namespace gonogo::learning;
@@ -181,7 +182,7 @@ TEST_CASE("annealers' rows follow the exact distribution, also on frustrated pro
   if (!dense) std::erase_if(problem.couplings, [](const Coupling& c) { return c.b != c.a + 1 && c.b != c.a + 5; });
   for (Coupling& c : problem.couplings) c.value *= 2.5;
   SamplerSettings settings;
-  if (name == "anneal at fixed beta") settings.beta_start = 1;
+  if (name == "anneal at fixed beta") settings["beta_start"] = 1.0;
   const auto sampler = make_sampler(name == "anneal at fixed beta" ? "anneal" : name, settings);
   double log_z = 0;
   const std::vector<double> p = brute_force(problem, log_z);
@@ -214,8 +215,9 @@ TEST_CASE("annealers' rows follow the exact distribution, also on frustrated pro
   if (name == "population") CHECK(rows.info.at("log_z").number() == Approx(log_z).margin(0.02));
 }
 
-TEST_CASE("rows of the annealers are the same bits for any threads") {
-  const std::string name = GENERATE("anneal", "tempering", "population");
+TEST_CASE("rows of every sampler of any problem are the same bits for any threads") {
+  const std::string name = GENERATE(from_range(
+      sampler_names([](const SamplerKind& kind) { return kind.any_problem && kind.origin == RowOrigin::here; })));
   const Problem problem = frustrated();
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
@@ -232,7 +234,7 @@ TEST_CASE("a biased sampler would fail the test above") {
   const Problem problem = to_qubo(machine, toy_labels());
   machine.weight[5] += 0.15;
   double log_z = 0;
-  const Fit fit = compare(BlockGibbs().sample(problem, {.reads = 40000, .seed = 7, .sweeps = 100}),
+  const Fit fit = compare(make_sampler("block_gibbs")->sample(problem, {.reads = 40000, .seed = 7, .sweeps = 100}),
                           brute_force(to_qubo(machine, toy_labels()), log_z));
   CHECK((fit.chi_squared - fit.degrees) / std::sqrt(2 * fit.degrees) > 4);
 }
@@ -245,25 +247,49 @@ TEST_CASE("block Gibbs rows are the same bits for any threads, batch and interru
   const Problem problem = to_qubo(machine, labels);
   const int threads = omp_get_max_threads();
   omp_set_num_threads(1);
-  const SampleSet one = BlockGibbs().sample(problem, {.reads = 33, .seed = 9, .sweeps = 7});
+  const SampleSet one = make_sampler("block_gibbs")->sample(problem, {.reads = 33, .seed = 9, .sweeps = 7});
   omp_set_num_threads(2);
-  const SampleSet two = BlockGibbs().sample(problem, {.reads = 33, .seed = 9, .sweeps = 7});
+  const SampleSet two = make_sampler("block_gibbs")->sample(problem, {.reads = 33, .seed = 9, .sweeps = 7});
   omp_set_num_threads(threads);
   CHECK(one == two);
 
-  const SampleSet few = BlockGibbs().sample(problem, {.reads = 5, .seed = 9, .sweeps = 7});
+  const SampleSet few = make_sampler("block_gibbs")->sample(problem, {.reads = 5, .seed = 9, .sweeps = 7});
   CHECK(std::equal(few.values.begin(), few.values.end(), one.values.begin()));
 
-  const SampleSet begun = BlockGibbs().sample(problem, {.reads = 33, .seed = 9, .sweeps = 3});
+  const SampleSet begun = make_sampler("block_gibbs")->sample(problem, {.reads = 33, .seed = 9, .sweeps = 3});
   const SampleSet ended =
-      BlockGibbs().sample(problem, {.reads = 33, .seed = 9, .sweeps = 4, .start = &begun, .first_sweep = 3});
+      make_sampler("block_gibbs")
+          ->sample(problem, {.reads = 33, .seed = 9, .sweeps = 4, .start = &begun, .first_sweep = 3});
   CHECK(ended == one);
-  CHECK_FALSE(BlockGibbs().sample(problem, {.reads = 33, .seed = 10, .sweeps = 7}) == one);
+  CHECK_FALSE(make_sampler("block_gibbs")->sample(problem, {.reads = 33, .seed = 10, .sweeps = 7}) == one);
 }
 
 TEST_CASE("samplers refuse what they cannot do") {
-  CHECK_THROWS_AS(BlockGibbs().sample(frustrated(), {}), InputError);
-  CHECK_THROWS_AS(make_sampler("annealer"), InputError);
+  CHECK_THROWS_AS(make_sampler("block_gibbs")->sample(frustrated(), {}), InputError);
+  refused([] { make_sampler("annealer"); }, "did you mean \"anneal\"?");
   const RbmWeights large = RbmWeights::zeros(40, 30);
   CHECK_THROWS_AS(exact_moments(to_qubo(large, std::vector<std::string>(40, "v"))), InputError);
+}
+
+TEST_CASE("a sampler's settings are complete, of their types and in range") {
+  refused([] { make_sampler("anneal", {{"replicas", std::int64_t(3)}}); }, "it has beta_start, beta_end");
+  refused([] { make_sampler("tempering", {{"replicas", std::int64_t(1)}}); }, "replicas must be at least 2, found 1");
+  refused([] { make_sampler("tempering", {{"replicas", 2.5}}); }, "replicas must be a whole number");
+  refused([] { make_sampler("anneal", {{"beta_end", double(NAN)}}); }, "finite");
+  refused([] { make_sampler("file"); }, "no folder is given");
+  refused(
+      [] {
+        make_sampler("command", {{"program", std::vector<std::string>{"true"}}, {"time_limit_s", 0.0}});
+      },
+      "time_limit_s must be above 0");
+  CHECK_NOTHROW(make_sampler("anneal", {{"beta_end", std::int64_t(2)}}));
+  for (const SamplerKind* kind : samplers()) {
+    CAPTURE(kind->name);
+    CHECK(&sampler_named(kind->name) == kind);
+    CHECK(std::string(kind->about).back() == '.');
+    for (const SamplerParameter& parameter : kind->parameters)  // one option, one meaning
+      for (const SamplerKind* other : samplers())
+        for (const SamplerParameter& same : other->parameters)
+          CHECK((std::string(parameter.option) == same.option) == (std::string(parameter.name) == same.name));
+  }
 }

@@ -1,10 +1,10 @@
 // SAPI's problem and answer encodings against the unit tests and documentation of dwave-cloud-client.
-#include "learning/qubo/sapi.h"
+#include "learning/formats/sapi.h"
 
 #include <cmath>
 
-#include "learning/qubo/bytes.h"
-#include "learning/qubo/format.h"
+#include "learning/formats/format.h"
+#include "learning/qubo/text.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 
@@ -69,7 +69,7 @@ TEST_CASE("a submitted problem is read back, with solver and parameters beside i
         std::string::npos);
   CHECK(problem_from_sapi(text, solver, "p") == problem);
   const WrittenProblem written =
-      write_problem(problem, ProblemFormat::sapi, {.solver = &solver, .sapi = settings, .vartype = {}});
+      write_problem(problem, format_named("sapi"), {.solver = &solver, .sapi = settings, .vartype = {}});
   CHECK(written.text == text);
   SapiSolver other = solver;
   other.graph_id = "ffff";
@@ -164,13 +164,14 @@ TEST_CASE("energies without the problem's offset, as SAPI serves them, are compl
   for (double shift : {0.0, -3.0}) {
     rows.energies = {1.5 + shift, 2.5 + shift};
     const SampleSet found =
-        read_answer(to_sapi_answer(rows, 64, true, Json::object()), AnswerFormat::sapi, problem, "a");
+        read_answer(to_sapi_answer(rows, 64, true, Json::object()), answer_format_named("sapi"), problem, "a");
     CHECK(found.energies == std::vector<double>{1.5, 2.5});
   }
   rows.energies = {0.7, 2.5};  // neither: refused when checked
   CHECK_THROWS_AS(
-      check_answer(problem,
-                   read_answer(to_sapi_answer(rows, 64, true, Json::object()), AnswerFormat::sapi, problem, "a"), "a"),
+      check_answer(
+          problem,
+          read_answer(to_sapi_answer(rows, 64, true, Json::object()), answer_format_named("sapi"), problem, "a"), "a"),
       InputError);
 }
 

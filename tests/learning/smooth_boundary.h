@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "learning/encoding/layout.h"
-#include "learning/table.h"
+#include "learning/training.h"
 
 namespace gonogo::learning {
 

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "base/normal.h"
+#include "base/math/random.h"
 #include "learning/rbm/train.h"
-#include "learning/sampler/block_gibbs.h"
+#include "learning/sampler/sampler.h"
 #include "tests/learning/smooth_boundary.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -84,7 +84,8 @@ TEST_CASE("a good teacher brings few trials nearer to the truth, and the seed de
   TrainingSettings settings;
   settings.epochs = 150;
   const Teaching teaching = truth(512, 3);
-  const BlockGibbs sampler;
+  const auto gibbs = make_sampler("block_gibbs");
+  const Sampler& sampler = *gibbs;
   const RbmWeights alone = train_rbm(layout, table, settings, sampler).weights,
                    taught = train_rbm(layout, table, settings, sampler, {}, nullptr, &teaching).weights;
   const double without = mean_square_error(alone, fresh), with = mean_square_error(taught, fresh);
@@ -105,8 +106,9 @@ TEST_CASE("cross-validation teaches every fold by the teacher of that fold") {
     asked.push_back(fold);
     return std::make_shared<const Teaching>(truth(64, fold == 1 ? 20 : 0));
   };
-  const CrossValidation plain = cross_validate(layout, table, settings, BlockGibbs(), 3);
-  const CrossValidation taught = cross_validate(layout, table, settings, BlockGibbs(), 3, {}, {}, {}, teacher);
+  const CrossValidation plain = cross_validate(layout, table, settings, *make_sampler("block_gibbs"), 3);
+  const CrossValidation taught =
+      cross_validate(layout, table, settings, *make_sampler("block_gibbs"), 3, {}, {}, {}, teacher);
   CHECK(asked == std::vector<std::size_t>{0, 1, 2});
   REQUIRE(plain.best_epoch == taught.best_epoch);
   const std::vector<std::size_t> fold = assign_folds(table, 3, settings.seed);
@@ -120,7 +122,7 @@ TEST_CASE("a teacher that does not fit the layout is refused") {
   TrainingSettings settings;
   settings.epochs = 1;
   const auto train_with = [&](const Teaching& teaching) {
-    train_rbm(layout, table, settings, BlockGibbs(), {}, nullptr, &teaching);
+    train_rbm(layout, table, settings, *make_sampler("block_gibbs"), {}, nullptr, &teaching);
   };
   Teaching teaching = truth(8, 1);
   teaching.probability[3] = 1.5;

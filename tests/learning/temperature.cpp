@@ -1,17 +1,17 @@
 // Effective temperatures from rows, the annealer as a sampler, and training through it.
-#include "learning/hardware/temperature.h"
-#include "learning/likelihood/likelihood.h"
+#include "learning/annealer/temperature.h"
+#include "tests/learning/machine_likelihood.h"
 
 #include <cmath>
 #include <cstdio>
 
 #include "base/error.h"
-#include "base/random.h"
-#include "learning/hardware/annealer_sampler.h"
-#include "learning/hardware/emulator.h"
-#include "learning/hardware/gray_box.h"
+#include "base/math/random.h"
+#include "learning/annealer/annealer_sampler.h"
+#include "learning/annealer/emulator.h"
 #include "learning/sampler/exact.h"
-#include "learning/sampler/stand_in.h"
+#include "learning/sampler/sampler.h"
+#include "tests/learning/gray_box.h"
 #include "tests/learning/toy.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -43,7 +43,7 @@ SampleSet all_states(const Problem& problem, double beta, std::vector<double>& p
 }
 
 SampleSet exact_rows(const Problem& problem, double beta, std::size_t reads, std::uint64_t seed) {
-  SampleSet rows = ExactSampler().sample(scaled(problem, beta), {.reads = reads, .seed = seed});
+  SampleSet rows = make_sampler("exact")->sample(scaled(problem, beta), {.reads = reads, .seed = seed});
   for (std::size_t r = 0; r < rows.row_count(); ++r) rows.energies[r] = energy(problem, rows.row(r));
   return rows;
 }
@@ -68,12 +68,9 @@ class WarmDevice final : public Sampler {
   WarmDevice(double offset, double slope, std::size_t sweeps = 300) : offset_(offset), slope_(slope), sweeps_(sweeps) {}
   std::string name() const override { return "warm"; }
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override {
-    SamplerSettings settings;
-    settings.beta_end = 1 / (offset_ + slope_);
-    settings.beta_start = 0.1;
     SampleRequest longer = request;
     longer.sweeps = sweeps_;
-    return make_sampler("anneal", settings)->sample(problem, longer);
+    return make_sampler("anneal", {{"beta_end", 1 / (offset_ + slope_)}})->sample(problem, longer);
   }
 
  private:
@@ -179,7 +176,8 @@ TEST_CASE("a sampler that cannot be reached is stood in for, once and for all, a
   CHECK_FALSE(sampler.stood_in());
   CHECK(sampler.name() == "qpu");
   const Problem problem = toy_ising();
-  CHECK(sampler.sample(problem, {.reads = 5, .seed = 2}) == ExactSampler().sample(problem, {.reads = 5, .seed = 2}));
+  CHECK(sampler.sample(problem, {.reads = 5, .seed = 2}) ==
+        make_sampler("exact")->sample(problem, {.reads = 5, .seed = 2}));
   CHECK(sampler.stood_in());
   CHECK(sampler.name() == "exact");
   CHECK(sampler.wanted_name() == "qpu");

@@ -5,9 +5,9 @@
 #include <cstdio>
 
 #include "base/error.h"
-#include "base/random.h"
-#include "learning/likelihood/likelihood.h"
+#include "base/math/random.h"
 #include "learning/rbm/train.h"
+#include "tests/learning/machine_likelihood.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;

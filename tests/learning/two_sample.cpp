@@ -4,10 +4,9 @@
 #include <cstdio>
 
 #include "base/error.h"
-#include "base/normal.h"
-#include "learning/score/boosted_trees.h"
+#include "base/math/random.h"
 #include "learning/score/copula.h"
-#include "learning/score/distance.h"
+#include "learning/score/two_sample.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;

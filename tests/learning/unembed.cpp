@@ -1,4 +1,4 @@
-#include "learning/hardware/unembed.h"
+#include "learning/qubits/unembed.h"
 
 #include <cmath>
 
@@ -64,7 +64,7 @@ TEST_CASE("a gauge turns problem and rows alike") {
   const Problem problem = record().source;
   const std::vector<std::int8_t> gauge = {-1, 1};
   const Problem turned = apply_gauge(problem, gauge);
-  const SampleSet answer = ExactSampler().sample(turned, {.reads = 50, .seed = 2});
+  const SampleSet answer = make_sampler("exact")->sample(turned, {.reads = 50, .seed = 2});
   const SampleSet back = apply_gauge(answer, gauge);
   for (std::size_t r = 0; r < 50; ++r) CHECK(energy(problem, back.row(r)) == Approx(answer.energies[r]));
   int minus = 0;

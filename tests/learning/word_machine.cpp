@@ -1,5 +1,5 @@
 // Machines of code words against sums over all their rows.
-#include "learning/sampler/word_machine.h"
+#include "learning/machine/word_machine.h"
 
 #include <omp.h>
 
@@ -7,8 +7,6 @@
 
 #include "base/error.h"
 #include "learning/model/posterior.h"
-#include "learning/sampler/exact_words.h"
-#include "learning/sampler/word_chains.h"
 #include "tests/learning/words.h"
 #include "tests/support/catch.h"
 

@@ -3,8 +3,8 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "learning/machine/word_machine.h"
 #include "learning/rbm/train.h"
-#include "learning/sampler/exact_words.h"
 #include "tests/learning/words.h"
 #include "tests/support/catch.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <vector>
 
-#include "base/random.h"
-#include "learning/sampler/word_machine.h"
+#include "base/math/random.h"
+#include "learning/machine/word_machine.h"
 
 namespace gonogo::learning::words {
 

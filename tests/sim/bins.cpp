@@ -3,8 +3,8 @@
 #include <map>
 #include <vector>
 
-#include "sim/shape/pairs.h"
-#include "sim/simulation/stages.h"
+#include "sim/shape/touch/pairs.h"
+#include "sim/simulation/simulation.h"
 #include "sim/state/state.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"

@@ -1,5 +1,5 @@
 // Colours for Gauss-Seidel against the greedy rule taken literally.
-#include "sim/solver/colour.h"
+#include "sim/solver/split.h"
 
 #include <algorithm>
 #include <numeric>

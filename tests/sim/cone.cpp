@@ -1,4 +1,4 @@
-#include "sim/state/cone.h"
+#include "sim/state/contact.h"
 
 #include <cmath>
 #include <vector>

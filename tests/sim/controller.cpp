@@ -1,7 +1,7 @@
 // Controllers of motors against closed forms and ordinary differential equations.
 #include <cmath>
 
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"

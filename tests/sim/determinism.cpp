@@ -1,4 +1,4 @@
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -47,29 +47,30 @@ SceneWorld driven_wheel(std::uint64_t seed) {
   return w;
 }
 
-StepSettings few_iterations(Solver solver = Solver::apgd) {
+StepSettings few_iterations(Iteration iteration = Iteration::apgd) {
   StepSettings s;
   s.iterations = 10;
-  s.solver = solver;
+  s.iteration = iteration;
   return s;
 }
 
 constexpr Index kSteps = 30, kHalf = kSteps / 2;
-constexpr Solver kEverySolver[] = {Solver::apgd, Solver::jacobi, Solver::gauss_seidel, Solver::bb, Solver::jacobi_scan};
+constexpr Iteration kEverySolver[] = {Iteration::apgd, Iteration::jacobi, Iteration::gauss_seidel, Iteration::bb,
+                                      Iteration::jacobi_scan};
 
 }  // namespace
 
 TEST_CASE("one, two and seven threads give the same bits") {
   const SceneWorld w = driven_wheel(601);
-  for (const Solver solver : kEverySolver) {
+  for (const Iteration iteration : kEverySolver) {
     std::vector<BodyState> first;
     for (const int threads : {1, 2, 7}) {
-      const auto simulation = make_simulation(Backend::cpu, {w}, few_iterations(solver), threads);
+      const auto simulation = make_simulation(Backend::cpu, {w}, few_iterations(iteration), threads);
       simulation->advance(kSteps);
       CHECK(simulation->report(0).contact_count > 1000);
       CHECK(simulation->report(0).flags == 0);
       if (threads == 1) first = simulation->bodies(0);
-      INFO(threads << " threads, solver " << int(solver));
+      INFO(threads << " threads, solver " << name_of(iteration));
       CHECK(same_bits(first, simulation->bodies(0)));
     }
   }
@@ -77,16 +78,16 @@ TEST_CASE("one, two and seven threads give the same bits") {
 
 TEST_CASE("a world has the same bits alone and in any place of a batch") {
   for (const Backend backend : backends())
-    for (const Solver solver : kEverySolver) {
-      const auto alone = simulate(backend, driven_wheel(602), few_iterations(solver));
+    for (const Iteration iteration : kEverySolver) {
+      const auto alone = simulate(backend, driven_wheel(602), few_iterations(iteration));
       alone->advance(kSteps);
       Scene batch;
       for (int i = 0; i < 6; ++i) batch.push_back(driven_wheel(i == 3 ? 602 : 700 + i));
       batch[1].motor[0].target = -20;
       batch[2].gravity.x = 5;
-      const auto together = make_simulation(backend, batch, few_iterations(solver), 2);
+      const auto together = make_simulation(backend, batch, few_iterations(iteration), 2);
       together->advance(kSteps);
-      INFO(name_of(backend) << ", solver " << int(solver));
+      INFO(name_of(backend) << ", solver " << name_of(iteration));
       CHECK(same_bits(alone->bodies(0), together->bodies(3)));
       CHECK_FALSE(same_bits(alone->bodies(0), together->bodies(4)));
       CHECK(alone->motor_torque(0, 0) == together->motor_torque(3, 0));
@@ -96,8 +97,8 @@ TEST_CASE("a world has the same bits alone and in any place of a batch") {
 
 TEST_CASE("Gauss-Seidel and spectral gradients leave less residual than plain gradients") {
   for (const Backend backend : backends()) {
-    const auto residual = [&](Solver solver) {
-      StepSettings settings = few_iterations(solver);
+    const auto residual = [&](Iteration iteration) {
+      StepSettings settings = few_iterations(iteration);
       settings.iterations = 40;
       const auto simulation = simulate(backend, driven_wheel(605), settings);
       double sum = 0;
@@ -107,8 +108,8 @@ TEST_CASE("Gauss-Seidel and spectral gradients leave less residual than plain gr
       }
       return sum / kSteps;
     };
-    const double plain = residual(Solver::jacobi), swept = residual(Solver::gauss_seidel),
-                 spectral = residual(Solver::bb), accelerated = residual(Solver::apgd);
+    const double plain = residual(Iteration::jacobi), swept = residual(Iteration::gauss_seidel),
+                 spectral = residual(Iteration::bb), accelerated = residual(Iteration::apgd);
     WARN(name_of(backend) << ", mean residual after 40 iterations [m/s]: jacobi " << plain << ", gauss_seidel " << swept
                           << ", bb " << spectral << ", apgd " << accelerated);
     CHECK(swept < 0.7 * plain);

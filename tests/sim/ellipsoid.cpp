@@ -1,13 +1,13 @@
 // Ellipsoids: distances against a Lagrange solve in double precision, equal axes against the sphere, floors cut
 // coarsely and finely against the plane, mass properties against a sum over small cubes.
-#include "sim/shape/ellipsoid.h"
+#include "sim/shape/touch/convex.h"
 
 #include <algorithm>
 #include <vector>
 
-#include "sim/shape/mesh_shapes.h"
-#include "sim/shape/pairs.h"
+#include "sim/shape/meshes.h"
 #include "sim/shape/surface_library.h"
+#include "sim/shape/touch/pairs.h"
 #include "tests/sim/convex_oracle.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

@@ -1,4 +1,4 @@
-#include "sim/shape/gap.h"
+#include "sim/shape/touch/gap.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The baseline that adds impulses up by segmented scans: its scan against plain sums, its steps against `jacobi`.
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "sim/solver/segmented_scan.h"
 #include "tests/sim/dense_problem.h"
 #include "tests/support/backends.h"
@@ -42,9 +42,9 @@ SceneWorld plates_on_grains(double lift) {
   return w;
 }
 
-StepSettings settings_of(Solver solver, Target target, Index substeps, Index iterations) {
+StepSettings settings_of(Iteration iteration, Target target, Index substeps, Index iterations) {
   StepSettings s = settings_with(iterations);
-  s.solver = solver;
+  s.iteration = iteration;
   s.target = target;
   s.substeps = substeps;
   return s;
@@ -139,8 +139,8 @@ TEST_CASE("jacobi_scan takes the steps of jacobi") {
     for (const Target target : {Target::ccp, Target::coulomb})
       for (const Index substeps : {1, 3})
         for (const Index iterations : {1, 6, 40}) {
-          const auto fast = simulate(backend, w, settings_of(Solver::jacobi, target, substeps, iterations));
-          const auto scanned = simulate(backend, w, settings_of(Solver::jacobi_scan, target, substeps, iterations));
+          const auto fast = simulate(backend, w, settings_of(Iteration::jacobi, target, substeps, iterations));
+          const auto scanned = simulate(backend, w, settings_of(Iteration::jacobi_scan, target, substeps, iterations));
           fast->advance(2);  // the second starts warm
           scanned->advance(2);
           INFO(name_of(backend) << ", target " << int(target) << ", " << substeps << " substeps of " << iterations);
@@ -160,8 +160,8 @@ TEST_CASE("jacobi_scan converges to the impulses of a dense solution and to thos
   for (const std::uint64_t seed : {1, 2, 3}) {
     const SceneWorld w = columns(seed);
     for (const Backend backend : backends()) {
-      const auto fast = simulate(backend, w, settings_of(Solver::jacobi, Target::ccp, 1, 20000));
-      const auto scanned = simulate(backend, w, settings_of(Solver::jacobi_scan, Target::ccp, 1, 20000));
+      const auto fast = simulate(backend, w, settings_of(Iteration::jacobi, Target::ccp, 1, 20000));
+      const auto scanned = simulate(backend, w, settings_of(Iteration::jacobi_scan, Target::ccp, 1, 20000));
       fast->advance(1);
       scanned->advance(1);
       const auto contacts = scanned->contacts(0);
@@ -178,8 +178,8 @@ TEST_CASE("jacobi_scan converges to the impulses of a dense solution and to thos
 
 TEST_CASE("jacobi_scan stops where jacobi does, and worlds that have ended leave the others alone") {
   for (const Backend backend : backends()) {
-    StepSettings settings = settings_of(Solver::jacobi_scan, Target::coulomb, 2, 300), plain = settings;
-    plain.solver = Solver::jacobi;
+    StepSettings settings = settings_of(Iteration::jacobi_scan, Target::coulomb, 2, 300), plain = settings;
+    plain.iteration = Iteration::jacobi;
     settings.tolerance = plain.tolerance = 1e-3f;
     const SceneWorld hard = plates_on_grains(0), easy = plates_on_grains(0.1);
     const auto together = make_simulation(backend, {easy, hard, easy}, settings, 2);

@@ -2,7 +2,7 @@
 // their definitions, springs implicit in the primal form, Lagrange multipliers by a full factorisation in double.
 #include <Eigen/Dense>
 
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"

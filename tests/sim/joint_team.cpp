@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-#include "sim/joint/factor.h"
+#include "sim/constraint/prepare_joints.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 

@@ -6,11 +6,10 @@
 #include <numeric>
 #include <set>
 
-#include "base/file.h"
-#include "sim/shape/mesh_file.h"
-#include "sim/shape/mesh_shapes.h"
-#include "sim/shape/pairs.h"
+#include "base/files/file.h"
+#include "sim/shape/meshes.h"
 #include "sim/shape/surface_library.h"
+#include "sim/shape/touch/pairs.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/message.h"

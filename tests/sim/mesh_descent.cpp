@@ -1,15 +1,15 @@
 // Where two meshes look for each other: trees of oriented boxes and cones of normals against looking everywhere, and
 // the way out of two boxes against the closed form.
-#include "sim/shape/mesh_descent.h"
+#include "sim/shape/touch/mesh_mesh_touch.h"
 
 #include <chrono>
 #include <cstdio>
 #include <memory>
 
 #include "base/units.h"
-#include "sim/shape/mesh_shapes.h"
-#include "sim/shape/pairs.h"
+#include "sim/shape/meshes.h"
 #include "sim/shape/surface_library.h"
+#include "sim/shape/touch/pairs.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 

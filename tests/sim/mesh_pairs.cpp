@@ -6,9 +6,9 @@
 #include <memory>
 #include <set>
 
-#include "sim/shape/mesh_shapes.h"
-#include "sim/shape/pairs.h"
+#include "sim/shape/meshes.h"
 #include "sim/shape/surface_library.h"
+#include "sim/shape/touch/pairs.h"
 #include "tests/sim/convex_oracle.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

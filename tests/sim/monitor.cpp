@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"

@@ -1,5 +1,5 @@
 // Bodies that have mixed are sorted anew in memory; nothing but speed and rounding may tell.
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/same_bits.h"

@@ -1,11 +1,11 @@
 // Contacts of pairs of shapes against signed distances found by sampling directions, and their manifolds against what
 // rests on a plane.
-#include "sim/shape/pairs.h"
+#include "sim/shape/touch/pairs.h"
 
 #include <set>
 #include <string>
 
-#include "sim/scene/check_shape.h"
+#include "sim/scene/check_scene.h"
 #include "tests/sim/convex_oracle.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

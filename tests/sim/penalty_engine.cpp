@@ -48,8 +48,8 @@ TEST_CASE("contacts conserve linear and angular momentum to round-off") {
   const SceneWorld w = flying_spheres();
   const double mass = 2600 * 4.0 / 3 * kPi * 1e-6, inertia = 0.4 * mass * 1e-4;
   for (const Backend backend : backends())
-    for (const Solver solver : kPenalties) {
-      const auto simulation = simulate(backend, w, at_share(w, penalty_settings(solver, soft_law(0.7), 0), 0.5));
+    for (const ContactLaw contact : kPenalties) {
+      const auto simulation = simulate(backend, w, at_share(w, penalty_settings(contact, soft_law(0.7), 0), 0.5));
       const Momenta before = momenta(simulation->bodies(0), mass, inertia);
       double kinetic = 0;
       for (const Vec3& v : {w.body[0].velocity, w.body[26].velocity}) kinetic += dot(v, v);
@@ -65,8 +65,8 @@ TEST_CASE("contacts conserve linear and angular momentum to round-off") {
 TEST_CASE("without damping and friction energy returns after every impact") {
   SceneWorld w = flying_spheres();
   w.set_law(0, 0, {});
-  for (const Solver solver : kPenalties) {
-    const auto simulation = simulate(Backend::cpu, w, at_share(w, penalty_settings(solver, soft_law(1), 0), 0.2));
+  for (const ContactLaw contact : kPenalties) {
+    const auto simulation = simulate(Backend::cpu, w, at_share(w, penalty_settings(contact, soft_law(1), 0), 0.2));
     simulation->advance(1);
     const double before = simulation->report(0).kinetic_energy;
     double least = before;
@@ -80,11 +80,11 @@ TEST_CASE("without damping and friction energy returns after every impact") {
 }
 
 TEST_CASE("penalty contact has the same bits for one, two and seven threads") {
-  for (const Solver solver : kPenalties) {
+  for (const ContactLaw contact : kPenalties) {
     std::vector<BodyState> first;
     for (const int threads : {1, 2, 7}) {
       const auto simulation =
-          make_simulation(Backend::cpu, {driven_penalty_wheel(601)}, wheel_settings(solver), threads);
+          make_simulation(Backend::cpu, {driven_penalty_wheel(601)}, wheel_settings(contact), threads);
       simulation->advance(kSteps);
       CHECK(simulation->report(0).flags == 0);
       CHECK(simulation->report(0).contact_count > 100);
@@ -96,13 +96,13 @@ TEST_CASE("penalty contact has the same bits for one, two and seven threads") {
 
 TEST_CASE("penalty contact has the same bits alone and in any place of a batch") {
   for (const Backend backend : backends())
-    for (const Solver solver : kPenalties) {
-      const auto alone = simulate(backend, driven_penalty_wheel(602), wheel_settings(solver));
+    for (const ContactLaw contact : kPenalties) {
+      const auto alone = simulate(backend, driven_penalty_wheel(602), wheel_settings(contact));
       alone->advance(kSteps);
       Scene batch{driven_penalty_wheel(700), driven_penalty_wheel(701), driven_penalty_wheel(602)};
       batch[1].motor[0].target = -20;
       batch[1].add_sphere({0.1, 0.1, 0.5}, 0.02f, 2600, 0);
-      const auto together = make_simulation(backend, batch, wheel_settings(solver), 2);
+      const auto together = make_simulation(backend, batch, wheel_settings(contact), 2);
       together->advance(kSteps);
       CHECK(same_bits(alone->bodies(0), together->bodies(2)));
       CHECK_FALSE(same_bits(alone->bodies(0), together->bodies(0)));
@@ -113,8 +113,8 @@ TEST_CASE("penalty contact has the same bits alone and in any place of a batch")
 
 TEST_CASE("every backend takes the steps of the host") {
   const SceneWorld w = flying_spheres();
-  for (const Solver solver : kPenalties) {
-    const StepSettings s = at_share(w, penalty_settings(solver, soft_law(0.7), 0), 0.5);
+  for (const ContactLaw contact : kPenalties) {
+    const StepSettings s = at_share(w, penalty_settings(contact, soft_law(0.7), 0), 0.5);
     const auto host = simulate(Backend::cpu, w, s);
     host->advance(1);
     const double before = host->report(0).kinetic_energy;
@@ -133,9 +133,9 @@ TEST_CASE("every backend takes the steps of the host") {
 TEST_CASE("penalty contact resumes from a checkpoint with the bits of an uninterrupted run") {
   const TemporaryFolder folder;
   for (const Backend backend : backends())
-    for (const Solver solver : kPenalties) {
+    for (const ContactLaw contact : kPenalties) {
       const SceneWorld w = driven_penalty_wheel(603);
-      StepSettings s = wheel_settings(solver);
+      StepSettings s = wheel_settings(contact);
       s.sort_every = 150;  // bodies change places in memory, and histories with them
       const auto through = simulate(backend, w, s);
       through->advance(kSteps / 2);
@@ -164,7 +164,7 @@ TEST_CASE("penalty contact resumes from a checkpoint with the bits of an uninter
 
 TEST_CASE("other penalty laws make another scene of a checkpoint") {
   const SceneWorld w = driven_penalty_wheel(604);
-  const StepSettings s = wheel_settings(Solver::hertz);
+  const StepSettings s = wheel_settings(ContactLaw::hertz);
   StepSettings other = s;
   other.penalty.restitution = 0.4f;
   CHECK(scene_hash(w, s) != scene_hash(w, other));
@@ -180,7 +180,7 @@ TEST_CASE("a motor turns its wheel up by torque over inertia and holds its speed
     w.motor.push_back(speed_motor(w, b, kWorld, {0, 1, 0}, 2, 0.5));
     w.add_sphere({1, 0, 0}, 0.01f, 2600, 0);
     const auto simulation =
-        simulate(backend, w, at_share(w, penalty_settings(Solver::spring_damper, soft_law(0.5), 0), 0.9));
+        simulate(backend, w, at_share(w, penalty_settings(ContactLaw::spring_damper, soft_law(0.5), 0), 0.9));
     advance_for(*simulation, 0.2);
     CHECK(simulation->body(0, b).angular_velocity.y == Approx(0.5 / 0.1 * 0.2).epsilon(2e-3));
     CHECK(simulation->motor_torque(0, 0) == Approx(0.5).epsilon(1e-4));

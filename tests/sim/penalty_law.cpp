@@ -1,5 +1,5 @@
 // Laws of penalty contact against closed forms.
-#include "sim/state/penalty.h"
+#include "sim/law/penalty_force.h"
 
 #include "tests/sim/penalty_scenes.h"
 #include "tests/support/backends.h"
@@ -25,7 +25,7 @@ struct Pair {
     contact.mass = 0.01f;
     contact.radius = Real(kRadius / 2);
   }
-  PenaltyForce step(double h) { return penalty_force(contact, numbers, true, Real(h), history); }
+  PenaltyForce step(double h) { return penalty_force<HertzLaw>(contact, numbers, Real(h), history); }
 };
 
 PenaltyLaw steel_like(double ratio, double restitution = 1) {
@@ -51,15 +51,15 @@ double pull_off(Adhesion adhesion) {
 
 TEST_CASE("an impact returns the restitution of its law within 1 %") {
   for (const Backend backend : backends())
-    for (const Solver solver : kPenalties)
+    for (const ContactLaw contact : kPenalties)
       for (const double e : {0.1, 0.5, 0.8, 1.0}) {
         const SceneWorld w = meeting_pair(kRadius, kDensity, 1);
-        const StepSettings s = at_share(w, penalty_settings(solver, soft_law(e), 0), 0.02);
+        const StepSettings s = at_share(w, penalty_settings(contact, soft_law(e), 0), 0.02);
         const auto simulation = simulate(backend, w, s);
         advance_for(*simulation, 0.01);
         const double apart = simulation->body(0, 1).velocity.x - simulation->body(0, 0).velocity.x;
-        CHECK(agrees(std::string("restitution, law ") + std::to_string(int(solver)) + ", " + name_of(backend), e, apart,
-                     0.01 * e));
+        CHECK(agrees(std::string("restitution, law ") + std::to_string(int(contact)) + ", " + name_of(backend), e,
+                     apart, 0.01 * e));
       }
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("an elastic impact has Hertz's overlap, force and duration") {
     for (const Backend backend : backends()) {
       const ElasticMaterial m{c.modulus, c.ratio};
       SceneWorld w = meeting_pair(0.01, c.density, 20);
-      StepSettings s = penalty_settings(Solver::hertz, elastic_law(m, m, 1), 0);
+      StepSettings s = penalty_settings(ContactLaw::hertz, elastic_law(m, m, 1), 0);
       s = at_share(w, s, 0.1);
       const auto simulation = simulate(backend, w, s);
       double overlap = 0, force = 0;
@@ -140,12 +140,12 @@ TEST_CASE("tangential over normal stiffness is Mindlin's 2 (1 - nu) / (2 - nu), 
 TEST_CASE("a sliding sphere ends rolling at 5/7 of its speed after 2 v0 / (7 mu g)") {
   const double speed = 0.5, mu = 0.3, expected = 2 * speed / (7 * mu * kGravity);
   for (const Backend backend : backends())
-    for (const Solver solver : kPenalties) {
+    for (const ContactLaw contact : kPenalties) {
       SceneWorld w = open_world({Real(mu)});
       add_plane(w);
       w.add_sphere({0, 0, kRadius}, Real(kRadius), Real(kDensity), 0);
       w.body[1].velocity.x = Real(speed);
-      const StepSettings s = at_share(w, penalty_settings(solver, soft_law(0.5), 0), 0.5);
+      const StepSettings s = at_share(w, penalty_settings(contact, soft_law(0.5), 0), 0.5);
       const auto simulation = simulate(backend, w, s);
       double rolling_since = 0;
       for (double time = 0; time < 1.5 * expected; time = simulation->report(0).time) {
@@ -162,13 +162,13 @@ TEST_CASE("a sliding sphere ends rolling at 5/7 of its speed after 2 v0 / (7 mu 
 
 TEST_CASE("rolling resistance slows a rolling sphere by 5/7 mu_r g") {
   const double rolling = 0.05, speed = 0.5, seconds = 0.4;
-  for (const Solver solver : kPenalties) {
+  for (const ContactLaw contact : kPenalties) {
     SceneWorld w = open_world({Real(0.8), Real(rolling)});
     add_plane(w);
     w.add_sphere({0, 0, kRadius}, Real(kRadius), Real(kDensity), 0);
     w.body[1].velocity.x = Real(speed);
     w.body[1].angular_velocity.y = Real(speed / kRadius);
-    const auto simulation = simulate(Backend::cpu, w, at_share(w, penalty_settings(solver, soft_law(0.5), 0), 0.5));
+    const auto simulation = simulate(Backend::cpu, w, at_share(w, penalty_settings(contact, soft_law(0.5), 0), 0.5));
     advance_for(*simulation, seconds);
     CHECK(agrees("penalty, rolling decay, speed [m/s]", speed - 5.0 / 7 * rolling * kGravity * seconds,
                  simulation->body(0, 1).velocity.x, 0.01 * speed));
@@ -243,7 +243,7 @@ TEST_CASE("a sphere hangs from a plane by JKR up to its pull-off force and falls
       add_plane(w, {}, about_x(kPi));  // looks down
       w.add_sphere({0, 0, -kRadius + 1e-7}, Real(kRadius), Real(kDensity), 0);
       w.gravity = {};
-      const StepSettings s = at_share(w, penalty_settings(Solver::hertz, law, 0), 0.5);
+      const StepSettings s = at_share(w, penalty_settings(ContactLaw::hertz, law, 0), 0.5);
       const auto simulation = simulate(backend, w, s);
       for (int k = 1; k <= 100; ++k) {  // slowly to its weight
         simulation->set_gravity(0, {0, 0, Real(-kGravity * k / 100)});

@@ -24,7 +24,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 }  // namespace
 
 TEST_CASE("a sphere between six others oscillates within its bounds just below the critical step") {
-  for (const Solver solver : kPenalties) {
+  for (const ContactLaw contact : kPenalties) {
     SceneWorld w = open_world({Real(10)});  // never slips
     w.gravity = {};
     const BodyIndex middle = w.add_sphere({}, 0.01f, 2600, 0);
@@ -35,7 +35,7 @@ TEST_CASE("a sphere between six others oscillates within its bounds just below t
       }
     w.body[middle].velocity = {0.01f, 0.02f, 0.005f};
     w.body[middle].angular_velocity = {1, 0.5f, 2};
-    const StepSettings s = at_share(w, penalty_settings(solver, soft_law(1), 0), 0.99);
+    const StepSettings s = at_share(w, penalty_settings(contact, soft_law(1), 0), 0.99);
     const auto simulation = simulate(Backend::cpu, w, s);
     simulation->advance(20000);
     const BodyState b = simulation->body(0, middle);
@@ -48,7 +48,7 @@ TEST_CASE("the critical step of smooth spheres is that of twelve springs") {
   const SceneWorld w = meeting_pair(0.01, 2600, 1);
   const PenaltyLaw law = soft_law(1);
   const double mass = 2600 * 4.0 / 3 * kPi * 1e-6;
-  const StepSettings s = penalty_settings(Solver::spring_damper, law, 0);
+  const StepSettings s = penalty_settings(ContactLaw::spring_damper, law, 0);
   CHECK(critical_step(w, s).step == Approx(2 / std::sqrt(24 * double(law.stiffness) / mass)).epsilon(1e-5));
   StepSettings damped = s;
   damped.penalty.restitution = 0.3f;
@@ -56,14 +56,14 @@ TEST_CASE("the critical step of smooth spheres is that of twelve springs") {
   // A fifth of the Rayleigh time of quartz, as other programs take, and the step for overlaps of 1 % are alike.
   const ElasticMaterial quartz{70e9, 0.17};
   const double rayleigh = rayleigh_time(0.01, 2600, quartz.shear_modulus(), 0.17);
-  const double step = critical_step(w, penalty_settings(Solver::hertz, elastic_law(quartz, quartz, 1), 0)).step;
+  const double step = critical_step(w, penalty_settings(ContactLaw::hertz, elastic_law(quartz, quartz, 1), 0)).step;
   CHECK(step / rayleigh > 0.15);
   CHECK(step / rayleigh < 0.5);
 }
 
 TEST_CASE("a step above the critical one and laws out of range get a sentence") {
   const SceneWorld w = meeting_pair(0.01, 2600, 1, 0.5);
-  const StepSettings good = at_share(w, penalty_settings(Solver::hertz, soft_law(0.5), 0), 0.9);
+  const StepSettings good = at_share(w, penalty_settings(ContactLaw::hertz, soft_law(0.5), 0), 0.9);
   CHECK(refused(w, good).empty());
   StepSettings s = good;
   s.step *= Real(1.2);
@@ -74,7 +74,7 @@ TEST_CASE("a step above the critical one and laws out of range get a sentence") 
   s = good;
   s.penalty = {};
   CHECK(contains(refused(w, s), "must be above zero"));
-  s.solver = Solver::spring_damper;
+  s.contact = ContactLaw::spring_damper;
   s.penalty.stiffness = -5;
   CHECK(contains(refused(w, s), "stiffness [N/m] of their penalty law is -5"));
   for (const double e : {0.0, -0.1, 1.5}) {
@@ -96,9 +96,9 @@ TEST_CASE("a step above the critical one and laws out of range get a sentence") 
 }
 
 TEST_CASE("an impact overlaps by the share that its law was made for") {
-  for (const Solver solver : kPenalties) {
+  for (const ContactLaw contact : kPenalties) {
     const SceneWorld w = meeting_pair(0.01, 2600, 1);
-    const StepSettings s = at_share(w, penalty_settings(solver, soft_law(1), 0), 0.2);
+    const StepSettings s = at_share(w, penalty_settings(contact, soft_law(1), 0), 0.2);
     const auto simulation = simulate(Backend::cpu, w, s);
     double overlap = 0;
     for (int k = 0; k < 0.004 / double(s.step); ++k) {

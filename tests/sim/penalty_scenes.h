@@ -1,22 +1,21 @@
 // Scenes of penalty contact.
 #pragma once
-#include "sim/scene/build_joint.h"
-#include "sim/scene/critical_step.h"
-#include "sim/scene/penalty_material.h"
+#include "sim/scene/penalty_setup.h"
+#include "sim/scene/scene.h"
 #include "tests/support/scenes.h"
 
 namespace gonogo::test {
 
-inline constexpr sim::Solver kPenalties[] = {sim::Solver::spring_damper, sim::Solver::hertz};
+inline constexpr sim::ContactLaw kPenalties[] = {sim::ContactLaw::spring_damper, sim::ContactLaw::hertz};
 
 /// Soft grains: an impact at 1 m/s of spheres of 10 mm overlaps by 5 % of the radius.
 inline sim::PenaltyLaw soft_law(double restitution, double radius = 0.01) {
   return sim::law_of_overlap(0.05, 1, radius, 2600, restitution);
 }
 
-inline sim::StepSettings penalty_settings(sim::Solver solver, const sim::PenaltyLaw& law, double step) {
+inline sim::StepSettings penalty_settings(sim::ContactLaw contact, const sim::PenaltyLaw& law, double step) {
   sim::StepSettings s;
-  s.solver = solver;
+  s.contact = contact;
   s.penalty = law;
   s.step = Real(step);
   s.envelope = Real(1e-4);
@@ -75,8 +74,8 @@ inline sim::SceneWorld driven_penalty_wheel(std::uint64_t seed) {
   return w;
 }
 
-inline sim::StepSettings wheel_settings(sim::Solver solver) {
-  sim::StepSettings s = penalty_settings(solver, soft_law(0.5, 0.02), 0);
+inline sim::StepSettings wheel_settings(sim::ContactLaw contact) {
+  sim::StepSettings s = penalty_settings(contact, soft_law(0.5, 0.02), 0);
   s.cohesion_range = 1e-4f;
   return at_share(driven_penalty_wheel(1), s, 0.9);
 }

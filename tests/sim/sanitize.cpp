@@ -3,9 +3,9 @@
 #include <cstring>
 #include <set>
 
-#include "sim/scene/build_joint.h"
-#include "sim/scene/check_shape.h"
-#include "sim/shape/mesh_shapes.h"
+#include "sim/scene/check_scene.h"
+#include "sim/scene/scene.h"
+#include "sim/shape/meshes.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
@@ -181,9 +181,9 @@ SceneWorld machine() {
 
 Scene four_worlds() { return {grains(), on_heightfield(), solids(), machine()}; }
 
-StepSettings settings_with(Solver solver, Target target, Index substeps) {
+StepSettings settings_with(Iteration iteration, Target target, Index substeps) {
   StepSettings s;
-  s.solver = solver;
+  s.iteration = iteration;
   s.target = target;
   s.substeps = substeps;
   s.iterations = 12;
@@ -285,14 +285,14 @@ TEST_CASE("the tiny worlds hold a contact of every kind of pair") {
 
 TEST_CASE("all that the engine does gives the same bits again, and on the GPU what the CPU gives") {
   struct Case {
-    Solver solver;
+    Iteration iteration;
     Target target;
     Index substeps;
   };
-  for (const Case& c : {Case{Solver::apgd, Target::ccp, 1}, Case{Solver::apgd, Target::coulomb, 2},
-                        Case{Solver::jacobi, Target::ccp, 1}, Case{Solver::gauss_seidel, Target::coulomb, 2},
-                        Case{Solver::bb, Target::coulomb, 2}, Case{Solver::jacobi_scan, Target::coulomb, 2}}) {
-    const StepSettings settings = settings_with(c.solver, c.target, c.substeps);
+  for (const Case& c : {Case{Iteration::apgd, Target::ccp, 1}, Case{Iteration::apgd, Target::coulomb, 2},
+                        Case{Iteration::jacobi, Target::ccp, 1}, Case{Iteration::gauss_seidel, Target::coulomb, 2},
+                        Case{Iteration::bb, Target::coulomb, 2}, Case{Iteration::jacobi_scan, Target::coulomb, 2}}) {
+    const StepSettings settings = settings_with(c.iteration, c.target, c.substeps);
     const Bodies on_cpu = exercised(Backend::cpu, settings);
     for (const Backend backend : backends()) {
       const Bodies here = exercised(backend, settings);
@@ -306,8 +306,9 @@ TEST_CASE("all that the engine does gives the same bits again, and on the GPU wh
 
 TEST_CASE("two short steps of the tiny worlds by every solver") {  // few enough for racecheck
   for (const Backend backend : backends())
-    for (const Solver solver : {Solver::apgd, Solver::jacobi, Solver::gauss_seidel, Solver::bb, Solver::jacobi_scan}) {
-      StepSettings settings = settings_with(solver, Target::coulomb, 2);
+    for (const Iteration iteration :
+         {Iteration::apgd, Iteration::jacobi, Iteration::gauss_seidel, Iteration::bb, Iteration::jacobi_scan}) {
+      StepSettings settings = settings_with(iteration, Target::coulomb, 2);
       settings.iterations = 3;
       settings.tolerance = 0;
       const auto simulation = make_simulation(backend, four_worlds(), settings, 1);
@@ -323,7 +324,7 @@ TEST_CASE("a step that finds more contacts than there is room for is taken again
   for (const Backend backend : backends()) {
     SceneWorld crowd = empty_world({Real(0.5), 0, 0});
     for (int k = 0; k < 216; ++k) crowd.add_sphere(grid_place(k, 6, 6) * 0.05, 0.025f, 1000, 0);
-    StepSettings settings = settings_with(Solver::apgd, Target::ccp, 1);
+    StepSettings settings = settings_with(Iteration::apgd, Target::ccp, 1);
     settings.envelope = 0.03f;
     const auto simulation = simulate(backend, crowd, settings);
     simulation->advance(3);

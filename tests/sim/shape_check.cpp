@@ -1,10 +1,10 @@
 // Shapes that a scene may not ask for are refused by a sentence that names them.
-#include "sim/scene/check_shape.h"
+#include "sim/scene/check_scene.h"
 
 #include <limits>
 
-#include "sim/shape/mesh_shapes.h"
-#include "sim/shape/pairs.h"
+#include "sim/shape/meshes.h"
+#include "sim/shape/touch/pairs.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

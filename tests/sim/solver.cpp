@@ -1,7 +1,7 @@
 // The matrix-free solver against a dense one, and the bound on its step sizes that it relies on.
 #include <Eigen/Eigenvalues>
 
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/sim/dense_problem.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
@@ -116,9 +116,9 @@ SceneWorld random_scene(Kind kind, std::uint64_t seed, bool fixed_grains) {
   return w;
 }
 
-StepSettings cohesive_settings(Index iterations, Solver solver = Solver::apgd) {
+StepSettings cohesive_settings(Index iterations, Iteration iteration = Iteration::apgd) {
   StepSettings s = settings_with(iterations);
-  s.solver = solver;
+  s.iteration = iteration;
   s.cohesion_range = 1e-3f;
   return s;
 }
@@ -181,16 +181,16 @@ void check_velocities(Backend backend, Kind kind, const StepSettings& settings, 
 TEST_CASE("the velocities of every solver agree with a dense solution in double") {
   const std::pair<const char*, StepSettings> methods[] = {
       {"apgd", cohesive_settings(2000)},
-      {"gauss_seidel", cohesive_settings(2000, Solver::gauss_seidel)},
-      {"bb", cohesive_settings(6000, Solver::bb)},
-      {"jacobi", cohesive_settings(20000, Solver::jacobi)},
-      {"jacobi_scan", cohesive_settings(20000, Solver::jacobi_scan)}};
+      {"gauss_seidel", cohesive_settings(2000, Iteration::gauss_seidel)},
+      {"bb", cohesive_settings(6000, Iteration::bb)},
+      {"jacobi", cohesive_settings(20000, Iteration::jacobi)},
+      {"jacobi_scan", cohesive_settings(20000, Iteration::jacobi_scan)}};
   for (const Backend backend : backends())
     for (const auto& [name, settings] : methods)
       for (const Kind kind : kKinds) {
         // A grain wedged between fixed ones is pushed by thousands of m/s; only momentum settles that in so many
         // iterations.
-        const bool wedged = kind == Kind::grains && settings.solver != Solver::apgd;
+        const bool wedged = kind == Kind::grains && settings.iteration != Iteration::apgd;
         check_velocities(backend, kind, settings, name, wedged ? 5e-5 : 5e-6);
       }
 }

@@ -1,11 +1,12 @@
 // Solids made of spheres, and their mass properties.
-#include "sim/scene/compound.h"
+#include "sim/shape/sphere_cover.h"
+#include "sim/scene/scene.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/units.h"
-#include "sim/shape/mesh_shapes.h"
+#include "sim/shape/meshes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/message.h"

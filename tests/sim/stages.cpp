@@ -1,5 +1,5 @@
 // Steps taken stage by stage, and the search for contacts by itself.
-#include "sim/simulation/stages.h"
+#include "sim/simulation/simulation.h"
 
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"

@@ -1,5 +1,5 @@
 // A step of several substeps against as many small steps.
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -136,7 +136,7 @@ TEST_CASE("a substep with few sweeps does what a small step with as few does") {
     for (const Index iterations : {1, 2, 3}) {
       StepSettings with_substeps = in_substeps(), with_steps = small_steps();
       with_substeps.iterations = with_steps.iterations = iterations;
-      with_substeps.solver = with_steps.solver = Solver::gauss_seidel;
+      with_substeps.iteration = with_steps.iteration = Iteration::gauss_seidel;
       const auto substeps = simulate(backend, driven_and_sliding(), with_substeps);
       const auto small = simulate(backend, driven_and_sliding(), with_steps);
       substeps->advance(20);

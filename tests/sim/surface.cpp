@@ -1,13 +1,12 @@
 // Triangles of shapes against closed forms and against the gaps that contacts use.
-#include "sim/io/surface.h"
+#include "sim/io/capture.h"
 
 #include <map>
 
 #include "base/error.h"
-#include "sim/io/capture.h"
-#include "sim/shape/gap.h"
-#include "sim/shape/mesh_shapes.h"
-#include "sim/shape/touch.h"
+#include "sim/shape/meshes.h"
+#include "sim/shape/touch/gap.h"
+#include "sim/shape/touch/touch.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"

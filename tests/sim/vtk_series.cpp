@@ -6,7 +6,7 @@
 #include <csignal>
 
 #include "base/error.h"
-#include "sim/shape/mesh_shapes.h"
+#include "sim/shape/meshes.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"

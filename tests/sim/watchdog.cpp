@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/scenes.h"

@@ -2,9 +2,9 @@
 #pragma once
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
-#include "base/vec.h"
+#include "base/math/vec.h"
 
 namespace gonogo::test {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sim/scene/scene.h"
-#include "sim/state/joint.h"
+#include "sim/state/mechanism.h"
 
 namespace gonogo::test {
 

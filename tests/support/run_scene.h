@@ -8,7 +8,7 @@
 namespace gonogo::test {
 
 inline double value_of(const lab::ManyResult& r, const std::string& key) {
-  for (const lab::Measured& m : r.measured)
+  for (const lab::SceneNumber& m : r.measured)
     if (m.key == key) return m.value;
   FAIL("nothing measured is called " << key);
   return 0;

@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
-#include "pipeline/campaign/trial/record.h"
+#include "pipeline/campaign/setup/record.h"
 
 namespace gonogo::campaign {
 

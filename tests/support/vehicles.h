@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"
 #include "vehicle/model/vehicle.h"

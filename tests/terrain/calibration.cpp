@@ -1,13 +1,12 @@
 // The calibration run: its journal, its table, and what it says of soils.
-#include "terrain/calibration/calibrate.h"
+#include "terrain/soil_test/calibrate.h"
 
 #include <cmath>
 #include <filesystem>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/units.h"
-#include "terrain/calibration/journal.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"

@@ -2,12 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/file.h"
-#include "base/random.h"
-#include "terrain/bed/hard_layer.h"
-#include "terrain/bed/moving_patch.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
+#include "terrain/bed/bed.h"
 #include "terrain/soil/calibration.h"
-#include "terrain/soil_test/shear.h"
+#include "terrain/soil_test/strength_test.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/refused.h"

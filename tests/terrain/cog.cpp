@@ -1,6 +1,6 @@
 // Cloud-optimised GeoTIFFs by the rules of GDAL's validate_cloud_optimized_geotiff.py, read byte by byte here, and by
 // GDAL itself.
-#include "terrain/raster/cog.h"
+#include "terrain/raster/layer/cog.h"
 
 #include <gdal_rat.h>
 
@@ -8,9 +8,9 @@
 #include <cstring>
 #include <map>
 
-#include "base/file.h"
-#include "base/random.h"
-#include "terrain/raster/geotiff.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
+#include "terrain/raster/layer/geotiff.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

@@ -1,5 +1,5 @@
 // Layers written by gonogo, opened again with GDAL itself.
-#include "terrain/raster/geotiff.h"
+#include "terrain/raster/layer/geotiff.h"
 
 #include <gdal_priv.h>
 
@@ -7,7 +7,7 @@
 #include <filesystem>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/support/catch.h"
 #include "tests/support/temporary_folder.h"

@@ -1,12 +1,12 @@
 // Places on the globe and overlays: the antimeridian, the poles, other bodies.
-#include "terrain/raster/globe.h"
+#include "terrain/raster/grid.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/units.h"
-#include "terrain/raster/overlay.h"
+#include "terrain/raster/layer/layer_picture.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

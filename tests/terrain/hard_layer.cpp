@@ -1,5 +1,5 @@
 // Shallow beds cut from a deep packing: what is left of it, and that it stands on its hard layer.
-#include "terrain/bed/hard_layer.h"
+#include "terrain/bed/bed.h"
 
 #include <algorithm>
 #include <cmath>

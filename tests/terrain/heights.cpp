@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/random.h"
+#include "base/math/random.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

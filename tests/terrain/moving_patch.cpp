@@ -1,11 +1,10 @@
 // Beds of tiles, and the moving patch: ground ahead of a vehicle stays as it was, whatever happens to that behind.
-#include "terrain/bed/moving_patch.h"
+#include "terrain/bed/bed.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/units.h"
-#include "terrain/bed/bed.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

@@ -1,12 +1,11 @@
 // Polygons and lines in GeoPackages: areas, and the style that QGIS reads from inside the file.
-#include "terrain/raster/polygons.h"
+#include "terrain/raster/vector/write_vector.h"
 
 #include <cpl_minixml.h>
 
 #include <map>
 
 #include "terrain/raster/raster_source.h"
-#include "terrain/raster/vector.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

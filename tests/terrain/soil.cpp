@@ -4,9 +4,9 @@
 #include <fstream>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "terrain/soil/calibration.h"
-#include "terrain/soil_test/shear.h"
+#include "terrain/soil_test/strength_test.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {

@@ -1,12 +1,12 @@
 // Soil files: those that ship, what is refused, and the fits kept in them.
-#include "terrain/soil/soil_file.h"
+#include "terrain/soil/soil.h"
 
 #include <algorithm>
 #include <filesystem>
 #include <set>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {

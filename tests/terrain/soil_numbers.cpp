@@ -2,14 +2,12 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
 #include "sim/shape/triangle_mesh.h"
-#include "terrain/soil/strength.h"
-#include "terrain/soil_test/cone.h"
-#include "terrain/soil_test/plate.h"
-#include "terrain/soil_test/shear.h"
-#include "terrain/soil_test/triaxial.h"
+#include "terrain/soil/soil.h"
+#include "terrain/soil_test/penetration.h"
+#include "terrain/soil_test/strength_test.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {

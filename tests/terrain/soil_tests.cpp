@@ -3,12 +3,10 @@
 
 #include "base/error.h"
 #include "base/units.h"
-#include "terrain/soil_test/cone.h"
-#include "terrain/soil_test/geostatic.h"
-#include "terrain/soil_test/plate.h"
+#include "terrain/soil_test/penetration.h"
+#include "terrain/soil_test/test_run.h"
 #include "terrain/soil_test/repose.h"
-#include "terrain/soil_test/shear.h"
-#include "terrain/soil_test/triaxial.h"
+#include "terrain/soil_test/strength_test.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {

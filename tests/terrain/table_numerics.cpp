@@ -1,5 +1,5 @@
 // Numerics of trials whose soil is met through a table: the table's, with what is asked for in their place.
-#include "terrain/soil/table_numerics.h"
+#include "terrain/soil/calibration.h"
 
 #include "base/error.h"
 #include "tests/support/catch.h"
@@ -38,20 +38,20 @@ TEST_CASE("a table's own numerics are taken, and what is asked for comes before 
 TEST_CASE("penalty contact is chosen by one key, takes whole steps and is told in the table's words") {
   const Calibration table = table_measured_with(kMeasured);
   AskedNumerics asked;
-  asked.contact = sim::Solver::hertz;
+  asked.contact = sim::ContactLaw::hertz;
   asked.step = 5e-5;
   const Numerics n = numerics_by_table(table, "table.json", asked);
   CHECK(n.substeps == 1);
-  CHECK(n.contact == sim::Solver::hertz);
+  CHECK(n.contact == sim::ContactLaw::hertz);
   CHECK_FALSE(n == kMeasured);
   CHECK(description(n) == "step 5e-05 s, hertz, overlaps to 0.02 of a radius");
   Json written = Json::object();
   write_numerics(written, n);
   CHECK(read_numerics(written) == n);
   const sim::StepSettings s = step_settings(0.032, n);
-  CHECK(s.solver == sim::Solver::hertz);
+  CHECK(s.contact == sim::ContactLaw::hertz);
   CHECK(s.penalty.modulus > 0);
-  CHECK(step_settings(0.032, kMeasured).solver == sim::Solver::apgd);
+  CHECK(step_settings(0.032, kMeasured).contact == sim::ContactLaw::complementarity);
   Json usual = Json::object();
   write_numerics(usual, kMeasured);
   CHECK(usual.find("contact") == nullptr);  // files of complementarity stay as they were

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/units.h"
-#include "terrain/raster/ground_scale.h"
+#include "terrain/raster/raster_open.h"
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/slope.h"
 #include "tests/support/catch.h"

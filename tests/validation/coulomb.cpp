@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/units.h"
-#include "sim/scene/target_name.h"
+#include "sim/law/contact_law.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

@@ -6,9 +6,9 @@ using namespace gonogo;
 
 TEST_CASE("Elastic bodies keep every bound") {
   for (const std::string& name : lab::elastic_figures()) {
-    const lab::ElasticFigure figure = lab::elastic_figure(name);
+    const lab::CheckFigure figure = lab::elastic_figure(name);
     CHECK_FALSE(figure.check.empty());
-    for (const lab::SoilCheck& c : figure.check) {
+    for (const lab::BoundedNumber& c : figure.check) {
       INFO(c.claim << ": " << c.measured << " in [" << c.low << ", " << c.high << "]");
       CHECK(c.holds());
     }

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/shape/mesh_shapes.h"
+#include "sim/shape/meshes.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

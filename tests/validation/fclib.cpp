@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "sim/local_problem/methods/solve.h"
 #include "sim/local_problem/read.h"
-#include "sim/local_problem/solve.h"
-#include "sim/scene/target_name.h"
+#include "sim/law/contact_law.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;
@@ -43,7 +43,7 @@ TEST_CASE(
   for (const auto& file : files)
     for (const Target target : {Target::coulomb, Target::ccp}) {
       INFO(file.filename());
-      for (const LocalSolver solver : {LocalSolver::ppa, LocalSolver::pdip})
+      for (const LocalSolver solver : {local_solver("ppa"), local_solver("pdip")})
         CHECK(solve_file(file, {solver, target, 1e-8, 0}) <= 1e-8);
     }
 }
@@ -55,8 +55,8 @@ TEST_CASE("first-order solvers reach 1e-4 with exact Coulomb friction on all but
     // 20000 sweeps of Gauss-Seidel end at 1.3e-4 and 1.8e-4, 100000 gradients on RockPile at 1.0e-4.
     const bool rocks = name == "RockPile_tob1.dat", boxes = name == "fclib_local_problem_test.hdf5";
     const double gradients = rocks ? 1e-3 : 1e-4, sweeps = rocks || boxes ? 1e-3 : 1e-4;
-    CHECK(solve_file(file, {LocalSolver::apgd, Target::coulomb, gradients, 0}) <= gradients);
-    CHECK(solve_file(file, {LocalSolver::nsgs, Target::coulomb, sweeps, 0}) <= sweeps);
+    CHECK(solve_file(file, {local_solver("apgd"), Target::coulomb, gradients, 0}) <= gradients);
+    CHECK(solve_file(file, {local_solver("nsgs"), Target::coulomb, sweeps, 0}) <= sweeps);
   }
 }
 
@@ -64,6 +64,6 @@ TEST_CASE("alternating directions reach 1e-8 on all problems but the rock pile, 
   for (const auto& file : problems()) {
     INFO(file.filename());
     const double error = file.filename() == "RockPile_tob1.dat" ? 1e-5 : 1e-8;
-    CHECK(solve_file(file, {LocalSolver::admm, Target::coulomb, error, 0}) <= error);
+    CHECK(solve_file(file, {local_solver("admm"), Target::coulomb, error, 0}) <= error);
   }
 }

@@ -3,8 +3,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "pipeline/lab/scenes/crater.h"
-#include "pipeline/lab/scenes/nut.h"
+#include "pipeline/lab/scenes/tank.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/run_scene.h"

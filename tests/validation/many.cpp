@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "pipeline/lab/scenes/ball.h"
+#include "pipeline/lab/scenes/tank.h"
 #include "pipeline/lab/scenes/collapse.h"
 #include "pipeline/lab/scenes/silo.h"
 #include "tests/support/catch.h"

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/scene/target_name.h"
+#include "sim/law/contact_law.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/shape/touch.h"
+#include "sim/shape/touch/touch.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

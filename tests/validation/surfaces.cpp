@@ -2,7 +2,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/shape/mesh_shapes.h"
+#include "sim/shape/meshes.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"

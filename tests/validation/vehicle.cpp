@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/units.h"
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/joint_error.h"

@@ -1,5 +1,5 @@
 // A compliant tyre on grains gives way by its load over its stiffness.
-#include "vehicle/compliant_tyre.h"
+#include "vehicle/model/statics.h"
 
 #include <cmath>
 
@@ -23,7 +23,7 @@ TEST_CASE("a compliant tyre on fixed grains comes to rest its load over its stif
     for (const int compliant : {0, 1}) {
       sim::SceneWorld w = open_world({0.8f, 0, 0});
       sim::PairLaw law{0.8f, 0, 0};
-      const ContactSpring spring = contact_spring(tyre, load, grain);
+      const LinearSpring spring = contact_spring(tyre, load, grain);
       if (compliant) {
         law.stiffness = Real(spring.stiffness);
         law.damping = Real(spring.damping);

@@ -138,7 +138,7 @@ TEST_CASE("vehicles that the engine cannot drive are refused with the reason") {
   Vehicle tracked = shipped_vehicle("m113");
   tracked.driveline.wheel_motors = true;
   refused([&] { HardGround(tracked, {}, 0.9); }, "wheel_motors");
-  tracked.track[0].belt.clear();
+  tracked.track->belt.reset();
   refused([&] { add_vehicle(w, tracked, {}, 1); }, "no track.belt");
   Vehicle v = hmmwv();
   v.driveline.centre = Differential::locked;

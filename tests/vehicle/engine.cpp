@@ -3,16 +3,16 @@
 #include <random>
 
 #include "base/units.h"
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/joint_error.h"
 #include "tests/support/measure.h"
 #include "tests/support/scenes.h"
 #include "tests/support/vehicles.h"
-#include "vehicle/model/engine_bodies.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/multibody/vehicle_tree.h"
+#include "vehicle/world/engine_bodies.h"
 
 using namespace gonogo;
 using namespace gonogo::test;

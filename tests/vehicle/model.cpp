@@ -7,8 +7,9 @@
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/vehicles.h"
-#include "vehicle/model/belt.h"
 #include "vehicle/model/statics.h"
+#include "vehicle/model/track_loop.h"
+#include "vehicle/world/engine_vehicle.h"
 
 using namespace gonogo;
 using namespace gonogo::test;
@@ -207,4 +208,32 @@ TEST_CASE("nominal pressures are load over width times radius, or over the track
   double sum = 0;
   for (const double p : contact_pressures(m113)) sum += p / 10;
   CHECK(agrees("M113, mean [Pa]", weigh(m113).total * kGravity / (2 * 0.381 * (3.322 - 0.655)), sum, 1e-6 * sum));
+}
+
+TEST_CASE("a quarter vehicle has one driven station, and its share of the payload") {
+  const Vehicle v = read_quarter_vehicle(vehicle_path("hmmwv_quarter"));
+  const auto wheels = stations(v);
+  REQUIRE(wheels.size() == 1);
+  CHECK((wheels[0].driven && wheels[0].side == 0));
+  CHECK(weigh(v).total == Approx(105.5 + 537.7));
+  CHECK(loaded_mass(v, 400) == Approx(105.5 + 537.7 + 100));
+  CHECK(weigh(loaded(v, 400)).total == Approx(loaded_mass(v, 400)));
+  CHECK(standing_height(v) == Approx(0.467 + 0.02));
+  CHECK(largest_drive_torque(v) == 9515);
+  CHECK(read_any_vehicle(vehicle_path("hmmwv_quarter")).kind == VehicleKind::quarter);
+  CHECK(read_any_vehicle(vehicle_path("hmmwv")).kind == VehicleKind::wheeled);
+}
+
+TEST_CASE("a quarter moves along the ground with all of its mass, and its hub moves by itself along the normal") {
+  const Vehicle v = loaded(read_quarter_vehicle(vehicle_path("hmmwv_quarter")), 400);
+  sim::SceneWorld world;
+  const EngineVehicle e = add_vehicle(world, v, {0, 0, 1}, 1);
+  const sim::BodyMass &hub = world.mass[std::size_t(e.wheel.front())],
+                      &sprung = world.mass[std::size_t(e.bodies.body.front())];
+  CHECK(hub.inverse_mass.x == Real(1 / loaded_mass(v, 0)));
+  CHECK(hub.inverse_mass.y == hub.inverse_mass.x);
+  CHECK(hub.inverse_mass.z == Real(1 / 105.5));
+  CHECK((sprung.inverse_mass.x == 0 && sprung.inverse_mass.y == 0));
+  CHECK(sprung.inverse_mass.z == Real(1 / (537.7 + 100)));
+  CHECK(world.joint.empty());
 }

@@ -8,7 +8,7 @@
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/refused.h"
-#include "vehicle/multibody/loop.h"
+#include "vehicle/multibody/dynamics.h"
 
 using namespace gonogo;
 using namespace gonogo::test;

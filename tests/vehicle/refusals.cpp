@@ -62,3 +62,8 @@ TEST_CASE("vehicle files that cannot be are refused, and the message names the p
 TEST_CASE("a vehicle that nothing drives is refused") {
   refused([] { changed_vehicle("mgru3", "\"driven\": true", "\"driven\": false"); }, "no axle is driven");
 }
+
+TEST_CASE("a quarter vehicle does not stand by itself, and a whole one is no quarter") {
+  refused([] { vehicle::read_vehicle(vehicle_path("hmmwv_quarter")); }, "kind");
+  refused([] { vehicle::read_quarter_vehicle(vehicle_path("hmmwv")); }, "kind");
+}

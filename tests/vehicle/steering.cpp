@@ -11,7 +11,7 @@
 #include "tests/support/scenes.h"
 #include "tests/support/vehicles.h"
 #include "vehicle/hard_ground/hard_ground.h"
-#include "vehicle/model/driven_vehicle.h"
+#include "vehicle/world/driving.h"
 
 using namespace gonogo;
 using namespace gonogo::test;
@@ -160,7 +160,7 @@ struct ByHand {
     return std::hypot(double(v_W.x), double(v_W.y));
   }
   void hold(double throttle, double steering, double seconds) {
-    drive(*simulation, 0, driven, throttle, steering);
+    set_controls(*simulation, 0, driven, throttle, steering);
     advance_for(*simulation, seconds);
   }
 };
@@ -233,7 +233,7 @@ TEST_CASE("a vehicle that can do neither turns by the brakes of one side") {
     const double before = d.heading_now();
     d.hold(0.1, side, 1.5);
     CHECK(side * (d.heading_now() - before) > 0.05);
-    CHECK_THROWS_AS(drive(*d.simulation, 0, d.driven, 1.1, 0), InputError);
-    CHECK_THROWS_AS(drive(*d.simulation, 0, d.driven, 0, -2), InputError);
+    CHECK_THROWS_AS(set_controls(*d.simulation, 0, d.driven, 1.1, 0), InputError);
+    CHECK_THROWS_AS(set_controls(*d.simulation, 0, d.driven, 0, -2), InputError);
   }
 }

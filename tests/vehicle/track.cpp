@@ -10,7 +10,7 @@
 #include "tests/support/refused.h"
 #include "tests/support/scenes.h"
 #include "tests/support/vehicles.h"
-#include "vehicle/hard_ground/hard_ground.h"
+#include "vehicle/hard_ground/track_checks.h"
 #include "vehicle/model/statics.h"
 
 using namespace gonogo;
@@ -37,7 +37,7 @@ double from_chord(const Vec3d& p, const Vec3d& a, const Vec3d& b) {
 
 TEST_CASE("a track's shoes close in chords of one pitch, in the sprocket's seats and beside every wheel") {
   const Vehicle v = set_down(m113());
-  const Track& t = v.track[0];
+  const Track& t = *v.track;
   CHECK(sprocket_teeth(t) == 10);
   for (const bool left : {true, false}) {
     const TrackLoop loop = close_loop(v, left);

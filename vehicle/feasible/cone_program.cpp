@@ -82,7 +82,7 @@ struct Scaling {
   }
 
  private:
-  /// As a product, which cancels less near the boundary.
+  /// Written as a product, which cancels less near the boundary.
   static double size(const Vector& u) {
     const double tail = u.tail(u.size() - 1).norm();
     return std::sqrt((u(0) - tail) * (u(0) + tail));

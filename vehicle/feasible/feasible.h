@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/math/vec.h"
 #include "base/units.h"
-#include "vehicle/feasible/pressure.h"
 #include "vehicle/model/vehicle.h"
 
 namespace gonogo::vehicle {
@@ -32,6 +32,13 @@ struct ContactForce {
   double normal = 0, along = 0, across = 0;  // [N]
 };
 
+/// Where the contact forces press on a plane: the centre of pressure of the normal forces, which is the zero-moment
+/// point (Vukobratovic & Borovac 2004).
+struct Pressure {
+  double x = 0, y = 0;  // [m]
+  double edge = 0;      // distance inside the nearest edge of the contacts' convex hull; negative: beyond that edge [m]
+};
+
 struct Feasibility {
   bool feasible = false;
   /// Amount by which every normal load could fall before a friction cone or torque limit fails, as a share of the mean
@@ -40,8 +47,8 @@ struct Feasibility {
   double pitch = 0, rise = 0;         // hardest pose on a step: pitch, nose up [rad]; rise of the climbing axle [m]
   std::string climbing;               // axle at the step; empty on a plane
   std::vector<ContactForce> contact;  // a solution; when infeasible, the nearest to one
-  std::optional<Pressure>
-      pressure;                   // of these forces in the vehicle's frame; on a plane, with an area under the wheels
+  /// Pressure of these forces in the vehicle's frame; on a plane, with an area under the wheels.
+  std::optional<Pressure> pressure;
   std::vector<double> torque;     // of each drive unit: a wheel, or the left and right sprocket [N m]
   std::vector<std::string> unit;  // their names
 };

@@ -4,10 +4,28 @@
 #include <cmath>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "vehicle/feasible/force_program.h"
+#include "vehicle/model/assembly.h"
 
 namespace gonogo::vehicle {
 namespace {
+
+constexpr double kLargest = 1e9;          // [N]
+constexpr double kLeastDeviation = 1e-3;  // [N]
+
+void read_wheel(const Config& wheel, int contact, std::vector<MeasuredForce>& forces) {
+  for (int component = 0; component < 3; ++component) {
+    const auto given = wheel.object_if(kForceComponent[component]);
+    if (!given) continue;
+    forces.push_back({.contact = contact,
+                      .component = component,
+                      .force = given->number("force_N", {-kLargest, kLargest}),
+                      .deviation = given->number("deviation_N", {kLeastDeviation, kLargest})});
+    given->finish();
+  }
+  wheel.finish();
+}
 
 using Eigen::Index;
 using multibody::MatrixX;
@@ -129,6 +147,22 @@ FittedContact contact_of(const DataProgram& program, const ForceProgram& forces,
 }
 
 }  // namespace
+
+std::vector<MeasuredForce> read_measured_forces(const std::filesystem::path& path, const Vehicle& v) {
+  std::vector<std::string> names;
+  for (const Station& s : stations(v)) names.push_back(s.name);
+  const Config file = Config::read(path);
+  const Config wheels = file.object("wheels");
+  file.finish();
+  std::vector<MeasuredForce> forces;
+  for (const auto& [name, wheel] : wheels.members()) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) wheels.fail(name, v.name + " has no such wheel; it has: " + join_words(names));
+    read_wheel(wheel, int(found - names.begin()), forces);
+  }
+  if (forces.empty()) wheels.fail("", "no force is measured; give at least one component of one wheel");
+  return forces;
+}
 
 ForceFit fit_forces(const Vehicle& v, const Demand& demand, const std::vector<MeasuredForce>& data,
                     const Limits& limits) {

@@ -1,19 +1,40 @@
+// Wheel forces measured on the ground, as a file gives them:
+//
+//   {"wheels": {"front left": {"normal": {"force_N": 6400, "deviation_N": 60}, "along": {...}, "across": {...}}, ...}}
+//
+// Wheels and components may be missing.
+#pragma once
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vehicle/feasible/feasible.h"
+#include "vehicle/model/vehicle.h"
+
+namespace gonogo::vehicle {
+
+/// Components of a contact force, by the ground on the wheel: out of the ground, forward, left.
+inline constexpr const char* kForceComponent[3] = {"normal", "along", "across"};
+
+struct MeasuredForce {
+  int contact = 0;       // index of the wheel among the vehicle's stations
+  int component = 0;     // of kForceComponent
+  double force = 0;      // [N]
+  double deviation = 1;  // standard deviation [N]
+};
+
+/// Throws InputError for what cannot be read, wheels that the vehicle does not have, deviations below 0.001 N, and a
+/// file without any force.
+std::vector<MeasuredForce> read_measured_forces(const std::filesystem::path& path, const Vehicle& v);
+
 // Admissible contact forces nearest to measured ones. Admissible are those of feasible.h on a plane: in balance with
 // the vehicle's inertia and weight, in the friction cones, with torques in the limits of driveline and brakes.
 //
 //   minimise |W (D x - data)|   W: 1 / standard deviation, D: the components that were measured
 //
 // as a second-order cone program: a column t, the cone (t, W (D x - data)), least t. The square of t is chi-square.
-#pragma once
-#include <array>
-#include <optional>
-#include <string>
-#include <vector>
-
-#include "vehicle/feasible/feasible.h"
-#include "vehicle/feasible/measured_forces.h"
-
-namespace gonogo::vehicle {
 
 /// A component of a contact force [N].
 struct FittedForce {

@@ -1,15 +1,40 @@
-// The constraints of a vehicle's contact forces and torques at a pose, as those of a cone program: inverse dynamics,
-// driveline, friction cones, torque limits.
+// Poses of a rigid vehicle on the ground, with their contacts.
 #pragma once
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "vehicle/feasible/cone_program.h"
-#include "vehicle/feasible/pose.h"
+#include "vehicle/feasible/feasible.h"
 #include "vehicle/multibody/vehicle_tree.h"
 
 namespace gonogo::vehicle {
+
+struct Contact {
+  int station = 0;
+  multibody::Vector3 point;                  // in the frame of the ground [m]
+  multibody::Vector3 normal, along, across;  // unit vectors
+};
+
+struct Pose {
+  double pitch = 0;           // nose up [rad]
+  multibody::Vector3 origin;  // of the vehicle in the frame of the ground [m]
+  std::vector<Contact> contact;
+  std::string climbing;  // axle at the step
+  double rise = 0;       // of its wheels above the foot [m]
+};
+
+/// Pose on the plane.
+Pose level_pose(const Vehicle& v);
+
+/// Poses of each axle climbing a step, from foot to top.
+std::vector<Pose> step_poses(const Vehicle& v, double step);
+
+/// The vehicle with its suspension locked. Its wheels still turn.
+Assembly locked(const Vehicle& v);
+
+// The constraints of a vehicle's contact forces and torques at a pose, as those of a cone program: inverse dynamics,
+// driveline, friction cones, torque limits.
 
 /// Feasible when the reserve is not below this: what the solver leaves.
 constexpr double kLeastReserve = -1e-7;
@@ -44,7 +69,7 @@ class ForceProgram {
   /// The constraints with some columns held at a value, and nothing to minimise.
   ConeProgram constraints(const std::vector<std::pair<int, double>>& held) const;
 
-  /// With the largest reserve at the full torque limits, or the smallest share of them at no reserve.
+  /// The answer with the largest reserve at the full torque limits, or with the smallest share of them at no reserve.
   ConeAnswer answer(bool largest_reserve) const;
 
  private:

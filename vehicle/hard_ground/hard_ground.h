@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "vehicle/model/engine_vehicle.h"
+#include "vehicle/world/driving.h"
 
 namespace gonogo::vehicle {
 
@@ -22,8 +22,6 @@ struct HardGround {
 
 /// The same vehicle without lugs.
 Vehicle smooth(Vehicle v);
-/// The same vehicle with all differentials locked.
-Vehicle all_locked(Vehicle v);
 
 struct Trace {
   std::string label;
@@ -67,24 +65,18 @@ HardGroundReport check_top_speeds(const Vehicle& v, const std::vector<int>& gear
 /// Stopping distance with locked wheels: v^2 / (2 mu g) within 2 %.
 HardGroundReport check_stopping(const Vehicle& v, double speed, double mu, const HardGroundRun& run);
 
-/// Tracks at rest. The ground carries the weight within 1 %; the two runs of a belt pull as much as its tensioner
-/// pushes within 2 %; pins stay together within 0.1 mm.
-HardGroundReport check_belts_at_rest(const Vehicle& v, const HardGroundRun& run);
-
-/// Distance travelled in two turns of the sprockets, which turn at `sprocket_speed` [rad/s] on level ground: teeth
-/// times pitch within 1 %. Pins stay together as above.
-HardGroundReport check_track_speed(const Vehicle& v, double sprocket_speed, const HardGroundRun& run);
-
-/// Steepest slope that spinning belts hold: tangent mu within 2 %.
-HardGroundReport check_track_traction(const Vehicle& v, double mu, const HardGroundRun& run);
-
-/// Slowly up a slope [rad], over whole teeth. The force of the ground is the weight's component along the slope within
-/// 2 %. The torque of the sprockets over their rolling radius is that force within 3 %, the loss in impacts and
-/// dampers.
-HardGroundReport check_track_torque(const Vehicle& v, double slope, const HardGroundRun& run);
-
 /// Heave and pitch frequencies of a vehicle with two axles, within 5 %. The closed form takes the mass matrix over the
 /// axle heights, wheels held on the ground, and the static rates of the axles.
 HardGroundReport check_suspension(const Vehicle& v, const HardGroundRun& run);
+
+// What the checks share.
+
+std::unique_ptr<sim::Simulation> start(const HardGround& ground, const HardGroundRun& run, double step);
+
+/// Advances by `time` [s], rounded to whole steps.
+void run_for(sim::Simulation& s, double time);
+
+/// Speed of the chassis along x [m/s].
+double forward_speed(sim::Simulation& s, const HardGround& ground);
 
 }  // namespace gonogo::vehicle

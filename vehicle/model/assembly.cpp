@@ -109,6 +109,8 @@ void add_corner(const Corner& c) {
       return add_trailing_arm(c);
     case SuspensionType::rigid:
       return c.add_axle(0);
+    case SuspensionType::guided:
+      c.add_wheel();  // no joint holds it: see add_vehicle()
   }
 }
 
@@ -130,7 +132,7 @@ Part moved(Part p, const Vec3d& centre) {
 
 /// Sprockets and idlers turn; the shoes' mass rides with the chassis, halfway up the belt.
 void add_track(const Vehicle& v, Assembly& a) {
-  const Track& t = v.track[0];
+  const Track& t = *v.track;
   for (const double side : {1.0, -1.0}) {
     for (const Part& turning : {t.sprocket, t.idler})
       add_turning(a, moved(turning, turning.centre + Vec3d{0, side * t.offset, 0}), 0, side);
@@ -142,8 +144,8 @@ void add_track(const Vehicle& v, Assembly& a) {
 
 /// One side of assemble_without_belts().
 void add_running_gear(const Vehicle& v, double side, const Vec3d& idler, Assembly& a) {
-  const Track& t = v.track[0];
-  const Belt& b = t.belt.at(0);
+  const Track& t = *v.track;
+  const Belt& b = *t.belt;
   const Vec3d beside{0, side * t.offset, 0};
   TrackBodies bodies;
   bodies.sprocket = add_turning(a, moved(t.sprocket, t.sprocket.centre + beside), 0, side);
@@ -162,7 +164,7 @@ void add_running_gear(const Vehicle& v, double side, const Vec3d& idler, Assembl
 }
 
 std::vector<Station> road_wheels(const Vehicle& v) {
-  const Track& t = v.track[0];
+  const Track& t = *v.track;
   std::vector<Station> result;
   for (std::size_t i = 0; i < t.road_wheel_x.size(); ++i)
     for (const double side : {1.0, -1.0}) {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/units.h"
@@ -11,7 +12,7 @@ namespace {
 
 /// Bottom of a wheel: the tread, of a road wheel the track under it [m].
 double bottom(const Vehicle& v, const Station& s) {
-  const double below = v.kind == VehicleKind::tracked ? v.track[0].pad_above_pin + v.track[0].pad_below_pin : 0;
+  const double below = v.kind == VehicleKind::tracked ? v.track->pad_above_pin + v.track->pad_below_pin : 0;
   return s.centre.z - s.wheel->radius - below;
 }
 
@@ -21,7 +22,7 @@ double unsprung_mass(const Vehicle& v) {
     sum += s.wheel->part.mass + 0.5 * s.suspension->tie_rod_mass;
     for (const auto& [name, part] : s.suspension->part) sum += (name == "upright" ? 1 : 0.5) * part.mass;
   }
-  for (const Track& t : v.track) sum += t.shoe_mass * (t.left_shoes + t.right_shoes);
+  if (v.track) sum += v.track->shoe_mass * (v.track->left_shoes + v.track->right_shoes);
   return sum;
 }
 
@@ -46,6 +47,27 @@ double gear_ratio(const Driveline& d, double gear) { return 1 / (gear * d.final_
 double engine_torque(const Driveline& d) {
   const double peak = *std::max_element(d.engine.value.begin(), d.engine.value.end());
   return d.converter.empty() ? peak : peak * *std::max_element(d.converter.value.begin(), d.converter.value.end());
+}
+
+constexpr int kTableSteps = 2048;  // of TractiveForce
+
+/// Torque behind a converter whose turbine turns at `turbine` [rad/s]: the engine settles where it gives the torque
+/// that the converter takes, capacity(ratio) times its speed squared.
+double converter_torque(const Driveline& d, double turbine) {
+  double low = std::max(turbine, 1e-6), high = std::max(d.cut_speed, low);
+  for (int i = 0; i < 60; ++i) {
+    const double engine = (low + high) / 2;
+    const bool takes_less = d.converter_capacity(turbine / engine) * engine * engine < d.engine(engine);
+    (takes_less ? low : high) = engine;
+  }
+  return d.converter(turbine / low) * d.engine(low);
+}
+
+/// Torque into the gearbox, whose input shaft turns at `shaft` [rad/s].
+double gearbox_torque(const Driveline& d, double shaft) {
+  if (!d.converter_capacity.empty()) return converter_torque(d, shaft);
+  if (d.clutch_torque > 0) return std::min(d.clutch_torque, d.engine(std::max(shaft, d.engaged_speed)));
+  return d.engine(shaft);
 }
 
 }  // namespace
@@ -75,7 +97,7 @@ std::vector<double> static_loads(const Vehicle& v) {
 }
 
 double track_contact_length(const Vehicle& v) {
-  const auto& x = v.track[0].road_wheel_x;
+  const auto& x = v.track->road_wheel_x;
   return *std::max_element(x.begin(), x.end()) - *std::min_element(x.begin(), x.end());
 }
 
@@ -84,13 +106,13 @@ std::vector<double> contact_pressures(const Vehicle& v) {
   const std::size_t per_track = wheels.size() / 2;
   std::vector<double> result = static_loads(v);
   for (std::size_t i = 0; i < wheels.size(); ++i)
-    result[i] /= v.kind == VehicleKind::tracked ? v.track[0].shoe_width * track_contact_length(v) / double(per_track)
+    result[i] /= v.kind == VehicleKind::tracked ? v.track->shoe_width * track_contact_length(v) / double(per_track)
                                                 : wheels[i].wheel->width * wheels[i].wheel->radius;
   return result;
 }
 
 double drive_radius(const Vehicle& v) {
-  if (v.kind == VehicleKind::tracked) return v.track[0].sprocket_radius;
+  if (v.kind == VehicleKind::tracked) return v.track->sprocket_radius;
   for (const Station& s : stations(v))
     if (s.driven) return s.wheel->radius;
   return 0;
@@ -119,6 +141,56 @@ std::vector<GearSpeed> gear_speeds(const Vehicle& v) {
   return result;
 }
 
-double tread_width(const Vehicle& v) { return v.track.empty() ? v.wheel.front().width : v.track[0].shoe_width; }
+double tread_width(const Vehicle& v) { return v.track ? v.track->shoe_width : v.wheel.front().width; }
+
+LinearSpring contact_spring(const Wheel& w, double load, double grain_diameter) {
+  const LinearSpring& tyre = w.compliant;
+  const double half = std::sqrt(2 * w.radius * load / tyre.stiffness);
+  const double share = std::min(1.0, 0.75 * grain_diameter * grain_diameter / (w.width * half));
+  return {share * tyre.stiffness, share * tyre.damping};
+}
+
+double tractive_force(const Vehicle& v, double tread_speed) {
+  const Driveline& d = v.driveline;
+  const double radius = drive_radius(v), turns = tread_speed / radius;
+  if (d.wheel_motors) {
+    if (turns > d.cut_speed) return 0;
+    return std::max(0.0, d.efficiency * d.engine(turns) * driven_wheels(v) / radius);
+  }
+  double best = 0;
+  for (const double gear : d.gears) {
+    const double ratio = 1 / (gear * d.final_drive), shaft = turns * ratio;
+    if (shaft <= d.cut_speed) best = std::max(best, d.efficiency * gearbox_torque(d, shaft) * ratio / radius);
+  }
+  return best;
+}
+
+TractiveForce::TractiveForce(const Vehicle& v) {
+  double top = 0;
+  for (const GearSpeed& g : gear_speeds(v)) top = std::max(top, g.balanced);
+  step_ = top / kTableSteps;
+  for (int i = 0; i <= kTableSteps; ++i) force_.push_back(tractive_force(v, i * step_));
+}
+
+double TractiveForce::at(double tread_speed) const {
+  const double place = tread_speed / step_;
+  const auto below = std::size_t(place);
+  if (below + 1 >= force_.size()) return below + 1 == force_.size() && place == double(below) ? force_.back() : 0;
+  return force_[below] + (place - double(below)) * (force_[below + 1] - force_[below]);
+}
+
+double TractiveForce::balance(const std::function<double(double)>& needed) const {
+  const auto spare = [&](double speed) { return at(speed) - needed(speed); };
+  std::size_t i = force_.size() - 1;
+  if (spare(double(i) * step_) >= 0) return top_speed();
+  while (i > 0 && spare(double(i - 1) * step_) < 0) --i;
+  if (i == 0) return 0;
+  double low = double(i - 1) * step_, high = double(i) * step_;
+  for (int k = 0; k < 40; ++k) {
+    const double middle = (low + high) / 2;
+    (spare(middle) >= 0 ? low : high) = middle;
+  }
+  return low;
+}
 
 }  // namespace gonogo::vehicle

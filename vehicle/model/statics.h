@@ -1,5 +1,8 @@
-// Closed forms from a vehicle's file: weights, wheel loads, gear speeds.
+// Closed forms from a vehicle's file: weights, wheel loads, tyres' compliance, gear speeds, tractive force.
 #pragma once
+#include <functional>
+#include <vector>
+
 #include "vehicle/model/assembly.h"
 
 namespace gonogo::vehicle {
@@ -42,5 +45,35 @@ double drive_radius(const Vehicle& v);
 
 /// Width of the tread that grains are counted across: of the first wheel, or of a track's shoe [m].
 double tread_width(const Vehicle& v);
+
+/// Contact of a compliant tyre and a grain, along its normal. The springs of a static footprint together have the
+/// stiffness of the tyre: a cylinder of width b pressed by d into a foundation of stiffness c per area carries
+/// 4/3 c b d sqrt(2 r d). The load W shall be carried at d = W / k, k the stiffness of the tyre. A grain of diameter D
+/// covers the area D^2, so that
+///   k_contact = 3/4 k D^2 / (b sqrt(2 r W / k)),  at most k.
+LinearSpring contact_spring(const Wheel& w, double load, double grain_diameter);
+
+/// Tractive force at full throttle, which engine, coupling and gears can push before any slip or resistance: largest
+/// sum of forces at the driven treads [N], in the best gear, at this speed of the treads [m/s] >= 0. Driving is steady,
+/// so that the inertia of engine and wheels takes nothing. 0 where every gear is past the engine's limit.
+double tractive_force(const Vehicle& v, double tread_speed);
+
+/// Tractive force in equal steps of speed, for many look-ups.
+class TractiveForce {
+ public:
+  TractiveForce() = default;
+  explicit TractiveForce(const Vehicle& v);
+
+  /// [N] at a tread speed [m/s]; linear between the steps, 0 beyond top_speed().
+  double at(double tread_speed) const;
+  /// Tread speed from which on the driveline pushes no more [m/s].
+  double top_speed() const { return step_ * double(force_.size() - 1); }
+  /// Largest tread speed [m/s] at which the driveline gives `needed(tread speed)` [N]; 0 where it never does.
+  double balance(const std::function<double(double)>& needed) const;
+
+ private:
+  double step_ = 0;            // [m/s]
+  std::vector<double> force_;  // [N]
+};
 
 }  // namespace gonogo::vehicle

@@ -1,10 +1,21 @@
-// The closed polygon of a track's pins in the plane (x, z), one pitch between neighbours.
+// Path of a track around its wheels: the convex hull of circles, and on it the closed polygon of pins in the plane
+// (x, z), one pitch between neighbours.
 #pragma once
 #include <string>
 
-#include "vehicle/model/belt.h"
+#include "vehicle/model/vehicle.h"
 
 namespace gonogo::vehicle {
+
+struct Circle {
+  double x = 0, z = 0, radius = 0;  // [m]
+};
+
+/// Length of the shortest closed belt around circles [m]: the boundary of their convex hull.
+double convex_belt_length(const std::vector<Circle>& circles);
+
+/// Length of a track's line of pins [m]. `tension` 0: idler in its design position; 1: at the end of its travel.
+double belt_length(const Vehicle& v, bool left, double tension);
 
 struct TrackLoop {
   std::vector<Vec3d> pin;  // [shoe] in the track's middle plane, y = 0, from the foremost pin up and backwards [m]

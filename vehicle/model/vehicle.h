@@ -4,11 +4,12 @@
 #pragma once
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/json/config.h"
-#include "base/vec.h"
+#include "base/math/vec.h"
 
 namespace gonogo::vehicle {
 
@@ -51,13 +52,19 @@ struct TorsionSpring {
   double preload = 0;    // in the design position [N m]
 };
 
-enum class SuspensionType { double_wishbone, trailing_arm, rigid };
+/// A linear spring and damper [N/m, N s/m].
+struct LinearSpring {
+  double stiffness = 0, damping = 0;
+};
+
+enum class SuspensionType { double_wishbone, trailing_arm, rigid, guided };
 
 /// Suspension of a left wheel. Points are relative to its mounting point [m].
 ///   double_wishbone  Upper and lower arm turn about their chassis points (upper_front - upper_rear, ...) and hold the
 ///                    upright at ball joints. The tie rod holds its steering.
 ///   trailing_arm     An arm turns about the y axis through `pivot`.
 ///   rigid            The wheel turns in the chassis.
+///   guided           Of a quarter vehicle: the wheel's hub slides along z under the sprung mass on `upright_spring`.
 struct Suspension {
   std::string name;
   SuspensionType type = SuspensionType::rigid;
@@ -67,11 +74,7 @@ struct Suspension {
   Spring spring;
   Damper damper;
   TorsionSpring torsion;
-};
-
-/// A compliant tyre under its load [N/m, N s/m]; 0: rigid.
-struct TyreSpring {
-  double stiffness = 0, damping = 0;
+  LinearSpring upright_spring;  // unloaded in the design position
 };
 
 /// All that turns with a wheel, and its tread.
@@ -82,7 +85,7 @@ struct Wheel {
   int lug_count = 0;                         // lugs or grousers
   double lug_height = 0, lug_thickness = 0;  // [m]
   double friction = 0;                       // coefficient of the tyre on hard ground
-  TyreSpring compliant;
+  LinearSpring compliant;                    // of the tyre under its load; stiffness 0: rigid
   // Nominal size of the tyre, as in mobility indices; 0: not given [m].
   double size_diameter = 0, size_section_width = 0, size_section_height = 0, size_deflection = 0;
 };
@@ -91,7 +94,7 @@ enum class Differential { open, limited_slip, locked };
 
 struct Axle {
   std::string name, suspension, wheel;
-  Vec3d position;       // mounting point of the suspension [m]
+  Vec3d position{};     // mounting point of the suspension [m]
   bool single = false;  // one wheel in the middle, no right side
   bool driven = false, steered = false;
   double brake_torque = 0;  // per wheel [N m]
@@ -130,7 +133,7 @@ struct Track {
   double grouser_height = 0;
   int left_shoes = 0, right_shoes = 0;
   double brake_torque = 0;  // per sprocket [N m]
-  std::vector<Belt> belt;   // none or one
+  std::optional<Belt> belt;
 };
 
 struct Driveline {
@@ -159,30 +162,48 @@ struct Driver {
   double look_ahead = 0, steering_gain = 0;      // straight-line steering [m], [rad/m]
 };
 
-enum class VehicleKind { wheeled, tracked, single_wheel };
+/// single_wheel: a test rig whose carriage holds the wheel upright.
+/// quarter: one station of a vehicle with its share of the mass; hub and sprung mass. The rest of the vehicle, which is
+/// not simulated, holds roll and yaw: the whole quarter moves along and across the ground, and along the ground's
+/// normal hub and sprung mass move separately.
+enum class VehicleKind { wheeled, tracked, single_wheel, quarter };
 
 struct Vehicle {
   std::string name, about;
   VehicleKind kind = VehicleKind::wheeled;
   std::vector<std::string> sources, unsourced;
-  Part chassis;
+  Part chassis;                   // of a quarter: the sprung mass
   std::vector<Part> fixed_parts;  // fixed to the chassis
   double length = 0, width = 0;   // [m]
   double clearance = 0;           // belly over the ground in the design position [m]
   double power = 0;               // of the engine [W]
   bool automatic = true;          // transmission
+  int payload_shares = 1;         // of a quarter: wheels of the vehicle, which carry its payload together
   double max_steering_angle = 0;  // [rad]
   std::vector<Suspension> suspension;
   std::vector<Wheel> wheel;
   std::vector<Axle> axle;
-  std::vector<Track> track;  // none or one
+  std::optional<Track> track;
   Driveline driveline;
   Driver driver;
 };
 
-/// Reads and checks a vehicle file, or the text of one.
+/// Reads and checks the file, or its text, of a vehicle that stands by itself or of a single-wheel rig. This and the
+/// functions below throw InputError for anything missing or out of range: file, place, value, what to do.
 Vehicle read_vehicle(const std::filesystem::path& path);
 Vehicle read_vehicle(const Config& c);
+/// The same for a quarter vehicle; see configs/vehicles/hmmwv_quarter.json.
+Vehicle read_quarter_vehicle(const std::filesystem::path& path);
+Vehicle read_quarter_vehicle(const Config& c);
+/// A quarter vehicle from its parts: the wheel's `part` holds the mass of the hub and the moment about the axle;
+/// length, clearance and shares of the payload are left to the caller. `max_torque`: at the wheel [N m].
+Vehicle quarter_vehicle(const std::string& name, Wheel wheel, const LinearSpring& spring, double sprung_mass,
+                        double max_torque);
+/// A vehicle of whatever kind its file names.
+Vehicle read_any_vehicle(const std::filesystem::path& path);
+Vehicle read_any_vehicle(const Config& c);
+
+inline bool is_quarter(const Vehicle& v) { return v.kind == VehicleKind::quarter; }
 
 const Suspension& find_suspension(const Vehicle& v, const std::string& name);
 const Wheel& find_wheel(const Vehicle& v, const std::string& name);

@@ -1,7 +1,7 @@
 // The reduced-coordinate model of a vehicle.
 #pragma once
 #include "vehicle/model/assembly.h"
-#include "vehicle/multibody/loop.h"
+#include "vehicle/multibody/dynamics.h"
 
 namespace gonogo::vehicle::multibody {
 

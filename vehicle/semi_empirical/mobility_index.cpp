@@ -31,7 +31,7 @@ double track_weight_factor(double pounds) {
 }
 
 VehicleIndex tracked_index(const Vehicle& v) {
-  const Track& t = v.track[0];
+  const Track& t = *v.track;
   TrackedIndexInput in;
   in.weight = weigh(v).total * kGravity;
   in.ground_length = track_contact_length(v);

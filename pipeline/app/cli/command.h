@@ -1,18 +1,49 @@
-// Tables of commands and their options, for CLI11. Each command has a file of its own with one add_ function. Callbacks
-// throw InputError, DeviceError or Cancelled, and main() turns them into one sentence and an exit code.
+// What every command needs: the options of the program, how a command ends, names of values, examples, the registry.
+// Callbacks of commands throw InputError, DeviceError or Cancelled; main() turns them into one sentence and an exit
+// code.
 #pragma once
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
+#include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
-#include "pipeline/app/work/work.h"
+#include "base/error.h"
+#include "base/json/json.h"
 
 namespace gonogo::app {
 
-/// Work of a command that needs LibTorch or GDAL. commands.cpp.in says which program does it.
-template <class Options>
-using Work = std::function<void(const Globals&, const Options&)>;
+/// Filled while the command line is parsed, read by commands.
+struct Globals {
+  bool json = false;                      // machine-readable result as the last line of stdout
+  int threads = 0;                        // 0: all cores
+  std::vector<std::string> command_line;  // words as given, the program first
+};
+
+/// Prints the result of a command: one JSON line under --json, otherwise `text` for people. Throws DeviceError when
+/// standard output cannot be written.
+void print_result(const Globals& globals, const Json& result, const std::string& text);
+
+/// Prints a part of the text before the result is there. Nothing under --json. Throws as print_result does.
+void print_row(const Globals& globals, const std::string& text);
+
+/// Whether print_result has been called: an error that follows is told on stderr and by the exit code alone.
+bool result_printed();
+
+/// {"kind": "bad_input", "message": ..., "file": ..., "path": ..., "line": ..., "column": ...}; what is not known is
+/// left out. Kinds: bad_input, failure, interrupted, one for each exit code but 0.
+Json error_json(ExitCode code, const std::string& message, const InputPlace& place = {});
+
+/// Prints a result that is complete but bad, with the member "error", and throws `error`.
+template <class Error>
+[[noreturn]] void fail_with_result(const Globals& globals, Json result, const std::string& text, const Error& error) {
+  const bool bad_input = std::is_base_of_v<InputError, Error>;
+  result["error"] = error_json(bad_input ? ExitCode::bad_input : ExitCode::failure, error.what());
+  print_result(globals, result, text);
+  throw error;
+}
 
 // Names of values in help, the man page and completions, by which they are completed (complete.h).
 inline constexpr const char* kFile = "FILE";
@@ -34,6 +65,28 @@ inline const CLI::Validator kSeed(
     },
     "");
 
+/// An option whose value has the name `kind` in the help, by which it is completed.
+template <class Type>
+CLI::Option* add_named(CLI::App& command, const std::string& name, Type& value, const std::string& kind,
+                       const std::string& about) {
+  return command.add_option(name, value, about)->type_name(kind);
+}
+
+/// Inclusive ends of the values that an option takes.
+template <class Number>
+struct Between {
+  Number low, high;
+};
+
+/// An option of a number in a range; its help shows the range, and the value as the default.
+template <class Number>
+CLI::Option* add_number(
+    CLI::App& command, const std::string& name, Number& value,
+    std::type_identity_t<Between<std::conditional_t<std::is_integral_v<Number>, int, double>>> range,
+    const std::string& about) {
+  return command.add_option(name, value, about)->check(CLI::Range(range.low, range.high))->capture_default_str();
+}
+
 /// "{a,b,c}": the name of a value that is one of a few words.
 std::string one_of(const std::vector<std::string>& words);
 
@@ -41,36 +94,15 @@ std::string one_of(const std::vector<std::string>& words);
 /// may continue after a backslash, indented by six blanks, and end with two blanks and a remark after #.
 void add_examples(CLI::App& command, const std::vector<std::string>& lines, const std::string& note = "");
 
-/// All commands (commands.cpp.in).
-void add_commands(CLI::App& app, const Globals& globals);
+/// A line gonogo_command() of CMakeLists.txt.
+struct CommandEntry {
+  const char* name;
+  void (*add)(CLI::App& program, const Globals& globals);  // add_<name>_command; null: left out with all its options
+  const char* program;                                     // that does its work; empty: every program
+  const char* left_out;  // option of CMake without which this build cannot do its work; empty: it can
+};
 
-void add_run_command(CLI::App& app, const Globals& globals, const Work<RunRequest>& work);
-void add_design_command(CLI::App& app, const Globals& globals, const Work<DesignOptions>& with_region);
-void add_simulate_command(CLI::App& app, const Globals& globals);
-void add_original_command(CLI::App& app, const Globals& globals);
-void add_campaign_command(CLI::App& app, const Globals& globals, const Work<ActiveOptions>& active);
-void add_dataset_command(CLI::App& app, const Globals& globals);
-void add_soil_command(CLI::App& app, const Globals& globals);
-void add_vehicle_command(CLI::App& app, const Globals& globals);
-void add_train_command(CLI::App& app, const Globals& globals, const Work<TrainOptions>& work);
-void add_evaluate_command(CLI::App& app, const Globals& globals, const Work<EvaluateOptions>& work);
-void add_learning_curve_command(CLI::App& app, const Globals& globals, const Work<LearningCurveOptions>& work);
-void add_capacity_command(CLI::App& app, const Globals& globals, const Work<CapacityOptions>& work);
-void add_infer_command(CLI::App& app, const Globals& globals);
-void add_sample_command(CLI::App& app, const Globals& globals);
-void add_qubo_command(CLI::App& app, const Globals& globals);
-void add_models_command(CLI::App& app, const Globals& globals);
-void add_map_command(CLI::App& app, const Globals& globals, const Work<map::MapFiles>& work);
-void add_region_command(CLI::App& app, const Globals& globals, const Work<map::RegionMakeRequest>& make);
-void add_route_command(CLI::App& app, const Globals& globals, const Work<RouteOptions>& work);
-void add_compare_command(CLI::App& app, const Globals& globals, const Work<map::CompareRequest>& work);
-void add_view_command(CLI::App& app, const Globals& globals, const Work<ViewOptions>& work);
-void add_mesh_command(CLI::App& app, const Globals& globals);
-void add_bench_command(CLI::App& app, const Globals& globals);
-void add_validate_command(CLI::App& app, const Globals& globals);
-void add_doctor_command(CLI::App& app, const Globals& globals);
-void add_help_command(CLI::App& app, const Globals& globals);
-void add_completion_command(CLI::App& app, const Globals& globals);
-void add_man_command(CLI::App& app, const Globals& globals);
+/// All commands in the order of the help (commands.cpp.in).
+std::span<const CommandEntry> all_commands();
 
 }  // namespace gonogo::app

@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "base/shipped.h"
+#include "base/files/shipped.h"
 #include "pipeline/app/cli/table.h"
 #include "pipeline/campaign/study/contract.h"
 

@@ -1,4 +1,4 @@
-// Candidates for the last word of a command line, for the completion scripts.
+// Completions: candidates for the last word of a command line, and the scripts by which shells ask for them.
 #pragma once
 #include <string>
 #include <vector>
@@ -11,5 +11,8 @@ namespace gonogo::app {
 /// with a description after a tab where there is one. The last line says which files of the disk may also stand there:
 /// ":none", ":file" or ":folder".
 std::string completions(const CLI::App& program, const std::vector<std::string>& line);
+
+/// The script by which "bash", "zsh" or "fish" complete: completion/gonogo.<shell>.
+std::string completion_script(const std::string& shell);
 
 }  // namespace gonogo::app

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <new>
 
-#include "base/cancel.h"
+#include "base/progress.h"
 #include "pipeline/app/cli/complete.h"
 #include "pipeline/app/cli/program.h"
 

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 
-#include "base/cancel.h"
 #include "base/error.h"
-#include "base/file.h"
-#include "base/hash.h"
-#include "base/nearest.h"
+#include "base/files/file.h"
+#include "base/format.h"
 #include "base/progress.h"
 
 namespace gonogo::app {

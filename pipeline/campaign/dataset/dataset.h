@@ -2,7 +2,7 @@
 //
 //   /design/{index, seed, replicate_of, proposal_density}   [rows]
 //   /variables/<name>, /measures/<name>                     [rows], in the unit of their attribute "unit"; variables
-//                                                           of tasks (task_variables.h) only where a trial has them
+//                                                           of tasks (contract.h) only where a trial has them
 //   /outcome/{verdict, reason, attempts, failed_checks}     [rows]; attributes "names" and "codes" name codes and bits
 //   /provenance/{study, inputs, files, libraries}           what the rows depend on
 //
@@ -13,7 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/campaign/trial/record.h"
+#include "base/units.h"
+#include "pipeline/campaign/setup/record.h"
 
 namespace gonogo::campaign {
 
@@ -62,5 +63,19 @@ std::string dataset_image(TrialColumns columns, const Provenance& provenance);
 /// Throws InputError with file and place for a missing, truncated or damaged file. The same for a file whose variables,
 /// measures, verdicts or reasons are not those of this contract.
 Dataset read_dataset(const std::filesystem::path& path);
+
+/// Text of a file that the trials depend on ("vehicle", "calibration", ...); null where the dataset does not hold it.
+const std::string* input_text(const Provenance& provenance, const char* name);
+
+/// What the study of a dataset sets for all of its trials. A study without a key has the value here, and so has a
+/// dataset without a study.
+struct TrialSettings {
+  double gravity = kGravity;     // [m/s^2]
+  bool compliant_tyres = false;  // see TrialSetup
+  double wheel_rolling = 0;      // rolling friction of grains on wheels over that between grains [-]
+};
+
+/// `where` starts the messages. Throws InputError for a study that is no JSON and for a value out of range.
+TrialSettings settings_of(const Provenance& provenance, const std::string& where);
 
 }  // namespace gonogo::campaign

@@ -1,6 +1,6 @@
-// One trial as one line of comma-separated values.
+// Trials as text: one as a line of comma-separated values, a dataset as a table for other programs.
 //   index,seed,replicate_of,proposal_density,<variables...>,verdict,reason,attempts,failed_checks,<measures...>
-// Variables of a task (task_variables.h) stand only in tables of trials that have them: all or none of them.
+// Variables of a task (contract.h) stand only in tables of trials that have them: all or none of them.
 // Numbers have the fewest digits, at most 17, that read back to the same bits. NaN is "nan".
 #pragma once
 #include <optional>
@@ -8,7 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "pipeline/campaign/trial/record.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/setup/record.h"
 
 namespace gonogo::campaign {
 
@@ -29,5 +30,15 @@ bool has_task_values(const std::vector<TrialRecord>& records);
 /// The inverses. Empty for a line that is no such row: wrong number of columns, no number, unknown name.
 std::optional<DesignPoint> parse_point(std::string_view row);
 std::optional<TrialRecord> parse_record(std::string_view row);
+
+/// Header and one line per trial.
+std::string to_csv(const Dataset& dataset);
+
+/// The inverse of to_csv, bit for bit, with an empty provenance. Throws InputError that starts with `name` and has the
+/// line.
+Dataset parse_csv(const std::string& text, const std::string& name);
+
+/// One JSON object: "provenance", "units", and "trials", an object per trial. NaN is null.
+std::string to_json_text(const Dataset& dataset);
 
 }  // namespace gonogo::campaign

@@ -5,8 +5,9 @@
 #include <cstdio>
 #include <unordered_map>
 
+#include "base/format.h"
 #include "pipeline/campaign/dataset/row.h"
-#include "pipeline/campaign/study/task_variables.h"
+#include "pipeline/campaign/study/contract.h"
 
 namespace gonogo::campaign {
 namespace {
@@ -76,22 +77,18 @@ std::vector<SlopeBin> slope_bins(const std::vector<TrialRecord>& records) {
 
 std::string format(const char* pattern, const std::string& name, double a, double b, double c,
                    const std::string& unit) {
-  char line[200];
-  std::snprintf(line, sizeof line, pattern, name.c_str(), a, b, c, unit.c_str());
-  return line;
+  return line(pattern, name.c_str(), a, b, c, unit.c_str());
 }
 
 std::string ranges_text(const std::string& title, const std::vector<ValueRange>& ranges) {
-  char head[120];
-  std::snprintf(head, sizeof head, "%-18s %12s %12s %12s\n", title.c_str(), "minimum", "mean", "maximum");
-  std::string text = head;
+  std::string text = line("%-18s %12s %12s %12s\n", title.c_str(), "minimum", "mean", "maximum");
   for (const ValueRange& range : ranges)
     text +=
         format("%-18s %12.5g %12.5g %12.5g  %s\n", range.name, range.minimum, range.mean, range.maximum, range.unit);
   return text;
 }
 
-std::string counts_text(const std::map<std::string, std::size_t>& counts) {
+std::string counts_text(const Counts& counts) {
   std::string text;
   for (const auto& [name, count] : counts) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + name;
   return text;
@@ -138,20 +135,43 @@ Json ranges_json(const std::vector<ValueRange>& ranges) {
   return object;
 }
 
-Json counts_json(const std::map<std::string, std::size_t>& counts) {
+}  // namespace
+
+void count_outcome(const TrialRecord& record, Counts& by_verdict, Counts& by_reason) {
+  ++by_verdict[contract().info(record.verdict).name];
+  ++by_reason[contract().info(record.reason).name];
+}
+
+std::string counts_line(const Counts& by_verdict, const Counts& by_reason) {
+  std::string text;
+  for (const VerdictInfo& verdict : contract().verdicts) {
+    const auto found = by_verdict.find(verdict.name);
+    if (found == by_verdict.end()) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(found->second) + " " + verdict.name;
+    if (verdict.code != int(Verdict::no_go)) continue;
+    std::string reasons;
+    for (const ReasonInfo& reason : contract().reasons) {
+      const auto share = by_reason.find(reason.name);
+      const bool of_no_go = reason.verdicts == std::vector<std::string>{verdict.name};
+      if (share != by_reason.end() && of_no_go)
+        reasons += (reasons.empty() ? "" : ", ") + std::to_string(share->second) + " " + reason.name;
+    }
+    text += " (" + reasons + ")";
+  }
+  return text;
+}
+
+Json counts_json(const Counts& counts) {
   Json object = Json::object();
   for (const auto& [name, count] : counts) object[name] = std::uint64_t(count);
   return object;
 }
 
-}  // namespace
-
 DatasetSummary summarise(const std::vector<TrialRecord>& records) {
   DatasetSummary summary;
   summary.trials = records.size();
   for (const TrialRecord& record : records) {
-    ++summary.by_verdict[contract().info(record.verdict).name];
-    ++summary.by_reason[contract().info(record.reason).name];
+    count_outcome(record, summary.by_verdict, summary.by_reason);
     if (record.verdict == Verdict::unknown)
       summary.failed.emplace_back(record.point.index, names_of_checks(record.failed_checks));
   }

@@ -11,18 +11,21 @@
 //   latin_hypercube  Latin hypercubes of "block" points (default 64), one after the other
 //   factorial        every combination of "levels": {"slope_along": 5, ...} values, evenly spaced, ends included
 //   csv              rows of "file", whose header names variables; "ranges" are their box, by default what they span
-//   original         lines of "file" as the original study wrote them (point_file.h)
+//   original         lines of "file" as the original study wrote them (read_original_points)
 //
 // Section or preset give each variable of the contract a range or a fixed value. After every `replicate_every` points,
 // one of them, drawn at random, is repeated with another bed seed: 96 points with 10 are 105 trials. A longer design
 // begins with the same trials. A factorial has one length.
 #pragma once
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/json/config.h"
-#include "pipeline/campaign/trial/record.h"
+#include "pipeline/campaign/setup/record.h"
 
 namespace gonogo::campaign {
 
@@ -66,5 +69,42 @@ std::vector<DesignPoint> make_design(const DesignSpec& spec);
 
 /// Density of the design's strata at a point, relative to uniform over the sampled box.
 double stratified_density(const DesignSpec& spec, const std::vector<double>& variables);
+
+/// Named ranges, by name of the variable, in its unit. The study must give the variables that are in neither map; what
+/// it says itself overrides its preset.
+struct DesignPreset {
+  std::map<std::string, std::pair<double, double>> ranges;
+  std::map<std::string, double> fixed;
+};
+
+std::vector<std::string> preset_names();
+
+/// Empty for the empty name.
+///
+///   study_reproduction  the continuous ranges of the original study
+///   realistic_soil      slopes that vehicles meet, soils from loose sand to firm clay
+///
+/// study_reproduction: R. Serban's go_nogo programs, projectchrono fork, commit 6e9a73d694, 2017-06-25. Slope 0 to 30
+/// degrees straight uphill, friction 0.2 to 1.0 (as friction angle, atan: 11.3 to 45 degrees), tyre friction 0.8, bed
+/// of 100 mm, go at 7 m in 6.5 s, 1.1 m/s. Its cohesion, a contact stress of 100 to 1000 kPa, is no soil's; the preset
+/// takes the whole range of the contract.
+///
+/// realistic_soil: friction angles of 20 to 42 degrees and cohesions up to 25 kPa, which cover the soils of
+/// configs/soils (sources there).
+DesignPreset design_preset(const std::string& name);
+
+/// Comma-separated values with a header that names variables of the contract, in any order, then one point per line. A
+/// column "proposal_density" is needed where the points do not come from a uniform design. `fixed` [variable count]
+/// holds the values of the variables without a column. Throws InputError with file and line.
+std::vector<DesignPoint> read_point_csv(const std::filesystem::path& file, const std::vector<double>& fixed);
+
+/// The original study's input (R. Serban's go_nogo programs, projectchrono fork, commit 6e9a73d694, 2017): one run per
+/// line, "slope [deg]  particle radius [mm]  particle density [kg/m^3]  friction [-]  cohesion [kPa]".
+///   slope -> slope_along;  friction -> friction_angle = atan(friction) (Coulomb);  cohesion -> cohesion *
+///   cohesion_scale
+/// Its cohesion is a contact stress, not a soil's, hence the scale. Radius and density belong to the grains of the
+/// study's calibration here: they must be the same on every line.
+std::vector<DesignPoint> read_original_points(const std::filesystem::path& file, const std::vector<double>& fixed,
+                                              double cohesion_scale);
 
 }  // namespace gonogo::campaign

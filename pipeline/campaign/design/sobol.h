@@ -1,6 +1,8 @@
-// Sobol' sequence and its Owen scrambling.
+// Points that fill a box: Sobol' sequence with Owen scrambling, and how well a design covers its ranges.
 #pragma once
 #include <cstdint>
+
+#include "pipeline/campaign/design/design.h"
 
 namespace gonogo::campaign {
 
@@ -13,13 +15,21 @@ inline constexpr int kSobolDimensions = 21;
 /// each dimension. Needs 0 <= dimension < kSobolDimensions and index < 2^32.
 std::uint32_t sobol(std::uint32_t index, int dimension);
 
-/// Nested uniform scrambling (A. B. Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995): each half of
-/// each interval of the binary tree over [0, 1) swaps with the other at random. Hash-based form: B. Burley, "Practical
-/// hash-based Owen scrambling", JCGT 9(4) (2020), section 3. Philox hashes (seed, dimension, node of the tree), so that
-/// the swaps are independent to the last bit.
-std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed, int dimension);
-
 /// Scrambled coordinate in (0, 1): middle of its interval of width 1/2^32.
 double scrambled_sobol(std::uint32_t index, std::uint64_t seed, int dimension);
+
+/// How well the first 8192 points of a design, without replicates, fill the box that it samples, scaled to the unit
+/// cube.
+struct Coverage {
+  double discrepancy = 0;      // star discrepancy in the L2 norm (Warnock)
+  double expected_random = 0;  // root mean square of the same for independent uniform points
+  double largest_gap = 0;      // largest empty interval of any one-dimensional projection, as a share of the range
+  double empty_ball = 0;       // largest_empty_ball() [sides of the cube]
+};
+Coverage coverage(const DesignSpec& spec, const std::vector<DesignPoint>& design);
+
+/// Radius of the largest ball with its centre in the unit cube that holds no point: a lower bound. The eight best of
+/// 4096 Sobol' points climb away from their nearest points, and the best of them counts.
+double largest_empty_ball(const std::vector<std::vector<double>>& points, std::size_t dimensions);
 
 }  // namespace gonogo::campaign

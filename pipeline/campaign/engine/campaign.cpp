@@ -1,54 +1,54 @@
 #include "pipeline/campaign/engine/campaign.h"
 
-#include <numeric>
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <limits>
+#include <map>
+#include <optional>
 #include <set>
 
-#include "base/cores.h"
 #include "base/error.h"
-#include "base/file.h"
-#include "base/hash.h"
+#include "base/files/file.h"
+#include "base/parallel/for_each.h"
 #include "base/progress.h"
-#include "pipeline/campaign/engine/coordinator.h"
-#include "pipeline/campaign/engine/journal.h"
+#include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/engine/ledger.h"
-#include "pipeline/campaign/engine/pace.h"
-#include "pipeline/campaign/engine/process_crew.h"
 
 namespace gonogo::campaign {
 namespace fs = std::filesystem;
 namespace {
 
-std::vector<std::uint64_t> all_shards(const ShardPlan& plan) {
-  std::vector<std::uint64_t> shards(plan.count());
-  std::iota(shards.begin(), shards.end(), std::uint64_t(0));
+std::set<std::uint64_t> shards_of(const std::vector<const DesignPoint*>& points, const ShardPlan& plan) {
+  std::set<std::uint64_t> shards;
+  for (const DesignPoint* point : points) shards.insert(plan.shard_of(point->index));
   return shards;
 }
 
-/// Hash of all that the trials depend on.
-std::string campaign_id(const CampaignRequest& request) {
-  std::string text;
-  for (const auto& [name, value] : request.depends_on) text.append(name).append("\n").append(value).append("\n");
-  return content_hash(text);
+CampaignSummary summary_of(const Ledger& ledger, std::size_t reused, std::size_t deaths) {
+  return {.dataset = {},
+          .trials = ledger.done(),
+          .computed = ledger.done() - reused,
+          .reused = reused,
+          .damaged = ledger.damaged(),
+          .worker_deaths = deaths,
+          .by_verdict = ledger.by_verdict(),
+          .by_reason = ledger.by_reason()};
 }
 
-std::vector<std::string> worker_command(const CampaignRequest& request, std::size_t slot) {
-  std::vector<std::string> words = request.worker_command;
-  if (request.checkpoint_every > 0) {
-    words.insert(words.end(), {"--checkpoints", running_folder(request.folder).string()});
-    words.insert(words.end(), {"--checkpoint-every", std::to_string(request.checkpoint_every)});
-  }
-  if (request.gpus > 0) words.insert(words.end(), {"--gpu", std::to_string(slot % std::size_t(request.gpus))});
-  return words;
+void add_counts(Counts& sum, const Counts& part) {
+  for (const auto& [name, number] : part) sum[name] += number;
 }
 
-std::unique_ptr<Crew> make_crew(const CampaignRequest& request, std::size_t todo) {
-  const int cores = threads_or_all(0);
-  const std::size_t workers = std::size_t(std::max(1, request.workers > 0 ? request.workers : cores));
-  if (request.crew) return request.crew(todo);
-  return process_crew(std::min(workers, todo), [&request](std::size_t slot) { return worker_command(request, slot); });
-}
+// Computing what the ledger misses.
 
-/// Makes the folder where workers save trials, or removes what a coordinator finds there of trials that are done.
+constexpr int kMaxCrashes = 2;  // of workers that had one trial alone, by their own code
+constexpr int kMaxKills = 5;    // of such workers, from outside
+constexpr int kPollMilliseconds = 200;
+constexpr double kShortTrial = 1;  // [s] of a worker
+
+/// Makes the folder where workers save trials, or removes what a coordinator that is `alone` finds there of trials that
+/// are done.
 void prepare_running_folder(const CampaignRequest& request, const std::vector<const DesignPoint*>& todo, bool alone) {
   const fs::path running = running_folder(request.folder);
   std::set<fs::path> wanted;
@@ -65,140 +65,232 @@ void prepare_running_folder(const CampaignRequest& request, const std::vector<co
   if (saved > 0) log_line("campaign", "trials that go on from where they were saved: " + std::to_string(saved));
 }
 
-struct Work {
-  const CampaignRequest& request;
-  Ledger& ledger;
-  fs::path journal;
-  std::size_t trials;  // of the shards that are worked on
-  bool alone;          // in the folder
+std::vector<std::string> worker_command(const CampaignRequest& request, std::size_t slot) {
+  std::vector<std::string> words = request.worker_command;
+  if (request.checkpoint_every > 0) {
+    words.insert(words.end(), {"--checkpoints", running_folder(request.folder).string()});
+    words.insert(words.end(), {"--checkpoint-every", std::to_string(request.checkpoint_every)});
+  }
+  if (request.gpus > 0) words.insert(words.end(), {"--gpu", std::to_string(slot % std::size_t(request.gpus))});
+  return words;
+}
+
+std::unique_ptr<Crew> make_crew(const CampaignRequest& request, std::size_t todo) {
+  if (request.crew) return request.crew(todo);
+  const std::size_t workers = std::size_t(std::max(1, threads_or_all(request.workers)));
+  return process_crew(std::min(workers, todo), [&request](std::size_t slot) { return worker_command(request, slot); });
+}
+
+struct Deaths {
+  int crashes = 0, kills = 0, kills_in_company = 0;
 };
 
-/// Computes what the ledger misses; returns how many workers died.
-std::size_t compute(const Work& work) {
-  const CampaignRequest& request = work.request;
-  const std::vector<const DesignPoint*> todo = work.ledger.missing();
-  if (todo.empty()) return 0;
-  prepare_running_folder(request, todo, work.alone);
-  Journal journal(work.journal);
-  const std::size_t reused = work.ledger.done();
-  Progress progress("campaign", "trials", work.trials);
-  PaceWriter pace(request.folder, work.journal.stem().string());
-  const auto finished = [&](TrialRecord record) {
-    journal.append(record);
-    const std::uint64_t index = record.point.index;
-    work.ledger.add(std::move(record));
-    std::error_code ignored;
-    fs::remove(saved_trial_path(running_folder(request.folder), index), ignored);
-    pace.trial_done();
-    progress.update(work.ledger.done(), counts_line(work.ledger.by_verdict(), work.ledger.by_reason()), reused);
-  };
-  const auto idle = [&] {
-    journal.flush_if_due();
-    pace.tell_if_due();
-  };
-  const std::unique_ptr<Crew> crew = make_crew(request, todo.size());
-  const std::size_t deaths =
-      compute_trials({.todo = todo, .crew = crew.get(), .places = request.places, .finished = finished, .idle = idle});
-  journal.flush();
-  return deaths;
+/// The text of `line` behind `word` when the line starts with it and its hash holds.
+std::optional<std::string> sealed_text(const std::string& line, const std::string& word) {
+  if (line.compare(0, word.size(), word) != 0) return std::nullopt;
+  const std::optional<std::string_view> text = unseal_line(std::string_view(line).substr(word.size()));
+  if (!text) return std::nullopt;
+  return std::string(*text);
 }
 
-/// All rows that no shard holds, in one journal.
-void gather_journals(const fs::path& folder, const Ledger& ledger) {
-  const std::vector<fs::path> before = journals_of(folder);
-  const std::vector<TrialRecord> rows = ledger.uncommitted();
-  if (before.empty() && rows.empty()) return;
-  write_journal(journal_path(folder), rows);
-  std::error_code ignored;
-  for (const fs::path& journal : before)
-    if (journal != journal_path(folder)) fs::remove(journal, ignored);
-  if (rows.empty()) fs::remove(journal_path(folder), ignored);
-}
+/// Hands trials out to a crew of workers, hears their records and commits them. A dead worker is replaced and its
+/// trials are done again.
+///
+/// The trial that kills workers is found by halving: after a crash, or a second kill from outside, the trials that the
+/// worker had get at most half as many others beside them. A trial whose workers crash twice while it is alone, or are
+/// killed five times, stops the campaign. It never becomes a result: results must not depend on which workers died.
+class Coordinator {
+ public:
+  /// `trials`: of the shards that are worked on, for progress.
+  Coordinator(const CampaignRequest& request, Ledger& ledger, const std::vector<const DesignPoint*>& todo,
+              const fs::path& journal, std::size_t trials)
+      : request_(request),
+        ledger_(ledger),
+        reused_(ledger.done()),
+        journal_(journal),
+        progress_("campaign", "trials", trials),
+        pace_(request.folder, journal.stem().string()),
+        crew_(make_crew(request, todo.size())),
+        todo_(todo.begin(), todo.end()),
+        held_(crew_->size()) {}
 
-CampaignSummary summary_of(const Ledger& ledger) {
-  CampaignSummary summary;
-  summary.trials = ledger.done();
-  summary.damaged = ledger.damaged();
-  summary.by_verdict = ledger.by_verdict();
-  summary.by_reason = ledger.by_reason();
-  return summary;
-}
-
-/// Reads every shard once more, against its manifest, and writes the dataset unless it is there already.
-void merge(const CampaignRequest& request, const ShardPlan& plan) {
-  TrialColumns columns(request.design.size());
-  for (std::uint64_t shard = 0; shard < plan.count(); ++shard) {
-    const ShardRange range = plan.range(shard);
-    const auto records = read_shard(request.folder, shard, campaign_id(request));
-    if (!records || records->size() < range.count)
-      throw InputError(shard_folder(request.folder).string() + ": shard " + std::to_string(shard) +
-                       " has gone; run the same command again");
-    for (std::uint64_t i = 0; i < range.count; ++i) columns.append((*records)[i]);
+  /// Computes every trial and returns how many workers died. Throws InputError or DeviceError with the worker's
+  /// sentence when a trial reports a fault that all would meet, InputError for a worker of another version of the
+  /// program, Cancelled on Ctrl-C.
+  std::size_t run() {
+    while (!todo_.empty() || busy()) {
+      stop_if_cancelled();
+      for (std::size_t worker = 0; worker < held_.size(); ++worker) hand_out(worker);
+      for (const CrewNews& news : crew_->wait(kPollMilliseconds)) hear(news);
+      journal_.flush_if_due();
+      pace_.tell_if_due();
+    }
+    journal_.flush();
+    return death_count_;
   }
-  const std::string image = dataset_image(std::move(columns), request.provenance);
-  const fs::path path = dataset_path(request.folder);
-  std::error_code ec;
-  if (fs::exists(path, ec) && fs::file_size(path, ec) == image.size() && file_hash(path) == content_hash(image)) return;
-  write_file_atomically(path, image);
+
+ private:
+  using Trials = std::vector<const DesignPoint*>;  // that a worker was given and did not answer
+
+  bool busy() const {
+    return std::any_of(held_.begin(), held_.end(), [](const Trials& trials) { return !trials.empty(); });
+  }
+
+  void hand_out(std::size_t worker) {
+    while (!todo_.empty() && may_have(held_[worker], *todo_.front())) {
+      held_[worker].push_back(todo_.front());
+      crew_->send(worker, seal_line(to_row(*todo_.front())));
+      todo_.pop_front();
+    }
+  }
+
+  /// Short trials lie ready at their workers, so that none waits for the coordinator between two of them. Not long
+  /// ones, nor the last ones: they would wait for one worker while another has nothing to do.
+  std::size_t ahead() const {
+    const std::size_t workers = held_.size();
+    if (finished_count_ < 2 * workers || todo_.size() < 4 * workers) return 0;
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    return seconds * double(workers) / double(finished_count_) < kShortTrial ? 1 : 0;
+  }
+
+  bool may_have(const Trials& held, const DesignPoint& next) const {
+    std::size_t room = std::min(std::size_t(std::max(1, request_.places)) + ahead(), max_beside(next));
+    if (!company_.empty())
+      for (const DesignPoint* trial : held) room = std::min(room, max_beside(*trial));
+    return held.size() < room;
+  }
+
+  /// Trials that a worker may have together with this one.
+  std::size_t max_beside(const DesignPoint& trial) const {
+    const auto found = company_.find(trial.index);
+    return found == company_.end() ? std::numeric_limits<std::size_t>::max() : found->second;
+  }
+
+  void hear(const CrewNews& news) {
+    for (const std::string& line : news.lines) take_answer(held_[news.worker], line);
+    if (news.gone) bury(news);
+  }
+
+  void take_answer(Trials& held, const std::string& line) {
+    if (const auto program = sealed_text(line, kHelloWord)) return require_same_program(*program);
+    if (const auto sentence = sealed_text(line, kRefusedWord)) throw InputError(*sentence);
+    if (const auto sentence = sealed_text(line, kFailedWord)) throw DeviceError(*sentence);
+    const std::optional<std::string> row = sealed_text(line, kTrialWord);
+    std::optional<TrialRecord> record = row ? parse_record(*row) : std::nullopt;
+    const auto trial = record ? find(held, record->point) : held.end();
+    if (trial == held.end())
+      throw DeviceError("campaign: a worker answered with a line that is none of its trials: " + line);
+    held.erase(trial);
+    ++finished_count_;
+    finish(std::move(*record));
+  }
+
+  static void require_same_program(const std::string& program) {
+    if (program != worker_program())
+      throw InputError("campaign: a worker is another version of the program (" + program + ") than its coordinator (" +
+                       worker_program() + "); install one version everywhere");
+  }
+
+  static Trials::iterator find(Trials& held, const DesignPoint& point) {
+    return std::find_if(held.begin(), held.end(), [&](const DesignPoint* trial) {
+      return trial->index == point.index && to_row(*trial) == to_row(point);
+    });
+  }
+
+  /// Commits the trial, in the order in which trials end.
+  void finish(TrialRecord record) {
+    const std::uint64_t index = record.point.index;
+    journal_.append(record);
+    ledger_.add(std::move(record));
+    std::error_code ignored;
+    fs::remove(saved_trial_path(running_folder(request_.folder), index), ignored);
+    pace_.trial_done();
+    progress_.update(ledger_.done(), counts_line(ledger_.by_verdict(), ledger_.by_reason()), reused_);
+  }
+
+  void bury(const CrewNews& news) {
+    const Trials trials = std::move(held_[news.worker]);
+    held_[news.worker].clear();
+    ++death_count_;
+    if (trials.empty()) return;
+    todo_.insert(todo_.begin(), trials.begin(), trials.end());
+    const std::string others = trials.size() > 1 ? " and " + std::to_string(trials.size() - 1) + " more" : "";
+    for (const DesignPoint* trial : trials) {
+      Deaths& deaths = deaths_[trial->index];
+      const bool alone = trials.size() == 1;
+      if (alone) ++(news.killed_from_outside ? deaths.kills : deaths.crashes);
+      // Being killed once says nothing about a trial; twice, the machine may be short of memory for so many.
+      if (!alone && !(news.killed_from_outside && ++deaths.kills_in_company == 1))
+        company_[trial->index] = std::min(max_beside(*trial), trials.size() / 2);
+      stop_if_hopeless(deaths, "the worker of trial " + std::to_string(trial->index) + others + " " + news.end);
+    }
+    log_line("campaign", "the worker of trial " + std::to_string(trials.front()->index) + others + " " + news.end +
+                             (trials.size() > 1 ? "; its trials are" : "; its trial is") + " done again");
+  }
+
+  static void stop_if_hopeless(const Deaths& deaths, const std::string& what) {
+    if (deaths.crashes >= kMaxCrashes)
+      throw DeviceError("campaign: " + what +
+                        ", for the second time; finished trials are kept, and this one has to be " +
+                        "looked into before the campaign can end");
+    if (deaths.kills >= kMaxKills)
+      throw DeviceError("campaign: " + what + ", like " + std::to_string(kMaxKills - 1) +
+                        " before it; the machine may " +
+                        "be short of memory: use fewer --workers or --places and run the same command again");
+  }
+
+  const CampaignRequest& request_;
+  Ledger& ledger_;
+  const std::size_t reused_;
+  Journal journal_;
+  Progress progress_;
+  PaceWriter pace_;
+  std::unique_ptr<Crew> crew_;  // ends before the journal is closed
+  std::deque<const DesignPoint*> todo_;
+  std::vector<Trials> held_;                      // by worker
+  std::map<std::uint64_t, Deaths> deaths_;        // by index of the trial
+  std::map<std::uint64_t, std::size_t> company_;  // by index; of trials whose worker crashed, see max_beside
+  std::size_t death_count_ = 0, finished_count_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::size_t compute_missing(const CampaignRequest& request, Ledger& ledger, const fs::path& journal, std::size_t trials,
+                            bool alone) {
+  const std::vector<const DesignPoint*> todo = ledger.missing();
+  if (todo.empty()) return 0;
+  prepare_running_folder(request, todo, alone);
+  return Coordinator(request, ledger, todo, journal, trials).run();
 }
 
-/// What a coordinator finds in the folder that it holds.
-Ledger recover(const CampaignRequest& request, const ShardPlan& plan) {
-  remove_partial_files(request.folder);
-  forget_paces(request.folder);
-  create_folder(request.folder / "trials");
-  Ledger ledger(request.folder, request.design, plan, request.provenance, campaign_id(request), all_shards(plan));
-  ledger.load_shards();
-  for (const fs::path& journal : journals_of(request.folder)) ledger.load_journal(journal, true);
-  ledger.commit_whole();
-  gather_journals(request.folder, ledger);
-  return ledger;
-}
-
-ShardPlan claim(const CampaignRequest& request) {
-  const Claim claim = claim_folder(
-      request.folder, {request.design.size(), std::max<std::size_t>(1, request.trials_per_shard)}, request.depends_on);
-  return {request.design.size(), claim.trials_per_shard};
-}
-
-CampaignSummary finish(const CampaignRequest& request, const ShardPlan& plan, const Ledger& ledger,
-                       std::size_t reused) {
-  gather_journals(request.folder, ledger);
+CampaignSummary finish(const CampaignRequest& request, const Ledger& ledger, std::size_t reused, std::size_t deaths) {
+  ledger.gather_journals();
   std::error_code not_empty;  // a file that was set aside stays
   fs::remove(running_folder(request.folder), not_empty);
-  merge(request, plan);
-  CampaignSummary summary = summary_of(ledger);
+  ledger.write_dataset();
+  CampaignSummary summary = summary_of(ledger, reused, deaths);
   summary.dataset = dataset_path(request.folder);
-  summary.reused = reused;
-  summary.computed = summary.trials - reused;
   return summary;
 }
 
 }  // namespace
 
 CampaignSummary run_campaign(const CampaignRequest& request) {
-  const CampaignLock lock(request.folder, FolderUse::coordinator);
-  const ShardPlan plan = claim(request);
-  Ledger ledger = recover(request, plan);
-  const std::size_t reused = ledger.done();
+  const HeldFolder held =
+      hold_folder(request.folder, {request.design.size(), request.trials_per_shard}, request.depends_on);
+  Ledger ledger = recovered_ledger(request, held.plan);
+  const std::size_t reused = ledger.done(), trials = request.design.size();
   std::size_t deaths = 0;
-  if (reused < request.design.size()) {
+  if (reused < trials) {
     request.prepare();
-    deaths = compute({.request = request,
-                      .ledger = ledger,
-                      .journal = journal_path(request.folder),
-                      .trials = request.design.size(),
-                      .alone = true});
+    deaths = compute_missing(request, ledger, journal_path(request.folder), trials, true);
   }
-  CampaignSummary summary = finish(request, plan, ledger, reused);
-  summary.worker_deaths = deaths;
-  return summary;
+  return finish(request, ledger, reused, deaths);
 }
 
 CampaignSummary run_campaign_task(const CampaignRequest& request, std::uint64_t task, std::uint64_t tasks) {
-  const CampaignLock lock(request.folder, FolderUse::tasks);
-  const Claim claim = require_claim(request.folder, request.design.size(), request.depends_on);
-  const ShardPlan plan{request.design.size(), claim.trials_per_shard};
+  const HeldFolder held =
+      hold_claimed_folder(request.folder, FolderUse::tasks, request.design.size(), request.depends_on);
+  const ShardPlan& plan = held.plan;
   create_folder(request.folder / "trials");
   CampaignSummary total;
   for (std::uint64_t shard = task; shard < plan.count(); shard += tasks) {
@@ -208,58 +300,47 @@ CampaignSummary run_campaign_task(const CampaignRequest& request, std::uint64_t 
       log_line("campaign", "shard " + std::to_string(shard) + " is being computed by another task");
       continue;
     }
-    Ledger ledger(request.folder, request.design, plan, request.provenance, campaign_id(request), {shard});
-    ledger.load_shards();
-    for (const fs::path& other : journals_of(request.folder)) ledger.load_journal(other, other == journal);
-    ledger.commit_whole();
+    Ledger ledger(request, plan, {shard});
+    ledger.load(journal);
     const std::size_t reused = ledger.done();
-    total.worker_deaths += compute({.request = request,
-                                    .ledger = ledger,
-                                    .journal = journal,
-                                    .trials = std::size_t(plan.range(shard).count),
-                                    .alone = false});
+    const std::size_t deaths = compute_missing(request, ledger, journal, std::size_t(plan.range(shard).count), false);
     std::error_code ignored;
     fs::remove(journal, ignored);
-    const CampaignSummary part = summary_of(ledger);
+    const CampaignSummary part = summary_of(ledger, reused, deaths);
     total.trials += part.trials;
-    total.reused += reused;
-    total.computed += part.trials - reused;
+    total.reused += part.reused;
+    total.computed += part.computed;
     total.damaged += part.damaged;
-    for (const auto& [name, number] : part.by_verdict) total.by_verdict[name] += number;
-    for (const auto& [name, number] : part.by_reason) total.by_reason[name] += number;
+    total.worker_deaths += part.worker_deaths;
+    add_counts(total.by_verdict, part.by_verdict);
+    add_counts(total.by_reason, part.by_reason);
   }
   return total;
 }
 
 std::vector<std::uint64_t> open_campaign(const CampaignRequest& request) {
-  const CampaignLock lock(request.folder, FolderUse::coordinator);
-  const ShardPlan plan = claim(request);
-  const Ledger ledger = recover(request, plan);
-  std::set<std::uint64_t> shards;
-  for (const DesignPoint* point : ledger.missing()) shards.insert(plan.shard_of(point->index));
+  const HeldFolder held =
+      hold_folder(request.folder, {request.design.size(), request.trials_per_shard}, request.depends_on);
+  const std::set<std::uint64_t> shards = shards_of(recovered_ledger(request, held.plan).missing(), held.plan);
   if (!shards.empty()) request.prepare();
   return {shards.begin(), shards.end()};
 }
 
 CampaignSummary collect_campaign(const CampaignRequest& request) {
-  const CampaignLock lock(request.folder, FolderUse::coordinator);
-  const Claim claim = require_claim(request.folder, request.design.size(), request.depends_on);
-  const ShardPlan plan{request.design.size(), claim.trials_per_shard};
-  const Ledger ledger = recover(request, plan);
-  if (const auto missing = ledger.missing(); !missing.empty()) {
-    std::set<std::uint64_t> shards;
-    for (const DesignPoint* point : missing) shards.insert(plan.shard_of(point->index));
+  const HeldFolder held =
+      hold_claimed_folder(request.folder, FolderUse::coordinator, request.design.size(), request.depends_on);
+  const Ledger ledger = recovered_ledger(request, held.plan);
+  if (const auto missing = ledger.missing(); !missing.empty())
     throw InputError(request.folder.string() + ": " + std::to_string(missing.size()) + " trials of " +
-                     std::to_string(shards.size()) + " shards are missing; gonogo campaign submit computes them");
-  }
-  return finish(request, plan, ledger, ledger.done());
+                     std::to_string(shards_of(missing, held.plan).size()) +
+                     " shards are missing; gonogo campaign submit computes them");
+  return finish(request, ledger, ledger.done(), 0);
 }
 
 CampaignStatus campaign_status(const fs::path& folder) {
   CampaignStatus status;
-  const Claim claim = read_claim(folder);
-  const ShardPlan plan{claim.trials, claim.trials_per_shard};
-  status.trials = claim.trials;
+  const ShardPlan plan = read_claim(folder);
+  status.trials = plan.trials;
   status.shards = plan.count();
   status.use = folder_use(folder);
   std::vector<bool> committed(plan.count(), false);
@@ -270,8 +351,8 @@ CampaignStatus campaign_status(const fs::path& folder) {
       committed[shard] = true;
       ++status.committed_shards;
       status.done += plan.range(shard).count;
-      for (const auto& [name, number] : manifest->by_verdict) status.by_verdict[name] += number;
-      for (const auto& [name, number] : manifest->by_reason) status.by_reason[name] += number;
+      add_counts(status.by_verdict, manifest->by_verdict);
+      add_counts(status.by_reason, manifest->by_reason);
     } catch (const InputError&) {
       ++status.damaged;
     }
@@ -291,23 +372,41 @@ CampaignStatus campaign_status(const fs::path& folder) {
   return status;
 }
 
-std::string counts_line(const Counts& by_verdict, const Counts& by_reason) {
-  std::string text;
-  for (const VerdictInfo& verdict : contract().verdicts) {
-    const auto found = by_verdict.find(verdict.name);
-    if (found == by_verdict.end()) continue;
-    text += (text.empty() ? "" : ", ") + std::to_string(found->second) + " " + verdict.name;
-    if (verdict.code != int(Verdict::no_go)) continue;
-    std::string reasons;
-    for (const ReasonInfo& reason : contract().reasons) {
-      const auto share = by_reason.find(reason.name);
-      const bool of_no_go = reason.verdicts == std::vector<std::string>{verdict.name};
-      if (share != by_reason.end() && of_no_go)
-        reasons += (reasons.empty() ? "" : ", ") + std::to_string(share->second) + " " + reason.name;
-    }
-    text += " (" + reasons + ")";
+namespace {
+
+struct Finished {
+  RecordsByIndex records;
+  std::optional<Provenance> provenance;  // of a committed shard
+};
+
+Finished committed(const fs::path& folder) {
+  Finished finished;
+  const ShardPlan plan = read_claim(folder);
+  for (std::uint64_t shard = 0; shard < plan.count(); ++shard) {
+    const std::optional<ShardManifest> manifest = read_manifest(folder, shard);
+    if (!manifest) continue;
+    std::vector<TrialRecord> records = read_shard(folder, shard, manifest->campaign).value();
+    for (TrialRecord& record : records) finished.records.emplace(record.point.index, std::move(record));
+    if (!finished.provenance) finished.provenance = read_dataset(shard_folder(folder) / manifest->file).provenance;
   }
-  return text;
+  return finished;
+}
+
+}  // namespace
+
+Dataset campaign_snapshot(const fs::path& folder) {
+  Finished finished = committed(folder);
+  if (!finished.provenance)
+    throw InputError(folder.string() + ": no shard is committed yet; wait until the first " +
+                     std::to_string(read_claim(folder).per_shard) + " trials are done");
+  for (const fs::path& journal : journals_of(folder)) finished.records.merge(read_journal(journal).records);
+  Dataset dataset{.records = {}, .provenance = *finished.provenance};
+  for (auto& [index, record] : finished.records) {
+    if (index != dataset.records.size()) break;
+    dataset.records.push_back(std::move(record));
+  }
+  if (dataset.records.empty()) throw InputError(folder.string() + ": trial 0 is still missing; wait for it");
+  return dataset;
 }
 
 }  // namespace gonogo::campaign

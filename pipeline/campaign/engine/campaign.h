@@ -3,8 +3,8 @@
 //
 //   <folder>/campaign.json    what the trials depend on; a campaign with other inputs is refused here
 //   <folder>/campaign.lock    held while a coordinator, or tasks of a batch system, work
-//   <folder>/trials/*.csv     finished trials of shards that are not whole yet (journal.h); gone when all are committed
-//   <folder>/shards/          committed trials (shard.h)
+//   <folder>/trials/*.csv     finished trials of shards that are not whole yet (ledger.h); gone when all are committed
+//   <folder>/shards/          committed trials (ledger.h)
 //   <folder>/running/         trials under way, saved by their workers; gone when the campaign is complete
 //   <folder>/progress/        speed of each writer, for status; no result depends on it
 //   <folder>/dataset.h5       merged from the shards when all trials of the design are there
@@ -19,16 +19,18 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/campaign/engine/crew.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/dataset/summary.h"
 #include "pipeline/campaign/engine/folder.h"
-#include "pipeline/campaign/engine/shard.h"
+#include "pipeline/campaign/engine/worker.h"
+#include "pipeline/campaign/setup/record.h"
 
 namespace gonogo::campaign {
 
 struct CampaignRequest {
   std::filesystem::path folder;
   std::vector<DesignPoint> design;
-  std::vector<std::pair<std::string, std::string>> depends_on;  // name -> value of all that a trial's bits depend on
+  Dependencies depends_on;  // name -> value of all that a trial's bits depend on
   Provenance provenance;
   int workers = 1;                          // 0: one per core
   int places = 1;                           // trials that a worker computes side by side
@@ -80,7 +82,9 @@ struct CampaignStatus {
 /// Changes nothing; may be called while the campaign runs. Throws InputError when `folder` holds no campaign.
 CampaignStatus campaign_status(const std::filesystem::path& folder);
 
-/// "31 go, 12 no_go (7 traction, 5 sinkage)": counts for one line.
-std::string counts_line(const Counts& by_verdict, const Counts& by_reason);
+/// The trials before the first missing one. Finished trials behind it are left out: trials that end early would be
+/// overrepresented. Changes nothing; may be called while the campaign runs. Throws InputError without a campaign or a
+/// committed shard, and for damaged files.
+Dataset campaign_snapshot(const std::filesystem::path& folder);
 
 }  // namespace gonogo::campaign

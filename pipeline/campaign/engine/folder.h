@@ -1,5 +1,6 @@
-// The folder of a campaign: its lock, its record of what the trials depend on, its files.
+// The folder of a campaign: its lock, its record of what the trials depend on, its files, its speed.
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -7,11 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "pipeline/campaign/engine/file_lock.h"
-
 namespace gonogo::campaign {
-
-using Dependencies = std::vector<std::pair<std::string, std::string>>;
 
 /// Finished trials of shards that are not committed yet: of the coordinator, and of a task that computes one shard.
 std::filesystem::path journal_path(const std::filesystem::path& folder);
@@ -23,37 +20,89 @@ std::filesystem::path running_folder(const std::filesystem::path& folder);
 /// Where a worker saves a trial that is under way.
 std::filesystem::path saved_trial_path(const std::filesystem::path& running, std::uint64_t index);
 
+/// A lock on a file, between processes and between the machines of a shared filesystem. Open file description locks
+/// (fcntl): released by the system when the process ends, passed on by NFS and Lustre.
+class FileLock {
+ public:
+  enum class Kind { shared, exclusive };
+
+  FileLock() = default;
+  ~FileLock();
+  FileLock(FileLock&& other) noexcept;
+  FileLock& operator=(FileLock&&) = delete;
+
+  /// Creates the file. Empty when another holds a lock that excludes this one. Throws InputError when the file cannot
+  /// be written, DeviceError when its filesystem has no locks.
+  static std::optional<FileLock> take(const std::filesystem::path& path, Kind kind);
+  /// The lock that another process holds, if any. Takes none itself.
+  static std::optional<Kind> held(const std::filesystem::path& path);
+
+ private:
+  int fd_ = -1;
+};
+
 /// Who works in a campaign's folder: one coordinator, or any number of tasks of a batch system.
 enum class FolderUse { none, tasks, coordinator };
 
-/// Holds the folder. The system takes the lock back when the process ends, however it ends; no clock is involved.
-class CampaignLock {
- public:
-  /// Creates the folder. Throws InputError when others hold it, DeviceError when it cannot be locked at all.
-  CampaignLock(const std::filesystem::path& folder, FolderUse use);
-
- private:
-  std::optional<FileLock> lock_;
-};
-
 FolderUse folder_use(const std::filesystem::path& folder);
 
-struct Claim {
-  std::size_t trials = 0;
-  std::size_t trials_per_shard = 0;
+struct ShardRange {
+  std::uint64_t first = 0, count = 0;
 };
 
-/// Writes campaign.json on the first run; later throws InputError naming each dependency that differs. Returns what
-/// holds now: the shards' size is decided by the first run.
-Claim claim_folder(const std::filesystem::path& folder, const Claim& wanted, const Dependencies& depends_on);
+/// How a design of `trials` points is cut into shards.
+struct ShardPlan {
+  std::uint64_t trials = 0, per_shard = 1;
+  std::uint64_t count() const { return (trials + per_shard - 1) / per_shard; }
+  std::uint64_t shard_of(std::uint64_t index) const { return index / per_shard; }
+  ShardRange range(std::uint64_t shard) const {
+    const std::uint64_t first = shard * per_shard;
+    return {first, per_shard < trials - first ? per_shard : trials - first};
+  }
+};
 
-/// The same for a task, which writes nothing: also throws when the folder holds another number of trials, or none.
-Claim require_claim(const std::filesystem::path& folder, std::size_t trials, const Dependencies& depends_on);
+using Dependencies = std::vector<std::pair<std::string, std::string>>;
+
+/// A campaign's folder and its claim, held until this is destroyed or the process ends, however it ends; no clock is
+/// involved.
+struct HeldFolder {
+  FileLock lock;
+  ShardPlan plan;
+};
+
+/// For a coordinator. Creates the folder, writes campaign.json on the first run, and removes what killed processes
+/// left. The shards' size is decided by the first run. Throws InputError when others hold the folder, and naming each
+/// dependency that differs; DeviceError when the folder cannot be locked at all.
+HeldFolder hold_folder(const std::filesystem::path& folder, const ShardPlan& wanted, const Dependencies& depends_on);
+
+/// For work on a campaign that is claimed. Throws the same, and InputError when the folder holds another number of
+/// trials than `trials`, or none.
+HeldFolder hold_claimed_folder(const std::filesystem::path& folder, FolderUse use, std::uint64_t trials,
+                               const Dependencies& depends_on);
 
 /// The campaign of this folder; throws InputError when there is none.
-Claim read_claim(const std::filesystem::path& folder);
+ShardPlan read_claim(const std::filesystem::path& folder);
 
-/// Removes what a process killed while writing left beside its target. Needs the lock.
-void remove_partial_files(const std::filesystem::path& folder);
+/// Speed of one writer, for other processes: a small file with a span of the writer's own clock, so that clocks of two
+/// machines are never compared. Removed at the end. Failures are ignored: the file serves `campaign status` alone.
+class PaceWriter {
+ public:
+  PaceWriter(const std::filesystem::path& folder, const std::string& writer);
+  ~PaceWriter();
+  PaceWriter(const PaceWriter&) = delete;
+  PaceWriter& operator=(const PaceWriter&) = delete;
+
+  void trial_done() { ++done_; }
+  /// Writes at most every two seconds; call often.
+  void tell_if_due();
+
+ private:
+  std::filesystem::path path_;
+  std::size_t done_ = 0;
+  std::chrono::steady_clock::time_point start_, last_;
+};
+
+/// Trials per second of all writers together [1/s]; 0 when there is none.
+double total_pace(const std::filesystem::path& folder);
 
 }  // namespace gonogo::campaign

@@ -1,16 +1,157 @@
 #include "pipeline/campaign/engine/study_campaign.h"
 
+#include <gnu/libc-version.h>
+#include <unistd.h>
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 
+#include "base/error.h"
+#include "base/files/file.h"
+#include "base/format.h"
+#include "base/parallel/for_each.h"
 #include "base/progress.h"
+#include "base/version.h"
+#include "pipeline/campaign/design/design.h"
 #include "pipeline/campaign/engine/folder.h"
-#include "pipeline/campaign/engine/plan.h"
 #include "pipeline/campaign/engine/worker.h"
-#include "pipeline/campaign/trial/batch.h"
-#include "sim/simulation/device.h"
+#include "pipeline/campaign/study/study.h"
+#include "pipeline/campaign/trial/trial.h"
+#include "sim/simulation/simulation.h"
 
 namespace gonogo::campaign {
+namespace fs = std::filesystem;
 namespace {
+
+constexpr const char* kSections[] = {"soil", "trial", "design"};
+
+/// Leaves of a JSON value by path: {"trial.step_s": "0.001", ...}, so that a change can be named.
+void add_leaves(const std::string& path, const Json& value, Dependencies& leaves) {
+  if (!value.is_object()) {
+    leaves.emplace_back(path, value.dump());
+    return;
+  }
+  const std::string prefix = path + ".";
+  for (const auto& [key, member] : value.members()) add_leaves(prefix + key, member, leaves);
+}
+
+/// The parts of the study that trials depend on.
+Json relevant_study(const Study& study) {
+  Json relevant = Json::object();
+  relevant["study"] = study.name;
+  relevant["seed"] = study.seed;
+  if (study.gravity != kGravity) relevant["gravity"] = study.gravity;
+  for (const char* section : kSections)
+    if (const Json* value = study.config.json().find(section)) relevant[section] = *value;
+  return relevant;
+}
+
+Dependencies dependencies(const Study& study, const Provenance& provenance) {
+  Dependencies result{{"program", provenance.program_version},
+                      {"backend", provenance.backend},
+                      {"contract", provenance.contract_hash},
+                      {"seed", std::to_string(study.seed)}};
+  for (const auto& [name, version] : provenance.libraries) result.emplace_back(name, version);
+  for (const auto& [name, hash] : provenance.inputs) result.emplace_back("content of " + name, hash);
+  for (const char* section : kSections) {
+    const Json* value = study.config.json().find(section);
+    if (value) add_leaves(section, *value, result);
+  }
+  if (study.gravity != kGravity) result.emplace_back("gravity", number_text(study.gravity, 6));
+  std::erase_if(result, [](const auto& entry) { return entry.first == "design.points"; });
+  return result;
+}
+
+}  // namespace
+
+std::string campaign_program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
+
+CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& folder, int workers,
+                              const InputFiles& inputs, const std::string& backend) {
+  CampaignRequest request;
+  request.folder = folder;
+  request.design = make_design(read_design(study.section("design"), study.seed));
+  Provenance& provenance = request.provenance;
+  provenance.study = relevant_study(study).dump(2);
+  provenance.contract_hash = content_hash(contract_text());
+  provenance.program_version = campaign_program();
+  provenance.backend = backend;
+  const auto add_input = [&](const std::string& name, const std::filesystem::path& path) {
+    provenance.inputs.emplace_back(name, file_hash(path));
+    provenance.files.emplace_back(name, read_file(path));
+  };
+  if (!study.vehicle.empty()) add_input("vehicle", study.vehicle);
+  for (const auto& [name, path] : inputs) add_input(name, path);
+  provenance.libraries = {{"compiler", __VERSION__}, {"libc", gnu_get_libc_version()}};
+  request.depends_on = dependencies(study, provenance);
+  request.workers = workers;
+  request.worker_command = {"/proc/self/exe", "campaign", "worker", study.file.string()};
+  return request;
+}
+
+namespace {
+
+/// Enough worlds to keep a GPU busy with trials of some ten thousand contacts.
+constexpr int kPlacesOfGpu = 64;
+
+struct ComputeSettings {
+  sim::Backend device = sim::Backend::cpu;
+  std::string backend = "cpu";  // as results name it: "cpu", or "cuda" and the name of the devices
+  int places = 1;               // trials that a worker computes side by side
+  int workers = 1;
+  int gpus = 0;                  // that the workers share; 0 for the cpu
+  double checkpoint_every = 30;  // running trials are saved [s of the wall clock]; 0: never
+  int threads = 1;               // for what the host does itself
+};
+
+struct ComputeSection {
+  std::optional<std::string> device;
+  std::optional<int> places, workers;
+  std::optional<double> checkpoint_every;
+};
+
+ComputeSection read_compute_section(const Study& study) {
+  ComputeSection s;
+  const auto c = study.config.object_if("compute");
+  if (!c) return s;
+  if (c->has("device")) s.device = c->choice("device", {"cpu", "cuda"});
+  if (c->has("places")) s.places = int(c->integer("places", {1, 4096}));
+  if (c->has("workers")) s.workers = int(c->integer("workers", {1, 4096}));
+  if (c->has("checkpoint_s")) s.checkpoint_every = c->number("checkpoint_s", {0, 1e6});
+  c->finish();
+  return s;
+}
+
+/// All GPUs that are used must be alike: bits are the same on one kind of device.
+void use_gpus(ComputeSettings& s) {
+  const std::vector<std::string> names = sim::cuda_device_names();
+  if (names.empty())
+    throw InputError("the study is to be computed on a GPU, and this build or machine has none; take --device cpu");
+  for (const std::string& name : names)
+    if (name != names.front())
+      throw InputError("this machine has GPUs of two kinds (" + names.front() + ", " + name +
+                       "), whose results may differ in their last bits; name those to use in CUDA_VISIBLE_DEVICES");
+  s.device = sim::Backend::cuda;
+  s.backend = "cuda, " + names.front();
+  s.gpus = int(names.size());
+}
+
+/// Throws InputError for numbers out of range, and for a device that this build or machine lacks.
+ComputeSettings read_compute(const Study& study, const ComputeRequest& request) {
+  const ComputeSection section = read_compute_section(study);
+  ComputeSettings s;
+  s.threads = threads_or_all(request.threads);
+  if (request.device.value_or(section.device.value_or("cpu")) == "cuda") use_gpus(s);
+  const bool on_gpu = s.gpus > 0;
+  const auto chosen = [](const auto& first, const auto& second, auto otherwise) {
+    return first ? *first : second.value_or(otherwise);
+  };
+  s.places = chosen(request.places, section.places, on_gpu ? kPlacesOfGpu : 1);
+  s.workers = chosen(request.workers, section.workers, on_gpu ? s.gpus : s.threads);
+  s.checkpoint_every = chosen(request.checkpoint_every, section.checkpoint_every, s.checkpoint_every);
+  return s;
+}
 
 class BatchEngine : public TrialEngine {
  public:
@@ -96,6 +237,84 @@ WorkerOptions worker_options(const Study& study, const std::filesystem::path& fo
                         .checkpoint_every = compute.checkpoint_every};
   if (compute.checkpoint_every > 0) options.checkpoints = running_folder(folder);
   return options;
+}
+
+namespace {
+
+class TemporaryPlace {
+ public:
+  TemporaryPlace() {
+    std::string name = (fs::temp_directory_path() / "gonogo-replay-XXXXXX").string();
+    if (!::mkdtemp(name.data())) throw DeviceError(name + ": cannot make a temporary folder");
+    folder_ = name;
+  }
+  ~TemporaryPlace() {
+    std::error_code ignored;
+    fs::remove_all(folder_, ignored);
+  }
+  TemporaryPlace(const TemporaryPlace&) = delete;
+  TemporaryPlace& operator=(const TemporaryPlace&) = delete;
+  const fs::path& folder() const { return folder_; }
+
+ private:
+  fs::path folder_;
+};
+
+const TrialRecord& find_trial(const Dataset& dataset, std::uint64_t index) {
+  for (const TrialRecord& record : dataset.records)
+    if (record.point.index == index) return record;
+  throw InputError("trial " + std::to_string(index) + " is not in this dataset of " +
+                   std::to_string(dataset.records.size()) + " trials");
+}
+
+/// The study's file as it was, but for the places of the files it names.
+fs::path write_study(const Dataset& dataset, const fs::path& folder) {
+  if (dataset.provenance.files.empty())
+    throw InputError(
+        "this dataset does not hold the files that its trials depend on: it was made by a program before " +
+        std::string("they were stored; run its campaign again"));
+  Json study = Json::parse(dataset.provenance.study, "study stored in the dataset");
+  for (const auto& [name, text] : dataset.provenance.files) {
+    write_file_atomically(folder / (name + ".json"), text);
+    if (name == "vehicle") study["vehicle"] = name + ".json";
+    if (name == "calibration") study["soil"]["calibration"] = name + ".json";
+  }
+  write_file_atomically(folder / "study.json", study.dump(2) + "\n");
+  return folder / "study.json";
+}
+
+TrialRecord compute(const TrialSetup& setup, const DesignPoint& point, sim::Backend device, int threads) {
+  TrialBatch batch(setup, {device, 1, threads});
+  batch.start(point);
+  while (batch.running() > 0)
+    if (std::vector<TrialRecord> ended = batch.advance(); !ended.empty()) return std::move(ended.front());
+  throw DeviceError("the trial ended without a record");
+}
+
+sim::Backend device_of(const Dataset& dataset) {
+  if (dataset.provenance.backend == "cpu") return sim::Backend::cpu;
+  if (sim::cuda_device_names().empty())
+    throw InputError("this dataset was computed on \"" + dataset.provenance.backend +
+                     "\", and this build or machine has no GPU");
+  return sim::Backend::cuda;
+}
+
+}  // namespace
+
+Replay replay_trial(const Dataset& dataset, std::uint64_t index, int threads) {
+  const TrialRecord& stored = find_trial(dataset, index);
+  const sim::Backend device = device_of(dataset);
+  const TemporaryPlace place;
+  const TrialSetup setup =
+      read_trial_setup(read_study(write_study(dataset, place.folder())), default_packing_folder(), device);
+  const int all = threads_or_all(threads);
+  prepare_trials(setup, std::span(&stored.point, 1), all);
+  Replay replay;
+  replay.record = compute(setup, stored.point, device, all);
+  replay.same_program = dataset.provenance.program_version == campaign_program();
+  replay.differences =
+      difference({.records = {stored}, .provenance = {}}, {.records = {replay.record}, .provenance = {}}).rows;
+  return replay;
 }
 
 }  // namespace gonogo::campaign

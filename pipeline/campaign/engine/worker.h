@@ -1,13 +1,48 @@
-// The worker's side of a campaign: points in, trials out, one sealed line each.
+// Both ends of the line between a coordinator and its workers.
 #pragma once
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "pipeline/campaign/trial/record.h"
+#include "pipeline/campaign/setup/record.h"
 
 namespace gonogo::campaign {
+
+/// What was heard of one worker.
+struct CrewNews {
+  std::size_t worker = 0;
+  std::vector<std::string> lines;
+  bool gone = false;                 // it ended; the next send() to it starts another one
+  bool killed_from_outside = false;  // by a person or a kernel short of memory, rather than by its own code
+  std::string end;                   // "was killed by signal 9 (Killed)"
+};
+
+/// Workers as the coordinator sees them: numbered, they get lines of text and answer with lines. They are processes of
+/// this machine or ranks of an MPI job (cluster/mpi_crew.h). The destructor ends them.
+class Crew {
+ public:
+  virtual ~Crew() = default;
+  virtual std::size_t size() const = 0;
+  /// Starts the worker when there is none. Throws DeviceError when that is impossible.
+  virtual void send(std::size_t worker, const std::string& line) = 0;
+  /// Waits at most so long for anything to be heard.
+  virtual std::vector<CrewNews> wait(int milliseconds) = 0;
+};
+
+/// Makes a crew of at most `max_workers` workers.
+using CrewMaker = std::function<std::unique_ptr<Crew>(std::size_t max_workers)>;
+
+/// Program and arguments of a process that calls run_worker, the `worker`-th of its crew.
+using WorkerCommand = std::function<std::vector<std::string>(std::size_t worker)>;
+
+/// Processes of this machine, each with one thread for OpenMP and a process group of its own, so that Ctrl-C reaches
+/// the coordinator alone.
+std::unique_ptr<Crew> process_crew(std::size_t size, WorkerCommand command);
+
+// The worker's side: points in, trials out, one sealed line each.
 
 /// A trial is a pure function of its point: the same bits in any process, however often it runs. Throws InputError or
 /// DeviceError only for a fault that every trial would meet; the campaign stops with that sentence. A failed simulation

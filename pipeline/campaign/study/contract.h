@@ -1,6 +1,7 @@
 // The contract: every variable, measure, verdict and reason. It is read from configs/schema/variables.json, the only
 // list of them, which is compiled into the program.
 #pragma once
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -99,5 +100,28 @@ const Contract& contract();
 
 /// The schema's text, byte for byte (hashed into provenance).
 const std::string& contract_text();
+
+// Variables that one type of trial alone has, such as the width of a ditch. Their prior in the contract is "task".
+//
+// Their name is that of the type and of the number: ditch_width is "width_m" of the type "ditch". A study gives such a
+// number either in trial.task, for all trials, or as a variable of its design. In all other trials the variable is 0,
+// which none of these numbers can be. Datasets and tables without any of them lack their columns, and old models too.
+
+inline bool is_task_variable(const Variable& v) { return v.prior == "task"; }
+
+/// Whether a table has a column for this variable. `with_task`: the table has the variables of tasks.
+inline bool has_column(const Variable& v, bool with_task) { return with_task || !is_task_variable(v); }
+
+/// Number of a task and the variable of the contract that may give it.
+struct TaskNumber {
+  std::string key;  // "width_m"
+  std::size_t variable;
+};
+
+/// Numbers of this type of trial that are variables; empty where none is.
+std::vector<TaskNumber> task_numbers(const std::string& type);
+
+/// Whether a variable of a task is set in a point, [contract().variables.size()].
+bool has_task_values(std::span<const double> variables);
 
 }  // namespace gonogo::campaign

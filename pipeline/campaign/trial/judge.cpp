@@ -1,39 +1,15 @@
+#include "pipeline/campaign/trial/judge.h"
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 
 #include "base/units.h"
-#include "pipeline/campaign/trial/drive.h"
-#include "vehicle/model/engine_vehicle.h"
 #include "vehicle/model/statics.h"
+#include "vehicle/world/engine_vehicle.h"
 
 namespace gonogo::campaign {
 namespace {
-
-/// A wheel of the vehicle and the monitor that watches it.
-struct WatchedWheel {
-  std::string name;
-  Index monitor = 0;
-  double radius = 0;  // [m]
-  bool driven = true, sinks = true;
-};
-
-std::vector<WatchedWheel> watched_wheels(const TrialSetup& setup) {
-  if (!setup.whole) return {{.name = "wheel", .radius = setup.rig.radius}};
-  std::vector<WatchedWheel> wheels;
-  for (const vehicle::RunningPart& p : vehicle::running_parts(*setup.whole))
-    wheels.push_back({.name = p.name,
-                      .monitor = Index(wheels.size()) + 1,
-                      .radius = p.rolling_radius,
-                      .driven = p.driven,
-                      .sinks = p.reach > 0});
-  return wheels;
-}
-
-/// How many of them touch the ground: sinkage is their mean.
-double sinking(const std::vector<WatchedWheel>& wheels) {
-  return double(std::count_if(wheels.begin(), wheels.end(), [](const WatchedWheel& w) { return w.sinks; }));
-}
 
 /// A drive that is over, read from its monitor.
 class Judge {
@@ -52,13 +28,13 @@ class Judge {
   DriveOutcome outcome() {
     DriveOutcome o = measures();
     if (setup_.task->tow().share > 0) o.pull = pull_points();
-    if (const auto slip = setup_.task->given_slip()) o.pull = {led_point(o, *slip)};
+    if (const auto slip = setup_.task->given_slip()) o.pull = {towed_point(o, *slip)};
     const auto [common, reason] = verdict(o);
     const DriveEnd end{.verdict = common,
                        .reason = reason,
                        .travelled = end_.now.x,
                        .drift = o.drift,
-                       .vehicle_length = setup_.vehicle_length(),
+                       .vehicle_length = setup_.vehicle.length,
                        .go_slip = setup_.thresholds.go_slip,
                        .pull = o.pull};
     std::tie(o.verdict, o.reason) = setup_.task->judge(end);
@@ -78,7 +54,7 @@ class Judge {
     if (cause_ == sim::StopCause::immobile) {
       const bool turning = rolled_in_window() > 0.5 * conditions_.speed * t.immobile_time;
       if (!turning) return {Verdict::no_go, Reason::power};
-      if (o.sinkage > setup_.clearance()) return {Verdict::no_go, Reason::sinkage};
+      if (o.sinkage > setup_.vehicle.clearance) return {Verdict::no_go, Reason::sinkage};
       return {Verdict::no_go, Reason::traction};
     }
     return {Verdict::no_go, Reason::timeout};
@@ -106,13 +82,39 @@ class Judge {
   sim::MonitorSample now(const WatchedWheel& w) const { return simulation_.monitor(world_, w.monitor).now; }
   sim::MonitorSample sample(Index monitor, Index i) const { return simulation_.samples(world_, monitor, i, 1).front(); }
 
+  struct WheelMeans {
+    std::vector<sim::MonitorMeans> of_wheel;
+    double rolled = 0, torque = 0;  // means over the driven wheels [m], [N m]
+    double work = 0, drop = 0;      // sum over the driven wheels [J]; mean over those that touch the ground [m]
+  };
+
+  /// From a sample to the one that `end` gives of each wheel.
+  template <class EndOf>
+  WheelMeans means(Index from, EndOf&& end) const {
+    WheelMeans mean;
+    double driven = 0;
+    for (const WatchedWheel& w : wheels_) {
+      const sim::MonitorMeans& of =
+          mean.of_wheel.emplace_back(sim::means_between(sample(w.monitor, from), end(w), step_));
+      if (w.sinks) mean.drop += of.drop / sinking(wheels_);
+      if (!w.driven) continue;
+      mean.rolled += of.turned * w.radius;
+      mean.work += of.work;
+      mean.torque += of.torque;
+      ++driven;
+    }
+    mean.rolled /= driven;
+    mean.torque /= driven;
+    return mean;
+  }
+
   DriveOutcome measures() {
     DriveOutcome o;
     o.flags = end_.now.flags;
     o.worst_residual = end_.worst_residual;
-    // A carriage that leads a wheel does work that the monitor does not see: there is no balance.
-    const bool led = setup_.task->given_slip().has_value();
-    o.energy_error = !led && end_.exchanged > 0 ? end_.energy_gained / end_.exchanged : 0;
+    // A carriage that tows a wheel does work that the monitor does not see: there is no balance.
+    const bool towed = setup_.task->given_slip().has_value();
+    o.energy_error = !towed && end_.exchanged > 0 ? end_.energy_gained / end_.exchanged : 0;
     o.drift = end_.now.y;
     o.distance = std::max(0.0, end_.now.x - setup_.run_in_distance);
     // One sample per step; driving begins with the step that ends at park_time.
@@ -121,23 +123,15 @@ class Judge {
     if (driven < 4) return o;
     o.drive_time = (end_.now.step - parked) * step_;
     const sim::MonitorMeans half = sim::means_between(sample(0, first + driven / 2), end_.now, step_);
-    double rolled = 0, work = 0, drop = 0, torque = 0, driven_wheels = 0;
-    for (const WatchedWheel& w : wheels_) {
-      const sim::MonitorMeans of = sim::means_between(sample(w.monitor, first + driven / 2), now(w), step_);
-      if (w.sinks) drop += of.drop / sinking(wheels_);
-      if (setup_.whole) o.wheels.push_back(record_of(w, of, half.x));
-      if (!w.driven) continue;
-      rolled += of.turned * w.radius;
-      work += of.work;
-      torque += of.torque;
-      ++driven_wheels;
-    }
-    rolled /= driven_wheels;
+    const WheelMeans mean = means(first + driven / 2, [&](const WatchedWheel& w) { return now(w); });
+    if (wheels_.size() > 1)
+      for (std::size_t i = 0; i < wheels_.size(); ++i)
+        o.wheels.push_back(record_of(wheels_[i], mean.of_wheel[i], half.x));
     o.mean_speed = half.x / half.time;
-    o.slip = rolled > 0 ? 1 - half.x / rolled : kNaN;
-    o.sinkage = drop;
-    o.mean_torque = torque / driven_wheels;
-    o.energy_per_metre = half.x > 0 ? work / half.x : kNaN;
+    o.slip = mean.rolled > 0 ? 1 - half.x / mean.rolled : kNaN;
+    o.sinkage = mean.drop;
+    o.mean_torque = mean.torque;
+    o.energy_per_metre = half.x > 0 ? mean.work / half.x : kNaN;
     return o;
   }
 
@@ -166,8 +160,8 @@ class Judge {
     }
   }
 
-  /// Of a wheel that a carriage leads: the mean forces of the carriage's springs and dampers over the last half.
-  PullPoint led_point(const DriveOutcome& o, double slip) const {
+  /// Pull of a towed wheel: mean forces of the carriage's springs and dampers over the last half.
+  PullPoint towed_point(const DriveOutcome& o, double slip) const {
     const double speed = conditions_.speed * (1 - slip), weight = setup_.weight(conditions_.payload);
     const Index first = end_.sample_count / 2, count = end_.sample_count - first;
     const auto samples = simulation_.samples(world_, 0, first, count);
@@ -191,21 +185,12 @@ class Judge {
   /// Between two samples, under a mean load.
   PullPoint pull_point(Index from, Index to, double load) const {
     const sim::MonitorMeans of = sim::means_between(sample(0, from), sample(0, to), step_);
-    PullPoint p;
-    p.pull = load;
-    p.speed = of.x / of.time;
-    double rolled = 0, driven = 0;
-    for (const WatchedWheel& w : wheels_) {
-      const sim::MonitorMeans turned = sim::means_between(sample(w.monitor, from), sample(w.monitor, to), step_);
-      if (w.sinks) p.sinkage += turned.drop / sinking(wheels_);
-      if (!w.driven) continue;
-      rolled += turned.turned * w.radius;
-      p.torque += turned.torque;
-      ++driven;
-    }
-    p.torque /= driven;
-    p.slip = rolled > 0 ? 1 - of.x / (rolled / driven) : kNaN;
-    return p;
+    const WheelMeans mean = means(from, [&](const WatchedWheel& w) { return sample(w.monitor, to); });
+    return {.pull = load,
+            .slip = mean.rolled > 0 ? 1 - of.x / mean.rolled : kNaN,
+            .speed = of.x / of.time,
+            .sinkage = mean.drop,
+            .torque = mean.torque};
   }
 
   static WheelRecord record_of(const WatchedWheel& w, const sim::MonitorMeans& of, double travelled) {
@@ -226,32 +211,60 @@ class Judge {
   sim::MonitorState end_;
 };
 
-template <class SampleOf>
-SeenWheels mean_of_wheels(const TrialSetup& setup, SampleOf&& sample_of) {
-  SeenWheels seen;
-  double driven = 0;
-  const auto wheels = watched_wheels(setup);
-  for (const WatchedWheel& w : wheels) {
-    const sim::MonitorSample now = sample_of(w.monitor);
-    if (w.sinks) seen.sinkage += now.drop / sinking(wheels);
-    if (!w.driven) continue;
-    seen.rolled += now.turned * w.radius;
-    seen.torque += now.torque;
-    ++driven;
-  }
-  seen.rolled /= driven;
-  seen.torque /= driven;
-  return seen;
-}
-
 }  // namespace
 
-SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world) {
-  return mean_of_wheels(setup, [&](Index m) { return simulation.monitor(world, m).now; });
+std::vector<WatchedWheel> watched_wheels(const TrialSetup& setup) {
+  const Index first = first_wheel_monitor(setup.vehicle);
+  std::vector<WatchedWheel> wheels;
+  for (const vehicle::RunningPart& p : vehicle::running_parts(setup.vehicle))
+    wheels.push_back({.name = p.name,
+                      .monitor = first + Index(wheels.size()),
+                      .radius = p.rolling_radius,
+                      .driven = p.driven,
+                      .sinks = p.reach > 0});
+  return wheels;
 }
 
-SeenWheels seen_wheels(const TrialSetup& setup, sim::Simulation& simulation, sim::WorldIndex world, Index sample) {
-  return mean_of_wheels(setup, [&](Index m) { return simulation.samples(world, m, sample, 1).front(); });
+double sinking(const std::vector<WatchedWheel>& wheels) {
+  return double(std::count_if(wheels.begin(), wheels.end(), [](const WatchedWheel& w) { return w.sinks; }));
+}
+
+DriveOutcome outcome_of_failed_bed(const TiltedBed& bed) {
+  DriveOutcome o;
+  o.flags = bed.flags;
+  o.worst_residual = bed.residual;
+  o.bed_creep = bed.creep;
+  if (bed.flags == 0) {
+    o.verdict = Verdict::no_go;
+    o.reason = Reason::slope_unstable;
+  }
+  o.slip = o.sinkage = o.drift = o.mean_torque = o.energy_per_metre = kNaN;
+  return o;
+}
+
+static_assert(int(check_not_finite) == sim::flag_not_finite && int(check_too_fast) == sim::flag_too_fast &&
+              int(check_left_domain) == sim::flag_left_domain);
+
+std::uint64_t failed_checks(const TrialSetup& setup, const DriveOutcome& o) {
+  std::uint64_t failed = std::uint64_t(o.flags);
+  if (!(o.worst_residual <= setup.thresholds.residual)) failed |= check_residual;
+  if (!(o.energy_error <= setup.thresholds.energy_error)) failed |= check_energy;
+  return failed;
+}
+
+void store_measures(const DriveOutcome& o, TrialRecord& record) {
+  const auto set = [&](const char* name, double x) { record.measures[contract().measure_index(name)] = x; };
+  set("distance", o.distance);
+  set("drive_time", o.drive_time);
+  set("mean_speed", o.mean_speed);
+  set("slip", o.slip);
+  set("sinkage", o.sinkage);
+  set("drift", o.drift);
+  set("mean_torque", o.mean_torque);
+  set("energy_per_metre", o.energy_per_metre);
+  set("bed_creep", o.bed_creep);
+  set("worst_residual", o.worst_residual);
+  set("energy_error", o.energy_error);
 }
 
 DriveOutcome judge_drive(const TrialSetup& setup, const TrialConditions& conditions, const TiltedBed& bed, double step,

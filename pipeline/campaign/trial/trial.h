@@ -1,13 +1,16 @@
-// One trial: a driven wheel on a settled bed under tilted gravity, from design point to verdict.
+// Trials from design point to verdict: a vehicle on a settled bed under tilted gravity. One alone, or many in a batch.
 #pragma once
-#include <functional>
+#include <array>
+#include <memory>
 #include <span>
+#include <vector>
 
-#include "base/units.h"
-#include "pipeline/campaign/trial/record.h"
-#include "pipeline/campaign/trial/setup.h"
+#include "pipeline/campaign/setup/read_setup.h"
+#include "pipeline/campaign/trial/watch.h"
 
 namespace gonogo::campaign {
+
+class TrialRun;
 
 /// Settles and stores the packings that trials at these points need, so that workers find them. Safe to repeat.
 void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points, int threads);
@@ -16,43 +19,6 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
 /// once with half the step; failing again it is `unknown`, never `no_go`. Throws only for bad input and missing
 /// packings.
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point);
-
-/// Gravity in the frame of the bed (x along the heading, y left, z out of the bed) for slopes along and across it
-/// [m/s^2]. The bed's normal leans by `s` from the vertical with tan^2 s = tan^2 along + tan^2 across. `gravity`: its
-/// magnitude [m/s^2].
-Vec3d bed_gravity(double slope_along_deg, double slope_across_deg, double gravity = kGravity);
-
-/// State of a trial after a step, for observers. Numbers of the drive are NaN where the bed failed before there was a
-/// wheel.
-struct TrialSample {
-  double time = 0;                   // from letting the wheel down [s]
-  double x = kNaN;                   // travelled [m]
-  double y = kNaN;                   // [m]
-  double sinkage = kNaN;             // [m]
-  double speed = kNaN;               // [m/s]
-  double slip = kNaN;                // of the latest 0.25 s [-]
-  double torque = kNaN;              // [N m]
-  double residual = 0;               // root mean square over contacts [m/s]
-  int contacts = 0, iterations = 0;  // of the step
-};
-using TrialObserver = std::function<void(const TrialSample&)>;
-
-/// The bodies of a running trial, valid during the call.
-struct TrialFrame {
-  const TrialSample& sample;
-  const sim::SceneWorld& world;  // shapes, masses and bounds; its bodies are where they were at the start
-  sim::Simulation& simulation;   // now; only to be read
-  sim::WorldIndex place;         // of this world in it
-  sim::BodyIndex wheel;          // -1 when the bed failed before there was one
-};
-
-/// Observers of a trial. Watching does not change its bits.
-struct TrialWatch {
-  std::function<void()> start;                   // before each attempt: drop what an earlier one showed
-  TrialObserver sample;                          // after every step
-  std::function<void(const TrialFrame&)> frame;  // at the start, at intervals, and at the end
-  double frame_interval = 0.02;                  // [s]
-};
 
 /// Where a trial saves itself while it drives, and how often.
 struct TrialCheckpoint {
@@ -72,5 +38,55 @@ struct TrialDevice {
 /// The file is removed at the end. Ctrl-C saves and throws Cancelled. Throws InputError for a file of another trial.
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
                       const TrialCheckpoint& checkpoint = {}, const TrialDevice& device = {});
+
+struct BatchSettings {
+  sim::Backend backend = sim::Backend::cpu;
+  int places = 1;   // trials at a time
+  int threads = 1;  // of the cpu backend
+};
+
+/// Whether trials of both may stand in one batch: same grains, step and iterations.
+bool same_steps(const TrialSetup& a, const TrialSetup& b);
+
+/// Trials side by side in one batch of worlds. When one ends, another takes its place while the rest go on. Each record
+/// has the bits that the trial has alone.
+class TrialBatch {
+ public:
+  /// `setup` must outlive it.
+  TrialBatch(const TrialSetup& setup, const BatchSettings& settings);
+  ~TrialBatch();
+
+  int running() const { return int(trial_.size()); }
+  /// Trials whose first attempt failed and whose second one has not begun; they keep their places.
+  int waiting() const;
+  int free_places() const { return settings_.places - running(); }
+
+  /// Needs a free place. Throws InputError for a design point or a checkpoint that cannot be used.
+  void start(const DesignPoint& point, const TrialWatch& watch = {}, const TrialCheckpoint& checkpoint = {});
+  /// A trial of another setup, which must outlive the batch too. Throws InputError for one with other grains or
+  /// numerics: all worlds of a batch take the same steps.
+  void start(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch = {},
+             const TrialCheckpoint& checkpoint = {});
+
+  /// Takes all trials to the next look; returns the records of those that ended. On Ctrl-C Cancelled is thrown;
+  /// trials with a checkpoint have been saved.
+  std::vector<TrialRecord> advance();
+
+ private:
+  struct AttemptPlaces;
+  AttemptPlaces& places_of(std::uint64_t attempt);
+  int in_place(std::uint64_t attempt) const;
+  int second_attempts() const;
+  void begin_second_attempts();
+  std::vector<TrialRun*> ready(std::uint64_t attempt);
+  void take_steps(std::uint64_t attempt);
+  void save();
+  std::vector<TrialRecord> collect();
+
+  const TrialSetup& setup_;
+  BatchSettings settings_;
+  std::array<std::unique_ptr<AttemptPlaces>, 2> places_;  // by attempt
+  std::vector<std::unique_ptr<TrialRun>> trial_;
+};
 
 }  // namespace gonogo::campaign

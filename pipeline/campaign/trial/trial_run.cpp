@@ -7,16 +7,21 @@
 
 #include "base/error.h"
 #include "base/format.h"
+#include "base/hdf5/hdf5.h"
 #include "base/progress.h"
 #include "sim/io/checkpoint.h"
 
 namespace gonogo::campaign {
 namespace {
 
+constexpr const char* kGroup = "trial";
+constexpr const char* kBed = "trial/bed";
+constexpr const char* kGrains = "trial/bed/grains";
+constexpr std::size_t kColumns = 7;
+
 using Clock = std::chrono::steady_clock;
 
 constexpr double kRenewEvery = 0.1;  // of the moving patch [s]
-constexpr Index kNever = std::numeric_limits<Index>::max();
 
 Clock::time_point in_seconds(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -30,51 +35,99 @@ double first_part(std::uint64_t index) {
   return 1 - (x - std::floor(x));
 }
 
-void store_measures(const DriveOutcome& o, TrialRecord& record) {
-  const auto set = [&](const char* name, double x) { record.measures[contract().measure_index(name)] = x; };
-  set("distance", o.distance);
-  set("drive_time", o.drive_time);
-  set("mean_speed", o.mean_speed);
-  set("slip", o.slip);
-  set("sinkage", o.sinkage);
-  set("drift", o.drift);
-  set("mean_torque", o.mean_torque);
-  set("energy_per_metre", o.energy_per_metre);
-  set("bed_creep", o.bed_creep);
-  set("worst_residual", o.worst_residual);
-  set("energy_error", o.energy_error);
-}
+/// A running trial to be saved. The hashes (sim/io/checkpoint.h) are those of the world of its first phase and of its
+/// present world.
+struct RunState {
+  std::uint64_t attempt = 1;
+  std::string bed_scene, scene;
+  const TiltedBed* bed = nullptr;  // at the end of the first phase; null during it
+  sim::Snapshot world;
+};
 
-static_assert(int(check_not_finite) == sim::flag_not_finite && int(check_too_fast) == sim::flag_too_fast &&
-              int(check_left_domain) == sim::flag_left_domain);
-
-/// Bits of the checks that the simulation failed; its outcome counts when there are none.
-std::uint64_t failed_checks(const TrialSetup& setup, const DriveOutcome& o) {
-  std::uint64_t failed = std::uint64_t(o.flags);
-  if (!(o.worst_residual <= setup.thresholds.residual)) failed |= check_residual;
-  if (!(o.energy_error <= setup.thresholds.energy_error)) failed |= check_energy;
-  return failed;
+/// Writes the file, whole or not at all.
+void save_run(const std::filesystem::path& path, const RunState& state) {
+  Hdf5Writer out;
+  out.group(kGroup);
+  out.attribute(kGroup, "attempt", std::int64_t(state.attempt));
+  if (state.bed) {
+    out.group(kBed);
+    out.attribute(kBed, "scene", state.bed_scene);
+    out.attribute(kBed, "creep", state.bed->creep);
+    out.attribute(kBed, "residual", state.bed->residual);
+    std::vector<double> rows;
+    for (const auto& [x, q] : state.bed->grain) rows.insert(rows.end(), {x.x, x.y, x.z, q.w, q.x, q.y, q.z});
+    out.array(kGrains, rows, {state.bed->grain.size(), kColumns});
+    out.attribute(kGrains, "columns",
+                  std::vector<std::string>{"x [m]", "y [m]", "z [m]", "orientation w", "x", "y", "z"});
+  }
+  sim::store_snapshot(out, state.world, state.scene);
+  out.save(path);
 }
 
 }  // namespace
 
+/// A running trial on disk: its attempt and phase, its bed, its world and the monitors' sums, in the order in which a
+/// trial can check them. A killed trial goes on from there and ends with the bits of one that was never killed. All
+/// throws InputError for a damaged file and one of another trial.
+class SavedRun {
+ public:
+  explicit SavedRun(const std::filesystem::path& path) : in_(path) {
+    if (!in_.has(kGroup)) in_.fail(kGroup, "this is no checkpoint of a trial; name another file or remove this one");
+  }
+
+  std::uint64_t attempt() const {
+    const std::int64_t attempt = in_.integer_attribute(kGroup, "attempt");
+    if (attempt != 1 && attempt != 2)
+      in_.fail(kGroup, "attempt is " + std::to_string(attempt) + ", allowed are 1 and 2; remove the file");
+    return std::uint64_t(attempt);
+  }
+
+  /// Whether the first phase was over.
+  bool driving() const { return in_.has(kBed); }
+
+  TiltedBed bed(const std::string& bed_scene) const {
+    if (in_.text_attribute(kBed, "scene") != bed_scene)
+      in_.fail(kBed,
+               "belongs to another scene or other numerics; give the file the trial it came from, or remove it and "
+               "start from the beginning");
+    TiltedBed bed;
+    bed.creep = in_.number_attribute(kBed, "creep");
+    bed.residual = in_.number_attribute(kBed, "residual");
+    const auto shape = in_.shape(kGrains);
+    if (shape.size() != 2 || shape[1] != kColumns)
+      in_.fail(kGrains, "expected seven columns; remove the file, and the trial starts from the beginning");
+    const auto rows = in_.array<double>(kGrains);
+    for (std::size_t i = 0; i + kColumns <= rows.size(); i += kColumns)
+      bed.grain.push_back({{rows[i], rows[i + 1], rows[i + 2]},
+                           {Real(rows[i + 3]), Real(rows[i + 4]), Real(rows[i + 5]), Real(rows[i + 6])}});
+    return bed;
+  }
+
+  sim::Snapshot world(const std::string& scene) const { return sim::read_snapshot(in_, scene); }
+
+ private:
+  Hdf5Reader in_;
+};
+
 TrialRun::TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch watch, TrialCheckpoint checkpoint)
     : setup_(setup_at(setup, point)),
-      watch_(std::move(watch)),
+      watcher_(setup_, std::move(watch)),
       checkpoint_(std::move(checkpoint)),
-      conditions_(conditions_of(setup_, point)),
-      packing_(settled_bed(setup_, point)),
+      conditions_(conditions_of(setup_, inputs_of(point))),
+      packing_(settled_bed(setup_, inputs_of(point))),
       next_save_(in_seconds(checkpoint_.every * first_part(point.index))) {
   record_.point = point;
   record_.measures.assign(contract().measures.size(), kNaN);
   if (!saves() || !std::filesystem::exists(checkpoint_.path)) return;
   try {
-    saved_.emplace(checkpoint_.path);
+    saved_ = std::make_unique<SavedRun>(checkpoint_.path);
     record_.attempts = saved_->attempt();
   } catch (const InputError& error) {
     set_aside(error.what());
   }
 }
+
+TrialRun::~TrialRun() = default;
 
 void TrialRun::enter(Places& places) {
   numerics_ = attempt_numerics(setup_, attempt());
@@ -82,9 +135,7 @@ void TrialRun::enter(Places& places) {
   places_ = &places;
   place_ = places.take();
   bed_scene_.clear();
-  shown_samples_ = 0;
-  frame_count_ = 0;
-  if (watch_.start) watch_.start();
+  watcher_.begin_attempt(numerics_.step);
   if (saved_) {
     try {
       resume(*saved_);
@@ -146,18 +197,13 @@ void TrialRun::begin(Phase phase, ReadyWorld ready, const sim::Snapshot* from) {
   phase_ = next_ = phase;
   scene_.clear();
   step_ = from ? from->steps : 0;
-  if (phase == Phase::bed) return;
-  show_samples();
-  if (step_ == 0) show_frame();
-  pass_due_frames();
-  remember_for_replay();
+  if (phase == Phase::drive) watcher_.begin_drive(now());
 }
 
 Index TrialRun::due() const {
   if (phase_ == Phase::bed) return bed_steps(setup_, settings_) - step_;
-  if (phase_ == Phase::replay) return replay_to_ - step_;
-  const Index frame = std::max<Index>(1, next_frame() - step_);
-  return setup_.moving_patch ? std::min(frame, renewal_steps() - step_ % renewal_steps()) : frame;
+  const Index look = std::max<Index>(1, watcher_.next_look(step_) - step_);
+  return setup_.moving_patch ? std::min(look, renewal_steps() - step_ % renewal_steps()) : look;
 }
 
 /// Steps between two renewals of the ground: fixed in the trial's own time, whatever the batch's looks are.
@@ -172,7 +218,6 @@ void TrialRun::look(Index steps, const sim::WorldStop& stop) {
   step_ += steps;
   if (phase_ == Phase::bed) next_ = look_at_bed();
   if (phase_ == Phase::drive) next_ = look_at_drive(stop);
-  if (phase_ == Phase::replay) next_ = look_at_replay(stop);
 }
 
 void TrialRun::move_on() {
@@ -191,35 +236,21 @@ TrialRun::Phase TrialRun::look_at_bed() {
   if (step_ < bed_steps(setup_, settings_)) return Phase::bed;
   bed_ = tilted_bed(simulation(), place_, packing_);
   if (!fails(setup_, bed_)) return Phase::drive_coming;
-  if (watch_.frame) {
-    const TrialSample sample{.residual = bed_.residual};
-    watch_.frame(frame_of(sample, -1));
-  }
+  watcher_.show_failed_bed(now(), bed_.residual);
   return end_attempt(outcome_of_failed_bed(bed_));
 }
 
-/// A world is stepped on after it has stopped until the next look. A watcher of frames gets the step in which it
-/// stopped: the steps from the look before are taken again, with the same bits.
 TrialRun::Phase TrialRun::look_at_drive(const sim::WorldStop& stop) {
-  const bool passed = stop.cause != sim::StopCause::none && stop.step < step_;
-  if (!watch_.frame || !passed) return follow_drive(stop);
-  simulation().restore(place_, before_);
-  step_ = before_.steps;
-  replay_to_ = stop.step;
-  return Phase::replay;
-}
-
-TrialRun::Phase TrialRun::look_at_replay(const sim::WorldStop& stop) { return follow_drive(stop); }
-
-/// Shows what the watchers have not seen; stays in the phase unless the world has stopped.
-TrialRun::Phase TrialRun::follow_drive(const sim::WorldStop& stop) {
   const bool stopped = stop.cause != sim::StopCause::none;
+  if (stopped && stop.step < step_)
+    if (const std::optional<Index> back = watcher_.rewind(now(), stop.step)) {
+      step_ = *back;
+      return Phase::drive;
+    }
   if (!stopped) renew_when_due();
-  show_samples();
-  if (stopped || step_ >= next_frame()) show_frame();
-  if (stopped) return end_attempt(judge_drive(setup_, conditions_, bed_, numerics_.step, simulation(), place_));
-  remember_for_replay();
-  return phase_;
+  watcher_.look(now(), stopped);
+  if (!stopped) return Phase::drive;
+  return end_attempt(judge_drive(setup_, conditions_, bed_, numerics_.step, simulation(), place_));
 }
 
 TrialRun::Phase TrialRun::end_attempt(const DriveOutcome& outcome) {
@@ -271,74 +302,6 @@ void TrialRun::save_when_due(bool at_once) {
                               .bed = bed,
                               .world = simulation().snapshot(place_)});
   next_save_ = in_seconds(checkpoint_.every);
-}
-
-/// Step at which the next frame is due.
-Index TrialRun::next_frame() const {
-  if (!watch_.frame) return kNever;
-  return Index(std::min(1e9, std::round(double(frame_count_) * watch_.frame_interval / numerics_.step)));
-}
-
-void TrialRun::pass_due_frames() {
-  while (next_frame() <= step_) ++frame_count_;
-}
-
-void TrialRun::remember_for_replay() {
-  if (watch_.frame) before_ = simulation().snapshot(place_);
-}
-
-double TrialRun::recent_slip(Index count, double x, double rolled) {
-  constexpr double window = 0.25, rolling = 0.01;  // [s], [m]
-  const Index back = Index(std::lround(window / numerics_.step));
-  double x_then = 0, rolled_then = 0;
-  if (count > back) {
-    const sim::MonitorSample then = simulation().samples(place_, 0, count - 1 - back, 1).front();
-    x_then = then.x;
-    rolled_then = setup_.whole ? seen_wheels(setup_, simulation(), place_, count - 1 - back).rolled
-                               : then.turned * setup_.rig.radius;
-  }
-  const double turned = rolled - rolled_then;
-  return turned > rolling ? 1 - (x - x_then) / turned : 0;
-}
-
-TrialSample TrialRun::seen(const sim::MonitorSample& s, const SeenWheels& wheels, Index count) {
-  const bool whole = setup_.whole.has_value();
-  return {.time = s.step * numerics_.step,
-          .x = s.x,
-          .y = s.y,
-          .sinkage = whole ? wheels.sinkage : s.drop,
-          .speed = s.speed,
-          .slip = recent_slip(count, s.x, whole ? wheels.rolled : s.turned * setup_.rig.radius),
-          .torque = whole ? wheels.torque : s.torque,
-          .residual = s.residual,
-          .contacts = s.contact_count,
-          .iterations = s.iterations};
-}
-
-/// Gives the observer the samples that it has not seen.
-void TrialRun::show_samples() {
-  if (!watch_.sample) return;
-  const Index count = simulation().monitor(place_, 0).sample_count - shown_samples_;
-  const auto samples = simulation().samples(place_, 0, shown_samples_, count);
-  for (Index k = 0; k < count; ++k) {
-    const Index at = shown_samples_ + k;
-    const SeenWheels wheels = setup_.whole ? seen_wheels(setup_, simulation(), place_, at) : SeenWheels{};
-    watch_.sample(seen(samples[std::size_t(k)], wheels, at + 1));
-  }
-  shown_samples_ += count;
-}
-
-TrialFrame TrialRun::frame_of(const TrialSample& sample, sim::BodyIndex wheel) {
-  return {.sample = sample, .world = *world_, .simulation = simulation(), .place = place_, .wheel = wheel};
-}
-
-void TrialRun::show_frame() {
-  if (!watch_.frame) return;
-  const sim::MonitorState monitor = simulation().monitor(place_, 0);
-  const SeenWheels wheels = setup_.whole ? seen_wheels(setup_, simulation(), place_) : SeenWheels{};
-  const TrialSample sample = seen(monitor.now, wheels, monitor.sample_count);
-  watch_.frame(frame_of(sample, world_->monitor.front().body));
-  pass_due_frames();
 }
 
 }  // namespace gonogo::campaign

@@ -5,19 +5,21 @@
 #include <chrono>
 #include <future>
 #include <memory>
-#include <optional>
+#include <string>
 
-#include "pipeline/campaign/trial/drive.h"
 #include "pipeline/campaign/trial/places.h"
-#include "pipeline/campaign/trial/saved_run.h"
 #include "pipeline/campaign/trial/trial.h"
+#include "pipeline/campaign/trial/watch.h"
 
 namespace gonogo::campaign {
+
+class SavedRun;
 
 class TrialRun {
  public:
   /// Goes on from the checkpoint's file where there is one.
   TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch watch, TrialCheckpoint checkpoint);
+  ~TrialRun();
 
   /// Attempt that is next or under way: the places that it enters must take the steps of attempt_settings().
   std::uint64_t attempt() const { return record_.attempts; }
@@ -47,22 +49,22 @@ class TrialRun {
  private:
   /// Where the trial is between two calls. enter(), arrive(), look() and move_on() take the arrows.
   ///
-  ///             enter              arrive       look, move_on           arrive        look
-  ///   outside ---------> bed_coming ------> bed ------------> drive_coming ------> drive ---> replay
+  ///             enter              arrive       look, move_on           arrive
+  ///   outside ---------> bed_coming ------> bed ------------> drive_coming ------> drive
   ///
-  /// A checkpoint leads from `outside` straight to `bed` or `drive`. From `bed`, `drive` and `replay` an attempt ends:
-  /// in `over`, or in `outside` when a second attempt follows.
+  /// A checkpoint leads from `outside` straight to `bed` or `drive`. From these two an attempt ends: in `over`, or in
+  /// `outside` when a second attempt follows.
   enum class Phase {
     outside,       // has no place: before its first attempt, or between two
     bed_coming,    // the host makes the world of the bed
     bed,           // the bed settles alone under the trial's gravity
     drive_coming,  // the bed has settled; the host makes the world with the vehicle
     drive,         // the vehicle drives until a monitor stops the world
-    replay,        // the stop lay between two looks: the steps from the look before to the stop are taken again
     over           // the record is final
   };
 
   sim::Simulation& simulation() { return places_->simulation(); }
+  RunningWorld now() { return {simulation(), place_, *world_, step_}; }
   void resume(const SavedRun& saved);
   void set_aside(const std::string& why);
   void send_for(Phase coming);
@@ -74,8 +76,6 @@ class TrialRun {
   // What a look finds; each returns the next phase.
   Phase look_at_bed();
   Phase look_at_drive(const sim::WorldStop& stop);
-  Phase look_at_replay(const sim::WorldStop& stop);
-  Phase follow_drive(const sim::WorldStop& stop);
   Phase end_attempt(const DriveOutcome& outcome);
 
   void say(const std::string& what) const;  // on standard error, of this trial
@@ -86,30 +86,18 @@ class TrialRun {
   Index renewal_steps() const;
   void renew_when_due();
 
-  Index next_frame() const;
-  void pass_due_frames();
-  void remember_for_replay();
-  /// Slip of the latest 0.25 s, of which `x` and `rolled` [m] are the end, the `count`-th recorded sample. Wheels that
-  /// hardly roll, as while the vehicle is let down with its brakes on, have none.
-  double recent_slip(Index count, double x, double rolled);
-  /// Of a whole vehicle, slip, sinkage and torque are those of `wheels`.
-  TrialSample seen(const sim::MonitorSample& s, const SeenWheels& wheels, Index count);
-  void show_samples();
-  TrialFrame frame_of(const TrialSample& sample, sim::BodyIndex wheel);
-  void show_frame();
-
   const TrialSetup setup_;  // of this point
-  TrialWatch watch_;
+  TrialWatcher watcher_;
   TrialCheckpoint checkpoint_;
   Phase phase_ = Phase::outside;
   Phase next_ = Phase::outside;  // entered by move_on()
   TrialRecord record_;
   TrialConditions conditions_;
   terrain::Packing packing_;
-  std::optional<SavedRun> saved_;  // until the first attempt has entered a place
+  std::unique_ptr<SavedRun> saved_;  // until the first attempt has entered a place
   std::chrono::steady_clock::time_point next_save_;
 
-  // Of the attempt under way.
+  // The attempt under way.
   terrain::Numerics numerics_;
   sim::StepSettings settings_;
   Places* places_ = nullptr;
@@ -118,12 +106,6 @@ class TrialRun {
   std::shared_ptr<const sim::SceneWorld> world_;
   std::string bed_scene_, scene_;  // hashes, when they have been needed
   TiltedBed bed_;
-
-  // Of what was shown.
-  Index shown_samples_ = 0;
-  std::int64_t frame_count_ = 0;
-  sim::Snapshot before_;  // of the latest look
-  Index replay_to_ = 0;   // step in which the world stops
 
   std::future<ReadyWorld> coming_;  // last member: destroyed, and so waited for, first
 };

@@ -5,15 +5,10 @@
 #include <memory>
 
 #include "base/units.h"
-#include "sim/shape/mesh_shapes.h"
+#include "sim/shape/meshes.h"
 
 namespace gonogo::lab {
 namespace {
-
-constexpr double kPacked = 0.6;  // solid fraction of the column, about
-constexpr int kSegments = 48;
-/// With the friction that they have later the rows of the lattice would stand on each other as they are.
-constexpr double kSettlingFriction = 0.1;
 
 std::vector<Sphere> loose_column(const CollapseSpec& spec) {
   const double inside = spec.radius() * std::cos(kPi / kSegments) - spec.of.largest_diameter() / 2;
@@ -95,7 +90,7 @@ ManyScene collapse_scene(const CollapseSpec& spec, const RunOn& on) {
     away.position.z = 100 * height;
     simulation.set_body(0, wall, away);
   };
-  scene.measure = [=](sim::Simulation& simulation) -> std::vector<Measured> {
+  scene.measure = [=](sim::Simulation& simulation) -> std::vector<SceneNumber> {
     const auto bodies = simulation.bodies(0);
     double top = 0;
     for (std::size_t b = 0; b < spheres; ++b)

@@ -1,7 +1,6 @@
 // A round column of spheres that falls apart when the wall around it is gone.
 #pragma once
 #include "pipeline/lab/scenes/scene.h"
-#include "pipeline/lab/scenes/spheres.h"
 
 namespace gonogo::lab {
 

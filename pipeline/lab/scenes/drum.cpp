@@ -6,12 +6,11 @@
 #include <map>
 
 #include "base/units.h"
-#include "sim/shape/mesh_shapes.h"
+#include "sim/shape/meshes.h"
 
 namespace gonogo::lab {
 namespace {
 
-constexpr int kSegments = 48;
 constexpr double kCubeDiameters = 3;  // edge of a sample: about 30 spheres
 constexpr std::size_t kMinInCube = 10;
 constexpr double kLooksPerTurn = 8;
@@ -101,10 +100,10 @@ ManyScene drum_scene(const DrumSpec& spec, const RunOn& on) {
     position.resize(is_first.size());
     return lacey_index(position, is_first, cube);
   };
-  scene.measure = [index](sim::Simulation& simulation) -> std::vector<Measured> {
+  scene.measure = [index](sim::Simulation& simulation) -> std::vector<SceneNumber> {
     return {{"mixing_index", index(simulation)}};
   };
-  scene.watch = [=](sim::Simulation& simulation, double time) -> std::vector<Measured> {
+  scene.watch = [=](sim::Simulation& simulation, double time) -> std::vector<SceneNumber> {
     return {{"turns", time * turns_per_second}, {"mixing_index", index(simulation)}};
   };
   scene.watch_every = 1 / (kLooksPerTurn * turns_per_second);

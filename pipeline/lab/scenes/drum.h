@@ -1,7 +1,6 @@
 // A turning drum that mixes spheres of two materials.
 #pragma once
 #include "pipeline/lab/scenes/scene.h"
-#include "pipeline/lab/scenes/spheres.h"
 
 namespace gonogo::lab {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
-#include "sim/scene/build_joint.h"
+#include "sim/scene/scene.h"
 
 namespace gonogo::lab {
 namespace {
@@ -83,7 +83,7 @@ sim::BodyMass solid_box(double mass, double x, double y, double z) {
   return sim::solid(Real(mass), {Real(c * (y * y + z * z)), Real(c * (x * x + z * z)), Real(c * (x * x + y * y))});
 }
 
-/// Of the motor: several times what holds the deck with all of the feed on it, and throws it.
+/// Torque of the motor: several times what holds the deck with all of the feed on it, and throws it.
 double torque_of(const ScreenSpec& spec, double mass) {
   return 10 * mass * spec.crank() * (kGravity + spec.crank() * std::pow(spec.crank_speed(), 2));
 }
@@ -238,10 +238,10 @@ ManyScene screen_scene(const ScreenSpec& spec, const RunOn& on) {
   };
   scene.measure = [is_large = feed.is_large, at](sim::Simulation& simulation) {
     const Sorted s = sort_of(simulation.bodies(0), is_large, at);
-    return std::vector<Measured>{{"small_through", s.small_through},
-                                 {"large_through", s.large_through},
-                                 {"large_over", s.large_over},
-                                 {"newton_efficiency", s.small_through - s.large_through}};
+    return std::vector<SceneNumber>{{"small_through", s.small_through},
+                                    {"large_through", s.large_through},
+                                    {"large_over", s.large_over},
+                                    {"newton_efficiency", s.small_through - s.large_through}};
   };
   scene.watch = over_time(scene.measure);
   return scene;

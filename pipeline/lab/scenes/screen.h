@@ -1,7 +1,6 @@
 // A vibrating screen that sorts spheres by size.
 #pragma once
 #include "pipeline/lab/scenes/scene.h"
-#include "pipeline/lab/scenes/spheres.h"
 
 namespace gonogo::lab {
 

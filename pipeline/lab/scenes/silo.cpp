@@ -5,14 +5,25 @@
 #include <memory>
 
 #include "base/units.h"
-#include "pipeline/lab/scenes/silo_stress.h"
-#include "sim/shape/mesh_shapes.h"
+#include "sim/shape/meshes.h"
 
 namespace gonogo::lab {
-namespace {
 
-constexpr double kPacked = 0.6;  // solid fraction of the fill, about
-constexpr int kSegments = 48;
+void WallStress::add(const sim::Capture& state, const sim::SceneWorld& world, Index spheres, sim::BodyIndex wall,
+                     double step) {
+  for (const sim::CapturedContact& c : state.contact) {
+    if (c.a != wall && c.b != wall) continue;
+    const Vec3d force = static_cast<Vec3d>(c.impulse) * ((c.a == wall ? -1 : 1) / step);  // on the sphere
+    const Vec3d inward = static_cast<Vec3d>(c.normal) * (c.a == wall ? -1.0 : 1.0);
+    normal += dot(force, inward);
+    shear += force.z;
+    shear_moment += force.z * c.point.z;
+  }
+  for (Index b = 0; b < spheres; ++b)
+    weight_moment += kGravity / double(world.mass[b].inverse_mass.x) * state.body[b].position.z;
+}
+
+namespace {
 
 /// Bodies of the scene behind the spheres, in this order.
 struct Parts {
@@ -109,7 +120,7 @@ class SiloRun {
     if (phase_ == Phase::gauge) gauge(simulation, time);
   }
 
-  std::vector<Measured> measures() const {
+  std::vector<SceneNumber> measures() const {
     const double time = last_.time - first_.time;
     return {{"floor_share_of_weight", floor_force_ / looks_ / weight_},
             {"fill_over_width", fill_over_width_},
@@ -119,7 +130,7 @@ class SiloRun {
             {"left_share", last_.mass / (weight_ / kGravity)}};
   }
 
-  std::vector<Measured> watched(sim::Simulation& simulation, double time) const {
+  std::vector<SceneNumber> watched(sim::Simulation& simulation, double time) const {
     WallStress now;
     add_stress(simulation, now);
     return {{"time_s", time},

@@ -4,14 +4,78 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/line.h"
+#include "base/files/file.h"
+#include "base/format.h"
 #include "base/units.h"
-#include "pipeline/campaign/trial/lanes.h"
-#include "pipeline/report/figure/line_plot.h"
+#include "pipeline/campaign/setup/setup.h"
+#include "pipeline/report/figure/chart.h"
 #include "vehicle/model/statics.h"
+#include "vehicle/semi_empirical/bekker_wong.h"
+#include "vehicle/semi_empirical/traction.h"
 
 namespace gonogo::lab {
+namespace {
+
+/// Dry sand of the Land Locomotion Laboratory and LETE sand (Wong, Theory of Ground Vehicles, table of terrain values;
+/// configs/soils); shear displacement K of sands, 10 to 25 mm there.
+struct BekkerSand {
+  double n, k_c, k_phi, cohesion;  // [N/m^(n+1)], [N/m^(n+2)], [Pa]
+};
+constexpr BekkerSand kSand[] = {{1.1, 0.99e3, 1528.43e3, 1040}, {0.793, 102e3, 5301e3, 1300}};
+constexpr double kShear[] = {0.010, 0.025};
+/// Cone index of dry sand at tyre depth, loose to dense [Pa]: 30 to 150 psi, the range in which Turnage's and Mason's
+/// sand data lie.
+constexpr double kConeIndex[] = {207e3, 414e3, 1034e3};
+
+void widen(double (&range)[2], double x) {
+  range[0] = std::min(range[0], x);
+  range[1] = std::max(range[1], x);
+}
+
+void add_wong_reece(const WheelOnSand& w, double friction_angle, double cohesion, TractionBand& band) {
+  for (const BekkerSand& sand : kSand)
+    for (const double shear : kShear)
+      for (const double c : {0.0, sand.cohesion, cohesion}) {
+        const vehicle::BekkerSoil soil{.n = sand.n,
+                                       .k_c = sand.k_c,
+                                       .k_phi = sand.k_phi,
+                                       .cohesion = c,
+                                       .friction_angle = friction_angle * kDegree,
+                                       .shear_modulus = shear};
+        const vehicle::WheelForces f = vehicle::wheel_forces_under(soil, w.radius, w.width, band.slip, w.load);
+        const double pull = f.drawbar_pull / w.load;
+        widen(band.pull, pull);
+        widen(band.resistance, f.torque / w.radius / w.load - pull);
+      }
+}
+
+void add_cone_index(const WheelOnSand& w, TractionBand& band) {
+  for (const double index : kConeIndex) {
+    // Contact pressure of the mobility index: load over width times radius.
+    const double ratio = w.load / (w.width * w.radius) / index;
+    if (ratio < vehicle::kMinPressureRatio) continue;
+    const double net = vehicle::sand_net_traction(ratio, band.slip);
+    widen(band.pull, net);
+    if (!(w.section_height > 0)) continue;
+    const vehicle::WheelOnSoil on{.load = w.load,
+                                  .diameter = 2 * w.radius,
+                                  .width = w.width,
+                                  .section_height = w.section_height,
+                                  .deflection = w.deflection,
+                                  .cone_index = index};
+    widen(band.resistance, vehicle::sand_gross_traction(vehicle::sand_numeric(on), band.slip) - net);
+  }
+}
+
+}  // namespace
+
+TractionBand sand_band(const WheelOnSand& wheel, double friction_angle, double slip, double cohesion) {
+  TractionBand band{slip, {1e9, -1e9}, {1e9, -1e9}};
+  add_wong_reece(wheel, friction_angle, cohesion, band);
+  add_cone_index(wheel, band);
+  return band;
+}
+
 namespace {
 
 /// A tyre under the mean load of the wheels. As for the mobility index, 15 % of the section's height is its deflection
@@ -55,16 +119,15 @@ TractionBand sand_band(const vehicle::Vehicle& v, double friction_angle, double 
 }
 
 DrawbarReport measure_drawbar(const DrawbarRequest& r) {
-  const std::string task = line("drawbar:max_pull_per_weight=1,sweep_s=%g", r.sweep);
-  campaign::TrialSetup setup =
-      campaign::vehicle_trial_setup(r.vehicle, r.calibration, campaign::parse_task(task), r.numerics);
+  campaign::TrialSetup setup = campaign::vehicle_trial_setup(
+      r.vehicle, r.calibration, campaign::drawbar_task({.share = 1, .ramp = r.sweep}), r.numerics);
   setup.settled_on = r.batch.backend;
-  if (!setup.whole) throw InputError("a drawbar curve needs a whole vehicle");
+  if (vehicle::is_quarter(setup.vehicle)) throw InputError("a drawbar curve needs a whole vehicle");
   if (r.folded) campaign::fold_bed(setup);
   setup.compliant_tyres = r.compliant_tyres;
   setup.wheel_rolling = r.wheel_rolling;
   campaign::check_tyres(setup);
-  const vehicle::Vehicle& v = *setup.whole;
+  const vehicle::Vehicle& v = setup.vehicle;
   const auto points = replicates(plain_variables(setup, 0, r.friction_angle, r.speed), r.seeds);
   std::vector<PartSum> part;
   double driven = 0;
@@ -163,10 +226,8 @@ report::LinePlot plot_of(const DrawbarReport& r) {
   report::PlotLine pull{.label = "pull, trials", .points = true, .colour = kPullColour};
   report::PlotLine resistance{.label = "resistance, trials", .points = true, .colour = kResistanceColour};
   for (const DrawbarPoint& p : r.point) {
-    pull.x.push_back(p.slip);
-    pull.y.push_back(p.pull.mean);
-    resistance.x.push_back(p.slip);
-    resistance.y.push_back(p.resistance.mean);
+    pull.add(p.slip, p.pull.mean);
+    resistance.add(p.slip, p.resistance.mean);
   }
   plot.lines = {of_pull, of_resistance, pull, resistance};
   plot.notes.push_back(

@@ -1,15 +1,32 @@
 // Drawbar pull and rolling resistance of a whole vehicle on sand over its slip, beside the bands of semi-empirical
-// formulas (vehicle/semi_empirical).
+// formulas (vehicle/semi_empirical): min and max over formulas and soils.
 #pragma once
 #include <filesystem>
 #include <string>
 
 #include "base/json/json.h"
-#include "base/mean_error.h"
-#include "pipeline/lab/validate/sand_band.h"
+#include "base/math/statistics.h"
 #include "pipeline/lab/validate/trials.h"
 
 namespace gonogo::lab {
+
+/// Min and max of the formulas at one slip, as shares of the load.
+struct TractionBand {
+  double slip = 0;
+  double pull[2] = {}, resistance[2] = {};
+};
+
+/// A wheel and the load on it.
+struct WheelOnSand {
+  double radius = 0, width = 0;               // [m]
+  double load = 0;                            // normal to the ground [N]
+  double section_height = 0, deflection = 0;  // of the tyre [m]; without a height no resistance by cone index
+};
+
+/// Formulas: Wong and Reece on the dry sands of Wong's table, sand_net_traction over the cone indices of dry sand and,
+/// for tyres, sand_gross_traction. The sands get this friction angle [deg] and, in turn, no cohesion, their own, and
+/// `cohesion` [Pa]. Slip in (0, 1).
+TractionBand sand_band(const WheelOnSand& wheel, double friction_angle, double slip, double cohesion = 0);
 
 struct DrawbarRequest {
   std::filesystem::path vehicle, calibration;
@@ -17,7 +34,7 @@ struct DrawbarRequest {
   double friction_angle = 30, speed = 1.5;  // of the sand [deg], [m/s]
   double sweep = 12;                        // over which the load grows to the weight [s]
   int seeds = 1;
-  bool folded = false;           // bed, see pipeline/campaign/trial/lanes.h
+  bool folded = false;           // bed, see pipeline/campaign/setup/setup.h
   bool compliant_tyres = false;  // of the stiffness that the vehicle's file names
   double wheel_rolling = 0;      // see campaign::TrialSetup
   campaign::BatchSettings batch;

@@ -4,13 +4,12 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/format.h"
-#include "base/line.h"
 #include "base/units.h"
 #include "pipeline/campaign/dataset/dataset.h"
-#include "pipeline/report/figure/line_plot.h"
-#include "vehicle/wheel_rig.h"
+#include "pipeline/report/figure/chart.h"
+#include "vehicle/world/engine_vehicle.h"
 
 namespace gonogo::lab {
 namespace {
@@ -28,11 +27,11 @@ double variable(const campaign::TrialRecord& r, const char* name) {
 }
 
 /// The wheel of a trial and the load on it.
-WheelOnSand wheel_of(const vehicle::WheelRig& rig, double payload, double along, double across) {
+WheelOnSand wheel_of(const vehicle::Vehicle& quarter, double payload, double along, double across) {
   const double a = std::tan(along * kDegree), b = std::tan(across * kDegree);
-  return {.radius = rig.radius,
-          .width = rig.width,
-          .load = vehicle::rig_mass(rig, payload) * kGravity / std::sqrt(1 + a * a + b * b)};
+  return {.radius = quarter.wheel.front().radius,
+          .width = quarter.wheel.front().width,
+          .load = vehicle::loaded_mass(quarter, payload) * kGravity / std::sqrt(1 + a * a + b * b)};
 }
 
 bool is_of_interest(const campaign::TrialRecord& r, const GradeRequest& request) {
@@ -47,7 +46,7 @@ bool moved_uphill(const campaign::TrialRecord& r) {
          slip > kSlips[0] && slip < kSlips[std::size(kSlips) - 1];
 }
 
-GradePoint point_of(const campaign::TrialRecord& r, const vehicle::WheelRig& rig) {
+GradePoint point_of(const campaign::TrialRecord& r, const vehicle::Vehicle& quarter) {
   GradePoint p;
   p.slope = variable(r, "slope_along");
   p.friction_angle = variable(r, "friction_angle");
@@ -57,7 +56,7 @@ GradePoint point_of(const campaign::TrialRecord& r, const vehicle::WheelRig& rig
   p.sinkage = campaign::measure_of(r, "sinkage");
   p.verdict = r.verdict;
   p.reason = r.reason;
-  const WheelOnSand wheel = wheel_of(rig, variable(r, "payload"), p.slope, variable(r, "slope_across"));
+  const WheelOnSand wheel = wheel_of(quarter, variable(r, "payload"), p.slope, variable(r, "slope_across"));
   p.band = sand_band(wheel, p.friction_angle, p.slip, 1e3 * p.cohesion);
   return p;
 }
@@ -84,18 +83,18 @@ void count(std::vector<LabelCount>& counts, const campaign::TrialRecord& r) {
 double GradePoint::pull() const { return std::tan(slope * kDegree); }
 
 GradeReport grade_report(const GradeRequest& request) {
-  const vehicle::WheelRig rig = vehicle::read_wheel_rig(request.vehicle);
+  const vehicle::Vehicle quarter = vehicle::read_quarter_vehicle(request.vehicle);
   GradeReport report;
   report.label = empty_counts();
   for (const campaign::TrialRecord& r : campaign::read_dataset(request.dataset).records) {
     if (!is_of_interest(r, request)) continue;
     count(report.label, r);
-    if (moved_uphill(r)) report.point.push_back(point_of(r, rig));
+    if (moved_uphill(r)) report.point.push_back(point_of(r, quarter));
   }
   if (report.point.empty())
     throw InputError(request.dataset.string() + ": no trial drove uphill on soil of at most " +
                      number_text(request.max_cohesion) + " kPa that its tyre grips; raise --cohesion");
-  const TractionBand band = sand_band(wheel_of(rig, 0, 0, 0), 30, 0.4);
+  const TractionBand band = sand_band(wheel_of(quarter, 0, 0, 0), 30, 0.4);
   for (int k = 0; k < 2; ++k) report.go_band[k] = degrees(band.pull[k]);
   for (const GradePoint& p : report.point) report.unsteady_passed += campaign::passes(p.verdict) && p.slip > 0.4;
   return report;
@@ -209,10 +208,8 @@ report::LinePlot plot_of(const GradeReport& r) {
     if (p.friction_angle >= 25 && p.friction_angle < 35) points.push_back(p);
   std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.slip < b.slip; });
   for (const GradePoint& p : points) {
-    trial.x.push_back(p.slip);
-    trial.y.push_back(p.slope);
-    formulas.x.push_back(p.slip);
-    formulas.y.push_back(degrees(p.band.pull[0]));
+    trial.add(p.slip, p.slope);
+    formulas.add(p.slip, degrees(p.band.pull[0]));
     formulas.upper.push_back(degrees(p.band.pull[1]));
   }
   plot.lines = {formulas, trial};

@@ -8,7 +8,7 @@
 
 #include "base/json/json.h"
 #include "pipeline/campaign/study/contract.h"
-#include "pipeline/lab/validate/sand_band.h"
+#include "pipeline/lab/validate/drawbar.h"
 
 namespace gonogo::lab {
 

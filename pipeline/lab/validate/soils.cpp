@@ -5,19 +5,21 @@
 #include <functional>
 
 #include "base/error.h"
-#include "base/line.h"
+#include "base/files/shipped.h"
+#include "base/format.h"
 #include "base/progress.h"
-#include "base/shipped.h"
-#include "pipeline/lab/soil/soil_tests.h"
-#include "terrain/soil/soil_file.h"
-#include "terrain/soil/table_numerics.h"
-#include "terrain/soil_test/geostatic.h"
-#include "terrain/soil_test/shear.h"
-#include "terrain/soil_test/triaxial.h"
+#include "pipeline/inspect/soil_tests.h"
+#include "terrain/soil/calibration.h"
+#include "terrain/soil/soil.h"
+#include "terrain/soil_test/strength_test.h"
+#include "terrain/soil_test/test_run.h"
 
 namespace gonogo::lab {
 namespace {
 
+using inspect::run_soil_test;
+using inspect::SoilTestOutcome;
+using inspect::SoilTestRequest;
 using terrain::Calibration;
 
 /// Sandy grains of the calibration's size, between loose and dense.
@@ -34,49 +36,48 @@ SoilTestRequest request_of(const SoilValidation& run, double rolling, double den
   return r;
 }
 
-SoilFigure figure_of(const std::string& name, const SoilTestOutcome& o) { return {"soils_" + name, o.csv, o.plot, {}}; }
+CheckFigure figure_of(const std::string& name, const SoilTestOutcome& o) {
+  return {"soils_" + name, o.csv, o.plot, {}};
+}
 
-double number(const SoilTestOutcome& o, const char* key) { return o.json.at(key).number(); }
-double degrees(const SoilTestOutcome& o, const char* key) { return o.json.at(key).at("deg").number(); }
-
-SoilFigure shear(const SoilValidation& run) {
+CheckFigure shear(const SoilValidation& run) {
   SoilTestRequest r = request_of(run, 0.1, 0.5);
   r.stresses = {3.1e3, 6.4e3, 12.5e3, 24.2e3};  // those of the direct shear box in Chrono's validation
   const SoilTestOutcome o = run_soil_test("shear", r);
-  SoilFigure f = figure_of("shear", o);
-  f.check = {{"shear_r2", "shear: shear stress is linear in normal stress, R2", 0.98, 1, number(o, "peak_r2")},
+  CheckFigure f = figure_of("shear", o);
+  f.check = {{"shear_r2", "shear: shear stress is linear in normal stress, R2", 0.98, 1, o.shear->peak_r2},
              {"shear_peak_over_steady", "shear: peak friction angle less the steady one [deg]", 0, 20,
-              degrees(o, "peak_friction_angle") - degrees(o, "friction_angle")},
+              o.shear->peak_angle.degrees - o.shear->steady_angle.degrees},
              {"shear_cohesion_share", "shear: cohesion of cohesionless grains over the largest stress", -0.05, 0.05,
-              number(o, "cohesion_Pa") / 24.2e3}};
+              o.shear->steady_cohesion / 24.2e3}};
   return f;
 }
 
-SoilFigure triaxial(const SoilValidation& run) {
+CheckFigure triaxial(const SoilValidation& run) {
   const SoilTestRequest r = request_of(run, 0.1, 0.5);
   const SoilTestOutcome t = run_soil_test("triaxial", r), s = run_soil_test("shear", r);
-  SoilFigure f = figure_of("triaxial", t);
+  CheckFigure f = figure_of("triaxial", t);
   f.check = {{"triaxial_less_shear_deg", "triaxial: steady friction angle less that of shear [deg]", -3, 3,
-              degrees(t, "friction_angle") - degrees(s, "friction_angle")}};
+              t.triaxial->strength.steady_angle.degrees - s.shear->steady_angle.degrees}};
   return f;
 }
 
 /// On a loose bed, which gives way as it is pressed: a power law is for such soils. Denser ones carry a plate until
 /// they fail beside it, and hardly more from then on.
-SoilFigure plate(const SoilValidation& run) {
+CheckFigure plate(const SoilValidation& run) {
   const SoilTestOutcome o = run_soil_test("plate", request_of(run, 0.1, 0));
-  SoilFigure f = figure_of("plate", o);
-  f.check = {{"plate_n", "plate: Bekker's exponent over two widths, loose bed", 0.7, 1.3, number(o, "n")},
-             {"plate_k_phi", "plate: k_phi [kN/m^(n+2)]", 0, 1e9, number(o, "k_phi_kN_per_m_n_plus_2")}};
+  CheckFigure f = figure_of("plate", o);
+  f.check = {{"plate_n", "plate: Bekker's exponent over two widths, loose bed", 0.7, 1.3, o.plate->n},
+             {"plate_k_phi", "plate: k_phi [kN/m^(n+2)]", 0, 1e9, o.plate->k_phi / 1e3}};
   return f;
 }
 
 /// Single grains before the cone rule what one bed says; the mean of eight is about that of many grains.
-SoilFigure cone(const SoilValidation& run) {
+CheckFigure cone(const SoilValidation& run) {
   SoilTestRequest in_loose = request_of(run, 0.1, 0), in_dense = request_of(run, 0.1, 1);
   in_loose.seeds = in_dense.seeds = std::max(8, run.seeds);
   const SoilTestOutcome loose = run_soil_test("cone", in_loose), dense = run_soil_test("cone", in_dense);
-  SoilFigure f = figure_of("cone", dense);
+  CheckFigure f = figure_of("cone", dense);
   for (report::PlotLine& l : f.plot.lines) l.label = "densest, " + l.label;
   for (report::PlotLine l : loose.plot.lines) {
     l.label = "loosest, " + l.label;
@@ -86,27 +87,27 @@ SoilFigure cone(const SoilValidation& run) {
   f.plot.notes = {"densest: " + dense.plot.notes[0], "loosest: " + loose.plot.notes[0]};
   f.csv = "# densest\n" + dense.csv + "# loosest\n" + loose.csv;
   f.check = {{"cone_dense_over_loose", "cone: index of the densest over that of the loosest bed", 1.05, 100,
-              number(dense, "cone_index_kPa") / number(loose, "cone_index_kPa")},
-             {"cone_r2", "cone: pressure is about linear in depth, densest beds, R2", 0.85, 1, number(dense, "r2")},
-             {"cone_r2_loose", "cone: the same, loosest beds", 0.85, 1, number(loose, "r2")}};
+              dense.cone->index.mean / 1e3 / (loose.cone->index.mean / 1e3)},
+             {"cone_r2", "cone: pressure is about linear in depth, densest beds, R2", 0.85, 1, dense.cone->gradient.r2},
+             {"cone_r2_loose", "cone: the same, loosest beds", 0.85, 1, loose.cone->gradient.r2}};
   return f;
 }
 
-SoilFigure repose(const SoilValidation& run) {
+CheckFigure repose(const SoilValidation& run) {
   const SoilTestOutcome rolls = run_soil_test("repose", request_of(run, 0, 0.5)),
                         resists = run_soil_test("repose", request_of(run, 0.3, 0.5));
-  SoilFigure f = figure_of("repose", resists);
+  CheckFigure f = figure_of("repose", resists);
   f.check = {{"repose_rolling_gain_deg", "repose: what rolling friction 0.3 adds to the slope [deg]", 2, 40,
-              degrees(resists, "angle_of_repose") - degrees(rolls, "angle_of_repose")},
-             {"repose_deg", "repose: slope of spheres that roll [deg]", 12, 30, degrees(rolls, "angle_of_repose")}};
+              resists.repose->angle.degrees - rolls.repose->angle.degrees},
+             {"repose_deg", "repose: slope of spheres that roll [deg]", 12, 30, rolls.repose->angle.degrees}};
   return f;
 }
 
-SoilFigure geostatic(const SoilValidation& run) {
+CheckFigure geostatic(const SoilValidation& run) {
   terrain::TestPace pace;
   pace.threads = run.threads;
   const auto r = geostatic_test(request_of(run, 0.1, 0.5).soil, run.quick ? 8 : 16, pace);
-  SoilFigure f;
+  CheckFigure f;
   f.name = "soils_geostatic";
   f.csv = "depth_m,vertical_stress_Pa,weight_above_Pa\n";
   f.plot.title = "Bed under its own weight";
@@ -169,7 +170,7 @@ terrain::TriaxialResult compressed(const Calibration& c, const std::filesystem::
   return triaxial_test(soil, settings, pace);
 }
 
-/// Of a bed that no calibration saw [kg/m^3].
+/// Bulk density of a bed that no calibration saw [kg/m^3].
 double bulk_density_of(const Calibration& c, const terrain::SoilFit& fit, std::uint64_t seed) {
   const double friction = c.packing[fit.packing].settle_friction;
   return settle_packing(terrain::shear_cell(c.grain_diameter, friction, seed, c.shape), 1).solid_fraction *
@@ -203,11 +204,11 @@ void measure(const SoilValidation& run, const Calibration& c, std::vector<Invert
   }
 }
 
-SoilFigure inversion(const SoilValidation& run) {
+CheckFigure inversion(const SoilValidation& run) {
   const Calibration c = terrain::read_calibration(run.calibration);
   std::vector<Inverted> soils = soils_of(c);
   measure(run, c, soils);
-  SoilFigure f;
+  CheckFigure f;
   f.name = "soils_inversion";
   f.csv =
       "soil,friction_angle_deg,measured_deg,standard_error_deg,cohesion_Pa,measured_Pa,standard_error_Pa,bulk_density,"
@@ -221,8 +222,7 @@ SoilFigure inversion(const SoilValidation& run) {
     f.csv += line("%s,%g,%.2f,%.2f,%g,%.0f,%.0f,%g,%.0f,%g,%.2f\n", s.name.c_str(), s.soil.friction_angle,
                   s.friction_angle, s.angle_error, s.soil.cohesion, s.cohesion, s.cohesion_error, s.soil.bulk_density,
                   s.bulk_density, s.soil.relative_density, s.fit.relative_density);
-    f.plot.lines[1].x.push_back(s.soil.friction_angle);
-    f.plot.lines[1].y.push_back(s.friction_angle);
+    f.plot.lines[1].add(s.soil.friction_angle, s.friction_angle);
     angle = std::max(angle, std::fabs(s.friction_angle - s.soil.friction_angle));
     if (s.soil.cohesion > 0) cohesion = std::max(cohesion, std::fabs(s.cohesion / s.soil.cohesion - 1));
     if (s.soil.bulk_density > 0) density = std::max(density, std::fabs(s.bulk_density / s.soil.bulk_density - 1));
@@ -236,7 +236,7 @@ SoilFigure inversion(const SoilValidation& run) {
 
 struct Named {
   const char* name;
-  SoilFigure (*run)(const SoilValidation&);
+  CheckFigure (*run)(const SoilValidation&);
 };
 constexpr Named kFigures[] = {{"shear", shear},   {"triaxial", triaxial},   {"plate", plate},        {"cone", cone},
                               {"repose", repose}, {"geostatic", geostatic}, {"inversion", inversion}};
@@ -252,7 +252,7 @@ const std::vector<std::string>& soil_figures() {
   return names;
 }
 
-SoilFigure soil_figure(const std::string& name, const SoilValidation& run) {
+CheckFigure soil_figure(const std::string& name, const SoilValidation& run) {
   for (const Named& f : kFigures)
     if (name == f.name) return f.run(run);
   throw InputError("validate soils: \"" + name + "\" is no figure");

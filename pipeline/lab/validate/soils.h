@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/lab/validate/soil_figure.h"
+#include "pipeline/lab/validate/check_figure.h"
 
 namespace gonogo::lab {
 
@@ -19,6 +19,6 @@ struct SoilValidation {
 const std::vector<std::string>& soil_figures();
 
 /// Runs what one figure shows. Throws InputError for an unknown name.
-SoilFigure soil_figure(const std::string& name, const SoilValidation& run);
+CheckFigure soil_figure(const std::string& name, const SoilValidation& run);
 
 }  // namespace gonogo::lab

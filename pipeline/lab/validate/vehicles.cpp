@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "base/cancel.h"
-#include "base/file.h"
-#include "base/line.h"
-#include "pipeline/report/figure/line_plot.h"
+#include "base/files/file.h"
+#include "base/format.h"
+#include "base/progress.h"
+#include "pipeline/report/figure/chart.h"
 
 namespace gonogo::lab {
 namespace {
@@ -13,8 +13,8 @@ namespace {
 using vehicle::HardGroundCheck;
 using vehicle::HardGroundReport;
 
-constexpr double kFriction = 0.5, kBrakingFriction = 0.4, kBrakingSpeed = 20;   // [-], [m/s]
-constexpr double kSprocketSpeed = 6, kTrackFriction = 0.3, kTrackSlope = 0.22;  // [rad/s], [-], [rad]
+constexpr double kClimbingFriction = 0.5, kBrakingFriction = 0.4, kBrakingSpeed = 20;  // [-], [m/s]
+constexpr double kSprocketSpeed = 6, kTrackFriction = 0.3, kTrackSlope = 0.22;         // [rad/s], [-], [rad]
 constexpr int kGears = 4;  // higher ones need minutes to reach their speed
 
 std::string csv_of(const HardGroundReport& r) {
@@ -57,7 +57,7 @@ std::vector<HardGroundReport> check_on_hard_ground(const vehicle::Vehicle& v, co
     return reports;
   }
   add(check_wheel_loads(v, run));
-  add(check_gradeability(v, kFriction, run));
+  add(check_gradeability(v, kClimbingFriction, run));
   add(check_top_speeds(v, gears, run));
   add(check_stopping(v, kBrakingSpeed, kBrakingFriction, run));
   add(check_suspension(v, run));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/json/json.h"
-#include "vehicle/hard_ground/hard_ground.h"
+#include "vehicle/hard_ground/track_checks.h"
 
 namespace gonogo::lab {
 

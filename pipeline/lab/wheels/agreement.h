@@ -25,7 +25,7 @@ struct Agreement {
   double median_relative_error = 0;  // |predicted / measured - 1|, over points measured above 1e-9 in size
   double worst_factor = 0;           // max of predicted / measured and its inverse; infinity where signs differ
   int with_scatter = 0, inside = 0;  // points with a known scatter; of them, predicted inside it
-  int band_meets = 0;                // of them, the prediction's band meets the experiment's scatter
+  int band_meets = 0;                // of them, where the prediction's band overlaps the experiment's scatter
 };
 
 /// A missing prediction makes all numbers NaN: no number hides a point.

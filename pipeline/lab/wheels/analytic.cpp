@@ -27,16 +27,16 @@ void add_ends(BekkerCases& cases, const terrain::SoilValue& value, Setter set) {
 }
 
 /// Slip at the tips from the benchmark's, which may count at the rim, and (w r - v) / max(w r, v) when braked.
-double slip_at_tips(const Benchmark& b, const vehicle::WheelRig& w, double slip) {
+double slip_at_tips(const Benchmark& b, const vehicle::Wheel& w, double slip) {
   const double led = slip < 0 ? slip / (1 + slip) : slip;
   return 1 - (1 - slip_of_rim(b, w, led)) * w.radius / (w.radius + w.lug_height);
 }
 
-double slip_from_tips(const Benchmark& b, const vehicle::WheelRig& w, double slip) {
+double slip_from_tips(const Benchmark& b, const vehicle::Wheel& w, double slip) {
   return slip_from_rim(b, w, 1 - (1 - slip) * (w.radius + w.lug_height) / w.radius);
 }
 
-std::map<Quantity, double> values_of(const Benchmark& b, const vehicle::WheelRig& w, const WheelForces& f) {
+std::map<Quantity, double> values_of(const Benchmark& b, const vehicle::Wheel& w, const WheelForces& f) {
   return {{Quantity::pull, f.drawbar_pull},
           {Quantity::traction_slope, std::atan(f.drawbar_pull / f.load) / kDegree},
           {Quantity::side_force, f.side},
@@ -64,7 +64,7 @@ std::pair<double, WheelForces> forces_on_slope(const BekkerSoil& soil, const Rig
 }
 
 std::map<Quantity, double> predict(const Benchmark& b, const BenchmarkPoint& p, const BekkerSoil& soil) {
-  const vehicle::WheelRig w = wheel_of(b);
+  const vehicle::Wheel& w = wheel_of(b);
   const RigidWheel wheel{w.radius, w.width, w.lug_height};
   const double load = load_at(b, p);
   if (b.leads(Quantity::slope)) {
@@ -100,7 +100,8 @@ std::optional<BekkerCases> measured_numbers(const Benchmark& b) {
   return cases;
 }
 
-BekkerCases exported_numbers(const SoilNumbers& n) {
+BekkerCases exported_numbers(const inspect::SoilNumbers& n) {
+  using inspect::Measure;
   const auto soil_of = [&](const Measure& expo, const Measure& cohesion, const Measure& angle, const Measure& k) {
     return BekkerSoil{.n = expo.value,
                       .k_c = n.k_c.value,

@@ -1,7 +1,7 @@
 // Bekker, Janosi-Hanamoto, Wong & Reece and Ishigami (vehicle/semi_empirical/bekker_wong.h) on a benchmark's points:
 // what people use today, in the same table.
 #pragma once
-#include "pipeline/lab/soil/soil_numbers.h"
+#include "pipeline/inspect/soil_numbers.h"
 #include "pipeline/lab/wheels/run.h"
 #include "vehicle/semi_empirical/bekker_wong.h"
 
@@ -16,7 +16,7 @@ struct BekkerCases {
 /// are the ends of its ranges.
 std::optional<BekkerCases> measured_numbers(const Benchmark& b);
 /// As tests of our grains give them: a standard error up and down of each number.
-BekkerCases exported_numbers(const SoilNumbers& numbers);
+BekkerCases exported_numbers(const inspect::SoilNumbers& numbers);
 
 /// A point that the formulas cannot do, such as a wheel that sinks to its axle, stays without prediction. On a slope
 /// the slip is that at which the pull is the load's part along it; 1 where none is. A whole vehicle is its mean wheel.

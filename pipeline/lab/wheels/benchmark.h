@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/json/config.h"
-#include "terrain/soil/soil_file.h"
-#include "vehicle/wheel_rig.h"
+#include "terrain/soil/soil.h"
+#include "vehicle/model/vehicle.h"
 
 namespace gonogo::lab {
 
@@ -58,8 +58,8 @@ struct PublishedPrediction {
 
 struct Benchmark {
   std::string name, title, about, source, licence, assumed;  // name: of the file
-  std::filesystem::path vehicle;                             // file; empty: `rig` stands for the wheel
-  vehicle::WheelRig rig{};                                   // under the least load
+  std::filesystem::path vehicle_file;                        // empty: the wheel is given by itself
+  vehicle::Vehicle vehicle;                                  // of the file, or a quarter under the least load
   double load = 0;                                           // on the wheel; 0: by point, or the vehicle's weight [N]
   Assumed wheel_friction;                                    // [-]
   std::string soil_file;                                     // its name
@@ -85,7 +85,9 @@ struct Benchmark {
 /// and for anything that the schema does not allow.
 Benchmark read_benchmark(const std::string& name_or_file);
 /// Whether a whole vehicle drives, not one wheel.
-bool is_whole(const Benchmark& b);
+inline bool is_whole(const Benchmark& b) { return !vehicle::is_quarter(b.vehicle); }
+/// The wheel that slip, sinkage and pressures belong to.
+inline const vehicle::Wheel& wheel_of(const Benchmark& b) { return b.vehicle.wheel.front(); }
 /// Another state of its soil; an empty name changes nothing. Throws InputError that lists the states there are.
 void choose_state(Benchmark& b, const std::string& state);
 /// Names of all that ship.

@@ -5,9 +5,8 @@
 
 #include "base/error.h"
 #include "base/format.h"
-#include "base/line.h"
 #include "base/units.h"
-#include "pipeline/campaign/trial/lanes.h"
+#include "pipeline/campaign/setup/setup.h"
 #include "pipeline/lab/validate/trials.h"
 #include "vehicle/model/assembly.h"
 #include "vehicle/model/statics.h"
@@ -33,13 +32,13 @@ bool ploughs(const Benchmark& b) { return b.leads(Quantity::slip_angle); }
 
 /// Grains larger than lugs fill the room between them and make a wheel as large as their tips: its pull grows by up to
 /// a third (docs/log/wheels_why.md). Across its way a wheel is wider than along it.
-double usual_grain(const Benchmark& b, const vehicle::WheelRig& wheel) {
+double usual_grain(const Benchmark& b, const vehicle::Wheel& wheel) {
   const double coarse = wheel.width / (ploughs(b) ? 8 : 10), fine = wheel.width / 20;
   return wheel.lug_count > 0 ? std::clamp(wheel.lug_height, fine, coarse) : coarse;
 }
 
 /// As far across the way as the wheel reaches at its steepest slip angle, pressed in by a quarter of its radius.
-double width_across(const Benchmark& b, const vehicle::WheelRig& wheel) {
+double width_across(const Benchmark& b, const vehicle::Wheel& wheel) {
   double width = wheel.width;
   if (!b.leads(Quantity::slip_angle)) return width;
   const double chord = 2 * std::sqrt(1 - 0.75 * 0.75) * (wheel.radius + wheel.lug_height);
@@ -59,12 +58,12 @@ constexpr int kIterationsOverTable = 2;
 constexpr double kSlowest = 0.25;
 
 campaign::TrialSetup setup_by_table(const Benchmark& b, const WheelRun& run) {
-  if (!b.vehicle.empty())
-    return campaign::vehicle_trial_setup(b.vehicle, run.calibration, campaign::default_task(), run.numerics);
+  if (!b.vehicle_file.empty())
+    return campaign::vehicle_trial_setup(b.vehicle_file, run.calibration, campaign::default_task(), run.numerics);
   campaign::TrialSetup s;
   s.packing_folder = campaign::default_packing_folder();
   s.name = b.name;
-  s.rig = b.rig;
+  s.vehicle = b.vehicle;
   s.calibration_file = run.calibration;
   s.calibration = terrain::read_calibration(run.calibration);
   s.numerics = terrain::numerics_by_table(s.calibration, run.calibration, run.numerics);
@@ -85,7 +84,7 @@ campaign::TrialSetup setup_on(const Benchmark& b, const WheelRun& run, const Whe
   s.settled_on = run.gpu ? sim::Backend::cuda : sim::Backend::cpu;
   s.tiles_along = s.tiles_across = 1;
   s.moving_patch = true;
-  if (s.whole) campaign::fold_bed(s);
+  if (is_whole(b)) campaign::fold_bed(s);
   s.bed_length = bed.length;
   s.bed_width = or_else(bed.width, s.bed_width);
   s.packing_seeds = run.seeds;
@@ -105,9 +104,10 @@ campaign::TrialSetup setup_on(const Benchmark& b, const WheelRun& run, const Whe
 std::shared_ptr<const campaign::TrialTask> task_at(const Benchmark& b, const BenchmarkPoint& p) {
   if (!b.leads(Quantity::slip)) return campaign::default_task();
   const double slip = p.led.at(Quantity::slip), led = slip < 0 ? slip / (1 + slip) : slip;  // 1 - v / (w r)
-  std::string text = line("single_wheel:slip=%.6f", slip_of_rim(b, wheel_of(b), led));
-  if (b.leads(Quantity::slip_angle)) text += line(",slip_angle_deg=%.6f", p.led.at(Quantity::slip_angle));
-  return campaign::parse_task(text);
+  const auto rounded = [](double x) { return std::round(1e6 * x) / 1e6; };  // as a task is written on a command line
+  std::optional<double> angle;
+  if (b.leads(Quantity::slip_angle)) angle = to_radians(rounded(p.led.at(Quantity::slip_angle)));
+  return campaign::single_wheel_task(rounded(slip_of_rim(b, wheel_of(b), led)), angle);
 }
 
 std::vector<double> variables_at(const Benchmark& b, const BenchmarkPoint& p, const campaign::TrialSetup& setup,
@@ -119,7 +119,8 @@ std::vector<double> variables_at(const Benchmark& b, const BenchmarkPoint& p, co
   set("cohesion", 1e-3 * c.soil.cohesion);
   set("tyre_friction", c.wheel_friction);
   set("bed_depth", depth);
-  if (b.vehicle.empty()) set("payload", std::max(0.0, load_at(b, p) / kGravity - vehicle::rig_mass(setup.rig, 0)));
+  if (b.vehicle_file.empty())
+    set("payload", std::max(0.0, load_at(b, p) / kGravity - vehicle::weigh(setup.vehicle).total));
   return values;
 }
 
@@ -150,7 +151,7 @@ void add_case(const Benchmark& b, std::size_t index, std::size_t of_case, const 
 }
 
 void add_benchmark(const Benchmark& b, std::size_t index, const WheelRun& run, WheelPlan& plan) {
-  const vehicle::WheelRig wheel = wheel_of(b);
+  const vehicle::Wheel& wheel = wheel_of(b);
   WheelOutcome o;
   o.bed = bed_of(b, run);
   o.grains_per_width = wheel.width / o.bed.grain;
@@ -168,41 +169,26 @@ void add_benchmark(const Benchmark& b, std::size_t index, const WheelRun& run, W
 
 }  // namespace
 
-vehicle::WheelRig wheel_of(const Benchmark& b) {
-  if (b.vehicle.empty()) return b.rig;
-  if (!is_whole(b)) return vehicle::read_wheel_rig(b.vehicle);
-  const vehicle::Vehicle v = vehicle::read_vehicle(b.vehicle);
-  const vehicle::Wheel& first = v.wheel.front();
-  vehicle::WheelRig rig{};
-  rig.radius = first.radius;
-  rig.width = first.width;
-  rig.lug_count = first.lug_count;
-  rig.lug_height = first.lug_height;
-  return rig;
-}
-
 double load_at(const Benchmark& b, const BenchmarkPoint& p) {
   if (const auto own = p.led.find(Quantity::load); own != p.led.end()) return own->second;
   if (b.load > 0) return b.load;
   const double slope = b.leads(Quantity::slope) ? to_radians(p.led.at(Quantity::slope)) : 0;
-  if (!is_whole(b)) return vehicle::rig_mass(vehicle::read_wheel_rig(b.vehicle), 0) * kGravity * std::cos(slope);
-  const vehicle::Vehicle v = vehicle::read_vehicle(b.vehicle);
-  return vehicle::weigh(v).total * kGravity * std::cos(slope) / double(vehicle::stations(v).size());
+  return vehicle::weigh(b.vehicle).total * kGravity * std::cos(slope) / double(vehicle::stations(b.vehicle).size());
 }
 
-double lug_grains(const vehicle::WheelRig& wheel, double grain) {
+double lug_grains(const vehicle::Wheel& wheel, double grain) {
   return wheel.lug_count > 0 ? wheel.lug_height / (0.5 * grain) : 0;
 }
 
-double slip_from_rim(const Benchmark& b, const vehicle::WheelRig& w, double slip) {
+double slip_from_rim(const Benchmark& b, const vehicle::Wheel& w, double slip) {
   return b.slip_at_lugs ? 1 - (1 - slip) * w.radius / (w.radius + w.lug_height) : slip;
 }
 
-double slip_of_rim(const Benchmark& b, const vehicle::WheelRig& w, double slip) {
+double slip_of_rim(const Benchmark& b, const vehicle::Wheel& w, double slip) {
   return b.slip_at_lugs ? 1 - (1 - slip) * (w.radius + w.lug_height) / w.radius : slip;
 }
 
-double sinkage_from_tips(const Benchmark& b, const vehicle::WheelRig& w, double sinkage) {
+double sinkage_from_tips(const Benchmark& b, const vehicle::Wheel& w, double sinkage) {
   return b.sinkage_from_lugs ? sinkage : sinkage - w.lug_height;
 }
 
@@ -238,7 +224,7 @@ double rim_speed_of(const Benchmark& b) {
 }
 
 WheelBed bed_of(const Benchmark& b, const WheelRun& run) {
-  const vehicle::WheelRig wheel = wheel_of(b);
+  const vehicle::Wheel& wheel = wheel_of(b);
   const double reach = wheel.radius + wheel.lug_height;
   const bool whole = is_whole(b);
   WheelBed bed;

@@ -5,18 +5,32 @@
 
 #include "base/error.h"
 #include "base/progress.h"
-#include "pipeline/lab/wheels/over_time.h"
 #include "pipeline/lab/wheels/plan.h"
-#include "terrain/soil_test/line_fit.h"
+#include "terrain/soil_test/test_run.h"
 
 namespace gonogo::lab {
+
+std::vector<double> slip_over_time(const std::vector<Way>& ways, double speed) {
+  std::size_t seconds = 0, trials = 0;
+  for (const Way& w : ways) {
+    if (w.x.empty()) continue;
+    seconds = trials == 0 ? w.x.size() - 1 : std::min(seconds, w.x.size() - 1);
+    ++trials;
+  }
+  std::vector<double> slip(seconds, 0);
+  for (const Way& w : ways)
+    for (std::size_t i = 0; i < seconds && !w.x.empty(); ++i)
+      slip[i] += (1 - (w.x[i + 1] - w.x[i]) / speed) / double(trials);
+  return slip;
+}
+
 namespace {
 
 using Values = std::map<Quantity, std::vector<double>>;  // one of each bed
 
 /// What a trial gives, as the benchmark counts it.
 void add_values(const Benchmark& b, const campaign::TrialSetup& setup, const campaign::TrialRecord& r, Values& to) {
-  const vehicle::WheelRig wheel = wheel_of(b);
+  const vehicle::Wheel& wheel = wheel_of(b);
   if (b.leads(Quantity::slope)) {
     to[Quantity::slip].push_back(slip_from_rim(b, wheel, campaign::measure_of(r, "slip")));
     to[Quantity::sinkage].push_back(sinkage_from_tips(b, wheel, campaign::measure_of(r, "sinkage")));

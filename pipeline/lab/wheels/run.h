@@ -1,13 +1,34 @@
-// Benchmarks of wheels through a calibration, untuned: trials on beds of grains that have the benchmark's soil.
+// Runs the trials of a benchmark and reduces them to its quantities.
 #pragma once
 #include <functional>
 #include <memory>
 #include <optional>
 
-#include "pipeline/campaign/trial/batch.h"
+#include "pipeline/campaign/trial/trial.h"
 #include "pipeline/lab/wheels/benchmark.h"
 
 namespace gonogo::lab {
+
+/// Places of a trial's wheel at the end of each second of its driving [m], from its observer. Must stay where it is
+/// while it watches.
+struct Way {
+  double from = 0;  // park time [s]
+  std::vector<double> x;
+
+  campaign::TrialWatch watch() {
+    campaign::TrialWatch w;
+    w.start = [this] { x.clear(); };
+    w.sample = [this](const campaign::TrialSample& s) {
+      if (s.time >= from + double(x.size()) - 1e-9) x.push_back(s.x);
+    };
+    return w;
+  }
+};
+
+/// Mean over the trials, of each second that all have driven. `speed`: of the circle at which slip counts [m/s].
+std::vector<double> slip_over_time(const std::vector<Way>& ways, double speed);
+
+// Benchmarks of wheels through a calibration, untuned: trials on beds of grains that have the benchmark's soil.
 
 /// How benchmarks are run. Sizes of zero are by rule, the same for all wheels (bed_of).
 struct WheelRun {
@@ -72,16 +93,15 @@ using WheelDone = std::function<void(std::size_t, const WheelOutcome&)>;
 std::vector<WheelOutcome> run_wheels(const std::vector<Benchmark>& benchmarks, const WheelRun& run,
                                      const WheelDone& done = {});
 
-/// The wheel that slip, sinkage and pressures belong to, and the load on it at a point.
-vehicle::WheelRig wheel_of(const Benchmark& b);
+/// The load on the wheel at a point [N].
 double load_at(const Benchmark& b, const BenchmarkPoint& p);
 /// Height of the lugs over the grains' radius; 0 without lugs.
-double lug_grains(const vehicle::WheelRig& wheel, double grain);
+double lug_grains(const vehicle::Wheel& wheel, double grain);
 
 /// Slip at the benchmark's circle from that of the rim, and back. Both are 1 - v / (w r).
-double slip_from_rim(const Benchmark& b, const vehicle::WheelRig& wheel, double slip);
-double slip_of_rim(const Benchmark& b, const vehicle::WheelRig& wheel, double slip);
+double slip_from_rim(const Benchmark& b, const vehicle::Wheel& wheel, double slip);
+double slip_of_rim(const Benchmark& b, const vehicle::Wheel& wheel, double slip);
 /// Sinkage as the benchmark counts it from that of the tips [m].
-double sinkage_from_tips(const Benchmark& b, const vehicle::WheelRig& wheel, double sinkage);
+double sinkage_from_tips(const Benchmark& b, const vehicle::Wheel& wheel, double sinkage);
 
 }  // namespace gonogo::lab

@@ -1,35 +1,14 @@
 #include "pipeline/map/evaluate/layers.h"
 
-#include <limits>
+#include <algorithm>
 
 #include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
 
 namespace gonogo::map {
 
-using terrain::LayerInfo;
 using terrain::LegendEntry;
 namespace {
-
-constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
-
-LayerInfo classes(std::string name, std::vector<LegendEntry> legend, const Metadata& metadata) {
-  return {.name = std::move(name), .unit = "", .classes = true, .legend = std::move(legend), .metadata = metadata};
-}
-
-LayerInfo numbers(std::string name, std::string unit, std::vector<LegendEntry> legend, const Metadata& metadata) {
-  return {.name = std::move(name),
-          .unit = std::move(unit),
-          .classes = false,
-          .legend = std::move(legend),
-          .metadata = metadata};
-}
-
-/// A single-hue ramp, light to dark; no red.
-std::vector<LegendEntry> ramp(double low, double high, const char* low_label, const char* high_label,
-                              const char* light = "#f1f6f5", const char* dark = "#243f77") {
-  return {{low, low_label, light}, {(low + high) / 2, "", "#69abc2"}, {high, high_label, dark}};
-}
 
 /// A member of a cell's answer, where there is one.
 template <class Member>
@@ -74,49 +53,86 @@ std::vector<LegendEntry> p_go_legend() {
           {1, "1", "#fde725"}};
 }
 
+namespace {
+
+/// A layer that maps may have. Adding one is one entry of layer_kinds(): writers, styles, catalogue, record and viewer
+/// take what they need from there.
+struct LayerKind {
+  const char* file;   // without extension
+  const char* title;  // description of the band; ends with ", " where the heading of the map follows
+  const char* unit;   // empty: classes, which are bytes; "1": a pure number
+  std::function<std::vector<LegendEntry>(bool colour_blind_safe)> legend;
+  std::function<float(const CellState&)> value;            // kNoData: none
+  std::function<bool(const OutcomeModel&)> is_given = {};  // whether a map of this model has it; empty: always
+};
+
+std::vector<LegendEntry> p_go_colours(bool) { return p_go_legend(); }
+
+/// A single-hue ramp, light to dark; no red.
+auto ramp(double low, double high, const char* low_label, const char* high_label, const char* light = "#f1f6f5",
+          const char* dark = "#243f77") {
+  return [=](bool) -> std::vector<LegendEntry> {
+    return {{low, low_label, light}, {(low + high) / 2, "", "#69abc2"}, {high, high_label, dark}};
+  };
+}
+
+bool has_measures(const OutcomeModel& model) { return !model.measures.empty(); }
+
+/// In the order of the files.
+const std::vector<LayerKind>& layer_kinds() {
+  static const std::vector<LayerKind> kinds = {
+      {"go", "mobility class, ", "", class_legend,
+       [](const CellState& cell) { return float(int(cell.result.verdict)); }},
+      {"p_go", "P(go), ", "1", p_go_colours, [](const CellState& cell) { return cell.p_go; }},
+      {"reason", "likeliest reason of the class", "", [](bool) { return reason_legend(); },
+       [](const CellState& cell) { return float(int(cell.result.reason)); }},
+      {"outside_share", "share of what the soil may be that no trial answers for: not sampled, or too soft", "1",
+       ramp(0, 1, "0: none", "1: all", "#ffffff", "#4d4d66"),
+       [](const CellState& cell) { return cell.answer ? cell.answer->outside_share : 1.0f; }},
+      {"go_worst", "mobility class, worst heading", "", class_legend, class_over(&HeadingRange::worst)},
+      {"go_best", "mobility class, best heading", "", class_legend, class_over(&HeadingRange::best)},
+      {"p_go_worst", "P(go), worst of the sampled headings", "1", p_go_colours, of_headings(&HeadingRange::p_worst)},
+      {"p_go_best", "P(go), best of the sampled headings", "1", p_go_colours, of_headings(&HeadingRange::p_best)},
+      {"headings_sampled", "share of the headings whose slopes were sampled", "1",
+       ramp(0, 1, "0: none", "1: all", "#4d4d66", "#ffffff"), of_headings(&HeadingRange::sampled_share)},
+      {"p_go_low", "P(go), 5 % point, uphill heading", "1", p_go_colours, of_answer(&CellAnswer::p_low)},
+      {"p_go_high", "P(go), 95 % point, uphill heading", "1", p_go_colours, of_answer(&CellAnswer::p_high)},
+      {"novelty", "distance to the nearest trial, 1 as near as trials are to one another", "1",
+       ramp(0, 4, "0: on a trial", "4: far from every trial"), of_answer(&CellAnswer::novelty),
+       [](const OutcomeModel& model) { return bool(model.novelty); }},
+      {"speed", "top speed, uphill", "km/h", ramp(0, 60, "0 km/h", "60 km/h"),
+       [](const CellState& cell) { return cell.answer ? float(kKmPerHour) * cell.answer->speed : kNoData; },
+       [](const OutcomeModel& model) { return bool(model.speed); }},
+      {"slip", "expected slip of trials that pass, uphill", "1", ramp(0, 1, "0", "1"), of_answer(&CellAnswer::slip),
+       has_measures},
+      {"sinkage", "expected sinkage of trials that pass, uphill", "m", ramp(0, 0.3, "0 m", "0.3 m"),
+       of_answer(&CellAnswer::sinkage), has_measures},
+  };
+  return kinds;
+}
+
+}  // namespace
+
 std::vector<MapLayer> map_layers(const MapRules& rules, const OutcomeModel& model, bool colour_blind_safe,
                                  const Metadata& metadata) {
-  const bool has_measures = !model.measures.empty(), has_speed = bool(model.speed), has_novelty = bool(model.novelty);
-  const std::string heading = heading_text(rules);
-  const auto go = class_legend(colour_blind_safe), p = p_go_legend();
-  std::vector<MapLayer> layers = {
-      {"go", classes("mobility class, " + heading, go, metadata),
-       [](const CellState& cell) { return float(int(cell.result.verdict)); }},
-      {"p_go", numbers("P(go), " + heading, "1", p, metadata), [](const CellState& cell) { return cell.p_go; }},
-      {"reason", classes("likeliest reason of the class", reason_legend(), metadata),
-       [](const CellState& cell) { return float(int(cell.result.reason)); }},
-      {"outside_share",
-       numbers("share of what the soil may be that no trial answers for: not sampled, or too soft", "1",
-               ramp(0, 1, "0: none", "1: all", "#ffffff", "#4d4d66"), metadata),
-       [](const CellState& cell) { return cell.answer ? cell.answer->outside_share : 1.0f; }},
-      {"go_worst", classes("mobility class, worst heading", go, metadata), class_over(&HeadingRange::worst)},
-      {"go_best", classes("mobility class, best heading", go, metadata), class_over(&HeadingRange::best)},
-      {"p_go_worst", numbers("P(go), worst of the sampled headings", "1", p, metadata),
-       of_headings(&HeadingRange::p_worst)},
-      {"p_go_best", numbers("P(go), best of the sampled headings", "1", p, metadata),
-       of_headings(&HeadingRange::p_best)},
-      {"headings_sampled",
-       numbers("share of the headings whose slopes were sampled", "1",
-               ramp(0, 1, "0: none", "1: all", "#4d4d66", "#ffffff"), metadata),
-       of_headings(&HeadingRange::sampled_share)},
-      {"p_go_low", numbers("P(go), 5 % point, uphill heading", "1", p, metadata), of_answer(&CellAnswer::p_low)},
-      {"p_go_high", numbers("P(go), 95 % point, uphill heading", "1", p, metadata), of_answer(&CellAnswer::p_high)}};
-  if (has_novelty)
-    layers.push_back({"novelty",
-                      numbers("distance to the nearest trial, 1 as near as trials are to one another", "1",
-                              ramp(0, 4, "0: on a trial", "4: far from every trial"), metadata),
-                      of_answer(&CellAnswer::novelty)});
-  if (has_speed)
-    layers.push_back(
-        {"speed", numbers("top speed, uphill", "km/h", ramp(0, 60, "0 km/h", "60 km/h"), metadata),
-         [](const CellState& cell) { return cell.answer ? float(kKmPerHour) * cell.answer->speed : kNoData; }});
-  if (!has_measures) return layers;
-  layers.push_back({"slip", numbers("expected slip of trials that pass, uphill", "1", ramp(0, 1, "0", "1"), metadata),
-                    of_answer(&CellAnswer::slip)});
-  layers.push_back(
-      {"sinkage", numbers("expected sinkage of trials that pass, uphill", "m", ramp(0, 0.3, "0 m", "0.3 m"), metadata),
-       of_answer(&CellAnswer::sinkage)});
+  std::vector<MapLayer> layers;
+  for (const LayerKind& kind : layer_kinds()) {
+    if (kind.is_given && !kind.is_given(model)) continue;
+    const std::string title = kind.title, unit = kind.unit;
+    layers.push_back({kind.file,
+                      {.name = title.ends_with(", ") ? title + heading_text(rules) : title,
+                       .unit = unit,
+                       .classes = unit.empty(),
+                       .legend = kind.legend(colour_blind_safe),
+                       .metadata = metadata},
+                      kind.value});
+  }
   return layers;
+}
+
+std::optional<std::size_t> find_layer(const std::vector<MapLayer>& layers, const std::string& file) {
+  const auto found = std::find_if(layers.begin(), layers.end(), [&](const MapLayer& l) { return l.file == file; });
+  return found == layers.end() ? std::nullopt : std::optional(std::size_t(found - layers.begin()));
 }
 
 }  // namespace gonogo::map

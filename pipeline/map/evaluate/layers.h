@@ -1,13 +1,14 @@
 // The layers of a map: file, legend, and value in a cell. Legends follow the contract's classes and reasons.
 #pragma once
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "pipeline/map/evaluate/soil_response.h"
 #include "pipeline/map/region/rules.h"
-#include "terrain/raster/geotiff.h"
+#include "terrain/raster/layer/geotiff.h"
 
 namespace gonogo::map {
 
@@ -26,9 +27,12 @@ struct MapLayer {
   std::function<float(const CellState&)> value;  // NaN: nodata
 };
 
-/// All layers of a map. go, p_go, reason and outside_share are the first four (TileLayers relies on it).
+/// All layers of a map, in the order of their files.
 std::vector<MapLayer> map_layers(const MapRules& rules, const OutcomeModel& model, bool colour_blind_safe,
                                  const Metadata& metadata);
+
+/// Position of the layer with this file; nothing where the map has none.
+std::optional<std::size_t> find_layer(const std::vector<MapLayer>& layers, const std::string& file);
 
 std::vector<terrain::LegendEntry> class_legend(bool colour_blind_safe);
 std::vector<terrain::LegendEntry> reason_legend();

@@ -4,17 +4,16 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include "pipeline/map/evaluate/soil_response.h"
-#include "pipeline/map/region/region.h"
+#include "pipeline/map/region/sources.h"
 
 namespace gonogo::map {
 
 struct SoilTable {
-  static constexpr int kUnknown = -1;
-
   std::vector<Soil> soils;                   // the name includes the moisture state, if there is one
   std::vector<SoilResponse> responses;       // [soils]
   std::vector<int> moisture;                 // [soils] 0: any state; k: the region's k-th state
@@ -24,44 +23,38 @@ struct SoilTable {
   std::vector<std::string> without_samples;  // "wet loam": soils without a sample in that state
   std::vector<char> has_ditch;               // [soils] 1: the entry of a ditch
 
-  /// Position in `soils`. kUnknown if the table does not list the code or has no sample in this state.
-  int find(int code, int state) const { return find(key(code, state, false)); }
+  /// Position in `soils`; nothing if the table does not list the code or has no sample in this state.
+  std::optional<std::size_t> find(int code, int state) const { return find(key(code, state, false)); }
   /// The entry for cells whose measured cone index is high enough.
-  int find_firm(int code, int state) const { return find(key(code, state, true)); }
+  std::optional<std::size_t> find_firm(int code, int state) const { return find(key(code, state, true)); }
+  /// The entry of a ditch, by its position in MapSources::ditches, in the soil at a position of `soils`.
+  std::optional<std::size_t> find_ditch(std::size_t soil, std::size_t ditch) const;
 
-  void add(Soil soil, int state, bool soft_allowed, bool firm, SoilResponse response) {
-    index_[key(soil.code, state, firm)] = int(soils.size());
-    append(std::move(soil), state, soft_allowed, std::move(response), false);
-  }
-
-  /// The entry of a ditch, by its number, in the soil at a position of `soils`.
-  int find_ditch(int soil, int ditch) const {
-    const auto found = ditch_.find({soil, ditch});
-    return found == ditch_.end() ? kUnknown : found->second;
-  }
-  void add_ditch(int soil, int ditch, Soil with_ditch, SoilResponse response) {
-    const std::size_t ground = std::size_t(soil);
-    ditch_[{soil, ditch}] = int(soils.size());
-    append(std::move(with_ditch), moisture[ground], may_be_soft[ground], std::move(response), true);
-  }
+  void add(Soil soil, int state, bool soft_allowed, bool firm, SoilResponse response);
+  void add_ditch(std::size_t soil, std::size_t ditch, Soil with_ditch, SoilResponse response);
 
  private:
-  void append(Soil soil, int state, bool soft_allowed, SoilResponse response, bool ditch) {
-    may_be_soft.push_back(soft_allowed);
-    has_ditch.push_back(ditch);
-    soils.push_back(std::move(soil));
-    responses.push_back(std::move(response));
-    moisture.push_back(state);
-    cells.push_back(0);
-  }
-
+  void append(Soil soil, int state, bool soft_allowed, SoilResponse response, bool ditch);
   static std::int64_t key(int code, int state, bool firm) { return std::int64_t(code) * 16 + 2 * state + firm; }
-  int find(std::int64_t key) const {
-    const auto found = index_.find(key);
-    return found == index_.end() ? kUnknown : found->second;
-  }
-  std::unordered_map<std::int64_t, int> index_;
-  std::map<std::pair<int, int>, int> ditch_;  // (position of the soil, number of the ditch)
+  std::optional<std::size_t> find(std::int64_t key) const;
+
+  std::unordered_map<std::int64_t, std::size_t> index_;
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> ditch_;  // by (soil, ditch)
 };
+
+/// Standard error of Horn's gradient [rise per metre]: e sqrt(1 - r) sqrt(12) / (8 cell). e is the elevation's standard
+/// error [m], r its correlation between neighbouring cells. 12 is the sum of the squared weights 1 2 1 of both sides.
+double gradient_error(const RegionRaster& elevation, const terrain::MapGrid& grid);
+
+/// Tabulates the model for every soil of the region and every moisture state that the map needs. `error_of_gradient`
+/// [rise per metre] widens the interval on P(go). Throws InputError for a moisture that the region does not define.
+SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
+                          double error_of_gradient);
+
+/// The table of a map: leaves out soils by name that do not occur on it, and has an entry for every ditch of the
+/// sources in every soil in which one of its cells lies. The vehicle is no faster there than the trials that crossed
+/// ditches.
+SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
+                          double error_of_gradient, const MapSources& sources);
 
 }  // namespace gonogo::map

@@ -1,9 +1,79 @@
 #include "pipeline/map/page/page.h"
 
+#include <zlib.h>
+
 #include "base/error.h"
-#include "pipeline/map/page/page_text.h"
 
 namespace gonogo::map {
+
+namespace {
+
+/// Low bytes first, then high bytes.
+std::string planes(const std::vector<std::uint16_t>& value, int bits) {
+  std::string bytes;
+  bytes.reserve(value.size() * std::size_t(bits / 8));
+  for (int shift = 0; shift < bits; shift += 8)
+    for (const std::uint16_t v : value) bytes.push_back(char((v >> shift) & 255));
+  return bytes;
+}
+
+std::string deflated(const std::string& bytes) {
+  uLongf size = compressBound(uLong(bytes.size()));
+  std::string out(size, '\0');
+  const int status = compress2(reinterpret_cast<Bytef*>(out.data()), &size,
+                               reinterpret_cast<const Bytef*>(bytes.data()), uLong(bytes.size()), 6);
+  if (status != Z_OK) throw DeviceError("page: zlib could not compress (status " + std::to_string(status) + ")");
+  out.resize(size);
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::uint16_t> filtered(const Blob& blob, BlobFilter filter) {
+  const std::uint32_t mask = (1u << blob.bits) - 1;
+  const auto& v = blob.value;
+  std::vector<std::uint16_t> out(v.size());
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const bool has_left = i % blob.width != 0, has_up = i >= blob.width;
+    const std::uint32_t left = has_left ? v[i - 1] : 0, up = has_up ? v[i - blob.width] : 0;
+    const std::uint32_t corner = has_left && has_up ? v[i - blob.width - 1] : 0;
+    std::uint32_t expected = 0;
+    if (filter == BlobFilter::left) expected = left;
+    if (filter == BlobFilter::plane) expected = left + up - corner;
+    if (filter == BlobFilter::mean) expected = (left + up) / 2;
+    out[i] = std::uint16_t((v[i] - expected) & mask);
+  }
+  return out;
+}
+
+std::string base64(const std::string& bytes) {
+  static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = (group << 8) | (i + k < bytes.size() ? std::uint32_t(std::uint8_t(bytes[i + k])) : 0u);
+    for (std::size_t k = 0; k < 4; ++k)
+      text.push_back(i + k <= bytes.size() ? kDigits[(group >> (18 - 6 * k)) & 63] : '=');
+  }
+  return text;
+}
+
+std::string blob_element(const Blob& blob) {
+  GONOGO_ASSERT(blob.bits == 8 || blob.bits == 16);
+  std::string best;
+  int best_filter = 0;
+  for (const BlobFilter filter : {BlobFilter::none, BlobFilter::left, BlobFilter::plane, BlobFilter::mean}) {
+    std::string bytes = deflated(planes(filtered(blob, filter), blob.bits));
+    if (!best.empty() && bytes.size() >= best.size()) continue;
+    best = std::move(bytes);
+    best_filter = int(filter);
+  }
+  return "<script type=\"application/x-gonogo\" id=\"" + blob.name + "\" data-bits=\"" + std::to_string(blob.bits) +
+         "\" data-width=\"" + std::to_string(blob.width) + "\" data-filter=\"" + std::to_string(best_filter) + "\">" +
+         base64(best) + "</script>\n";
+}
 
 std::string script_safe(const Json& json) {
   std::string out;

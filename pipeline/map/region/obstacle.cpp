@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "base/error.h"
-#include "base/line.h"
+#include "base/format.h"
 
 namespace gonogo::map {
 namespace {

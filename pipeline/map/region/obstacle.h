@@ -1,11 +1,11 @@
 // Obstacles of a region that are lines and polygons: rivers, ditches, stems, boulders, buildings; and roads over them.
 //
 // Geometry decides, and is said. The bounds are sufficient ones from statics. What lies between them is unknown, but
-// for ditches of sizes that a model's trials sampled (pipeline/map/evaluate/crossing_model.h).
+// for ditches of sizes that a model's trials sampled (pipeline/map/evaluate/outcome_model.h).
 //
 //   step h     A wheel of radius R and friction mu that nobody pushes stands on the edge under a vertical load. It
 //              climbs if the edge's normal leans by at most atan(mu): h <= R (1 - 1 / sqrt(1 + mu^2)). At h >= R
-//              the edge meets it at the axle or above: no-go. A belt counts by its front drum, and is no-go at 2 R.
+//              the edge touches it at the axle or above: no-go. A belt counts by its front drum, and is no-go at 2 R.
 //   ditch      A wheel sinks between the banks by min(depth, R - sqrt(R^2 - width^2 / 4)), by the depth where the
 //              width is 2 R or more. That is the step to climb. Belts with their weight in the middle bridge half of
 //              their length on the ground.
@@ -34,7 +34,7 @@ struct CrossingLimits {
   double friction = 0;                          // of tyre or belt [-]
   double width = 0, length = 0, clearance = 0;  // [m]
   double contact_length = 0;                    // of a belt [m]
-  // Of ditches that trials of this vehicle have crossed or not; nothing without a model of them [m].
+  // Sizes of ditches that trials of this vehicle sampled; empty ranges without a model of ditches [m].
   Range ditch_width{1, 0}, ditch_depth{1, 0};
 };
 

@@ -1,15 +1,18 @@
 #include "pipeline/map/region/region.h"
 
+#include <cmath>
 #include <set>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "pipeline/campaign/study/study.h"
-#include "pipeline/map/region/named_soil.h"
-#include "pipeline/map/region/read_soil.h"
-#include "terrain/soil/strength.h"
+#include "pipeline/map/region/soil.h"
+#include "terrain/raster/grid.h"
+#include "terrain/soil/soil.h"
 
 namespace gonogo::map {
+
 namespace {
 
 RegionRaster read_raster(const Config& config, const std::string& role) {
@@ -207,6 +210,46 @@ std::vector<std::vector<double>> soil_points(const Region& region, const Soil& s
     shift += soil.draws > 0;
   }
   return points;
+}
+
+namespace {
+
+constexpr double kTolerance = 0.02;
+
+/// "the Moon", or the radius of a body that has no name here.
+std::string body_text(double radius) {
+  const auto body = terrain::body_of_radius(radius);
+  return body ? body->with_article : line("a body with a radius of %.0f km", radius / 1e3);
+}
+
+}  // namespace
+
+std::string gravity_text(double gravity) { return line("%.4g m/s2", gravity); }
+
+bool is_same_gravity(double a, double b) { return std::abs(a / b - 1) <= kTolerance; }
+
+double ground_gravity(const Region& region, double body_radius) {
+  const auto body = terrain::body_of_radius(body_radius);
+  const std::string place = region.file.string() + ": gravity: ";
+  if (!region.gravity) {
+    if (body) return body->gravity;
+    throw InputError(place + "is missing, and the elevation lies on " + body_text(body_radius) +
+                     ", which this program does not know; give a region file with \"gravity\" [m/s2]");
+  }
+  if (body && !is_same_gravity(*region.gravity, body->gravity))
+    throw InputError(place + "is " + gravity_text(*region.gravity) + ", and the elevation lies on " +
+                     body_text(body_radius) + ", which has " + gravity_text(body->gravity) +
+                     "; leave it out, or give ground of that gravity");
+  return *region.gravity;
+}
+
+void require_gravity(const Region& region, double body_radius, double of_trials) {
+  const double ground = ground_gravity(region, body_radius);
+  if (is_same_gravity(ground, of_trials)) return;
+  throw InputError(region.elevation.files.name() + ": lies on " + body_text(body_radius) + " with a gravity of " +
+                   gravity_text(ground) + ", and the trials of the model had " + gravity_text(of_trials) +
+                   line("; give a model of trials whose study says \"gravity\": %.4g, or ground of %s", ground,
+                        gravity_text(of_trials).c_str()));
 }
 
 }  // namespace gonogo::map

@@ -9,10 +9,13 @@
 
 #include "base/json/config.h"
 #include "pipeline/map/region/obstacle.h"
-#include "pipeline/map/region/spread.h"
+#include "pipeline/map/region/soil.h"
 #include "terrain/raster/grid.h"
 
 namespace gonogo::map {
+
+using terrain::has_data;
+using terrain::kNoData;
 
 struct RegionRaster {
   terrain::RasterFiles files;
@@ -23,41 +26,12 @@ struct RegionRaster {
   terrain::HeightWish heights{};  // of the elevation
 };
 
-/// Values measured together on one sample of a soil, or the ranges of a soil that is known by name. Other variables
-/// follow the spreads of the soil.
-struct SoilSample {
-  Spreads values;
-  std::string source;
-  std::optional<double> water_percent = std::nullopt;  // of the dry mass; none: not measured
-  std::optional<double> cone_index = std::nullopt;     // [Pa]; none: not measured
-  std::string texture{};                               // empty: as the soil's
-  std::string moisture{};                              // "dry", "moist" or "wet" without a water content; empty: any
-};
-
 /// What a land cover code means. A verdict holds whatever the soil; without a verdict the soil decides.
 struct LandRule {
   int code = 0;  // in the land cover raster
   std::string name;
   std::optional<campaign::Verdict> verdict;          // no_go or unknown
   campaign::Reason reason = campaign::Reason::none;  // water, vegetation or built_up
-};
-
-/// A moisture state. Samples with a water content in [low, high) belong to it.
-struct MoistureState {
-  std::string name;          // "dry", "moist" or "wet"
-  double low = 0, high = 0;  // [percent of the dry mass]
-};
-
-struct Soil {
-  int code = 0;  // in the soil class raster
-  std::string name;
-  std::string note;
-  std::string texture;              // one of terrain::usda_textures(); empty: as the region's
-  std::vector<SoilSample> samples;  // equally likely; empty: `values` alone hold
-  Spreads values;
-  int draws = 0;                                               // points drawn for each sample; 0: as the rules say
-  double max_speed = std::numeric_limits<double>::infinity();  // of a road [m/s]
-  bool given = true;  // false: nobody said what the soil is, the samples are all that it may be
 };
 
 struct Region {
@@ -76,13 +50,6 @@ struct Region {
   Spreads values;                          // for variables that a soil does not give
   std::string soil_text{};                 // names and hashes of soils that come by name; empty: none does
 };
-
-/// Soils of roads have codes from here on, beyond those of rasters.
-inline constexpr int kRoadCode = 100000;
-
-/// Samples of a soil in a moisture state: by their water content, else by the name of their moisture. A sample without
-/// either belongs to every state.
-std::vector<SoilSample> samples_in(const Soil& soil, const MoistureState& state);
 
 /// Reads a region file. Paths in it are relative to its folder. Does not open the rasters. Throws InputError.
 Region read_region(const std::filesystem::path& path);
@@ -105,5 +72,18 @@ inline std::size_t obstacle_rule(const Region& region, std::size_t obstacle, Cro
 /// these win over the region's. A soil's own number of draws wins over `draws`; its samples then take shifted sets.
 std::vector<std::vector<double>> soil_points(const Region& region, const Soil& soil, const Spreads& overriding,
                                              int draws);
+
+/// "1.62 m/s2"
+std::string gravity_text(double gravity);
+
+/// Whether two are the same for trials: within 2 %. On the Earth gravity varies by 0.5 %.
+bool is_same_gravity(double a, double b);
+
+/// Gravity of the region's ground [m/s^2]: what its file says, or that of the body with this equatorial radius [m].
+/// Throws InputError where neither gives it, and where they contradict each other.
+double ground_gravity(const Region& region, double body_radius);
+
+/// Throws InputError unless the ground has the gravity of the model's trials [m/s^2].
+void require_gravity(const Region& region, double body_radius, double of_trials);
 
 }  // namespace gonogo::map

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/line.h"
+#include "base/format.h"
 #include "base/units.h"
 
 namespace gonogo::map {

@@ -3,16 +3,18 @@
 // P(go) is the probability that a valid trial ends in go or slow_go. Let u be the share of the soil's points that was
 // never sampled, and p the P(go) of the others. P(go) then lies between p (1 - u) and p (1 - u) + u. A cell gets a
 // class only if the whole interval agrees on it; otherwise it is unknown. So no cell is go because of soil that was not
-// simulated. Points that are too soft (pipeline/map/evaluate/soft_soil.h) count as not sampled.
+// simulated. Points that are too soft (pipeline/map/evaluate/soil_points.h) count as not sampled.
 #pragma once
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <optional>
 #include <vector>
 
 #include "base/json/config.h"
+#include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
-#include "pipeline/map/region/spread.h"
+#include "pipeline/map/region/soil.h"
 
 namespace gonogo::map {
 
@@ -67,5 +69,26 @@ campaign::Reason reason_of_unknown(const Prospect& prospect);
 /// Class and reason of a cell. The reason of no_go is the likeliest one; that of unknown is reason_of_unknown(). Points
 /// that are too soft are never tolerated.
 CellClass classify(const Prospect& prospect, const MapRules& rules);
+
+/// Slope along the heading (uphill positive) and across it (left side up positive) [deg].
+struct BedSlopes {
+  double along = 0, across = 0;
+};
+
+/// `slope`: of the ground [deg]. psi: angle from the heading to the uphill direction of the fall line [rad], positive
+/// to the left (docs/notation.md). tan(along) = tan(slope) cos(psi), tan(across) = tan(slope) sin(psi).
+inline BedSlopes bed_slopes(double slope, double psi) {
+  const double rise = std::tan(slope * kDegree);
+  return {std::atan(rise * std::cos(psi)) / kDegree, std::atan(rise * std::sin(psi)) / kDegree};
+}
+
+/// psi [rad] for a heading [deg clockwise from grid north] on ground that falls towards `aspect` [deg, likewise].
+inline double fall_line_angle(double heading, double aspect) { return (heading - aspect - 180) * kDegree; }
+
+/// Aspect in whole degrees [0, 360). The map and its page round alike, so they look up the same entries.
+inline double rounded_aspect(double aspect) { return std::fmod(std::round(aspect), 360.0); }
+
+/// Number of headings that "worst" and "best" are taken over: 0 (uphill), 10, ... 350 degrees from the fall line.
+inline constexpr int kHeadings = 36;
 
 }  // namespace gonogo::map

@@ -5,12 +5,95 @@
 #include <optional>
 
 #include "base/error.h"
-#include "base/line.h"
-#include "pipeline/map/route/drive_of_way.h"
-#include "pipeline/map/route/search.h"
-#include "pipeline/map/route/turning.h"
+#include "base/format.h"
+#include "base/units.h"
+#include "pipeline/map/route/search/any_angle.h"
+#include "pipeline/map/route/search/search.h"
+#include "pipeline/map/route/search/turning.h"
+#include "pipeline/map/route/way_files.h"
 
 namespace gonogo::map {
+
+std::vector<WayPiece> pieces_of(const FoundRoute& route, const RouteCells& cells, const RouteCosts& length) {
+  std::vector<WayPiece> pieces;
+  double driven = 0;
+  const auto columns = std::uint32_t(cells.columns);
+  for (std::size_t i = 1; i < route.cell.size(); ++i) {
+    const LineOfCells line(cells, route.cell[i - 1], route.cell[i]);
+    walk_line(
+        cells.columns, route.cell[i - 1], route.cell[i],
+        [&](std::uint32_t cell, double begin, double end) {
+          const double rise = std::tan(cells.slope[cell] / kSlopeSteps * kDegree);
+          const double downhill = cells.aspect[cell] * kDegree;
+          const double next =
+              driven + line.length * (end - begin) * double(length.per_metre(cells, cell, line.heading));
+          pieces.push_back({.begin = driven,
+                            .end = next,
+                            .soil = cells.soil[cell],
+                            .rise_east = -rise * std::sin(downhill),
+                            .rise_north = -rise * std::cos(downhill),
+                            .heading = double(line.heading),
+                            .column = int(cell % columns),
+                            .row = int(cell / columns)});
+          driven = next;
+          return true;
+        },
+        [](std::uint32_t, std::uint32_t) { return true; });
+  }
+  return pieces;
+}
+
+namespace {
+
+/// The line over pieces `first` to `last`, in the grid's coordinate system.
+std::vector<std::array<double, 2>> line_over(const FoundRoute& route, const terrain::MapGrid& grid, std::size_t first,
+                                             std::size_t last) {
+  std::vector<std::array<double, 2>> line;
+  std::size_t piece = 0;
+  for (std::size_t i = 1; i < route.cell.size(); ++i) {
+    const terrain::TrackPoint a = centre_of(route.cell[i - 1], grid), b = centre_of(route.cell[i], grid);
+    const auto add = [&](double share) { line.push_back({a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)}); };
+    walk_line(
+        grid.columns, route.cell[i - 1], route.cell[i],
+        [&](std::uint32_t, double begin, double end) {
+          if (piece == first) add(begin);
+          if (piece >= first && piece <= last) add(end);
+          ++piece;
+          return true;
+        },
+        [](std::uint32_t, std::uint32_t) { return true; });
+  }
+  return line;
+}
+
+}  // namespace
+
+PassageDoubt passage_doubt(const RegionRaster& elevation, const MapRules& rules, const terrain::MapGrid& grid) {
+  PassageDoubt doubt;
+  doubt.bed_length = rules.correlation_length;
+  doubt.height_error = elevation.error * std::sqrt(1 - elevation.error_correlation);
+  doubt.cell_width = grid.cell_width_m();
+  doubt.cell_height = grid.cell_height_m();
+  return doubt;
+}
+
+std::vector<WaySoil> way_soils(const SoilTable& table) {
+  std::vector<WaySoil> soils;
+  for (std::size_t s = 0; s < table.responses.size(); ++s) {
+    const SoilPoints& points = table.responses[s].points();
+    const std::size_t count = points.sampled_count();
+    WaySoil soil{.name = s < table.soils.size() ? table.soils[s].name : std::string(), .points = {}};
+    const std::size_t variables = count > 0 ? points.sampled().size() / count : 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto row = points.sampled().subspan(i * variables, variables);
+      soil.points.emplace_back(row.begin(), row.end());
+    }
+    soil.not_sampled = 1 - double(count) / double(points.all().size());
+    soils.push_back(std::move(soil));
+  }
+  return soils;
+}
+
 namespace {
 
 /// Cost of a way by another measure than the one it was found with.
@@ -18,16 +101,6 @@ double cost_along(const FoundRoute& route, const RouteCells& cells, const RouteC
   double sum = 0;
   for (std::size_t i = 1; i < route.cell.size(); ++i) sum += line_cost(cells, costs, route.cell[i - 1], route.cell[i]);
   return sum;
-}
-
-Json totals_of(const FoundRoute& route, const RouteCells& cells, const AllCosts& costs) {
-  const auto total = [&](RouteCost cost) { return cost_along(route, cells, costs.at(cost)); };
-  Json json = Json::object();
-  json["length_m"] = total(RouteCost::length);
-  json["risk"] = total(RouteCost::risk);
-  if (costs.count(RouteCost::time)) json["time_s"] = total(RouteCost::time);
-  if (costs.count(RouteCost::energy)) json["energy_j"] = total(RouteCost::energy);
-  return json;
 }
 
 /// The cheapest way over all stops; nothing if one cannot be reached from the one before.
@@ -45,15 +118,26 @@ std::optional<FoundRoute> way_over(const std::vector<std::uint32_t>& stops, cons
   return whole;
 }
 
-/// Adds the chance to get through, the places where one gets stuck, and the weakest stretch.
-void add_forecast(const MapRequest& map, const terrain::MapGrid& grid, const RouteCells& cells, const AllCosts& costs,
-                  const std::vector<DriveSoil>& soils, FoundWay& found) {
-  const auto pieces = pieces_of(found.route, cells, costs.at(RouteCost::length));
-  const DriveForecast forecast =
-      forecast_drive(pieces, soils, map.model, drive_doubt(map.region.elevation, map.rules, grid));
-  const Json json = forecast_json(forecast, pieces, soils);
-  for (const auto& [key, value] : json.members()) found.totals[key] = value;
-  if (forecast.weakest) found.weakest = line_over(found.route, grid, forecast.weakest->first, forecast.weakest->last);
+/// The chance to get through, and the weakest stretch.
+Passage passage_over(const FoundRoute& route, const MapRequest& map, const terrain::MapGrid& grid,
+                     const RouteCells& cells, const RouteCosts& length, const std::vector<WaySoil>& soils) {
+  const auto pieces = pieces_of(route, cells, length);
+  const PassageForecast forecast =
+      forecast_passage(pieces, soils, map.model, passage_doubt(map.region.elevation, map.rules, grid));
+  Passage passage{forecast.chance, forecast.error, forecast.places, forecast.not_sampled, {}};
+  if (!forecast.weakest) return passage;
+  const WeakestStretch& stretch = *forecast.weakest;
+  const WayPiece& piece = pieces[stretch.piece];
+  const SlopesOnWay slopes = slopes_on_way(piece);
+  passage.weakest = {.begin = stretch.begin,
+                     .end = stretch.end,
+                     .stuck = stretch.stuck,
+                     .reason = campaign::contract().info(campaign::contract().outcomes[stretch.outcome].reason).label,
+                     .soil = soils[piece.soil].name,
+                     .slope_along = to_degrees(std::atan(slopes.along)),
+                     .slope_across = to_degrees(std::atan(slopes.across)),
+                     .line = line_over(route, grid, stretch.first, stretch.last)};
+  return passage;
 }
 
 }  // namespace
@@ -78,8 +162,7 @@ std::uint32_t cell_at(const Place& place, const terrain::MapGrid& grid, const Ro
     throw InputError(
         line("route: %s %.10g,%.10g lies outside the elevation raster, which covers %.10g to %.10g and "
              "%.10g to %.10g; give coordinates in its system",
-             option, place.x, place.y, grid.west, grid.west + grid.columns * grid.cell_width,
-             grid.north - grid.rows * grid.cell_height, grid.north));
+             option, place.x, place.y, grid.west, grid.east(), grid.south(), grid.north));
   const auto cell = std::uint32_t(row) * std::uint32_t(grid.columns) + std::uint32_t(column);
   if (!cells.is_open(cell))
     throw InputError(
@@ -98,29 +181,31 @@ std::vector<std::uint32_t> stops_of(const RouteRequest& request, const terrain::
   return stops;
 }
 
-Json find_ways(const RouteRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
-               const RouteCells& cells, const AllCosts& costs, std::vector<FoundWay>& ways) {
+std::vector<std::pair<RouteCost, std::optional<FoundWay>>> find_ways(const RouteRequest& request,
+                                                                     const terrain::MapGrid& grid,
+                                                                     const SoilTable& table, const RouteCells& cells,
+                                                                     const AllCosts& costs) {
   const std::vector<std::uint32_t> stops = stops_of(request, grid, cells);
-  const std::vector<DriveSoil> soils = drive_soils(table);
-  Json routes = Json::array();
+  const std::vector<WaySoil> soils = way_soils(table);
+  std::vector<std::pair<RouteCost, std::optional<FoundWay>>> ways;
   for (const RouteCost cost : request.costs) {
     const auto found = way_over(stops, request, cells, costs.at(cost));
-    Json entry = Json::object();
-    entry["cost"] = name_of(cost);
-    entry["found"] = bool(found);
-    if (found) {
-      ways.push_back({cost, *found, totals_of(*found, cells, costs)});
-      add_forecast(request.map, grid, cells, costs, soils, ways.back());
-      for (const auto& [key, value] : ways.back().totals.members()) entry[key] = value;
-      entry["corners"] = std::uint64_t(found->cell.size());
-      if (request.turning > 0) {
-        entry["turned_degrees"] = Turning(cells, costs.at(cost), request.turning).turns(found->cell).degrees;
-        entry["turning_m"] = entry.at("turned_degrees").number() / 90 * request.turning;
-      }
+    ways.emplace_back(cost, std::nullopt);
+    if (!found) continue;
+    const auto total = [&](RouteCost by) { return cost_along(*found, cells, costs.at(by)); };
+    FoundWay way{cost, *found};
+    way.length = total(RouteCost::length);
+    way.risk = total(RouteCost::risk);
+    if (costs.count(RouteCost::time)) way.time = total(RouteCost::time);
+    if (costs.count(RouteCost::energy)) way.energy = total(RouteCost::energy);
+    way.passage = passage_over(*found, request.map, grid, cells, costs.at(RouteCost::length), soils);
+    if (request.turning > 0) {
+      way.turned = Turning(cells, costs.at(cost), request.turning).turns(found->cell).degrees;
+      way.turning = *way.turned / 90 * request.turning;
     }
-    routes.push_back(entry);
+    ways.back().second = std::move(way);
   }
-  return routes;
+  return ways;
 }
 
 }  // namespace gonogo::map

@@ -3,20 +3,30 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <string>
 #include <vector>
 
-#include "base/json/json.h"
 #include "pipeline/map/evaluate/soil_table.h"
-#include "pipeline/map/route/any_angle.h"
+#include "pipeline/map/route/passage.h"
 #include "pipeline/map/route/plan_route.h"
+#include "pipeline/map/route/search/any_angle.h"
 #include "terrain/raster/grid.h"
 
 namespace gonogo::map {
 
-/// Every cost that the model tells.
+/// Pieces of the way, one for each cell that a line crosses. `length`: costs of RouteCost::length.
+std::vector<WayPiece> pieces_of(const FoundRoute& route, const RouteCells& cells, const RouteCosts& length);
+
+/// Soils in the order of the table, by their sampled points.
+std::vector<WaySoil> way_soils(const SoilTable& table);
+
+/// What is not known on a way over the region.
+PassageDoubt passage_doubt(const RegionRaster& elevation, const MapRules& rules, const terrain::MapGrid& grid);
+
+/// Every cost that the model gives.
 using AllCosts = std::map<RouteCost, RouteCosts>;
 
-/// Throws InputError for a cost that is asked for and not told.
+/// Throws InputError for a cost that is asked for and not given.
 AllCosts all_costs(const SoilTable& table, const std::vector<RouteCost>& asked, double correlation_length);
 
 /// Index of the cell under a place. Throws InputError outside the raster and where nothing drives; `option` is
@@ -26,16 +36,10 @@ std::uint32_t cell_at(const Place& place, const terrain::MapGrid& grid, const Ro
 /// The places to pass, as cells.
 std::vector<std::uint32_t> stops_of(const RouteRequest& request, const terrain::MapGrid& grid, const RouteCells& cells);
 
-/// A way that was found.
-struct FoundWay {
-  RouteCost cost;
-  FoundRoute route;
-  Json totals;                                   // and the forecast of the drive
-  std::vector<std::array<double, 2>> weakest{};  // the weakest stretch, in the grid's coordinate system; may be empty
-};
-
-/// The cheapest way by each cost asked for: what it costs as JSON, and those that were found in `ways`.
-Json find_ways(const RouteRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
-               const RouteCells& cells, const AllCosts& costs, std::vector<FoundWay>& ways);
+/// The cheapest way by each cost asked for; nothing where there is none.
+std::vector<std::pair<RouteCost, std::optional<FoundWay>>> find_ways(const RouteRequest& request,
+                                                                     const terrain::MapGrid& grid,
+                                                                     const SoilTable& table, const RouteCells& cells,
+                                                                     const AllCosts& costs);
 
 }  // namespace gonogo::map

@@ -7,11 +7,19 @@
 #include <vector>
 
 #include "base/json/json.h"
-#include "pipeline/map/route/cost.h"
+#include "pipeline/map/evaluate/cell.h"
+#include "pipeline/map/route/passage.h"
+#include "pipeline/map/route/search/search.h"
 #include "pipeline/map/write/make_map.h"
 
 namespace gonogo::map {
 
+/// Reads the region's rasters band by band in threads. The result takes 5 bytes per cell. Throws InputError if the
+/// region lists more soils than a byte can number.
+RouteCells read_route_cells(const MapSources& sources, const Region& region, const SoilTable& table,
+                            const MapRules& rules, int threads);
+
+/// Plans routes over a region between two places, and what can be reached from one.
 struct Place {
   double x = 0, y = 0;  // in the region's coordinate system
 };
@@ -19,7 +27,7 @@ struct Place {
 /// Reads "218000,4370000". Throws InputError for other forms, with `where` first.
 Place parse_place(const std::string& text, const std::string& where);
 
-/// 2000-01-01T00:00:00Z: stands for "some day".
+/// 2000-01-01T00:00:00Z: no date was given.
 inline constexpr std::int64_t kNoDate = 946684800;
 
 /// Reads "2026-05-01T06:00:00Z" as seconds since 1970-01-01T00:00:00Z. Throws InputError for other forms.
@@ -43,11 +51,43 @@ struct RouteRequest {
   std::filesystem::path regions;     // .gpkg of the connected regions; empty: none
 };
 
-/// Writes the files asked for and returns { crs, cells, directions, routes: [{ cost, found, length_m, risk, time_s,
-/// energy_j, corners, turned_degrees, turning_m, and those of forecast_json() (drive_of_way.h) }], regions, files }.
-/// time_s and energy_j need a model with measures; regions and turns are there if asked for. Throws InputError if a
-/// place is missing or nothing is asked for.
-Json plan_route(const RouteRequest& request);
-std::string route_text(const Json& result);
+/// A way over the stops of a request, the cheapest by one cost.
+struct FoundWay {
+  RouteCost cost;
+  FoundRoute route;
+  double length = 0, risk = 0;             // of all of it [m], [-]
+  std::optional<double> time{}, energy{};  // [s], [J]; of a model with measures
+  Passage passage{};
+  std::optional<double> turned{};  // [deg] in all; where turns were asked for
+  double turning = 0;              // metres of driving that the turns count as
+};
+
+/// Connected regions of the map.
+struct ConnectedRegions {
+  std::uint64_t count = 0;
+  double largest = 0, passable = 0;  // area of the largest, of all [km2]
+};
+
+struct RouteResult {
+  std::string crs;
+  std::uint64_t cells = 0;
+  bool eight_directions = false;
+  std::vector<std::pair<RouteCost, std::optional<FoundWay>>> ways;  // by each cost asked for; nothing: there is none
+  std::optional<ConnectedRegions> regions;                          // where they were asked for
+  std::vector<std::filesystem::path> files;
+};
+
+/// Writes the files asked for. Throws InputError if a place is missing or nothing is asked for.
+RouteResult plan_route(const RouteRequest& request);
+
+/// { crs, cells, directions, routes: [{ cost, found, length_m, risk, time_s, energy_j, chance, chance_error,
+/// stuck_places, not_sampled, weakest: { from_km, to_km, stuck, reason, soil, slope_along_deg, slope_across_deg },
+/// corners, turned_degrees, turning_m }], regions: { count, largest_km2, passable_km2 }, files }.
+Json route_json(const RouteResult& result);
+std::string route_text(const RouteResult& result);
+/// "km 2.31 to 2.48: no traction in 12 % of the draws, loam, 14 degrees along and 3 across".
+std::string weakest_text(const StuckStretch& stretch);
+/// What a way costs, and the chance to get through, by name.
+std::vector<std::pair<std::string, double>> numbers_of(const FoundWay& way);
 
 }  // namespace gonogo::map

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/line.h"
+#include "base/files/file.h"
+#include "base/format.h"
 #include "base/units.h"
-#include "terrain/raster/float_layers.h"
+#include "terrain/raster/layer/geotiff.h"
 
 namespace gonogo::map {
 namespace {
@@ -17,28 +17,28 @@ constexpr double kSquare = 1e-6;  // relative difference of the sides of a cell
 /// Cost per metre of the dearest heading that passes; or why there is none.
 struct WorstCost {
   float per_metre = 0;
-  Passage passage = Passage::unknown;
+  Passability passage = Passability::unknown;
 };
 
 WorstCost worst_cost(const SoilTable& table, const RouteCells& cells, const RouteCosts& costs, std::size_t cell) {
-  WorstCost worst{0, Passage::no_go};
+  WorstCost worst{0, Passability::no_go};
   bool any = false;
   for (const int heading : kRobotHeadings) {
     const float cost = costs.per_metre(cells, cell, heading);
     if (std::isfinite(cost)) {
       worst.per_metre = any ? std::max(worst.per_metre, cost) : cost;
       any = true;
-    } else if (!any && passage(table, cells, cell, heading) == Passage::unknown) {
-      worst.passage = Passage::unknown;
+    } else if (!any && passability(table, cells, cell, heading) == Passability::unknown) {
+      worst.passage = Passability::unknown;
     }
   }
-  if (any) worst.passage = Passage::passes;
+  if (any) worst.passage = Passability::passes;
   return worst;
 }
 
 std::string yaml_text(const std::filesystem::path& pgm, const terrain::MapGrid& grid, const CostmapScale& scale,
                       RouteCost cost) {
-  const double south = grid.north - grid.rows * grid.cell_height, m = grid.metres_per_unit;
+  const double south = grid.south(), m = grid.metres_per_unit;
   const std::string unit = std::string(unit_of(cost)) + "/m";
   return "# Costmap for nav2_map_server (mode raw), " + grid.crs_name + ".\n" +
          "# 0 to 98: cost per metre of the dearest of eight headings that pass, 100: no-go, 255: unknown.\n" +
@@ -77,15 +77,15 @@ std::vector<std::pair<std::string, std::string>> grid_map_metadata(const terrain
 
 }  // namespace
 
-Passage passage(const SoilTable& table, const RouteCells& cells, std::size_t cell, int heading) {
+Passability passability(const SoilTable& table, const RouteCells& cells, std::size_t cell, int heading) {
   const std::uint8_t soil = cells.soil[cell];
-  if (soil == RouteCells::kClosed) return Passage::no_go;
-  if (soil == RouteCells::kNowhere) return Passage::unknown;
+  if (soil == RouteCells::kClosed) return Passability::no_go;
+  if (soil == RouteCells::kNowhere) return Passability::unknown;
   const double psi = fall_line_angle(heading, cells.aspect[cell]);
   const campaign::Verdict verdict =
       table.responses[soil].at(cells.slope[cell] / double(kSlopeSteps), psi).result.verdict;
-  if (campaign::passes(verdict)) return Passage::passes;
-  return verdict == campaign::Verdict::no_go ? Passage::no_go : Passage::unknown;
+  if (campaign::passes(verdict)) return Passability::passes;
+  return verdict == campaign::Verdict::no_go ? Passability::no_go : Passability::unknown;
 }
 
 std::vector<std::uint8_t> costmap_of(const SoilTable& table, const RouteCells& cells, const RouteCosts& costs,
@@ -95,7 +95,7 @@ std::vector<std::uint8_t> costmap_of(const SoilTable& table, const RouteCells& c
   for (std::size_t c = 0; c < worst.size(); ++c) worst[c] = worst_cost(table, cells, costs, c);
   std::vector<float> known;
   for (const WorstCost& w : worst)
-    if (w.passage == Passage::passes) known.push_back(w.per_metre);
+    if (w.passage == Passability::passes) known.push_back(w.per_metre);
   if (!known.empty()) {
     const auto high = known.begin() + std::ptrdiff_t(0.99 * double(known.size() - 1));
     std::nth_element(known.begin(), high, known.end());
@@ -106,9 +106,9 @@ std::vector<std::uint8_t> costmap_of(const SoilTable& table, const RouteCells& c
   for (std::size_t c = 0; c < map.size(); ++c) {
     const double share =
         scale.at_98 > scale.at_0 ? (double(worst[c].per_metre) - scale.at_0) / (scale.at_98 - scale.at_0) : 0;
-    map[c] = worst[c].passage == Passage::passes  ? std::uint8_t(std::lround(kDearest * std::clamp(share, 0.0, 1.0)))
-             : worst[c].passage == Passage::no_go ? kLethal
-                                                  : kUnknownCost;
+    map[c] = worst[c].passage == Passability::passes ? std::uint8_t(std::lround(kDearest * std::clamp(share, 0.0, 1.0)))
+             : worst[c].passage == Passability::no_go ? kLethal
+                                                      : kUnknownCost;
   }
   return map;
 }
@@ -144,8 +144,8 @@ void write_grid_map(const std::filesystem::path& path, const terrain::RasterSour
         const float per_metre = costs.per_metre(cells, cell, heading);
         value[column] = std::isfinite(per_metre) ? per_metre : std::nanf("");
       } else {
-        const Passage way = passage(table, cells, cell, heading);
-        value[column] = way == Passage::unknown ? std::nanf("") : way == Passage::passes ? 1.0f : 0.0f;
+        const Passability way = passability(table, cells, cell, heading);
+        value[column] = way == Passability::unknown ? std::nanf("") : way == Passability::passes ? 1.0f : 0.0f;
       }
     }
     return value;

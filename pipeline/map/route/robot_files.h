@@ -2,8 +2,8 @@
 #pragma once
 #include <filesystem>
 
-#include "pipeline/map/evaluate/block.h"
-#include "pipeline/map/route/cost.h"
+#include "pipeline/map/evaluate/cell.h"
+#include "pipeline/map/route/search/cost.h"
 
 namespace gonogo::map {
 
@@ -11,8 +11,8 @@ namespace gonogo::map {
 inline constexpr std::array<int, 8> kRobotHeadings = {0, 45, 90, 135, 180, 225, 270, 315};
 
 /// What a cell is in a heading.
-enum class Passage { passes, no_go, unknown };
-Passage passage(const SoilTable& table, const RouteCells& cells, std::size_t cell, int heading);
+enum class Passability { passes, no_go, unknown };
+Passability passability(const SoilTable& table, const RouteCells& cells, std::size_t cell, int heading);
 
 /// Values of an occupancy grid. Nav2's static layer makes v / 100 * 254 of costs, 254 (lethal) of 100 and 255 (none) of
 /// 255. 99 is no cost: since its pull request 5781 it means 253, a collision.

@@ -5,13 +5,13 @@
 #include <map>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
+#include "base/format.h"
 #include "base/json/json.h"
-#include "base/line.h"
 #include "pipeline/map/soil_grids/soil_cells.h"
-#include "terrain/raster/geotiff.h"
-#include "terrain/raster/tile_codec.h"
-#include "terrain/soil/texture.h"
+#include "terrain/raster/layer/cog.h"
+#include "terrain/raster/layer/geotiff.h"
+#include "terrain/soil/soil.h"
 
 namespace gonogo::map {
 namespace fs = std::filesystem;
@@ -57,14 +57,6 @@ GroundWater choose_water(const RegionMakeRequest& request, const SoilFolder& fou
   return {property_of_suction(kPa), kPa};
 }
 
-template <class Act>
-void for_each_window(const MapGrid& grid, Act act) {
-  for (int row = 0; row < grid.rows; row += terrain::kTileCells)
-    for (int column = 0; column < grid.columns; column += terrain::kTileCells)
-      act(terrain::Window{column, row, std::min(terrain::kTileCells, grid.columns - column),
-                          std::min(terrain::kTileCells, grid.rows - row)});
-}
-
 /// Mixtures by how fine their parts are, so that a byte holds their codes.
 struct Mixtures {
   int parts = 8;
@@ -74,11 +66,11 @@ struct Mixtures {
 Mixtures find_mixtures(const SoilCells& cells, SoilFindings& findings) {
   std::vector<Mixtures> tried;
   for (const int parts : {8, 4, 2, 1}) tried.push_back({parts, {}});
-  for_each_window(cells.grid(), [&](terrain::Window window) {
+  for (const terrain::Window window : windows_of(cells.grid(), terrain::kTileCells, terrain::kTileCells)) {
     for (const auto& shares : cells.read(window, findings).shares)
       for (Mixtures& m : tried)
         if (shares && m.code.size() <= kMaxCodes) m.code.emplace(texture_mixture(*shares, m.parts), 0);
-  });
+  }
   for (Mixtures& m : tried) {
     if (m.code.size() > kMaxCodes) continue;
     int next = 0;
@@ -118,14 +110,14 @@ void write_layers(const RegionMakeRequest& request, const SoilCells& cells, cons
   std::optional<terrain::GeoTiffWriter> held;
   if (water.property) held.emplace(request.folder / "water.tif", cells.grid(), wet);
   SoilFindings again;
-  for_each_window(cells.grid(), [&](terrain::Window window) {
+  for (const terrain::Window window : windows_of(cells.grid(), terrain::kTileCells, terrain::kTileCells)) {
     const SoilCells::Window read = cells.read(window, again);
-    Tile code(window.columns, window.rows, std::numeric_limits<float>::quiet_NaN());
+    Tile code(window.columns, window.rows, terrain::kNoData);
     for (std::size_t i = 0; i < code.value.size(); ++i)
       if (read.shares[i]) code.value[i] = float(mixtures.code.at(texture_mixture(*read.shares[i], mixtures.parts)));
     soil.write(window, code);
     if (held) held->write(window, read.water);
-  });
+  }
   soil.finish();
   made.files.push_back(request.folder / "soil_class.tif");
   if (!held) return;
@@ -134,12 +126,7 @@ void write_layers(const RegionMakeRequest& request, const SoilCells& cells, cons
 }
 
 Json raster_json(const char* role, const std::string& file, const std::string& source, const std::string& licence) {
-  Json json = Json::object();
-  json["role"] = role;
-  json["file"] = file;
-  json["source"] = source;
-  json["licence"] = licence;
-  return json;
+  return Json::Object{{"role", role}, {"file", file}, {"source", source}, {"licence", licence}};
 }
 
 Json soil_json(const TextureMixture& mixture, int code) {
@@ -159,10 +146,8 @@ Json soil_json(const TextureMixture& mixture, int code) {
 
 /// Between the rows of configs/soils/usda.json: up to 15, 22 to 26, above 30 % (sandy loam).
 Json moisture_json() {
-  Json json = Json::object();
-  json["dry"] = Json::Array{0.0, 18.0};
-  json["moist"] = Json::Array{18.0, 28.0};
-  json["wet"] = Json::Array{28.0, 1000.0};
+  Json json = Json::Object{
+      {"dry", Json::Array{0.0, 18.0}}, {"moist", Json::Array{18.0, 28.0}}, {"wet", Json::Array{28.0, 1000.0}}};
   json["source"] =
       "middles of the gaps between the rows behind configs/soils/usda.json (sandy loam: up to 15, 22 to 26, above 30 "
       "%)";

@@ -6,20 +6,20 @@
 #include <limits>
 #include <memory>
 
-#include "base/cancel.h"
 #include "base/error.h"
-#include "base/file.h"
-#include "base/line.h"
+#include "base/files/file.h"
+#include "base/format.h"
+#include "base/progress.h"
 #include "base/units.h"
 #include "base/version.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
-#include "pipeline/map/region/ground_gravity.h"
-#include "pipeline/report/figure/comparison_figure.h"
-#include "terrain/raster/geotiff.h"
-#include "terrain/raster/overlay.h"
+#include "pipeline/map/region/region.h"
+#include "pipeline/map/write/map_tiles.h"
+#include "pipeline/report/figure/map_figure.h"
+#include "terrain/raster/layer/geotiff.h"
+#include "terrain/raster/layer/layer_picture.h"
 #include "terrain/raster/raster_source.h"
-#include "terrain/raster/tile_codec.h"
 
 namespace gonogo::map {
 namespace fs = std::filesystem;
@@ -33,10 +33,8 @@ using terrain::Tile;
 using terrain::Window;
 namespace {
 
-constexpr int kPictureCells = 1600;  // along the longer side of the figure's map
-constexpr double kTwoSided = 1.96;   // standard deviations that 5 % exceed
+constexpr double kTwoSided = 1.96;  // standard deviations that 5 % exceed
 constexpr double kFifthPercentile = 1.645;
-constexpr float kNoData = std::numeric_limits<float>::quiet_NaN();
 
 struct OneMap {
   RasterSource go, p, low, high;
@@ -151,17 +149,18 @@ class Reduced {
   Tile tile_;
 };
 
-std::vector<report::FigureClass> figure_classes(const std::vector<LegendEntry>& legend, const Json& counts) {
+std::vector<report::FigureClass> figure_classes(const std::vector<LegendEntry>& legend,
+                                                const std::vector<ComparedClass>& counts) {
   std::vector<report::FigureClass> classes;
   for (std::size_t i = 0; i < legend.size(); ++i)
-    classes.push_back(
-        {int(legend[i].value), legend[i].label, legend[i].colour, counts.items()[i].at("share").number()});
+    classes.push_back({int(legend[i].value), legend[i].label, legend[i].colour, counts[i].share});
   return classes;
 }
 
 /// The layers as a picture; `reduced` in the order of `layers`, `result` with the counts.
 void write_figure(const fs::path& path, const OneMap& a, const OneMap& b, const MapGrid& grid,
-                  const std::vector<LayerInfo>& layers, const std::vector<Reduced>& reduced, const Json& result) {
+                  const std::vector<LayerInfo>& layers, const std::vector<Reduced>& reduced,
+                  const MapComparison& result) {
   report::ComparisonFigure figure;
   figure.title = "Two maps compared: " + a.region;
   figure.subtitle = "First: " + a.name + ".  Second: " + b.name + ".  Uphill heading." +
@@ -175,30 +174,47 @@ void write_figure(const fs::path& path, const OneMap& a, const OneMap& b, const 
   figure.change = reduced[0].tile();
   figure.difference = reduced[1].tile();
   figure.difference_class = reduced[3].tile();
-  figure.changes = figure_classes(layers[0].legend, result.at("change"));
-  figure.difference_classes = figure_classes(layers[3].legend, result.at("significance"));
+  figure.changes = figure_classes(layers[0].legend, result.change);
+  figure.difference_classes = figure_classes(layers[3].legend, result.significance);
   for (const LegendEntry& stop : layers[1].legend) figure.difference_ramp.push_back({stop.value, stop.colour});
-  for (const Json& row : result.at("change").items()) figure.area_km2 += row.at("area_km2").number();
+  for (const ComparedClass& row : result.change) figure.area_km2 += row.area;
   report::draw_comparison_figure(path, figure);
 }
 
-Json counted(const std::vector<LegendEntry>& legend, const std::array<std::uint64_t, 8>& cells, const MapGrid& grid,
-             std::string& csv, const char* layer) {
+std::vector<ComparedClass> counted(const std::vector<LegendEntry>& legend, const std::array<std::uint64_t, 8>& cells,
+                                   const MapGrid& grid) {
   std::uint64_t all = 0;
   for (const std::uint64_t c : cells) all += c;
-  Json list = Json::array();
+  std::vector<ComparedClass> classes;
   for (const LegendEntry& entry : legend) {
     const std::uint64_t count = cells[std::size_t(entry.value)];
-    const double share = all > 0 ? double(count) / double(all) : 0, km2 = double(count) * grid.cell_area_m2() * 1e-6;
-    Json row = Json::object();
-    row["class"] = entry.label;
-    row["cells"] = count;
-    row["area_km2"] = km2;
-    row["share"] = share;
-    list.push_back(row);
-    csv += line("%s,%d,%llu,%.6f,%.6f\n", layer, int(entry.value), static_cast<unsigned long long>(count), km2, share);
+    classes.push_back({.code = int(entry.value),
+                       .label = entry.label,
+                       .cells = count,
+                       .area = double(count) * grid.cell_area_m2() * 1e-6,
+                       .share = all > 0 ? double(count) / double(all) : 0});
   }
-  return list;
+  return classes;
+}
+
+std::string csv_rows(const char* layer, const std::vector<ComparedClass>& classes) {
+  std::string csv;
+  for (const ComparedClass& c : classes)
+    csv += line("%s,%d,%llu,%.6f,%.6f\n", layer, c.code, static_cast<unsigned long long>(c.cells), c.area, c.share);
+  return csv;
+}
+
+/// Adds the overlay's files, or the remark why there is none.
+void write_change_overlay(const CompareRequest& request, const MapGrid& grid, const std::vector<LegendEntry>& legend,
+                          MapComparison& result) {
+  const terrain::GlobeAnswer globe = terrain::place_on_globe(grid);
+  terrain::OverlayAnswer overlay{{}, globe.why_not};
+  if (globe.place)
+    overlay = terrain::write_overlay(request.out / "change.kml", request.out / "change.png", request.out / "change.tif",
+                                     *globe.place, "Which map passes",
+                                     "First: " + result.first + ". Second: " + result.second, legend);
+  if (!overlay.why_not.empty()) result.remark = "there is no change.kml for globes: " + overlay.why_not;
+  result.files.insert(result.files.end(), overlay.files.begin(), overlay.files.end());
 }
 
 }  // namespace
@@ -210,24 +226,6 @@ double significance(double p1, double low1, double high1, double p2, double low2
   return difference == 0 ? 0 : std::copysign(std::numeric_limits<double>::infinity(), difference);
 }
 
-namespace {
-
-/// The overlay's files. Without one, "remark" of the result says why.
-std::vector<std::filesystem::path> write_change_overlay(const CompareRequest& request, const OneMap& a, const OneMap& b,
-                                                        const MapGrid& grid,
-                                                        const std::vector<terrain::LegendEntry>& legend, Json& result) {
-  const terrain::GlobeAnswer globe = terrain::place_on_globe(grid);
-  terrain::OverlayAnswer overlay{{}, globe.why_not};
-  if (globe.place)
-    overlay =
-        terrain::write_overlay(request.out / "change.kml", request.out / "change.png", request.out / "change.tif",
-                               *globe.place, "Which map passes", "First: " + a.name + ". Second: " + b.name, legend);
-  if (!overlay.why_not.empty()) result["remark"] = "there is no change.kml for globes: " + overlay.why_not;
-  return overlay.files;
-}
-
-}  // namespace
-
 PassChange pass_change(int verdict1, int verdict2) {
   if (verdict1 == int(campaign::Verdict::unknown) || verdict2 == int(campaign::Verdict::unknown))
     return PassChange::unknown;
@@ -237,7 +235,7 @@ PassChange pass_change(int verdict1, int verdict2) {
   return second ? PassChange::only_second : PassChange::neither;
 }
 
-Json compare_maps(const CompareRequest& request) {
+MapComparison compare_maps(const CompareRequest& request) {
   const MapGrid grid = common_grid(request);
   const OneMap a = open_map(request.first, grid), b = open_map(request.second, grid);
   if (!is_same_gravity(a.gravity, b.gravity))
@@ -252,54 +250,69 @@ Json compare_maps(const CompareRequest& request) {
     writers.push_back(std::make_unique<GeoTiffWriter>(request.out / names[l], grid, layers[l]));
   std::array<std::uint64_t, 8> pass{}, go{};
   std::vector<Reduced> reduced(layers.size(), Reduced(grid));
-  for (int row = 0; row < grid.rows; row += terrain::kTileCells)
-    for (int column = 0; column < grid.columns; column += terrain::kTileCells) {
-      stop_if_cancelled();
-      const Window window = {column, row, std::min(terrain::kTileCells, grid.columns - column),
-                             std::min(terrain::kTileCells, grid.rows - row)};
-      const std::array<Tile, 4> one = {a.go.read(window), a.p.read(window), a.low.read(window), a.high.read(window)};
-      const std::array<Tile, 4> two = {b.go.read(window), b.p.read(window), b.low.read(window), b.high.read(window)};
-      std::array<Tile, 4> out;
-      out.fill(Tile(window.columns, window.rows, kNoData));
-      for (std::size_t i = 0; i < out[0].value.size(); ++i) {
-        const auto values = compare_cell(one, two, i);
-        for (std::size_t l = 0; l < values.size(); ++l) out[l].value[i] = values[l];
-        if (!std::isnan(values[0])) ++pass[std::size_t(values[0])];
-        if (!std::isnan(values[3])) ++go[std::size_t(values[3])];
-      }
-      for (std::size_t l = 0; l < writers.size(); ++l) {
-        writers[l]->write(window, out[l]);
-        reduced[l].take(out[l], window);
-      }
+  for (const Window window : windows_of(grid, terrain::kTileCells, terrain::kTileCells)) {
+    stop_if_cancelled();
+    const std::array<Tile, 4> one = {a.go.read(window), a.p.read(window), a.low.read(window), a.high.read(window)};
+    const std::array<Tile, 4> two = {b.go.read(window), b.p.read(window), b.low.read(window), b.high.read(window)};
+    std::array<Tile, 4> out;
+    out.fill(Tile(window.columns, window.rows, kNoData));
+    for (std::size_t i = 0; i < out[0].value.size(); ++i) {
+      const auto values = compare_cell(one, two, i);
+      for (std::size_t l = 0; l < values.size(); ++l) out[l].value[i] = values[l];
+      if (!std::isnan(values[0])) ++pass[std::size_t(values[0])];
+      if (!std::isnan(values[3])) ++go[std::size_t(values[3])];
     }
+    for (std::size_t l = 0; l < writers.size(); ++l) {
+      writers[l]->write(window, out[l]);
+      reduced[l].take(out[l], window);
+    }
+  }
   for (const auto& writer : writers) writer->finish(request.threads);
-  Json result = Json::object(), files = Json::array();
-  std::string csv = "layer,code,cells,area_km2,share\n";
-  result["first"] = a.name;
-  result["second"] = b.name;
-  result[campaign::kGravityKey] = a.gravity;
-  result["change"] = counted(layers[0].legend, pass, grid, csv, "change");
-  result["significance"] = counted(layers[3].legend, go, grid, csv, "change_significance");
-  write_file_atomically(request.out / "compare.csv", csv);
-  const std::vector<std::filesystem::path> overlay =
-      write_change_overlay(request, a, b, grid, layers[0].legend, result);
-  for (const char* name : names) files.push_back(Json((request.out / name).string()));
+  MapComparison result{.first = a.name,
+                       .second = b.name,
+                       .gravity = a.gravity,
+                       .change = counted(layers[0].legend, pass, grid),
+                       .significance = counted(layers[3].legend, go, grid),
+                       .remark = {},
+                       .files = {}};
+  write_file_atomically(request.out / "compare.csv", "layer,code,cells,area_km2,share\n" +
+                                                         csv_rows("change", result.change) +
+                                                         csv_rows("change_significance", result.significance));
   write_figure(request.out / "compare.png", a, b, grid, layers, reduced, result);
-  for (const char* name : {"compare.png", "compare.csv"}) files.push_back(Json((request.out / name).string()));
-  for (const auto& file : overlay) files.push_back(Json(file.string()));
-  result["files"] = files;
+  for (const char* name : names) result.files.push_back(request.out / name);
+  for (const char* name : {"compare.png", "compare.csv"}) result.files.push_back(request.out / name);
+  write_change_overlay(request, grid, layers[0].legend, result);
   return result;
 }
 
-std::string compare_text(const Json& result) {
-  std::string text = "first:  " + result.at("first").string() + "\nsecond: " + result.at("second").string() +
-                     "\ngravity " + gravity_text(result.at(campaign::kGravityKey).number()) + "\n";
-  for (const char* part : {"change", "significance"})
-    for (const Json& row : result.at(part).items())
-      text += line("  %6.2f %%  %10.3f km2  ", 100 * row.at("share").number(), row.at("area_km2").number()) +
-              row.at("class").string() + "\n";
-  if (const Json* remark = result.find("remark")) text += remark->string() + "\n";
-  for (const Json& file : result.at("files").items()) text += file.string() + "\n";
+Json compare_json(const MapComparison& result) {
+  const auto classes = [](const std::vector<ComparedClass>& rows) {
+    Json list = Json::array();
+    for (const ComparedClass& c : rows) {
+      list.push_back(Json::Object{{"class", c.label}, {"cells", c.cells}, {"area_km2", c.area}, {"share", c.share}});
+    }
+    return list;
+  };
+  Json json = Json::object(), files = Json::array();
+  json["first"] = result.first;
+  json["second"] = result.second;
+  json[campaign::kGravityKey] = result.gravity;
+  json["change"] = classes(result.change);
+  json["significance"] = classes(result.significance);
+  if (!result.remark.empty()) json["remark"] = result.remark;
+  for (const fs::path& file : result.files) files.push_back(Json(file.string()));
+  json["files"] = files;
+  return json;
+}
+
+std::string compare_text(const MapComparison& result) {
+  std::string text =
+      "first:  " + result.first + "\nsecond: " + result.second + "\ngravity " + gravity_text(result.gravity) + "\n";
+  for (const auto* part : {&result.change, &result.significance})
+    for (const ComparedClass& row : *part)
+      text += line("  %6.2f %%  %10.3f km2  ", 100 * row.share, row.area) + row.label + "\n";
+  if (!result.remark.empty()) text += result.remark + "\n";
+  for (const fs::path& file : result.files) text += file.string() + "\n";
   return text;
 }
 

@@ -6,11 +6,13 @@
 // are treated as independent. In truth both share the errors of slope and soil, which cancel in the difference. The
 // test is therefore conservative: it misses some real differences.
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "base/json/json.h"
+#include "base/units.h"
 
 namespace gonogo::map {
 
@@ -29,10 +31,28 @@ enum class GoChange : int { lower = 1, not_significant = 2, higher = 3 };
 double significance(double p1, double low1, double high1, double p2, double low2, double high2);
 PassChange pass_change(int verdict1, int verdict2);
 
+/// Cells of a class of the comparison.
+struct ComparedClass {
+  int code = 0;  // of PassChange or GoChange
+  std::string label;
+  std::uint64_t cells = 0;
+  double area = 0, share = 0;  // [km2], of all cells that are compared [0, 1]
+};
+
+struct MapComparison {
+  std::string first, second;                        // names of the maps
+  double gravity = kGravity;                        // of both [m/s^2]
+  std::vector<ComparedClass> change, significance;  // by PassChange, by GoChange
+  std::string remark;                               // why there is no overlay for globes; empty: there is one
+  std::vector<std::filesystem::path> files;
+};
+
 /// Writes change.tif, difference.tif (P2 - P1), significance.tif (z), change_significance.tif, compare.png (figure),
-/// change.png, change.kml and compare.csv. Returns cells, area and share of every class. Throws InputError for a folder
-/// without a map, for maps of different grids, and for headings other than uphill.
-Json compare_maps(const CompareRequest& request);
-std::string compare_text(const Json& result);
+/// change.png, change.kml and compare.csv. Throws InputError for a folder without a map, for maps of different grids,
+/// and for headings other than uphill.
+MapComparison compare_maps(const CompareRequest& request);
+/// { first, second, gravity, change: [{ class, cells, area_km2, share }], significance: likewise, remark, files }.
+Json compare_json(const MapComparison& result);
+std::string compare_text(const MapComparison& result);
 
 }  // namespace gonogo::map

@@ -5,23 +5,162 @@
 #include <cstdio>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/line.h"
-#include "base/nearest.h"
+#include "base/files/file.h"
+#include "base/format.h"
 #include "base/units.h"
-#include "pipeline/map/region/ground_gravity.h"
-#include "pipeline/map/write/map_blocks.h"
+#include "base/version.h"
+#include "pipeline/campaign/study/study.h"
+#include "pipeline/map/region/region.h"
 #include "pipeline/map/write/map_exports.h"
-#include "pipeline/map/write/map_figure.h"
 #include "pipeline/map/write/map_page.h"
-#include "pipeline/map/write/map_record.h"
+#include "pipeline/map/write/map_tiles.h"
+#include "terrain/raster/raster_source.h"
 
 namespace gonogo::map {
+
 namespace fs = std::filesystem;
-using terrain::MapGrid;
 namespace {
 
-constexpr int kPictureCells = 1600;  // along the longer side of the figure's map
+constexpr const char* kRecordName = "map.json";
+
+Json spreads_json(const Spreads& spreads) {
+  Json json = Json::object();
+  for (const auto& [name, spread] : spreads) {
+    Json entry = Json::object();
+    if (spread.kind == Spread::Kind::unknown)
+      entry["unknown"] = spread.source;
+    else
+      entry["range"] = Json::Array{spread.low, spread.high};
+    json[name] = entry;
+  }
+  return json;
+}
+
+}  // namespace
+
+std::string vehicle_text(const OutcomeModel& model) {
+  const std::string kind = model.whole_vehicle ? "the vehicle" : "the quarter vehicle";
+  return kind + (model.vehicle.empty() ? "" : " " + model.vehicle);
+}
+
+std::string map_title(const MapRequest& request) {
+  return request.model.vehicle.empty() ? request.region.name : request.model.vehicle;
+}
+
+Json rules_json(const MapRules& rules) {
+  Json json = Json::Object{{"go", rules.go},
+                           {"no_go", rules.no_go},
+                           {"tolerated_outside_share", rules.tolerated_outside_share},
+                           {"heading", heading_text(rules)},
+                           {"correlation_length_m", rules.correlation_length},
+                           {"draws", rules.draws},
+                           {"moisture", rules.moisture},
+                           {"fidelity", rules.fidelity}};
+  if (std::isfinite(rules.max_speed)) json["max_speed_km_h"] = kKmPerHour * rules.max_speed;
+  json["values"] = spreads_json(rules.values);
+  return json;
+}
+
+std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region) {
+  std::vector<std::pair<std::string, std::string>> hashes;
+  const auto add = [&](const char* role, const RegionRaster& raster) {
+    std::string all;
+    for (const fs::path& file : terrain::files_behind(raster.files)) all += file_hash(file);
+    hashes.emplace_back(role, all.size() > 32 ? content_hash(all) : all);
+  };
+  add("elevation", region.elevation);
+  if (region.soil_class) add("soil_class", *region.soil_class);
+  if (region.land_cover) add("land_cover", *region.land_cover);
+  if (region.moisture) add("moisture", *region.moisture);
+  if (region.cone_index) add("cone_index", *region.cone_index);
+  for (const Obstacle& o : region.obstacles) hashes.emplace_back(o.name, file_hash(o.file));
+  return hashes;
+}
+
+Json map_inputs(const MapRequest& request) {
+  Json inputs = Json::Object{{"version", program_version()},
+                             {"revision", program_revision()},
+                             {"contract_hash", content_hash(campaign::contract_text())},
+                             {"model_hash", request.model.hash}};
+  if (!request.model.member_hashes.empty()) inputs["member_hashes"] = Json(request.model.member_hashes);
+  if (!request.model.dataset_hash.empty()) inputs["dataset_hash"] = request.model.dataset_hash;
+  if (!request.model.crossing_hash.empty()) inputs["crossing_model_hash"] = request.model.crossing_hash;
+  inputs["vehicle"] = request.model.vehicle;
+  if (request.model.gravity != kGravity) inputs[campaign::kGravityKey] = request.model.gravity;
+  if (const auto& need = request.model.cone_index) {
+    inputs["vehicle_cone_index"] = Json::Object{
+        {"vehicle", need->vehicle}, {"vci1_kPa", need->one_pass / 1e3}, {"vci50_kPa", need->fifty_passes / 1e3}};
+  }
+  inputs["region"] = request.region.name;
+  inputs["region_hash"] = file_hash(request.region.file);
+  if (!request.region.soil_text.empty()) inputs["soil"] = request.region.soil_text;
+  for (const auto& [role, hash] : raster_hashes(request.region)) inputs[role + "_hash"] = hash;
+  if (!request.region.elevation.heights.unit.empty()) inputs["height_unit"] = request.region.elevation.heights.unit;
+  if (request.region.elevation.heights.flat_is_ground) inputs["flat"] = "ground";
+  inputs["rules"] = rules_json(request.rules);
+  inputs["colour_blind_safe"] = request.colour_blind_safe;
+  return inputs;
+}
+
+Metadata map_metadata(const MapRequest& request, const Json& inputs) {
+  Metadata metadata;
+  metadata.emplace_back("TIFFTAG_SOFTWARE", std::string("gonogo ") + program_version());
+  for (const char* key : {"version", "revision", "region", "region_hash", "model_hash", "dataset_hash",
+                          "elevation_hash", "soil_class_hash", "land_cover_hash", "moisture_hash", "cone_index_hash"})
+    if (const Json* value = inputs.find(key)) metadata.emplace_back(std::string("GONOGO_") + key, value->string());
+  metadata.emplace_back("GONOGO_rules", inputs.at("rules").dump());
+  metadata.emplace_back("GONOGO_heading", heading_text(request.rules));
+  if (const Json* need = inputs.find("vehicle_cone_index"))
+    metadata.emplace_back("GONOGO_vehicle_cone_index", need->dump());
+  metadata.emplace_back("GONOGO_vehicle", vehicle_text(request.model));
+  if (request.model.gravity != kGravity)
+    metadata.emplace_back(std::string("GONOGO_") + campaign::kGravityKey, line("%.6g", request.model.gravity));
+  return metadata;
+}
+
+namespace {
+
+/// The summary of the map in `request.out`, if it was made from the same inputs and its files are unchanged.
+std::optional<MapSummary> find_finished_map(const MapRequest& request, const Json& inputs) {
+  const fs::path record_file = request.out / kRecordName;
+  if (!fs::exists(record_file)) return std::nullopt;
+  MapSummary summary;
+  try {
+    const Json record = Json::read(record_file);
+    if (record.at("inputs").dump() != inputs.dump()) return std::nullopt;
+    for (const auto& [name, hash] : record.at("files").members()) {
+      if (!fs::exists(request.out / name) || file_hash(request.out / name) != hash.string()) return std::nullopt;
+      summary.files.push_back(request.out / name);
+    }
+    summary.area = AreaCount::from_json(record.at("area"));
+    summary.gravity = request.model.gravity;
+    summary.area_km2 = record.at("area_km2").number();
+    for (const Json& remark : record.at("remarks").items()) summary.remarks.push_back(remark.string());
+  } catch (const InputError&) {
+    return std::nullopt;  // not a record of this program: make the map again
+  }
+  summary.files.push_back(record_file);
+  summary.reused = true;
+  return summary;
+}
+
+/// Writes map.json. It is written last, so a folder with this file holds a finished map.
+void write_map_record(const MapRequest& request, const Json& inputs, const MapSummary& summary) {
+  Json record = Json::Object{{"schema", "gonogo/map/1"},
+                             {"inputs", inputs},
+                             {"area_km2", summary.area_km2},
+                             {"area", summary.area.to_json()},
+                             {"remarks", Json(summary.remarks)}};
+  Json files = Json::object();
+  for (const fs::path& file : summary.files) files[file.filename().string()] = file_hash(file);
+  record["files"] = files;
+  write_file_atomically(request.out / kRecordName, record.dump(2) + "\n");
+}
+
+}  // namespace
+
+using terrain::MapGrid;
+namespace {
 
 std::string percent(double share) {
   char text[16];
@@ -69,7 +208,7 @@ void remark_on_ditches(const MapRequest& request, const MapSources& sources, con
   for (std::size_t s = 0; s < table.soils.size(); ++s)
     if (table.has_ditch[s]) modelled += double(table.cells[s]);
   for (std::size_t k = 0; k < request.region.obstacles.size(); ++k) {
-    const auto found = digest.rules.find(std::uint32_t(obstacle_rule(request.region, k, Crossing::unknown) + 1));
+    const auto found = digest.rules.find(std::uint32_t(obstacle_rule(request.region, k, Crossing::unknown)));
     if (request.region.obstacles[k].kind == ObstacleKind::ditch && found != digest.rules.end())
       other_size += double(found->second);
   }
@@ -177,10 +316,8 @@ MapSummary make_map(const MapRequest& request) {
   if (auto finished = find_finished_map(request, origin)) return *finished;
   const MapGrid& grid = sources.elevation.grid();
   require_gravity(request.region, grid.body_radius, request.model.gravity);
-  const Region occurring = with_occurring_soils(request.region, sources);
-  const double error = gradient_error(request.region.elevation, grid);
-  SoilTable table = make_soil_table(request.model, occurring, request.rules, error);
-  add_ditches(request.model, occurring, request.rules, error, sources, table);
+  SoilTable table = make_soil_table(request.model, request.region, request.rules,
+                                    gradient_error(request.region.elevation, grid), sources);
   create_folder(request.out);
   const Metadata metadata = map_metadata(request, origin);
   MapTiles tiles(request, grid, map_layers(request.rules, request.model, request.colour_blind_safe, metadata),

@@ -2,12 +2,14 @@
 // and reason from the rules. The outputs are GeoTIFF layers, a figure, a page and an area table.
 //
 // Threads work tile by tile, so memory does not grow with the raster. A run that was killed continues with the first
-// unfinished tile. Neither the number of threads nor strip_rows changes a bit of the result.
+// unfinished tile. The number of threads changes no bit of the result.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "pipeline/map/evaluate/layers.h"
 #include "pipeline/map/evaluate/outcome_model.h"
 #include "pipeline/map/region/area.h"
 #include "pipeline/map/region/region.h"
@@ -21,8 +23,7 @@ struct MapRequest {
   MapRules rules;
   std::filesystem::path out;  // folder
   bool colour_blind_safe = false;
-  int threads = 0;       // 0: all cores
-  int strip_rows = 512;  // a tile is evaluated in strips of so many rows
+  int threads = 0;  // 0: all cores
 };
 
 struct MapSummary {
@@ -39,5 +40,22 @@ struct MapSummary {
 /// version, with all files unchanged. Throws InputError for unusable rasters and DeviceError if writing fails. In both
 /// cases earlier files stay as they were.
 MapSummary make_map(const MapRequest& request);
+
+/// "the vehicle hmmwv"; of trials of one wheel "the quarter vehicle hmmwv_quarter".
+std::string vehicle_text(const OutcomeModel& model);
+/// Title of page and figure: the vehicle's name, or the region's where the vehicle is not known.
+std::string map_title(const MapRequest& request);
+
+/// Pairs (role, hash) for every raster of a region. A raster of several files, or a VRT, is hashed over all of them.
+std::vector<std::pair<std::string, std::string>> raster_hashes(const Region& region);
+
+/// The rules of section "map", as map.json and the page hold them.
+Json rules_json(const MapRules& rules);
+
+/// Everything the result depends on: program version, hashes of model, region and rasters, rules, palette.
+Json map_inputs(const MapRequest& request);
+
+/// A short form of map_inputs() for the metadata of the layers.
+Metadata map_metadata(const MapRequest& request, const Json& inputs);
 
 }  // namespace gonogo::map

@@ -1,16 +1,20 @@
-// Exports a map for other programs: polygons, an overlay for globes, a STAC catalogue entry, the speed curve.
+// A map for other programs and for print: polygons, an overlay for globes, a STAC catalogue entry, the speed curve, the
+// figure.
 #pragma once
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "pipeline/map/evaluate/layers.h"
-#include "pipeline/map/write/block_digest.h"
+#include "pipeline/map/evaluate/soil_table.h"
 #include "pipeline/map/write/make_map.h"
-#include "terrain/raster/globe.h"
+#include "pipeline/map/write/map_tiles.h"
+#include "terrain/raster/grid.h"
 
 namespace gonogo::map {
 
+/// What the exports are made from.
 struct ExportedMap {
   const terrain::MapGrid& grid;
   const std::vector<MapLayer>& layers;
@@ -25,5 +29,9 @@ void write_map_exports(const MapRequest& request, const ExportedMap& map, MapSum
 
 /// The remark that there is no overlay.
 std::string no_overlay(const std::string& because);
+
+/// Writes the figure to `path` as PNG.
+void write_map_figure(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
+                      const MapSummary& summary, const Picture& picture, const std::filesystem::path& path);
 
 }  // namespace gonogo::map

@@ -4,19 +4,245 @@
 #include <cmath>
 #include <limits>
 
-#include "base/file.h"
-#include "base/line.h"
+#include "base/files/file.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "base/version.h"
+#include "pipeline/campaign/study/contract.h"
 #include "pipeline/map/page/page.h"
-#include "pipeline/map/write/map_record.h"
-#include "pipeline/map/write/page_tables.h"
-#include "terrain/raster/globe.h"
+#include "pipeline/map/write/make_map.h"
+#include "terrain/raster/grid.h"
 
 namespace gonogo::map {
 namespace {
 
-constexpr std::uint16_t kNone = 65535, kNoData = 255, kNoSoil = 254;
+/// Marks in the page's arrays.
+enum PageMark : std::uint16_t {
+  kNone = 65535,   // no such value
+  kNoSlope = 255,  // in place of a soil
+  kNoSoil = 254,   // unknown soil
+};
+constexpr double kMinShown = 0.002;  // a reason whose probability never reaches this is left out
+
+std::uint16_t stored(double p) {
+  return std::isnan(p) ? std::uint16_t(kNone) : std::uint16_t(std::lround(std::clamp(p, 0.0, 1.0) * 65534));
+}
+
+/// In steps of 0.01 km/h.
+std::uint16_t stored_speed(double metres_per_second) {
+  if (std::isnan(metres_per_second)) return kNone;
+  return std::uint16_t(std::lround(std::min(650.0, kKmPerHour * metres_per_second) * 100));
+}
+
+/// "cohesion 1.04 kPa", "cohesion 1 to 5 kPa".
+std::string value_text(const campaign::Variable& variable, const Spread& spread) {
+  std::string text = variable.label + line(" %g", spread.low);
+  if (spread.kind == Spread::Kind::range) text += line(" to %g", spread.high);
+  return variable.unit == "-" ? text : text + " " + variable.unit;
+}
+
+const campaign::Variable& variable_named(const std::string& name) {
+  return campaign::contract().variables[campaign::contract().variable_index(name)];
+}
+
+/// "friction angle 28 deg, cohesion 1.04 kPa: Wong, ..." for each sample.
+std::vector<std::string> inputs_of(const Soil& soil) {
+  if (!soil.given) return {line("nobody said what the soil is: %zu states of USDA textures", soil.samples.size())};
+  std::vector<std::string> lines;
+  for (const SoilSample& sample : soil.samples) {
+    std::string text;
+    for (const auto& [name, spread] : sample.values)
+      text += (text.empty() ? "" : ", ") + value_text(variable_named(name), spread);
+    lines.push_back(text + ". " + sample.source);
+  }
+  if (!soil.texture.empty()) lines.push_back("USDA texture " + soil.texture);
+  if (soil.samples.empty()) lines.push_back("no sample; see the values of the region");
+  return lines;
+}
+
+/// Values of the mission that a map by name leaves to the trials.
+std::vector<std::string> open_values_of(const MapRequest& request, const Soil& soil) {
+  std::vector<std::string> lines;
+  for (const auto& [name, spread] : request.region.values) {
+    const bool in_sample = std::any_of(soil.samples.begin(), soil.samples.end(),
+                                       [&n = name](const SoilSample& sample) { return sample.values.count(n) > 0; });
+    if (spread.kind == Spread::Kind::range && request.rules.values.count(name) == 0 && !in_sample)
+      lines.push_back(value_text(variable_named(name), spread) + ", every value as likely");
+  }
+  return lines;
+}
+
+/// Variables that the points leave open and those held fixed in all trials.
+std::vector<std::string> unknown_of(const MapRequest& request, const Soil& soil, const SoilResponse& response) {
+  std::vector<std::string> lines = open_values_of(request, soil);
+  const auto& variables = campaign::contract().variables;
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    if (variables[v].name == "slope_along" || variables[v].name == "slope_across") continue;
+    const Range sampled = request.model.sampled[v];
+    if (campaign::is_task_variable(variables[v]) && sampled.maximum == 0) continue;
+    if (sampled.minimum == sampled.maximum)
+      lines.push_back(
+          line("%s: all trials had %g %s", variables[v].label.c_str(), sampled.minimum, variables[v].unit.c_str()));
+    else if (std::any_of(response.points().all().begin(), response.points().all().end(),
+                         [v](const std::vector<double>& point) { return std::isnan(point[v]); }))
+      lines.push_back(line("%s: not known, summed out over %g to %g %s", variables[v].label.c_str(), sampled.minimum,
+                           sampled.maximum, variables[v].unit.c_str()));
+  }
+  return lines;
+}
+
+Json measure_json(const SlopeMeasure& m) {
+  return Json::Object{{"base", m.base},       {"along", m.along},   {"along2", m.along2},  {"across", m.across},
+                      {"across2", m.across2}, {"lowest", m.lowest}, {"highest", m.highest}};
+}
+
+double p_slow(const Prospect& prospect) {
+  double sum = 0;
+  for (std::size_t o = 0; o < prospect.outcome.size(); ++o)
+    if (campaign::contract().outcomes[o].verdict == campaign::Verdict::slow_go) sum += prospect.outcome[o];
+  return sum;
+}
+
+/// One array for each no-go reason that ever matters: [entries] from `outcome_at`.
+template <class OutcomeAt>
+void add_reasons(const std::string& table, int index, std::size_t count, std::size_t width, OutcomeAt outcome_at,
+                 std::vector<Blob>& blobs) {
+  const std::string prefix = table + "_" + std::to_string(index) + "_";
+  for (std::size_t o = 0; o < campaign::contract().outcomes.size(); ++o) {
+    if (campaign::contract().outcomes[o].verdict != campaign::Verdict::no_go) continue;
+    Blob blob{prefix + campaign::contract().info(campaign::contract().outcomes[o].reason).name, 8, width, {}};
+    double most = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const double p = outcome_at(i, o);
+      most = std::max(most, p);
+      blob.value.push_back(std::uint16_t(std::lround(std::clamp(p, 0.0, 1.0) * 255)));
+    }
+    if (most >= kMinShown) blobs.push_back(std::move(blob));
+  }
+}
+
+void add_heading_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs) {
+  const HeadingTable& table = response.headings();
+  const std::size_t width = std::size_t(std::max(1, table.across_count()));
+  const std::size_t count = std::size_t(table.along_count()) * std::size_t(table.across_count());
+  const auto node = [&](std::size_t i) -> const HeadingAnswer& { return table.node(int(i / width), int(i % width)); };
+  Blob go{"heading_go_" + std::to_string(index), 16, width, {}};
+  Blob slow{"heading_slow_" + std::to_string(index), 16, width, {}};
+  Blob speed{"heading_speed_" + std::to_string(index), 16, width, {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    go.value.push_back(stored(node(i).p_go));
+    slow.value.push_back(stored(std::isnan(node(i).p_go) ? NAN : p_slow(node(i).prospect)));
+    if (response.has_speed())
+      speed.value.push_back(stored_speed(response.heading_speed(int(i / width), int(i % width))));
+  }
+  blobs.push_back(std::move(go));
+  blobs.push_back(std::move(slow));
+  if (response.has_speed()) blobs.push_back(std::move(speed));
+  add_reasons(
+      "heading", index, count, width,
+      [&](std::size_t i, std::size_t o) {
+        return node(i).prospect.outcome.empty() ? 0.0 : node(i).prospect.outcome[o];
+      },
+      blobs);
+}
+
+/// Name, samples, unknown variables, table sizes and measures of a soil.
+Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& response) {
+  Json json = Json::object(), measures = Json::object(), outcomes = Json::array();
+  json["name"] = soil.name;
+  json["note"] = soil.note;
+  json["given"] = soil.given;
+  json["inputs"] = Json(inputs_of(soil));
+  json["unknown"] = Json(unknown_of(request, soil, response));
+  json["outside_because"] = Json(response.outside_because());
+  json["stronger_because"] = Json(response.points().stronger_because());
+  json["soft_because"] = Json(response.points().soft_because());
+  json["soft_share"] = response.points().soft_share();
+  json["outside_share"] = 1 - double(response.points().sampled_count()) / double(response.points().all().size());
+  json["first_along"] = response.headings().first_along();
+  json["first_across"] = response.headings().first_across();
+  json["along_count"] = response.headings().along_count();
+  json["across_count"] = response.headings().across_count();
+  for (const auto& [name, measure] : response.measures()) measures[name] = measure_json(measure);
+  json["measures"] = measures;
+  for (const campaign::Outcome& outcome : campaign::contract().outcomes) {
+    if (outcome.verdict != campaign::Verdict::no_go) continue;
+    Json entry = Json::object();
+    entry["reason"] = campaign::contract().info(outcome.reason).name;
+    outcomes.push_back(entry);
+  }
+  json["no_go_outcomes"] = outcomes;
+  return json;
+}
+
+/// Appends P(go) of at most 16 points of the soil at slopes 2 degrees apart, [point][along][across], and returns
+/// { stride, along, across, points: [point][variable] }. Variables without the slopes are in units of the sampled
+/// ranges.
+Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, int index, std::vector<Blob>& blobs) {
+  constexpr std::size_t most_points = 16;
+  constexpr int stride = 2 * kHeadingSteps;
+  const HeadingTable& headings = response.headings();
+  const SoilPoints& points = response.points();
+  const std::size_t count = points.sampled_count(),
+                    skip = std::max<std::size_t>(1, (count + most_points - 1) / most_points);
+  const int along = (headings.along_count() - 1) / stride + 1, across = (headings.across_count() - 1) / stride + 1;
+  const std::size_t nodes = std::size_t(along) * std::size_t(across), kept = (count + skip - 1) / skip;
+  OutcomeModel alone = model;
+  alone.members.clear();
+  Blob blob{"drive_" + std::to_string(index), 16, std::size_t(across), std::vector<std::uint16_t>(kept * nodes, kNone)};
+#pragma omp parallel for schedule(dynamic, 8)
+  for (int node = 0; node < along * across; ++node) {
+    std::vector<double> p_go;
+    const BedSlopes slopes = headings.slopes(stride * (node / across), stride * (node % across));
+    points.at(alone, slopes.along, slopes.across, p_go);
+    for (std::size_t k = 0; k < kept && !p_go.empty(); ++k)
+      blob.value[k * nodes + std::size_t(node)] = stored(p_go[k * skip]);
+  }
+  if (kept > 0) blobs.push_back(std::move(blob));
+  Json json = Json::object(), rows = Json::array();
+  json["stride"] = stride;
+  json["along"] = along;
+  json["across"] = across;
+  for (std::size_t k = 0; k < kept; ++k) {
+    Json row = Json::array();
+    const auto x = points.sampled().subspan(k * skip * model.sampled.size(), model.sampled.size());
+    for (std::size_t v = 0; v < x.size(); ++v) {
+      if (campaign::contract().variables[v].name.rfind("slope", 0) == 0) continue;
+      const double width = model.sampled[v].maximum - model.sampled[v].minimum;
+      row.push_back(width > 0 && !std::isnan(x[v]) ? (x[v] - model.sampled[v].minimum) / width : 0.0);
+    }
+    rows.push_back(row);
+  }
+  json["points"] = rows;
+  return json;
+}
+
+/// Appends the tables as blobs whose names end with `index`. P(go) is in steps of 1/65534 (65535: none). The
+/// probability of each no-go reason is in steps of 1/255, speeds are in steps of 0.01 km/h (65535: none).
+void add_soil_blobs(const SoilResponse& response, int index, std::vector<Blob>& blobs) {
+  add_heading_blobs(response, index, blobs);
+  const std::size_t count = std::size_t(90 * kSlopeSteps) + 1;
+  const std::string end = "_" + std::to_string(index);
+  Blob go{"uphill_go" + end, 16, count, {}}, slow{"uphill_slow" + end, 16, count, {}};
+  Blob speed{"uphill_speed" + end, 16, count, {}};
+  Blob low{"low" + end, 16, count, {}}, high{"high" + end, 16, count, {}}, novelty{"novelty" + end, 16, count, {}};
+  for (std::size_t i = 0; i < count; ++i) {
+    const CellAnswer& answer = response.at(double(i) / kSlopeSteps);
+    go.value.push_back(stored(answer.p_go));
+    slow.value.push_back(stored(answer.p_slow));
+    speed.value.push_back(stored_speed(answer.speed));
+    low.value.push_back(stored(answer.p_low));
+    high.value.push_back(stored(answer.p_high));
+    novelty.value.push_back(std::isnan(answer.novelty)
+                                ? std::uint16_t(kNone)
+                                : std::uint16_t(std::lround(std::min(60.0, double(answer.novelty)) * 1000)));
+  }
+  for (Blob* blob : {&go, &slow, &low, &high, &novelty}) blobs.push_back(std::move(*blob));
+  if (response.has_speed()) blobs.push_back(std::move(speed));
+  add_reasons(
+      "uphill", index, count, count, [&](std::size_t i, std::size_t o) { return response.uphill_outcome(i, o); },
+      blobs);
+}
 
 double finite_or(double value, double fallback) { return std::isfinite(value) ? value : fallback; }
 
@@ -26,8 +252,8 @@ struct Heights {
 
 Heights heights_of(const PageCells& cells) {
   float low = std::numeric_limits<float>::infinity(), high = -low;
-  for (std::size_t i = 0; i < cells.soil.size(); ++i) {
-    if (std::isnan(cells.soil[i])) continue;
+  for (std::size_t i = 0; i < cells.mark.size(); ++i) {
+    if (!cells.mark[i].has_slope()) continue;
     low = std::min(low, cells.elevation[i]);
     high = std::max(high, cells.elevation[i]);
   }
@@ -37,44 +263,43 @@ Heights heights_of(const PageCells& cells) {
 }
 
 std::vector<Blob> cell_blobs(const PageCells& cells, const Heights& heights) {
-  const std::size_t width = std::size_t(cells.columns), count = cells.soil.size();
+  const std::size_t width = std::size_t(cells.columns), count = cells.mark.size();
   Blob slope{"slope", 16, width, std::vector<std::uint16_t>(count, 0)}, aspect = slope, height = slope, soil = slope;
   aspect.name = "aspect";
   height.name = "height";
   soil.name = "soil";
   soil.bits = 8;
   for (std::size_t i = 0; i < count; ++i) {
-    if (std::isnan(cells.soil[i])) {
-      soil.value[i] = kNoData;
+    if (!cells.mark[i].has_slope()) {
+      soil.value[i] = kNoSlope;
       height.value[i] = kNone;
       continue;
     }
     slope.value[i] = std::uint16_t(std::lround(cells.slope[i] * kSlopeSteps));
     aspect.value[i] = std::isnan(cells.aspect[i]) ? 0 : std::uint16_t(rounded_aspect(cells.aspect[i]));
     height.value[i] = std::uint16_t(std::lround((cells.elevation[i] - heights.lowest) / heights.step));
-    soil.value[i] = cells.soil[i] < 0 ? kNoSoil : std::uint16_t(cells.soil[i]);
+    soil.value[i] = cells.mark[i].has_soil() ? cells.mark[i].soil : std::uint16_t(kNoSoil);
   }
   std::vector<Blob> blobs = {slope, aspect, height, soil};
-  if (std::any_of(cells.rule.begin(), cells.rule.end(), [](float r) { return r > 0; })) {
+  if (std::any_of(cells.mark.begin(), cells.mark.end(), [](const CellMark& mark) { return mark.has_rule(); })) {
     Blob rule{"rule", 8, width, std::vector<std::uint16_t>(count, 0)};
-    for (std::size_t i = 0; i < count; ++i) rule.value[i] = std::uint16_t(cells.rule[i]);
+    for (std::size_t i = 0; i < count; ++i)
+      rule.value[i] = cells.mark[i].has_rule() ? std::uint16_t(cells.mark[i].rule + 1) : 0;
     blobs.push_back(std::move(rule));
   }
   return blobs;
 }
 
 Json grid_json(const terrain::MapGrid& grid) {
-  Json json = Json::object();
-  json["columns"] = grid.columns;
-  json["rows"] = grid.rows;
-  json["west"] = grid.west;
-  json["north"] = grid.north;
-  json["cell_width_m"] = grid.cell_width_m();
-  json["cell_height_m"] = grid.cell_height_m();
-  json["metres_per_unit"] = grid.metres_per_unit;
-  json["unit_name"] = grid.unit_name;
-  json["crs"] = grid.crs_code.empty() ? grid.crs_name : grid.crs_name + " (" + grid.crs_code + ")";
-  return json;
+  return Json::Object{{"columns", grid.columns},
+                      {"rows", grid.rows},
+                      {"west", grid.west},
+                      {"north", grid.north},
+                      {"cell_width_m", grid.cell_width_m()},
+                      {"cell_height_m", grid.cell_height_m()},
+                      {"metres_per_unit", grid.metres_per_unit},
+                      {"unit_name", grid.unit_name},
+                      {"crs", grid.crs_code.empty() ? grid.crs_name : grid.crs_name + " (" + grid.crs_code + ")"}};
 }
 
 /// Null where longitude and latitude are not known. Steps of 1e-7 degrees, 1 cm.
@@ -101,13 +326,11 @@ Json degrees_json(const terrain::MapGrid& grid) {
 Json verdicts_json() {
   Json list = Json::array();
   for (const campaign::VerdictInfo& v : campaign::contract().verdicts) {
-    Json entry = Json::object();
-    entry["code"] = v.code;
-    entry["name"] = v.name;
-    entry["label"] = v.label;
-    entry["colour"] = v.colour;
-    entry["colour_blind_safe"] = v.colour_blind_safe;
-    list.push_back(entry);
+    list.push_back(Json::Object{{"code", v.code},
+                                {"name", v.name},
+                                {"label", v.label},
+                                {"colour", v.colour},
+                                {"colour_blind_safe", v.colour_blind_safe}});
   }
   return list;
 }
@@ -115,13 +338,8 @@ Json verdicts_json() {
 Json reasons_json() {
   Json list = Json::array();
   for (const campaign::ReasonInfo& r : campaign::contract().reasons) {
-    Json entry = Json::object();
-    entry["code"] = r.code;
-    entry["name"] = r.name;
-    entry["label"] = r.label;
-    entry["about"] = r.about;
-    entry["colour"] = r.colour;
-    list.push_back(entry);
+    list.push_back(
+        Json::Object{{"code", r.code}, {"name", r.name}, {"label", r.label}, {"about", r.about}, {"colour", r.colour}});
   }
   return list;
 }
@@ -129,12 +347,10 @@ Json reasons_json() {
 Json land_json(const Region& region) {
   Json list = Json::array();
   for (const LandRule& rule : land_rules(region)) {
-    Json entry = Json::object();
-    entry["of"] = rule.reason == campaign::Reason::soft_soil ? "Strength" : "Land cover";
-    entry["name"] = rule.name;
-    entry["verdict"] = rule.verdict ? int(*rule.verdict) : 0;
-    entry["reason"] = int(rule.reason);
-    list.push_back(entry);
+    list.push_back(Json::Object{{"of", rule.reason == campaign::Reason::soft_soil ? "Strength" : "Land cover"},
+                                {"name", rule.name},
+                                {"verdict", rule.verdict ? int(*rule.verdict) : 0},
+                                {"reason", int(rule.reason)}});
   }
   return list;
 }
@@ -242,9 +458,9 @@ PageCells::PageCells(const terrain::MapGrid& grid) {
   columns = std::max(1, grid.columns / step);
   rows = std::max(1, grid.rows / step);
   const std::size_t count = std::size_t(columns) * std::size_t(rows);
-  slope.assign(count, std::numeric_limits<float>::quiet_NaN());
-  aspect = elevation = soil = slope;
-  rule.assign(count, 0);
+  slope.assign(count, kNoData);
+  aspect = elevation = slope;
+  mark.resize(count);
 }
 
 void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, const SoilTable& table,
@@ -275,7 +491,7 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   meta["reasons"] = reasons_json();
   for (std::size_t s = 0; s < table.soils.size(); ++s) {
     Json soil = page_soil(request, table.soils[s], table.responses[s]);
-    soil["drive"] = add_drive_table(request.model, table.responses[s], int(s), blobs);
+    soil["drive"] = add_passage_table(request.model, table.responses[s], int(s), blobs);
     soils.push_back(soil);
     add_soil_blobs(table.responses[s], int(s), blobs);
   }

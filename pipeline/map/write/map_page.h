@@ -2,9 +2,12 @@
 // these the page computes every layer for any heading and threshold. Its code is in pipeline/map/page.
 #pragma once
 #include <filesystem>
+#include <vector>
 
-#include "pipeline/map/evaluate/layers.h"
+#include "pipeline/map/evaluate/cell.h"
+#include "pipeline/map/evaluate/soil_response.h"
 #include "pipeline/map/evaluate/soil_table.h"
+#include "pipeline/map/page/page.h"
 #include "pipeline/map/write/make_map.h"
 
 namespace gonogo::map {
@@ -15,8 +18,8 @@ inline constexpr int kPageCells = 1'100'000;
 /// Inputs of the page's cells.
 struct PageCells {
   int step = 1, columns = 0, rows = 0;
-  std::vector<float> slope, aspect, elevation, soil;  // [columns * rows]; NaN: no slope
-  std::vector<float> rule;                            // [columns * rows] 0, or 1 + position in land_rules()
+  std::vector<float> slope, aspect, elevation;  // [columns * rows]; kNoData: no slope
+  std::vector<CellMark> mark;                   // [columns * rows]
 
   /// Sizes for a page of this grid; the arrays are filled by add_digest().
   explicit PageCells(const terrain::MapGrid& grid);

@@ -1,17 +1,15 @@
 #include "pipeline/report/figure/canvas.h"
 
+#include <cmath>
 #include <cstdio>
 #include <sstream>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/units.h"
-#include "pipeline/report/figure/pictures.h"
 
 namespace gonogo::report {
 namespace {
-
-constexpr Colour kInk = {0.13, 0.13, 0.16, 1};
 
 void choose_font(cairo_t* cairo, double size, bool bold) {
   cairo_select_font_face(cairo, "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL,
@@ -20,8 +18,6 @@ void choose_font(cairo_t* cairo, double size, bool bold) {
 }
 
 }  // namespace
-
-bool pictures_available() { return true; }
 
 Colour colour_from(const std::string& hex, double alpha) {
   unsigned red = 0, green = 0, blue = 0;
@@ -89,7 +85,7 @@ void Canvas::text(double x, double baseline, const std::string& words, double si
                   bool turned) const {
   const double width = text_width(words, size, bold);
   const double shift = align == Align::left ? 0 : align == Align::centre ? -width / 2 : -width;
-  set(kInk);
+  set(kFrame);
   cairo_save(cairo_);
   cairo_translate(cairo_, x, baseline);
   if (turned) cairo_rotate(cairo_, -kPi / 2);
@@ -123,6 +119,24 @@ void Canvas::write_png(const std::filesystem::path& path) const {
     if (status != CAIRO_STATUS_SUCCESS)
       throw DeviceError(path.string() + ": cannot be written: " + cairo_status_to_string(status));
   });
+}
+
+std::vector<double> axis_ticks(double low, double high, int count) {
+  if (!(high > low)) high = low + (low == 0 ? 1 : std::fabs(low));
+  const double rough = (high - low) / count, power = std::pow(10, std::floor(std::log10(rough)));
+  const double share = rough / power;
+  const double step = power * (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10);
+  std::vector<double> ticks;
+  const double first = std::floor(low / step + 1e-9), last = std::ceil(high / step - 1e-9);
+  for (double k = first; k <= last; ++k) ticks.push_back(k * step);
+  return ticks;
+}
+
+double tick_step(double range) {
+  const double power = std::pow(10.0, std::floor(std::log10(range / 4)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (range / (factor * power) <= 8) return factor * power;
+  return 10 * power;
 }
 
 }  // namespace gonogo::report

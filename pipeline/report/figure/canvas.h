@@ -1,7 +1,6 @@
 // Thin layer over cairo for the .cpp files of this folder: an image surface with text and boxes. Pixels, y downward.
 #pragma once
 #include <cairo.h>
-
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -11,6 +10,8 @@ namespace gonogo::report {
 struct Colour {
   double red = 0, green = 0, blue = 0, alpha = 1;  // [0, 1]
 };
+
+inline constexpr Colour kFrame = {0.13, 0.13, 0.16, 1};  // of frames, axes and letters
 
 /// "#rrggbb"
 Colour colour_from(const std::string& hex, double alpha = 1);
@@ -56,5 +57,11 @@ class Canvas {
   cairo_surface_t* surface_;
   cairo_t* cairo_;
 };
+
+/// Round numbers that cover [low, high] in about `count` steps.
+std::vector<double> axis_ticks(double low, double high, int count);
+
+/// 1, 2 or 5 times a power of ten that divides `range` into four to eight steps.
+double tick_step(double range);
 
 }  // namespace gonogo::report

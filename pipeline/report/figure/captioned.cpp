@@ -2,21 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/units.h"
 #include "pipeline/report/figure/canvas.h"
-#include "pipeline/report/figure/ticks.h"
 
 namespace gonogo::report {
 namespace {
 
 /// Sizes are given for a picture 720 pixels high and grow with it.
 constexpr double kDesignHeight = 720;
-constexpr Colour kQuiet = {0.38, 0.39, 0.43, 1}, kRule = {0.72, 0.73, 0.76, 1}, kBright = {1, 1, 1, 1},
-                 kDark = {0.13, 0.13, 0.16, 1};
+constexpr Colour kQuiet = {0.38, 0.39, 0.43, 1}, kRule = {0.72, 0.73, 0.76, 1}, kBright = {1, 1, 1, 1};
 
 /// Copies the image into the canvas; cairo's RGB24 pixels are 32-bit numbers 0x00RRGGBB.
 void put_image(const Canvas& canvas, const Image& image) {
@@ -62,7 +60,7 @@ void draw_badge(const Canvas& canvas, const Badge& badge, double right, double s
   // Relative luminance decides between dark and bright letters.
   const bool bright = 0.2126 * fill.red + 0.7152 * fill.green + 0.0722 * fill.blue > 0.6;
   rounded_box(canvas, {right - width, 20 * s, width, 36 * s}, 8 * s, fill);
-  coloured_text(canvas, right - width + 16 * s, 45 * s, badge.text, size, bright ? kDark : kBright, true);
+  coloured_text(canvas, right - width + 16 * s, 45 * s, badge.text, size, bright ? kFrame : kBright, true);
 }
 
 void draw_facts(const Canvas& canvas, const Caption& caption, double width, double height, double s) {
@@ -90,14 +88,14 @@ void draw_bar(const Canvas& canvas, const Caption& caption, double width, double
   for (double at = std::ceil(caption.bar_low / step - 1e-9) * step; at <= caption.bar_high + 1e-9 * range; at += step) {
     const double y = bar.bottom() - (at - caption.bar_low) / range * bar.height;
     canvas.line(bar.right(), y, bar.right() + 5 * s, y, kQuiet, s);
-    char text[24];
-    std::snprintf(text, sizeof text, "%.3g", std::fabs(at) < 1e-9 * range ? 0.0 : at);
-    canvas.text(bar.right() + 9 * s, y + 5 * s, text, 14 * s);
+    canvas.text(bar.right() + 9 * s, y + 5 * s, line("%.3g", std::fabs(at) < 1e-9 * range ? 0.0 : at), 14 * s);
   }
   canvas.text(bar.left - 10 * s, bar.top + bar.height / 2, caption.bar_label, 14 * s, Align::centre, false, true);
 }
 
 }  // namespace
+
+bool pictures_available() { return true; }
 
 void write_captioned(const std::filesystem::path& path, const Image& image, const Caption& caption) {
   const Canvas canvas(image.width, image.height);

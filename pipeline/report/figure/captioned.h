@@ -1,13 +1,25 @@
-// A rendered picture with what a viewer needs to read it: title, badge, facts, colour bar.
+// A rendered picture with what a viewer needs to read it: title, badge, facts, colour bar. Without cairo every function
+// of this folder that writes a figure does nothing.
 #pragma once
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "pipeline/report/picture/image.h"
+#include "base/error.h"
+#include "pipeline/report/picture/render.h"
 
 namespace gonogo::report {
+
+/// True when the build has cairo (-DGONOGO_PICTURES=ON).
+bool pictures_available();
+
+/// For what a user asked for by name: throws InputError when this build cannot draw. `options`: what was asked for,
+/// "--picture, --video".
+inline void require_pictures(const std::string& options) {
+  if (!pictures_available())
+    throw InputError("this build has no pictures (" + options + "); configure with -DGONOGO_PICTURES=ON");
+}
 
 struct Fact {
   std::string label, value;  // "slip", "0.18"

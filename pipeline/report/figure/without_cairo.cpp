@@ -1,9 +1,6 @@
 // The figures of a build without cairo: nothing is drawn and no file is written.
 #include "pipeline/report/figure/captioned.h"
 #include "pipeline/report/figure/chart.h"
-#include "pipeline/report/figure/line_plot.h"
-#include "pipeline/report/figure/pictures.h"
-#include "pipeline/report/figure/scatter.h"
 
 namespace gonogo::report {
 

@@ -35,7 +35,7 @@ struct ModelStyle {
   sim::BodyIndex focus = -1;  // body that a periodic world is drawn around; -1: the world's middle
 };
 
-/// Of the grains of a material, told apart by the colour-blind too.
+/// Colour of the grains of a material; the colour-blind tell them apart, too.
 Light material_colour(int material);
 
 /// Colour of a share of the colour bar, 0 to 1.
@@ -45,5 +45,16 @@ Light bar_colour(double share);
 /// a rim, all else steel. Under a periodic bed a block of ground fills the space down to the floor. Under a vehicle
 /// wider than its bed, copies of the bed are drawn side by side.
 Model model_of(const sim::SceneWorld& world, const sim::Capture& frame, const ModelStyle& style);
+
+/// A vehicle on a bed narrower than itself. The simulation folds its bodies into the bed's period; pictures show them
+/// where joints hold them.
+struct Unfolded {
+  std::vector<sim::BodyState> body;  // [body], those that joints connect with the focus beside it
+  std::vector<bool> beside;          // [body] connected with the focus, or the focus itself
+  int copies = 1;                    // of the bed side by side that carry all of them, an odd number
+};
+
+/// `focus` may be -1: then nothing is unfolded.
+Unfolded unfolded(const sim::SceneWorld& world, const sim::Capture& frame, sim::BodyIndex focus);
 
 }  // namespace gonogo::report

@@ -18,7 +18,7 @@ TyreOnGrains::TyreOnGrains(const Tyre& tyre, const Hub& hub, GrainGround ground)
       x_(ground.x),
       y_(ground.y),
       step_(double(ground.settings.step)) {
-  if (ground.settings.solver != Solver::spring_damper && ground.settings.solver != Solver::hertz)
+  if (!is_penalty(ground.settings.contact))
     throw InputError(
         "tyre on grains: the contact must be spring_damper or hertz, whose steps are explicit as the ring's");
   substeps_ = long(std::ceil(step_ / (0.9 * tyre_.critical_step())));

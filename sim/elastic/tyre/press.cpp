@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/line.h"
+#include "base/format.h"
 #include "sim/elastic/tyre/ring.h"
 
 namespace gonogo::sim::elastic {

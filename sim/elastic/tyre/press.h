@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "sim/elastic/contact_point.h"
 #include "sim/elastic/model.h"
 #include "sim/elastic/tyre/tyre.h"
 

@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/line.h"
-#include "sim/elastic/largest_eigenvalue.h"
-#include "sim/elastic/tyre/lossy_tread.h"
+#include "base/format.h"
+#include "sim/elastic/system.h"
 #include "sim/elastic/tyre/press.h"
 #include "sim/elastic/tyre/ring.h"
+#include "sim/elastic/tyre/tread.h"
 
 namespace gonogo::sim::elastic {
 

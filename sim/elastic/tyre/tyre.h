@@ -2,10 +2,12 @@
 //   belt       closed ring of co-rotated beams, EI and EA
 //   sidewalls  two arcs that do not stretch, blown out by the air (membrane), and springs of their rubber
 //   air        constant pressure, which follows the belt
-//   tread      normal compliance on the outer surface of the belt, by the law of law.h
+//   tread      normal compliance on the outer surface of the belt, by ContactLaw
 // x points forward, y up. Angles count counter-clockwise: a wheel that rolls forward turns by negative angles.
 #pragma once
-#include "sim/elastic/law.h"
+#include <vector>
+
+#include "sim/elastic/model.h"
 
 namespace gonogo::sim::elastic {
 
@@ -41,5 +43,18 @@ struct RimLoad {
   double x = 0, y = 0;  // [N]
   double moment = 0;    // counter-clockwise [N m]
 };
+
+// Small motions of an inflated, unloaded tyre about a rim that is held. Public; free of Eigen.
+
+/// Stiffness of the belt as a rigid ring on its sidewalls.
+struct SidewallStiffness {
+  double shift = 0;  // [N/m]
+  double turn = 0;   // about the hub [N m/rad]
+};
+SidewallStiffness sidewall_stiffness(const Tyre& tyre);
+
+/// Frequencies of the ring, ascending [Hz], with the mass matrix of RollingTyre. Throws InputError for a belt without
+/// mass. Solved densely: (3 nodes)^3.
+std::vector<double> frequencies(const Tyre& tyre);
 
 }  // namespace gonogo::sim::elastic

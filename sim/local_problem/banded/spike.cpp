@@ -7,7 +7,6 @@
 
 namespace gonogo::sim {
 
-using Eigen::Index;
 using Eigen::VectorXd;
 
 namespace {
@@ -22,7 +21,7 @@ Dense corner(const Walk& lu, const Dense& coupling) {
   return x;
 }
 
-/// Rows from the first to the last as a walk up meets them.
+/// Rows from the first to the last, in the order of a walk up.
 template <class Dense>
 Dense flipped(const Dense& x) {
   return x.colwise().reverse();
@@ -44,18 +43,18 @@ BandedMatrix<Scalar> converted(BandedMatrix<double> a) {
 template <class Scalar>
 Spike<Scalar>::Spike(BandedMatrix<double> a, const SpikeSettings& settings)
     : half_(a.half), band_(converted<Scalar>(std::move(a))), kind_(settings.kind) {
-  const Index n = band_.size, most = half_ > 0 ? std::max<Index>(1, n / (2 * half_)) : 1;
-  const Index count = std::clamp<Index>(settings.partitions, 1, most);
+  const Eigen::Index n = band_.size, most = half_ > 0 ? std::max<Eigen::Index>(1, n / (2 * half_)) : 1;
+  const Eigen::Index count = std::clamp<Eigen::Index>(settings.partitions, 1, most);
   part_.resize(std::size_t(count));
   Scalar largest = 0;
-  for (Index i = 0; i < n; ++i) largest = std::max(largest, std::abs(band_.at(i, i)));
+  for (Eigen::Index i = 0; i < n; ++i) largest = std::max(largest, std::abs(band_.at(i, i)));
   const Scalar least = std::max(largest * std::numeric_limits<Scalar>::epsilon(), std::numeric_limits<Scalar>::min());
-  for (Index p = 0; p < count; ++p) {
+  for (Eigen::Index p = 0; p < count; ++p) {
     part_[std::size_t(p)].first = n * p / count;
     part_[std::size_t(p)].size = n * (p + 1) / count - n * p / count;
   }
 #pragma omp parallel for schedule(static)
-  for (Index p = 0; p < count; ++p) {
+  for (Eigen::Index p = 0; p < count; ++p) {
     take_coupling(part_[std::size_t(p)]);
     factorise(part_[std::size_t(p)], least);
   }
@@ -66,16 +65,16 @@ Spike<Scalar>::Spike(BandedMatrix<double> a, const SpikeSettings& settings)
 /// Moves what lies outside of the partition's square out of its rows.
 template <class Scalar>
 void Spike<Scalar>::take_coupling(Part& part) {
-  const Index k = half_, end = part.first + part.size;
+  const Eigen::Index k = half_, end = part.first + part.size;
   if (part.first > 0) {
     part.c = Dense::Zero(k, k);
-    for (Index i = 0; i < k; ++i)
-      for (Index m = 0; m < k - i; ++m) std::swap(part.c(i, i + m), band_.row(part.first + i)[m]);
+    for (Eigen::Index i = 0; i < k; ++i)
+      for (Eigen::Index m = 0; m < k - i; ++m) std::swap(part.c(i, i + m), band_.row(part.first + i)[m]);
   }
   if (end < band_.size) {
     part.b = Dense::Zero(k, k);
-    for (Index i = 0; i < k; ++i)
-      for (Index m = 2 * k - i; m <= 2 * k; ++m) std::swap(part.b(i, i + m - 2 * k), band_.row(end - k + i)[m]);
+    for (Eigen::Index i = 0; i < k; ++i)
+      for (Eigen::Index m = 2 * k - i; m <= 2 * k; ++m) std::swap(part.b(i, i + m - 2 * k), band_.row(end - k + i)[m]);
   }
 }
 
@@ -103,7 +102,7 @@ void Spike<Scalar>::factorise(Part& part, Scalar least) {
 
 template <class Scalar>
 void Spike<Scalar>::find_spikes(Part& part) const {
-  const Index n = part.size, k = half_;
+  const Eigen::Index n = part.size, k = half_;
   const auto lu = down(part);
   Dense x = Dense::Zero(n, k);
   x.bottomRows(k) = part.b;
@@ -121,7 +120,7 @@ void Spike<Scalar>::find_spikes(Part& part) const {
 
 template <class Scalar>
 void Spike<Scalar>::join() {
-  const Index k = half_;
+  const Eigen::Index k = half_;
   joint_.resize(part_.size() - 1);
   for (std::size_t p = 0; p < joint_.size(); ++p) {
     Dense block = Dense::Identity(2 * k, 2 * k);
@@ -141,15 +140,16 @@ void Spike<Scalar>::join() {
 /// Bottoms and tops at the joints [2 half x joints] from those of A_p^-1 f_p.
 template <class Scalar>
 auto Spike<Scalar>::solve_joints(const Columns& tips) const -> Columns {
-  const Index k = half_;
+  const Eigen::Index k = half_;
   const bool full = kind_ == SpikeKind::full;
-  Columns y(2 * k, Index(joint_.size()));
-  for (Index p = 0; p < y.cols(); ++p) {
+  Columns y(2 * k, Eigen::Index(joint_.size()));
+  for (Eigen::Index p = 0; p < y.cols(); ++p) {
     y.col(p) << tips.col(p).tail(k), tips.col(p + 1).head(k);
     if (full && p > 0) y.col(p).head(k) -= part_[std::size_t(p)].w_bottom * y.col(p - 1).head(k);
     y.col(p) = joint_[std::size_t(p)].lu.solve(y.col(p)).eval();
   }
-  for (Index p = y.cols() - 2; full && p >= 0; --p) y.col(p) -= joint_[std::size_t(p)].next * y.col(p + 1).tail(k);
+  for (Eigen::Index p = y.cols() - 2; full && p >= 0; --p)
+    y.col(p) -= joint_[std::size_t(p)].next * y.col(p + 1).tail(k);
   return y;
 }
 
@@ -157,7 +157,7 @@ auto Spike<Scalar>::solve_joints(const Columns& tips) const -> Columns {
 /// replaced by what the forward sweep makes of it.
 template <class Scalar>
 void Spike<Scalar>::begin(const Part& part, Scalar* x, Vector& tips) const {
-  const Index k = half_, n = part.size;
+  const Eigen::Index k = half_, n = part.size;
   tips = Vector::Zero(2 * k);
   if (is_first(part)) {
     sweep_forward(down(part), x);
@@ -178,7 +178,7 @@ void Spike<Scalar>::begin(const Part& part, Scalar* x, Vector& tips) const {
 /// x_p from what `begin` left, less C times the bottom before (at_top) and B times the top behind (at_bottom).
 template <class Scalar>
 void Spike<Scalar>::finish(const Part& part, const Vector& at_top, const Vector& at_bottom, Scalar* x) const {
-  const Index k = half_, n = part.size;
+  const Eigen::Index k = half_, n = part.size;
   Eigen::Map<Vector> values(x, n);
   if (is_first(part)) {
     Vector swept = at_bottom;
@@ -200,7 +200,7 @@ void Spike<Scalar>::finish(const Part& part, const Vector& at_top, const Vector&
 
 template <class Scalar>
 void Spike<Scalar>::solve(Vector& b) const {
-  const Index k = half_, count = Index(part_.size());
+  const Eigen::Index k = half_, count = Eigen::Index(part_.size());
   if (count == 1) {
     sweep_forward(down(part_[0]), b.data());
     sweep_backward(down(part_[0]), b.data());
@@ -208,14 +208,14 @@ void Spike<Scalar>::solve(Vector& b) const {
   }
   Columns tips(2 * k, count);
 #pragma omp parallel for schedule(static)
-  for (Index p = 0; p < count; ++p) {
+  for (Eigen::Index p = 0; p < count; ++p) {
     Vector found;
     begin(part_[std::size_t(p)], b.data() + part_[std::size_t(p)].first, found);
     tips.col(p) = found;
   }
   const Columns y = solve_joints(tips);
 #pragma omp parallel for schedule(static)
-  for (Index p = 0; p < count; ++p) {
+  for (Eigen::Index p = 0; p < count; ++p) {
     const Part& part = part_[std::size_t(p)];
     Vector at_top, at_bottom;
     if (p > 0) at_top = part.c * y.col(p - 1).head(k);

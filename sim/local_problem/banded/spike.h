@@ -20,8 +20,7 @@
 #include <vector>
 
 #include "sim/local_problem/banded/band_factors.h"
-#include "sim/local_problem/banded/banded_matrix.h"
-#include "sim/local_problem/banded/spike_kind.h"
+#include "sim/local_problem/banded/team_spike.h"
 
 namespace gonogo::sim {
 

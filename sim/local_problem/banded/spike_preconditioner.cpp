@@ -1,16 +1,57 @@
 #include "sim/local_problem/banded/spike_preconditioner.h"
 
 #include <Eigen/IterativeLinearSolvers>
+#include <algorithm>
+#include <boost/graph/adjacency_list.hpp>
+#include <boost/graph/cuthill_mckee_ordering.hpp>
 #include <chrono>
 #include <functional>
-
-#include "sim/local_problem/banded/reorder.h"
+#include <utility>
 
 namespace gonogo::sim {
 
-using Eigen::Index;
-using Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
+
+std::vector<Eigen::Index> reverse_cuthill_mckee(const Sparse& a) {
+  using Graph = boost::adjacency_list<
+      boost::vecS, boost::vecS, boost::undirectedS,
+      boost::property<boost::vertex_color_t, boost::default_color_type, boost::property<boost::vertex_degree_t, int>>>;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> edges;  // each once, from low to high
+  for (Eigen::Index k = 0; k < a.outerSize(); ++k)
+    for (Sparse::InnerIterator it(a, k); it; ++it)
+      if (it.row() != it.col()) edges.emplace_back(std::minmax(it.row(), it.col()));
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  Graph graph(edges.begin(), edges.end(), std::size_t(a.rows()));
+  std::vector<std::size_t> order(std::size_t(a.rows()));
+  boost::cuthill_mckee_ordering(graph, order.rbegin(), get(boost::vertex_color, graph), boost::make_degree_map(graph));
+  return {order.begin(), order.end()};
+}
+
+Band to_band(const Sparse& a, const std::vector<Eigen::Index>& order, Eigen::Index most_half) {
+  std::vector<Eigen::Index> place(order.size());
+  for (std::size_t k = 0; k < order.size(); ++k) place[std::size_t(order[k])] = Eigen::Index(k);
+  const auto visit = [&](auto&& use) {
+    for (Eigen::Index k = 0; k < a.outerSize(); ++k)
+      for (Sparse::InnerIterator it(a, k); it; ++it)
+        use(place[std::size_t(it.row())], place[std::size_t(it.col())], it.value());
+  };
+  Band band;
+  visit([&](Eigen::Index i, Eigen::Index j, double) { band.full_half = std::max(band.full_half, std::abs(i - j)); });
+  band.matrix = BandedMatrix<double>(a.rows(), std::min(band.full_half, most_half));
+  double all = 0, outside = 0;
+  visit([&](Eigen::Index i, Eigen::Index j, double value) {
+    all += value * value;
+    if (std::abs(i - j) <= band.matrix.half)
+      band.matrix.at(i, j) += value;
+    else
+      outside += value * value;
+  });
+  band.dropped = all > 0 ? std::sqrt(outside / all) : 0;
+  return band;
+}
+
+using Eigen::VectorXd;
 
 namespace {
 
@@ -54,14 +95,14 @@ class Applied {
 };
 
 template <class Scalar>
-VectorXd apply(const Spike<Scalar>& spike, const std::vector<Index>& order, const VectorXd& b) {
+VectorXd apply(const Spike<Scalar>& spike, const std::vector<Eigen::Index>& order, const VectorXd& b) {
   const double size = b.lpNorm<Eigen::Infinity>();  // float holds no small residuals: they are scaled
   if (!(size > 0)) return b;
   typename Spike<Scalar>::Vector x(b.size());
-  for (Index k = 0; k < b.size(); ++k) x[k] = Scalar(b[order[std::size_t(k)]] / size);
+  for (Eigen::Index k = 0; k < b.size(); ++k) x[k] = Scalar(b[order[std::size_t(k)]] / size);
   spike.solve(x);
   VectorXd out(b.size());
-  for (Index k = 0; k < b.size(); ++k) out[order[std::size_t(k)]] = size * double(x[k]);
+  for (Eigen::Index k = 0; k < b.size(); ++k) out[order[std::size_t(k)]] = size * double(x[k]);
   return out;
 }
 

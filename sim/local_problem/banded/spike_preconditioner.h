@@ -4,9 +4,23 @@
 #include <memory>
 #include <vector>
 
+#include "sim/local_problem/banded/band_factors.h"
 #include "sim/local_problem/banded/spike.h"
+#include "sim/local_problem/linear_work.h"
 
 namespace gonogo::sim {
+
+/// Row of each place, by reverse Cuthill-McKee on the pattern of A + A^T (Boost.Graph). A: square.
+std::vector<Eigen::Index> reverse_cuthill_mckee(const Eigen::SparseMatrix<double>& a);
+
+struct Band {
+  BandedMatrix<double> matrix;
+  Eigen::Index full_half = 0;  // half-bandwidth in this order with nothing dropped
+  double dropped = 0;          // share of the Frobenius norm outside of the band that is kept
+};
+
+/// P A P^T with entries more than `most_half` from the diagonal dropped.
+Band to_band(const Eigen::SparseMatrix<double>& a, const std::vector<Eigen::Index>& order, Eigen::Index most_half);
 
 struct PreconditionerSettings {
   SpikeSettings spike{8, SpikeKind::truncated};
@@ -15,15 +29,6 @@ struct PreconditionerSettings {
   bool is_used = true;          // false: the plain Krylov method
   double tolerance = 1e-10;     // |b - A x| / |b|
   int max_iterations = 1000;
-};
-
-struct KrylovWork {
-  long solves = 0, inner_iterations = 0;
-  double setup_ms = 0, solve_ms = 0;  // ordering and factors; iterations
-  std::size_t bytes = 0;              // of the largest factors
-  Eigen::Index half = 0, full_half = 0;
-  int partitions = 0;
-  double dropped = 0;  // largest share of a matrix's Frobenius norm outside of the band
 };
 
 /// Systems with one pattern: it is ordered once.
@@ -35,7 +40,7 @@ class PreconditionedKrylov {
   void factorise(const Eigen::SparseMatrix<double>& a);
   /// Returns whether the tolerance was reached; x is the last iterate.
   bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& x);
-  const KrylovWork& work() const { return work_; }
+  const LinearWork& work() const { return work_; }
 
  private:
   struct Factors;
@@ -43,7 +48,7 @@ class PreconditionedKrylov {
   Eigen::SparseMatrix<double> a_;
   std::vector<Eigen::Index> order_;
   std::unique_ptr<Factors> factors_;
-  KrylovWork work_;
+  LinearWork work_;
 };
 
 }  // namespace gonogo::sim

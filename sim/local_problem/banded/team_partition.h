@@ -11,7 +11,7 @@
 #pragma once
 #include <cmath>
 
-#include "base/team.h"
+#include "base/parallel/team.h"
 
 namespace gonogo::sim {
 

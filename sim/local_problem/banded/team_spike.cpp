@@ -1,6 +1,6 @@
 #include "sim/local_problem/banded/team_spike.h"
 
-#include "sim/local_problem/banded/banded_matrix.h"
+#include "sim/local_problem/banded/band_factors.h"
 #include "sim/local_problem/banded/team_spike_on.h"
 
 namespace gonogo::sim {

@@ -1,5 +1,5 @@
 // SPIKE by teams on a GPU.
-#include "base/device.h"
+#include "base/parallel/device.h"
 #include "sim/local_problem/banded/team_spike_on.h"
 
 namespace gonogo::sim {

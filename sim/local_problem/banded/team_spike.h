@@ -10,12 +10,13 @@
 #include <memory>
 #include <vector>
 
-#include "sim/local_problem/banded/spike_kind.h"
-
 namespace gonogo::sim {
 
 template <class Scalar>
 struct BandedMatrix;
+
+/// spike.h explains the two.
+enum class SpikeKind { full, truncated };
 
 struct TeamSpikeSettings {
   int partitions = 0;  // at most, 2 half rows or more each; 0: chosen by size and half

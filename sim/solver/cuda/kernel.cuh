@@ -1,7 +1,7 @@
 // The stages of an iteration, as one team takes them; see launch.cuh for their order. Sums have the same order, and so
 // the same bits, whether contacts are resident or not.
 #pragma once
-#include "sim/solver/cuda/measures.cuh"
+#include "sim/solver/cuda/contact_records.cuh"
 #include "sim/solver/cuda/mechanism.cuh"
 
 namespace gonogo::sim {
@@ -9,12 +9,12 @@ namespace gonogo::sim {
 /// Bodies with more contacts than this are summed by a warp.
 inline constexpr Index kHubContacts = 48;
 
-/// `turning`: some contact resists rolling or spinning. `resident`: see residence.cuh. `in_substeps`: a step may have
+/// `turning`: some contact resists rolling or spinning. `resident`: see Residence. `in_substeps`: a step may have
 /// several. `method`: `apgd` includes `jacobi`, whose momentum is zero.
-template <bool turning, bool resident, bool in_substeps, Solver method>
+template <bool turning, bool resident, bool in_substeps, Iteration method>
 class SolveKernel {
-  static constexpr bool sweeps = method == Solver::gauss_seidel, spectral = method == Solver::bb;
-  static_assert(!resident || method == Solver::apgd);
+  static constexpr bool sweeps = method == Iteration::gauss_seidel, spectral = method == Iteration::bb;
+  static_assert(!resident || method == Iteration::apgd);
 
  public:
   GONOGO_DEVICE SolveKernel(const SolveViews& views, const Team& team, MechanismWork& work)

@@ -27,9 +27,9 @@
 //     add        a world: a team                    sums of its tiles -> WorldSums
 //
 // Where each tile has a team and each body its threads, a block keeps their records in shared memory through all
-// updates (residence.cuh); otherwise teams and threads take several, one after the other.
+// updates (records.cuh); otherwise teams and threads take several, one after the other.
 #pragma once
-#include "base/device.h"
+#include "base/parallel/device.h"
 #include "sim/solver/cuda/kernel.cuh"
 #include "sim/solver/jacobi_scan.h"
 #include "sim/solver/penalty_method.h"
@@ -37,7 +37,7 @@
 namespace gonogo::sim {
 
 /// All iterations of a step.
-template <bool turning, bool resident, bool in_substeps, Solver method>
+template <bool turning, bool resident, bool in_substeps, Iteration method>
 GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismWork& work) {
   GridBarrier grid(views.barrier);
   SolveKernel<turning, resident, in_substeps, method> kernel(views, team, work);
@@ -65,7 +65,7 @@ GONOGO_DEVICE void iterate(const SolveViews& views, const Team& team, MechanismW
 
 /// From the warm start in the step's contact store to the velocities and impulses at the end of the step. `may_reside`:
 /// the launch has given each block the shared memory of a Residence.
-template <bool turning, bool in_substeps, Solver method>
+template <bool turning, bool in_substeps, Iteration method>
 __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant__ SolveViews views, bool may_reside) {
   __shared__ double scratch[kTeamsPerBlock][kTileSize / 32];
   __shared__ __align__(16) std::uint8_t work_bytes[kTeamsPerBlock][sizeof(MechanismWork)];
@@ -76,26 +76,28 @@ __global__ void __launch_bounds__(kBlockSize) solve_kernel(const __grid_constant
   MechanismWork& work = *reinterpret_cast<MechanismWork*>(work_bytes[in_block]);
   const bool all_fit = views.tiles.count() <= team.count && kLanesPerBody * views.mass.size <= team.count * kTileSize &&
                        views.projection.mechanism.size <= Index(gridDim.x);
-  if constexpr (method == Solver::apgd) {
+  if constexpr (method == Iteration::apgd) {
     if (may_reside && all_fit) return iterate<turning, true, in_substeps, method>(views, team, work);
   }
   iterate<turning, false, in_substeps, method>(views, team, work);
 }
 
-inline bool is_accelerated(Solver solver) { return solver == Solver::apgd || solver == Solver::jacobi; }
+inline bool is_accelerated(Iteration iteration) {
+  return iteration == Iteration::apgd || iteration == Iteration::jacobi;
+}
 
 /// Sizes the buffers for the present capacity. Call before the first step and after buffers have grown.
 inline void reserve_solver(const State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
-  if (settings.solver == Solver::jacobi_scan) return reserve_scan(s, own.scan, settings);
-  if (is_penalty(settings.solver)) return reserve_penalty(s, own.penalty);
+  if (is_penalty(settings.contact)) return reserve_penalty(s, own.penalty);
+  if (settings.iteration == Iteration::jacobi_scan) return reserve_scan(s, own.scan, settings);
   own.frame.resize(s.contact_capacity);
   own.cone.resize(s.contact_capacity);
   own.central.resize(s.contact_capacity);
   own.arms.resize(s.contact_capacity);
   own.pair.resize(s.contact_capacity);
-  if (settings.substeps > 1 || !is_accelerated(settings.solver)) own.gap.resize(s.contact_capacity);
+  if (settings.substeps > 1 || !is_accelerated(settings.iteration)) own.gap.resize(s.contact_capacity);
   for (auto& of_contact : own.linear) of_contact.resize(s.contact_capacity);
-  if (s.turning || !is_accelerated(settings.solver)) {
+  if (s.turning || !is_accelerated(settings.iteration)) {
     own.turn.resize(s.contact_capacity);
     for (auto& of_contact : own.angular) of_contact.resize(s.contact_capacity);
   }
@@ -110,8 +112,8 @@ inline void reserve_solver(const State<Cuda>& s, SolverStorage<Cuda>& own, const
   own.motor_before.resize(s.mechanisms.motor.size());
   own.mechanism_slot.resize(s.mechanisms.gathered.size());
   own.mechanism_gathered.resize(s.mechanisms.gathered.size());
-  if (settings.solver == Solver::gauss_seidel) own.colour.resize(s.contact_capacity);
-  if (settings.solver != Solver::bb) return;
+  if (settings.iteration == Iteration::gauss_seidel) own.colour.resize(s.contact_capacity);
+  if (settings.iteration != Iteration::bb) return;
   own.velocity_before.resize(s.body_count);
   own.length.resize(s.world_count);
   own.spectral_sums.resize(tile_capacity(s));
@@ -140,7 +142,7 @@ inline SolveViews solve_views(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& ow
           method_views(own)};
 }
 
-template <bool turning, bool in_substeps, Solver method = Solver::apgd>
+template <bool turning, bool in_substeps, Iteration method = Iteration::apgd>
 void launch_solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
   const auto kernel = solve_kernel<turning, in_substeps, method>;
   SolveViews views = solve_views(exec, s, own, settings);
@@ -164,5 +166,19 @@ void solve_otherwise(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const 
 void solve_with_scans(Cuda exec, State<Cuda>& s, ScanStorage<Cuda>& own, const StepSettings& settings);
 /// The penalty family. In penalty.cu.
 void push_apart(Cuda exec, State<Cuda>& s, PenaltyStorage<Cuda>& own, const StepSettings& settings);
+
+inline void solve(Cuda exec, State<Cuda>& s, SolverStorage<Cuda>& own, const StepSettings& settings) {
+  if (is_penalty(settings.contact)) return push_apart(exec, s, own.penalty, settings);
+  if (settings.iteration == Iteration::jacobi_scan) return solve_with_scans(exec, s, own.scan, settings);
+  clear(exec, own.counter.view());
+  const bool in_substeps = settings.substeps > 1;
+  if (!is_accelerated(settings.iteration))
+    solve_otherwise(exec, s, own, settings);
+  else if (s.turning)
+    in_substeps ? launch_solve<true, true>(exec, s, own, settings) : launch_solve<true, false>(exec, s, own, settings);
+  else
+    in_substeps ? launch_solve<false, true>(exec, s, own, settings)
+                : launch_solve<false, false>(exec, s, own, settings);
+}
 
 }  // namespace gonogo::sim

@@ -1,7 +1,7 @@
 // A team moves a mechanism: it sums the bodies' contacts and projects the velocities onto the joints, without a barrier
 // across the grid. Threads load what they will need while others still sum.
 #pragma once
-#include "sim/solver/cuda/residence.cuh"
+#include "sim/solver/cuda/records.cuh"
 #include "sim/solver/cuda/views.cuh"
 
 namespace gonogo::sim {

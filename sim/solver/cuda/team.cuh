@@ -1,9 +1,9 @@
 // Teams of threads that work on one tile, and barriers across the grid.
 #pragma once
-#include "base/words.h"
+#include "base/host_device.h"
 #include "sim/solver/spectral.h"
+#include "sim/state/contact_lists.h"
 #include "sim/state/state.h"
-#include "sim/state/tiles.h"
 
 namespace gonogo::sim {
 

@@ -1,11 +1,11 @@
 // Views of the State's and the solver's arrays that the solver's kernel gets, in groups.
 #pragma once
-#include "sim/joint/project.h"
-#include "sim/solver/body_update.h"
+#include "sim/constraint/project_joints.h"
 #include "sim/solver/cuda/records.cuh"
+#include "sim/solver/shared_stages.h"
 #include "sim/solver/split.h"
-#include "sim/state/motor.h"
-#include "sim/state/tiles.h"
+#include "sim/state/contact_lists.h"
+#include "sim/state/mechanism.h"
 
 namespace gonogo::sim {
 
@@ -161,7 +161,7 @@ GONOGO_DEVICE Velocity begin_body(const SolveViews& s, BodyIndex b) {
   return begin_body(s.velocity[b], s.velocity_change[b], s.free_velocity[b], s.earlier_velocity[b]);
 }
 
-/// Carries body b, which has moved with `v`, into the next substep. `free`: in and out. See body_update.h.
+/// Carries body b, which has moved with `v`, into the next substep. `free`: in and out. See shared_stages.h.
 GONOGO_DEVICE Velocity carry_body(const SolveViews& s, BodyIndex b, const Velocity& v, Velocity& free) {
   const Velocity more = carry_body(v, s.velocity_change[b], free, s.substep_velocity[b], s.earlier_velocity[b]);
   s.free_velocity[b] = free;

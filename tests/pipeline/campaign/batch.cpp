@@ -1,5 +1,5 @@
 // Trials side by side: what each gives must not depend on the others.
-#include "pipeline/campaign/trial/batch.h"
+#include "pipeline/campaign/trial/trial.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <map>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/short_trial.h"
@@ -125,7 +125,7 @@ TEST_CASE("trials that need a second attempt have the bits that they have alone,
 
 TEST_CASE("a world that raises a flag makes its own trial unknown and leaves the others alone") {
   TrialSetup setup = batch_setup();
-  setup.rig.max_torque = 1e9;  // the wheel of number 2 really turns as fast as it is told to
+  setup.vehicle.driveline.engine.value = {1e9};  // the wheel of number 2 really turns as fast as it is told to
   std::vector<DesignPoint> points = some_points();
   points.resize(4);
   prepare_trials(setup, points, 2);

@@ -2,10 +2,10 @@
 #include <csignal>
 #include <cstring>
 
-#include "base/cancel.h"
+#include "base/progress.h"
 #include "base/error.h"
-#include "base/file.h"
-#include "pipeline/campaign/trial/conditions.h"
+#include "base/files/file.h"
+#include "pipeline/campaign/trial/world.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
 #include "tests/support/short_trial.h"
@@ -93,7 +93,7 @@ TEST_CASE("a trial on clumps drives, and goes on with their orientations where i
   setup.deepest_bed = 0.25;  // cut from a packing
   const DesignPoint p = design_point(5, 30, 0.15);
   prepare_trials(setup, {&p, 1}, 1);
-  CHECK(settled_bed(setup, p).spec.shape == terrain::GrainShape::pair);
+  CHECK(settled_bed(setup, inputs_of(p)).spec.shape == terrain::GrainShape::pair);
   const TrialCheckpoint saved{folder / "trial.h5", 0};
   Samples whole, continued;
   const TrialRecord through = finished(setup, p, {}, whole);

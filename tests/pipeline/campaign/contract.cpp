@@ -2,7 +2,7 @@
 
 #include <set>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 

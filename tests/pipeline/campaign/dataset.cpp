@@ -6,11 +6,9 @@
 #include <cstdio>
 #include <fstream>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/hdf5/hdf5.h"
 #include "pipeline/campaign/dataset/check.h"
-#include "pipeline/campaign/dataset/export.h"
-#include "pipeline/campaign/dataset/paired.h"
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/dataset/summary.h"
 #include "tests/support/catch.h"

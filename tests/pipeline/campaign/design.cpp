@@ -5,10 +5,8 @@
 #include <cmath>
 #include <set>
 
-#include "base/file.h"
-#include "base/random.h"
-#include "pipeline/campaign/design/coverage.h"
-#include "pipeline/campaign/design/design_preset.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
 #include "pipeline/campaign/design/sobol.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

@@ -1,8 +1,7 @@
 // Headings psi and -psi on a slope are mirror images of each other: so are trials on mirrored beds.
 #include <cmath>
 
-#include "pipeline/campaign/trial/conditions.h"
-#include "pipeline/campaign/trial/drive.h"
+#include "pipeline/campaign/trial/judge.h"
 #include "tests/support/catch.h"
 #include "tests/support/locked_grains.h"
 #include "tests/support/measure.h"
@@ -27,7 +26,7 @@ struct Drive {
 
 /// Both phases of a trial on this settled bed.
 Drive drive(const TrialSetup& setup, const DesignPoint& point, const terrain::Packing& settled) {
-  const TrialConditions conditions = conditions_of(setup, point);
+  const TrialConditions conditions = conditions_of(setup, inputs_of(point));
   const sim::StepSettings settings = attempt_settings(setup, 1);
   const auto alone = sim::make_simulation(sim::Backend::cpu, {bed_alone(setup, settled, conditions)}, settings, 1);
   alone->advance(bed_steps(setup, settings));
@@ -54,7 +53,7 @@ TEST_CASE("headings psi and -psi mirror each other: the same slip and sinkage, o
   setup.numerics = {2e-3, 1, 400, 1e-4};
   const DesignPoint left = traverse(14), right = traverse(-14);
   prepare_trials(setup, {&left, 1}, 1);
-  const terrain::Packing bed = settled_bed(setup, left);
+  const terrain::Packing bed = settled_bed(setup, inputs_of(left));
   const Drive a = drive(setup, left, bed), b = drive(setup, right, mirrored(bed)), c = drive(setup, right, bed);
   REQUIRE(a.sample.size() == b.sample.size());
   double x = 0, y = 0, drop = 0, other = 0;

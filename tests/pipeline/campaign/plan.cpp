@@ -1,9 +1,8 @@
-#include "pipeline/campaign/engine/plan.h"
+#include "pipeline/campaign/engine/study_campaign.h"
 
 #include <map>
 
-#include "base/file.h"
-#include "base/hash.h"
+#include "base/files/file.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

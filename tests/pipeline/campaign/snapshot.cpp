@@ -1,10 +1,9 @@
 // Datasets of campaigns that are under way: folders with shards and journals made by hand.
-#include "pipeline/campaign/engine/snapshot.h"
+#include "pipeline/campaign/engine/campaign.h"
 
 #include "base/error.h"
 #include "pipeline/campaign/engine/folder.h"
-#include "pipeline/campaign/engine/journal.h"
-#include "pipeline/campaign/engine/shard.h"
+#include "pipeline/campaign/engine/ledger.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -38,7 +37,7 @@ Provenance provenance() {
 }
 
 /// 20 trials in shards of 4.
-void claim(const fs::path& folder) { claim_folder(folder, {20, 4}, {}); }
+void claim(const fs::path& folder) { hold_folder(folder, {20, 4}, {}); }
 
 void write_rows(const fs::path& folder, const std::vector<TrialRecord>& records) {
   fs::create_directories(journal_path(folder).parent_path());

@@ -1,6 +1,6 @@
 #include "pipeline/campaign/study/study.h"
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

@@ -1,14 +1,13 @@
 // Sizes of obstacles as variables of a design: what trials, datasets and tables make of them, and what is refused.
-#include "pipeline/campaign/study/task_variables.h"
+#include "pipeline/campaign/study/contract.h"
 
 #include <algorithm>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/campaign/dataset/dataset.h"
-#include "pipeline/campaign/dataset/export.h"
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/design/design.h"
-#include "pipeline/campaign/trial/conditions.h"
+#include "pipeline/campaign/trial/world.h"
 #include "pipeline/campaign/trial/trial.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
@@ -98,10 +97,10 @@ TEST_CASE("a trial of varied sizes stands on the bed, and drives the way, of one
   CHECK(own.test_distance == given.test_distance);
   CHECK(own.run_in_distance == 0);
   CHECK(varied.task->obstacle_end() == 1.2);  // 0.2 m and the widest
-  const terrain::Packing a = settled_bed(own, p), b = settled_bed(given, p);
+  const terrain::Packing a = settled_bed(own, inputs_of(p)), b = settled_bed(given, inputs_of(p));
   REQUIRE(a.grain.size() == b.grain.size());
   for (std::size_t i = 0; i < a.grain.size(); ++i) CHECK(length(a.grain[i].position - b.grain[i].position) == 0);
-  const terrain::Packing deeper = settled_bed(setup_at(varied, ditch_point(0.7, 0.2)), p);
+  const terrain::Packing deeper = settled_bed(setup_at(varied, ditch_point(0.7, 0.2)), inputs_of(p));
   CHECK(deeper.grain.size() < a.grain.size());
 
   const TrialSetup step = file.setup(R"({"type": "step"})", R"(, "step_height": [0.05, 0.5])");
@@ -206,7 +205,7 @@ TEST_CASE("sizes that the task does not take are refused in one sentence") {
   const TrialSetup climb = file.setup(R"({"type": "climb"})", ""), ditch = file.setup(kDitch, kSizes);
   refused([&] { setup_at(climb, ditch_point(0.5, 0.1)); }, "ditch_width: trials of type climb have no such number");
   refused([&] { setup_at(ditch, design_point(0, 34, 0.3)); }, "trial.task");
-  refused([&] { settled_bed(setup_at(ditch, ditch_point(0.5, 0.29)), ditch_point(0.5, 0.29)); }, "bed deeper");
+  refused([&] { settled_bed(setup_at(ditch, ditch_point(0.5, 0.29)), inputs_of(ditch_point(0.5, 0.29))); }, "bed deeper");
 }
 
 }  // namespace gonogo::campaign

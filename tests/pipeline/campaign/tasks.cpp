@@ -1,15 +1,16 @@
 // Types of trials: what each does to the ground, what it takes to pass, and what is refused.
-#include "pipeline/campaign/trial/task.h"
+#include "pipeline/campaign/setup/task.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "base/format.h"
 #include "base/units.h"
-#include "pipeline/campaign/trial/conditions.h"
-#include "pipeline/campaign/trial/drive.h"
+#include "pipeline/campaign/trial/judge.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
+#include "tests/support/message.h"
 #include "tests/support/refused.h"
 #include "tests/support/short_trial.h"
 #include "vehicle/model/statics.h"
@@ -43,10 +44,10 @@ Beds beds_of(const std::string& task) {
   TrialSetup s = rig_setup(task);
   const DesignPoint p = design_point(0, 34, 0.3);
   Beds b;
-  b.shaped = settled_bed(s, p);
+  b.shaped = settled_bed(s, inputs_of(p));
   b.course = s.course(b.shaped.surface);
   s.task = default_task();
-  b.whole = settled_bed(s, p);
+  b.whole = settled_bed(s, inputs_of(p));
   return b;
 }
 
@@ -80,7 +81,7 @@ TEST_CASE("a step stands in the bed where no grain is, as high over the surface 
   const Beds b = beds_of("step:height_m=0.3,length_m=0.6");
   const TrialSetup s = rig_setup("step:height_m=0.3,length_m=0.6");
   const DesignPoint p = design_point(0, 34, 0.3);
-  const sim::SceneWorld w = bed_alone(s, b.shaped, conditions_of(s, p));
+  const sim::SceneWorld w = bed_alone(s, b.shaped, conditions_of(s, inputs_of(p)));
   const sim::Shape& box = w.shape.back();
   REQUIRE(box.type == sim::ShapeType::box);
   const Vec3d at = w.body.back().position;
@@ -93,8 +94,8 @@ TEST_CASE("a step stands in the bed where no grain is, as high over the surface 
 TEST_CASE("the strip of a crossing holds the grains of its length in softer soil, and all others keep theirs") {
   const TrialSetup s = rig_setup("crossing:length_m=0.9,friction_angle_deg=18");
   const DesignPoint p = design_point(0, 34, 0.3);
-  const terrain::Packing bed = settled_bed(s, p);
-  const TrialConditions c = conditions_of(s, p);
+  const terrain::Packing bed = settled_bed(s, inputs_of(p));
+  const TrialConditions c = conditions_of(s, inputs_of(p));
   const sim::SceneWorld w = bed_alone(s, bed, c);
   const Course course = s.course(bed.surface);
   const double from = course.start + course.front + 0.2;
@@ -212,6 +213,20 @@ TEST_CASE(
   CHECK(side[0] > 0.05);
   CHECK(side[1] < -0.05);
   CHECK(agrees("the mirrored wheel's side force, another place of the same bed", -side[0], side[1], 0.3 * side[0]));
+}
+
+TEST_CASE("the example of every type of task makes a task of its name, within the ranges that the type states") {
+  REQUIRE(task_types().size() >= 7);
+  for (const TaskType* type : task_types()) {
+    INFO(type->name);
+    CHECK(parse_task(type->example)->name() == type->name);
+    CHECK(contains(task_examples(), type->example));
+    for (const TaskParameter& p : type->parameters) {
+      const std::string beyond =
+          line("%s%s%s=%g", type->example, contains(type->example, ":") ? "," : ":", p.key, p.allowed.maximum + 1);
+      refused([&] { parse_task(beyond); }, p.key);
+    }
+  }
 }
 
 TEST_CASE("tasks that cannot be done are refused") {

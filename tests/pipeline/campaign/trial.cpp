@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "base/units.h"
-#include "pipeline/campaign/trial/undisturbed.h"
+#include "pipeline/campaign/trial/world.h"
 #include "tests/support/catch.h"
 #include "tests/support/short_trial.h"
 
@@ -90,9 +90,10 @@ TEST_CASE("a quarter of the gravity and half of the speeds drive the same way in
   const TrialSetup earth = demo_setup(cache());
   TrialSetup slow = earth;
   slow.gravity = kGravity / 4;
-  for (double* force : {&slow.rig.spring_stiffness, &slow.rig.max_torque}) *force /= 4;
-  for (double* rate : {&slow.rig.spring_damping, &slow.thresholds.creep_speed, &slow.thresholds.immobile_speed,
-                       &slow.thresholds.residual})
+  vehicle::LinearSpring& spring = slow.vehicle.suspension.front().upright_spring;
+  for (double* force : {&spring.stiffness, &slow.vehicle.driveline.engine.value.front()}) *force /= 4;
+  for (double* rate :
+       {&spring.damping, &slow.thresholds.creep_speed, &slow.thresholds.immobile_speed, &slow.thresholds.residual})
     *rate /= 2;
   for (double* time : {&slow.bed_settle_time, &slow.park_time, &slow.ramp_time, &slow.min_drive_time, &slow.time_limit,
                        &slow.thresholds.immobile_time, &slow.numerics.step})

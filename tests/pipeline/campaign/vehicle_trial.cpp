@@ -5,10 +5,10 @@
 #include <utility>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "pipeline/campaign/trial/batch.h"
-#include "pipeline/campaign/trial/conditions.h"
-#include "pipeline/campaign/trial/lanes.h"
+#include "base/files/file.h"
+#include "pipeline/campaign/trial/trial.h"
+#include "pipeline/campaign/trial/judge.h"
+#include "pipeline/campaign/setup/setup.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/locked_grains.h"
@@ -147,10 +147,10 @@ TEST_CASE("a HMMWV stands before what a trial's type puts in its way, with all w
     const TrialSetup setup = coarse_hmmwv(task);
     const DesignPoint p = design_point(0, 36, 0.4);
     prepare_trials(setup, {&p, 1}, 1);
-    const terrain::Packing bed = settled_bed(setup, p);
+    const terrain::Packing bed = settled_bed(setup, inputs_of(p));
     TiltedBed tilted;
     for (const terrain::Grain& g : bed.grain) tilted.grain.push_back({g.position});
-    const sim::SceneWorld world = vehicle_on_bed(setup, bed, tilted, conditions_of(setup, p));
+    const sim::SceneWorld world = vehicle_on_bed(setup, bed, tilted, conditions_of(setup, inputs_of(p)));
     const auto s = sim::make_simulation(sim::Backend::cpu, {world}, attempt_settings(setup, 1), 1);
     s->advance(Index(std::lround((setup.park_time + 0.2) / setup.numerics.step)));
     INFO(task);
@@ -200,10 +200,10 @@ TEST_CASE("on a folded bed a HMMWV stands as on three of it side by side") {
   double load[2][4] = {}, height[2][4] = {}, apart[2] = {};
   for (int k = 0; k < 2; ++k) {
     const TrialSetup& setup = k == 0 ? folded : wide;
-    const terrain::Packing bed = settled_bed(setup, p);
+    const terrain::Packing bed = settled_bed(setup, inputs_of(p));
     TiltedBed tilted;
     for (const terrain::Grain& g : bed.grain) tilted.grain.push_back({g.position});
-    const sim::SceneWorld world = vehicle_on_bed(setup, bed, tilted, conditions_of(setup, p));
+    const sim::SceneWorld world = vehicle_on_bed(setup, bed, tilted, conditions_of(setup, inputs_of(p)));
     sim::StepSettings settings = attempt_settings(setup, 1);
     settings.iterations = 150;
     settings.tolerance = 0;
@@ -281,14 +281,14 @@ TEST_CASE("a quarter vehicle's compliant tyre has the contact springs of its loa
   DesignPoint point;
   for (const Variable& v : contract().variables) point.variables.push_back((v.minimum + v.maximum) / 2);
   point.variables[contract().variable_index("payload")] = payload;
-  CHECK(conditions_of(setup, point).laws.tool.stiffness == 0);
+  CHECK(conditions_of(setup, inputs_of(point)).laws.tool.stiffness == 0);
   setup.compliant_tyres = true;
   const double load = (105.5 + 537.7 + payload / 4) * 9.81, k = 163000, b = 0.254, r = 0.467, grain = 0.032;
   const double expected = 0.75 * k * grain * grain / (b * std::sqrt(2 * r * load / k));
-  const auto law = conditions_of(setup, point).laws.tool;
+  const auto law = conditions_of(setup, inputs_of(point)).laws.tool;
   CHECK(agrees("contact stiffness [N/m]", expected, law.stiffness, 1e-4 * expected));
   CHECK(agrees("contact damping [N s/m]", expected / k * 1000, law.damping, 1e-4 * expected / k * 1000));
-  setup.rig.compliant = {};
+  setup.vehicle.wheel.front().compliant = {};
   CHECK_THROWS_AS(check_tyres(setup), InputError);
 }
 
@@ -298,9 +298,9 @@ TEST_CASE("grains roll on wheels as freely as the setup says, without it freely"
       vehicle_trial_setup(configs / "vehicles/hmmwv_quarter.json", configs / "soils/calibration_32mm.json");
   DesignPoint point;
   for (const Variable& v : contract().variables) point.variables.push_back((v.minimum + v.maximum) / 2);
-  CHECK(conditions_of(setup, point).laws.tool.rolling_friction == 0);
+  CHECK(conditions_of(setup, inputs_of(point)).laws.tool.rolling_friction == 0);
   setup.wheel_rolling = 0.5;
-  const auto laws = conditions_of(setup, point).laws;
+  const auto laws = conditions_of(setup, inputs_of(point)).laws;
   REQUIRE(laws.grain.rolling_friction > 0);
   CHECK(laws.tool.rolling_friction == Real(0.5) * laws.grain.rolling_friction);
 

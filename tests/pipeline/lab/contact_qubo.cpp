@@ -1,5 +1,5 @@
 // A contact problem as an annealing problem: energies against the quadratic program, samplers against enumeration.
-#include "pipeline/lab/contact_qubo/contact_qubo.h"
+#include "pipeline/lab/contact_qubo.h"
 
 #include <random>
 

@@ -2,10 +2,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "base/file.h"
-#include "base/random.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
 #include "base/units.h"
-#include "pipeline/lab/original/run.h"
+#include "pipeline/lab/original.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/refused.h"

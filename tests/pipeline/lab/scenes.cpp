@@ -5,16 +5,15 @@
 #include <cstdlib>
 
 #include "base/error.h"
-#include "base/shipped.h"
+#include "base/files/shipped.h"
 #include "base/units.h"
 #include "pipeline/lab/scenes/collapse.h"
-#include "pipeline/lab/scenes/collide.h"
+#include "pipeline/lab/scenes/tank.h"
 #include "pipeline/lab/scenes/drum.h"
-#include "pipeline/lab/scenes/pebbles.h"
-#include "pipeline/lab/scenes/picture.h"
+#include "pipeline/lab/scenes/scene.h"
 #include "pipeline/lab/scenes/screen.h"
 #include "pipeline/lab/scenes/silo.h"
-#include "pipeline/report/figure/pictures.h"
+#include "pipeline/report/figure/captioned.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/refused.h"
@@ -48,15 +47,15 @@ TEST_CASE("a tank laid out from tiles holds the spheres asked for, inside of its
 }
 
 TEST_CASE("every solver is timed in the same tank") {
-  using sim::Solver;
+  using sim::Iteration;
   const TankSpec spec{.of = {.count = 1200}, .layers = 6};
   const ManyScene usual = shaken_tank(spec, {.iterations = 40});
   ManyRun run;
   run.repeats = 3;
   const double contacts = double(run_many(usual, run).contacts);
-  for (const Solver solver : {Solver::jacobi, Solver::jacobi_scan, Solver::gauss_seidel, Solver::bb}) {
-    const ManyScene scene = shaken_tank(spec, {.solver = solver, .iterations = 40});
-    CHECK(scene.settings.solver == solver);
+  for (const Iteration iteration : {Iteration::jacobi, Iteration::jacobi_scan, Iteration::gauss_seidel, Iteration::bb}) {
+    const ManyScene scene = shaken_tank(spec, {.solver = {.iteration = iteration}, .iterations = 40});
+    CHECK(scene.settings.iteration == iteration);
     bool same = true;
     for (std::size_t b = 0; b < usual.world.body.size(); ++b)
       same = same && length(scene.world.body[b].position - usual.world.body[b].position) == 0;
@@ -70,7 +69,7 @@ TEST_CASE("every solver is timed in the same tank") {
 }
 
 TEST_CASE("penalty contact runs the same tank in steps of its own, about as dense and as quiet") {
-  using sim::Solver;
+  using sim::ContactLaw;
   TankSpec spec{.of = {.count = 1200}, .layers = 6};
   spec.seconds = 0.02;
   ManyScene usual = shaken_tank(spec, {.iterations = 40});
@@ -79,11 +78,11 @@ TEST_CASE("penalty contact runs the same tank in steps of its own, about as dens
   ManyRun run;
   run.repeats = 3;
   run.steps_per_sample = 2;
-  for (const Solver solver : {Solver::spring_damper, Solver::hertz}) {
-    ManyScene scene = shaken_tank(spec, {.solver = solver});
+  for (const ContactLaw contact : {ContactLaw::spring_damper, ContactLaw::hertz}) {
+    ManyScene scene = shaken_tank(spec, {.solver = {.contact = contact}});
     set_penalty(scene, {});
     CHECK(scene.settings.step < usual.settings.step / 5);
-    scene.measure = [&](sim::Simulation& simulation) -> std::vector<Measured> {
+    scene.measure = [&](sim::Simulation& simulation) -> std::vector<SceneNumber> {
       double sum = 0;
       for (const sim::BodyState& b : simulation.bodies(0)) sum += b.position.z;
       return {{"mean_height", sum / 1200}};
@@ -135,7 +134,7 @@ TEST_CASE("a seed is a packing of the column: the same one gives the same bits, 
     ManyScene scene = collapse_scene(spec, {.iterations = 20});
     scene.duration -= spec.spread_time - 0.3;
     std::vector<sim::BodyState> bodies;
-    scene.measure = [&](sim::Simulation& simulation) -> std::vector<Measured> {
+    scene.measure = [&](sim::Simulation& simulation) -> std::vector<SceneNumber> {
       bodies = simulation.bodies(0);
       return {};
     };
@@ -260,7 +259,7 @@ TEST_CASE("pebbles carry the weight of a tracked vehicle at rest, and it drives 
   // Let down, it sways on its springs: the mean over 0.6 s before its belts begin to move.
   double load = 0, stood_at = 0;
   int looks = 0;
-  for (const std::vector<Measured>& look : r.watched)
+  for (const std::vector<SceneNumber>& look : r.watched)
     if (look[0].value > 1.05 && look[0].value < 1.65) {
       load += look[4].value;
       stood_at = look[1].value;

@@ -1,12 +1,12 @@
 // Performance profiles against a table worked out by hand, and the files of a bench.
-#include "pipeline/lab/solver_bench/solver_bench.h"
+#include "pipeline/lab/bench/solver_figures.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/units.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"
@@ -26,7 +26,7 @@ TEST_CASE("a profile is the share of problems within a factor of the fastest") {
 TEST_CASE("a bench knows when each solver reached each error, and writes curves that say the same") {
   SolverBench bench;
   bench.files = {GONOGO_SOURCE_DIR "/tests/data/fclib/Rover1040.dat"};
-  bench.solvers = {sim::LocalSolver::nsgs, sim::LocalSolver::pdip, sim::LocalSolver::qp};
+  bench.solvers = {sim::local_solver("nsgs"), sim::local_solver("pdip"), sim::local_solver("qp")};
   int calls = 0;
   const auto runs = bench_solvers(bench, {.ended = [&](const SolverRun&) { ++calls; }});
   REQUIRE(runs.size() == 3);
@@ -64,11 +64,12 @@ TEST_CASE("a bench knows when each solver reached each error, and writes curves 
 
 TEST_CASE("in a column of spheres each contact carries the weight above it") {
   const int count = 12;
-  const SceneStep step = settled_step(StepScene::stack, count, 1);
+  const SceneStep step = settled_step(step_scene("stack"), count, 1);
   const sim::StepProblem problem = step_problem(step);
   REQUIRE(problem.local().contact_count() == count);
   CHECK(step.bodies == count);
-  const sim::LocalSolution x = sim::solve(problem.local(), {sim::LocalSolver::pdip_bodies, sim::Target::ccp, 1e-9, 0});
+  const sim::LocalSolution x =
+      sim::solve(problem.local(), {sim::local_solver("pdip_bodies"), sim::Target::ccp, 1e-9, 0});
   CHECK(x.error <= 1e-9);
   std::vector<double> normal;
   for (std::size_t k = 0; k < x.r.size(); k += 3) normal.push_back(x.r[k]);
@@ -80,11 +81,11 @@ TEST_CASE("in a column of spheres each contact carries the weight above it") {
 
 TEST_CASE("all solvers agree on momentum and kinetic energy after a step of a scene") {
   SolverBench bench;
-  for (const StepScene scene : {StepScene::filling, StepScene::drafting, StepScene::wheel})
+  for (const StepScene scene : {step_scene("filling"), step_scene("drafting"), step_scene("wheel")})
     bench.scenes.push_back({scene, {40}});
-  bench.solvers = {sim::LocalSolver::apgd, sim::LocalSolver::anderson, sim::LocalSolver::pdip,
-                   sim::LocalSolver::pdip_bodies};
-  bench.engine_solvers = {sim::Solver::apgd};
+  bench.solvers = {sim::local_solver("apgd"), sim::local_solver("anderson"), sim::local_solver("pdip"),
+                   sim::local_solver("pdip_bodies")};
+  bench.engine_solvers = {sim::Iteration::apgd};
   bench.tolerances = {1e-3, 1e-6};
   bench.settings.target = sim::Target::ccp;
   const auto runs = bench_solvers(bench);
@@ -107,8 +108,9 @@ TEST_CASE("all solvers agree on momentum and kinetic energy after a step of a sc
 
 TEST_CASE("a bench without W runs the solvers that need none, to the same motion, and the others refuse") {
   SolverBench bench;
-  bench.scenes = {{StepScene::filling, {40}}};
-  bench.solvers = {sim::LocalSolver::apgd, sim::LocalSolver::nsgs, sim::LocalSolver::pdip, sim::LocalSolver::ppa};
+  bench.scenes = {{step_scene("filling"), {40}}};
+  bench.solvers = {sim::local_solver("apgd"), sim::local_solver("nsgs"), sim::local_solver("pdip"),
+                   sim::local_solver("ppa")};
   bench.tolerances = {1e-4};
   bench.settings.target = sim::Target::ccp;
   const auto with = bench_solvers(bench);
@@ -125,7 +127,7 @@ TEST_CASE("a bench without W runs the solvers that need none, to the same motion
 }
 
 TEST_CASE("a warm start is nearer to the solution than nothing") {
-  const SceneStep step = settled_step(StepScene::stack, 8, 1);
+  const SceneStep step = settled_step(step_scene("stack"), 8, 1);
   const sim::StepProblem problem = step_problem(step);
   const std::vector<double> cold(problem.local().q.size(), 0.0), warm = warm_start(step, problem);
   CHECK(10 * sim::siconos_error(problem.local(), warm, sim::Target::ccp) <
@@ -134,8 +136,8 @@ TEST_CASE("a warm start is nearer to the solution than nothing") {
 
 TEST_CASE("growth is the slope of the logarithms") {
   SolverBench bench;
-  bench.scenes = {{StepScene::stack, {10, 100, 1000}}};
-  bench.solvers = {sim::LocalSolver::nsgs};
+  bench.scenes = {{step_scene("stack"), {10, 100, 1000}}};
+  bench.solvers = {sim::local_solver("nsgs")};
   bench.tolerances = {1e-3};
   std::vector<SolverRun> runs;
   for (const int bodies : {10, 100, 1000})
@@ -157,8 +159,8 @@ TEST_CASE("growth is the slope of the logarithms") {
 
 TEST_CASE("a solver that took too long is not run on more bodies, and the files of scenes say so") {
   SolverBench bench;
-  bench.scenes = {{StepScene::stack, {5, 20, 30}}};
-  bench.solvers = {sim::LocalSolver::pdip, sim::LocalSolver::apgd};
+  bench.scenes = {{step_scene("stack"), {5, 20, 30}}};
+  bench.solvers = {sim::local_solver("pdip"), sim::local_solver("apgd")};
   bench.settings.target = sim::Target::ccp;
   bench.skip_after = 0;
   const auto runs = bench_solvers(bench);
@@ -172,6 +174,6 @@ TEST_CASE("a solver that took too long is not run on more bodies, and the files 
   CHECK(std::count(grown.begin(), grown.end(), '\n') == 1 + 2 * 3);
   bench.scenes[0].bodies = {20, 5};
   refused([&] { bench_solvers(bench); }, "must grow");
-  refused([] { settled_step(StepScene::stack, 2000, 1); }, "stack: bodies = 2000");
+  refused([] { settled_step(step_scene("stack"), 2000, 1); }, "stack: bodies = 2000");
   refused([] { step_scene("pile"); }, "pile");
 }

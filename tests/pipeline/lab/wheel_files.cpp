@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/lab/wheels/benchmark.h"
 #include "pipeline/lab/wheels/report.h"
 #include "pipeline/lab/wheels/run.h"

@@ -6,6 +6,7 @@
 #include "pipeline/lab/wheels/plan.h"
 #include "pipeline/lab/wheels/report.h"
 #include "tests/support/catch.h"
+#include "vehicle/model/statics.h"
 
 using namespace gonogo;
 using namespace gonogo::lab;
@@ -101,7 +102,7 @@ TEST_CASE("agreement has the numbers worked by hand") {
 
 TEST_CASE("slip over the lugs and slip of the rim are each other's inverse; sinkage differs by the lugs") {
   const Benchmark b = read_benchmark("mgru3");
-  const vehicle::WheelRig w = wheel_of(b);  // 225 mm and lugs of 25 mm
+  const vehicle::Wheel& w = wheel_of(b);  // 225 mm and lugs of 25 mm
   CHECK(slip_from_rim(b, w, 0) == Approx(0.1));
   CHECK(slip_of_rim(b, w, 0) == Approx(1 - 10.0 / 9));
   for (const double slip : {-0.2, 0.0, 0.4, 1.0}) CHECK(slip_from_rim(b, w, slip_of_rim(b, w, slip)) == Approx(slip));
@@ -111,14 +112,14 @@ TEST_CASE("slip over the lugs and slip of the rim are each other's inverse; sink
   CHECK(sinkage_from_tips(ding, wheel_of(ding), 0.017) == Approx(0.007));
 }
 
-TEST_CASE("a wheel's rig carries its load, and each point of CMU its own") {
+TEST_CASE("a wheel's quarter carries its load, and each point of CMU its own") {
   const Benchmark ding = read_benchmark("ding_smooth");
-  CHECK(vehicle::rig_mass(ding.rig, 0) * 9.81 == Approx(80).epsilon(1e-3));
+  CHECK(vehicle::weigh(ding.vehicle).total * 9.81 == Approx(80).epsilon(1e-3));
   const Benchmark cmu = read_benchmark("cmu_smooth");
   double least = 1e9;
   for (const BenchmarkPoint& p : cmu.point) least = std::min(least, p.led.at(Quantity::load));
   CHECK(load_at(cmu, cmu.point.back()) == cmu.point.back().led.at(Quantity::load));
-  CHECK(vehicle::rig_mass(cmu.rig, 0) * 9.81 == Approx(least).epsilon(0.02));
+  CHECK(vehicle::weigh(cmu.vehicle).total * 9.81 == Approx(least).epsilon(0.02));
   const Benchmark rover = read_benchmark("mgru3_rover");
   CHECK(load_at(rover, rover.point[0]) == Approx(88 * 9.81 / 4).epsilon(1e-3));
 }
@@ -138,7 +139,7 @@ TEST_CASE("wheels take twice the table's iterations, quick ones the table's, and
 
 TEST_CASE("rims turn as fast as the experiment's, and no slower than at a quarter of sqrt(g r)") {
   Benchmark b = read_benchmark("ding_smooth");
-  const double radius = b.rig.radius, slowest = 0.25 * std::sqrt(9.81 * radius);
+  const double radius = b.vehicle.wheel.front().radius, slowest = 0.25 * std::sqrt(9.81 * radius);
   CHECK(rim_speed_of(b) == Approx(slowest));
   b.rim_turning = 0.1;
   CHECK(rim_speed_of(b) == Approx(slowest));
@@ -155,9 +156,9 @@ TEST_CASE(
   run.seeds = 1;
   const Benchmark b = read_benchmark("cmu_smooth");
   const WheelBed bed = bed_of(b, run);
-  CHECK(bed.grain == Approx(b.rig.width / 8));
-  CHECK(bed.depth == Approx(1.6 * b.rig.radius));
-  CHECK(bed.time == Approx(6.4 * b.rig.radius / rim_speed_of(b)));
+  CHECK(bed.grain == Approx(b.vehicle.wheel.front().width / 8));
+  CHECK(bed.depth == Approx(1.6 * b.vehicle.wheel.front().radius));
+  CHECK(bed.time == Approx(6.4 * b.vehicle.wheel.front().radius / rim_speed_of(b)));
   const WheelPlan plan = plan_wheels({b}, run);
   for (const PlannedTrial& t : plan.trial) {
     const double slip = b.point[t.at].led.at(Quantity::slip), time = t.setup->time_limit;
@@ -165,7 +166,7 @@ TEST_CASE(
     CHECK(time >= bed.time);
     CHECK(time <= 2.001 * bed.time);
     if (slip < 0 || time > 1.999 * bed.time) continue;
-    CHECK((1 - slip) * rim_speed_of(b) * time >= 2.999 * b.rig.radius);
+    CHECK((1 - slip) * rim_speed_of(b) * time >= 2.999 * b.vehicle.wheel.front().radius);
   }
   run.time = 1;
   CHECK(plan_wheels({b}, run).setup.back()->time_limit == 1);
@@ -183,13 +184,13 @@ TEST_CASE("grains roll on the wheels of benchmarks as on each other, or as asked
 TEST_CASE("grains are a tenth of the wheel's width, or as large as lower lugs down to a twentieth") {
   Benchmark b = read_benchmark("ding_lugs");
   WheelRun run;
-  const double width = b.rig.width;
+  const double width = b.vehicle.wheel.front().width;
   REQUIRE(width == Approx(0.165));
   CHECK(bed_of(read_benchmark("ding_smooth"), run).grain == Approx(0.0165));
   CHECK(bed_of(b, run).grain == Approx(0.01));
-  b.rig.lug_height = 0.03;
+  b.vehicle.wheel.front().lug_height = 0.03;
   CHECK(bed_of(b, run).grain == Approx(0.0165));
-  b.rig.lug_height = 0.002;
+  b.vehicle.wheel.front().lug_height = 0.002;
   CHECK(bed_of(b, run).grain == Approx(0.00825));
   run.quick = true;
   CHECK(bed_of(b, run).grain == Approx(0.033));
@@ -207,7 +208,7 @@ TEST_CASE("formulas climb the slope on which their pull is the load's part along
                      .shear_modulus = 0.012,
                      .unit_weight = 1.7e4}}};
   const Predictor p = analytic_predictor(b, sand, "formula", "");
-  const vehicle::WheelRig w = wheel_of(b);
+  const vehicle::Wheel& w = wheel_of(b);
   for (std::size_t i = 0; i < b.point.size(); ++i) {
     const double slip = p.point[i].at(Quantity::slip).mean;
     if (slip >= 1) continue;  // does not climb

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/map/write/make_map.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/map/analytic_model.h"

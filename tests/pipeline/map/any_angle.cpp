@@ -1,6 +1,6 @@
 // Ways in any direction against a continuous solver, closed forms around one obstacle, and the search in eight
 // directions.
-#include "pipeline/map/route/any_angle.h"
+#include "pipeline/map/route/search/any_angle.h"
 
 #include <algorithm>
 #include <array>

@@ -5,15 +5,15 @@
 #include <cstdlib>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/random.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
 #include "pipeline/campaign/dataset/dataset.h"
-#include "pipeline/learn/answer/infer.h"
-#include "pipeline/learn/answer/predictor.h"
-#include "pipeline/learn/training/train_model.h"
 #include "pipeline/map/evaluate/soil_response.h"
-#include "pipeline/map/model/trained_model.h"
-#include "pipeline/map/write/map_request.h"
+#include "pipeline/map/map_request.h"
+#include "pipeline/map/trained_model.h"
+#include "pipeline/outcome/answer/infer.h"
+#include "pipeline/outcome/answer/predictor.h"
+#include "pipeline/outcome/training/train_model.h"
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/slope.h"
 #include "tests/pipeline/map/made_shapes.h"
@@ -93,7 +93,7 @@ fs::path train(const TemporaryFolder& folder, const std::string& name, const Dro
   fs::create_directories(place);
   write_dataset(place / "dataset.h5", {made_trials(drove.ditches, 7), provenance_of(drove)});
   static const Config quick = Config::parse(R"({"hidden": 4, "epochs": 40, "folds": 2})", "learning");
-  learn::train_model(
+  outcome::train_model(
       {.dataset = place / "dataset.h5", .model = place / "model.h5", .seed = 3, .learning = quick, .design = {}});
   return place / "model.h5";
 }
@@ -137,8 +137,8 @@ Layers map_of(const TemporaryFolder& folder, const std::string& model, const std
 }
 
 /// What `gonogo infer` says.
-double inferred(const learn::Predictor& predictor, double slope, double bed, double width, double depth) {
-  learn::Question question{std::vector<double>(contract().variables.size(), 0), std::nullopt, false};
+double inferred(const outcome::Predictor& predictor, double slope, double bed, double width, double depth) {
+  outcome::Question question{std::vector<double>(contract().variables.size(), 0), std::nullopt, false};
   const auto set = [&](const char* name, double value) { question.variables[index(name)] = value; };
   set("slope_along", slope);
   set("friction_angle", 30);
@@ -149,7 +149,7 @@ double inferred(const learn::Predictor& predictor, double slope, double bed, dou
   set("commanded_speed", 2);
   set("ditch_width", width);
   set("ditch_depth", depth);
-  return learn::answer_question(predictor, question).at("p_go").number();
+  return outcome::answer_question(predictor, question).p_go;
 }
 
 }  // namespace
@@ -158,7 +158,7 @@ TEST_CASE("cells of ditches hold the least of what both trained models infer, by
   const TemporaryFolder folder;
   write_region(folder);
   const fs::path soil = train(folder, "jumper", {.ditches = false}), ditch = train(folder, "jumper_ditch", {});
-  const learn::Predictor on_soil = learn::Predictor::read(soil), in_ditch = learn::Predictor::read(ditch);
+  const outcome::Predictor on_soil = outcome::Predictor::read(soil), in_ditch = outcome::Predictor::read(ditch);
   CHECK(crosses_ditches(in_ditch.model()));
   CHECK_FALSE(crosses_ditches(on_soil.model()));
   const Layers none = map_of(folder, soil, "", "none"), map = map_of(folder, soil, ditch.string(), "map");

@@ -1,16 +1,17 @@
 // Trials of ditches on a map: the least of both models' P(go), by closed forms, and where the ditches stay unknown.
-#include "pipeline/map/evaluate/crossing_model.h"
+#include "pipeline/map/evaluate/outcome_model.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "pipeline/map/evaluate/soil_response.h"
 #include "pipeline/map/write/make_map.h"
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/slope.h"
 #include "tests/pipeline/map/analytic_model.h"
 #include "tests/pipeline/map/made_shapes.h"
+#include "tests/pipeline/map/strips.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -207,11 +208,7 @@ TEST_CASE("ditches between the bounds get P(go) from trials of ditches, of other
   CHECK(contains(read_file(folder / "map/index.html"), "ditch 1.85 m wide, 0.4 m deep"));
   CHECK(Json::read(folder / "map/map.json").at("inputs").at("crossing_model_hash").string() == "ditches");
 
-  MapRequest strips = request_of(folder, angle, all, "strips");
-  strips.strip_rows = 5;
-  const Layers again = map_of(strips);
-  const auto differ = [](float a, float b) { return !(a == b || (std::isnan(a) && std::isnan(b))); };
-  for (std::size_t i = 0; i < map.p.value.size(); ++i) CHECK_FALSE(differ(again.p.value[i], map.p.value[i]));
+  test::check_strips(request_of(folder, angle, all, "strips"), 5);
 }
 
 TEST_CASE("in soil or on slopes that trials of ditches did not sample, their cells are unknown and the map says so") {

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "pipeline/map/region/ground_gravity.h"
+#include "base/files/file.h"
+#include "pipeline/map/region/region.h"
 #include "pipeline/map/write/compare_maps.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/map/wavy_region.h"
@@ -83,7 +83,7 @@ TEST_CASE("a lunar map takes trials of lunar gravity, keeps the Moon's system an
   CHECK(contains(terrain::RasterSource::open_as_it_lies(folder / "map/go.tif").grid().crs_wkt, "1737400"));
   CHECK(make_map(request_at(folder, 1.62, "map")).reused);
   make_map(request_at(folder, 1.63, "second"));
-  const Json result = compare_maps({folder / "map", folder / "second", folder / "compared"});
+  const MapComparison result = compare_maps({folder / "map", folder / "second", folder / "compared"});
   CHECK(contains(compare_text(result), "gravity 1.62 m/s2"));
 }
 

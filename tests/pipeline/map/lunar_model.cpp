@@ -1,7 +1,7 @@
 // The lunar model that ships: a map of lunar ground, and the Earth refused.
-#include "pipeline/map/model/trained_model.h"
+#include "pipeline/map/map_request.h"
+#include "pipeline/map/trained_model.h"
 #include "pipeline/map/write/make_map.h"
-#include "pipeline/map/write/map_request.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

@@ -2,9 +2,9 @@
 #pragma once
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
-#include "pipeline/map/route/cost.h"
+#include "pipeline/map/route/search/cost.h"
 #include "tests/pipeline/map/analytic_model.h"
 
 namespace gonogo::test {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/map/region/obstacle.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/terrain/raster_maker.h"

@@ -5,13 +5,14 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/random.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
 #include "base/units.h"
 #include "pipeline/map/evaluate/soil_response.h"
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/slope.h"
 #include "tests/pipeline/map/analytic_model.h"
+#include "tests/pipeline/map/strips.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -151,11 +152,9 @@ TEST_CASE("a map has the same bytes for any number of threads and any tile size"
   make_map(request);
   request.out = folder / "two";
   request.threads = 2;
-  request.strip_rows = 7;
   make_map(request);
   request.out = folder / "seven";
   request.threads = 7;
-  request.strip_rows = 1;
   make_map(request);
   for (const char* name :
        {"go.tif", "p_go.tif", "reason.tif", "outside_share.tif", "go_worst.tif", "p_go_best.tif", "p_go_low.tif",
@@ -164,6 +163,7 @@ TEST_CASE("a map has the same bytes for any number of threads and any tile size"
     CHECK(read_file(folder / "two" / name) == read_file(folder / "one" / name));
     CHECK(read_file(folder / "seven" / name) == read_file(folder / "one" / name));
   }
+  for (const int rows : {7, 1}) test::check_strips(request, rows);
 }
 
 TEST_CASE("a finished map is kept, and made again when an input or a file of it changes") {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
-#include "pipeline/map/evaluate/measure_fit.h"
+#include "pipeline/map/evaluate/outcome_model.h"
 #include "pipeline/map/evaluate/soil_response.h"
 #include "tests/pipeline/map/analytic_model.h"
 #include "tests/support/catch.h"

@@ -4,13 +4,13 @@
 #include <map>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/units.h"
-#include "pipeline/map/evaluate/block.h"
-#include "pipeline/map/evaluate/speed_curve.h"
+#include "pipeline/map/evaluate/cell.h"
+#include "pipeline/map/region/area.h"
 #include "pipeline/map/write/compare_maps.h"
 #include "pipeline/map/write/make_map.h"
-#include "terrain/raster/overlay.h"
+#include "terrain/raster/layer/layer_picture.h"
 #include "tests/pipeline/map/analytic_model.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
@@ -307,7 +307,7 @@ TEST_CASE("two maps compared tell where one passes and whether P(go) differs by 
   second.model = AnalyticModel{.weaker_deg = 12}.outcome_model();
   second.model.hash = "another";
   make_map(second);
-  const Json result = compare_maps({folder / "first", folder / "second", folder / "both"});
+  const MapComparison result = compare_maps({folder / "first", folder / "second", folder / "both"});
   const Tile a = layer(folder / "first/go.tif"), b = layer(folder / "second/go.tif");
   const auto on_grid = [&](const char* name) {
     const auto grid = RasterSource::open_elevation(folder / "first/go.tif").grid();
@@ -330,8 +330,8 @@ TEST_CASE("two maps compared tell where one passes and whether P(go) differs by 
   REQUIRE(figure);
   CHECK(figure->GetRasterXSize() == 2400);
   GDALClose(figure);
-  for (const Json& row : result.at("change").items())
-    CHECK(row.at("cells").unsigned_integer() == counted[1 + int(&row - &result.at("change").items()[0])]);
+  for (const ComparedClass& row : result.change) CHECK(row.cells == counted[row.code]);
+  CHECK(compare_json(result).at("change").items()[1].at("cells").unsigned_integer() == counted[2]);
   MapRequest worst = request_of(folder, "", "", "worst");
   worst.rules.heading_mode = HeadingMode::worst;
   make_map(worst);

@@ -6,8 +6,8 @@
 #include <csignal>
 #include <filesystem>
 
-#include "base/file.h"
-#include "base/random.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
 #include "tests/pipeline/map/wavy_region.h"
 #include "tests/support/catch.h"
 

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/random.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
 #include "base/units.h"
 #include "learning/model/model.h"
-#include "pipeline/learn/answer/predictor.h"
 #include "pipeline/map/evaluate/soil_response.h"
-#include "pipeline/map/write/map_request.h"
+#include "pipeline/map/map_request.h"
+#include "pipeline/outcome/answer/predictor.h"
 #include "terrain/raster/raster_source.h"
 #include "terrain/raster/slope.h"
 #include "tests/support/catch.h"
@@ -19,7 +19,7 @@
 
 using namespace gonogo;
 using namespace gonogo::campaign;
-using namespace gonogo::learn;
+using namespace gonogo::outcome;
 using namespace gonogo::map;
 using learning::Encoder;
 using terrain::RasterKind;

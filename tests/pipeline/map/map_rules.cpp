@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/map/evaluate/soil_response.h"
 #include "pipeline/map/region/area.h"
 #include "pipeline/map/region/region.h"

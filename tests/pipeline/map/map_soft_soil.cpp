@@ -2,13 +2,12 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/units.h"
-#include "pipeline/map/evaluate/block.h"
-#include "pipeline/map/route/map_cells.h"
+#include "pipeline/map/evaluate/cell.h"
+#include "pipeline/map/route/plan_route.h"
 #include "pipeline/map/write/make_map.h"
-#include "terrain/soil/soil_file.h"
-#include "terrain/soil/texture.h"
+#include "terrain/soil/soil.h"
 #include "tests/pipeline/map/analytic_model.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/map/write/make_map.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/map/analytic_model.h"
 #include "tests/pipeline/map/made_shapes.h"
+#include "tests/pipeline/map/strips.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -127,11 +128,7 @@ TEST_CASE("ditches and rivers close their cells by width and depth, and a road c
         CHECK(map.p.at(column, row) == Approx(0.982).margin(0.01));  // 1 / (1 + exp(-12 / 3)), the narrow ditch as well
       }
     }
-  MapRequest strips = request_of(folder, all, "strips");
-  strips.strip_rows = 5;
-  const Layers again = map_of(strips);
-  const auto differ = [](float a, float b) { return !(a == b || (std::isnan(a) && std::isnan(b))); };
-  for (std::size_t i = 0; i < map.go.value.size(); ++i) CHECK_FALSE(differ(again.go.value[i], map.go.value[i]));
+  test::check_strips(request_of(folder, all, "strips"), 5);
 }
 
 TEST_CASE("stems, boulders and buildings decide by their gaps, and without a vehicle only buildings do") {

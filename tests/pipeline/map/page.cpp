@@ -2,13 +2,12 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "base/file.h"
-#include "base/random.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
 #include "pipeline/map/page/page.h"
-#include "pipeline/map/route/drive_of_way.h"
-#include "pipeline/map/route/map_cells.h"
+#include "pipeline/map/route/find_ways.h"
 #include "pipeline/map/route/plan_route.h"
-#include "pipeline/map/route/search.h"
+#include "pipeline/map/route/search/search.h"
 #include "pipeline/map/write/make_map.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/map/analytic_model.h"
@@ -121,10 +120,10 @@ Json expected_route(const MapRequest& request, const MapSources& sources) {
     REQUIRE(found);
     route[name_of(cost)] = found->cost;
     const auto pieces = pieces_of(*found, cells, RouteCosts(table, RouteCost::length, 1));
-    const auto soils = drive_soils(table);
+    const auto soils = way_soils(table);
     route[name_of(cost) + " chance"] =
-        forecast_drive(pieces, soils, request.model,
-                       drive_doubt(request.region.elevation, request.rules, sources.elevation.grid()))
+        forecast_passage(pieces, soils, request.model,
+                         passage_doubt(request.region.elevation, request.rules, sources.elevation.grid()))
             .chance;
   }
   return route;
@@ -201,16 +200,16 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
   for (const char* name : {"routes.gpkg", "routes.geojson", "routes.gpx"}) {
     INFO(name);
     request.lines = folder / name;
-    const Json result = plan_route(request);
-    const Json::Array& routes = result.at("routes").items();
-    REQUIRE(routes.size() == 3);
-    for (const Json& route : routes) REQUIRE(route.at("found").boolean());
-    CHECK(routes[0].at("time_s").number() <= routes[2].at("time_s").number());
-    CHECK(routes[1].at("risk").number() <= routes[0].at("risk").number());
-    CHECK(routes[2].at("length_m").number() <= routes[1].at("length_m").number());
+    const RouteResult result = plan_route(request);
+    const auto& ways = result.ways;
+    REQUIRE(ways.size() == 3);
+    for (const auto& [cost, way] : ways) REQUIRE(way);
+    CHECK(*ways[0].second->time <= *ways[2].second->time);
+    CHECK(ways[1].second->risk <= ways[0].second->risk);
+    CHECK(ways[2].second->length <= ways[1].second->length);
     const test::ReadLines lines = test::read_lines(folder / name);
     int stretches = 0;  // weakest ones, in a GPX waypoints
-    for (const Json& route : routes) stretches += route.find("weakest") != nullptr;
+    for (const auto& [cost, way] : ways) stretches += bool(way->passage.weakest);
     CHECK(stretches > 0);
     CHECK(lines.count == (std::string(name) == "routes.gpx" ? 3 : 3 + stretches));
     CHECK(lines.degrees == (std::string(name) != "routes.gpkg"));
@@ -222,9 +221,9 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
   request.regions = folder / "regions.gpkg";
   request.lines.clear();
   request.to.reset();  // not needed for what can be reached
-  const Json spread = plan_route(request);
-  CHECK(spread.at("routes").items().empty());
-  CHECK(spread.at("files").items().size() == 3);
+  const RouteResult spread = plan_route(request);
+  CHECK(spread.ways.empty());
+  CHECK(spread.files.size() == 3);
   const auto dem = RasterSource::open_elevation(request.map.region.elevation.files);
   const auto cost = RasterSource::open_on_grid(folder / "reach.tif", dem.grid(), RasterKind::continuous);
   CHECK(cost.read({175, 300, 1, 1}).value[0] < 300);  // the start's surroundings, in seconds
@@ -238,9 +237,9 @@ TEST_CASE("a route of the sample region is written as GeoPackage, GeoJSON and GP
   const std::map<int, double> regions = test::areas_by_code(folder / "regions.gpkg", "regions");
   double all = 0;
   for (const auto& [rank, area] : regions) all += area;
-  CHECK(regions.at(0) == Approx(spread.at("regions").at("largest_km2").number()));
-  CHECK(all == Approx(spread.at("regions").at("passable_km2").number()));
-  CHECK(spread.at("regions").at("count").integer() >= std::int64_t(regions.size()));
+  CHECK(regions.at(0) == Approx(spread.regions->largest));
+  CHECK(all == Approx(spread.regions->passable));
+  CHECK(spread.regions->count >= regions.size());
   request.isochrones = folder / "minutes.shp";
   CHECK(contains(input_error([&] { plan_route(request); }), "polygons are written as .gpkg"));
   request.isochrones.clear();

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "pipeline/map/evaluate/block.h"
+#include "pipeline/map/evaluate/cell.h"
 #include "tests/pipeline/map/wavy_region.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
@@ -31,20 +31,22 @@ RouteRequest request_over(const TemporaryFolder& folder) {
 TEST_CASE("a route tells what it turned, and the dearer turns are, the less it does") {
   const TemporaryFolder folder;
   RouteRequest request = request_over(folder);
-  const Json plain = plan_route(request).at("routes").items()[0];
-  REQUIRE(plain.at("found").boolean());
-  CHECK(plain.find("turned_degrees") == nullptr);
+  const auto plain = plan_route(request).ways[0].second;
+  REQUIRE(plain);
+  CHECK(!plain->turned);
   request.turning = 1;
-  const Json cheap = plan_route(request).at("routes").items()[0];
+  const auto cheap = plan_route(request).ways[0].second;
   request.turning = 500;
-  const Json result = plan_route(request), dear = result.at("routes").items()[0];
-  REQUIRE(cheap.at("found").boolean());
-  REQUIRE(dear.at("found").boolean());
-  CHECK(cheap.at("turned_degrees").number() > 20);
-  CHECK(dear.at("turned_degrees").number() < cheap.at("turned_degrees").number());
-  CHECK(dear.at("risk").number() >= cheap.at("risk").number() * (1 - 1e-6));
-  CHECK(plain.at("risk").number() <= dear.at("risk").number() * (1 + 1e-6));
-  CHECK(dear.at("turning_m").number() == Approx(500 * dear.at("turned_degrees").number() / 90));
+  const RouteResult result = plan_route(request);
+  const auto& dear = result.ways[0].second;
+  REQUIRE(cheap);
+  REQUIRE(dear);
+  CHECK(*cheap->turned > 20);
+  CHECK(*dear->turned < *cheap->turned);
+  CHECK(dear->risk >= cheap->risk * (1 - 1e-6));
+  CHECK(plain->risk <= dear->risk * (1 + 1e-6));
+  CHECK(dear->turning == Approx(500 * *dear->turned / 90));
+  CHECK(route_json(result).at("routes").items()[0].at("turning_m").number() == dear->turning);
   CHECK(contains(route_text(result), "degrees in all, which count as"));
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "terrain/raster/grid.h"
 #include "tests/pipeline/map/made_ground.h"
 #include "tests/support/catch.h"

@@ -2,10 +2,10 @@
 #include <chrono>
 #include <cmath>
 
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
-#include "pipeline/map/route/bands.h"
-#include "pipeline/map/route/search.h"
+#include "pipeline/map/route/reach.h"
+#include "pipeline/map/route/search/search.h"
 #include "tests/pipeline/map/made_ground.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"

@@ -5,12 +5,12 @@
 #include <sstream>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "learning/score/score.h"
 #include "pipeline/campaign/dataset/dataset.h"
-#include "pipeline/map/model/trained_model.h"
+#include "pipeline/map/map_request.h"
 #include "pipeline/map/region/rules.h"
-#include "pipeline/map/write/map_request.h"
+#include "pipeline/map/trained_model.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"
@@ -115,7 +115,7 @@ TEST_CASE("models that ship are found by name and by vehicle; their trials lie b
   INFO("model.h5 is older than dataset.h5: train it again (data/hmmwv_32mm/README.md)");
   CHECK(model.is_up_to_date);
   CHECK(model.vehicle->name == "hmmwv");
-  CHECK(model.vehicle->whole);
+  CHECK(!vehicle::is_quarter(model.vehicle->vehicle));
   CHECK(model.vehicle->fidelity() == "whole vehicle on grains of 32 mm, 7.9 across a wheel");
   const std::string refused = input_error([] { find_model("hmvw"); });
   CHECK(contains(refused, "did you mean \"hmmwv\"?"));

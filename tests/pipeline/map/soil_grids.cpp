@@ -3,14 +3,13 @@
 #include <map>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "base/random.h"
+#include "base/files/file.h"
+#include "base/math/random.h"
 #include "pipeline/map/region/region.h"
 #include "pipeline/map/soil_grids/make_region.h"
-#include "pipeline/map/soil_grids/texture_mixture.h"
+#include "pipeline/map/soil_grids/soil_cells.h"
 #include "terrain/raster/raster_source.h"
-#include "terrain/soil/texture.h"
-#include "terrain/soil/texture_triangle.h"
+#include "terrain/soil/soil.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/temporary_folder.h"

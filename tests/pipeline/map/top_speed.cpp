@@ -1,11 +1,11 @@
 // Top speed: against the driveline's own closed form on hard ground, and what soil and slope take from it.
-#include "pipeline/map/evaluate/top_speed.h"
+#include "pipeline/map/evaluate/outcome_model.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/json/json.h"
-#include "base/random.h"
+#include "base/math/random.h"
 #include "base/units.h"
 #include "pipeline/campaign/study/contract.h"
 #include "tests/support/catch.h"

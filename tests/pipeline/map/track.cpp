@@ -1,6 +1,6 @@
 // Tracks of ways: places, heights and times against closed forms, what may be left out against brute force, and files
 // read back with GDAL.
-#include "pipeline/map/route/track.h"
+#include "pipeline/map/route/way_files.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Ways that count their turns against Boost's Dijkstra over (cell, direction), closed forms, and what must hold when
 // turns get dearer.
-#include "pipeline/map/route/turning.h"
+#include "pipeline/map/route/search/turning.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 #include <ctime>
 #include <numeric>
 
-#include "pipeline/map/route/any_angle.h"
+#include "pipeline/map/route/search/any_angle.h"
 #include "tests/pipeline/map/made_ground.h"
 #include "tests/support/catch.h"
 

@@ -1,5 +1,5 @@
 // A map served to a browser: what is asked for comes as it stands in the files, and nothing else does.
-#include "pipeline/map/view/map_view.h"
+#include "pipeline/map/map_view.h"
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "base/error.h"
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/json/json.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/map/wavy_region.h"

@@ -3,9 +3,9 @@
 #include <cstdlib>
 #include <thread>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "base/json/json.h"
-#include "pipeline/map/view/map_view.h"
+#include "pipeline/map/map_view.h"
 #include "terrain/raster/raster_source.h"
 #include "tests/pipeline/map/wavy_region.h"
 #include "tests/support/catch.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/file.h"
+#include "base/files/file.h"
 #include "pipeline/map/write/make_map.h"
 #include "tests/pipeline/map/analytic_model.h"
 #include "tests/support/temporary_folder.h"

@@ -4,11 +4,10 @@
 #include <set>
 
 #include "base/units.h"
-#include "pipeline/report/picture/light.h"
-#include "pipeline/report/picture/render.h"
 #include "pipeline/report/picture/visible.h"
-#include "sim/scene/build_joint.h"
-#include "sim/shape/mesh_shapes.h"
+#include "pipeline/report/picture/render.h"
+#include "sim/scene/scene.h"
+#include "sim/shape/meshes.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
 #include "tests/support/scenes.h"

@@ -3,11 +3,10 @@
 #include <string>
 
 #include "base/error.h"
-#include "base/file.h"
-#include "sim/elastic/make_mesh.h"
-#include "sim/elastic/read_gmsh.h"
+#include "base/files/file.h"
+#include "sim/elastic/mesh.h"
+#include "sim/elastic/mesh_files.h"
 #include "sim/elastic/simulation.h"
-#include "sim/elastic/write_vtu.h"
 #include "tests/support/catch.h"
 
 namespace {

@@ -3,8 +3,8 @@
 #include <random>
 #include <utility>
 
-#include "sim/elastic/contact_forces.h"
-#include "sim/elastic/make_mesh.h"
+#include "sim/elastic/contact.h"
+#include "sim/elastic/mesh.h"
 #include "tests/support/catch.h"
 
 namespace {

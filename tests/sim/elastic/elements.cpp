@@ -1,8 +1,8 @@
 // Elements against what any displacement field must keep: no force from moving as a whole, all mass, and work.
 #include <cmath>
 
-#include "sim/elastic/element_matrices.h"
-#include "sim/elastic/make_mesh.h"
+#include "sim/elastic/system.h"
+#include "sim/elastic/mesh.h"
 #include "sim/elastic/simulation.h"
 #include "tests/support/catch.h"
 

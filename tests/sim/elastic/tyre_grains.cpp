@@ -1,7 +1,6 @@
 // A tyre on grains of the engine: forces of the contacts against load, momentum and the ring's own balance.
 #include "sim/elastic/tyre/on_grains.h"
-#include "sim/scene/critical_step.h"
-#include "sim/scene/penalty_material.h"
+#include "sim/scene/penalty_setup.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/scenes.h"
@@ -46,7 +45,7 @@ GrainGround two_layers() {
       for (int k = 0; k < 4; ++k)
         w.add_sphere({(2 * i + 1 - layer) * kGrain, (2 * k + 1 - layer) * kGrain, kGrain + layer * up}, Real(kGrain),
                      2600, 0);
-  g.settings.solver = Solver::spring_damper;
+  g.settings.contact = gonogo::sim::ContactLaw::spring_damper;
   g.settings.penalty = law_of_overlap(0.02, 1, kGrain, 2600, 0.3);
   g.settings.envelope = Real(1e-3);
   g.settings.cohesion_range = 0;
@@ -121,7 +120,7 @@ TEST_CASE("A driven tyre pulls on grains as much as they are dragged") {
 
 TEST_CASE("Grains under a tyre take penalty contact only") {
   GrainGround g = two_layers();
-  g.settings.solver = Solver::apgd;
+  g.settings.contact = gonogo::sim::ContactLaw::complementarity;
   CHECK(input_error([&] { TyreOnGrains(small_tyre(), {.load = 1, .mass = 1}, g); }) ==
         "tyre on grains: the contact must be spring_damper or hertz, whose steps are explicit as the ring's");
 }

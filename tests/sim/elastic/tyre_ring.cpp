@@ -2,7 +2,7 @@
 #include <numbers>
 #include <random>
 
-#include "sim/elastic/tyre/modes.h"
+#include "sim/elastic/tyre/tyre.h"
 #include "sim/elastic/tyre/press.h"
 #include "sim/elastic/tyre/ring.h"
 #include "tests/support/catch.h"

@@ -1,8 +1,7 @@
 // A tyre under load, pressed and rolling: balance of forces and of energy, loss against its closed form.
 #include <numbers>
 
-#include "sim/elastic/tyre/loss.h"
-#include "sim/elastic/tyre/lossy_tread.h"
+#include "sim/elastic/tyre/tread.h"
 #include "sim/elastic/tyre/press.h"
 #include "sim/elastic/tyre/roll.h"
 #include "tests/support/catch.h"

@@ -7,7 +7,7 @@
 namespace gonogo::lab {
 namespace {
 
-using Maker = ElasticFigure (*)();
+using Maker = CheckFigure (*)();
 
 const std::vector<std::pair<std::string, Maker>>& makers() {
   static const std::vector<std::pair<std::string, Maker>> all{{"patch", elastic_patch},
@@ -36,7 +36,7 @@ std::vector<std::string> elastic_figures() {
   return names;
 }
 
-ElasticFigure elastic_figure(const std::string& name) {
+CheckFigure elastic_figure(const std::string& name) {
   for (const auto& [known, make] : makers())
     if (known == name) return make();
   throw InputError("no elastic figure '" + name + "'; see gonogo validate elastic --help");

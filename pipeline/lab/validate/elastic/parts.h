@@ -7,15 +7,15 @@
 
 #include "base/error.h"
 #include "pipeline/lab/validate/elastic/elastic.h"
-#include "sim/elastic/make_mesh.h"
+#include "sim/elastic/mesh.h"
 #include "sim/elastic/simulation.h"
 
 namespace gonogo::lab {
 
 namespace el = sim::elastic;
 
-inline ElasticFigure figure_of(const std::string& name, const std::string& csv_header) {
-  ElasticFigure f;
+inline CheckFigure figure_of(const std::string& name, const std::string& csv_header) {
+  CheckFigure f;
   f.name = name;
   f.csv = csv_header;
   return f;

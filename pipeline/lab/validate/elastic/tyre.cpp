@@ -2,13 +2,12 @@
 // compliant tyre of the engine, a foundation under a cylinder, of the same deflection at the nominal load.
 #include <algorithm>
 
-#include "base/line.h"
+#include "base/format.h"
 #include "pipeline/lab/validate/elastic/elastic.h"
-#include "pipeline/lab/validate/elastic/fitted_tyre.h"
 #include "pipeline/lab/validate/elastic/measured_tyre.h"
 #include "pipeline/lab/validate/elastic/parts.h"
-#include "sim/elastic/tyre/modes.h"
-#include "vehicle/compliant_tyre.h"
+#include "sim/elastic/tyre/tyre.h"
+#include "vehicle/model/statics.h"
 
 namespace gonogo::lab {
 namespace {
@@ -39,12 +38,10 @@ const std::vector<Patch>& nominal_patches() {
 
 /// Deflection and contact length of the compliant tyre on flat ground, from the spring that it gives a grain.
 Patch compliant(double load) {
-  struct {
-    vehicle::TyreSpring compliant;
-    double radius, width;
-  } const wheel{{measured::kLoad / measured::deflection(measured::kLoad, measured::kPressure), 0},
-                measured::kRadius,
-                fine_tyre().width};
+  vehicle::Wheel wheel;
+  wheel.radius = measured::kRadius;
+  wheel.width = fine_tyre().width;
+  wheel.compliant = {measured::kLoad / measured::deflection(measured::kLoad, measured::kPressure), 0};
   constexpr double kGrain = 1e-3;
   const double per_area = vehicle::contact_spring(wheel, measured::kLoad, kGrain).stiffness / (kGrain * kGrain);
   // 4/3 c b d sqrt(2 r d) = load
@@ -62,21 +59,18 @@ struct Curves {
   report::PlotLine measured{.label = "measured tyre"}, ring{.label = "ring", .points = true},
       foundation{.label = "compliant tyre of the engine"};
   void add(double x, double m, double r, double f) {
-    measured.x.push_back(x);
-    measured.y.push_back(m);
-    ring.x.push_back(x);
-    ring.y.push_back(r);
-    foundation.x.push_back(x);
-    foundation.y.push_back(f);
+    measured.add(x, m);
+    ring.add(x, r);
+    foundation.add(x, f);
   }
 };
 
 }  // namespace
 
-ElasticFigure elastic_tyre_load() {
-  ElasticFigure figure = figure_of("elastic_tyre_load",
-                                   "load_n,measured_m,ring_m,compliant_m,measured_180kpa_m,ring_180kpa_m,"
-                                   "measured_260kpa_m,ring_260kpa_m\n");
+CheckFigure elastic_tyre_load() {
+  CheckFigure figure = figure_of("elastic_tyre_load",
+                                 "load_n,measured_m,ring_m,compliant_m,measured_180kpa_m,ring_180kpa_m,"
+                                 "measured_260kpa_m,ring_260kpa_m\n");
   const std::vector<Patch>&now = nominal_patches(), soft = patches(kSoft), hard = patches(kHard);
   Curves c;
   std::vector<double> others, pressures, foundation;
@@ -111,8 +105,8 @@ ElasticFigure elastic_tyre_load() {
   return figure;
 }
 
-ElasticFigure elastic_tyre_patch() {
-  ElasticFigure figure = figure_of("elastic_tyre_patch", "load_n,measured_m,ring_m,compliant_m\n");
+CheckFigure elastic_tyre_patch() {
+  CheckFigure figure = figure_of("elastic_tyre_patch", "load_n,measured_m,ring_m,compliant_m\n");
   const std::vector<Patch>& now = nominal_patches();
   Curves c;
   std::vector<double> others, foundation;
@@ -137,8 +131,8 @@ ElasticFigure elastic_tyre_patch() {
   return figure;
 }
 
-ElasticFigure elastic_tyre_rolling() {
-  ElasticFigure figure = figure_of("elastic_tyre_rolling", "load_n,pressure_pa,measured_n_m,ring_n_m,balance\n");
+CheckFigure elastic_tyre_rolling() {
+  CheckFigure figure = figure_of("elastic_tyre_rolling", "load_n,pressure_pa,measured_n_m,ring_n_m,balance\n");
   el::Tyre t = fine_tyre();
   t.nodes = kCoarse;
   t.loss = fitted_loss(t);
@@ -151,8 +145,7 @@ ElasticFigure elastic_tyre_rolling() {
     unbalanced = std::max(unbalanced, std::fabs(r.balance));
     work = std::max(work, std::fabs(r.worked / r.lost - 1));
     if (pressure == measured::kPressure) {
-      points.x.push_back(load);
-      points.y.push_back(r.moment);
+      points.add(load, r.moment);
     }
     return r.moment / m;
   };
@@ -161,8 +154,7 @@ ElasticFigure elastic_tyre_rolling() {
       worst({ratio(2000, measured::kPressure), ratio(6000, measured::kPressure), ratio(8000, measured::kPressure)});
   const double pressures = worst({ratio(measured::kLoad, kSoft), ratio(measured::kLoad, kHard)});
   for (double load = 1000; load <= 8000; load += 250) {
-    curve.x.push_back(load);
-    curve.y.push_back(measured::rolling_moment(load, measured::kPressure, measured::kSpeed));
+    curve.add(load, measured::rolling_moment(load, measured::kPressure, measured::kSpeed));
   }
   const std::string over = "Tyre: rolling resistance over measured, worst: ";
   figure.check = {

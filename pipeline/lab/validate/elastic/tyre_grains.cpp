@@ -3,16 +3,14 @@
 #include <algorithm>
 #include <numeric>
 
-#include "base/line.h"
+#include "base/format.h"
 #include "pipeline/lab/validate/elastic/elastic.h"
-#include "pipeline/lab/validate/elastic/fitted_tyre.h"
 #include "pipeline/lab/validate/elastic/measured_tyre.h"
 #include "pipeline/lab/validate/elastic/parts.h"
 #include "sim/elastic/tyre/on_grains.h"
-#include "sim/scene/critical_step.h"
-#include "sim/scene/penalty_material.h"
+#include "sim/scene/penalty_setup.h"
 #include "terrain/bed/bed.h"
-#include "vehicle/compliant_tyre.h"
+#include "vehicle/model/statics.h"
 
 namespace gonogo::lab {
 namespace {
@@ -24,7 +22,7 @@ constexpr double kGrain = 0.03, kStart = 0.25;               // diameter; of the
 constexpr double kSettle = 0.3, kRoll = 0.5, kCount = 0.25;  // at rest; rolling; of which count [s]
 constexpr double kSlow = 1;                                  // [m/s]
 constexpr double kLoss = 0.16;                               // as elastic_tyre_rolling() fits it [-]
-constexpr double kFriction = 0.8, kRolling = 0.2;            // of grains [-]
+constexpr double kGrainFriction = 0.8, kRolling = 0.2;       // of grains [-]
 
 /// One wheel on the bed.
 struct OnBed {
@@ -50,10 +48,10 @@ struct Bed {
 Bed settled_bed(const sim::PairLaw& tool) {
   static const terrain::Packing packing =
       terrain::settle_packing({.length = 0.9, .width = 0.15, .depth = 0.11, .grain_diameter = kGrain, .seed = 3}, 1);
-  const sim::PairLaw grain{.friction = Real(kFriction), .rolling_friction = Real(kRolling)};
+  const sim::PairLaw grain{.friction = Real(kGrainFriction), .rolling_friction = Real(kRolling)};
   Bed bed{terrain::bed_world(packing, {grain, tool}, 1), {}, terrain::highest_point(packing)};
   bed.settings = terrain::bed_step_settings(kGrain, 1e-3, 1);
-  bed.settings.solver = sim::Solver::spring_damper;
+  bed.settings.contact = sim::ContactLaw::spring_damper;
   bed.settings.penalty = sim::law_of_overlap(0.03, 2, kGrain / 2, 2650, 0.3);
   bed.settings.cohesion_range = 0;
   bed.settings.step = Real(0.7 * sim::critical_step(bed.world, bed.settings).step);
@@ -76,7 +74,7 @@ double bearing_length(const std::vector<double>& x, const std::vector<double>& f
 }
 
 OnBed ring_on_bed() {
-  Bed bed = settled_bed({.friction = Real(kFriction)});
+  Bed bed = settled_bed({.friction = Real(kGrainFriction)});
   el::Tyre tyre = fitted_tyre(240);
   tyre.nodes = 96;
   tyre.loss = kLoss;
@@ -123,9 +121,9 @@ void sample(OnBed& found, sim::Simulation& simulation, sim::BodyIndex wheel, dou
 }
 
 /// The wheel of the engine, on springs where `spring` has stiffness.
-OnBed wheel_on_bed(const std::string& name, const vehicle::ContactSpring& spring, double width) {
-  Bed bed =
-      settled_bed({.friction = Real(kFriction), .stiffness = Real(spring.stiffness), .damping = Real(spring.damping)});
+OnBed wheel_on_bed(const std::string& name, const vehicle::LinearSpring& spring, double width) {
+  Bed bed = settled_bed(
+      {.friction = Real(kGrainFriction), .stiffness = Real(spring.stiffness), .damping = Real(spring.damping)});
   sim::BodyMass mass = sim::fixed_body();
   mass.inverse_mass.z = Real(kGravity / kLoad);
   const double touch = bed.top + measured::kRadius;
@@ -161,26 +159,23 @@ report::PlotLine histogram(const OnBed& wheel) {
     double sum = 0;
     for (std::size_t i = 0; i < wheel.x.size(); ++i)
       if (wheel.x[i] >= x && wheel.x[i] < x + kBin) sum += wheel.force[i];
-    l.x.push_back(1e3 * (x + kBin / 2));
-    l.y.push_back(sum / (kBin * 1e3));
+    l.add(1e3 * (x + kBin / 2), sum / (kBin * 1e3));
   }
   return l;
 }
 
 }  // namespace
 
-ElasticFigure elastic_tyre_grains() {
-  struct {
-    vehicle::TyreSpring compliant;
-    double radius, width;
-  } const tyre{{kLoad / measured::deflection(kLoad, measured::kPressure), 2000},
-               measured::kRadius,
-               measured::contact_width(measured::kLoad, measured::kPressure)};
+CheckFigure elastic_tyre_grains() {
+  vehicle::Wheel tyre;
+  tyre.radius = measured::kRadius;
+  tyre.width = measured::contact_width(measured::kLoad, measured::kPressure);
+  tyre.compliant = {kLoad / measured::deflection(kLoad, measured::kPressure), 2000};
   const std::vector<OnBed> wheels{
       ring_on_bed(),
       wheel_on_bed("compliant tyre of the engine", vehicle::contact_spring(tyre, kLoad, kGrain), tyre.width),
       wheel_on_bed("rigid wheel", {}, tyre.width)};
-  ElasticFigure figure =
+  CheckFigure figure =
       figure_of("elastic_tyre_grains", "wheel,sinkage_m,rolling_sinkage_m,pull_n,load_n,bearing_length_m\n");
   for (const OnBed& w : wheels) {
     figure.csv += line("%s,%.5g,%.5g,%.5g,%.5g,%.5g\n", w.name.c_str(), w.sinkage, w.rolling, w.pull, w.load, w.length);

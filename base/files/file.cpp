@@ -1,0 +1,165 @@
+#include "base/files/file.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "base/error.h"
+
+namespace gonogo {
+
+namespace fs = std::filesystem;
+namespace {
+
+std::string reason() { return std::strerror(errno); }
+
+void flush_to_disk(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY);
+  if (fd < 0) throw DeviceError(path.string() + ": cannot open to flush: " + reason());
+  const int status = ::fsync(fd);
+  const std::string why = status == 0 ? "" : reason();
+  ::close(fd);
+  if (status != 0) throw DeviceError(path.string() + ": cannot flush to disk: " + why);
+}
+
+[[noreturn]] void refuse(const fs::path& path, const std::string& message) {
+  throw PlacedInputError(path.string() + ": " + message, {.file = path.string()});
+}
+
+fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+
+}  // namespace
+
+std::string read_file(const fs::path& path) {
+  std::error_code ec;
+  if (!fs::exists(path, ec)) refuse(path, "no such file; check the path");
+  if (fs::is_directory(path, ec)) refuse(path, "is a folder, a file is needed");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) refuse(path, "cannot be read: " + reason() + "; check its permissions");
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (in.bad()) refuse(path, "reading failed: " + reason());
+  return std::move(text).str();
+}
+
+void create_folder(const fs::path& folder) {
+  std::error_code ec;
+  fs::create_directories(folder, ec);
+  if (ec || !fs::is_directory(folder))
+    throw InputError(folder.string() + ": cannot create this folder: " + (ec ? ec.message() : "a file stands there") +
+                     "; choose another place or fix its permissions");
+}
+
+void replace_file_atomically(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  create_folder(folder_of(path));
+  const fs::path temporary = folder_of(path) / ("." + path.stem().string() + ".partial-" + std::to_string(::getpid()) +
+                                                path.extension().string());
+  try {
+    write(temporary);
+    flush_to_disk(temporary);
+    fs::rename(temporary, path);
+    flush_to_disk(folder_of(path));
+  } catch (const fs::filesystem_error& e) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw DeviceError(path.string() + ": cannot put the finished file in place: " + e.code().message());
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    throw;
+  }
+}
+
+void write_file_atomically(const fs::path& path, std::string_view content) {
+  replace_file_atomically(path, [&](const fs::path& temporary) {
+    std::FILE* out = std::fopen(temporary.c_str(), "wb");
+    if (!out) throw DeviceError(path.string() + ": cannot write: " + reason());
+    const bool written = std::fwrite(content.data(), 1, content.size(), out) == content.size();
+    const bool closed = std::fclose(out) == 0;
+    if (!written || !closed) throw DeviceError(path.string() + ": cannot write: " + reason());
+  });
+}
+
+namespace {
+
+/// The locked file, or -1 when another process holds it.
+int locked(const std::filesystem::path& folder) {
+  create_folder(folder);
+  const std::filesystem::path file = folder / ".lock";
+  const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (fd < 0)
+    throw DeviceError(folder.string() + ": cannot write there: " + std::strerror(errno) +
+                      "; choose another folder or fix its permissions");
+  if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
+  const int error = errno;
+  ::close(fd);
+  if (error == EWOULDBLOCK) return -1;
+  throw DeviceError(file.string() + ": cannot be locked: " + std::strerror(error));
+}
+
+}  // namespace
+
+FolderLock::FolderLock(const std::filesystem::path& folder) : fd_(locked(folder)) {
+  if (fd_ < 0)
+    throw InputError(folder.string() + ": another run is using this folder; wait for it or choose another folder");
+}
+
+std::unique_ptr<FolderLock> FolderLock::if_free(const std::filesystem::path& folder) {
+  const int fd = locked(folder);
+  return fd < 0 ? nullptr : std::unique_ptr<FolderLock>(new FolderLock(Opened{fd}));
+}
+
+FolderLock::~FolderLock() { ::close(fd_); }
+
+}  // namespace gonogo
+
+#define XXH_INLINE_ALL  // header-only: no library to link
+#include <xxhash.h>
+
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <new>
+#include <vector>
+
+#include "base/error.h"
+
+namespace gonogo {
+namespace {
+
+constexpr std::size_t kBlockBytes = 1 << 20;
+
+std::string hexadecimal(XXH128_hash_t hash) {
+  char text[33];
+  std::snprintf(text, sizeof text, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
+                static_cast<unsigned long long>(hash.low64));
+  return text;
+}
+
+}  // namespace
+
+std::string content_hash(std::string_view content) { return hexadecimal(XXH3_128bits(content.data(), content.size())); }
+
+std::string file_hash(const std::filesystem::path& path) {
+  std::error_code ec;
+  if (!std::filesystem::exists(path, ec)) throw InputError(path.string() + ": no such file; check the path");
+  if (std::filesystem::is_directory(path, ec)) throw InputError(path.string() + ": is a folder, a file is needed");
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw InputError(path.string() + ": cannot be read; check its permissions");
+  const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), XXH3_freeState);
+  if (!state) throw std::bad_alloc();
+  XXH3_128bits_reset(state.get());
+  std::vector<char> block(kBlockBytes);
+  while (in) {
+    in.read(block.data(), std::streamsize(block.size()));
+    XXH3_128bits_update(state.get(), block.data(), std::size_t(in.gcount()));
+  }
+  if (in.bad()) throw InputError(path.string() + ": reading failed");
+  return hexadecimal(XXH3_128bits_digest(state.get()));
+}
+
+}  // namespace gonogo

@@ -1,0 +1,55 @@
+// Parts of the commands `gonogo bench` and `gonogo validate`.
+#pragma once
+#include <map>
+#include <string>
+
+#include "pipeline/app/cli/command.h"
+#include "sim/simulation/simulation.h"
+
+namespace gonogo::app {
+
+inline const std::map<std::string, sim::Backend> kBackends{{"cpu", sim::Backend::cpu}, {"cuda", sim::Backend::cuda}};
+
+inline const std::map<std::string, sim::ContactMethod> kSolvers = [] {
+  std::map<std::string, sim::ContactMethod> methods;
+  for (const std::string& name : sim::method_names()) methods[name] = sim::method_named(name);
+  return methods;
+}();
+
+template <class Value>
+std::string name_in(const std::map<std::string, Value>& names, Value value) {
+  for (const auto& [name, v] : names)
+    if (v == value) return name;
+  return "?";
+}
+
+/// An option whose value is one of `names`.
+template <class Value>
+void add_choice(CLI::App& command, const std::string& flag, Value& value, const std::map<std::string, Value>& names,
+                const std::string& what) {
+  std::vector<std::string> words;
+  for (const auto& [name, v] : names) words.push_back(name);
+  const auto set = [&value, names](const std::string& name) { value = names.at(name); };
+  command.add_option_function<std::string>(flag, set, what)
+      ->check(CLI::IsMember(words))
+      ->default_str(name_in(names, value));
+}
+
+inline void add_solver(CLI::App& command, sim::ContactMethod& solver) {
+  add_choice(command, "--solver", solver, kSolvers,
+             "Solver of the contacts; jacobi_scan is a baseline, spring_damper and hertz are penalty contact");
+}
+
+/// One core unless more are asked for.
+inline int bench_threads(const Globals& globals) { return globals.threads > 0 ? globals.threads : 1; }
+
+// Commands below bench: reference solvers on problems from files, scenes of many bodies.
+void add_solver_bench(CLI::App& bench, const Globals& globals);
+void add_large_scenes(CLI::App& bench, const Globals& globals);
+
+// Commands below validate; trial checks are patch, folded, drawbar and grade.
+void add_fclib_check(CLI::App& validate, const Globals& globals);
+void add_trial_checks(CLI::App& validate, const Globals& globals);
+void add_wheels_check(CLI::App& validate, const Globals& globals);
+
+}  // namespace gonogo::app

@@ -1,0 +1,23 @@
+// Options of commands that simulate grains: time step and contact solver.
+#pragma once
+#include "pipeline/app/cli/command.h"
+#include "terrain/bed/bed.h"
+#include "terrain/soil/calibration.h"
+
+namespace gonogo::app {
+
+/// --step, --substeps, --iterations, --tolerance, --target. `whose` begins each description: "Trials".
+void add_numerics_options(CLI::App& command, terrain::Numerics& numerics, const std::string& whose);
+
+/// The same for commands that meet a soil through a table: what is not given is the table's. `tolerance`: whether
+/// --tolerance is among them.
+void add_asked_numerics_options(CLI::App& command, terrain::AskedNumerics& asked, const std::string& whose,
+                                bool tolerance = true);
+
+/// --wheel-rolling.
+void add_wheel_rolling_option(CLI::App& command, double& rolling);
+
+/// Whether any of the numerics was given.
+bool numerics_given(const CLI::App& command);
+
+}  // namespace gonogo::app

@@ -1,0 +1,175 @@
+#include "pipeline/map/evaluate/soil_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/error.h"
+#include "base/format.h"
+#include "pipeline/map/evaluate/cell.h"
+
+namespace gonogo::map {
+namespace {
+
+constexpr std::size_t kMostSoils = 250;  // entries of the table that page and routes tell apart
+
+/// A soil in one moisture state; nothing if it has no sample in that state.
+std::optional<Soil> soil_in(const Soil& soil, const MoistureState& state) {
+  Soil part = soil;
+  part.name = soil.name + ", " + state.name;
+  part.samples = samples_in(soil, state);
+  if (part.samples.empty() && !soil.samples.empty()) return std::nullopt;
+  return part;
+}
+
+/// Adds a soil with softness by cohesion and friction angle. If the region has measured cone indices, adds it once more
+/// for cells whose index is high enough.
+void add_soil(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
+              const Soil& soil, int state, SoilTable& table) {
+  MapRules own = rules;
+  own.max_speed = std::min(rules.max_speed, soil.max_speed);
+  const auto points = soil_points(region, soil, rules.values, rules.draws);
+  const bool may_be_soft = is_fine_grained(region, soil).value_or(true);
+  table.add(soil, state, may_be_soft, false,
+            SoilResponse(model, own, points, error_of_gradient, soft_points(region, soil, points, model.cone_index)));
+  if (!region.cone_index || !may_be_soft) return;
+  Soil firm = soil;
+  firm.name += ", measured firm";
+  table.add(firm, state, may_be_soft, true, SoilResponse(model, rules, points, error_of_gradient));
+}
+
+Spread fixed_size(double metres) { return {Spread::Kind::fixed, metres, metres, "obstacles of the region"}; }
+
+/// Adds a ditch in the soil at a position of the table, measured firm or not as that is.
+void add_ditch(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
+               DitchSize size, std::size_t position, std::size_t ditch, SoilTable& table) {
+  const Soil ground = table.soils[position];
+  Soil soil = ground;
+  soil.name += line(", ditch %.3g m wide, %.3g m deep", size.width, size.depth);
+  MapRules own = rules;
+  own.values["ditch_width"] = fixed_size(size.width);
+  own.values["ditch_depth"] = fixed_size(size.depth);
+  const Range speed = model.crossing_sampled[campaign::contract().variable_index("commanded_speed")];
+  own.max_speed = std::min({rules.max_speed, soil.max_speed, speed.maximum});
+  soil.max_speed = own.max_speed;
+  const auto points = soil_points(region, soil, own.values, rules.draws);
+  const bool firm = table.find_firm(ground.code, table.moisture[position]) == position;
+  const SoftPoints soft = firm ? SoftPoints{} : soft_points(region, soil, points, model.cone_index);
+  table.add_ditch(position, ditch, std::move(soil), SoilResponse(model, own, points, error_of_gradient, soft));
+}
+
+/// Adds an entry for every ditch in every soil of the table in which one of its cells lies.
+void add_ditches(const OutcomeModel& model, const Region& region, const MapRules& rules, double error_of_gradient,
+                 const MapSources& sources, SoilTable& table) {
+  const terrain::MapGrid& grid = sources.elevation.grid();
+  std::set<std::pair<std::size_t, std::size_t>> occurring;  // (soil, ditch)
+  for (const terrain::Window window : windows_of(grid, grid.columns, 256)) {
+    const Readings readings(sources, window);
+    for (std::size_t i = 0; i < readings.size(); ++i)
+      if (const CellInputs cell = decide(region, rules, table, readings, i); cell.soil && cell.ditch && !cell.rule)
+        occurring.emplace(*cell.soil, *cell.ditch);
+  }
+  if (table.soils.size() + occurring.size() > kMostSoils)
+    throw InputError(region.file.string() + ": obstacles: its ditches lie in " + std::to_string(occurring.size()) +
+                     " pairs of size and soil, and " + std::to_string(kMostSoils - table.soils.size()) +
+                     " can be told apart; give widths and depths in fewer classes");
+  for (const auto& [soil, ditch] : occurring)
+    add_ditch(model, region, rules, error_of_gradient, sources.ditches[ditch], soil, ditch, table);
+}
+
+/// Which states of moisture a map needs: 0 is "any".
+std::vector<int> states_of(const Region& region, const MapRules& rules) {
+  std::vector<int> states;
+  for (std::size_t k = 0; k < region.moistures.size(); ++k)
+    if (rules.moisture.empty() ? region.moisture.has_value() : region.moistures[k].name == rules.moisture)
+      states.push_back(int(k) + 1);
+  if (!rules.moisture.empty() && states.empty())
+    throw InputError(region.file.string() + ": moisture: does not say what \"" + rules.moisture +
+                     "\" is; add its range of water content, or leave the moisture open");
+  if (rules.moisture.empty()) states.push_back(0);
+  return states;
+}
+
+/// The region without soils by name whose code does not occur on the map. Their tables would cost time and answer
+/// nothing.
+Region with_occurring_soils(const Region& region, const MapSources& sources) {
+  if (!sources.soil_class) return region;
+  const std::set<int> codes = soil_codes(sources);
+  Region occurring = region;
+  std::erase_if(occurring.soils, [&](const Soil& soil) {
+    return soil.draws > 0 && soil.code < kRoadCode && codes.count(soil.code) == 0;
+  });
+  return occurring.soils.empty() ? region : occurring;
+}
+
+}  // namespace
+
+std::optional<std::size_t> SoilTable::find(std::int64_t key) const {
+  const auto found = index_.find(key);
+  return found == index_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::optional<std::size_t> SoilTable::find_ditch(std::size_t soil, std::size_t ditch) const {
+  const auto found = ditch_.find({soil, ditch});
+  return found == ditch_.end() ? std::nullopt : std::optional(found->second);
+}
+
+void SoilTable::add(Soil soil, int state, bool soft_allowed, bool firm, SoilResponse response) {
+  index_[key(soil.code, state, firm)] = soils.size();
+  append(std::move(soil), state, soft_allowed, std::move(response), false);
+}
+
+void SoilTable::add_ditch(std::size_t soil, std::size_t ditch, Soil with_ditch, SoilResponse response) {
+  ditch_[{soil, ditch}] = soils.size();
+  append(std::move(with_ditch), moisture[soil], may_be_soft[soil], std::move(response), true);
+}
+
+void SoilTable::append(Soil soil, int state, bool soft_allowed, SoilResponse response, bool ditch) {
+  may_be_soft.push_back(soft_allowed);
+  has_ditch.push_back(ditch);
+  soils.push_back(std::move(soil));
+  responses.push_back(std::move(response));
+  moisture.push_back(state);
+  cells.push_back(0);
+}
+
+double gradient_error(const RegionRaster& elevation, const terrain::MapGrid& grid) {
+  const double cell = std::sqrt(grid.cell_area_m2());
+  return elevation.error * std::sqrt(1 - elevation.error_correlation) * std::sqrt(12.0) / (8 * cell);
+}
+
+SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
+                          double error_of_gradient) {
+  SoilTable table;
+  std::vector<Soil> soils = region.soils;
+  if (soils.empty())
+    soils.push_back({.code = 0, .name = "all soils", .note = "", .texture = "", .samples = {}, .values = {}});
+  if (region.cone_index && !model.cone_index)
+    throw InputError(region.file.string() +
+                     ": rasters: a cone_index raster tells nothing without a vehicle; name one "
+                     "by --vehicle, or by \"cone_index_of\" in the section map of the study");
+  if (model.cone_index) table.need = *model.cone_index;
+  for (const int state : states_of(region, rules))
+    for (const Soil& soil : soils) {
+      const auto part = state == 0 ? std::optional(soil) : soil_in(soil, region.moistures[std::size_t(state) - 1]);
+      if (!part) {
+        table.without_samples.push_back(region.moistures[std::size_t(state) - 1].name + " " + soil.name);
+        continue;
+      }
+      add_soil(model, region, rules, error_of_gradient, *part, state, table);
+    }
+  if (table.soils.empty())
+    throw InputError(region.file.string() + ": soils: no sample of any soil is " + rules.moisture +
+                     "; give samples with such a water_percent, or leave the moisture open");
+  return table;
+}
+
+SoilTable make_soil_table(const OutcomeModel& model, const Region& region, const MapRules& rules,
+                          double error_of_gradient, const MapSources& sources) {
+  const Region occurring = with_occurring_soils(region, sources);
+  SoilTable table = make_soil_table(model, occurring, rules, error_of_gradient);
+  if (!sources.ditches.empty()) add_ditches(model, occurring, rules, error_of_gradient, sources, table);
+  return table;
+}
+
+}  // namespace gonogo::map

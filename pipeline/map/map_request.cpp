@@ -1,0 +1,265 @@
+#include "pipeline/map/map_request.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include "base/error.h"
+#include "base/files/file.h"
+#include "base/json/json.h"
+#include "base/units.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/study/contract.h"
+#include "pipeline/campaign/study/study.h"
+#include "pipeline/map/evaluate/outcome_model.h"
+#include "pipeline/map/region/soil.h"
+#include "pipeline/map/trained_model.h"
+#include "pipeline/outcome/answer/infer.h"
+#include "terrain/raster/raster_source.h"
+#include "terrain/soil/soil.h"
+#include "vehicle/model/statics.h"
+#include "vehicle/semi_empirical/mobility_index.h"
+
+namespace gonogo::map {
+namespace {
+
+OutcomeModel outcome_model_of(const TrainedModel& trained) {
+  const auto predictor = trained.predictor;
+  OutcomeModel model;
+  model.hash = file_hash(trained.file);
+  model.gravity = trained.gravity;
+  for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v)
+    model.sampled.push_back({predictor->model().sampled_lower[v], predictor->model().sampled_upper[v]});
+  model.probabilities = [predictor](std::span<const double> points, std::span<double> result) {
+    predictor->outcome_probabilities(points, result);
+  };
+  model.novelty = [predictor](std::span<const double> point) { return predictor->novelty(point); };
+  if (!trained.is_up_to_date)
+    model.remarks.push_back("the model was trained on other trials than those of " + trained.dataset_file.string() +
+                            " beside it, which tell its vehicle and measures; train it again (gonogo train)");
+  if (trained.vehicle) {
+    model.vehicle = trained.vehicle->name;
+    model.whole_vehicle = !vehicle::is_quarter(trained.vehicle->vehicle);
+  }
+  return model;
+}
+
+/// Reads the bootstrap members of the model.
+void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& files) {
+  for (const std::filesystem::path& file : files) {
+    const auto predictor = std::make_shared<const outcome::Predictor>(outcome::Predictor::read(file));
+    for (std::size_t v = 0; v < model.sampled.size(); ++v)
+      if (predictor->model().sampled_lower[v] != model.sampled[v].minimum ||
+          predictor->model().sampled_upper[v] != model.sampled[v].maximum)
+        throw InputError(file.string() + ": is no member of the model: its trials sampled another range of " +
+                         campaign::contract().variables[v].name + "; make members with gonogo train --members");
+    model.member_hashes.push_back(file_hash(file));
+    model.members.push_back([predictor](std::span<const double> points, std::span<double> result) {
+      predictor->outcome_probabilities(points, result);
+    });
+  }
+}
+
+/// Measures of the trials that passed, fitted over the variables.
+void add_measures(OutcomeModel& model, const TrainedModel& trained) {
+  if (!trained.dataset) return;
+  model.dataset_hash = file_hash(trained.dataset_file);
+  for (const char* name : {"slip", "sinkage", "energy_per_metre"}) {
+    std::vector<double> points, value;
+    const std::size_t index = campaign::contract().measure_index(name);
+    for (const campaign::TrialRecord& record : trained.dataset->records) {
+      if (!campaign::passes(record.verdict)) continue;
+      points.insert(points.end(), record.point.variables.begin(), record.point.variables.end());
+      value.push_back(record.measures[index]);
+    }
+    model.measures.push_back(fit_measure(name, campaign::contract().measures[index].unit, points, value));
+    if (model.measures.back().trials == 0) model.measures.pop_back();
+  }
+}
+
+ConeIndexNeed cone_index_need(const vehicle::Vehicle& v) {
+  const vehicle::VehicleConeIndex index = vehicle::vehicle_index(v).cone_index;
+  return {v.name, index.one_pass * kPsi, index.fifty_passes * kPsi};
+}
+
+/// The vehicle's need; nothing where it has none, such as a rover whose file gives no tyre size.
+std::optional<ConeIndexNeed> cone_index_if_any(const vehicle::Vehicle& v) {
+  try {
+    return cone_index_need(v);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+CrossingLimits crossing_limits(const vehicle::Vehicle& v) {
+  CrossingLimits limits{.vehicle = v.name,
+                        .tracked = v.track.has_value(),
+                        .radius = v.wheel.front().radius,
+                        .friction = v.wheel.front().friction,
+                        .width = v.width,
+                        .length = v.length,
+                        .clearance = v.clearance};
+  if (!limits.tracked) return limits;
+  limits.radius = std::min(v.track->sprocket_radius, v.track->idler_radius) + v.track->pad_below_pin;
+  limits.contact_length = vehicle::track_contact_length(v);
+  return limits;
+}
+
+/// Cone index and top speed, of the model's own vehicle or of the one that its quarter stands for.
+/// Also what the vehicle crosses, for the region's obstacles.
+void add_vehicle(OutcomeModel& model, Region& region, const TrainedModel& trained,
+                 const std::filesystem::path& whole_file) {
+  const bool on_earth = model.gravity == kGravity;  // cone indices are correlations of tests on the Earth
+  if (!whole_file.empty() && on_earth) model.cone_index = read_cone_index_need(whole_file);
+  std::optional<vehicle::Vehicle> whole;
+  if (trained.vehicle && !vehicle::is_quarter(trained.vehicle->vehicle)) whole = trained.vehicle->vehicle;
+  if (!whole && !whole_file.empty()) whole = vehicle::read_vehicle(whole_file);
+  if (!whole) return;
+  region.crossing = crossing_limits(*whole);
+  if (!model.cone_index && on_earth) model.cone_index = cone_index_if_any(*whole);
+  if (trained.vehicle && trained.dataset) model.speed = speed_of_trials(*trained.dataset, *trained.vehicle, *whole);
+}
+
+/// Lets trials of ditches answer for the region's ditches. Without such a model, or without a whole vehicle, geometry
+/// alone decides.
+void add_crossings(OutcomeModel& model, Region& region, const TrainedModel& trained, const std::string& asked) {
+  const bool any = std::any_of(region.obstacles.begin(), region.obstacles.end(),
+                               [](const Obstacle& o) { return o.kind == ObstacleKind::ditch; });
+  if (asked.empty() && (!any || !region.crossing)) return;
+  const std::optional<TrainedModel> ditches = find_crossing_model(trained, asked);
+  if (!ditches || !region.crossing) return;
+  const OutcomeModel crossing = outcome_model_of(*ditches);
+  region.crossing->ditch_width = crossing.sampled[campaign::contract().variable_index("ditch_width")];
+  region.crossing->ditch_depth = crossing.sampled[campaign::contract().variable_index("ditch_depth")];
+  model.remarks.insert(model.remarks.end(), crossing.remarks.begin(), crossing.remarks.end());
+  add_crossing_model(model, crossing);
+}
+
+/// Values of the mission that --set gives.
+void set_values(MapRules& rules, const std::vector<std::string>& texts) {
+  for (const auto& [name, value] : outcome::parse_named_values(texts)) {
+    if (name == "slope_along" || name == "slope_across")
+      throw InputError("map: --set " + name + ": slopes come from the elevation raster; leave it out");
+    rules.values[name] = {Spread::Kind::fixed, value, value, "--set"};
+  }
+}
+
+/// Nobody gave the variables of the mission: they may be anywhere that trials sampled.
+void open_mission(Region& region, const OutcomeModel& model) {
+  for (std::size_t v = 0; v < model.sampled.size(); ++v) {
+    const campaign::Variable& variable = campaign::contract().variables[v];
+    const Range sampled = model.sampled[v];
+    if (variable.prior == "region" || campaign::is_task_variable(variable) || !(sampled.minimum < sampled.maximum))
+      continue;
+    region.values[variable.name] = {Spread::Kind::range, sampled.minimum, sampled.maximum,
+                                    "not given: the range that trials sampled"};
+  }
+}
+
+bool is_raster(const std::string& soil) {
+  return std::filesystem::is_regular_file(soil) && std::filesystem::path(soil).extension() != ".json";
+}
+
+/// An elevation raster, and a soil that comes by name, by a raster of textures, or not at all.
+Region region_of_dem(const MapFiles& files) {
+  Region region;
+  region.file = files.dem;
+  region.name = files.dem.stem().string();
+  region.elevation.files = terrain::RasterFiles(files.dem);
+  region.elevation.source = files.dem.filename().string();
+  region.elevation.licence = "licence not stated";
+  if (is_raster(files.soil)) {
+    region.soil_class =
+        RegionRaster{.files = std::filesystem::path(files.soil),
+                     .source = std::filesystem::path(files.soil).filename().string() + ", USDA textures",
+                     .licence = "licence not stated"};
+    region.soils = texture_soils(terrain::class_names(region.soil_class->files), files.moisture, files.soil);
+    region.soil_text = "USDA textures, " + soil_hash("");
+    return region;
+  }
+  region.soils.push_back(files.soil.empty() ? soil_not_given(files.moisture) : named_soil(files.soil, files.moisture));
+  region.about = region.name + ", " + region.soils.front().name;
+  region.soil_text = region.soils.front().name + ", " + soil_hash(files.soil);
+  return region;
+}
+
+Region region_of(const MapFiles& files, const std::optional<campaign::Study>& study, const OutcomeModel& model) {
+  if (!files.dem.empty()) {
+    if (!files.region.empty()) throw InputError("map: --dem and --region are both given; keep one of them");
+    Region region = region_of_dem(files);
+    open_mission(region, model);
+    return region;
+  }
+  if (!files.soil.empty())
+    throw InputError("map: --soil goes with --dem; a region file says what its soils are (docs/map.md)");
+  const std::filesystem::path region = !files.region.empty() ? files.region : study ? study->region : "";
+  if (region.empty())
+    throw InputError(
+        "map: no region; give an elevation raster with --dem, a region file with --region, or a --study "
+        "that names one");
+  return read_region(region);
+}
+
+void check_moisture(const std::string& moisture) {
+  if (!moisture.empty() && moisture != "dry" && moisture != "moist" && moisture != "wet")
+    throw InputError("map: --moisture \"" + moisture + "\" is no scenario; use dry, moist or wet");
+}
+
+/// Names the trials that the model learned from but does not answer for.
+void remark_helpers(OutcomeModel& model, const TrainedModel& trained) {
+  if (const Json* others = trained.predictor->model().provenance.find("other_trials"))
+    for (const Json& other : others->items())
+      model.remarks.push_back(std::to_string(other.at("trials").integer()) +
+                              " trials of another fidelity helped the model: " + other.at("fidelity").string());
+}
+
+/// The vehicle's own name; the file's, if it gives none.
+std::string vehicle_name(const std::filesystem::path& file) {
+  const Json vehicle = Json::read(file);
+  const Json* name = vehicle.is_object() ? vehicle.find("vehicle") : nullptr;
+  return name && name->is_string() ? name->string() : file.stem().string();
+}
+
+}  // namespace
+
+ConeIndexNeed read_cone_index_need(const std::filesystem::path& file) {
+  return cone_index_need(vehicle::read_vehicle(file));
+}
+
+MapRequest read_map_request(const MapFiles& files) {
+  check_moisture(files.moisture);
+  std::optional<campaign::Study> study;
+  if (!files.study.empty()) study = campaign::read_study(files.study);
+  const TrainedModel trained = read_trained_model(find_model(files.model.string()), files.dataset);
+  if (crosses_ditches(trained.predictor->model()))
+    throw InputError(trained.file.string() +
+                     ": its trials cross ditches, so that it answers for ditches alone; give the vehicle's other model "
+                     "with --model, and this one with --crossing-model");
+  if (!files.vehicle.empty()) require_vehicle(trained, files.vehicle);
+  if (study) require_study(trained, files.study);
+  MapRequest request;
+  request.rules = read_map_rules(study ? study->config.object_if("map") : std::nullopt);
+  request.model = outcome_model_of(trained);
+  request.region = region_of(files, study, request.model);
+  if (!files.height_unit.empty()) request.region.elevation.heights.unit = files.height_unit;
+  if (files.flat_is_ground) request.region.elevation.heights.flat_is_ground = true;
+  add_members(request.model, files.members);
+  add_measures(request.model, trained);
+  if (!files.heading.empty()) set_heading(request.rules, files.heading, "map: --heading");
+  if (files.dem.empty() && !files.moisture.empty()) request.rules.moisture = files.moisture;
+  set_values(request.rules, files.set);
+  if (files.max_speed_km_h > 0) request.rules.max_speed = files.max_speed_km_h / kKmPerHour;
+  if (!files.whole_vehicle.empty()) request.rules.cone_index_of = files.whole_vehicle;
+  add_vehicle(request.model, request.region, trained, request.rules.cone_index_of);
+  add_crossings(request.model, request.region, trained, files.crossing_model.string());
+  if (trained.vehicle && request.rules.fidelity == MapRules{}.fidelity)
+    request.rules.fidelity = trained.vehicle->fidelity();
+  remark_helpers(request.model, trained);
+  if (!trained.vehicle && study && !study->vehicle.empty()) request.model.vehicle = vehicle_name(study->vehicle);
+  request.out = files.out;
+  request.colour_blind_safe = files.colour_blind_safe;
+  request.threads = files.threads;
+  return request;
+}
+
+}  // namespace gonogo::map

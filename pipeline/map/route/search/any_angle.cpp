@@ -1,0 +1,236 @@
+#include "pipeline/map/route/search/any_angle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "base/progress.h"
+#include "base/units.h"
+#include "pipeline/map/route/search/search.h"
+
+namespace gonogo::map {
+
+namespace {
+
+LineStep make_step(const RouteCells& cells, int column, int row, bool backwards) {
+  LineStep step{.column = column, .row = row, .offset = std::ptrdiff_t(row) * cells.columns + column};
+  step.heading = backwards ? heading_of(cells, -column, -row) : heading_of(cells, column, row);
+  const double length = std::hypot(column * cells.cell_width, row * cells.cell_height);
+  // On a grid of its own, wide enough for every step, from a cell in the middle.
+  constexpr int columns = 9, middle = 4 * columns + 4;
+  const auto offset_of = [&](std::uint32_t cell) {
+    return std::ptrdiff_t(int(cell) / columns - 4) * cells.columns + int(cell) % columns - 4;
+  };
+  walk_line(
+      columns, middle, std::uint32_t(middle + row * columns + column),
+      [&](std::uint32_t cell, double begin, double end) {
+        step.piece[std::size_t(step.pieces++)] = {offset_of(cell), float(length * (end - begin))};
+        return true;
+      },
+      [&](std::uint32_t a, std::uint32_t b) {
+        step.corner = {offset_of(a), offset_of(b)};
+        step.corners = 2;
+        return true;
+      });
+  return step;
+}
+
+}  // namespace
+
+int heading_of(const RouteCells& cells, int columns, int rows) {
+  return (int(std::lround(std::atan2(columns * cells.cell_width, -rows * cells.cell_height) / kDegree)) + 360) % 360;
+}
+
+std::vector<LineStep> line_steps(const RouteCells& cells, bool backwards) {
+  std::vector<LineStep> steps;
+  for (int row = -3; row <= 3; ++row)
+    for (int column = -3; column <= 3; ++column)
+      if (std::gcd(row, column) == 1) steps.push_back(make_step(cells, column, row, backwards));
+  return steps;
+}
+
+namespace {
+
+constexpr float kImpassable = RouteCosts::kImpassable;
+
+class Search {
+ public:
+  Search(const RouteCells& cells, const RouteCosts& costs, bool backwards)
+      : cells_(cells), costs_(costs), steps_(line_steps(cells, backwards)), passable_(cells.soil.size()) {
+#pragma omp parallel for schedule(static)
+    for (std::size_t c = 0; c < passable_.size(); ++c) passable_[c] = costs.ever_passable(cells, c);
+    cost.assign(passable_.size(), kImpassable);
+    before.resize(passable_.size());
+  }
+
+  void run(std::size_t start, std::size_t end) {
+    cost[start] = 0;
+    before[start] = std::uint32_t(start);
+    NearestFirst queue(cost);
+    queue.push(start);
+    for (std::size_t taken = 0; !queue.empty(); ++taken) {
+      const std::size_t cell = queue.top();
+      if (cell == end) return;
+      queue.pop();
+      if ((taken & 0xffff) == 0) stop_if_cancelled();
+      expand(cell, queue);
+    }
+  }
+
+  std::vector<float> cost;
+  std::vector<std::uint32_t> before;
+
+ private:
+  void expand(std::size_t cell, NearestFirst& queue) {
+    const int column = int(cell % std::size_t(cells_.columns)), row = int(cell / std::size_t(cells_.columns));
+    for (const LineStep& step : steps_) {
+      const int x = column + step.column, y = row + step.row;
+      if (x < 0 || y < 0 || x >= cells_.columns || y >= cells_.rows) continue;
+      const std::size_t to = std::size_t(std::ptrdiff_t(cell) + step.offset);
+      if (!passable_[to] || cost[to] <= cost[cell]) continue;
+      const float sum = cost_over(step, cell, cost[to]);
+      if (!(sum < cost[to])) continue;
+      cost[to] = sum;
+      before[to] = std::uint32_t(cell);
+      queue.push(to);
+    }
+  }
+
+  /// Cost of the way to `cell` and the step. Gives up once that is no less than `known`.
+  float cost_over(const LineStep& step, std::size_t cell, float known) const {
+    for (int k = 0; k < step.corners; ++k)
+      if (!passable_[std::size_t(std::ptrdiff_t(cell) + step.corner[std::size_t(k)])]) return kImpassable;
+    return step.add_cost(cells_, costs_, cell, cost[cell], known);
+  }
+
+  const RouteCells& cells_;
+  const RouteCosts& costs_;
+  std::vector<LineStep> steps_;
+  std::vector<char> passable_;  // in some heading
+};
+
+}  // namespace
+
+LineOfCells::LineOfCells(const RouteCells& cells, std::uint32_t from, std::uint32_t to) {
+  const int columns = int(to) % cells.columns - int(from) % cells.columns;
+  const int rows = int(to) / cells.columns - int(from) / cells.columns;
+  heading = heading_of(cells, columns, rows);
+  length = std::hypot(columns * cells.cell_width, rows * cells.cell_height);
+}
+
+double line_cost(const RouteCells& cells, const RouteCosts& costs, std::uint32_t from, std::uint32_t to) {
+  if (from == to) return 0;
+  const LineOfCells line(cells, from, to);
+  double sum = 0;
+  const bool passes = walk_line(
+      cells.columns, from, to,
+      [&](std::uint32_t cell, double begin, double end) {
+        sum += line.length * (end - begin) * double(costs.per_metre(cells, cell, line.heading));
+        return std::isfinite(sum);
+      },
+      [&](std::uint32_t a, std::uint32_t b) { return costs.ever_passable(cells, a) && costs.ever_passable(cells, b); });
+  return passes ? sum : std::numeric_limits<double>::infinity();
+}
+
+std::optional<FoundRoute> find_any_angle(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
+                                         std::uint32_t end) {
+  std::vector<std::uint32_t> way;
+  {
+    Search search(cells, costs, false);
+    search.run(start, end);
+    if (!std::isfinite(search.cost[end])) return std::nullopt;
+    for (std::uint32_t cell = end;; cell = search.before[cell]) {
+      way.push_back(cell);
+      if (cell == start) break;
+    }
+  }
+  std::reverse(way.begin(), way.end());
+  return pull_taut(cells, costs, way);
+}
+
+std::vector<float> reach_any_angle(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
+                                   bool backwards) {
+  Search search(cells, costs, backwards);
+  search.run(start, kAnywhere);
+  return std::move(search.cost);
+}
+
+namespace {
+
+constexpr std::size_t kWindow = 200;  // corners that one line may replace
+constexpr int kSweeps = 60;           // most rounds of moving corners
+
+using Way = std::vector<std::uint32_t>;
+
+struct Ground {
+  const RouteCells& cells;
+  const RouteCosts& costs;
+  double line(std::uint32_t from, std::uint32_t to) const { return line_cost(cells, costs, from, to); }
+};
+
+/// The cheapest way over some of the corners, first and last among them.
+Way selected(const Ground& ground, const Way& way) {
+  std::vector<double> best(way.size(), std::numeric_limits<double>::infinity());
+  std::vector<std::size_t> before(way.size(), 0);
+  best[0] = 0;
+  for (std::size_t j = 1; j < way.size(); ++j)
+    for (std::size_t i = j > kWindow ? j - kWindow : 0; i < j; ++i) {
+      const double sum = best[i] + ground.line(way[i], way[j]);
+      if (sum < best[j]) {
+        best[j] = sum;
+        before[j] = i;
+      }
+    }
+  Way corners;
+  for (std::size_t j = way.size() - 1; j > 0; j = before[j]) corners.push_back(way[j]);
+  corners.push_back(way[0]);
+  std::reverse(corners.begin(), corners.end());
+  return corners;
+}
+
+/// The cell beside `at`, or itself, over which the way from a to b costs least.
+std::uint32_t best_beside(const Ground& ground, std::uint32_t a, std::uint32_t at, std::uint32_t b) {
+  const int columns = ground.cells.columns, column = int(at) % columns, row = int(at) / columns;
+  std::uint32_t best = at;
+  double least = ground.line(a, at) + ground.line(at, b);
+  for (int y = std::max(0, row - 1); y <= std::min(ground.cells.rows - 1, row + 1); ++y)
+    for (int x = std::max(0, column - 1); x <= std::min(columns - 1, column + 1); ++x) {
+      const auto cell = std::uint32_t(y) * std::uint32_t(columns) + std::uint32_t(x);
+      const double sum = ground.line(a, cell) + ground.line(cell, b);
+      if (sum < least * (1 - 1e-12)) {
+        least = sum;
+        best = cell;
+      }
+    }
+  return best;
+}
+
+void move_corners(const Ground& ground, Way& way) {
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    bool moved = false;
+    for (std::size_t i = 1; i + 1 < way.size(); ++i) {
+      const std::uint32_t better = best_beside(ground, way[i - 1], way[i], way[i + 1]);
+      moved = moved || better != way[i];
+      way[i] = better;
+    }
+    if (!moved) return;
+  }
+}
+
+}  // namespace
+
+FoundRoute pull_taut(const RouteCells& cells, const RouteCosts& costs, const std::vector<std::uint32_t>& way) {
+  const Ground ground{cells, costs};
+  FoundRoute route;
+  route.cell = way;
+  if (way.size() > 2) {
+    route.cell = selected(ground, way);
+    move_corners(ground, route.cell);
+    route.cell = selected(ground, route.cell);
+  }
+  for (std::size_t i = 1; i < route.cell.size(); ++i) route.cost += ground.line(route.cell[i - 1], route.cell[i]);
+  return route;
+}
+
+}  // namespace gonogo::map

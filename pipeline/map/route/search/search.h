@@ -1,0 +1,67 @@
+// Cheapest ways over the cells of a map, by Dijkstra's algorithm (1959).
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "pipeline/map/route/search/cost.h"
+
+namespace gonogo::map {
+
+/// The priority queue of Dijkstra's search: cells by the smallest cost found so far.
+///
+/// A buffer for boost::breadth_first_visit. A cell whose cost falls is pushed again; its older entries are dropped when
+/// they reach the top. So no entry must be found inside the heap. Of equal costs the lower cell number comes first.
+class NearestFirst {
+ public:
+  explicit NearestFirst(const std::vector<float>& cost) : cost_(cost) {}
+
+  bool empty() const { return heap_.empty(); }
+  std::size_t top() const { return std::uint32_t(heap_.front()); }
+  void push(std::size_t cell) {
+    heap_.push_back(key(cell));
+    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+  }
+  void update(std::size_t cell) { push(cell); }
+  void pop() {
+    do {
+      std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+      heap_.pop_back();
+    } while (!heap_.empty() && heap_.front() != key(top()));
+  }
+
+ private:
+  /// Bits of non-negative floats sort as the floats do, so cost and cell fit one integer.
+  std::uint64_t key(std::size_t cell) const {
+    return std::uint64_t(std::bit_cast<std::uint32_t>(cost_[cell])) << 32 | std::uint32_t(cell);
+  }
+
+  const std::vector<float>& cost_;
+  std::vector<std::uint64_t> heap_;
+};
+
+/// Cheapest ways over the cells of a map, by Dijkstra's algorithm (1959).
+/// In place of the cell to reach: every one.
+inline constexpr std::size_t kAnywhere = std::size_t(-1);
+
+struct FoundRoute {
+  double cost = 0;
+  std::vector<std::uint32_t> cell;  // from start to end, neighbours of each other
+};
+
+/// The cheapest way from `start` to `end`; nothing if there is none. Ties are broken by cell number, so the result is
+/// always the same.
+std::optional<FoundRoute> find_route(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start,
+                                     std::uint32_t end);
+
+/// Min cost from `start` to every cell [cell]; with `backwards`, from every cell to `start`. No way: infinity.
+std::vector<float> reach(const RouteCells& cells, const RouteCosts& costs, std::uint32_t start, bool backwards = false);
+
+/// Number of the connected region of each cell [cell]; -1 if no heading passes. Two neighbours are connected if `costs`
+/// allows the steps in both directions. Regions are numbered in the order of their first cell.
+std::vector<std::int32_t> connected_regions(const RouteCells& cells, const RouteCosts& costs);
+
+}  // namespace gonogo::map

@@ -1,0 +1,225 @@
+#include "pipeline/outcome/answer/predictor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.h"
+#include "base/files/file.h"
+#include "base/progress.h"
+#include "learning/model/posterior.h"
+#include "learning/score/score.h"
+#include "pipeline/campaign/study/contract.h"
+#include "pipeline/outcome/training_data.h"
+
+namespace gonogo::outcome {
+namespace {
+
+bool knows(const learning::VisibleLayout& layout, const std::string& variable) {
+  for (const learning::Encoder& encoder : layout.encoders())
+    if (encoder.name() == variable) return true;
+  return false;
+}
+
+/// Puts the variable at place `v`, where all trials have 0 of it.
+void add_variable(learning::Model& model, const campaign::Variable& variable, std::size_t v) {
+  const auto at = [v](auto& list) { return list.begin() + std::ptrdiff_t(v); };
+  std::vector<learning::Encoder> encoders = model.layout.encoders();
+  encoders.insert(at(encoders),
+                  learning::Encoder::by_range(variable.name, variable.unit, learning::Code::thermometer, 1, 0, 0));
+  const std::size_t before = model.layout.variable_count();
+  model.layout = learning::VisibleLayout(std::move(encoders), model.layout.outcomes());
+  model.sampled_lower.insert(at(model.sampled_lower), 0);
+  model.sampled_upper.insert(at(model.sampled_upper), 0);
+  if (!model.input_prior.empty()) model.input_prior.insert(at(model.input_prior), {1.0});
+  std::vector<double> points;
+  for (std::size_t n = 0; n < model.training_outcomes.size(); ++n) {
+    const auto row = model.training_points.begin() + std::ptrdiff_t(n * before);
+    points.insert(points.end(), row, row + std::ptrdiff_t(v));
+    points.push_back(0);
+    points.insert(points.end(), row + std::ptrdiff_t(v), row + std::ptrdiff_t(before));
+  }
+  model.training_points = std::move(points);
+}
+
+}  // namespace
+
+learning::Model read_contract_model(const std::filesystem::path& file) {
+  learning::Model model = learning::read_model(file);
+  for (std::size_t v = 0; v < campaign::contract().variables.size(); ++v) {
+    const campaign::Variable& variable = campaign::contract().variables[v];
+    if (campaign::is_task_variable(variable) && v <= model.layout.variable_count() &&
+        !knows(model.layout, variable.name))
+      add_variable(model, variable, v);
+  }
+  check_contract(model, file.string());
+  return model;
+}
+
+void check_contract(const learning::Model& model, const std::string& source) {
+  bool same = model.layout.variable_count() == campaign::contract().variables.size() &&
+              model.layout.outcome_count() == campaign::contract().outcomes.size();
+  for (std::size_t v = 0; same && v < campaign::contract().variables.size(); ++v)
+    same = model.layout.encoders()[v].name() == campaign::contract().variables[v].name;
+  for (std::size_t y = 0; same && y < campaign::contract().outcomes.size(); ++y)
+    same = model.layout.outcomes()[y] == campaign::contract().outcomes[y].name;
+  if (!same)
+    throw InputError(source +
+                     ": was trained with other variables or outcomes than this program's contract; train again");
+}
+
+namespace {
+
+/// Squared distance in units of the sampled ranges, mean over the variables that both points know and that vary.
+double scaled_distance(const learning::Model& model, std::span<const double> a, std::span<const double> b) {
+  double sum = 0, count = 0;
+  for (std::size_t v = 0; v < a.size(); ++v) {
+    const double width = model.sampled_upper[v] - model.sampled_lower[v];
+    if (width <= 0 || std::isnan(a[v]) || std::isnan(b[v])) continue;
+    const double d = (a[v] - b[v]) / width;
+    sum += d * d;
+    count += 1;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+double nearest_distance(const learning::Model& model, std::span<const double> point, std::size_t skip) {
+  const std::size_t variables = model.layout.variable_count();
+  double nearest = INFINITY;
+  for (std::size_t n = 0; n < model.training_outcomes.size(); ++n) {
+    if (n == skip) continue;
+    const auto other = std::span(model.training_points).subspan(n * variables, variables);
+    nearest = std::min(nearest, scaled_distance(model, point, other));
+  }
+  return nearest;
+}
+
+/// Median over trials of the distance to the nearest other trial at another point (replicates share one).
+double typical_distance(const learning::Model& model) {
+  const std::size_t variables = model.layout.variable_count();
+  std::vector<double> distances;
+  for (std::size_t n = 0; n < model.training_outcomes.size(); ++n) {
+    const auto point = std::span(model.training_points).subspan(n * variables, variables);
+    const double distance = nearest_distance(model, point, n);
+    if (distance > 0 && std::isfinite(distance)) distances.push_back(distance);
+  }
+  if (distances.empty()) return 1;
+  std::nth_element(distances.begin(), distances.begin() + std::ptrdiff_t(distances.size() / 2), distances.end());
+  return distances[distances.size() / 2];
+}
+
+}  // namespace
+
+Predictor Predictor::read(const std::filesystem::path& model_file) {
+  return Predictor(read_contract_model(model_file));
+}
+
+Predictor::Predictor(learning::Model model)
+    : model_(std::make_shared<const learning::Model>(std::move(model))),
+      posterior_(model_->layout, model_->weights, model_->input_prior) {
+  check_contract(*model_, "model");
+  const std::vector<int> passable = passable_outcomes();
+  go_weight_.assign(passable.begin(), passable.end());
+  typical_distance_ = typical_distance(*model_);
+}
+
+std::vector<double> Predictor::outcome_probabilities(std::span<const double> variables) const {
+  return marginal(variables).probability;
+}
+
+learning::PosteriorAnswer Predictor::marginal(std::span<const double> variables,
+                                              const learning::MarginalOptions& options) const {
+  if (variables.size() != model_->layout.variable_count())
+    throw InputError("predictor: " + std::to_string(variables.size()) + " variables given, " +
+                     std::to_string(model_->layout.variable_count()) + " needed");
+  return calibrated(posterior_.marginal(variables, options));
+}
+
+learning::PosteriorAnswer Predictor::calibrated(learning::PosteriorAnswer answer) const {
+  if (model_->calibration_power == 1) return answer;
+  const std::vector<double> before = answer.probability;
+  learning::sharpen(answer.probability, model_->calibration_power);
+  for (std::size_t y = 0; y < before.size(); ++y) {  // first order, the other outcomes taken together
+    const double q = answer.probability[y], spread = before[y] * (1 - before[y]);
+    if (spread > 0) answer.standard_error[y] *= model_->calibration_power * q * (1 - q) / spread;
+  }
+  return answer;
+}
+
+learning::JointAnswer Predictor::reconstruct(std::span<const double> variables,
+                                             std::optional<std::size_t> outcome) const {
+  learning::JointAnswer answer = posterior_.joint(variables, outcome);
+  if (!outcome) answer.outcome = calibrated(std::move(answer.outcome));
+  return answer;
+}
+
+double Predictor::p_go(std::span<const double> variables) const { return p_go(variables, learning::MarginalOptions()); }
+
+double Predictor::p_go(std::span<const double> variables, const learning::MarginalOptions& options) const {
+  const std::vector<double> p = marginal(variables, options).probability;
+  double sum = 0;
+  for (std::size_t y = 0; y < p.size(); ++y) sum += go_weight_[y] * p[y];
+  return sum;
+}
+
+template <class Store>
+void Predictor::for_each_point(std::span<const double> points, Store store) const {
+  const std::size_t width = model_->layout.variable_count(), count = points.size() / width;
+  const std::size_t outcomes = go_weight_.size();
+#pragma omp parallel
+  {
+    std::vector<double> p(outcomes);
+#pragma omp for schedule(dynamic, 256)
+    for (std::size_t n = 0; n < count; ++n) {
+      if (cancel_requested()) continue;
+      const auto point = points.subspan(n * width, width);
+      if (needs_summation(point))
+        p = posterior_.marginal(point).probability;
+      else
+        posterior_(point, p);
+      if (model_->calibration_power != 1) learning::sharpen(p, model_->calibration_power);
+      store(n, p);
+    }
+  }
+  stop_if_cancelled();
+}
+
+bool Predictor::needs_summation(std::span<const double> point) const {
+  for (std::size_t v = 0; v < point.size(); ++v)
+    if (std::isnan(point[v]) && model_->layout.encoders()[v].unit_count() > 0) return true;
+  return false;  // a variable that all trials held fixed has no units to sum over
+}
+
+void Predictor::p_go(std::span<const double> points, std::span<double> result) const {
+  GONOGO_ASSERT(points.size() == result.size() * model_->layout.variable_count());
+  for_each_point(points, [&](std::size_t n, const std::vector<double>& p) {
+    double sum = 0;
+    for (std::size_t y = 0; y < p.size(); ++y) sum += go_weight_[y] * p[y];
+    result[n] = sum;
+  });
+}
+
+void Predictor::outcome_probabilities(std::span<const double> points, std::span<double> result) const {
+  GONOGO_ASSERT(points.size() * go_weight_.size() == result.size() * model_->layout.variable_count());
+  for_each_point(points, [&](std::size_t n, const std::vector<double>& p) {
+    std::copy(p.begin(), p.end(), result.begin() + std::ptrdiff_t(n * p.size()));
+  });
+}
+
+std::string Predictor::outside_variable(std::span<const double> variables) const {
+  for (std::size_t v = 0; v < variables.size(); ++v) {
+    const double low = model_->sampled_lower[v], high = model_->sampled_upper[v];
+    const double slack = 1e-9 * std::max({std::abs(low), std::abs(high), high - low});
+    if (variables[v] < low - slack || variables[v] > high + slack) return model_->layout.encoders()[v].name();
+  }
+  return "";
+}
+
+bool Predictor::inside_sampled_box(std::span<const double> variables) const {
+  return outside_variable(variables).empty();
+}
+
+double Predictor::novelty(std::span<const double> variables) const {
+  return nearest_distance(*model_, variables, SIZE_MAX) / typical_distance_;
+}
+
+}  // namespace gonogo::outcome

@@ -1,0 +1,185 @@
+#include "pipeline/outcome/qubo/code_machine.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace gonogo::outcome {
+namespace {
+
+constexpr std::size_t kMaxHidden = 16;        // 2^16 rows take half a second
+constexpr std::size_t kMaxCoupledUnits = 12;  // of a penalised group: all its words are listed
+
+double log_sum(std::span<const double> x) {
+  const double highest = *std::max_element(x.begin(), x.end());
+  double sum = 0;
+  for (double value : x) sum += std::exp(value - highest);
+  return highest + std::log(sum);
+}
+
+double softplus(double x) { return std::max(x, 0.0) + std::log1p(std::exp(-std::abs(x))); }
+
+std::vector<CodeGroup> groups_of(const learning::Problem& problem, const learning::VisibleLayout& layout) {
+  std::map<std::string, std::uint32_t> place;
+  for (std::size_t i = 0; i < problem.labels.size(); ++i)
+    place[learning::label_text(problem.labels[i])] = std::uint32_t(i);
+  const std::vector<std::string> labels = layout.unit_labels();
+  std::vector<CodeGroup> groups;
+  const auto add = [&](std::ptrdiff_t variable, std::size_t first, std::size_t count) {
+    CodeGroup group{.variable = variable, .unit = {}, .word = {}};
+    for (std::size_t k = first; k < first + count; ++k)
+      if (const auto found = place.find(labels[k]); found != place.end()) group.unit.push_back(found->second);
+    if (count > 0 && group.unit.size() == count) groups.push_back(std::move(group));
+  };
+  for (std::size_t v = 0; v < layout.variable_count(); ++v)
+    add(std::ptrdiff_t(v), layout.offset(v), layout.encoders()[v].unit_count());
+  add(-1, layout.input_unit_count(), layout.outcome_count());
+  for (CodeGroup& group : groups) {
+    const std::size_t bins = group.variable < 0
+                                 ? layout.outcome_count()
+                                 : std::size_t(layout.encoders()[std::size_t(group.variable)].bin_count());
+    for (std::size_t bin = 0; bin < bins; ++bin) {
+      auto& word = group.word.emplace_back(group.unit.size(), std::uint8_t(0));
+      if (group.variable < 0)
+        word[bin] = 1;
+      else
+        layout.encoders()[std::size_t(group.variable)].encode(int(bin), word);
+    }
+  }
+  return groups;
+}
+
+}  // namespace
+
+std::optional<CodeMachine> CodeMachine::of(const learning::Problem& problem, const learning::VisibleLayout& layout) {
+  CodeMachine machine;
+  machine.problem_ = learning::to_qubo(problem);
+  machine.groups_ = groups_of(problem, layout);
+  const std::size_t n = problem.variable_count();
+  std::vector<std::ptrdiff_t> group_of(n, -1), place_of(n, -1), hidden_of(n, -1);
+  for (std::size_t g = 0; g < machine.groups_.size(); ++g)
+    for (std::size_t k = 0; k < machine.groups_[g].unit.size(); ++k) {
+      group_of[machine.groups_[g].unit[k]] = std::ptrdiff_t(g);
+      place_of[machine.groups_[g].unit[k]] = std::ptrdiff_t(k);
+    }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (group_of[i] >= 0) continue;
+    hidden_of[i] = std::ptrdiff_t(machine.hidden_.size());
+    machine.hidden_.push_back(std::uint32_t(i));
+  }
+  machine.coupling_.assign(n, std::vector<double>(machine.hidden_.size(), 0.0));
+  machine.inside_.assign(n, {});
+  for (const learning::Coupling& c : machine.problem_.couplings) {
+    if (c.value == 0) continue;
+    if ((hidden_of[c.a] >= 0) != (hidden_of[c.b] >= 0)) {
+      const bool a_hidden = hidden_of[c.a] >= 0;
+      machine.coupling_[a_hidden ? c.b : c.a][std::size_t(hidden_of[a_hidden ? c.a : c.b])] = c.value;
+      continue;
+    }
+    const CodeGroup* group = group_of[c.a] >= 0 ? &machine.groups_[std::size_t(group_of[c.a])] : nullptr;
+    if (!group || group_of[c.a] != group_of[c.b] || group->unit.size() > kMaxCoupledUnits) return std::nullopt;
+    auto& inside = machine.inside_[std::max(c.a, c.b)];
+    inside.resize(group->unit.size(), 0.0);
+    inside[std::size_t(place_of[std::min(c.a, c.b)])] = c.value;
+  }
+  return machine;
+}
+
+std::vector<double> CodeMachine::fields(const CodeGroup& group, std::span<const std::int8_t> row) const {
+  std::vector<double> result;
+  for (std::uint32_t unit : group.unit) {
+    double sum = problem_.linear[unit];
+    for (std::size_t j = 0; j < hidden_.size(); ++j)
+      if (row[hidden_[j]] > 0) sum += coupling_[unit][j];
+    result.push_back(sum);
+  }
+  return result;
+}
+
+template <class On>
+double CodeMachine::word_energy(const CodeGroup& group, std::span<const double> field, On on) const {
+  double sum = 0;
+  for (std::size_t k = 0; k < field.size(); ++k) {
+    if (!on(k)) continue;
+    sum += field[k];
+    const auto& inside = inside_[group.unit[k]];
+    for (std::size_t m = 0; m < inside.size(); ++m)
+      if (on(m)) sum += inside[m];
+  }
+  return sum;
+}
+
+double CodeMachine::log_all_words(const CodeGroup& group, std::span<const double> field) const {
+  const bool coupled =
+      std::any_of(group.unit.begin(), group.unit.end(), [&](std::uint32_t unit) { return !inside_[unit].empty(); });
+  if (!coupled) {
+    double sum = 0;
+    for (double f : field) sum += softplus(-f);
+    return sum;
+  }
+  std::vector<double> log_weight;
+  for (std::size_t bits = 0; bits < std::size_t(1) << field.size(); ++bits)
+    log_weight.push_back(-word_energy(group, field, [&](std::size_t k) { return (bits >> k & 1) != 0; }));
+  return log_sum(log_weight);
+}
+
+CodeMachine::Given CodeMachine::given(std::span<const std::int8_t> row) const {
+  Given result;
+  for (std::uint32_t h : hidden_)
+    if (row[h] > 0) result.log_words -= problem_.linear[h];
+  result.log_all = result.log_words;
+  for (const CodeGroup& group : groups_) {
+    const std::vector<double> field = fields(group, row);
+    std::vector<double> log_word;
+    for (const auto& word : group.word)
+      log_word.push_back(-word_energy(group, field, [&](std::size_t k) { return word[k] != 0; }));
+    const double words = log_sum(log_word);
+    result.log_words += words;
+    result.log_all += log_all_words(group, field);
+    auto& probability = result.probability.emplace_back();
+    for (double x : log_word) probability.push_back(std::exp(x - words));
+  }
+  return result;
+}
+
+std::optional<CodeMachine::Exact> CodeMachine::exact() const {
+  if (hidden_.size() > kMaxHidden) return std::nullopt;
+  Exact result;
+  for (const CodeGroup& group : groups_) result.probability.emplace_back(group.word.size(), 0.0);
+  std::vector<std::int8_t> row(problem_.variable_count(), 0);
+  double highest = -INFINITY, words = 0, all = 0, weighed = 0;  // sums in units of exp(highest)
+  for (std::size_t bits = 0; bits < std::size_t(1) << hidden_.size(); ++bits) {
+    for (std::size_t j = 0; j < hidden_.size(); ++j) row[hidden_[j]] = std::int8_t(bits >> j & 1);
+    const Given now = given(row);
+    if (now.log_all > highest) {
+      const double factor = std::exp(highest - now.log_all);
+      for (auto& group : result.probability)
+        for (double& p : group) p *= factor;
+      words *= factor;
+      all *= factor;
+      weighed *= factor;
+      highest = now.log_all;
+    }
+    const double weight = std::exp(now.log_words - highest);
+    for (std::size_t g = 0; g < groups_.size(); ++g)
+      for (std::size_t b = 0; b < now.probability[g].size(); ++b)
+        result.probability[g][b] += weight * now.probability[g][b];
+    words += weight;
+    all += std::exp(now.log_all - highest);
+    weighed += std::exp(2 * (now.log_words - highest) - (now.log_all - highest));
+  }
+  for (auto& group : result.probability)
+    for (double& p : group) p /= words;
+  result.word_share = words / all;
+  result.weighed_share = words / all * words / weighed;
+  return result;
+}
+
+std::vector<double> CodeMachine::exact_outcomes() const {
+  const std::optional<Exact> sums = exact();
+  for (std::size_t g = 0; sums && g < groups_.size(); ++g)
+    if (groups_[g].variable < 0) return sums->probability[g];
+  return {};
+}
+
+}  // namespace gonogo::outcome

@@ -1,0 +1,224 @@
+#include "pipeline/outcome/training/teacher.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include "base/error.h"
+#include "base/files/file.h"
+#include "base/format.h"
+#include "base/json/config.h"
+#include "learning/rbm/gaussian_process.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/design/sobol.h"
+#include "pipeline/outcome/training_data.h"
+#include "vehicle/model/statics.h"
+
+namespace gonogo::outcome {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string& text_of(const campaign::Provenance& provenance, const char* name, const std::string& where) {
+  if (const std::string* text = campaign::input_text(provenance, name)) return *text;
+  throw InputError(where + ": does not hold its " + name +
+                   ", so its fidelity is unknown; train on it alone, or compute its trials anew");
+}
+
+std::string rolling_text(double wheel_rolling) {
+  if (wheel_rolling == 0) return ", which roll freely on it";
+  return wheel_rolling == 1 ? ", which resist rolling on it"
+                            : line(", which resist rolling on it %.3g-fold", wheel_rolling);
+}
+
+struct Named {
+  std::string where;
+  std::string vehicle;  // the whole one
+  Fidelity fidelity;
+  double gravity = 0;  // [m/s^2]
+};
+
+/// Name of the whole vehicle: "hmmwv" of hmmwv and of hmmwv_quarter.
+std::string whole_vehicle(const campaign::Provenance& provenance, const std::string& where) {
+  constexpr std::string_view kQuarter = "_quarter";
+  std::string name = Config::parse(text_of(provenance, "vehicle", where), where + ": vehicle").text("vehicle");
+  const bool is_quarter =
+      name.size() > kQuarter.size() && name.compare(name.size() - kQuarter.size(), kQuarter.size(), kQuarter) == 0;
+  return is_quarter ? name.substr(0, name.size() - kQuarter.size()) : name;
+}
+
+Named named(const std::string& where, const campaign::Provenance& provenance) {
+  return {where, whole_vehicle(provenance, where), fidelity_of(provenance, where),
+          campaign::settings_of(provenance, where).gravity};
+}
+
+Named named(const fs::path& file) { return named(file.string(), campaign::read_dataset(file).provenance); }
+
+void require_pair(const Named& a, const Named& b) {
+  if (a.gravity != b.gravity)
+    throw InputError(b.where + line(": its trials had a gravity of %.4g m/s^2, those of ", b.gravity) + a.where +
+                     line(" %.4g; train on each alone", a.gravity));
+  if (a.vehicle != b.vehicle)
+    throw InputError(b.where + ": its trials drove the vehicle " + b.vehicle + ", those of " + a.where + " " +
+                     a.vehicle + "; another vehicle needs a model of its own: train on each alone");
+  if (a.fidelity == b.fidelity)
+    throw InputError(b.where + ": its trials have the fidelity of " + a.where + " (" + a.fidelity.text() +
+                     "); give one dataset of each fidelity");
+}
+
+/// Throws InputError unless this one and each of the others can be learned together; then adds it to them.
+void add_checked(std::vector<Named>& seen, Named next) {
+  for (const Named& earlier : seen) require_pair(earlier, next);
+  seen.push_back(std::move(next));
+}
+
+/// Appends the rows with these inputs after their variables. Their groups are new ones.
+void append(learning::TrainingTable& table, const learning::TrainingTable& rows, const std::vector<double>& inputs) {
+  const std::uint64_t first_group =
+      table.group.empty() ? 0 : 1 + *std::max_element(table.group.begin(), table.group.end());
+  table.variable_count = rows.variable_count + inputs.size();
+  for (std::size_t n = 0; n < rows.row_count(); ++n) {
+    table.variables.insert(table.variables.end(), rows.row(n).begin(), rows.row(n).end());
+    table.variables.insert(table.variables.end(), inputs.begin(), inputs.end());
+    table.group.push_back(first_group + rows.group[n]);
+  }
+  table.outcome.insert(table.outcome.end(), rows.outcome.begin(), rows.outcome.end());
+  table.weight.insert(table.weight.end(), rows.weight.begin(), rows.weight.end());
+}
+
+}  // namespace
+
+bool Fidelity::is_finer_than(const Fidelity& other) const {
+  const auto rank = [](const Fidelity& f) {
+    return std::tuple(f.is_whole, f.has_compliant_tyres, -std::abs(f.wheel_rolling - 1), f.grains_per_tyre);
+  };
+  return rank(*this) > rank(other);
+}
+
+std::string Fidelity::text() const {
+  return std::string(is_whole ? "whole vehicle" : "quarter of a vehicle") +
+         (has_compliant_tyres ? ", compliant tyres" : ", rigid tyres") +
+         line(", %.1f grains across a wheel", grains_per_tyre) + rolling_text(wheel_rolling);
+}
+
+std::vector<double> Fidelity::inputs() const {
+  return {double(is_whole), double(has_compliant_tyres), std::log2(grains_per_tyre), wheel_rolling};
+}
+
+Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& where) {
+  const Config file = Config::parse(text_of(provenance, "vehicle", where), where + ": vehicle");
+  const Json soil = Json::parse(text_of(provenance, "calibration", where), where + ": calibration");
+  Fidelity fidelity;
+  fidelity.is_whole = file.text("kind") != "quarter";
+  const campaign::TrialSettings settings = campaign::settings_of(provenance, where);
+  fidelity.has_compliant_tyres = settings.compliant_tyres;
+  fidelity.wheel_rolling = settings.wheel_rolling;
+  fidelity.grains_per_tyre =
+      vehicle::tread_width(vehicle::read_any_vehicle(file)) / soil.at("grain_diameter_m").number();
+  return fidelity;
+}
+
+learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows) const {
+  if (empty()) return rows;
+  learning::TrainingTable result;
+  append(result, rows, own);
+  append(result, table, {});
+  return result;
+}
+
+OtherTrials OtherTrials::away_from(const learning::TrainingTable& rows) const {
+  std::set<std::vector<double>> points;
+  for (std::size_t n = 0; n < rows.row_count(); ++n) points.emplace(rows.row(n).begin(), rows.row(n).end());
+  std::vector<std::size_t> kept;
+  for (std::size_t n = 0; n < table.row_count(); ++n)
+    if (!points.contains({table.row(n).begin(), table.row(n).begin() + std::ptrdiff_t(rows.variable_count)}))
+      kept.push_back(n);
+  OtherTrials result = *this;
+  if (kept.size() < table.row_count()) result.table = table.subset(kept);
+  return result;
+}
+
+std::vector<double> OtherTrials::at_own(const std::vector<double>& points, std::size_t variables) const {
+  if (empty()) return points;
+  std::vector<double> result;
+  for (auto point = points.begin(); point != points.end(); point += std::ptrdiff_t(variables)) {
+    result.insert(result.end(), point, point + std::ptrdiff_t(variables));
+    result.insert(result.end(), own.begin(), own.end());
+  }
+  return result;
+}
+
+void require_together(const campaign::Provenance& own, const std::string& where, const std::vector<fs::path>& others) {
+  std::vector<Named> seen{named(where, own)};
+  for (const fs::path& file : others) add_checked(seen, named(file));
+}
+
+OtherTrials read_other_trials(const fs::path& own, const std::vector<fs::path>& others) {
+  OtherTrials result;
+  if (others.empty()) return result;
+  std::vector<Named> seen{named(own)};
+  result.own = seen.front().fidelity.inputs();
+  for (const fs::path& file : others) {
+    const campaign::Dataset dataset = campaign::read_dataset(file);
+    add_checked(seen, named(file.string(), dataset.provenance));
+    const Fidelity& fidelity = seen.back().fidelity;
+    const learning::TrainingTable rows = make_training_data(dataset.records, std::nullopt).table;
+    append(result.table, rows, fidelity.inputs());
+    result.datasets.push_back({file_hash(file), rows.row_count(), fidelity.text()});
+  }
+  return result;
+}
+
+std::vector<fs::path> finest_first(std::vector<fs::path> datasets) {
+  if (datasets.size() < 2) return datasets;
+  std::vector<std::pair<Fidelity, fs::path>> order;
+  for (const fs::path& file : datasets)
+    order.emplace_back(fidelity_of(campaign::read_dataset(file).provenance, file.string()), file);
+  std::stable_sort(order.begin(), order.end(),
+                   [](const auto& a, const auto& b) { return a.first.is_finer_than(b.first); });
+  for (std::size_t k = 0; k < order.size(); ++k) datasets[k] = order[k].second;
+  return datasets;
+}
+
+double teacher_weight(std::size_t trials) {
+  constexpr std::size_t kFew = 500;
+  return trials < kFew ? 3 : 1;
+}
+
+std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper,
+                                  std::uint64_t seed) {
+  constexpr std::uint32_t kCount = 2048;
+  std::vector<double> points;
+  for (std::uint32_t k = 0; k < kCount; ++k)
+    for (std::size_t v = 0; v < lower.size(); ++v)
+      points.push_back(lower[v] + (upper[v] - lower[v]) * campaign::scrambled_sobol(k, seed, int(v)));
+  return points;
+}
+
+learning::GaussianProcessModel fitted_process(const learning::TrainingTable& rows, const OtherTrials& others) {
+  const learning::TrainingTable table = others.joined(rows);
+  return learning::fit_gaussian_process(table, passable_labels(table));
+}
+
+std::shared_ptr<const learning::Teaching> teaching(double weight, std::vector<double> points,
+                                                   std::vector<double> probability) {
+  return std::make_shared<const learning::Teaching>(learning::Teaching{.weight = weight,
+                                                                       .points = std::move(points),
+                                                                       .probability = std::move(probability),
+                                                                       .label = passable_outcomes()});
+}
+
+std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
+                                                    const std::vector<double>& lower, const std::vector<double>& upper,
+                                                    double weight, std::uint64_t seed) {
+  if (weight == 0) return nullptr;
+  std::vector<double> points = taught_points(lower, upper, seed);
+  std::vector<double> probability =
+      fitted_process(table, others).most_probable(others.at_own(points, table.variable_count));
+  return teaching(weight, std::move(points), std::move(probability));
+}
+
+}  // namespace gonogo::outcome

@@ -1,0 +1,94 @@
+// The teacher of a machine: a Gaussian process fitted to the same trials says P(go) at points without a trial, at its
+// most probable latent function (learning/rbm/train.h).
+//
+// Where few trials are of the finest fidelity, the process also learns those of other fidelities. It takes fidelity as
+// inputs beside the variables and answers at the finest; the machine's own rows are the finest trials alone. One kernel
+// over points and fidelities is the simplest model of Kennedy & O'Hagan, "Predicting the output from a complex computer
+// code when fast approximations are available", Biometrika 87:1 (2000).
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "learning/rbm/gaussian_process.h"
+#include "learning/rbm/train.h"
+#include "learning/training.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/outcome/training_data.h"
+
+namespace gonogo::outcome {
+
+/// What two trials of the same variables may differ in.
+struct Fidelity {
+  bool is_whole = false, has_compliant_tyres = false;
+  double grains_per_tyre = 0;  // tyre width over grain diameter [-]
+  double wheel_rolling = 0;    // rolling friction of grains on wheels over that between grains [-]
+
+  bool operator==(const Fidelity&) const = default;
+  /// A whole vehicle is finer than a quarter; then compliant tyres than rigid ones; then grains that resist rolling on
+  /// wheels as on each other (docs/wheels.md); then small grains than large ones.
+  bool is_finer_than(const Fidelity& other) const;
+  /// "whole vehicle, compliant tyres, 7.9 grains across a wheel, which resist rolling on it"
+  std::string text() const;
+  /// Inputs of the process: 0 or 1, 0 or 1, log2(grains_per_tyre), wheel_rolling.
+  std::vector<double> inputs() const;
+};
+
+/// Throws InputError where the dataset does not hold its vehicle and soil table.
+Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& where);
+
+struct OtherDataset {
+  std::string hash;        // of the file
+  std::size_t trials = 0;  // valid ones
+  std::string fidelity;    // Fidelity::text()
+};
+
+struct OtherTrials {
+  learning::TrainingTable table;  // [rows x (variables, then Fidelity::inputs())]; no rows: there are no other trials
+  std::vector<double> own;        // Fidelity::inputs() of the model's own trials
+  std::vector<OtherDataset> datasets;
+
+  bool empty() const { return table.row_count() == 0; }
+  /// What a process learns from: these rows of the model's own trials and all others. `rows` alone without others.
+  learning::TrainingTable joined(const learning::TrainingTable& rows) const;
+  /// The same without trials at the points of these rows of the own trials: what a process may know that is judged by
+  /// them. The same point at another fidelity tells most of the outcome.
+  OtherTrials away_from(const learning::TrainingTable& rows) const;
+  /// The points at the own fidelity, as the process takes them. points: [point count x variables]
+  std::vector<double> at_own(const std::vector<double>& points, std::size_t variables) const;
+};
+
+/// Throws InputError where the trials of the files cannot be learned together with these: another vehicle, another
+/// gravity, or a fidelity that is there already. A quarter of a vehicle is named as it, with "_quarter" after. `where`
+/// names the own trials.
+void require_together(const campaign::Provenance& own, const std::string& where,
+                      const std::vector<std::filesystem::path>& others);
+
+/// Valid trials of other datasets than `own`. Throws InputError as require_together().
+OtherTrials read_other_trials(const std::filesystem::path& own, const std::vector<std::filesystem::path>& others);
+
+/// The same files, the finest first.
+std::vector<std::filesystem::path> finest_first(std::vector<std::filesystem::path> datasets);
+
+/// Weight of the teacher's term for so many trials, where the study gives none.
+double teacher_weight(std::size_t trials);
+
+/// Points that a teacher labels: 2,048 of a scrambled Sobol' sequence over the sampled box [point x variable].
+std::vector<double> taught_points(const std::vector<double>& lower, const std::vector<double>& upper,
+                                  std::uint64_t seed);
+
+/// The process that learns P(go) of these rows of the model's own trials and of all others.
+learning::GaussianProcessModel fitted_process(const learning::TrainingTable& rows, const OtherTrials& others);
+
+/// probability: P(go) of the points.
+std::shared_ptr<const learning::Teaching> teaching(double weight, std::vector<double> points,
+                                                   std::vector<double> probability);
+
+/// The teaching of a machine for all rows of `table`, whose weights the process takes too; none for weight 0. lower,
+/// upper: the sampled box.
+std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
+                                                    const std::vector<double>& lower, const std::vector<double>& upper,
+                                                    double weight, std::uint64_t seed);
+
+}  // namespace gonogo::outcome

@@ -1,0 +1,484 @@
+#include "pipeline/outcome/training/train_model.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+
+#include "base/error.h"
+#include "base/files/file.h"
+#include "base/hdf5/hdf5.h"
+#include "base/math/random.h"
+#include "base/progress.h"
+#include "base/version.h"
+#include "learning/rbm/train.h"
+#include "learning/score/score.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/campaign/study/study.h"
+#include "pipeline/outcome/answer/predictor.h"
+#include "pipeline/outcome/training_data.h"
+
+namespace gonogo::outcome {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Trials and settings that a model and its members are trained with.
+struct Inputs {
+  LearningSettings settings;
+  double gravity = 0;  // of the trials [m/s^2]
+  TrainingData data;
+  learning::TrainingTable held_out;
+  learning::TrainingSettings training;
+  OtherTrials others;
+  double teacher_weight = 0;
+};
+
+Inputs read_inputs(const TrainRequest& request) {
+  Inputs in;
+  in.settings = trainable_settings(request.learning);
+  const campaign::Dataset dataset = campaign::read_dataset(request.dataset);
+  in.gravity = campaign::settings_of(dataset.provenance, request.dataset.string()).gravity;
+  in.data = make_training_data(dataset.records, request.design);
+  temper_weights(in.data, in.settings.importance);
+  if (request.hold_out > 0) in.held_out = hold_out(in.data, request.hold_out, request.seed);
+  if (!request.groups.empty()) keep_groups(in.data, request.groups);
+  const std::size_t rows = in.data.table.row_count();
+  in.settings = settings_for_trials(std::move(in.settings), rows);
+  in.training = training_settings(in.settings, rows, request.seed);
+  in.others = read_other_trials(request.dataset, request.others);
+  in.teacher_weight = in.settings.teacher.value_or(teacher_weight(rows));
+  return in;
+}
+
+/// As many folds as asked for, or as there are groups of trials where they are fewer.
+std::size_t usable_folds(const learning::TrainingTable& table, std::size_t asked) {
+  std::vector<std::uint64_t> groups(table.group);
+  std::sort(groups.begin(), groups.end());
+  return std::min(asked, std::size_t(std::unique(groups.begin(), groups.end()) - groups.begin()));
+}
+
+/// Progress in epochs over all machines: those of the folds, then the last one. Before its epochs every machine gets a
+/// teacher, whose time is counted apart.
+class TrainingProgress {
+ public:
+  /// `next` is called before each update; it may be empty.
+  TrainingProgress(std::size_t folds, std::size_t epochs, learning::EpochHook next)
+      : folds_(folds),
+        epochs_(epochs),
+        last_epochs_(epochs),
+        next_(std::move(next)),
+        progress_("train", "epochs", (folds + 1) * epochs) {}
+
+  /// Hook of learning::train_rbm() and of learning::cross_validate().
+  learning::EpochHook watch() {
+    return [this](std::size_t epoch, const learning::RbmWeights& weights) {
+      const bool go_on = !next_ || next_(epoch, weights);
+      update(machines_done_ * epochs_ + epoch * epochs_ / last_epochs_);
+      return go_on;
+    };
+  }
+  /// The machine in progress comes from an earlier run. Its epochs do not count in the rate.
+  void reuse_machine() { reused_ += epochs_; }
+  void machine_done(std::size_t done) {
+    machines_done_ = done;
+    update(done * epochs_);
+  }
+  /// The machine in progress is the last one and trains for `epochs`. It counts as much as a fold.
+  void last_machine(std::size_t epochs) { last_epochs_ = epochs; }
+
+  /// fit(), the teacher of the machine in progress on so many trials.
+  template <class Fit>
+  auto teach(std::size_t trials, const Fit& fit) {
+    constexpr std::size_t kSlow = 1000;  // trials whose Gaussian process takes more than a second or two
+    constexpr double kKept = 0.01;       // [s] a kept teacher is read faster
+    const auto start = std::chrono::steady_clock::now();
+    if (trials >= kSlow)
+      progress_.announce("machine " + std::to_string(machines_done_ + 1) + " of " + std::to_string(folds_ + 1) +
+                         ": its teacher learns " + std::to_string(trials) + " trials");
+    auto teacher = fit();
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    teachers_ += seconds > kKept;
+    teaching_ += seconds;
+    const double each = teachers_ > 0 ? teaching_ / teachers_ : 0;
+    progress_.count_other_work(teaching_, each * double(folds_ - std::min(machines_done_, folds_)));
+    return teacher;
+  }
+
+ private:
+  void update(std::size_t done) {
+    const std::size_t machine = std::min(done / epochs_, folds_) + 1;
+    progress_.update(done, "machine " + std::to_string(machine) + " of " + std::to_string(folds_ + 1), reused_);
+  }
+
+  std::size_t folds_, epochs_;
+  std::size_t machines_done_ = 0, last_epochs_, reused_ = 0;
+  double teachers_ = 0, teaching_ = 0;  // teachers that this run fitted, and the time they took [s]
+  learning::EpochHook next_;
+  Progress progress_;
+};
+
+/// Answers of a Gaussian process that was fitted without a fold.
+struct ProcessAnswers {
+  std::vector<double> held_out;  // P(go) of the fold's trials
+  std::vector<double> taught;    // P(go) of the taught points; empty where nothing is taught
+};
+
+/// Finished parts of a run, kept in <model>.unfinished until the whole run is done. A run that is started again with
+/// the same inputs takes them from there.
+class KeptWork {
+ public:
+  /// `key`: hash of everything that the parts depend on. Parts with another key are removed.
+  KeptWork(const fs::path& model, std::string key) : folder_(model.string() + ".unfinished"), key_(std::move(key)) {
+    if (!fs::is_directory(folder_)) return;
+    for (const auto& entry : fs::directory_iterator(folder_))
+      if (entry.path().filename().string().rfind(key_ + ".", 0) != 0) fs::remove(entry.path());
+  }
+
+  /// A finished fold of the cross-validation. None: it was not kept, or its file is damaged.
+  std::optional<learning::FoldResult> fold(std::size_t fold) const {
+    return read<learning::FoldResult>(
+        "fold" + std::to_string(fold) + ".h5", "the fold is trained again", [](const Hdf5Reader& in) {
+          learning::FoldResult result;
+          result.probability = in.array<double>("probability");
+          const auto epoch = in.array<double>("epoch"), loss = in.array<double>("training_loss", Shape{epoch.size()});
+          for (std::size_t r = 0; r < epoch.size(); ++r) result.log.push_back({epoch[r], loss[r], NAN});
+          return result;
+        });
+  }
+  void keep_fold(std::size_t fold, const learning::FoldResult& result) const {
+    std::vector<double> epoch, loss;
+    for (const learning::EpochLog& entry : result.log) {
+      epoch.push_back(entry.epoch);
+      loss.push_back(entry.training_loss);
+    }
+    write("fold" + std::to_string(fold) + ".h5",
+          {{"probability", &result.probability}, {"epoch", &epoch}, {"training_loss", &loss}});
+  }
+
+  /// The answers of a fold's Gaussian process, likewise.
+  std::optional<ProcessAnswers> process(std::size_t fold) const {
+    return read<ProcessAnswers>("process" + std::to_string(fold) + ".h5", "the Gaussian process is fitted again",
+                                [](const Hdf5Reader& in) {
+                                  return ProcessAnswers{in.array<double>("held_out"), in.array<double>("taught")};
+                                });
+  }
+  void keep_process(std::size_t fold, const ProcessAnswers& answers) const {
+    write("process" + std::to_string(fold) + ".h5", {{"held_out", &answers.held_out}, {"taught", &answers.taught}});
+  }
+
+  /// Whether `file` is a member that this run finished, with the bytes it had then.
+  bool has_member(const fs::path& file) const {
+    const fs::path record = part(file.filename().string() + ".hash");
+    return fs::exists(record) && fs::exists(file) && read_file(record) == file_hash(file);
+  }
+  void keep_member(const fs::path& file) const {
+    write_file_atomically(part(file.filename().string() + ".hash"), file_hash(file));
+  }
+
+  /// To be called once the run's files are written.
+  void remove() const { fs::remove_all(folder_); }
+
+ private:
+  fs::path part(const std::string& name) const { return folder_ / (key_ + "." + name); }
+
+  template <class Part, class Read>
+  std::optional<Part> read(const std::string& name, const char* remedy, const Read& read) const {
+    if (!fs::exists(part(name))) return std::nullopt;
+    try {
+      return read(Hdf5Reader(part(name)));
+    } catch (const InputError& damaged) {
+      log_line("train", std::string(damaged.what()) + "; " + remedy);
+      return std::nullopt;
+    }
+  }
+  void write(const std::string& name,
+             const std::vector<std::pair<const char*, const std::vector<double>*>>& arrays) const {
+    Hdf5Writer out;
+    for (const auto& [array, values] : arrays) out.array(array, *values);
+    create_folder(folder_);
+    out.save(part(name));
+  }
+
+  fs::path folder_;
+  std::string key_;
+};
+
+/// The teachers of a cross-validation. Every fold has one that has not seen it, and that process's forecasts of the
+/// fold's trials score it as a baseline.
+class FoldTeachers {
+ public:
+  FoldTeachers(const Inputs& in, const std::vector<std::size_t>& fold, std::uint64_t seed, const KeptWork& kept)
+      : in_(in), fold_(fold), kept_(kept), points_(taught_points(in.data.lower, in.data.upper, seed)) {}
+
+  /// What the machine of a fold is taught; none without a weight. Fitted at the first call.
+  std::shared_ptr<const learning::Teaching> of_fold(std::size_t fold) {
+    return in_.teacher_weight > 0 ? teaching(in_.teacher_weight, points_, answers(fold).taught) : nullptr;
+  }
+  /// P(go) of every trial by the process that has not seen the trial's fold [row].
+  std::vector<double> held_out() {
+    std::vector<std::size_t> next(*std::max_element(fold_.begin(), fold_.end()) + 1, 0);
+    std::vector<double> result;
+    for (std::size_t f : fold_) result.push_back(answers(f).held_out[next[f]++]);
+    return result;
+  }
+
+ private:
+  const ProcessAnswers& answers(std::size_t fold) {
+    if (const auto found = answers_.find(fold); found != answers_.end()) return found->second;
+    if (std::optional<ProcessAnswers> kept = kept_.process(fold))
+      return answers_.emplace(fold, std::move(*kept)).first->second;
+    std::vector<std::size_t> training, held_out;
+    for (std::size_t n = 0; n < fold_.size(); ++n) (fold_[n] == fold ? held_out : training).push_back(n);
+    const learning::TrainingTable &table = in_.data.table, unseen = table.subset(held_out);
+    const learning::GaussianProcessModel process = fitted_process(table.subset(training), in_.others.away_from(unseen));
+    ProcessAnswers fresh{process.probabilities(in_.others.at_own(unseen.variables, table.variable_count)), {}};
+    if (in_.teacher_weight > 0) fresh.taught = process.most_probable(in_.others.at_own(points_, table.variable_count));
+    kept_.keep_process(fold, fresh);
+    return answers_.emplace(fold, std::move(fresh)).first->second;
+  }
+
+  const Inputs& in_;
+  const std::vector<std::size_t>& fold_;
+  const KeptWork& kept_;
+  std::vector<double> points_;
+  std::map<std::size_t, ProcessAnswers> answers_;
+};
+
+/// Folds of a stand-in are not kept: the run that continues would not know of it.
+learning::FoldStore fold_store(const KeptWork& kept, TrainingProgress& progress, const TrainingSampler& source) {
+  return {.find =
+              [&](std::size_t fold) {
+                std::optional<learning::FoldResult> found = kept.fold(fold);
+                if (found) progress.reuse_machine();
+                return found;
+              },
+          .keep =
+              [&](std::size_t fold, const learning::FoldResult& result) {
+                if (!source.stood_in()) kept.keep_fold(fold, result);
+              }};
+}
+
+/// The power that calibrates held-out rows best. Leaves out the rows of fold `without`.
+double fitted_power(const TrainingData& data, const std::vector<double>& probability,
+                    const std::vector<std::size_t>& fold, std::size_t without) {
+  const std::size_t outcomes = probability.size() / fold.size();
+  std::vector<double> rows, weight;
+  std::vector<std::size_t> outcome;
+  for (std::size_t n = 0; n < fold.size(); ++n) {
+    if (fold[n] == without) continue;
+    rows.insert(rows.end(), probability.begin() + std::ptrdiff_t(n * outcomes),
+                probability.begin() + std::ptrdiff_t((n + 1) * outcomes));
+    outcome.push_back(data.table.outcome[n]);
+    weight.push_back(data.table.weight[n]);
+  }
+  return learning::fit_power(rows, outcome, weight);
+}
+
+/// Sharpens every fold's forecasts by the power that the other folds choose, and returns the power that all choose.
+double calibrate(const TrainingData& data, learning::CrossValidation& folds, const std::vector<std::size_t>& fold,
+                 std::size_t fold_count) {
+  const std::vector<double> before = folds.probability;
+  const std::size_t outcomes = before.size() / fold.size();
+  std::vector<double> power;
+  for (std::size_t f = 0; f < fold_count; ++f) power.push_back(fitted_power(data, before, fold, f));
+  for (std::size_t n = 0; n < fold.size(); ++n)
+    learning::sharpen(std::span(folds.probability).subspan(n * outcomes, outcomes), power[fold[n]]);
+  return fitted_power(data, before, fold, fold_count);
+}
+
+TrialCounts count_trials(const TrainingData& data, const learning::TrainingTable& held_out) {
+  TrialCounts counts{.trials = data.trials,
+                     .trained_on = data.table.row_count(),
+                     .unknown = data.failed,
+                     .held_out = held_out.row_count(),
+                     .outcomes = {}};
+  for (std::size_t y = 0; y < campaign::contract().outcomes.size(); ++y)
+    counts.outcomes.emplace_back(campaign::contract().outcomes[y].name, data.outcome_count[y]);
+  return counts;
+}
+
+FailureRate failure_rate(const TrainingData& data, const learning::TrainingTable& held_out) {
+  learning::TrainingTable all = data.table;
+  for (const std::vector<double>* rows : {&held_out.variables, &data.failed_variables})
+    all.variables.insert(all.variables.end(), rows->begin(), rows->end());
+  std::vector<int> failed(data.trials - data.failed, 0);
+  failed.resize(data.trials, 1);
+  all.outcome.resize(data.trials, 0);
+  all.weight.assign(data.trials, 1.0);
+  all.group.resize(data.trials, 0);
+  const std::vector<double> certain(data.trials, double(data.failed) / double(data.trials));
+  const learning::ReliabilityBin overall = learning::reliability(certain, failed, 1).front();
+  FailureRate rate{.overall = {certain.front(), overall.low, overall.high}, .modelled = {}};
+  if (data.failed == 0) return rate;
+  const learning::LogisticModel model = learning::fit_logistic(all, failed);
+  FailureRate::Modelled& modelled = rate.modelled.emplace();
+  for (std::size_t n = 0; n < all.row_count(); ++n) modelled.highest = std::max(modelled.highest, model(all.row(n)));
+  for (std::size_t v = 0; v < all.variable_count; ++v)
+    modelled.weights.emplace_back(campaign::contract().variables[v].name, model.weight[v]);
+  return rate;
+}
+
+/// Scores of P(go) on rows that each forecaster did not train on.
+Scores cross_validation_scores(const TrainingData& data, const learning::CrossValidation& folds,
+                               const std::vector<std::size_t>& fold, std::size_t fold_count, std::uint64_t seed,
+                               FoldTeachers& teachers) {
+  const std::vector<int> passable = passable_outcomes();
+  Forecasts forecasts;
+  for (std::size_t n = 0; n < data.table.row_count(); ++n) {
+    double p = 0;
+    for (std::size_t y = 0; y < passable.size(); ++y) p += passable[y] * folds.probability[n * passable.size() + y];
+    forecasts.model.push_back(p);
+    forecasts.happened.push_back(passable[data.table.outcome[n]]);
+  }
+  forecasts.baselines = cross_validate_baselines(data.table, forecasts.happened, fold, fold_count);
+  forecasts.baselines["gaussian_process"] = teachers.held_out();
+  return score_forecasts(forecasts, seed);
+}
+
+/// Fills the parts of the model's file that describe the trials and the prior.
+void describe_trials(const Inputs& in, learning::Model& model) {
+  model.sampled_lower = in.data.lower;
+  model.sampled_upper = in.data.upper;
+  model.training_points = in.data.table.variables;
+  model.training_weights = in.data.table.weight;
+  model.training_outcomes.assign(in.data.table.outcome.begin(), in.data.table.outcome.end());
+  if (in.settings.uniform_inputs) model.input_prior = learning::uniform_prior(model.layout);
+}
+
+}  // namespace
+
+LearningSettings trainable_settings(const std::optional<Config>& section) {
+  const LearningSettings settings = read_learning_settings(section);
+  if (settings.training.gradients == learning::GradientDevice::cuda && !learning::gradients_on_gpu())
+    section->fail("gradients",
+                  "is cuda, but LibTorch sees no GPU here; Debian's libtorch-dev has no CUDA: choose cpu, or build "
+                  "against a LibTorch that has (README.md, GONOGO_TORCH)");
+  return settings;
+}
+
+std::string work_key(const TrainRequest& request, const LearningSettings& settings) {
+  Json key;
+  key["dataset"] = file_hash(request.dataset);
+  key["contract"] = content_hash(campaign::contract_text());
+  key["program"] = std::string(program_version()) + " " + program_revision();
+  key["settings"] = to_json(settings);
+  for (const std::filesystem::path& other : request.others) key["others"].push_back(file_hash(other));
+  if (request.design) key["design"] = request.design->json();
+  key["hold_out"] = request.hold_out;
+  for (const std::uint64_t group : request.groups) key["groups"].push_back(Json(group));
+  key["seed"] = request.seed;
+  return content_hash(key.dump());
+}
+
+TrainingReport train_model(const TrainRequest& request) {
+  Inputs in = read_inputs(request);
+  const learning::TrainingTable& table = in.data.table;
+  learning::TrainingSettings& training = in.training;
+  learning::Model model;
+  model.layout = make_layout(in.data, in.settings);
+  TrainingSampler source(in.settings, model.layout, training);
+  const std::size_t folds = usable_folds(table, in.settings.folds);
+  if (folds < 2) throw InputError(request.dataset.string() + ": trials at two points or more are needed to train");
+
+  const KeptWork kept(request.model, work_key(request, in.settings));
+  TrainingProgress progress(folds, training.epochs, source.watch());
+  const std::vector<std::size_t> fold = learning::assign_folds(table, folds, training.seed);
+  FoldTeachers teachers(in, fold, request.seed, kept);
+  learning::CrossValidation validation = cross_validate(
+      model.layout, table, training, source.sampler(), folds,
+      [&](std::size_t done) {
+        progress.machine_done(done);
+        source.begin();
+      },
+      progress.watch(), fold_store(kept, progress, source),
+      [&](std::size_t f) {
+        return progress.teach(table.row_count() * (folds - 1) / folds, [&] { return teachers.of_fold(f); });
+      });
+  training.epochs = validation.best_epoch;
+  progress.last_machine(training.epochs);
+  if (in.settings.calibrate) model.calibration_power = calibrate(in.data, validation, fold, folds);
+  const auto lesson = progress.teach(table.row_count(), [&] {
+    return teach_all(table, in.others, in.data.lower, in.data.upper, in.teacher_weight, request.seed);
+  });
+  model.weights =
+      train_rbm(model.layout, table, training, source.sampler(), progress.watch(), nullptr, lesson.get()).weights;
+  model.log = validation.log;
+  describe_trials(in, model);
+
+  TrainingReport report{
+      .data_hash = file_hash(request.dataset),
+      .contract_hash = content_hash(campaign::contract_text()),
+      .program_version = program_version(),
+      .gravity = in.gravity != kGravity ? std::optional(in.gravity) : std::nullopt,
+      .sampler = source.report(),
+      .calibration_power = model.calibration_power,
+      .seed = request.seed,
+      .settings = in.settings,
+      .teacher_weight = in.teacher_weight,
+      .others = in.others.datasets,
+      .batch = training.batch,
+      .epochs = validation.best_epoch,
+      .counts = count_trials(in.data, in.held_out),
+      .failures = failure_rate(in.data, in.held_out),
+      .cross_validation = cross_validation_scores(in.data, validation, fold, folds, training.seed, teachers),
+      .folds = folds};
+  model.provenance = to_json(report);
+  learning::write_model(request.model, model);
+  if (!request.members_follow) kept.remove();
+  return report;
+}
+
+namespace {
+
+/// Times Exp(1) for each group, then to mean 1 again.
+void reweigh(learning::TrainingTable& table, std::uint64_t seed, int member) {
+  std::map<std::uint64_t, double> factor;
+  double sum = 0;
+  for (std::size_t n = 0; n < table.row_count(); ++n) {
+    const auto [place, is_new] = factor.try_emplace(table.group[n], 0.0);
+    if (is_new) place->second = -std::log1p(-random_unit(seed, std::uint64_t(member), table.group[n]));
+    table.weight[n] *= place->second;
+    sum += table.weight[n];
+  }
+  for (double& weight : table.weight) weight *= double(table.row_count()) / sum;
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> train_members(const TrainRequest& request, int count) {
+  const learning::Model base = read_contract_model(request.model);
+  if (base.provenance.at("data_hash").string() != file_hash(request.dataset))
+    throw InputError(request.model.string() + ": was trained on other trials than " + request.dataset.string() +
+                     "; train it anew with gonogo train");
+  Inputs in = read_inputs(request);
+  in.training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());
+  const bool outside = in.settings.sampler == "command" || in.settings.sampler == "emulator";
+  const auto sampler = learning::make_sampler(outside ? in.settings.stand_in : in.settings.sampler);
+  const KeptWork kept(request.model, work_key(request, in.settings));
+  Progress progress("train", "members", std::size_t(count));
+  std::vector<fs::path> files;
+  std::size_t reused = 0;
+  for (int member = 1; member <= count; ++member) {
+    files.push_back(request.model.parent_path() /
+                    (request.model.stem().string() + ".member" + std::to_string(member) + ".h5"));
+    if (kept.has_member(files.back())) {
+      progress.update(std::size_t(member), "", ++reused);
+      continue;
+    }
+    learning::TrainingTable table = in.data.table;
+    reweigh(table, request.seed, member);
+    in.training.seed = random_bits(request.seed, 1, std::uint64_t(member));
+    learning::Model model = base;
+    const auto lesson = teach_all(table, in.others, in.data.lower, in.data.upper, in.teacher_weight, in.training.seed);
+    model.weights = learning::train_rbm(base.layout, table, in.training, *sampler, {}, nullptr, lesson.get()).weights;
+    model.provenance["member"] = member;
+    learning::write_model(files.back(), model);
+    kept.keep_member(files.back());
+    progress.update(std::size_t(member), "", reused);
+  }
+  kept.remove();
+  return files;
+}
+
+}  // namespace gonogo::outcome

@@ -1,0 +1,206 @@
+// Trials of several fidelities: which is the finest, how they are joined, and what few fine trials gain by many coarse.
+#include "pipeline/outcome/training/teacher.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "base/files/file.h"
+#include "base/math/random.h"
+#include "learning/model/model.h"
+#include "learning/rbm/gaussian_process.h"
+#include "learning/score/score.h"
+#include "pipeline/campaign/dataset/dataset.h"
+#include "pipeline/outcome/settings.h"
+#include "pipeline/outcome/training/train_model.h"
+#include "tests/pipeline/outcome/trained_model.h"
+#include "tests/support/catch.h"
+#include "tests/support/refused.h"
+
+using namespace gonogo;
+using namespace gonogo::outcome;
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kData = fs::path(GONOGO_SOURCE_DIR) / "data";
+const fs::path kVehicle = kData / "hmmwv_32mm/dataset.h5", kQuarter = kData / "quarter_wheel_32mm/dataset.h5";
+
+/// Trials of two variables: passed below a curve, which is one of shape for all fidelities and lies `shift` higher.
+learning::TrainingTable curved(std::size_t count, double shift, std::uint64_t seed) {
+  learning::TrainingTable table;
+  table.variable_count = 2;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double x = 20 * random_unit(seed, 0, n) - 10, y = random_unit(seed, 1, n);
+    table.variables.insert(table.variables.end(), {x, y});
+    table.outcome.push_back(x < shift + 6 * std::sin(7 * y) ? 0 : 1);
+    table.weight.push_back(1);
+    table.group.push_back(n);
+  }
+  return table;
+}
+
+std::vector<int> labels(const learning::TrainingTable& table) {
+  std::vector<int> result;
+  for (std::size_t y : table.outcome) result.push_back(y == 0);
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("the shipped trials of the whole vehicle are finer than those of a quarter of it") {
+  const auto of = [](const fs::path& file) {
+    return fidelity_of(campaign::read_dataset(file).provenance, file.string());
+  };
+  const Fidelity whole = of(kVehicle), quarter = of(kQuarter);
+  CHECK(whole.text() == "whole vehicle, compliant tyres, 7.9 grains across a wheel, which roll freely on it");
+  CHECK(quarter.text() == "quarter of a vehicle, rigid tyres, 7.9 grains across a wheel, which roll freely on it");
+  CHECK(whole.grains_per_tyre == Approx(0.254 / 0.032));
+  CHECK(whole.is_finer_than(quarter));
+  CHECK_FALSE(quarter.is_finer_than(whole));
+  CHECK_FALSE(whole.is_finer_than(whole));
+  Fidelity coarse = quarter;
+  coarse.grains_per_tyre = 2.8;
+  CHECK(quarter.is_finer_than(coarse));
+  Fidelity resisting = coarse, half = coarse, twice = coarse;
+  resisting.wheel_rolling = 1;
+  half.wheel_rolling = 0.5;
+  twice.wheel_rolling = 2;
+  CHECK(resisting.is_finer_than(quarter));
+  CHECK(resisting.is_finer_than(half));
+  CHECK(resisting.is_finer_than(twice));
+  CHECK(resisting.inputs().back() == 1);
+  CHECK(resisting.text().ends_with("which resist rolling on it"));
+  CHECK(half.text().ends_with("which resist rolling on it 0.5-fold"));
+  CHECK(finest_first({kQuarter, kVehicle}) == std::vector<fs::path>{kVehicle, kQuarter});
+}
+
+TEST_CASE("other trials follow the own ones with their fidelity as inputs, and replicates stay together") {
+  const OtherTrials others = read_other_trials(kVehicle, {kQuarter});
+  const std::size_t variables = campaign::contract().variables.size();
+  const TrainingData own = make_training_data(campaign::read_dataset(kVehicle).records, {});
+  const learning::TrainingTable joined = others.joined(own.table);
+  const std::size_t first = own.table.row_count();
+  REQUIRE(joined.row_count() == first + others.table.row_count());
+  REQUIRE(joined.variable_count == variables + 4);
+  for (std::size_t v = 0; v < variables; ++v) CHECK(joined.row(5)[v] == own.table.row(5)[v]);
+  CHECK(joined.row(5)[variables] == 1);
+  CHECK(joined.row(first)[variables] == 0);
+  CHECK(joined.row(first)[variables + 2] == Approx(std::log2(0.254 / 0.032)));
+  for (std::size_t n = 0; n < 40; ++n)
+    for (std::size_t m = n; m < 40; ++m)
+      CHECK((joined.group[n] == joined.group[m]) == (own.table.group[n] == own.table.group[m]));
+  const std::vector<double> points = others.at_own({1, 2, 3, 4}, 2);
+  CHECK(points == std::vector<double>{1, 2, 1, 1, others.own[2], 0, 3, 4, 1, 1, others.own[2], 0});
+  CHECK(read_other_trials(kVehicle, {}).joined(own.table).variables == own.table.variables);
+}
+
+TEST_CASE("a process that is judged at some points does not know other trials at the same points") {
+  const fs::path rolling = kData / "hmmwv_32mm/rolling.h5";  // the first points of kVehicle, at another fidelity
+  const OtherTrials others = read_other_trials(rolling, {kVehicle});
+  const TrainingData own = make_training_data(campaign::read_dataset(rolling).records, {});
+  const learning::TrainingTable first = own.table.subset({0, 1, 2, 3, 4});
+  const OtherTrials away = others.away_from(first);
+  CHECK(away.own == others.own);
+  CHECK(away.table.variable_count == others.table.variable_count);
+  std::size_t same = 0;
+  for (std::size_t n = 0; n < others.table.row_count(); ++n)
+    for (std::size_t k = 0; k < 5; ++k)
+      same += std::equal(first.row(k).begin(), first.row(k).end(), others.table.row(n).begin());
+  CHECK(same >= 5);  // replicates, too
+  CHECK(away.table.row_count() == others.table.row_count() - same);
+  CHECK(others.away_from(own.table.subset({})).table.row_count() == others.table.row_count());
+}
+
+TEST_CASE("two datasets of one fidelity are refused, and one that does not tell its own") {
+  refused([] { read_other_trials(kVehicle, {kQuarter, kQuarter}); }, "have the fidelity of");
+  refused([] { read_other_trials(kVehicle, {kVehicle}); }, "give one dataset of each fidelity");
+  refused([] { read_other_trials(kVehicle, {kData / "viper_32mm/dataset.h5"}); }, "gravity");
+  const fs::path mute = dataset_file("mute.h5", 30, 2);
+  refused([&] { finest_first({kVehicle, mute}); }, "does not hold its vehicle");
+}
+
+TEST_CASE("trials of another vehicle are refused, those of a quarter of the same one are not") {
+  campaign::Provenance other = campaign::read_dataset(kQuarter).provenance;
+  CHECK_NOTHROW(require_together(other, "quarter", {kVehicle}));
+  for (auto& [name, text] : other.files)
+    if (name == "vehicle") text.replace(text.find("hmmwv_quarter"), 13, "truck_quarter");
+  refused([&] { require_together(other, "truck", {kVehicle}); }, "another vehicle needs a model of its own");
+}
+
+TEST_CASE("the rolling friction of grains on the wheels tells two fidelities apart") {
+  campaign::Provenance other = campaign::read_dataset(kQuarter).provenance;
+  const auto with_rolling = [&](const std::string& value) {
+    campaign::Provenance p = other;
+    const auto at = p.study.find("\"trial\"");
+    p.study.insert(p.study.find('{', at) + 1, "\"wheel_rolling\": " + value + ", ");
+    return p;
+  };
+  CHECK(campaign::settings_of(other, "quarter").wheel_rolling == 0);
+  CHECK(campaign::settings_of(with_rolling("0.5"), "quarter").wheel_rolling == 0.5);
+  refused([&] { require_together(with_rolling("0"), "quarter", {kQuarter}); }, "have the fidelity of");
+  CHECK_NOTHROW(require_together(with_rolling("1"), "quarter", {kQuarter}));
+  refused([&] { campaign::settings_of(with_rolling("-1"), "quarter"); }, "wheel_rolling");
+}
+
+TEST_CASE("a study names the trials that it learns too, by shipped name or by file") {
+  const auto named = [](const std::string& list) {
+    return named_trials(Config::parse(R"({"with": )" + list + "}", (kData / "study.json").string()));
+  };
+  CHECK(named_trials(std::nullopt).empty());
+  const auto files = named(R"(["hmmwv_32mm", "quarter_wheel_32mm/dataset.h5"])");
+  REQUIRE(files.size() == 2);
+  CHECK(fs::equivalent(files[0], kVehicle));
+  CHECK(fs::equivalent(files[1], kQuarter));
+  CHECK(fs::equivalent(shipped_trials(file_hash(kVehicle)), kVehicle));
+  CHECK(shipped_trials("none").empty());
+  refused([&] { named(R"(["hmwv_32mm"])"); }, "did you mean \"hmmwv_32mm\"?");
+  refused([&] { named(R"(["nowhere/dataset.h5"])"); }, "there is no file");
+  refused([&] { named(R"(["hmmwv_32mm", "hmmwv_32mm/dataset.h5"])"); }, "given twice");
+}
+
+TEST_CASE("a process on 16 fine and 200 coarse trials finds the fine curve better than on the fine alone") {
+  OtherTrials others;
+  others.own = {1};
+  const learning::TrainingTable coarse = curved(200, 2, 1), test = curved(500, 0, 3);
+  for (std::size_t n = 0; n < coarse.row_count(); ++n) {
+    others.table.variables.insert(others.table.variables.end(), {coarse.row(n)[0], coarse.row(n)[1], 0});
+    others.table.group.push_back(n);
+  }
+  others.table.variable_count = 3;
+  others.table.outcome = coarse.outcome;
+  others.table.weight = coarse.weight;
+  double alone = 0, helped = 0;
+  for (std::uint64_t seed = 10; seed < 15; ++seed) {
+    const learning::TrainingTable fine = curved(16, 0, seed), both = others.joined(fine);
+    alone += learning::brier_score(learning::fit_gaussian_process(fine, labels(fine)).probabilities(test.variables),
+                                   labels(test));
+    helped += learning::brier_score(
+        learning::fit_gaussian_process(both, labels(both)).probabilities(others.at_own(test.variables, 2)),
+        labels(test));
+  }
+  INFO("Brier score alone " << alone / 5 << ", helped " << helped / 5);
+  CHECK(helped < 0.7 * alone);
+}
+
+TEST_CASE("a model that other trials helped names them, and has other bits than one that they did not") {
+  const fs::path alone = scratch() / "alone.h5", helped = scratch() / "helped.h5";
+  std::vector<std::uint64_t> first(40);
+  std::iota(first.begin(), first.end(), 0u);
+  TrainRequest request{.dataset = kVehicle,
+                       .model = alone,
+                       .seed = 5,
+                       .learning = Config::parse(R"({"epochs": 4, "folds": 2, "negative": "persistent"})", "study"),
+                       .design = {},
+                       .groups = first};
+  CHECK(train_model(request).others.empty());
+  request.model = helped;
+  const fs::path few = scratch() / "few.h5";
+  campaign::Dataset quarter = campaign::read_dataset(kQuarter);
+  quarter.records.resize(60);
+  campaign::write_dataset(few, quarter);
+  request.others = {few};
+  const TrainingReport report = train_model(request);
+  CHECK(report.others.at(0).trials == 60);
+  CHECK(report_text(report).find("60 trials of another fidelity help: quarter of a vehicle") != std::string::npos);
+  CHECK_FALSE(learning::read_model(helped).weights == learning::read_model(alone).weights);
+}
