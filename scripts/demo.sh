@@ -6,7 +6,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 out=out/demo
 start=$SECONDS
-scripts/setup.sh
+scripts/setup.sh --no-browser
 options=()
 # A folder that is configured keeps what it builds.
 [[ -e build/cpu-release/CMakeCache.txt ]] || options=(-DGONOGO_LAB=OFF -DGONOGO_TESTS=OFF)

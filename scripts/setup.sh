@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
 # Installs what the build needs and is missing, on Debian 12 or Ubuntu 24.04, as root or with sudo.
-#   scripts/setup.sh [--tests] [--clang] [--no-torch]
-#     --tests     also what only tests use: Slurm and MPI on this machine, clang-format, a Python with nanobind and pytest
-#     --clang     also Clang with its OpenMP, for the preset cpu-tsan, and clang-tidy
-#     --no-torch  without LibTorch, for builds with -DGONOGO_TORCH=OFF
+#   scripts/setup.sh [--tests] [--clang] [--no-torch] [--no-browser]
+#     --tests       also what only tests use: Slurm and MPI on this machine, clang-format, a Python with nanobind and pytest
+#     --clang       also Clang with its OpenMP, for the preset cpu-tsan, and clang-tidy
+#     --no-torch    without LibTorch, for builds with -DGONOGO_TORCH=OFF
+#     --no-browser  without Chromium, for builds with -DGONOGO_TESTS=OFF
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -16,6 +17,7 @@ packages=(
 )
 
 torch=true
+browser=true
 python=false
 for option in "$@"; do
   case $option in
@@ -26,7 +28,8 @@ for option in "$@"; do
       ;;
     --clang) packages+=(clang libomp-dev llvm clang-tidy-14) ;;  # cpu-tsan, its symbolizer; tidy.sh
     --no-torch) torch=false ;;
-    *) fail "no option '$option'; there are --tests, --clang and --no-torch" ;;
+    --no-browser) browser=false ;;
+    *) fail "no option '$option'; there are --tests, --clang, --no-torch and --no-browser" ;;
   esac
 done
 
@@ -147,6 +150,6 @@ if ((${#missing[@]} > 0)); then
   apt_install "${missing[@]}"
 fi
 if $torch; then provide_torch; fi
-provide_browser
+if $browser; then provide_browser; fi
 if $python; then provide_python; fi
 say "everything the build needs is installed"
