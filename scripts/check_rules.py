@@ -121,6 +121,13 @@ def compiler_switch(tree):
 
 
 @rule
+def one_index(tree):
+    """A name that hides one of ours changes the layout of structs in the sources that are compiled with it."""
+    for place in tree.find(tree.sources(), r"^using (\w+::)+(Index|Real|Vec3d?|Mat3|Quat|View)\b"):
+        yield f"{place}: write the name with its namespace; it hides ours in sources that are compiled together"
+
+
+@rule
 def strict_arithmetic(tree):
     names = [name for name in tree.files if name.endswith(("CMakeLists.txt", ".cmake", "CMakePresets.json"))]
     for place in tree.find(names, r"fast-math|use_fast_math|Ofast|fmad=true|ffp-contract=(on|fast)"):

@@ -27,7 +27,6 @@ void read_wheel(const Config& wheel, int contact, std::vector<MeasuredForce>& fo
   wheel.finish();
 }
 
-using Eigen::Index;
 using multibody::MatrixX;
 using multibody::VectorX;
 
@@ -47,7 +46,7 @@ class DataProgram {
 
   /// x with the least |W (D x - data)|, of those in the middle of all such x.
   VectorX nearest() const {
-    const Index n = constraints_.c.size();
+    const Eigen::Index n = constraints_.c.size();
     ConeProgram p = with_data(n + 1);
     p.c(n) = 1;
     p.G(constraints_.G.rows(), n) = -1;
@@ -77,8 +76,8 @@ class DataProgram {
   int column(const MeasuredForce& m) const { return 3 * m.contact + m.component; }
 
   /// (., W (D x - data)) appended as a cone, in mean loads and the least deviation; its first row is left 0.
-  ConeProgram with_data(Index columns) const {
-    const Index rows = constraints_.G.rows(), added = Index(data_.size()) + 1;
+  ConeProgram with_data(Eigen::Index columns) const {
+    const Eigen::Index rows = constraints_.G.rows(), added = Eigen::Index(data_.size()) + 1;
     ConeProgram p = constraints_;
     p.c = VectorX::Zero(columns);
     p.A = MatrixX::Zero(constraints_.A.rows(), columns);
@@ -87,7 +86,7 @@ class DataProgram {
     p.G.topLeftCorner(rows, constraints_.G.cols()) = constraints_.G;
     p.h = VectorX::Zero(rows + added);
     p.h.head(rows) = constraints_.h;
-    for (Index i = 1; i < added; ++i) {
+    for (Eigen::Index i = 1; i < added; ++i) {
       const MeasuredForce& m = data_[std::size_t(i - 1)];
       const double weight = least_deviation_ / m.deviation;
       p.G(rows + i, column(m)) = -weight;
@@ -98,10 +97,10 @@ class DataProgram {
   }
 
   MatrixX with_rows_of_data() const {
-    MatrixX m(constraints_.A.rows() + Index(data_.size()), constraints_.A.cols());
+    MatrixX m(constraints_.A.rows() + Eigen::Index(data_.size()), constraints_.A.cols());
     m.topRows(constraints_.A.rows()) = constraints_.A;
     for (std::size_t i = 0; i < data_.size(); ++i)
-      m.row(constraints_.A.rows() + Index(i)) = VectorX::Unit(m.cols(), column(data_[i]));
+      m.row(constraints_.A.rows() + Eigen::Index(i)) = VectorX::Unit(m.cols(), column(data_[i]));
     return m;
   }
 
