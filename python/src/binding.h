@@ -1,12 +1,12 @@
 // Shared by all parts of the modules: calls without the GIL, arrays, values, and the list of parts.
 #pragma once
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <unistd.h>
 #include <cmath>
 #include <cstddef>
 #include <memory>
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <optional>
-#include <unistd.h>
 #include <utility>
 #include <vector>
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "base/math/random.h"
-#include "base/units.h"
 #include "base/math/vec.h"
+#include "base/units.h"
 
 namespace gonogo::test {
 

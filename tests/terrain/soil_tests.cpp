@@ -4,9 +4,9 @@
 #include "base/error.h"
 #include "base/units.h"
 #include "terrain/soil_test/penetration.h"
-#include "terrain/soil_test/test_run.h"
 #include "terrain/soil_test/repose.h"
 #include "terrain/soil_test/strength_test.h"
+#include "terrain/soil_test/test_run.h"
 #include "tests/support/catch.h"
 
 namespace gonogo::terrain {

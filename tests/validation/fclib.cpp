@@ -3,9 +3,9 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "sim/law/contact_law.h"
 #include "sim/local_problem/methods/solve.h"
 #include "sim/local_problem/read.h"
-#include "sim/law/contact_law.h"
 #include "tests/support/catch.h"
 
 using namespace gonogo;

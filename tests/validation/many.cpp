@@ -5,9 +5,9 @@
 #include <cstdio>
 #include <vector>
 
-#include "pipeline/lab/scenes/tank.h"
 #include "pipeline/lab/scenes/collapse.h"
 #include "pipeline/lab/scenes/silo.h"
+#include "pipeline/lab/scenes/tank.h"
 #include "tests/support/catch.h"
 #include "tests/support/measure.h"
 #include "tests/support/run_scene.h"

@@ -4,10 +4,10 @@
 #include <limits>
 #include <string>
 
+#include "base/format.h"
 #include "base/parallel/buffer.h"
 #include "base/parallel/device.h"
 #include "base/parallel/for_each.h"
-#include "base/format.h"
 #include "learning/sampler/chains/gibbs_kernel.cuh"
 
 namespace gonogo::learning {

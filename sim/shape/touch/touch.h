@@ -47,8 +47,8 @@ GONOGO_HD inline Vec3d in_frame(const Quat& q, const Vec3d& v) {
 
 inline constexpr int kMaxTouches = 64;
 
-/// Limits the contacts of a pair to kMaxTouches, for any triangulation of its surfaces. Receives them up to three times:
-/// to count them, to choose, and to pass on the chosen ones.
+/// Limits the contacts of a pair to kMaxTouches, for any triangulation of its surfaces. Receives them up to three
+/// times: to count them, to choose, and to pass on the chosen ones.
 ///
 /// More contacts are sorted by the side of a cube to which their normals point. Each side keeps the contacts furthest
 /// out in eight directions along it, and the deepest: bodies rest on the corners of their common area, or on a deeper

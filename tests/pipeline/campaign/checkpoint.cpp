@@ -2,9 +2,9 @@
 #include <csignal>
 #include <cstring>
 
-#include "base/progress.h"
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/progress.h"
 #include "pipeline/campaign/trial/world.h"
 #include "tests/support/catch.h"
 #include "tests/support/refused.h"

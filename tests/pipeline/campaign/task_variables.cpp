@@ -7,8 +7,8 @@
 #include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/dataset/row.h"
 #include "pipeline/campaign/design/design.h"
-#include "pipeline/campaign/trial/world.h"
 #include "pipeline/campaign/trial/trial.h"
+#include "pipeline/campaign/trial/world.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/refused.h"
@@ -205,7 +205,8 @@ TEST_CASE("sizes that the task does not take are refused in one sentence") {
   const TrialSetup climb = file.setup(R"({"type": "climb"})", ""), ditch = file.setup(kDitch, kSizes);
   refused([&] { setup_at(climb, ditch_point(0.5, 0.1)); }, "ditch_width: trials of type climb have no such number");
   refused([&] { setup_at(ditch, design_point(0, 34, 0.3)); }, "trial.task");
-  refused([&] { settled_bed(setup_at(ditch, ditch_point(0.5, 0.29)), inputs_of(ditch_point(0.5, 0.29))); }, "bed deeper");
+  refused([&] { settled_bed(setup_at(ditch, ditch_point(0.5, 0.29)), inputs_of(ditch_point(0.5, 0.29))); },
+          "bed deeper");
 }
 
 }  // namespace gonogo::campaign

@@ -6,9 +6,9 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
-#include "pipeline/campaign/trial/trial.h"
-#include "pipeline/campaign/trial/judge.h"
 #include "pipeline/campaign/setup/setup.h"
+#include "pipeline/campaign/trial/judge.h"
+#include "pipeline/campaign/trial/trial.h"
 #include "tests/support/backends.h"
 #include "tests/support/catch.h"
 #include "tests/support/locked_grains.h"

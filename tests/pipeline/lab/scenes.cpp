@@ -8,11 +8,11 @@
 #include "base/files/shipped.h"
 #include "base/units.h"
 #include "pipeline/lab/scenes/collapse.h"
-#include "pipeline/lab/scenes/tank.h"
 #include "pipeline/lab/scenes/drum.h"
 #include "pipeline/lab/scenes/scene.h"
 #include "pipeline/lab/scenes/screen.h"
 #include "pipeline/lab/scenes/silo.h"
+#include "pipeline/lab/scenes/tank.h"
 #include "pipeline/report/figure/captioned.h"
 #include "tests/support/catch.h"
 #include "tests/support/draw.h"
@@ -53,7 +53,8 @@ TEST_CASE("every solver is timed in the same tank") {
   ManyRun run;
   run.repeats = 3;
   const double contacts = double(run_many(usual, run).contacts);
-  for (const Iteration iteration : {Iteration::jacobi, Iteration::jacobi_scan, Iteration::gauss_seidel, Iteration::bb}) {
+  for (const Iteration iteration :
+       {Iteration::jacobi, Iteration::jacobi_scan, Iteration::gauss_seidel, Iteration::bb}) {
     const ManyScene scene = shaken_tank(spec, {.solver = {.iteration = iteration}, .iterations = 40});
     CHECK(scene.settings.iteration == iteration);
     bool same = true;

@@ -4,8 +4,8 @@
 #include <set>
 
 #include "base/units.h"
-#include "pipeline/report/picture/visible.h"
 #include "pipeline/report/picture/render.h"
+#include "pipeline/report/picture/visible.h"
 #include "sim/scene/scene.h"
 #include "sim/shape/meshes.h"
 #include "tests/support/catch.h"

@@ -1,9 +1,9 @@
 // Elements against what any displacement field must keep: no force from moving as a whole, all mass, and work.
 #include <cmath>
 
-#include "sim/elastic/system.h"
 #include "sim/elastic/mesh.h"
 #include "sim/elastic/simulation.h"
+#include "sim/elastic/system.h"
 #include "tests/support/catch.h"
 
 namespace {

@@ -2,9 +2,9 @@
 #include <numbers>
 #include <random>
 
-#include "sim/elastic/tyre/tyre.h"
 #include "sim/elastic/tyre/press.h"
 #include "sim/elastic/tyre/ring.h"
+#include "sim/elastic/tyre/tyre.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 

@@ -1,9 +1,9 @@
 // A tyre under load, pressed and rolling: balance of forces and of energy, loss against its closed form.
 #include <numbers>
 
-#include "sim/elastic/tyre/tread.h"
 #include "sim/elastic/tyre/press.h"
 #include "sim/elastic/tyre/roll.h"
+#include "sim/elastic/tyre/tread.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 
