@@ -48,7 +48,7 @@ int main(int argc, char** argv) try {
     before = now;
     const sim::StepReport report = simulation->report(0);
     std::printf("%.1f s  %+.2f m  torque %.0f N m  residual %.1e m/s\n", report.time, travelled,
-                simulation->motor_torque(0, bodies.motor), report.rms_residual);
+                simulation->motor_torque(0, bodies.drive_motor.front()), report.rms_residual);
   }
 } catch (const std::exception& error) {
   std::fprintf(stderr, "%s\n", error.what());

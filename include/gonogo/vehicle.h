@@ -2,6 +2,7 @@
 // Package component `sim`; link gonogo::vehicle.
 #pragma once
 #include "base/error.h"
+#include "vehicle/model/statics.h"
 #include "vehicle/model/vehicle.h"
 #include "vehicle/semi_empirical/bekker_wong.h"
 #include "vehicle/semi_empirical/mobility_index.h"
