@@ -83,8 +83,10 @@ def main():
         expect(status == 1 and "docs/a.md" in output, f"a sentence of 42 words was let through:\n{output}")
 
     # The page for contributors names every rule, and only rules that exist.
-    listed = subprocess.run([sys.executable, str(RULES), "--help"], capture_output=True, text=True, check=True).stdout
-    rules = set(re.search(r"--only \{([^}]*)\}", listed).group(1).replace("\n", "").replace(" ", "").split(","))
+    sys.path.insert(0, str(RULES.parent))
+    import check_rules
+
+    rules = set(check_rules.RULES)
     expect(rules == {*PLANTED, "subjects"}, f"rules without a planted violation: {rules ^ {*PLANTED, 'subjects'}}")
     page = set(re.findall(r"^\| `(\w+)` \|", (SOURCE / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.MULTILINE))
     expect(page == rules, f"CONTRIBUTING.md and scripts/check_rules.py name different rules: {page ^ rules}")
