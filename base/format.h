@@ -1,7 +1,9 @@
-// Text of messages: numbers as people read them, formatted lines, and the word that was probably meant.
+// Text: numbers as people read them and as files hold them, formatted lines, and the word that was probably meant.
 #pragma once
+#include <charconv>
 #include <cstdarg>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,7 +32,18 @@ std::size_t edit_distance(std::string_view a, std::string_view b);
 /// smallest edit distance; empty when there are no words.
 std::string nearest_word(std::string_view misspelt, const std::vector<std::string>& words);
 
+/// The number that all of `text` is; nothing for other text.
+template <class T>
+std::optional<T> parsed(std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
 /// "a, b, c"
 std::string join_words(const std::vector<std::string>& words);
+
+/// Bytes as text (RFC 4648, section 4).
+std::string base64(std::string_view bytes);
 
 }  // namespace gonogo

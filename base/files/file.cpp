@@ -122,7 +122,6 @@ FolderLock::~FolderLock() { ::close(fd_); }
 
 #include <cstdio>
 #include <fstream>
-#include <memory>
 #include <new>
 #include <vector>
 

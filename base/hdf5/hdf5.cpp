@@ -274,7 +274,7 @@ Shape shape_of(hid_t space) {
 
 /// One array or attribute, opened for reading.
 struct Source {
-  Handle object, type, space;
+  Handle object{}, type{}, space{};
   bool is_attribute = false;
   std::string where;
 
@@ -316,9 +316,7 @@ struct Hdf5Reader::State {
   }
 
   Source open_attribute(const std::string& path, const std::string& name) const {
-    Source source;
-    source.is_attribute = true;
-    source.where = path + ":" + name;
+    Source source{.is_attribute = true, .where = path + ":" + name};
     if (!has(path)) fail(path, "is missing, so that its attribute '" + name + "' cannot be read");
     const Handle owner(H5Oopen(file.get(), path.empty() ? "/" : path.c_str(), H5P_DEFAULT), H5Oclose);
     source.object = Handle(H5Aopen(owner.get(), name.c_str(), H5P_DEFAULT), H5Aclose);

@@ -61,9 +61,6 @@ GONOGO_HD inline double random_unit(std::uint64_t seed, std::uint64_t stream, st
   return double(random_bits(seed, stream, index) >> 11) * 0x1.0p-53;
 }
 
-/// Uniform in [0, 1) with 24 random bits.
-GONOGO_HD inline float random_unit_float(std::uint32_t word) { return float(word >> 8) * 0x1.0p-24f; }
-
 /// Normally distributed: mean 0, variance 1 / precision (Box and Muller, Ann. Math. Statist. 29:610, 1958). Uses the
 /// uniform numbers 2 index and 2 index + 1 of the stream.
 inline double random_normal(std::uint64_t seed, std::uint64_t stream, std::uint64_t index, double precision = 1) {

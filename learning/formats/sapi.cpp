@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "learning/formats/format.h"
 #include "learning/qubo/json.h"
 #include "learning/qubo/text.h"
@@ -57,12 +58,10 @@ Json sapi_data(const Problem& problem, const SapiSolver& solver) {
     const auto found = active.find(qubit);
     lin.push_back(found == active.end() ? std::numeric_limits<double>::quiet_NaN() : problem.linear[found->second]);
   }
-  Json data;
-  data["format"] = "qp";
-  data["lin"] = base64(bytes_of(lin));
-  data["quad"] = base64(bytes_of(encode_quadratic(problem, solver, active)));
-  data["offset"] = problem.offset;
-  return data;
+  return Json::Object{{"format", "qp"},
+                      {"lin", base64(bytes_of(lin))},
+                      {"quad", base64(bytes_of(encode_quadratic(problem, solver, active)))},
+                      {"offset", problem.offset}};
 }
 
 /// The one problem of a submission, given as a list of one or bare.

@@ -1,18 +1,17 @@
 #include "learning/qubo/text.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 
-#include "base/error.h"
+#include "base/format.h"
 
 namespace gonogo::learning {
 
 bool parse_number(std::string_view text, double& value) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc() && end == text.data() + text.size() && std::isfinite(value);
+  value = parsed<double>(text).value_or(NAN);
+  return std::isfinite(value);
 }
 
 bool TextLines::next() {
@@ -38,13 +37,11 @@ bool TextLines::next() {
 }
 
 std::int64_t TextLines::integer(std::size_t k, std::int64_t low, std::int64_t high) const {
-  const std::string_view word = words_.at(k);
-  std::int64_t value = 0;
-  const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (status != std::errc() || end != word.data() + word.size() || value < low || value > high)
+  const auto value = parsed<std::int64_t>(words_.at(k));
+  if (!value || *value < low || *value > high)
     fail("expected a whole number from " + std::to_string(low) + " to " + std::to_string(high) + ", found " +
-         std::string(word));
-  return value;
+         std::string(words_[k]));
+  return *value;
 }
 
 double TextLines::number(std::size_t k) const {
@@ -135,27 +132,13 @@ std::vector<std::size_t> by_id(const std::vector<std::int64_t>& ids) {
 
 namespace {
 
-constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
 int digit_value(char c) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   const char* found = c == 0 ? nullptr : std::strchr(kDigits, c);
   return found ? int(found - kDigits) : -1;
 }
 
 }  // namespace
-
-std::string base64(std::string_view bytes) {
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (k < count ? std::uint32_t(static_cast<unsigned char>(bytes[at + k])) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
 
 std::string from_base64(std::string_view text, const std::string& where) {
   if (text.size() % 4 != 0)

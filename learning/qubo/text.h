@@ -108,9 +108,7 @@ class ByteReader {
   std::size_t at_ = 0;
 };
 
-/// RFC 4648, section 4, with padding.
-std::string base64(std::string_view bytes);
-/// Throws InputError for invalid characters, padding and lengths. Messages begin with `where`.
+/// The inverse of base64(). Throws InputError for invalid characters, padding and lengths. Messages begin with `where`.
 std::string from_base64(std::string_view text, const std::string& where);
 
 /// Numbers from base64 of their little-endian bytes. Throws InputError for an incomplete number.

@@ -59,11 +59,6 @@ TEST_CASE("the uniform numbers fill [0, 1) evenly") {
   CHECK(chi_squared < 113);
 }
 
-TEST_CASE("the largest words stay below one") {
-  CHECK(random_unit_float(0xffffffff) < 1.0f);
-  CHECK(random_unit_float(0) == 0.0f);
-}
-
 TEST_CASE("normal draws have the normal distribution, its moments and a variance of 1 / precision") {
   constexpr std::uint64_t kDraws = 100000;
   std::vector<double> x;

@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include "base/error.h"
+#include "base/format.h"
 
 namespace gonogo::map {
 
@@ -44,20 +45,6 @@ std::vector<std::uint16_t> filtered(const Blob& blob, BlobFilter filter) {
     out[i] = std::uint16_t((v[i] - expected) & mask);
   }
   return out;
-}
-
-std::string base64(const std::string& bytes) {
-  static const char* const kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = (group << 8) | (i + k < bytes.size() ? std::uint32_t(std::uint8_t(bytes[i + k])) : 0u);
-    for (std::size_t k = 0; k < 4; ++k)
-      text.push_back(i + k <= bytes.size() ? kDigits[(group >> (18 - 6 * k)) & 63] : '=');
-  }
-  return text;
 }
 
 std::string blob_element(const Blob& blob) {

@@ -24,7 +24,6 @@ struct Blob {
 std::vector<std::uint16_t> filtered(const Blob& blob, BlobFilter filter);
 /// The blob as <script type="application/x-gonogo" ...>base64</script>. data.js reads it.
 std::string blob_element(const Blob& blob);
-std::string base64(const std::string& bytes);
 
 /// The HTML of a page. `meta` becomes the constant of that name in data.js. Text in it is escaped, so it cannot end the
 /// script or become markup.

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "base/files/file.h"
+#include "base/format.h"
 #include "base/math/random.h"
 #include "pipeline/map/page/page.h"
 #include "pipeline/map/route/find_ways.h"
