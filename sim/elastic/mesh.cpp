@@ -14,20 +14,12 @@ using Corners = std::vector<int>;
 
 /// Faces of an element by its corners, normals outward.
 const std::vector<Corners>& face_corners(ElementKind kind) {
-  static const std::vector<Corners> t3{{0, 1}, {1, 2}, {2, 0}}, q4{{0, 1}, {1, 2}, {2, 3}, {3, 0}};
-  static const std::vector<Corners> t4{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-  static const std::vector<Corners> h8{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                       {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-  switch (kind) {
-    case ElementKind::t3:
-      return t3;
-    case ElementKind::q4:
-      return q4;
-    case ElementKind::t4:
-      return t4;
-    default:
-      return h8;
-  }
+  static const std::array<std::vector<Corners>, 4> of_kind{
+      {{{0, 1}, {1, 2}, {2, 0}},
+       {{0, 1}, {1, 2}, {2, 3}, {3, 0}},
+       {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}},
+       {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}}};
+  return of_kind[std::size_t(kind)];
 }
 
 std::array<Index, 4> key_of(const Face& f) {

@@ -62,21 +62,8 @@ struct Content {
 
 /// Corners by Gmsh's type of element; 0: not read here.
 int corners_of(int type) {
-  switch (type) {
-    case 1:
-      return 2;
-    case 2:
-      return 3;
-    case 3:  // quadrangle
-    case 4:  // tetrahedron
-      return 4;
-    case 5:
-      return 8;
-    case 15:
-      return 1;
-    default:
-      return 0;
-  }
+  constexpr int corners[] = {0, 2, 3, 4, 4, 8};  // edge, triangle, quadrangle, tetrahedron, hexahedron
+  return type == 15 ? 1 : type > 0 && type <= 5 ? corners[type] : 0;
 }
 
 void read_format(Words& in, Content&) {

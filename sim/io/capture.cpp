@@ -183,20 +183,8 @@ Surface surface_of(const SceneWorld& world, const Shape& shape, const SurfaceDet
   return s;
 }
 
-double enclosed_volume(const Surface& surface) {
-  double six_times = 0;
-  for (const auto& [a, b, c] : surface.triangle) {
-    const auto p = static_cast<Vec3d>(surface.point[a]), q = static_cast<Vec3d>(surface.point[b]),
-               r = static_cast<Vec3d>(surface.point[c]);
-    six_times += dot(p, cross(q, r));
-  }
-  return six_times / 6;
-}
-
 Capture capture_world(Simulation& simulation, WorldIndex world) {
-  Capture capture;
-  capture.time = simulation.report(world).time;
-  capture.body = simulation.bodies(world);
+  Capture capture{.time = simulation.report(world).time, .body = simulation.bodies(world)};
   const auto contact = simulation.contacts(world);
   const auto impulse = simulation.impulses(world);
   for (std::size_t i = 0; i < contact.size(); ++i) {

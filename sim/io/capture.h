@@ -21,7 +21,7 @@ struct CapturedContact {
 struct Capture {
   double time = 0;  // [s]
   std::vector<BodyState> body;
-  std::vector<CapturedContact> contact;  // empty before the first step
+  std::vector<CapturedContact> contact{};  // empty before the first step
 };
 
 /// The state of a world now.
@@ -52,8 +52,5 @@ Surface surface_of(const Shape& shape, const SurfaceDetail& detail = {});
 
 /// The surface of any shape of a world, its meshes and heightfields included.
 Surface surface_of(const SceneWorld& world, const Shape& shape, const SurfaceDetail& detail = {});
-
-/// Volume enclosed by a closed surface [m^3], by the divergence theorem; negative when it is inside out.
-double enclosed_volume(const Surface& surface);
 
 }  // namespace gonogo::sim

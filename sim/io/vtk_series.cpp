@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdio>
 #include <utility>
 
 #include "base/error.h"
 #include "base/files/file.h"
-#include "sim/io/capture.h"
+#include "base/format.h"
 #include "sim/shape/touch/touch.h"
 
 namespace gonogo::sim {
@@ -102,11 +101,7 @@ namespace {
 
 constexpr const char* kKinds[] = {"spheres", "surfaces", "contacts"};
 
-std::string file_name(const std::string& kind, int frame) {
-  char number[16];
-  std::snprintf(number, sizeof number, "_%06d.vtp", frame);
-  return kind + number;
-}
+std::string file_name(const std::string& kind, int frame) { return kind + line("_%06d.vtp", frame); }
 
 VtpContent sphere_content(const Capture& frame, const std::vector<Shape>& shapes) {
   VtpContent content;
@@ -210,12 +205,9 @@ void VtkSeries::write_collection(const std::string& kind) const {
   std::string text =
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n"
       "  <Collection>\n";
-  for (int k = 0; k < frame_count(); ++k) {
-    char time[32];
-    std::snprintf(time, sizeof time, "%.9g", time_[k]);
-    text += "    <DataSet timestep=\"" + std::string(time) + "\" group=\"\" part=\"0\" file=\"" + file_name(kind, k) +
-            "\"/>\n";
-  }
+  for (int k = 0; k < frame_count(); ++k)
+    text +=
+        line("    <DataSet timestep=\"%.9g\" group=\"\" part=\"0\" file=\"", time_[k]) + file_name(kind, k) + "\"/>\n";
   write_file_atomically(folder_ / (kind + ".pvd"), text + "  </Collection>\n</VTKFile>\n");
 }
 

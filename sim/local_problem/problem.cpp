@@ -1,7 +1,6 @@
 #include "sim/local_problem/problem.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "base/error.h"

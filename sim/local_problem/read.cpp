@@ -3,7 +3,6 @@
 #include <Eigen/SparseLU>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -376,9 +375,8 @@ void read_sparse(Words& in, TripletMatrix& a) {
 
 TripletMatrix read_matrix(Words& in) {
   const int storage = in.integer("the storage of the matrix (0 dense, 1 blocks, 2 sparse)", 0, 2);
-  TripletMatrix a;
-  a.rows = in.integer("the number of rows", 1, kMaxRows);
-  a.columns = in.integer("the number of columns", 1, kMaxRows);
+  TripletMatrix a{.rows = in.integer("the number of rows", 1, kMaxRows),
+                  .columns = in.integer("the number of columns", 1, kMaxRows)};
   if (storage == 0) read_dense(in, a);
   if (storage == 1) read_sparse_blocks(in, a);
   if (storage == 2) read_sparse(in, a);
@@ -398,9 +396,7 @@ LocalProblem read_siconos_text(const std::filesystem::path& path) {
   const int dimension = in.integer("the dimension", 2, 5);
   if (dimension == 4) in.fail("the dimension is 4; 2, 3 or 5 is needed");
   const int contacts = in.integer("the number of contacts", 1, kMaxRows / 5), rows = dimension * contacts;
-  GlobalProblem problem;
-  problem.dimension = dimension;
-  problem.m = read_matrix(in);
+  GlobalProblem problem{.dimension = dimension, .m = read_matrix(in)};
   const bool global = is_matrix_of(in, problem.m.rows, rows);
   if (global) {
     problem.h = read_matrix(in);

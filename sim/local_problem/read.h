@@ -19,14 +19,14 @@ namespace gonogo::sim {
 /// A sparse matrix as its files give it; equal positions are summed.
 struct TripletMatrix {
   Index rows = 0, columns = 0;
-  std::vector<Triplet> entry;
+  std::vector<Triplet> entry{};
 };
 
 struct GlobalProblem {
   int dimension = 3;
-  TripletMatrix m, h;               // [freedoms x freedoms], [freedoms x contact_count * dimension]
-  std::vector<double> f, w;         // [freedoms], [contact_count * dimension]
-  std::vector<double> mu, mu_roll;  // [contact_count]
+  TripletMatrix m{}, h{};               // [freedoms x freedoms], [freedoms x contact_count * dimension]
+  std::vector<double> f{}, w{};         // [freedoms], [contact_count * dimension]
+  std::vector<double> mu{}, mu_roll{};  // [contact_count]
 };
 
 /// Reads any of these formats, recognised by content. Throws InputError "file: place: value; expectation".

@@ -1,7 +1,6 @@
 #include "sim/shape/meshes.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -10,6 +9,7 @@
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/format.h"
 #include "base/units.h"
 
 namespace gonogo::sim {
@@ -135,9 +135,7 @@ TriangleMesh revolved_mesh(const std::vector<std::pair<Real, Real>>& profile, in
 }
 
 TriangleMesh floor_mesh(Real half_edge, int cells) {
-  TriangleMesh mesh;
-  mesh.name = "floor";
-  mesh.open = true;
+  TriangleMesh mesh{.name = "floor", .open = true};
   Welder weld(mesh);
   add_grid(mesh, weld, {-half_edge, -half_edge, 0}, {2 * half_edge, 0, 0}, {0, 2 * half_edge, 0}, cells);
   return mesh;
@@ -179,11 +177,8 @@ class Words {
   }
 
   Real number(std::string_view word) {
-    double value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
-      refuse("expected a number, found \"" + std::string(word) + "\"");
-    return Real(value);
+    if (const auto value = parsed<double>(word)) return Real(*value);
+    refuse("expected a number, found \"" + std::string(word) + "\"");
   }
 
   [[noreturn]] void refuse(const std::string& why) const {
@@ -249,12 +244,9 @@ void read_stl(const std::string& file, const std::string& text, TriangleMesh& me
 
 /// Corner of an OBJ face: "7", "7/1", "7//3" or "-1" for the last vertex so far.
 Index obj_vertex(Words& words, std::string_view word, const std::vector<Index>& vertex) {
-  const std::string_view digits = word.substr(0, word.find('/'));
-  int value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  const int value = parsed<int>(word.substr(0, word.find('/'))).value_or(0);
   const int index = value > 0 ? value - 1 : int(vertex.size()) + value;
-  if (error != std::errc() || end != digits.data() + digits.size() || value == 0 || index < 0 ||
-      index >= int(vertex.size()))
+  if (value == 0 || index < 0 || index >= int(vertex.size()))
     words.refuse("a face has the corner \"" + std::string(word) + "\"; there are " + std::to_string(vertex.size()) +
                  " vertices before it, counted from 1");
   return vertex[index];
@@ -288,9 +280,7 @@ TriangleMesh read_mesh(const std::filesystem::path& path, double scale, bool ope
   const std::string text = read_file(path);
   std::string ending = path.extension().string();
   std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return char(std::tolower(c)); });
-  TriangleMesh mesh;
-  mesh.name = path.string();
-  mesh.open = open;
+  TriangleMesh mesh{.name = path.string(), .open = open};
   if (ending == ".stl")
     read_stl(path.string(), text, mesh);
   else if (ending == ".obj")

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <utility>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "sim/shape/shape.h"
 
 namespace gonogo::sim {
@@ -15,11 +15,7 @@ namespace {
 /// Names of contacts hold 8 features of a triangle, and capsules 4 of those.
 constexpr std::size_t kMaxTriangles = std::size_t(1) << 25;
 
-std::string text(const Vec3& p) {
-  char line[96];
-  std::snprintf(line, sizeof line, "(%g, %g, %g)", double(p.x), double(p.y), double(p.z));
-  return line;
-}
+std::string text(const Vec3& p) { return line("(%g, %g, %g)", double(p.x), double(p.y), double(p.z)); }
 
 [[noreturn]] void refuse(const TriangleMesh& mesh, const std::string& why) {
   throw InputError("mesh \"" + mesh.name + "\": " + why);

@@ -10,9 +10,9 @@ namespace gonogo::sim {
 
 /// Triangles in the axes of the shape, its centre at the origin; corners run counterclockwise seen from outside.
 struct TriangleMesh {
-  std::string name;          // for messages
-  std::vector<Vec3> vertex;  // [m]
-  std::vector<std::array<Index, 3>> triangle;
+  std::string name;            // for messages
+  std::vector<Vec3> vertex{};  // [m]
+  std::vector<std::array<Index, 3>> triangle{};
   bool open = false;  // one-sided ground, which may have a rim, instead of the boundary of a solid
 };
 

@@ -1,10 +1,10 @@
 #include "sim/simulation/simulation.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "sim/scene/check_scene.h"
 #include "sim/state/state.h"
 #ifdef GONOGO_WITH_CUDA
@@ -39,9 +39,7 @@ void require_backend(Backend backend) {
 
 std::string description(const Fault& fault, double step) {
   if (fault.flags == 0) return {};
-  char at[64];
-  std::snprintf(at, sizeof at, "body %d in step %d (at %g s)", fault.body, fault.step, fault.step * step);
-  std::string text = at;
+  std::string text = line("body %d in step %d (at %g s)", fault.body, fault.step, fault.step * step);
   const char* joint = " ";
   for (const auto& [flag, what] : {std::pair{flag_not_finite, "has a velocity or place that is no number"},
                                    {flag_too_fast, "crosses more than a bin in a step"},

@@ -33,6 +33,17 @@ const Shape kBall = shape(ShapeType::sphere, {0.3f, 0, 0}), kBox = shape(ShapeTy
             kDrum = shape(ShapeType::wheel, {0.4f, 0.1f, 0.02f}),
             kTyre = shape(ShapeType::wheel, {0.467f, 0.127f, 0.02f}, 24, 0.03f);
 
+/// Volume enclosed by a closed surface [m^3], by the divergence theorem; negative when it is inside out.
+double enclosed_volume(const Surface& surface) {
+  double six_times = 0;
+  for (const auto& [a, b, c] : surface.triangle) {
+    const auto p = static_cast<Vec3d>(surface.point[a]), q = static_cast<Vec3d>(surface.point[b]),
+               r = static_cast<Vec3d>(surface.point[c]);
+    six_times += dot(p, cross(q, r));
+  }
+  return six_times / 6;
+}
+
 /// Edges of a closed surface are walked once in each direction, points at the same place counted as one.
 bool is_closed(const Surface& s) {
   const auto place = [&](Index i) {

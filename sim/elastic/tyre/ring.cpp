@@ -1,10 +1,7 @@
 #include "sim/elastic/tyre/ring.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-
-#include "sim/elastic/contact.h"
 
 namespace gonogo::sim::elastic {
 namespace {

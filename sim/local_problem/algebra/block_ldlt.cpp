@@ -3,7 +3,6 @@
 #include <Eigen/OrderingMethods>
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "sim/local_problem/banded/band_factors.h"
 

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "sim/local_problem/algebra/block_ldlt.h"
-#include "sim/local_problem/algebra/scaled_problem.h"
 #include "sim/local_problem/algebra/tensor_train.h"
 #include "sim/local_problem/banded/spike_preconditioner.h"
 

@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "sim/local_problem/algebra/scaled_problem.h"
-#include "sim/local_problem/linear_work.h"
 
 namespace gonogo::sim {
 

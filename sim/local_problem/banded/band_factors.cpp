@@ -1,8 +1,6 @@
 #include "sim/local_problem/banded/band_factors.h"
 
-#include <cmath>
 #include <cstdlib>
-#include <vector>
 
 namespace gonogo::sim {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "sim/local_problem/banded/band_factors.h"
 #include "sim/local_problem/banded/spike.h"
-#include "sim/local_problem/linear_work.h"
+#include "sim/local_problem/problem.h"
 
 namespace gonogo::sim {
 

@@ -30,9 +30,7 @@ TeamSpikePlan plan_team_spike(const BandedMatrix<double>& a, const TeamSpikeSett
   const Index n = Index(a.size), half = Index(a.half);
   const Index most = std::max<Index>(1, n / std::max<Index>(1, 2 * half));
   const Index wanted = settings.partitions > 0 ? settings.partitions : n / rows_by_default(half);
-  TeamSpikePlan plan;
-  plan.kind = settings.kind;
-  plan.all = {n, half, std::clamp<Index>(wanted, 1, most)};
+  TeamSpikePlan plan{.kind = settings.kind, .all = {n, half, std::clamp<Index>(wanted, 1, most)}};
   for (Index i = 0; i < n; ++i) plan.largest = std::max(plan.largest, std::fabs(a.at(i, i)));
   const Index count = plan.all.count;
   plan.nodes = count;

@@ -76,7 +76,7 @@ struct FindResidual {
 struct TeamSpikePlan {
   SpikeKind kind = SpikeKind::full;
   Partitions all;
-  std::vector<PairsOfNodes> levels;  // partitions are nodes 0, 1, ...; truncated: one level; none for one partition
+  std::vector<PairsOfNodes> levels{};  // partitions are nodes 0, 1, ...; truncated: one level; none for one partition
   Index nodes = 0, joints = 0;
   double largest = 0;  // on the diagonal
 };

@@ -42,10 +42,8 @@ BoundedProgram bounded_program(const LocalProblem& problem, int facets) {
   const LcpSolution exact = solve_qp(lcp, {1e-12, 0});
   if (exact.status == LcpStatus::ray || exact.error > 1e-8)
     throw InputError(problem.name + ": the relaxation has no solution; check that the contacts can be kept apart");
-  BoundedProgram program;
-  program.unknowns = Index(lcp.size());
-  program.m = values(RowMajor(lcp.m));
-  program.q = {lcp.q.begin(), lcp.q.end()};
+  BoundedProgram program{
+      .unknowns = Index(lcp.size()), .m = values(RowMajor(lcp.m)), .q = {lcp.q.begin(), lcp.q.end()}};
   RowMajor generators(Eigen::Index(problem.q.size()), lcp.size());
   for (Eigen::Index j = 0; j < lcp.size(); ++j) {
     const auto column = faceted.scaled().impulses(faceted.impulses_of_generators(Eigen::VectorXd::Unit(lcp.size(), j)));

@@ -11,10 +11,10 @@ namespace gonogo::sim {
 
 struct BoundedProgram {
   Index unknowns = 0;
-  std::vector<double> m, q;        // [unknowns x unknowns] row major, symmetric; [unknowns]
-  std::vector<double> generators;  // [rows of the problem x unknowns] row major, in the units of the problem
-  std::vector<double> minimiser;   // exact, by active sets [unknowns]
-  double minimum = 0;              // of the objective
+  std::vector<double> m, q;          // [unknowns x unknowns] row major, symmetric; [unknowns]
+  std::vector<double> generators{};  // [rows of the problem x unknowns] row major, in the units of the problem
+  std::vector<double> minimiser{};   // exact, by active sets [unknowns]
+  double minimum = 0;                // of the objective
 
   double objective(const std::vector<double>& x) const;
   std::vector<double> impulses(const std::vector<double>& x) const;

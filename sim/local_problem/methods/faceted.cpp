@@ -144,16 +144,8 @@ std::string too_large(LocalSolver solver, Eigen::Index unknowns, Eigen::Index mo
 /// Most unknowns: lemke and qp keep dense matrices and need up to as many pivots; fb_newton factorises a matrix with
 /// dense blocks of a contact's facets.
 Eigen::Index most_unknowns(Complementarity by) {
-  switch (by) {
-    case Complementarity::lemke:
-      return 2000;
-    case Complementarity::qp:
-      return 4000;
-    case Complementarity::fb_newton:
-      return 10000;
-    default:
-      return 200000;
-  }
+  if (by == Complementarity::pgs) return 200000;
+  return by == Complementarity::lemke ? 2000 : by == Complementarity::qp ? 4000 : 10000;
 }
 
 /// Convex programs with the slip's share in the normal velocities, until they agree.

@@ -3,7 +3,6 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseLU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <deque>
 

@@ -7,7 +7,6 @@
 #include "base/format.h"
 #include "sim/local_problem/methods/methods.h"
 #include "sim/local_problem/one_contact.h"
-#include "sim/local_problem/problem.h"
 
 namespace gonogo::sim {
 namespace {

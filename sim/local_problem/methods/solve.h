@@ -25,7 +25,6 @@
 #include <string>
 #include <vector>
 
-#include "sim/local_problem/linear_work.h"
 #include "sim/local_problem/problem.h"
 
 namespace gonogo::sim {
