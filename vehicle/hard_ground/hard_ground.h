@@ -2,6 +2,7 @@
 // speeds, stopping distance, suspension frequencies. Tyres have no lugs here, because lugs on a plane roll like gear
 // wheels.
 #pragma once
+#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,6 +28,10 @@ struct Trace {
   std::string label;
   std::vector<double> x, y;
   bool points = false;  // drawn as points, not as a line
+  void add(double at, double value) {
+    x.push_back(at);
+    y.push_back(value);
+  }
 };
 
 /// A measured number and its closed form.
@@ -35,7 +40,7 @@ struct HardGroundCheck {
   std::string claim;  // quantity and closed form, in words
   double expected = 0, measured = 0;
   double tolerance = 0;  // of |measured - expected|
-  bool holds() const;
+  bool holds() const { return std::fabs(measured - expected) <= tolerance; }
 };
 
 /// Checks and curves of one figure.
@@ -44,6 +49,10 @@ struct HardGroundReport {
   std::string title, x_label, y_label;
   std::vector<HardGroundCheck> check{};
   std::vector<Trace> trace{};
+
+  void expect(const std::string& key, const std::string& claim, double expected, double measured, double tolerance) {
+    check.push_back({key, claim, expected, measured, tolerance});
+  }
 };
 
 /// Device of the run.

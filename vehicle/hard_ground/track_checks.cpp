@@ -108,8 +108,7 @@ HardGroundReport check_belts_at_rest(const Vehicle& vehicle, const HardGroundRun
   constexpr double time = 2, mean_over = 0.25;
   for (int k = 0; k < samples; ++k) {
     run_for(*rig.s, time / samples);
-    load.x.push_back((k + 1) * time / samples);
-    load.y.push_back(rig.plane_force().z / (weigh(v).total * kGravity));
+    load.add((k + 1) * time / samples, rig.plane_force().z / (weigh(v).total * kGravity));
   }
   double weight = 0, tensioner[2] = {}, pull[2] = {};
   constexpr int parts = 25;
@@ -123,23 +122,13 @@ HardGroundReport check_belts_at_rest(const Vehicle& vehicle, const HardGroundRun
     }
   }
   const double expected = weigh(v).total * kGravity;
-  r.check.push_back({.key = "ground_load_N",
-                     .claim = "load on the ground: the weight [N]",
-                     .expected = expected,
-                     .measured = weight,
-                     .tolerance = kLoadTolerance * expected});
+  r.expect("ground_load_N", "load on the ground: the weight [N]", expected, weight, kLoadTolerance * expected);
   for (int side = 0; side < 2; ++side) {
     const std::string name = side == 0 ? "left" : "right";
-    r.check.push_back({.key = "belt_tension_" + name + "_N",
-                       .claim = "both runs of the " + name + " belt pull what its tensioner pushes [N]",
-                       .expected = tensioner[side],
-                       .measured = pull[side],
-                       .tolerance = kPullTolerance * tensioner[side]});
-    r.check.push_back({.key = "pin_drift_" + name + "_m",
-                       .claim = "pins of the " + name + " belt come apart [m]",
-                       .expected = 0,
-                       .measured = pin_drift(rig.ground.world, rig.s->bodies(0), rig.ground.e.track[std::size_t(side)]),
-                       .tolerance = kPinDrift});
+    r.expect("belt_tension_" + name + "_N", "both runs of the " + name + " belt pull what its tensioner pushes [N]",
+             tensioner[side], pull[side], kPullTolerance * tensioner[side]);
+    r.expect("pin_drift_" + name + "_m", "pins of the " + name + " belt come apart [m]", 0,
+             pin_drift(rig.ground.world, rig.s->bodies(0), rig.ground.e.track[std::size_t(side)]), kPinDrift);
   }
   r.trace = {load};
   return r;
@@ -162,23 +151,15 @@ HardGroundReport check_track_speed(const Vehicle& vehicle, double sprocket_speed
   constexpr int parts = 20, turns = 2;
   for (int k = 0; k < turns * parts; ++k) {
     run_for(*rig.s, turn / parts);
-    engine.x.push_back(double(k + 1) / parts);
-    engine.y.push_back(rig.place() - from);
+    engine.add(double(k + 1) / parts, rig.place() - from);
     for (const EngineTrack& t : rig.ground.e.track)
       drift = std::max(drift, pin_drift(rig.ground.world, rig.s->bodies(0), t));
   }
   const double time = rig.s->settings().step * std::lround(turn / parts / rig.s->settings().step) * turns * parts;
   const double expected = rolling_radius(*v.track) * sprocket_speed * time;
-  r.check.push_back({.key = "track_way_m",
-                     .claim = "way of two turns of the sprockets: teeth times pitch [m]",
-                     .expected = expected,
-                     .measured = engine.y.back(),
-                     .tolerance = 0.01 * expected});
-  r.check.push_back({.key = "pin_drift_driven_m",
-                     .claim = "pins come apart while it drives [m]",
-                     .expected = 0,
-                     .measured = drift,
-                     .tolerance = kPinDrift});
+  r.expect("track_way_m", "way of two turns of the sprockets: teeth times pitch [m]", expected, engine.y.back(),
+           0.01 * expected);
+  r.expect("pin_drift_driven_m", "pins come apart while it drives [m]", 0, drift, kPinDrift);
   r.trace = {closed, engine};
   return r;
 }
@@ -200,15 +181,11 @@ HardGroundReport check_track_traction(const Vehicle& vehicle, double mu, const H
   constexpr int samples = 40;
   for (int k = 0; k < samples; ++k) {
     run_for(*rig.s, time / samples);
-    trace.x.push_back((k + 1) * time / samples);
-    trace.y.push_back(forward_speed(*rig.s, rig.ground));
+    trace.add((k + 1) * time / samples, forward_speed(*rig.s, rig.ground));
   }
   const double gained = (forward_speed(*rig.s, rig.ground) - speed) / time;
-  r.check.push_back({.key = "track_gradeability",
-                     .claim = "steepest slope with spinning belts: tan = mu",
-                     .expected = mu,
-                     .measured = mu + gained / (kGravity * std::cos(slope)),
-                     .tolerance = kPullTolerance * mu});
+  r.expect("track_gradeability", "steepest slope with spinning belts: tan = mu", mu,
+           mu + gained / (kGravity * std::cos(slope)), kPullTolerance * mu);
   r.trace = {trace};
   return r;
 }
@@ -230,24 +207,16 @@ HardGroundReport check_track_torque(const Vehicle& vehicle, double slope, const 
   double by_ground = 0, by_torque = 0;
   for (int k = 0; k < samples; ++k) {
     run_for(*rig.s, time / samples);
-    ground.x.push_back((k + 1) * time / samples);
-    ground.y.push_back(rig.plane_force().x);
-    sprockets.x.push_back(ground.x.back());
-    sprockets.y.push_back(rig.torque() / rolling_radius(t));
+    ground.add((k + 1) * time / samples, rig.plane_force().x);
+    sprockets.add(ground.x.back(), rig.torque() / rolling_radius(t));
     by_ground += ground.y.back() / samples;
     by_torque += sprockets.y.back() / samples;
   }
   const double weight = weigh(v).total * kGravity * std::sin(slope);
-  r.check.push_back({.key = "track_force_N",
-                     .claim = "force of the ground, slowly uphill: the weight's share along the slope [N]",
-                     .expected = weight,
-                     .measured = by_ground,
-                     .tolerance = kPullTolerance * weight});
-  r.check.push_back({.key = "track_torque_N",
-                     .claim = "torque of the sprockets over their rolling radius: the same [N]",
-                     .expected = weight,
-                     .measured = by_torque,
-                     .tolerance = kTorqueTolerance * weight});
+  r.expect("track_force_N", "force of the ground, slowly uphill: the weight's share along the slope [N]", weight,
+           by_ground, kPullTolerance * weight);
+  r.expect("track_torque_N", "torque of the sprockets over their rolling radius: the same [N]", weight, by_torque,
+           kTorqueTolerance * weight);
   r.trace = {ground, sprockets};
   return r;
 }

@@ -50,9 +50,7 @@ Curve read_curve(const Config& c, const std::string& at, const std::string& valu
 
 /// Reads "mass_kg", "centre_m" (when `placed`), "inertia_kg_m2", "products_kg_m2".
 Part read_part(const Config& c, const std::string& name, bool placed) {
-  Part p;
-  p.name = name;
-  p.mass = c.number("mass_kg", kMass);
+  Part p{.name = name, .mass = c.number("mass_kg", kMass)};
   if (placed) p.centre = read_vector(c, "centre_m");
   p.moments = read_vector(c, "inertia_kg_m2", {1e-9, 1e9});
   if (c.has("products_kg_m2")) p.products = read_vector(c, "products_kg_m2", {-1e9, 1e9});

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "base/error.h"
-#include "vehicle/multibody/tree.h"
 
 namespace gonogo::vehicle::multibody {
 namespace {

@@ -1,6 +1,5 @@
 #include "vehicle/multibody/tree.h"
 
-#include <cmath>
 #include <string>
 
 #include "base/error.h"

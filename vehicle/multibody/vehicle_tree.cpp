@@ -56,24 +56,4 @@ VehicleTree vehicle_tree(const Assembly& assembly) {
   return v;
 }
 
-std::vector<Vector6> strut_forces(const VehicleTree& v, const std::vector<Strut>& struts, const Kinematics& k) {
-  std::vector<Vector6> force(std::size_t(v.tree.body_count()), Vector6::Zero());
-  for (const Strut& s : struts) {
-    const Vector3 parent_point = v.local(s.parent, s.parent_point), child_point = v.local(s.child, s.child_point);
-    const Vector3 apart = point_position(k, s.child, child_point) - point_position(k, s.parent, parent_point);
-    const double length = apart.norm();
-    const Vector3 along = apart / length;
-    double push = s.spring ? s.spring->push(length) : 0;
-    if (s.damper && !s.damper->force.empty()) {
-      const double speed =
-          along.dot(point_velocity(k, s.child, child_point) - point_velocity(k, s.parent, parent_point));
-      const bool bump = !s.damper->bump.empty() && (length < s.damper->shortest || length > s.damper->longest);
-      push += (bump ? s.damper->bump : s.damper->force)(speed);
-    }
-    force[std::size_t(s.child)] += force_at(child_point, k.from_world[s.child].E * (push * along));
-    force[std::size_t(s.parent)] -= force_at(parent_point, k.from_world[s.parent].E * (push * along));
-  }
-  return force;
-}
-
 }  // namespace gonogo::vehicle::multibody

@@ -20,7 +20,4 @@ struct VehicleTree {
 };
 VehicleTree vehicle_tree(const Assembly& assembly);
 
-/// External forces on the bodies from springs and dampers, in the bodies' frames.
-std::vector<Vector6> strut_forces(const VehicleTree& v, const std::vector<Strut>& struts, const Kinematics& k);
-
 }  // namespace gonogo::vehicle::multibody

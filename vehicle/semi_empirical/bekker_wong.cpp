@@ -1,7 +1,6 @@
 #include "vehicle/semi_empirical/bekker_wong.h"
 
 #include <cmath>
-#include <string>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -103,9 +102,7 @@ WheelForces wheel_forces(const BekkerSoil& soil, const RigidWheel& wheel, const 
                        .across = speed * std::sin(motion.slip_angle),
                        .entry = entry_angle,
                        .largest = (stress.c1 + stress.c2 * slip_along) * entry_angle};
-  WheelForces f;
-  f.entry_angle = entry_angle;
-  f.sinkage = in.depth(0);
+  WheelForces f{.entry_angle = entry_angle, .sinkage = in.depth(0)};
   // Midpoints, denser towards the entry, where a small exponent makes the stress rise steeply.
   constexpr int kParts = 2000;
   for (int i = 0; i < kParts; ++i) {

@@ -63,10 +63,7 @@ VehicleIndex axle_index(const Vehicle& v, std::size_t axle) {
   in.clearance = v.clearance;
   in.power_per_mass = v.power / total;
   in.automatic = v.automatic;
-  VehicleIndex result;
-  result.axle = a.name;
-  result.factors = mobility_factors(in);
-  result.deflection_given = wheel.size_deflection > 0;
+  VehicleIndex result{.axle = a.name, .factors = mobility_factors(in), .deflection_given = wheel.size_deflection > 0};
   result.deflection_ratio =
       result.deflection_given ? wheel.size_deflection / wheel.size_section_height : kUsualDeflection;
   result.cone_index = wheeled_cone_index(result.factors.index(), result.deflection_ratio);

@@ -60,7 +60,7 @@ struct VehicleIndex {
   MobilityFactors factors;
   double deflection_ratio = 0;  // of tyres; 0.15 when the file gives none
   bool deflection_given = false;
-  VehicleConeIndex cone_index;
+  VehicleConeIndex cone_index{};
 };
 
 /// Throws InputError for a single-wheel rig and for wheels whose file gives no nominal tyre size.

@@ -1,7 +1,6 @@
 #include "vehicle/world/driving.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.h"
 #include "sim/scene/scene.h"
@@ -342,9 +341,7 @@ SteeringKind steering_of(const Vehicle& v) {
 }
 
 DrivenVehicle add_driven_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d& origin, int tool_material) {
-  DrivenVehicle d;
-  d.parts = add_vehicle(world, v, origin, tool_material);
-  d.steering = steering_of(v);
+  DrivenVehicle d{.parts = add_vehicle(world, v, origin, tool_material), .steering = steering_of(v)};
   if (d.steering == SteeringKind::wheels) d.arm = add_hand_steering(world, v, d.parts, origin);
   const std::size_t controllers = world.controller.size();
   DriverOrders orders;

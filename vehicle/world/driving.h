@@ -53,10 +53,10 @@ struct Control {
 struct DrivenVehicle {
   EngineVehicle parts;
   SteeringKind steering = SteeringKind::none;
-  Index driveline = -1;        // -1: wheel motors
-  std::vector<Control> motor;  // controllers of wheel motors
-  std::vector<Control> arm;    // controllers of steering arms
-  std::vector<Control> brake;  // motors
+  Index driveline = -1;          // -1: wheel motors
+  std::vector<Control> motor{};  // controllers of wheel motors
+  std::vector<Control> arm{};    // controllers of steering arms
+  std::vector<Control> brake{};  // motors
 };
 
 /// Like add_vehicle(), at rest with its pedals released. `v` must outlive the result. Throws InputError as

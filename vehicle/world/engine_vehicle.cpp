@@ -102,9 +102,7 @@ EngineVehicle add_tracked(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
   require_belt(v);
   const TrackLoop loops[2] = {close_loop(v, true), close_loop(v, false)};
   const Assembly assembly = assemble_without_belts(v, {loops[0].idler, loops[1].idler});
-  EngineVehicle e;
-  e.station = stations(v);
-  e.bodies = add_bodies(world, assembly, origin);
+  EngineVehicle e{.station = stations(v), .bodies = add_bodies(world, assembly, origin)};
   add_struts(world, assembly, e.bodies, origin);
   set_chassis(world, v, assembly, e);
   add_belly(world, v, e, origin, material);
@@ -203,9 +201,7 @@ EngineVehicle add_vehicle(sim::SceneWorld& world, const Vehicle& v, const Vec3d&
   if (is_quarter(v)) return add_quarter(world, v, origin, tool_material, yaw);
   if (v.kind == VehicleKind::tracked) return add_tracked(world, v, origin, tool_material);
   const Assembly assembly = assemble(v);
-  EngineVehicle e;
-  e.station = stations(v);
-  e.bodies = add_bodies(world, assembly, origin);
+  EngineVehicle e{.station = stations(v), .bodies = add_bodies(world, assembly, origin)};
   add_struts(world, assembly, e.bodies, origin);
   set_chassis(world, v, assembly, e);
   add_belly(world, v, e, origin, tool_material);

@@ -21,14 +21,14 @@ std::vector<Vec3d> belt_bottom(const Vehicle& v);
 struct EngineVehicle {
   std::vector<Station> station;
   EngineBodies bodies;
-  std::vector<sim::BodyIndex> wheel;  // [station]
-  std::vector<Index> drive_motor;     // [station] between wheel and its carrier; -1: not driven
-  std::vector<Index> brake_motor;     // [station]; -1: none
-  std::vector<Index> steer_motor;     // of the steering arms; empty without steering
-  sim::BodyIndex chassis = 0;         // that goes the vehicle's way; of a quarter its wheel
-  Vec3d chassis_centre;               // its centre of mass in the vehicle's frame [m]
-  Vec3 hitch_B{};                     // in the chassis: at the rear, as high as the axles; of a quarter in its axle [m]
-  std::vector<EngineTrack> track;     // left, right; sprockets drive and brake, not road wheels
+  std::vector<sim::BodyIndex> wheel{};  // [station]
+  std::vector<Index> drive_motor{};     // [station] between wheel and its carrier; -1: not driven
+  std::vector<Index> brake_motor{};     // [station]; -1: none
+  std::vector<Index> steer_motor{};     // of the steering arms; empty without steering
+  sim::BodyIndex chassis = 0;           // that goes the vehicle's way; of a quarter its wheel
+  Vec3d chassis_centre{};               // its centre of mass in the vehicle's frame [m]
+  Vec3 hitch_B{};                    // in the chassis: at the rear, as high as the axles; of a quarter in its axle [m]
+  std::vector<EngineTrack> track{};  // left, right; sprockets drive and brake, not road wheels
 };
 
 /// Body and drive motor (-1: none) of running_parts()[part].
