@@ -2,10 +2,7 @@
 
 #include <cpl_conv.h>
 #include <algorithm>
-#include <cmath>
-#include <memory>
 
-#include "base/format.h"
 #include "terrain/raster/gdal_support.h"
 
 namespace gonogo::terrain {

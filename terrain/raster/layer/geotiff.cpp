@@ -3,7 +3,6 @@
 #include <cpl_string.h>
 #include <omp.h>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -40,11 +39,7 @@ std::string xml_escaped(const std::string& text) {
 
 namespace {
 
-std::string shortest(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", x);
-  return text;
-}
+std::string shortest(double x) { return line("%g", x); }
 
 std::string paletted_renderer(const LayerInfo& info) {
   std::string xml = "    <rasterrenderer type=\"paletted\" band=\"1\" opacity=\"1\">\n      <colorPalette>\n";

@@ -6,8 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
-#include <vector>
 
 #include "base/error.h"
 #include "base/files/file.h"

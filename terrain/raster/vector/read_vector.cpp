@@ -4,9 +4,6 @@
 #include <gdal_alg.h>
 #include <ogrsf_frmts.h>
 #include <algorithm>
-#include <cmath>
-#include <memory>
-#include <vector>
 
 #include "base/error.h"
 #include "terrain/raster/gdal_support.h"

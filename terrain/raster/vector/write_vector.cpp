@@ -5,7 +5,6 @@
 #include <ogrsf_frmts.h>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -141,6 +140,11 @@ void add_line(OGRLayer& layer, const LineFeature& line, const Format& format, OG
   if (layer.CreateFeature(&feature) != OGRERR_NONE) refuse_to_write(path, call);
 }
 
+void add_field(OGRLayer& layer, const char* name, OGRFieldType type, const fs::path& path, const GdalCall& call) {
+  OGRFieldDefn field(name, type);
+  if (layer.CreateField(&field) != OGRERR_NONE) refuse_to_write(path, call);
+}
+
 VectorStyle style_of(const std::vector<LineFeature>& lines) {
   VectorStyle style{.column = "name", .polygons = false, .legend = {}};
   for (const LineFeature& line : lines) style.legend.push_back({0, line.name, line.colour});
@@ -164,15 +168,22 @@ void write_format(const fs::path& path, const Format& format, const MapGrid& gri
                                       gpx ? wkbMultiLineString : wkbLineString, options.List());
   if (!layer) refuse_to_write(path, call);
   if (format.attributes) {
-    OGRFieldDefn title("name", OFTString);
-    if (layer->CreateField(&title) != OGRERR_NONE) refuse_to_write(path, call);
-    for (const auto& [column, value] : lines.empty() ? LineFeature{}.attribute : lines.front().attribute) {
-      OGRFieldDefn field(column.c_str(), OFTReal);
-      if (layer->CreateField(&field) != OGRERR_NONE) refuse_to_write(path, call);
-    }
+    add_field(*layer, "name", OFTString, path, call);
+    for (const auto& [column, value] : lines.empty() ? LineFeature{}.attribute : lines.front().attribute)
+      add_field(*layer, column.c_str(), OFTReal, path, call);
   }
   for (const LineFeature& line : lines) add_line(*layer, line, format, turn.get(), path, call);
   if (std::string(format.driver) == "GPKG") embed_style(*file, name, style_of(lines), path);
+}
+
+template <class Write>
+void replace_vector(const fs::path& path, const Write& write) {
+  const FixedDate fixed;
+  replace_file_atomically(path, [&](const fs::path& temporary) {
+    std::error_code ignored;
+    fs::remove(temporary, ignored);  // drivers refuse to write over a file
+    write(temporary);
+  });
 }
 
 }  // namespace
@@ -180,20 +191,10 @@ void write_format(const fs::path& path, const Format& format, const MapGrid& gri
 void write_lines(const fs::path& path, const MapGrid& grid, const std::string& layer,
                  const std::vector<LineFeature>& lines) {
   const Format format = format_of(path);
-  const FixedDate fixed;
-  replace_file_atomically(path, [&](const fs::path& temporary) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);  // drivers refuse to write over a file
-    write_format(temporary, format, grid, layer, lines);
-  });
+  replace_vector(path, [&](const fs::path& temporary) { write_format(temporary, format, grid, layer, lines); });
 }
 
 namespace {
-
-void add_field(OGRLayer& layer, const char* name, OGRFieldType type, const fs::path& path, const GdalCall& call) {
-  OGRFieldDefn field(name, type);
-  if (layer.CreateField(&field) != OGRERR_NONE) refuse_to_write(path, call);
-}
 
 /// Fills in what GDALPolygonize leaves open.
 void describe_polygons(OGRLayer& layer, const MapGrid& grid, double cell_m, const std::vector<LegendEntry>& legend,
@@ -238,12 +239,7 @@ void polygonize(const fs::path& path, const std::string& name, GDALDataset& sour
 
 void write_polygons(const fs::path& path, const std::string& name, GDALDataset& source, const MapGrid& grid,
                     const std::vector<LegendEntry>& legend) {
-  const FixedDate fixed;
-  replace_file_atomically(path, [&](const fs::path& temporary) {
-    std::error_code ignored;
-    fs::remove(temporary, ignored);  // drivers refuse to write over a file
-    polygonize(temporary, name, source, grid, legend);
-  });
+  replace_vector(path, [&](const fs::path& temporary) { polygonize(temporary, name, source, grid, legend); });
 }
 
 }  // namespace
