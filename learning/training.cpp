@@ -4,7 +4,6 @@
 #include <array>
 #include <map>
 #include <numeric>
-#include <utility>
 
 #include "base/error.h"
 #include "base/math/random.h"

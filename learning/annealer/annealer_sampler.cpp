@@ -85,9 +85,7 @@ SampleSet AnnealerSampler::sample(const Problem& problem, const SampleRequest& r
       embed_problem(scaled(ising, settings_.scale), graph_, embedding_, settings_.chain_coupling);
   take_off_leak(embedded.problem, settings_.susceptibility);
   const std::size_t cut = cut_to_ranges(embedded.problem, settings_.ranges);
-  SampleSet rows;
-  rows.vartype = problem.vartype;
-  rows.labels = problem.labels;
+  SampleSet rows{.vartype = problem.vartype, .labels = problem.labels};
   double broken = 0;
   const std::size_t gauges = std::min(std::max<std::size_t>(1, settings_.gauges), request.reads);
   for (std::size_t k = 0; k < gauges; ++k) {
@@ -181,11 +179,8 @@ SampleSet with_post_sweeps(const Problem& problem, SampleSet rows, const SampleR
   const bool possible = sweeps > 0 && split_in_two(to_qubo(problem));
   rows.info["post_sweeps"] = Json(std::uint64_t(possible ? sweeps : 0));
   if (!possible) return rows;
-  SampleRequest more;
-  more.reads = rows.row_count();
-  more.seed = random_bits(request.seed, kPost, 0);
-  more.sweeps = sweeps;
-  more.start = &rows;
+  SampleRequest more{
+      .reads = rows.row_count(), .seed = random_bits(request.seed, kPost, 0), .sweeps = sweeps, .start = &rows};
   SampleSet result = make_sampler("block_gibbs")->sample(problem, more);
   result.info = rows.info;
   return result;

@@ -47,14 +47,12 @@ void leak(Problem& problem, double chi) {
 /// Times of a job on a 2X-like machine [us]: 20 us anneals.
 Json timing(std::size_t reads) {
   constexpr double anneal = 20, readout = 123, delay = 21, programming = 12'000;
-  Json json;
-  json["qpu_sampling_time"] = double(reads) * (anneal + readout + delay);
-  json["qpu_anneal_time_per_sample"] = anneal;
-  json["qpu_readout_time_per_sample"] = readout;
-  json["qpu_delay_time_per_sample"] = delay;
-  json["qpu_programming_time"] = programming;
-  json["qpu_access_time"] = programming + double(reads) * (anneal + readout + delay);
-  return json;
+  return Json::Object{{"qpu_sampling_time", double(reads) * (anneal + readout + delay)},
+                      {"qpu_anneal_time_per_sample", anneal},
+                      {"qpu_readout_time_per_sample", readout},
+                      {"qpu_delay_time_per_sample", delay},
+                      {"qpu_programming_time", programming},
+                      {"qpu_access_time", programming + double(reads) * (anneal + readout + delay)}};
 }
 
 /// Rows by energy, equal ones counted where `histogram` is set.
@@ -106,9 +104,8 @@ Device d_wave_2x(double dead_share, std::uint64_t serial) {
 }
 
 SapiSolver solver_of(const Device& device) {
-  SapiSolver solver;
-  solver.name = "gonogo_emulator_" + std::to_string(device.serial);
-  solver.chip_size = std::int64_t(device.graph.chip_size());
+  SapiSolver solver{.name = "gonogo_emulator_" + std::to_string(device.serial),
+                    .chip_size = std::int64_t(device.graph.chip_size())};
   solver.qubits.assign(device.graph.qubits().begin(), device.graph.qubits().end());
   solver.couplers.assign(device.graph.couplers().begin(), device.graph.couplers().end());
   return solver;

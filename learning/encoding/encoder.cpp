@@ -3,19 +3,15 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/json/config.h"
 
 namespace gonogo::learning {
 namespace {
 
-std::string short_number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.6g", x);
-  return text;
-}
+std::string short_number(double x) { return line("%.6g", x); }
 
 unsigned gray_code(int bin) { return unsigned(bin) ^ (unsigned(bin) >> 1); }
 
@@ -197,15 +193,8 @@ DecodedBin Encoder::decode(std::span<const Bit> units, DecodeRule rule) const {
 }
 
 Json Encoder::to_json() const {
-  Json json;
-  json["name"] = name_;
-  json["unit"] = unit_;
-  json["code"] = code_name(code_);
-  json["lower"] = lower_;
-  json["upper"] = upper_;
-  json["edges"] = Json(edges_);
-  json["categories"] = Json(categories_);
-  return json;
+  return Json::Object{{"name", name_},   {"unit", unit_},         {"code", code_name(code_)},       {"lower", lower_},
+                      {"upper", upper_}, {"edges", Json(edges_)}, {"categories", Json(categories_)}};
 }
 
 Encoder Encoder::from_json(const Json& json, const std::string& source) {

@@ -1,7 +1,6 @@
 // bqpjson 1.0.0 of Los Alamos (github.com/lanl-ansi/bqpjson): value = scale (offset + linear + quadratic), variables
 // are numbers, domains "spin" and "boolean".
 
-#include <algorithm>
 #include <set>
 
 #include "learning/formats/format.h"

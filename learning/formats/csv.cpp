@@ -1,6 +1,4 @@
 // Answers as a table: a header of labels or ids, one row of values per line, with energies and counts.
-#include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "base/error.h"
@@ -93,9 +91,7 @@ SampleSet samples_from_csv(const std::string& text, const Problem& problem, cons
   TextLines lines(text, source);
   if (!lines.next()) throw InputError(source + ": no header with the variables' labels");
   const Columns columns = read_csv_header(lines, problem);
-  SampleSet samples;
-  samples.vartype = problem.vartype;
-  samples.labels = problem.labels;
+  SampleSet samples{.vartype = problem.vartype, .labels = problem.labels};
   const int off = problem.vartype == Vartype::binary ? 0 : -1;
   while (lines.next()) {
     const std::vector<std::string> row = cells(lines.line());

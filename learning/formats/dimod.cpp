@@ -21,10 +21,7 @@ Json number_json(double x) {
 }
 
 Json array_json(Json data, const char* data_type, const std::vector<std::size_t>& shape) {
-  Json json;
-  json["type"] = "array";
-  json["data"] = std::move(data);
-  json["data_type"] = data_type;
+  Json json = Json::Object{{"type", "array"}, {"data", std::move(data)}, {"data_type", data_type}};
   Json extents = Json::array();
   for (std::size_t extent : shape) extents.push_back(Json(std::int64_t(extent)));
   json["shape"] = std::move(extents);
@@ -114,8 +111,7 @@ Json rows_json(const SampleSet& samples, bool packed) {
 
 Json dimod_json(const Problem& problem) {
   check_problem(problem, "problem");
-  Json json, linear = Json::array(), quadratic = Json::array(), head = Json::array(), tail = Json::array();
-  for (double bias : problem.linear) linear.push_back(Json(bias));
+  Json json, quadratic = Json::array(), head = Json::array(), tail = Json::array();
   for (const Coupling& c : problem.couplings) {
     quadratic.push_back(Json(c.value));
     head.push_back(Json(c.a));
@@ -132,7 +128,7 @@ Json dimod_json(const Problem& problem) {
   json["variable_type"] = vartype_name(problem.vartype);
   json["offset"] = problem.offset;
   json["info"] = Json::object();
-  json["linear_biases"] = std::move(linear);
+  json["linear_biases"] = problem.linear;
   json["quadratic_biases"] = std::move(quadratic);
   json["quadratic_head"] = std::move(head);
   json["quadratic_tail"] = std::move(tail);
@@ -150,9 +146,7 @@ Problem dimod_problem(const Json& json, const std::string& source) {
   reader.expect_text("type", "BinaryQuadraticModel");
   check_version(reader, "bqm_schema", "2.0.0", "4");
   reader.expect_no_bytes();
-  Problem problem;
-  problem.vartype = vartype_from_json(reader, "variable_type");
-  problem.linear = reader.numbers("linear_biases");
+  Problem problem{.vartype = vartype_from_json(reader, "variable_type"), .linear = reader.numbers("linear_biases")};
   if (reader.find("num_variables"))
     reader.expect_size("linear_biases", problem.linear.size(), reader.count("num_variables"));
   problem.labels = labels_from_json(reader, "variable_labels", problem.linear.size());
@@ -166,9 +160,8 @@ Problem dimod_problem(const Json& json, const std::string& source) {
 
 std::string to_dimod_json(const SampleSet& samples, bool packed) {
   const std::size_t rows = samples.row_count(), n = samples.variable_count(), words = (n + 31) / 32;
-  Json json, energies = Json::array(), occurrences = Json::array();
+  Json json, energies = Json::array();
   for (double e : samples.energies) energies.push_back(number_json(e));
-  for (std::int64_t count : samples.occurrences) occurrences.push_back(Json(count));
   json["type"] = "SampleSet";
   json["version"]["sampleset_schema"] = "3.2.0";
   json["num_variables"] = Json(std::int64_t(n));
@@ -177,7 +170,7 @@ std::string to_dimod_json(const SampleSet& samples, bool packed) {
   json["sample_type"] = "int8";
   json["sample_packed"] = packed;
   json["vectors"]["energy"] = array_json(std::move(energies), "float64", {rows});
-  json["vectors"]["num_occurrences"] = array_json(std::move(occurrences), "int64", {rows});
+  json["vectors"]["num_occurrences"] = array_json(samples.occurrences, "int64", {rows});
   json["variable_labels"] = labels_json(samples.labels);
   json["variable_type"] = vartype_name(samples.vartype);
   json["info"] = samples.info;

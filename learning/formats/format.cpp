@@ -179,11 +179,8 @@ double energy_scale(const Problem& problem) {
 SampleSet check_answer(const Problem& problem, const SampleSet& answer, const std::string& source) {
   check_hash(problem, answer, source);
   const std::vector<std::size_t> column = answer_columns(problem, answer, source);
-  SampleSet result;
-  result.vartype = problem.vartype;
-  result.labels = problem.labels;
-  result.occurrences = answer.occurrences;
-  result.info = answer.info;
+  SampleSet result{
+      .vartype = problem.vartype, .labels = problem.labels, .occurrences = answer.occurrences, .info = answer.info};
   const double tolerance = 1e-6 * energy_scale(problem);
   const std::size_t n = problem.variable_count();
   for (std::size_t r = 0; r < answer.row_count(); ++r) {
@@ -278,9 +275,8 @@ Json embedding_json(const EmbeddingRecord& embedding) {
 }
 
 EmbeddingRecord embedding_from_json(const Config& config) {
-  EmbeddingRecord embedding;
-  embedding.graph = config.text("graph");
-  embedding.chain_strength = config.number("chain_strength", {.minimum = 0});
+  EmbeddingRecord embedding{.graph = config.text("graph"),
+                            .chain_strength = config.number("chain_strength", {.minimum = 0})};
   embedding.source = dimod_problem(config.object("source").json(), config.file().string() + ": embedding.source");
   for (const char* key : {"chains", "uncoupled"})  // read below, by JsonReader
     if (!config.has(key)) config.fail(key, "missing");

@@ -82,11 +82,11 @@ std::string samples_csv(const SampleSet& samples);
 
 /// Embedding of a problem on qubits. Chain k is variable k of `source`.
 struct EmbeddingRecord {
-  std::string graph;                              // "chimera:12", or the solver's name
-  std::vector<std::vector<std::int64_t>> chains;  // qubits
+  std::string graph;                                // "chimera:12", or the solver's name
+  std::vector<std::vector<std::int64_t>> chains{};  // qubits
   double chain_strength = 0;
-  Problem source;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> uncoupled;  // pairs of `source` without a coupler
+  Problem source{};
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> uncoupled{};  // pairs of `source` without a coupler
   bool operator==(const EmbeddingRecord&) const = default;
 };
 
@@ -96,11 +96,11 @@ struct ProblemSidecar {
   const Format* format = nullptr;
   Vartype vartype = Vartype::binary;
   double offset = 0;
-  double scale = 1, beta = 1;      // P(x) proportional to exp(-beta E(x) / scale), E in the file
-  std::vector<Label> labels;       // of the problem's variables
-  std::vector<std::int64_t> ids;   // ids in the file; empty if the format has labels
-  std::vector<std::int8_t> gauge;  // -1: the variable's sign is flipped in the file; empty: none
-  std::optional<EmbeddingRecord> embedding;
+  double scale = 1, beta = 1;        // P(x) proportional to exp(-beta E(x) / scale), E in the file
+  std::vector<Label> labels;         // of the problem's variables
+  std::vector<std::int64_t> ids;     // ids in the file; empty if the format has labels
+  std::vector<std::int8_t> gauge{};  // -1: the variable's sign is flipped in the file; empty: none
+  std::optional<EmbeddingRecord> embedding{};
 };
 
 ProblemSidecar sidecar_of(const WrittenProblem& written, const Format& format);

@@ -8,10 +8,10 @@
 //   MQLib      E = -objective: linear -w_ii, coupling -2 w_ij
 //   Biq Mac    linear w_ii, coupling 2 w_ij
 //   rudy       J_ij = w_ij with spins for the two sides of the cut; E = W - 2 cut, W the sum of all weights
-#include <cstdio>
 #include <numeric>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "learning/formats/format.h"
 #include "learning/qubo/text.h"
 
@@ -37,15 +37,10 @@ void check_fit(const Problem& problem, bool rudy) {
 }
 
 std::string shortest_text(double x) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", x);
   double back = 0;
-  for (int digits = 1; digits < 17; ++digits) {
-    char shorter[40];
-    std::snprintf(shorter, sizeof shorter, "%.*g", digits, x);
-    if (parse_number(shorter, back) && back == x) return shorter;
-  }
-  return text;
+  for (int digits = 1; digits < 17; ++digits)
+    if (const std::string text = line("%.*g", digits, x); parse_number(text, back) && back == x) return text;
+  return line("%.17g", x);
 }
 
 /// Variable k has number k + 1. Coefficients of 0 and the offset are left out.
@@ -97,37 +92,25 @@ Problem problem_from_optimisation_text(const std::string& text, const FormatOpti
   return problem_from_entries(rudy ? Vartype::spin : Vartype::binary, ids, entries, Repeats::refuse, source);
 }
 
+template <const Dialect& dialect>
+constexpr Format format(const char* name, const char* extension, const char* about) {
+  return {.name = name,
+          .extension = extension,
+          .about = about,
+          .binary = !dialect.rudy,
+          .spin = dialect.rudy,
+          .labels = false,
+          .from_one = true,
+          .offset = false,
+          .zeros = false,
+          .write = to_optimisation_text<dialect>,
+          .read = problem_from_optimisation_text<dialect>};
+}
+
 }  // namespace
 
-extern const Format kMqlib = {.name = "mqlib",
-                              .extension = ".mqlib",
-                              .about = "MQLib: maximise, symmetric matrix",
-                              .spin = false,
-                              .labels = false,
-                              .from_one = true,
-                              .offset = false,
-                              .zeros = false,
-                              .write = to_optimisation_text<kMqlibDialect>,
-                              .read = problem_from_optimisation_text<kMqlibDialect>};
-extern const Format kBiqMac = {.name = "biq_mac",
-                               .extension = ".bq",
-                               .about = "Biq Mac: minimise, symmetric matrix",
-                               .spin = false,
-                               .labels = false,
-                               .from_one = true,
-                               .offset = false,
-                               .zeros = false,
-                               .write = to_optimisation_text<kBiqMacDialect>,
-                               .read = problem_from_optimisation_text<kBiqMacDialect>};
-extern const Format kRudy = {.name = "rudy",
-                             .extension = ".mc",
-                             .about = "rudy, G-set: maximum cut, no linear biases",
-                             .binary = false,
-                             .labels = false,
-                             .from_one = true,
-                             .offset = false,
-                             .zeros = false,
-                             .write = to_optimisation_text<kRudyDialect>,
-                             .read = problem_from_optimisation_text<kRudyDialect>};
+extern const Format kMqlib = format<kMqlibDialect>("mqlib", ".mqlib", "MQLib: maximise, symmetric matrix");
+extern const Format kBiqMac = format<kBiqMacDialect>("biq_mac", ".bq", "Biq Mac: minimise, symmetric matrix");
+extern const Format kRudy = format<kRudyDialect>("rudy", ".mc", "rudy, G-set: maximum cut, no linear biases");
 
 }  // namespace gonogo::learning

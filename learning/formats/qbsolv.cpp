@@ -2,7 +2,6 @@
 // with i < j, "c" comments; minimised over {0, 1}. The comments "c offset : x" and "c scale : x" and all bytes are
 // those of bqpjson's bqp2qubo. Also reads qbsolv's answer text.
 
-#include <cmath>
 #include <optional>
 
 #include "base/error.h"

@@ -22,10 +22,10 @@ namespace gonogo::learning {
 
 /// The working graph of a solver, in the solver's order.
 struct SapiSolver {
-  std::string name, graph_id;
+  std::string name{}, graph_id{};
   std::int64_t chip_size = 0;  // num_qubits, dead ones included
-  std::vector<std::int64_t> qubits;
-  std::vector<std::pair<std::int64_t, std::int64_t>> couplers;
+  std::vector<std::int64_t> qubits{};
+  std::vector<std::pair<std::int64_t, std::int64_t>> couplers{};
 };
 
 /// From SAPI's definition of a solver: id or identity.name, identity.version.graph_id, properties.num_qubits,

@@ -1,6 +1,5 @@
 #include "learning/model/model.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"

@@ -199,6 +199,19 @@ class PieceSearch {
   std::size_t coupled_ = 0, work_ = 0;               // pairs coupled so far; qubits and couplers looked at
 };
 
+/// The chains of a biclique with sides of `first` and `second` variables, trimmed, and the pairs that they leave out.
+Embedding trimmed(const HardwareGraph& graph, BicliqueChains& chains, std::size_t first, std::size_t second) {
+  chains.trim();
+  Embedding embedding;
+  embedding.chains = chains.chains();
+  VariablePairs pairs;
+  for (std::size_t i = 0; i < first; ++i)
+    for (std::size_t j = 0; j < second; ++j) pairs.emplace_back(std::uint32_t(i), std::uint32_t(first + j));
+  for (auto& chain : embedding.chains) std::sort(chain.begin(), chain.end());
+  embedding.uncoupled = uncoupled_pairs(graph, embedding.chains, pairs);
+  return embedding;
+}
+
 }  // namespace
 
 Embedding embed_biclique(const HardwareGraph& graph, std::size_t visible, std::size_t hidden) {
@@ -214,15 +227,7 @@ Embedding embed_biclique(const HardwareGraph& graph, std::size_t visible, std::s
   PieceSearch search(graph, choice, visible, hidden);
   search.improve();
   BicliqueChains chains = search.grown();
-  chains.trim();
-  Embedding embedding;
-  embedding.chains = chains.chains();
-  VariablePairs pairs;
-  for (std::size_t i = 0; i < visible; ++i)
-    for (std::size_t j = 0; j < hidden; ++j) pairs.emplace_back(std::uint32_t(i), std::uint32_t(visible + j));
-  for (auto& chain : embedding.chains) std::sort(chain.begin(), chain.end());
-  embedding.uncoupled = uncoupled_pairs(graph, embedding.chains, pairs);
-  return embedding;
+  return trimmed(graph, chains, visible, hidden);
 }
 
 // Bicliques with one long side: the variables of the short side are on crosses, those of the long side on what is left
@@ -296,15 +301,7 @@ Embedding embed_crossed_biclique(const HardwareGraph& graph, std::size_t wide, s
   start.insert(start.end(), shorter.begin(), shorter.end());
   BicliqueChains chains(graph, wide, std::move(start));
   chains.lengthen();
-  chains.trim();
-  Embedding embedding;
-  embedding.chains = chains.chains();
-  VariablePairs pairs;
-  for (std::size_t i = 0; i < wide; ++i)
-    for (std::size_t j = 0; j < narrow; ++j) pairs.emplace_back(std::uint32_t(i), std::uint32_t(wide + j));
-  for (auto& chain : embedding.chains) std::sort(chain.begin(), chain.end());
-  embedding.uncoupled = uncoupled_pairs(graph, embedding.chains, pairs);
-  return embedding;
+  return trimmed(graph, chains, wide, narrow);
 }
 
 Embedding embed_two_sides(const HardwareGraph& graph, std::size_t left, std::size_t right) {

@@ -1,19 +1,14 @@
 #include "learning/qubo/json.h"
 
+#include "base/format.h"
+
 #include <algorithm>
 #include <charconv>
-#include <cmath>
-
-#include "base/error.h"
 
 namespace gonogo::learning {
 namespace {
 
-void append_unit(std::string& out, unsigned unit) {
-  char text[8];
-  std::snprintf(text, sizeof text, "\\u%04x", unit);
-  out += text;
-}
+void append_unit(std::string& out, unsigned unit) { out += line("\\u%04x", unit); }
 
 /// Code point that starts at text[at]; moves `at` past it. The text is valid UTF-8: the JSON parser checked it.
 unsigned next_code_point(const std::string& text, std::size_t& at) {

@@ -101,9 +101,7 @@ double energy(const Problem& problem, std::span<const std::int8_t> row) {
 Problem clamp(const Problem& problem, std::span<const double> values) {
   GONOGO_ASSERT(values.size() == problem.variable_count());
   constexpr std::uint32_t gone = UINT32_MAX;
-  Problem result;
-  result.vartype = problem.vartype;
-  result.offset = problem.offset;
+  Problem result{.vartype = problem.vartype, .offset = problem.offset};
   std::vector<std::uint32_t> position(values.size(), gone);
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (std::isnan(values[i])) {

@@ -36,9 +36,9 @@ struct Coupling {
 
 struct Problem {
   Vartype vartype = Vartype::binary;
-  std::vector<Label> labels;        // [variable_count()], unique
-  std::vector<double> linear;       // [variable_count()]
-  std::vector<Coupling> couplings;  // sorted by (a, b), each pair once
+  std::vector<Label> labels{};        // [variable_count()], unique
+  std::vector<double> linear{};       // [variable_count()]
+  std::vector<Coupling> couplings{};  // sorted by (a, b), each pair once
   double offset = 0;
 
   std::size_t variable_count() const { return linear.size(); }

@@ -2,11 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <sstream>
-#include <vector>
-
-#include "base/error.h"
 
 namespace gonogo::learning {
 namespace {

@@ -12,11 +12,11 @@ namespace gonogo::learning {
 
 struct SampleSet {
   Vartype vartype = Vartype::binary;
-  std::vector<Label> labels;              // [variable_count()]
-  std::vector<std::int8_t> values;        // [row_count() x variable_count()] of {0, 1} or {-1, +1}
-  std::vector<double> energies;           // [row_count()]
-  std::vector<std::int64_t> occurrences;  // [row_count()], at least 1
-  Json info = Json::object();             // any information of the sampler
+  std::vector<Label> labels;                // [variable_count()]
+  std::vector<std::int8_t> values{};        // [row_count() x variable_count()] of {0, 1} or {-1, +1}
+  std::vector<double> energies{};           // [row_count()]
+  std::vector<std::int64_t> occurrences{};  // [row_count()], at least 1
+  Json info = Json::object();               // any information of the sampler
 
   std::size_t variable_count() const { return labels.size(); }
   std::size_t row_count() const { return energies.size(); }

@@ -1,7 +1,6 @@
 #include "learning/rbm/baselines.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "base/error.h"

@@ -30,7 +30,7 @@ struct RowLikelihood {
 
 /// The mode of the posterior: f = K a, with root = W^1/2 and lower = the Cholesky factor of B = I + W^1/2 K W^1/2.
 struct Mode {
-  torch::Tensor f, a, root, lower;
+  torch::Tensor f{}, a{}, root{}, lower{};
   double log_posterior = 0;  // -1/2 a.f + log likelihood
 };
 
@@ -85,9 +85,7 @@ torch::Tensor RowLikelihood::third(const torch::Tensor& f) const {
 /// Newton's method (algorithm 3.1) from `start` [row], or from 0 if that is undefined. A step that lowers the posterior
 /// is halved.
 Mode find_mode(const torch::Tensor& K, const RowLikelihood& likelihood, const torch::Tensor& start) {
-  Mode mode;
-  mode.f = start.defined() ? start : torch::zeros({K.size(0)}, torch::kFloat64);
-  mode.log_posterior = -INFINITY;
+  Mode mode{.f = start.defined() ? start : torch::zeros({K.size(0)}, torch::kFloat64), .log_posterior = -INFINITY};
   for (int step = 0; step < kNewtonSteps; ++step) {
     const torch::Tensor W = likelihood.curvature(mode.f);
     factorise(K, W, mode);

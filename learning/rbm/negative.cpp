@@ -83,10 +83,8 @@ torch::Tensor NegativePhase::from_words(const RbmWeights& weights) {
 
 torch::Tensor NegativePhase::from_sampler(const RbmWeights& weights, const torch::Tensor& data) {
   const Problem problem = to_qubo(weights, labels_);
-  SampleRequest request;
-  request.reads = settings_.chains;
-  request.seed = random_bits(settings_.seed, kChains, update_++);
-  request.sweeps = settings_.sweeps;
+  SampleRequest request{
+      .reads = settings_.chains, .seed = random_bits(settings_.seed, kChains, update_++), .sweeps = settings_.sweeps};
   if (settings_.negative == NegativePhaseKind::contrastive) {
     rows_ = start_rows(data, problem);
     request.reads = rows_.row_count();

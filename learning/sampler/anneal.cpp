@@ -4,7 +4,6 @@
 // depend on threads.
 #include <algorithm>
 
-#include "base/error.h"
 #include "base/progress.h"
 #include "learning/sampler/chains/spins.h"
 #include "learning/sampler/sampler.h"

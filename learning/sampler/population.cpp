@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
 #include "base/progress.h"
 #include "learning/sampler/chains/spins.h"
 #include "learning/sampler/sampler.h"

@@ -90,7 +90,6 @@ class WithStandIn final : public Sampler {
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
   bool stood_in() const { return !reason_.empty(); }
   const std::string& reason() const { return reason_; }
-  std::string wanted_name() const { return wanted_->name(); }
 
  private:
   std::unique_ptr<Sampler> wanted_, other_;

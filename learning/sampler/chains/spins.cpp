@@ -63,9 +63,7 @@ double Spins::energy() const {
 }
 
 SampleSet empty_rows(const Problem& problem, std::size_t reads) {
-  SampleSet rows;
-  rows.vartype = problem.vartype;
-  rows.labels = problem.labels;
+  SampleSet rows{.vartype = problem.vartype, .labels = problem.labels};
   rows.values.resize(reads * problem.variable_count());
   rows.energies.resize(reads);
   rows.occurrences.assign(reads, 1);
