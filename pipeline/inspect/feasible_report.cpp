@@ -54,12 +54,8 @@ void forces(const vehicle::Feasibility& f, Report& r, Json& json) {
   Json rows = Json::array();
   for (const vehicle::ContactForce& c : f.contact) {
     r.text += line("  %-22s %12.0f %11.0f %11.0f\n", c.wheel.c_str(), whole(c.normal), whole(c.along), whole(c.across));
-    Json row;
-    row["wheel"] = c.wheel;
-    row["normal_N"] = c.normal;
-    row["along_N"] = c.along;
-    row["across_N"] = c.across;
-    rows.push_back(row);
+    rows.push_back(
+        Json::Object{{"wheel", c.wheel}, {"normal_N", c.normal}, {"along_N", c.along}, {"across_N", c.across}});
   }
   json["forces"] = rows;
   r.text += "  torques [N m]:";
@@ -124,13 +120,11 @@ void check_slopes(const FeasibleRequest& request) {
 }
 
 vehicle::Demand demand_of(const FeasibleRequest& r, double slope_along, bool moving) {
-  vehicle::Demand d;
-  d.gravity = campaign::bed_gravity(slope_along, r.slope_across);
-  d.friction = r.friction;
-  d.step = r.step;
-  d.edge_distance = r.edge_distance;
-  d.moving = moving;
-  return d;
+  return {.gravity = campaign::bed_gravity(slope_along, r.slope_across),
+          .friction = r.friction,
+          .step = r.step,
+          .edge_distance = r.edge_distance,
+          .moving = moving};
 }
 
 Report check_feasible(const vehicle::Vehicle& v, const FeasibleRequest& request) {
@@ -163,13 +157,9 @@ std::string row_text(const std::string& wheel, int component, const vehicle::Fit
 }
 
 Json row_json(const std::string& wheel, int component, const vehicle::FittedForce& f) {
-  Json row;
-  row["wheel"] = wheel;
-  row["component"] = vehicle::kForceComponent[component];
-  row["force_N"] = f.force;
-  row["low_N"] = f.low;
-  row["high_N"] = f.high;
-  row["determined"] = f.determined;
+  Json row = Json::Object{{"wheel", wheel},     {"component", vehicle::kForceComponent[component]},
+                          {"force_N", f.force}, {"low_N", f.low},
+                          {"high_N", f.high},   {"determined", f.determined}};
   row["measured_N"] = f.measured ? Json(f.measured->force) : Json(nullptr);
   row["deviation_N"] = f.measured ? Json(f.measured->deviation) : Json(nullptr);
   row["residual_deviations"] = f.measured ? Json(f.residual) : Json(nullptr);

@@ -1,7 +1,5 @@
 #include "pipeline/inspect/soil_library.h"
 
-#include <vector>
-
 #include "base/error.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
@@ -97,9 +95,7 @@ SoilReport list_soils() {
   r.json["soils"] = Json::array();
   for (const std::string& name : shipped_names(places[0], kNoSoils)) {
     const SoilFile soil = terrain::read_soil(places[0] / (name + ".json"));
-    Json entry;
-    entry["file"] = name;
-    entry["name"] = soil.name;
+    Json entry = Json::Object{{"file", name}, {"name", soil.name}};
     for (const SoilState& s : soil.states) entry["states"].push_back(s.name);
     r.json["soils"].push_back(entry);
     r.text += line("%-12s %s, %zu %s\n", name.c_str(), soil.name.c_str(), soil.states.size(),

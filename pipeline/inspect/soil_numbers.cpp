@@ -5,7 +5,6 @@
 #include "base/json/config.h"
 #include "pipeline/campaign/setup/setup.h"
 #include "pipeline/inspect/soil_tests.h"
-#include "terrain/soil/calibration.h"
 #include "terrain/soil/soil.h"
 
 namespace gonogo::inspect {
@@ -100,12 +99,6 @@ constexpr Entry kEntries[] = {{"n", &SoilNumbers::n},
                               {"peak_friction_angle_deg", &SoilNumbers::peak_friction_angle},
                               {"janosi_K_m", &SoilNumbers::janosi}};
 
-Json of_list(const std::vector<double>& values) {
-  Json list = Json::array();
-  for (const double x : values) list.push_back(x);
-  return list;
-}
-
 Json bekker_json(const SoilNumbers& s) {
   Json j;
   j["schema"] = kSchema;
@@ -115,15 +108,12 @@ Json bekker_json(const SoilNumbers& s) {
   j["grain_diameter_m"] = s.grain_diameter;
   j["bulk_density_kg_per_m3"] = s.bulk_density;
   for (const Entry& e : kEntries) {
-    Json one;
-    one["value"] = (s.*e.number).value;
-    one["standard_error"] = (s.*e.number).error;
-    j[e.key] = std::move(one);
+    j[e.key] = Json::Object{{"value", (s.*e.number).value}, {"standard_error", (s.*e.number).error}};
   }
   j["plate_r2"] = s.plate_r2;
   j["shear_r2"] = s.shear_r2;
-  j["plate_widths_m"] = of_list(s.plate_widths);
-  j["normal_stresses_Pa"] = of_list(s.stresses);
+  j["plate_widths_m"] = s.plate_widths;
+  j["normal_stresses_Pa"] = s.stresses;
   return j;
 }
 

@@ -76,9 +76,7 @@ std::vector<Load> loads_of(const SoilTestRequest& r) {
 }
 
 SoilTestOutcome begin(const std::string& test, const SoilTestRequest& r) {
-  SoilTestOutcome o;
-  o.test = test;
-  o.request = r;
+  SoilTestOutcome o{.test = test, .request = r};
   o.plot.title = line("Virtual %s test: %ss of %g mm, friction %g, rolling %g", test.c_str(),
                       terrain::name_of(r.soil.shape).c_str(), 1e3 * r.soil.grain_diameter,
                       double(r.soil.grain.friction), double(r.soil.grain.rolling_friction));
@@ -104,10 +102,10 @@ SoilTestOutcome repose(const SoilTestRequest& r) {
   o.plot.x_label = "distance from the far wall [m]";
   o.plot.y_label = "height of the surface [m]";
   std::vector<double> angles;
-  double worst = 0, rest = 0;
+  double rest = 0;
   for (std::size_t k = 0; k < results.size(); ++k) {
     angles.push_back(results[k].angle.degrees);
-    worst = std::max(worst, results[k].worst_residual);
+    o.note_residual(results[k].worst_residual);
     rest = std::max(rest, results[k].rest_speed);
     report::PlotLine profile{line("seed %zu: %.1f deg", std::size_t(r.soil.seed) + k, angles.back()), {}, {}, false};
     for (const auto& s : results[k].profile) {
@@ -120,7 +118,6 @@ SoilTestOutcome repose(const SoilTestRequest& r) {
   const double error = angles.size() > 1 ? mean.error : results[0].angle.error;
   o.repose = {{mean.mean, error}, rest};
   o.plot.notes = {line("Angle of repose %.1f +- %.1f degrees.", mean.mean, error)};
-  o.worst_residual = worst;
   return o;
 }
 
@@ -172,9 +169,7 @@ SoilTestOutcome plate(const SoilTestRequest& r) {
   draw_plates(o, results, r.plate_widths.size(), fit, r.soil.seed);
   o.plate = fit;
   o.plot.notes = {bekker_text(fit)};
-  double worst = 0;
-  for (const terrain::PlateResult& result : results) worst = std::max(worst, result.worst_residual);
-  o.worst_residual = worst;
+  for (const terrain::PlateResult& result : results) o.note_residual(result.worst_residual);
   return o;
 }
 
@@ -204,10 +199,7 @@ void draw_cone(report::LinePlot& plot, const std::vector<terrain::ConeResult>& r
 }
 
 ConeNumbers cone_numbers(const std::vector<terrain::ConeResult>& results, double depth) {
-  ConeNumbers cone;
-  cone.diameter = results[0].diameter;
-  cone.depth = depth;
-  cone.gradient = fit_cone(results);
+  ConeNumbers cone{.diameter = results[0].diameter, .depth = depth, .gradient = fit_cone(results)};
   std::vector<double> index;
   for (const terrain::ConeResult& one : results) {
     index.push_back(one.index);
@@ -235,16 +227,14 @@ SoilTestOutcome cone(const SoilTestRequest& r) {
     results[k] = cone_test(seeded(r, k), settings, pace, k + 1 == results.size() ? &o.scene : nullptr);
   });
   o.csv = "cone_diameter_m,seed,depth_m,pressure_Pa\n";
-  double worst = 0;
   for (std::size_t k = 0; k < results.size(); ++k) {
-    worst = std::max(worst, results[k].worst_residual);
+    o.note_residual(results[k].worst_residual);
     for (const auto& s : results[k].curve)
       o.csv += line("%.4f,%zu,%.6f,%.2f\n", results[k].diameter, std::size_t(r.soil.seed) + k, s.depth, s.pressure);
   }
   draw_cone(o.plot, results);
   o.cone = cone_numbers(results, settings.depth * results[0].diameter);
   o.plot.notes = {cone_text(*o.cone)};
-  o.worst_residual = worst;
   return o;
 }
 
@@ -264,9 +254,8 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
   o.csv = "normal_stress_Pa,seed,travel_grains,shear_stress_Pa,measured_normal_stress_Pa,rise_grains\n";
   o.plot.x_label = "travel of the plate, grain diameters";
   o.plot.y_label = "shear stress [kPa]";
-  double worst = 0;
   for (std::size_t k = 0; k < loads.size(); ++k) {
-    worst = std::max(worst, results[k].worst_residual);
+    o.note_residual(results[k].worst_residual);
     report::PlotLine curve{loads[k].seed == 0 ? line("%g kPa", loads[k].stress / 1e3) : "", {}, {}, false};
     for (const auto& s : results[k].curve) {
       o.csv += line("%g,%zu,%.4f,%.2f,%.2f,%.5f\n", loads[k].stress, std::size_t(r.soil.seed) + loads[k].seed, s.travel,
@@ -277,7 +266,6 @@ SoilTestOutcome shear(const SoilTestRequest& r) {
   }
   o.shear = terrain::shear_strength(results);
   o.plot.notes = {steady_text(*o.shear), peak_text(*o.shear)};
-  o.worst_residual = worst;
   return o;
 }
 
@@ -300,9 +288,9 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
   o.csv = "confining_stress_Pa,seed,strain,axial_stress_Pa,lateral_stress_Pa,volume_strain\n";
   o.plot.x_label = "axial strain";
   o.plot.y_label = "deviator stress over lateral stress";
-  double worst = 0, fraction = 0;
+  double fraction = 0;
   for (std::size_t k = 0; k < loads.size(); ++k) {
-    worst = std::max(worst, results[k].worst_residual);
+    o.note_residual(results[k].worst_residual);
     fraction += results[k].solid_fraction / double(loads.size());
     report::PlotLine curve{loads[k].seed == 0 ? line("%g kPa", loads[k].stress / 1e3) : "", {}, {}, false};
     for (const auto& s : results[k].curve) {
@@ -316,7 +304,6 @@ SoilTestOutcome triaxial(const SoilTestRequest& r) {
   const terrain::TriaxialStrength& s = o.triaxial->strength;
   o.plot.notes = {line("Friction angle: steady %.1f +- %.1f, peak %.1f +- %.1f degrees.", s.steady_angle.degrees,
                        s.steady_angle.error, s.peak_angle.degrees, s.peak_angle.error)};
-  o.worst_residual = worst;
   return o;
 }
 
@@ -342,12 +329,7 @@ Json soil_json(const SoilTestRequest& r) {
   return j;
 }
 
-Json angle_json(const terrain::Angle& a) {
-  Json j;
-  j["deg"] = a.degrees;
-  j["error_deg"] = a.error;
-  return j;
-}
+Json angle_json(const terrain::Angle& a) { return Json::Object{{"deg", a.degrees}, {"error_deg", a.error}}; }
 
 void add_bekker(Json& json, const terrain::BekkerFit& fit) {
   json["k_c_kN_per_m_n_plus_1"] = fit.k_c / 1e3;
@@ -453,9 +435,7 @@ SoilTestOutcome run_soil_test(const std::string& test, const SoilTestRequest& r)
 }
 
 Json as_json(const SoilTestOutcome& o) {
-  Json json;
-  json["test"] = o.test;
-  json["soil"] = soil_json(o.request);
+  Json json = Json::Object{{"test", o.test}, {"soil", soil_json(o.request)}};
   if (o.repose) {
     json["angle_of_repose"] = angle_json(o.repose->angle);
     json["rest_speed_m_per_s"] = o.repose->rest_speed;

@@ -32,7 +32,7 @@ struct ReposeNumbers {
 };
 struct ConeNumbers {
   double diameter = 0, depth = 0;  // of the base; to which the index is taken [m]
-  MeanError index;                 // [Pa]
+  MeanError index{};               // [Pa]
   terrain::LineFit gradient;       // [Pa/m]
   double bulk_density = 0;         // [kg/m^3]
 };
@@ -45,15 +45,17 @@ struct SoilTestOutcome {
   std::string test;
   SoilTestRequest request;
   // Those of the test that was run.
-  std::optional<ReposeNumbers> repose;
-  std::optional<terrain::ShearStrength> shear;
-  std::optional<terrain::BekkerFit> plate;
-  std::optional<ConeNumbers> cone;
-  std::optional<TriaxialNumbers> triaxial;
+  std::optional<ReposeNumbers> repose{};
+  std::optional<terrain::ShearStrength> shear{};
+  std::optional<terrain::BekkerFit> plate{};
+  std::optional<ConeNumbers> cone{};
+  std::optional<TriaxialNumbers> triaxial{};
   double worst_residual = 0;  // of a step, rms [m/s]
-  std::string csv;            // all curves, one row per sample
-  report::LinePlot plot;
-  terrain::TestScene scene;  // of the last run, to be drawn
+  std::string csv{};          // all curves, one row per sample
+  report::LinePlot plot{};
+  terrain::TestScene scene{};  // of the last run, to be drawn
+
+  void note_residual(double of_run) { worst_residual = of_run > worst_residual ? of_run : worst_residual; }
 };
 
 /// `test`: repose, shear, plate, cone or triaxial. Throws InputError for what cannot be tested.

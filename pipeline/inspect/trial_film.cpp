@@ -1,26 +1,18 @@
 #include "pipeline/inspect/trial_film.h"
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "base/format.h"
 #include "base/units.h"
 
 namespace gonogo::inspect {
 namespace {
 
-std::string text_of(const char* format, double value) {
-  if (std::isnan(value)) return "–";
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
+std::string text_of(const char* format, double value) { return std::isnan(value) ? "–" : line(format, value); }
 
 report::FilmStyle style_of(const report::FilmRequest& request, const FilmedTrial& trial) {
-  report::FilmStyle style;
-  style.title = trial.title;
-  style.azimuth = 16 * kDegree;
-  style.elevation = 13 * kDegree;
+  report::FilmStyle style{.title = trial.title, .azimuth = 16 * kDegree, .elevation = 13 * kDegree};
   if (request.colour == report::GrainColour::speed) {
     style.bar_label = "grain speed [m/s]";
     style.bar_high = trial.commanded_speed / 2;  // few grains are faster: those that a lug throws out

@@ -1,7 +1,5 @@
 #include "pipeline/inspect/vehicle_report.h"
 
-#include <cstdio>
-
 #include "base/files/shipped.h"
 #include "base/units.h"
 #include "vehicle/model/statics.h"
@@ -33,14 +31,12 @@ void wheels(const vehicle::Vehicle& v, Report& r) {
     const vehicle::Station& s = places[i];
     r.text += line("%-22s %8.3f %8.3f %11.3f %9.0f %23.1f %7.1f\n", s.name.c_str(), s.centre.x, s.centre.y,
                    s.wheel->radius, load[i], pressure[i] / 1e3, pressure[i] / kPsi);
-    Json row;
-    row["wheel"] = s.name;
-    row["x_m"] = s.centre.x;
-    row["y_m"] = s.centre.y;
-    row["radius_m"] = s.wheel->radius;
-    row["static_load_N"] = load[i];
-    row["nominal_pressure_kPa"] = pressure[i] / 1e3;
-    rows.push_back(row);
+    rows.push_back(Json::Object{{"wheel", s.name},
+                                {"x_m", s.centre.x},
+                                {"y_m", s.centre.y},
+                                {"radius_m", s.wheel->radius},
+                                {"static_load_N", load[i]},
+                                {"nominal_pressure_kPa", pressure[i] / 1e3}});
   }
   r.json["wheels"] = rows;
 }
@@ -66,12 +62,10 @@ void gears(const vehicle::Vehicle& v, Report& r) {
   for (const vehicle::GearSpeed& g : gear_speeds(v)) {
     r.text += line("%5d %6.2f %23.2f %21.2f %20.2f %12.2f\n", ++number, g.ratio, g.cut, g.balanced,
                    g.tractive_force / 1e3, g.tractive_force / weight);
-    Json row;
-    row["ratio"] = g.ratio;
-    row["top_speed_m_s"] = g.cut;
-    row["balanced_speed_m_s"] = g.balanced;
-    row["tractive_force_N"] = g.tractive_force;
-    rows.push_back(row);
+    rows.push_back(Json::Object{{"ratio", g.ratio},
+                                {"top_speed_m_s", g.cut},
+                                {"balanced_speed_m_s", g.balanced},
+                                {"tractive_force_N", g.tractive_force}});
   }
   r.json["gears"] = rows;
 }
@@ -160,9 +154,7 @@ void strengths(const vehicle::Vehicle& v, const vehicle::VehicleIndex& index, Re
                          : psi < index.cone_index.fifty_passes ? "1 or more"
                                                                : "50";
     r.text += line("%16.0f %6.0f  %26s", psi, psi * kPsi / 1e3, passes);
-    Json row;
-    row["cone_index_psi"] = psi;
-    row["passes"] = passes;
+    Json row = Json::Object{{"cone_index_psi", psi}, {"passes", passes}};
     w.cone_index = psi * kPsi;
     if (wheels) tractions(w, r, row);
     r.text += "\n";

@@ -1,7 +1,6 @@
 #include "pipeline/report/figure/canvas.h"
 
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 #include "base/error.h"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "base/error.h"
 #include "base/format.h"
 #include "base/units.h"
 #include "pipeline/report/figure/canvas.h"

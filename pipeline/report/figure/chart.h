@@ -41,10 +41,10 @@ struct PlotLine {
 };
 
 struct LinePlot {
-  std::string title, x_label, y_label;
-  std::vector<PlotLine> lines;
-  std::vector<std::string> notes;  // below the axes, one line each
-  bool from_zero = true;           // the axes begin at zero where all values are at or above it
+  std::string title{}, x_label{}, y_label{};
+  std::vector<PlotLine> lines{};
+  std::vector<std::string> notes{};  // below the axes, one line each
+  bool from_zero = true;             // the axes begin at zero where all values are at or above it
 };
 
 /// Writes a PNG 1500 pixels wide. Throws InputError for a plot without a finite point, DeviceError when it cannot be

@@ -9,15 +9,11 @@
 #include <cstdlib>
 #include <cstring>
 #include <sstream>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/format.h"
-#include "pipeline/report/figure/captioned.h"
-#include "pipeline/report/picture/render.h"
 
 namespace gonogo::report {
 namespace {

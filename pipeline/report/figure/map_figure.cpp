@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <string>
-#include <vector>
 
 #include "base/format.h"
 #include "base/units.h"

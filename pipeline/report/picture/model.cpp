@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "base/math/random.h"
-#include "sim/io/capture.h"
 
 namespace gonogo::report {
 namespace {
