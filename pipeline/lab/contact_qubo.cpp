@@ -71,9 +71,8 @@ ContactAnswer judge(const ContactQubo& qubo, const sim::LocalProblem& problem, c
   const auto best = std::min_element(answer.energies.begin(), answer.energies.end());
   const std::vector<double> x = qubo.decode(answer.row(std::size_t(best - answer.energies.begin())));
   const double depth = std::max(std::abs(qubo.program.minimum), 1e-300);
-  ContactAnswer out;
-  out.energy_gap = (qubo.program.objective(x) - qubo.program.minimum) / depth;
-  out.r = qubo.program.impulses(x);
+  ContactAnswer out{.energy_gap = (qubo.program.objective(x) - qubo.program.minimum) / depth,
+                    .r = qubo.program.impulses(x)};
   const std::vector<double> exact = qubo.program.impulses(qubo.program.minimiser);
   std::vector<double> difference = out.r;
   for (std::size_t i = 0; i < exact.size(); ++i) difference[i] -= exact[i];

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <optional>
 #include <sstream>
-#include <vector>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -263,12 +262,10 @@ struct Dropped {
 };
 
 sim::Monitor chassis_monitor(const OriginalTimeline& t, sim::BodyIndex chassis) {
-  sim::Monitor m;
-  m.body = chassis;
-  m.distance = t.goal_x - t.start_x;
-  m.slid_back = t.start_x - t.lost_x;
-  m.time_limit = t.end - t.settle;
-  return m;
+  return {.body = chassis,
+          .time_limit = t.end - t.settle,
+          .distance = t.goal_x - t.start_x,
+          .slid_back = t.start_x - t.lost_x};
 }
 
 Dropped dropped(const Vehicle& v, const OriginalRequest& r, const std::vector<sim::BodyState>& grain, double surface) {
@@ -283,9 +280,7 @@ Dropped dropped(const Vehicle& v, const OriginalRequest& r, const std::vector<si
     vehicle::add_steering(d.world, v, d.e, origin);
     d.hand = d.world.controller.back();
   }
-  vehicle::DriverOrders orders;
-  orders.release = r.time.rest;
-  orders.throttle_ramp = r.time.throttle_ramp;
+  vehicle::DriverOrders orders{.release = r.time.rest, .throttle_ramp = r.time.throttle_ramp};
   vehicle::add_driveline(d.world, v, d.e, orders);
   const sim::BodyState& chassis = d.world.body[std::size_t(d.e.chassis)];
   d.origin_B = rotate_back(chassis.orientation, static_cast<Vec3>(origin - chassis.position));
@@ -294,9 +289,7 @@ Dropped dropped(const Vehicle& v, const OriginalRequest& r, const std::vector<si
 }
 
 OriginalSample sample_of(const sim::BodyState& chassis, const Dropped& d, const OriginalTimeline& t, double since) {
-  OriginalSample s;
-  s.time = t.settle + since;
-  s.throttle = std::clamp((since - t.rest) / t.throttle_ramp, 0.0, 1.0);
+  OriginalSample s{.time = t.settle + since, .throttle = std::clamp((since - t.rest) / t.throttle_ramp, 0.0, 1.0)};
   const Vec3 arm = rotate(chassis.orientation, d.origin_B);
   s.position = chassis.position + static_cast<Vec3d>(arm);
   s.velocity = static_cast<Vec3d>(chassis.velocity + cross(chassis.angular_velocity, arm));
@@ -326,17 +319,9 @@ std::optional<OriginalStop> stop_of_fall(const OriginalSample& s, const Original
 }  // namespace
 
 const char* stop_sentence(OriginalStop stop) {
-  switch (stop) {
-    case OriginalStop::max_x:
-      return "Reached maximum x position";
-    case OriginalStop::sliding_backward:
-      return "Vehicle sliding backward";
-    case OriginalStop::max_time:
-      return "Reached maximum time";
-    case OriginalStop::failed:
-      return "Simulation failed";
-  }
-  return "";
+  constexpr const char* kSentences[] = {"Reached maximum x position", "Vehicle sliding backward",
+                                        "Reached maximum time", "Simulation failed"};
+  return kSentences[int(stop)];
 }
 
 OriginalRecord run_original(const Vehicle& vehicle, const OriginalRequest& r) {

@@ -82,7 +82,7 @@ const char* stop_sentence(OriginalStop stop);
 
 struct OriginalSample {
   double time = 0, throttle = 0, steering = 0;  // [s], [0, 1], share of full lock [-1, 1]
-  Vec3d position, velocity;                     // of the vehicle's origin
+  Vec3d position{}, velocity{};                 // of the vehicle's origin
 };
 
 struct OriginalRecord {

@@ -2,7 +2,6 @@
 
 #include <omp.h>
 
-#include <cmath>
 #include <numeric>
 
 #include "base/math/random.h"

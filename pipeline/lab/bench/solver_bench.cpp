@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <limits>
 #include <map>
@@ -371,12 +370,8 @@ FclibResult solve_fclib(const fs::path& file, const sim::LocalSolveSettings& set
 
 void write_impulses(const fs::path& folder, const FclibResult& result) {
   std::string text;
-  for (std::size_t k = 0; k < result.r.size(); ++k) {
-    char word[32];
-    std::snprintf(word, sizeof word, "%.17g", result.r[k]);
-    text += word;
-    text += (k + 1) % std::size_t(result.dimension) == 0 ? '\n' : ' ';
-  }
+  for (std::size_t k = 0; k < result.r.size(); ++k)
+    text += line("%.17g", result.r[k]) + ((k + 1) % std::size_t(result.dimension) == 0 ? '\n' : ' ');
   create_folder(folder);
   write_file_atomically(folder / (result.name + "." + result.solver + ".txt"), text);
 }

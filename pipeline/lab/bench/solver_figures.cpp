@@ -51,11 +51,7 @@ report::PlotLine steps(const std::string& label, const std::vector<double>& tau,
 template <class Abscissa>
 void draw_curves(const fs::path& path, const std::string& label, const std::vector<const SolverRun*>& runs,
                  Abscissa abscissa) {
-  report::LinePlot plot;
-  plot.title = runs.front()->problem;
-  plot.x_label = label;
-  plot.y_label = "log10 error";
-  plot.from_zero = false;
+  report::LinePlot plot{.title = runs.front()->problem, .x_label = label, .y_label = "log10 error", .from_zero = false};
   for (const SolverRun* run : runs) {
     report::PlotLine curve{.label = run->solver};
     for (const sim::TracePoint& p : run->trace)
@@ -108,11 +104,7 @@ std::string motion_csv(const std::vector<SolverRun>& runs) {
 template <class Cost>
 void draw_growth(const fs::path& path, const std::string& title, const std::string& label,
                  const std::vector<std::string>& solvers, const std::vector<const SolverRun*>& runs, Cost cost) {
-  report::LinePlot plot;
-  plot.title = title;
-  plot.x_label = "log10 bodies";
-  plot.y_label = label;
-  plot.from_zero = false;
+  report::LinePlot plot{.title = title, .x_label = "log10 bodies", .y_label = label, .from_zero = false};
   for (const std::string& solver : solvers) {
     report::PlotLine curve{.label = solver};
     for (const SolverRun* run : runs)

@@ -10,24 +10,10 @@
 namespace gonogo::lab {
 namespace {
 
-std::vector<Sphere> loose_column(const CollapseSpec& spec) {
-  const double inside = spec.radius() * std::cos(kPi / kSegments) - spec.of.largest_diameter() / 2;
-  const auto across = Index(std::ceil(2 * spec.radius() / spec.of.pitch()));
-  const double corner = -across * spec.of.pitch() / 2;
-  return loose_lattice(
-      spec.of, {corner, corner, 0}, across, across, 4 * spec.of.count / (across * across) + 8,
-      [&](const Vec3d& p) { return p.x * p.x + p.y * p.y < inside * inside; }, std::size_t(spec.of.count));
-}
-
-sim::BodyIndex add_wall(sim::SceneWorld& world, const CollapseSpec& spec, double height) {
+/// Smooth, so that the column has no arches.
+sim::BodyIndex add_tube(sim::SceneWorld& world, const CollapseSpec& spec, double height) {
   const auto r = Real(spec.radius()), t = Real(3 * spec.of.diameter), h = Real(height);
-  sim::Shape s;
-  s.type = sim::ShapeType::mesh;
-  s.surface = world.add_mesh(sim::revolved_mesh({{r, 0}, {r + t, 0}, {r + t, h}, {r, h}}, kSegments));
-  s.body = world.add_body({}, sim::fixed_body());
-  s.group = s.material = 1;  // smooth, so that the column has no arches
-  world.add_shape(s);
-  return s.body;
+  return add_wall(world, sim::revolved_mesh({{r, 0}, {r + t, 0}, {r + t, h}, {r, h}}, kSegments), 1);
 }
 
 double mean_height(const std::vector<sim::BodyState>& bodies, std::size_t spheres) {
@@ -65,12 +51,10 @@ double radius_within(const std::vector<sim::BodyState>& bodies, std::size_t sphe
 double CollapseSpec::radius() const { return of.diameter * std::cbrt(double(of.count) / (6 * kPacked * aspect)); }
 
 ManyScene collapse_scene(const CollapseSpec& spec, const RunOn& on) {
-  const std::vector<Sphere> column = loose_column(spec);
+  const std::vector<Sphere> column = loose_column(spec.of, spec.radius());
   const std::size_t spheres = column.size();
   const double height = height_of(column), radius = spec.radius(), reach = 8 * radius + 3 * height;
-  ManyScene scene;
-  scene.name = "collapse";
-  scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
+  ManyScene scene{.name = "collapse", .settings = many_step_settings(spec.of, on.iterations, on.solver)};
   sim::SceneWorld& world = scene.world;
   world.origin = {-reach, -reach, -spec.of.diameter};
   world.size = {2 * reach, 2 * reach, height + spec.of.diameter};
@@ -78,7 +62,7 @@ ManyScene collapse_scene(const CollapseSpec& spec, const RunOn& on) {
   for (const Sphere& s : column) world.add_sphere(s.centre, Real(s.radius), Real(spec.of.density), 0);
   add_plane(world, world.add_body({}, sim::fixed_body()), {}, {});
   world.shape.back().group = 1;
-  const sim::BodyIndex wall = add_wall(world, spec, height);
+  const sim::BodyIndex wall = add_tube(world, spec, height);
   const double falls = 3 * fall_time(height / 3);
   scene.duration = falls + spec.spread_time;
   const auto column_height = std::make_shared<double>(0);

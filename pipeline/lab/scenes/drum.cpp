@@ -1,6 +1,5 @@
 #include "pipeline/lab/scenes/drum.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -76,9 +75,7 @@ double lacey_index(const std::vector<Vec3d>& position, const std::vector<bool>& 
 ManyScene drum_scene(const DrumSpec& spec, const RunOn& on) {
   const double radius = radius_of(spec), length = spec.length_over_radius * radius,
                reach = radius + 4 * spec.of.diameter;
-  ManyScene scene;
-  scene.name = "drum";
-  scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
+  ManyScene scene{.name = "drum", .settings = many_step_settings(spec.of, on.iterations, on.solver)};
   sim::SceneWorld& world = scene.world;
   world.origin = {-reach, -length, -reach};
   world.size = {2 * reach, 2 * length, 2 * reach};

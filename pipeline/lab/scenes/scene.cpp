@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <utility>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/math/random.h"
 #include "base/progress.h"
 #include "base/units.h"
@@ -231,6 +231,26 @@ std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Inde
   return spheres;
 }
 
+std::vector<Sphere> loose_column(const Spheres& spec, double radius) {
+  const double inside = radius * std::cos(kPi / kSegments) - spec.largest_diameter() / 2;
+  const auto across = Index(std::ceil(2 * radius / spec.pitch()));
+  const double corner = -across * spec.pitch() / 2;
+  return loose_lattice(
+      spec, {corner, corner, 0}, across, across, 4 * spec.count / (across * across) + 8,
+      [&](const Vec3d& p) { return p.x * p.x + p.y * p.y < inside * inside; }, std::size_t(spec.count));
+}
+
+sim::BodyIndex add_wall(sim::SceneWorld& world, sim::TriangleMesh mesh, int material) {
+  sim::Shape s;
+  s.type = sim::ShapeType::mesh;
+  s.surface = world.add_mesh(std::move(mesh));
+  s.body = world.add_body({}, sim::fixed_body());
+  s.material = material;
+  s.group = 1;
+  world.add_shape(s);
+  return s.body;
+}
+
 sim::StepSettings many_step_settings(const Spheres& spec, int iterations, const sim::ContactMethod& solver) {
   sim::StepSettings s;
   s.step = Real(2e-3);
@@ -268,12 +288,6 @@ namespace {
 
 constexpr int kWidth = 1280, kHeight = 720;
 
-std::string text_of(const char* format, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
 /// Speed that one body in twenty exceeds [m/s]; not zero.
 double high_speed(const sim::Capture& state) {
   std::vector<double> speed;
@@ -302,7 +316,7 @@ report::Model model_of(const ManyScene& scene, const sim::SceneWorld& shown, con
 }
 
 std::vector<report::Fact> facts_of(const ManyScene& scene, const sim::Capture& state) {
-  return {{"bodies", std::to_string(scene.world.body.size())}, {"time", text_of("%.2f s", state.time)}};
+  return {{"bodies", std::to_string(scene.world.body.size())}, {"time", line("%.2f s", state.time)}};
 }
 
 }  // namespace
@@ -341,9 +355,7 @@ void draw_snapshot(const std::filesystem::path& path, const ManyScene& scene, co
 
 void draw_watched(const std::filesystem::path& path, const ManyScene& scene,
                   const std::vector<std::vector<SceneNumber>>& watched) {
-  report::LinePlot plot;
-  plot.title = scene.name;
-  plot.x_label = watched.front().front().key;
+  report::LinePlot plot{.title = scene.name, .x_label = watched.front().front().key};
   for (std::size_t k = 1; k < watched.front().size(); ++k) {
     report::PlotLine line{watched.front()[k].key, {}, {}};
     for (const std::vector<SceneNumber>& look : watched) {

@@ -27,15 +27,15 @@ struct SceneNumber {
 
 struct ManyScene {
   std::string name;
-  sim::SceneWorld world;
+  sim::SceneWorld world{};
   sim::StepSettings settings;
   double duration = 0;  // simulated before anything is timed [s]
   /// Called before the first step and then every kStepsPerDrive steps: sets loads, laws and bodies. May be empty.
-  std::function<void(sim::Simulation&, double time)> drive;
-  std::function<std::vector<SceneNumber>(sim::Simulation&)> measure;  // after `duration`; may be empty
+  std::function<void(sim::Simulation&, double time)> drive{};
+  std::function<std::vector<SceneNumber>(sim::Simulation&)> measure{};  // after `duration`; may be empty
   /// Called at the start, every `watch_every` seconds and at the end. Its first number is the abscissa of plots. May be
   /// empty.
-  std::function<std::vector<SceneNumber>(sim::Simulation&, double time)> watch;
+  std::function<std::vector<SceneNumber>(sim::Simulation&, double time)> watch{};
   double watch_every = 0.25;      // [s]
   bool show_by_material = false;  // in pictures spheres have the colours of their materials instead of their speeds
 };
@@ -124,6 +124,12 @@ struct Sphere {
 /// Only places that `inside` accepts are taken, at most `max_count` of them.
 std::vector<Sphere> loose_lattice(const Spheres& spec, const Vec3d& corner, Index nx, Index ny, Index nz,
                                   const std::function<bool(const Vec3d&)>& inside, std::size_t max_count);
+
+/// All of them, loose in an upright cylinder of this inner radius that stands on the origin.
+std::vector<Sphere> loose_column(const Spheres& spec, double radius);
+
+/// A fixed body with a mesh, in the group of walls.
+sim::BodyIndex add_wall(sim::SceneWorld& world, sim::TriangleMesh mesh, int material = 0);
 
 /// Numerics for spheres of this diameter; step 2e-3 s. The envelope gives about 3.6 contacts per sphere; the published
 /// tank has 3.55.

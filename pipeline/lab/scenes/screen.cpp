@@ -166,7 +166,7 @@ void add_ground(sim::SceneWorld& world, const ScreenSpec& spec, const Bounds& at
 
 /// What has gone where [-].
 struct Sorted {
-  double small_through = 0, large_through = 0, small_over = 0, large_over = 0;
+  double small_through = 0, large_through = 0, large_over = 0;
 };
 
 Sorted sort_of(const std::vector<sim::BodyState>& bodies, const std::vector<bool>& is_large, const Bounds& at) {
@@ -179,7 +179,7 @@ Sorted sort_of(const std::vector<sim::BodyState>& bodies, const std::vector<bool
     else if (p.z < at.wall_top)
       ++through[is_large[b]];
   }
-  return {through[0] / count[0], through[1] / count[1], over[0] / count[0], over[1] / count[1]};
+  return {through[0] / count[0], through[1] / count[1], over[1] / count[1]};
 }
 
 }  // namespace

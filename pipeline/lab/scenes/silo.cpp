@@ -33,32 +33,12 @@ struct Parts {
 double wall_thickness(const SiloSpec& spec) { return 3 * spec.of.diameter; }
 double depth_below(const SiloSpec& spec) { return 40 * spec.of.diameter; }
 
-std::vector<Sphere> loose_fill(const SiloSpec& spec) {
-  const double inside = spec.radius() * std::cos(kPi / kSegments) - spec.of.largest_diameter() / 2;
-  const auto across = Index(std::ceil(2 * spec.radius() / spec.of.pitch()));
-  const double corner = -across * spec.of.pitch() / 2;
-  const auto layers = Index(spec.of.count);  // more than enough; the lattice ends with the last sphere
-  return loose_lattice(
-      spec.of, {corner, corner, 0}, across, across, std::min<Index>(layers, 4 * spec.of.count / (across * across) + 8),
-      [&](const Vec3d& p) { return p.x * p.x + p.y * p.y < inside * inside; }, std::size_t(spec.of.count));
-}
-
-sim::BodyIndex add_mesh_body(sim::SceneWorld& world, sim::TriangleMesh mesh) {
-  sim::Shape s;
-  s.type = sim::ShapeType::mesh;
-  s.surface = world.add_mesh(std::move(mesh));
-  s.body = world.add_body({}, sim::fixed_body());
-  s.group = 1;
-  world.add_shape(s);
-  return s.body;
-}
-
 Parts add_silo(sim::SceneWorld& world, const SiloSpec& spec, double height) {
   const auto r = Real(spec.radius()), hole = Real(spec.orifice_radius()), t = Real(wall_thickness(spec));
   Parts parts{};
-  parts.wall = add_mesh_body(
-      world, sim::revolved_mesh({{r, 0}, {r + t, 0}, {r + t, Real(height)}, {r, Real(height)}}, kSegments));
-  parts.floor = add_mesh_body(world, sim::revolved_mesh({{hole, -t}, {r + t, -t}, {r + t, 0}, {hole, 0}}, kSegments));
+  parts.wall =
+      add_wall(world, sim::revolved_mesh({{r, 0}, {r + t, 0}, {r + t, Real(height)}, {r, Real(height)}}, kSegments));
+  parts.floor = add_wall(world, sim::revolved_mesh({{hole, -t}, {r + t, -t}, {r + t, 0}, {hole, 0}}, kSegments));
   sim::Shape plug;
   plug.type = sim::ShapeType::cylinder;
   plug.size = {hole * Real(std::cos(kPi / kSegments)), t / 2, 0};
@@ -232,11 +212,9 @@ double SiloSpec::orifice_radius() const {
 }
 
 ManyScene silo_scene(const SiloSpec& spec, const RunOn& on) {
-  const std::vector<Sphere> fill = loose_fill(spec);
+  const std::vector<Sphere> fill = loose_column(spec.of, spec.radius());
   const double height = height_of(fill);
-  ManyScene scene;
-  scene.name = "silo";
-  scene.settings = many_step_settings(spec.of, on.iterations, on.solver);
+  ManyScene scene{.name = "silo", .settings = many_step_settings(spec.of, on.iterations, on.solver)};
   sim::SceneWorld& world = scene.world;
   const double half = spec.radius() + wall_thickness(spec), below = depth_below(spec) + spec.of.diameter;
   world.origin = {-half, -half, -below};

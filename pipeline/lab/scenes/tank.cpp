@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 
 #include "base/error.h"
+#include "base/format.h"
 #include "base/progress.h"
 #include "base/units.h"
-#include "pipeline/lab/scenes/scene.h"
 #include "vehicle/model/statics.h"
 #include "vehicle/world/driving.h"
 
@@ -340,14 +339,11 @@ double place_along(const PebblesSpec& spec, const sim::SceneWorld& tank, const F
   const double length = tank.size.x, width = tank.size.y;
   const double way = spec.speed * spec.driven, long_enough = f.front - f.rear + way + 2 * kRoom,
                wide_enough = 2 * (f.half_width + kRoom);
-  char text[300];
-  std::snprintf(
-      text, sizeof text,
-      "pebbles: %d pebbles of %.3g m make a floor of %.2f x %.2f m, and the vehicle with its way of %.1f m takes "
-      "%.2f x %.2f m; give more --spheres, a larger --diameter or fewer --seconds",
-      spec.tank.of.count, spec.tank.of.diameter, length, width, way, long_enough, wide_enough);
-  if (length < long_enough || width < wide_enough) throw InputError(text);
-  return kRoom - f.rear;
+  if (length >= long_enough && width >= wide_enough) return kRoom - f.rear;
+  throw InputError(
+      line("pebbles: %d pebbles of %.3g m make a floor of %.2f x %.2f m, and the vehicle with its way of %.1f m takes "
+           "%.2f x %.2f m; give more --spheres, a larger --diameter or fewer --seconds",
+           spec.tank.of.count, spec.tank.of.diameter, length, width, way, long_enough, wide_enough));
 }
 
 /// Highest point of the pebbles that lie under the belts, or beside them by less than a pebble [m].
@@ -371,11 +367,7 @@ struct TrackedDrive {
 };
 
 vehicle::DriverOrders orders_of(const PebblesSpec& spec) {
-  vehicle::DriverOrders orders;
-  orders.release = kStands;
-  orders.throttle_ramp = kSpeedUp;
-  orders.speed = spec.speed;
-  return orders;
+  return {.release = kStands, .throttle_ramp = kSpeedUp, .speed = spec.speed};
 }
 
 std::vector<SceneNumber> look_at(const TrackedDrive& d, sim::Simulation& simulation) {
@@ -411,9 +403,7 @@ std::shared_ptr<const TrackedDrive> add_tracked(sim::SceneWorld& world, const Pe
 }  // namespace
 
 ManyScene pebbles_scene(const PebblesSpec& spec, const RunOn& on) {
-  ManyScene scene;
-  scene.name = "pebbles";
-  scene.settings = many_step_settings(spec.tank.of, on.iterations, on.solver);
+  ManyScene scene{.name = "pebbles", .settings = many_step_settings(spec.tank.of, on.iterations, on.solver)};
   scene.settings.step = Real(kStep);
   scene.duration = kStands + spec.driven;
   scene.world = tank_world(spec.tank, on);

@@ -8,13 +8,8 @@ namespace gonogo::lab {
 Json as_json(const CheckFigure& figure) {
   Json json = Json::object();
   for (const BoundedNumber& c : figure.check) {
-    Json one;
-    one["measured"] = c.measured;
-    one["low"] = c.low;
-    one["high"] = c.high;
-    one["holds"] = c.holds();
-    one["claim"] = c.claim;
-    json[c.key] = std::move(one);
+    json[c.key] = Json::Object{
+        {"measured", c.measured}, {"low", c.low}, {"high", c.high}, {"holds", c.holds()}, {"claim", c.claim}};
   }
   return json;
 }

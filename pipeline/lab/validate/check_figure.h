@@ -19,8 +19,8 @@ struct BoundedNumber {
 struct CheckFigure {
   std::string name;  // of its files
   std::string csv;   // the numbers of the plot, in SI units
-  report::LinePlot plot;
-  std::vector<BoundedNumber> check;
+  report::LinePlot plot{};
+  std::vector<BoundedNumber> check{};
   std::string over_time{};  // the same over time: <name>_over_time.csv; empty: none
 };
 

@@ -1,7 +1,6 @@
 #include "pipeline/lab/validate/drawbar.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "base/error.h"
 #include "base/files/file.h"

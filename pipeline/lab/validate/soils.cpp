@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "base/error.h"
 #include "base/files/shipped.h"
@@ -107,9 +106,7 @@ CheckFigure geostatic(const SoilValidation& run) {
   terrain::TestPace pace;
   pace.threads = run.threads;
   const auto r = geostatic_test(request_of(run, 0.1, 0.5).soil, run.quick ? 8 : 16, pace);
-  CheckFigure f;
-  f.name = "soils_geostatic";
-  f.csv = "depth_m,vertical_stress_Pa,weight_above_Pa\n";
+  CheckFigure f{.name = "soils_geostatic", .csv = "depth_m,vertical_stress_Pa,weight_above_Pa\n"};
   f.plot.title = "Bed under its own weight";
   f.plot.x_label = "depth [m]";
   f.plot.y_label = "vertical stress [kPa]";

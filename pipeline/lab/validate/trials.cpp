@@ -41,12 +41,18 @@ std::vector<campaign::TrialRecord> run_trials(const campaign::TrialSetup& setup,
                                               const std::vector<campaign::TrialWatch>& watch) {
   campaign::prepare_trials(setup, points, batch.threads);
   campaign::TrialBatch trials(setup, batch);
-  std::vector<campaign::TrialRecord> records(points.size());
-  Progress progress("validate", "trials", points.size());
-  for (std::size_t next = 0, done = 0; done < points.size(); progress.update(done)) {
-    for (; trials.free_places() > 0 && next < points.size(); ++next)
-      trials.start(points[next], next < watch.size() ? watch[next] : campaign::TrialWatch{});
-    for (campaign::TrialRecord& r : trials.advance()) {
+  return run_batch(trials, points.size(), [&](std::size_t i) {
+    trials.start(points[i], i < watch.size() ? watch[i] : campaign::TrialWatch{});
+  });
+}
+
+std::vector<campaign::TrialRecord> run_batch(campaign::TrialBatch& batch, std::size_t count,
+                                             const std::function<void(std::size_t)>& start) {
+  std::vector<campaign::TrialRecord> records(count);
+  Progress progress("validate", "trials", count);
+  for (std::size_t next = 0, done = 0; done < count; progress.update(done)) {
+    for (; batch.free_places() > 0 && next < count; ++next) start(next);
+    for (campaign::TrialRecord& r : batch.advance()) {
       records[std::size_t(r.point.index)] = std::move(r);
       ++done;
     }
@@ -155,14 +161,10 @@ BedComparison compare_beds(const BedsRequest& r, const BedSide& first, const Bed
 Json as_json(const BedComparison& c) {
   Json json;
   for (int k = 0; k < 2; ++k) {
-    Json one;
-    one["slip"] = c.slip[k].mean;
-    one["slip_error"] = c.slip[k].error;
-    one["sinkage_m"] = c.sinkage[k].mean;
-    one["sinkage_error_m"] = c.sinkage[k].error;
-    one["grains"] = c.grains[k];
-    one["length_m"] = c.length[k];
-    one["width_m"] = c.width[k];
+    Json one = Json::Object{{"slip", c.slip[k].mean},         {"slip_error", c.slip[k].error},
+                            {"sinkage_m", c.sinkage[k].mean}, {"sinkage_error_m", c.sinkage[k].error},
+                            {"grains", c.grains[k]},          {"length_m", c.length[k]},
+                            {"width_m", c.width[k]}};
     for (const double cost : c.cost[k]) one["contact_iterations_per_metre"].push_back(cost);
     json[c.key[k]] = std::move(one);
   }

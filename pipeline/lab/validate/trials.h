@@ -27,6 +27,10 @@ std::vector<campaign::TrialRecord> run_trials(const campaign::TrialSetup& setup,
                                               const campaign::BatchSettings& batch,
                                               const std::vector<campaign::TrialWatch>& watch = {});
 
+/// `count` trials in one batch: start(i) starts the one whose record has the index i.
+std::vector<campaign::TrialRecord> run_batch(campaign::TrialBatch& batch, std::size_t count,
+                                             const std::function<void(std::size_t)>& start);
+
 // The same drive on two undisturbed beds: means over seeds, and differences of the two trials of a seed.
 
 struct BedsRequest {

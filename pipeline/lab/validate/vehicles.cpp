@@ -27,10 +27,7 @@ std::string csv_of(const HardGroundReport& r) {
 }
 
 report::LinePlot plot_of(const HardGroundReport& r) {
-  report::LinePlot plot;
-  plot.title = r.title;
-  plot.x_label = r.x_label;
-  plot.y_label = r.y_label;
+  report::LinePlot plot{.title = r.title, .x_label = r.x_label, .y_label = r.y_label};
   for (const vehicle::Trace& t : r.trace) plot.lines.push_back({t.label, t.x, t.y, t.points});
   for (const HardGroundCheck& c : r.check) {
     plot.notes.push_back(
@@ -68,12 +65,8 @@ Json as_json(const std::vector<HardGroundReport>& reports) {
   Json json = Json::object();
   for (const HardGroundReport& r : reports)
     for (const HardGroundCheck& c : r.check) {
-      Json one;
-      one["expected"] = c.expected;
-      one["measured"] = c.measured;
-      one["tolerance"] = c.tolerance;
-      one["holds"] = c.holds();
-      json[c.key] = std::move(one);
+      json[c.key] = Json::Object{
+          {"expected", c.expected}, {"measured", c.measured}, {"tolerance", c.tolerance}, {"holds", c.holds()}};
     }
   return json;
 }

@@ -76,18 +76,16 @@ double measure_of(const Agreement& a, const std::string& name) {
 }
 
 Json as_json(const Agreement& a) {
-  Json j;
-  j["points"] = a.points;
-  j["rms"] = a.rms;
-  j["bias"] = a.bias;
-  j["rms_over_load"] = a.rms_over_load;
-  j["bias_over_load"] = a.bias_over_load;
-  j["median_relative_error"] = a.median_relative_error;
-  j["worst_factor"] = a.worst_factor;
-  j["points_with_scatter"] = a.with_scatter;
-  j["inside_scatter"] = a.inside;
-  j["band_meets_scatter"] = a.band_meets;
-  return j;
+  return Json::Object{{"points", a.points},
+                      {"rms", a.rms},
+                      {"bias", a.bias},
+                      {"rms_over_load", a.rms_over_load},
+                      {"bias_over_load", a.bias_over_load},
+                      {"median_relative_error", a.median_relative_error},
+                      {"worst_factor", a.worst_factor},
+                      {"points_with_scatter", a.with_scatter},
+                      {"inside_scatter", a.inside},
+                      {"band_meets_scatter", a.band_meets}};
 }
 
 }  // namespace gonogo::lab

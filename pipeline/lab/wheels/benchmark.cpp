@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
 #include "base/error.h"
-#include "base/files/file.h"
+#include "base/files/csv.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
-#include "base/host_device.h"
 #include "base/units.h"
 #include "pipeline/lab/wheels/agreement.h"
 
@@ -282,54 +280,31 @@ const Column& entry(Quantity q) { return kColumns[std::size_t(q)]; }
 
 using Row = std::map<Quantity, double>;
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line);
-  for (std::string cell; std::getline(in, cell, ',');) {
-    const std::size_t first = cell.find_first_not_of(" \t\r"), last = cell.find_last_not_of(" \t\r");
-    cells.push_back(first == std::string::npos ? "" : cell.substr(first, last - first + 1));
-  }
-  return cells;
-}
-
-[[noreturn]] void refuse(const std::filesystem::path& file, std::size_t number, const std::string& what) {
-  throw InputError(file.string() + ": line " + std::to_string(number) + ": " + what);
-}
-
 Quantity quantity_of_column(const std::filesystem::path& file, const std::string& column) {
   std::vector<std::string> known;
   for (const Column& c : kColumns) {
     if (column == c.column) return c.quantity;
-    if (column == c.name) refuse(file, 1, "column \"" + column + "\" has no unit; write " + c.column);
+    if (column == c.name) refuse_csv_line(file, 1, "column \"" + column + "\" has no unit; write " + c.column);
     known.emplace_back(c.column);
   }
-  refuse(file, 1, "column \"" + column + "\" is not known; columns are " + join_words(known));
-}
-
-double number_in(const std::filesystem::path& file, std::size_t number, const std::string& cell) {
-  char* end = nullptr;
-  const double x = std::strtod(cell.c_str(), &end);
-  if (cell.empty() || *end != '\0' || !std::isfinite(x)) refuse(file, number, "\"" + cell + "\" is no number");
-  return x;
+  refuse_csv_line(file, 1, "column \"" + column + "\" is not known; columns are " + join_words(known));
 }
 
 std::vector<Row> rows_of(const std::filesystem::path& file) {
-  std::istringstream in(read_file(file));
-  std::string text;
-  std::getline(in, text);
+  std::vector<CsvLine> lines = read_csv_lines(file, "points; write a header and a row for each");
   std::vector<Quantity> header;
-  for (const std::string& column : cells_of(text)) header.push_back(quantity_of_column(file, column));
+  for (const std::string& column : lines.front().cells()) header.push_back(quantity_of_column(file, column));
+  lines.erase(lines.begin());
   std::vector<Row> rows;
-  for (std::size_t number = 2; std::getline(in, text); ++number) {
-    const std::vector<std::string> cells = cells_of(text);
-    if (cells.empty()) continue;
+  for (const CsvLine& line : lines) {
+    const std::vector<std::string> cells = line.cells();
     if (cells.size() != header.size())
-      refuse(file, number,
-             "has " + std::to_string(cells.size()) + " columns, the header " + std::to_string(header.size()));
+      refuse_csv_line(file, line.number,
+                      "has " + std::to_string(cells.size()) + " columns, the header " + std::to_string(header.size()));
     Row& row = rows.emplace_back();
     for (std::size_t i = 0; i < cells.size(); ++i)
-      if (!row.emplace(header[i], number_in(file, number, cells[i])).second)
-        refuse(file, 1, std::string("column \"") + column_of(header[i]) + "\" stands there twice");
+      if (!row.emplace(header[i], csv_number(file, line.number, cells[i])).second)
+        refuse_csv_line(file, 1, std::string("column \"") + column_of(header[i]) + "\" stands there twice");
   }
   if (rows.empty()) throw InputError(file.string() + ": holds no points; write a header and a row for each");
   return rows;

@@ -63,12 +63,7 @@ std::string agreement_line(const std::string& name, const Agreement& a, bool for
 bool is_force(Quantity q) { return q == Quantity::pull || q == Quantity::side_force; }
 
 Json predicted_json(const Predicted& p) {
-  Json j;
-  j["mean"] = p.mean;
-  j["standard_error"] = p.error;
-  j["low"] = p.low;
-  j["high"] = p.high;
-  return j;
+  return Json::Object{{"mean", p.mean}, {"standard_error", p.error}, {"low", p.low}, {"high", p.high}};
 }
 
 Json points_json(const WheelReport& r) {
@@ -79,10 +74,8 @@ Json points_json(const WheelReport& r) {
     for (const auto& [quantity, value] : p.led) one[column_of(quantity)] = value;
     one["load_N"] = load_at(r.benchmark, p);
     for (const auto& [quantity, m] : p.measured) {
-      Json of;
-      of["measured"] = m.mean;
-      of["tests"] = m.tests;
-      of["scatter"] = r.benchmark.scatter_at(p, quantity);
+      Json of =
+          Json::Object{{"measured", m.mean}, {"tests", m.tests}, {"scatter", r.benchmark.scatter_at(p, quantity)}};
       for (const Predictor& predictor : r.predictor)
         if (const Predicted& x = at(predictor, i, quantity); std::isfinite(x.mean))
           of[predictor.name] = predicted_json(x);
@@ -175,9 +168,7 @@ Json as_json(const WheelReport& r) {
   for (const std::string& why : r.missing) j["missing"].push_back(why);
   j["bounds"] = Json::array();
   for (const CheckedBound& c : r.check) {
-    Json one;
-    one["quantity"] = name_of(c.bound.quantity);
-    one["measure"] = c.bound.measure;
+    Json one = Json::Object{{"quantity", name_of(c.bound.quantity)}, {"measure", c.bound.measure}};
     if (std::isfinite(c.bound.up_to)) one["up_to"] = c.bound.up_to;
     one["at_most"] = c.bound.at_most;
     one["measured"] = c.measured;
@@ -295,10 +286,7 @@ std::string csv_of(const WheelReport& r) {
 report::LinePlot plot_of(const WheelReport& r, Quantity q) {
   const Benchmark& b = r.benchmark;
   const Quantity x = b.led.back();
-  report::LinePlot plot;
-  plot.title = b.title;
-  plot.x_label = column_of(x);
-  plot.y_label = column_of(q);
+  report::LinePlot plot{.title = b.title, .x_label = column_of(x), .y_label = column_of(q)};
   std::set<double> groups;
   for (const BenchmarkPoint& p : b.point) groups.insert(b.led.size() > 1 ? p.led.at(b.led.front()) : 0);
   int colour = 0;

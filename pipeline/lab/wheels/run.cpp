@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.h"
-#include "base/progress.h"
+#include "pipeline/lab/validate/trials.h"
 #include "pipeline/lab/wheels/plan.h"
 #include "terrain/soil_test/test_run.h"
 
@@ -48,25 +47,15 @@ void add_values(const Benchmark& b, const campaign::TrialSetup& setup, const cam
 }
 
 /// Records in the order of the trials, those of one batch side by side.
-std::vector<campaign::TrialRecord> run_batch(const std::vector<PlannedTrial>& trials, const WheelRun& run,
-                                             std::vector<Way>& ways) {
-  std::vector<campaign::TrialRecord> records(trials.size());
+std::vector<campaign::TrialRecord> run_planned(const std::vector<PlannedTrial>& trials, const WheelRun& run,
+                                               std::vector<Way>& ways) {
   const sim::Backend backend = run.gpu ? sim::Backend::cuda : sim::Backend::cpu;
   campaign::TrialBatch batch(*trials.front().setup, {backend, run.gpu ? int(trials.size()) : run.threads, run.threads});
-  Progress progress("validate", "trials", trials.size());
-  std::size_t next = 0, done = 0;
-  for (; done < trials.size(); progress.update(done)) {
-    for (; batch.free_places() > 0 && next < trials.size(); ++next) {
-      campaign::DesignPoint point = trials[next].point;
-      point.index = next;
-      batch.start(*trials[next].setup, point, ways[next].watch());
-    }
-    for (campaign::TrialRecord& r : batch.advance()) {
-      records[std::size_t(r.point.index)] = std::move(r);
-      ++done;
-    }
-  }
-  return records;
+  return run_batch(batch, trials.size(), [&](std::size_t i) {
+    campaign::DesignPoint point = trials[i].point;
+    point.index = i;
+    batch.start(*trials[i].setup, point, ways[i].watch());
+  });
 }
 
 /// Trials of one grain size, which run as one batch.
@@ -110,7 +99,7 @@ void run_group(const WheelPlan& plan, const Group& group, const WheelRun& run,
     trials.push_back(plan.trial[k]);
     seen.push_back(ways[k]);
   }
-  std::vector<campaign::TrialRecord> of_group = run_batch(trials, run, seen);
+  std::vector<campaign::TrialRecord> of_group = run_planned(trials, run, seen);
   for (std::size_t i = 0; i < group.member.size(); ++i) {
     records[group.member[i]] = std::move(of_group[i]);
     ways[group.member[i]] = seen[i];

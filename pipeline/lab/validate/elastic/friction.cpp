@@ -186,9 +186,8 @@ constexpr double kWay = kSpeed * kSpeed / (2 * kMu * kGravity);
 
 /// 0.2 m by 0.05 m on a rigid plane, at rest under gravity, then given the speed.
 el::Simulation resting_block(double epsilon) {
-  el::Model model;
-  model.body = {{"block", el::make_rectangle(el::even(0, 0.2, 16), el::even(0, 0.05, 4)), {1e9, 0.3, 2000}}};
-  model.gravity = {0, -kGravity, 0};
+  el::Model model{.body = {{"block", el::make_rectangle(el::even(0, 0.2, 16), el::even(0, 0.05, 4)), {1e9, 0.3, 2000}}},
+                  .gravity = {0, -kGravity, 0}};
   el::Contact c;
   c.face = el::faces_where(model.body[0].mesh, [](const Vec3d& x) { return near(x.y, 0); });
   c.law = el::penalty_law(1e8, kMu, epsilon);

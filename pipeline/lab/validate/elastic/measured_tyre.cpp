@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "sim/elastic/tyre/press.h"
 #include "sim/elastic/tyre/roll.h"
-#include "sim/elastic/tyre/tyre.h"
 
 namespace gonogo::lab::measured_tyre {
 namespace {

@@ -15,21 +15,12 @@ namespace gonogo::lab {
 namespace el = sim::elastic;
 
 inline CheckFigure figure_of(const std::string& name, const std::string& csv_header) {
-  CheckFigure f;
-  f.name = name;
-  f.csv = csv_header;
-  return f;
+  return {.name = name, .csv = csv_header};
 }
 
 inline report::LinePlot plot_of(const std::string& title, const std::string& x, const std::string& y,
                                 std::vector<report::PlotLine> lines, bool from_zero = true) {
-  report::LinePlot p;
-  p.title = title;
-  p.x_label = x;
-  p.y_label = y;
-  p.lines = std::move(lines);
-  p.from_zero = from_zero;
-  return p;
+  return {.title = title, .x_label = x, .y_label = y, .lines = std::move(lines), .from_zero = from_zero};
 }
 
 inline bool near(double a, double b) { return std::fabs(a - b) < 1e-9; }
