@@ -64,17 +64,9 @@ void add_members(OutcomeModel& model, const std::vector<std::filesystem::path>& 
 void add_measures(OutcomeModel& model, const TrainedModel& trained) {
   if (!trained.dataset) return;
   model.dataset_hash = file_hash(trained.dataset_file);
-  for (const char* name : {"slip", "sinkage", "energy_per_metre"}) {
-    std::vector<double> points, value;
-    const std::size_t index = campaign::contract().measure_index(name);
-    for (const campaign::TrialRecord& record : trained.dataset->records) {
-      if (!campaign::passes(record.verdict)) continue;
-      points.insert(points.end(), record.point.variables.begin(), record.point.variables.end());
-      value.push_back(record.measures[index]);
-    }
-    model.measures.push_back(fit_measure(name, campaign::contract().measures[index].unit, points, value));
-    if (model.measures.back().trials == 0) model.measures.pop_back();
-  }
+  for (const char* name : {"slip", "sinkage", "energy_per_metre"})
+    if (MeasureFit fit = fit_of_passed(*trained.dataset, name); fit.trials > 0)
+      model.measures.push_back(std::move(fit));
 }
 
 ConeIndexNeed cone_index_need(const vehicle::Vehicle& v) {

@@ -9,15 +9,15 @@
 #include <algorithm>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
-#include <cmath>
 #include <cstring>
 #include <exception>
+#include <map>
 #include <optional>
 #include <vector>
 
 #include "base/error.h"
 #include "base/files/file.h"
+#include "base/format.h"
 #include "base/json/json.h"
 #include "base/progress.h"
 
@@ -29,20 +29,10 @@ constexpr std::size_t kMaxRequest = 16384;
 constexpr int kLookMs = 200;  // how often the server looks whether it should stop
 
 const char* reason_of(int status) {
-  switch (status) {
-    case 200:
-      return "OK";
-    case 400:
-      return "Bad Request";
-    case 403:
-      return "Forbidden";
-    case 404:
-      return "Not Found";
-    case 405:
-      return "Method Not Allowed";
-    default:
-      return "Internal Server Error";
-  }
+  static const std::map<int, const char*> reasons = {
+      {200, "OK"}, {400, "Bad Request"}, {403, "Forbidden"}, {404, "Not Found"}, {405, "Method Not Allowed"}};
+  const auto found = reasons.find(status);
+  return found == reasons.end() ? "Internal Server Error" : found->second;
 }
 
 /// Up to the empty line after the headers; "" when the other side sends none in time.
@@ -189,13 +179,6 @@ std::vector<std::string> parts_of(const std::string& path) {
   return parts;
 }
 
-std::optional<int> whole_number(const std::string& text) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 HttpAnswer json_answer(const Json& json) { return {200, "application/json", json.dump()}; }
 
 }  // namespace
@@ -243,13 +226,13 @@ HttpAnswer MapView::answer(const std::string& path) const {
   if (path == "/view.json") return layers();
   if (parts.size() == 5 && parts[0] == "tile") {
     const auto layer = layers_.find(parts[1]);
-    const auto level = whole_number(parts[2]), x = whole_number(parts[3]), y = whole_number(parts[4]);
+    const auto level = parsed<int>(parts[2]), x = parsed<int>(parts[3]), y = parsed<int>(parts[4]);
     if (layer == layers_.end() || !level || !x || !y) return kNotFound;
     const auto png = layer->second.tile_png(*level, *x, *y);
     return png ? HttpAnswer{200, "image/png", *png} : kNotFound;
   }
   if (parts.size() == 3 && parts[0] == "cell") {
-    const auto column = whole_number(parts[1]), row = whole_number(parts[2]);
+    const auto column = parsed<int>(parts[1]), row = parsed<int>(parts[2]);
     if (column && row) return cell(*column, *row);
   }
   return kNotFound;

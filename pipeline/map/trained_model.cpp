@@ -7,11 +7,8 @@
 #include "base/files/file.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
-#include "base/units.h"
-#include "pipeline/campaign/dataset/dataset.h"
 #include "pipeline/campaign/study/study.h"
 #include "pipeline/map/region/region.h"
-#include "pipeline/outcome/answer/predictor.h"
 #include "pipeline/outcome/settings.h"
 #include "vehicle/model/assembly.h"
 #include "vehicle/model/statics.h"
@@ -161,9 +158,8 @@ fs::path find_model(const std::string& model) {
 }
 
 TrainedModel read_trained_model(const fs::path& file, const fs::path& dataset) {
-  TrainedModel model;
-  model.file = file;
-  model.predictor = std::make_shared<const outcome::Predictor>(outcome::Predictor::read(file));
+  TrainedModel model{.file = file,
+                     .predictor = std::make_shared<const outcome::Predictor>(outcome::Predictor::read(file))};
   model.gravity = outcome::gravity_of(model.predictor->model());
   model.dataset_file = dataset;
   if (dataset.empty()) {
@@ -305,17 +301,17 @@ double rut_width(const vehicle::Vehicle& v) {
   return width;
 }
 
-MeasureFit fit_of(const campaign::Dataset& dataset, const char* name) {
+}  // namespace
+
+MeasureFit fit_of_passed(const campaign::Dataset& dataset, const char* name) {
   std::vector<double> points, value;
   for (const campaign::TrialRecord& record : dataset.records) {
     if (!campaign::passes(record.verdict)) continue;
     points.insert(points.end(), record.point.variables.begin(), record.point.variables.end());
     value.push_back(measure(record, name));
   }
-  return fit_measure(name, "", points, value);
+  return fit_measure(name, campaign::contract().measures[campaign::contract().measure_index(name)].unit, points, value);
 }
-
-}  // namespace
 
 std::optional<SpeedModel> speed_of_trials(const campaign::Dataset& dataset, const TrialVehicle& driven,
                                           const vehicle::Vehicle& whole) {
@@ -332,8 +328,8 @@ std::optional<SpeedModel> speed_of_trials(const campaign::Dataset& dataset, cons
       if (const auto trial = resistance_of(record, of_trials, model)) trials.push_back(*trial);
   if (trials.empty()) return std::nullopt;
   model.resistance = fit_resistance(trials);
-  model.slip = fit_of(dataset, "slip");
-  model.sinkage = fit_of(dataset, "sinkage");
+  model.slip = fit_of_passed(dataset, "slip");
+  model.sinkage = fit_of_passed(dataset, "sinkage");
   return model;
 }
 

@@ -34,10 +34,10 @@ struct TrialVehicle {
 std::optional<TrialVehicle> trial_vehicle(const campaign::Provenance& provenance, const std::string& where);
 
 struct TrainedModel {
-  std::filesystem::path file, dataset_file;  // dataset_file: empty without trials
+  std::filesystem::path file{}, dataset_file{};  // dataset_file: empty without trials
   std::shared_ptr<const outcome::Predictor> predictor;
-  std::optional<campaign::Dataset> dataset;
-  std::optional<TrialVehicle> vehicle;
+  std::optional<campaign::Dataset> dataset{};
+  std::optional<TrialVehicle> vehicle{};
   double gravity = kGravity;  // of the trials that it learned from [m/s^2]
   bool is_up_to_date = true;  // false: the dataset beside the model is not the one that it was trained on
 };
@@ -67,6 +67,9 @@ void require_vehicle(const TrainedModel& model, const std::filesystem::path& veh
 
 /// Throws InputError where a study names another vehicle, other grains or another gravity than the model's trials had.
 void require_study(const TrainedModel& model, const std::filesystem::path& study_file);
+
+/// A measure of the trials that passed, over the variables.
+MeasureFit fit_of_passed(const campaign::Dataset& dataset, const char* name);
 
 /// Fits resistance, slip and sinkage to the trials that passed. The driveline is that of `whole`, which a quarter
 /// vehicle represents. Trials on level ground or uphill measure the resistance: downhill

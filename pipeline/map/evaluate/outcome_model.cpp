@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
-
-#include "base/units.h"
-#include "pipeline/campaign/study/contract.h"
 
 namespace gonogo::map {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "base/progress.h"
 #include "base/units.h"
@@ -101,13 +100,6 @@ constexpr int kLastStep = int(90 * kSlopeSteps);
 constexpr std::array<double, 9> kNormalParts = {-1.59322, -0.967422, -0.589456, -0.282216, 0,
                                                 0.282216, 0.589456,  0.967422,  1.59322};
 
-float p_slow_of(const Prospect& prospect) {
-  double sum = 0;
-  for (std::size_t o = 0; o < prospect.outcome.size(); ++o)
-    if (campaign::contract().outcomes[o].verdict == campaign::Verdict::slow_go) sum += prospect.outcome[o];
-  return float(sum);
-}
-
 /// Value below which a share of the sorted values lies (nearest rank).
 double quantile(const std::vector<double>& sorted, double share) {
   const auto rank = std::size_t(share * double(sorted.size()));
@@ -160,7 +152,7 @@ CellAnswer SoilResponse::answer_at(const OutcomeModel& model, const MapRules& ru
   answer.result = classify(prospect, rules);
   answer.p_go = float(prospect.p_go());
   answer.outside_share = float(prospect.outside_share);
-  answer.p_slow = answer.outside_share >= 1 ? kNoData : p_slow_of(prospect);
+  answer.p_slow = answer.outside_share >= 1 ? kNoData : float(prospect.of(campaign::Verdict::slow_go));
   if (answer.outside_share < 1) uphill_outcomes_[std::size_t(step)] = prospect.outcome;
   return answer;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/format.h"
 #include "base/units.h"
@@ -13,10 +12,8 @@ namespace {
 
 std::string csv_row(const std::string& verdict, const std::string& reason, std::uint64_t cells, double area_km2,
                     double share) {
-  char text[160];
-  std::snprintf(text, sizeof text, "%s,%s,%llu,%.6f,%.6f\n", verdict.c_str(), reason.c_str(),
-                static_cast<unsigned long long>(cells), area_km2, share);
-  return text;
+  return line("%s,%s,%llu,%.6f,%.6f\n", verdict.c_str(), reason.c_str(), static_cast<unsigned long long>(cells),
+              area_km2, share);
 }
 
 }  // namespace

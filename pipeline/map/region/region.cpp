@@ -7,8 +7,6 @@
 #include "base/format.h"
 #include "base/units.h"
 #include "pipeline/campaign/study/study.h"
-#include "pipeline/map/region/soil.h"
-#include "terrain/raster/grid.h"
 #include "terrain/soil/soil.h"
 
 namespace gonogo::map {
@@ -62,9 +60,7 @@ void read_rasters(const Config& config, Region& region) {
 }
 
 LandRule read_land_rule(const Config& config) {
-  LandRule rule;
-  rule.code = int(config.integer("code", {0, 65535}));
-  rule.name = config.text("name");
+  LandRule rule{.code = int(config.integer("code", {0, 65535})), .name = config.text("name")};
   const std::string verdict = config.choice("verdict", {"soil", "no_go", "unknown"});
   config.text_or("note", "");
   if (verdict != "soil") {

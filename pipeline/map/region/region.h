@@ -30,7 +30,7 @@ struct RegionRaster {
 struct LandRule {
   int code = 0;  // in the land cover raster
   std::string name;
-  std::optional<campaign::Verdict> verdict;          // no_go or unknown
+  std::optional<campaign::Verdict> verdict{};        // no_go or unknown
   campaign::Reason reason = campaign::Reason::none;  // water, vegetation or built_up
 };
 

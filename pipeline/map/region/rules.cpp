@@ -1,23 +1,10 @@
 #include "pipeline/map/region/rules.h"
 
-#include <charconv>
-#include <cmath>
-#include <limits>
-
 #include "base/error.h"
 #include "base/format.h"
-#include "base/units.h"
 
 namespace gonogo::map {
 namespace {
-
-double probability_of(const Prospect& prospect, campaign::Verdict verdict) {
-  const auto& outcomes = campaign::contract().outcomes;
-  double sum = 0;
-  for (std::size_t i = 0; i < outcomes.size(); ++i)
-    if (outcomes[i].verdict == verdict) sum += prospect.outcome[i];
-  return sum;
-}
 
 campaign::Verdict verdict_at(double p_go, bool slow_is_likelier, const MapRules& rules) {
   if (p_go < rules.no_go) return campaign::Verdict::no_go;
@@ -64,9 +51,8 @@ void set_heading(MapRules& rules, const std::string& text, const std::string& wh
                                            : HeadingMode::best;
     return;
   }
-  double degrees = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), degrees);
-  if (error != std::errc() || end != text.data() + text.size() || !(degrees >= 0 && degrees < 360))
+  const double degrees = parsed<double>(text).value_or(-1);
+  if (!(degrees >= 0 && degrees < 360))
     throw InputError(where + ": \"" + text +
                      "\" is no heading; use uphill, worst, best, or degrees clockwise from grid north, 0 to below 360");
   rules.heading_mode = HeadingMode::set;
@@ -80,9 +66,16 @@ std::string heading_text(const MapRules& rules) {
   return line("heading %g degrees from grid north", rules.heading);
 }
 
+double Prospect::of(campaign::Verdict verdict) const {
+  double sum = 0;
+  for (std::size_t o = 0; o < outcome.size(); ++o)
+    if (campaign::contract().outcomes[o].verdict == verdict) sum += outcome[o];
+  return sum;
+}
+
 double Prospect::p_go() const {
   if (outside_share >= 1) return std::numeric_limits<double>::quiet_NaN();
-  return probability_of(*this, campaign::Verdict::go) + probability_of(*this, campaign::Verdict::slow_go);
+  return of(campaign::Verdict::go) + of(campaign::Verdict::slow_go);
 }
 
 campaign::Reason reason_of_unknown(const Prospect& prospect) {
@@ -95,8 +88,7 @@ CellClass classify(const Prospect& prospect, const MapRules& rules) {
   const double not_sampled = prospect.outside_share - prospect.soft_share;
   const double outside = prospect.soft_share + (not_sampled > rules.tolerated_outside_share ? not_sampled : 0);
   const double lower = prospect.p_go() * (1 - outside), upper = lower + outside;
-  const bool slow =
-      probability_of(prospect, campaign::Verdict::slow_go) > probability_of(prospect, campaign::Verdict::go);
+  const bool slow = prospect.of(campaign::Verdict::slow_go) > prospect.of(campaign::Verdict::go);
   const campaign::Verdict verdict = verdict_at(lower, slow, rules);
   if (verdict != verdict_at(upper, slow, rules)) return {campaign::Verdict::unknown, reason_of_unknown(prospect)};
   return {verdict, verdict == campaign::Verdict::no_go ? likeliest_no_go_reason(prospect) : campaign::Reason::none};

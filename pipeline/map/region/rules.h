@@ -55,7 +55,8 @@ struct Prospect {
   double outside_share = 1;     // share of the soil's points that were not sampled or are too soft
   double soft_share = 0;        // share of the soil's points that are too soft
 
-  double p_go() const;  // of the sampled points; NaN without any
+  double of(campaign::Verdict verdict) const;  // sum over its outcomes
+  double p_go() const;                         // of the sampled points; NaN without any
 };
 
 struct CellClass {

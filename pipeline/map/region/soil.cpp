@@ -4,14 +4,12 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <limits>
 
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/files/shipped.h"
 #include "base/format.h"
 #include "base/units.h"
-#include "pipeline/campaign/study/contract.h"
 #include "terrain/soil/soil.h"
 
 namespace gonogo::map {
@@ -237,10 +235,7 @@ bool is_of(const terrain::SoilState& state, const std::string& moisture) {
 
 /// The states of one texture at this moisture.
 Soil texture_soil(const terrain::SoilFile& usda, const std::string& texture, const std::string& moisture) {
-  Soil soil;
-  soil.name = texture + (moisture.empty() ? "" : ", " + moisture);
-  soil.texture = texture;
-  soil.draws = kDraws;
+  Soil soil{.name = texture + (moisture.empty() ? "" : ", " + moisture), .texture = texture, .draws = kDraws};
   for (const terrain::SoilState& state : usda.states)
     if (state.texture == texture && is_of(state, moisture)) soil.samples.push_back(sample_of(state));
   if (soil.samples.size() > 1) soil.draws = kDraws / int(soil.samples.size());
@@ -267,9 +262,7 @@ Soil named_soil(const std::string& text, const std::string& asked) {
   if (is_texture(lower(name))) return texture_soil(terrain::read_soil(usda_file()), lower(name), moisture);
   const fs::path path = find_soil_file(name);
   const terrain::SoilFile file = terrain::read_soil(path);
-  Soil soil;
-  soil.name = file.name + (moisture.empty() ? "" : ", " + moisture);
-  soil.note = file.about;
+  Soil soil{.name = file.name + (moisture.empty() ? "" : ", " + moisture), .note = file.about};
   std::vector<std::string> states;
   for (const terrain::SoilState& state : file.states) {
     states.push_back(state.name);

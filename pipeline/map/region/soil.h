@@ -55,10 +55,10 @@ struct MoistureState {
 struct Soil {
   int code = 0;  // in the soil class raster
   std::string name;
-  std::string note;
-  std::string texture;              // one of terrain::usda_textures(); empty: as the region's
-  std::vector<SoilSample> samples;  // equally likely; empty: `values` alone hold
-  Spreads values;
+  std::string note{};
+  std::string texture{};              // one of terrain::usda_textures(); empty: as the region's
+  std::vector<SoilSample> samples{};  // equally likely; empty: `values` alone hold
+  Spreads values{};
   int draws = 0;                                               // points drawn for each sample; 0: as the rules say
   double max_speed = std::numeric_limits<double>::infinity();  // of a road [m/s]
   bool given = true;  // false: nobody said what the soil is, the samples are all that it may be

@@ -7,7 +7,6 @@
 #include "base/error.h"
 #include "base/format.h"
 #include "base/units.h"
-#include "pipeline/map/route/search/any_angle.h"
 #include "pipeline/map/route/search/search.h"
 #include "pipeline/map/route/search/turning.h"
 #include "pipeline/map/route/way_files.h"
@@ -20,25 +19,21 @@ std::vector<WayPiece> pieces_of(const FoundRoute& route, const RouteCells& cells
   const auto columns = std::uint32_t(cells.columns);
   for (std::size_t i = 1; i < route.cell.size(); ++i) {
     const LineOfCells line(cells, route.cell[i - 1], route.cell[i]);
-    walk_line(
-        cells.columns, route.cell[i - 1], route.cell[i],
-        [&](std::uint32_t cell, double begin, double end) {
-          const double rise = std::tan(cells.slope[cell] / kSlopeSteps * kDegree);
-          const double downhill = cells.aspect[cell] * kDegree;
-          const double next =
-              driven + line.length * (end - begin) * double(length.per_metre(cells, cell, line.heading));
-          pieces.push_back({.begin = driven,
-                            .end = next,
-                            .soil = cells.soil[cell],
-                            .rise_east = -rise * std::sin(downhill),
-                            .rise_north = -rise * std::cos(downhill),
-                            .heading = double(line.heading),
-                            .column = int(cell % columns),
-                            .row = int(cell / columns)});
-          driven = next;
-          return true;
-        },
-        [](std::uint32_t, std::uint32_t) { return true; });
+    walk_line(cells.columns, route.cell[i - 1], route.cell[i], [&](std::uint32_t cell, double begin, double end) {
+      const double rise = std::tan(cells.slope[cell] / kSlopeSteps * kDegree);
+      const double downhill = cells.aspect[cell] * kDegree;
+      const double next = driven + line.length * (end - begin) * double(length.per_metre(cells, cell, line.heading));
+      pieces.push_back({.begin = driven,
+                        .end = next,
+                        .soil = cells.soil[cell],
+                        .rise_east = -rise * std::sin(downhill),
+                        .rise_north = -rise * std::cos(downhill),
+                        .heading = double(line.heading),
+                        .column = int(cell % columns),
+                        .row = int(cell / columns)});
+      driven = next;
+      return true;
+    });
   }
   return pieces;
 }
@@ -53,15 +48,12 @@ std::vector<std::array<double, 2>> line_over(const FoundRoute& route, const terr
   for (std::size_t i = 1; i < route.cell.size(); ++i) {
     const terrain::TrackPoint a = centre_of(route.cell[i - 1], grid), b = centre_of(route.cell[i], grid);
     const auto add = [&](double share) { line.push_back({a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)}); };
-    walk_line(
-        grid.columns, route.cell[i - 1], route.cell[i],
-        [&](std::uint32_t, double begin, double end) {
-          if (piece == first) add(begin);
-          if (piece >= first && piece <= last) add(end);
-          ++piece;
-          return true;
-        },
-        [](std::uint32_t, std::uint32_t) { return true; });
+    walk_line(grid.columns, route.cell[i - 1], route.cell[i], [&](std::uint32_t, double begin, double end) {
+      if (piece == first) add(begin);
+      if (piece >= first && piece <= last) add(end);
+      ++piece;
+      return true;
+    });
   }
   return line;
 }
@@ -69,12 +61,10 @@ std::vector<std::array<double, 2>> line_over(const FoundRoute& route, const terr
 }  // namespace
 
 PassageDoubt passage_doubt(const RegionRaster& elevation, const MapRules& rules, const terrain::MapGrid& grid) {
-  PassageDoubt doubt;
-  doubt.bed_length = rules.correlation_length;
-  doubt.height_error = elevation.error * std::sqrt(1 - elevation.error_correlation);
-  doubt.cell_width = grid.cell_width_m();
-  doubt.cell_height = grid.cell_height_m();
-  return doubt;
+  return {.bed_length = rules.correlation_length,
+          .height_error = elevation.error * std::sqrt(1 - elevation.error_correlation),
+          .cell_width = grid.cell_width_m(),
+          .cell_height = grid.cell_height_m()};
 }
 
 std::vector<WaySoil> way_soils(const SoilTable& table) {

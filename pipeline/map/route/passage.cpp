@@ -2,7 +2,6 @@
 
 #include <omp.h>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <unordered_map>
 #include <utility>

@@ -1,11 +1,8 @@
 #include "pipeline/map/route/plan_route.h"
 
 #include <omp.h>
-#include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 
 #include "base/error.h"
 #include "base/format.h"
@@ -14,9 +11,7 @@
 #include "pipeline/map/route/find_ways.h"
 #include "pipeline/map/route/reach.h"
 #include "pipeline/map/route/robot_files.h"
-#include "pipeline/map/route/search/search.h"
 #include "pipeline/map/route/way_files.h"
-#include "pipeline/map/write/make_map.h"
 #include "terrain/raster/vector/read_vector.h"
 
 namespace gonogo::map {
@@ -180,15 +175,12 @@ RouteResult plan_route(const RouteRequest& request) {
 }
 
 Place parse_place(const std::string& text, const std::string& where) {
-  Place place;
   const std::size_t comma = text.find(',');
-  const auto number = [&](std::size_t from, std::size_t to, double& value) {
-    const auto [end, error] = std::from_chars(text.data() + from, text.data() + to, value);
-    return error == std::errc() && end == text.data() + to && std::isfinite(value);
-  };
-  if (comma == std::string::npos || !number(0, comma, place.x) || !number(comma + 1, text.size(), place.y))
+  const auto x = parsed<double>(text.substr(0, comma));
+  const auto y = comma == std::string::npos ? std::nullopt : parsed<double>(text.substr(comma + 1));
+  if (!x || !y || !std::isfinite(*x) || !std::isfinite(*y))
     throw InputError(where + ": \"" + text + "\" is no place; give easting,northing in the region's coordinate system");
-  return place;
+  return {*x, *y};
 }
 
 std::int64_t parse_departure(const std::string& text, const std::string& where) {
@@ -240,13 +232,9 @@ Json route_json(const RouteResult& result) {
     routes.push_back(entry);
   }
   json["routes"] = routes;
-  if (result.regions) {
-    Json regions = Json::object();
-    regions["count"] = result.regions->count;
-    regions["largest_km2"] = result.regions->largest;
-    regions["passable_km2"] = result.regions->passable;
-    json["regions"] = regions;
-  }
+  if (const auto& regions = result.regions)
+    json["regions"] =
+        Json::Object{{"count", regions->count}, {"largest_km2", regions->largest}, {"passable_km2", regions->passable}};
   for (const auto& file : result.files) files.push_back(file.string());
   json["files"] = files;
   return json;

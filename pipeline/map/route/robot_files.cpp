@@ -6,7 +6,6 @@
 #include "base/error.h"
 #include "base/files/file.h"
 #include "base/format.h"
-#include "base/units.h"
 #include "terrain/raster/layer/geotiff.h"
 
 namespace gonogo::map {

@@ -5,9 +5,6 @@
 #include <cmath>
 
 #include "base/format.h"
-#include "pipeline/map/route/find_ways.h"
-#include "pipeline/map/route/search/any_angle.h"
-#include "terrain/raster/vector/write_vector.h"
 
 namespace gonogo::map {
 
@@ -80,14 +77,11 @@ std::vector<TrackPoint> track_of(const FoundRoute& route, const RouteCells& cell
     const TrackPoint a = centre_of(route.cell[i - 1], grid), b = centre_of(route.cell[i], grid);
     if (i == 1) add(a.x, a.y);
     const LineOfCells line(cells, route.cell[i - 1], route.cell[i]);
-    walk_line(
-        cells.columns, route.cell[i - 1], route.cell[i],
-        [&](std::uint32_t cell, double begin, double end) {
-          if (time) seconds += line.length * (end - begin) * double(time->per_metre(cells, cell, line.heading));
-          add(end == 1 ? b.x : a.x + end * (b.x - a.x), end == 1 ? b.y : a.y + end * (b.y - a.y));
-          return true;
-        },
-        [](std::uint32_t, std::uint32_t) { return true; });
+    walk_line(cells.columns, route.cell[i - 1], route.cell[i], [&](std::uint32_t cell, double begin, double end) {
+      if (time) seconds += line.length * (end - begin) * double(time->per_metre(cells, cell, line.heading));
+      add(end == 1 ? b.x : a.x + end * (b.x - a.x), end == 1 ? b.y : a.y + end * (b.y - a.y));
+      return true;
+    });
   }
   if (route.cell.size() == 1) {
     const TrackPoint only = centre_of(route.cell[0], grid);

@@ -1,7 +1,6 @@
 #include "pipeline/map/soil_grids/make_region.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "base/error.h"

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
-#include <optional>
 #include <regex>
-#include <sstream>
 
 #include "base/error.h"
+#include "base/files/csv.h"
 #include "base/files/file.h"
 #include "base/format.h"
 #include "terrain/soil/soil.h"
@@ -244,29 +242,17 @@ constexpr double kFifthPercentile = 1.645;  // standard deviations to either sid
 /// Largest value of a property that a soil can have [%, g/cm3, volume %]. Quartz has 2.65 g/cm3.
 double largest(SoilProperty p) { return p == SoilProperty::bulk_density ? 2.65 : 100; }
 
-std::vector<std::string> cells_of(const std::string& line) {
-  std::vector<std::string> cells;
-  std::istringstream in(line);
-  for (std::string cell; std::getline(in, cell, ',');) cells.push_back(cell);
-  return cells;
-}
-
 double number_in(const std::string& cell, const std::string& where) {
   if (cell.empty()) return kUnknown;
-  double value = 0;
-  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (error != std::errc() || end != cell.data() + cell.size())
-    throw InputError(where + ": \"" + cell + "\" is not a number; leave the cell empty where it is not known");
-  return value;
+  if (const auto value = parsed<double>(cell)) return *value;
+  throw InputError(where + ": \"" + cell + "\" is not a number; leave the cell empty where it is not known");
 }
 
 /// Rows of mukey.csv by map unit, in the order of the layers.
 std::unordered_map<std::int64_t, std::vector<double>> read_table(const SoilFolder& folder) {
-  std::istringstream in(read_file(folder.table));
-  std::string text;
-  std::getline(in, text);
-  if (!text.empty() && text.back() == '\r') text.pop_back();
-  const std::vector<std::string> header = cells_of(text);
+  std::vector<CsvLine> lines = read_csv_lines(folder.table, "map units");
+  const std::vector<std::string> header = lines.front().cells();
+  lines.erase(lines.begin());
   const auto place_of = [&](const std::string& name) {
     const auto at = std::find(header.begin(), header.end(), name);
     if (at == header.end())
@@ -275,11 +261,9 @@ std::unordered_map<std::int64_t, std::vector<double>> read_table(const SoilFolde
   };
   const std::size_t key = place_of("mukey");
   std::unordered_map<std::int64_t, std::vector<double>> rows;
-  for (int number = 2; std::getline(in, text); ++number) {
-    if (!text.empty() && text.back() == '\r') text.pop_back();
-    if (text.empty()) continue;
-    const std::string where = folder.table.string() + ": line " + std::to_string(number);
-    std::vector<std::string> cells = cells_of(text);
+  for (const CsvLine& line : lines) {
+    const std::string where = folder.table.string() + ": line " + std::to_string(line.number);
+    std::vector<std::string> cells = line.cells();
     if (cells.size() > header.size()) throw InputError(where + ": has more cells than the header");
     cells.resize(header.size());
     const double unit = number_in(cells[key], where + ": mukey");

@@ -10,7 +10,6 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/progress.h"
-#include "base/units.h"
 #include "base/version.h"
 #include "pipeline/campaign/study/contract.h"
 #include "pipeline/campaign/study/study.h"
@@ -293,12 +292,12 @@ Json compare_json(const MapComparison& result) {
     }
     return list;
   };
-  Json json = Json::object(), files = Json::array();
-  json["first"] = result.first;
-  json["second"] = result.second;
-  json[campaign::kGravityKey] = result.gravity;
-  json["change"] = classes(result.change);
-  json["significance"] = classes(result.significance);
+  Json json = Json::Object{{"first", result.first},
+                           {"second", result.second},
+                           {campaign::kGravityKey, result.gravity},
+                           {"change", classes(result.change)},
+                           {"significance", classes(result.significance)}};
+  Json files = Json::array();
   if (!result.remark.empty()) json["remark"] = result.remark;
   for (const fs::path& file : result.files) files.push_back(Json(file.string()));
   json["files"] = files;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/error.h"
 #include "base/files/file.h"
@@ -10,7 +9,6 @@
 #include "base/units.h"
 #include "base/version.h"
 #include "pipeline/campaign/study/study.h"
-#include "pipeline/map/region/region.h"
 #include "pipeline/map/write/map_exports.h"
 #include "pipeline/map/write/map_page.h"
 #include "pipeline/map/write/map_tiles.h"
@@ -26,12 +24,9 @@ constexpr const char* kRecordName = "map.json";
 Json spreads_json(const Spreads& spreads) {
   Json json = Json::object();
   for (const auto& [name, spread] : spreads) {
-    Json entry = Json::object();
-    if (spread.kind == Spread::Kind::unknown)
-      entry["unknown"] = spread.source;
-    else
-      entry["range"] = Json::Array{spread.low, spread.high};
-    json[name] = entry;
+    const bool unknown = spread.kind == Spread::Kind::unknown;
+    json[name] = unknown ? Json::Object{{"unknown", spread.source}}
+                         : Json::Object{{"range", Json::Array{spread.low, spread.high}}};
   }
   return json;
 }
@@ -162,11 +157,7 @@ void write_map_record(const MapRequest& request, const Json& inputs, const MapSu
 using terrain::MapGrid;
 namespace {
 
-std::string percent(double share) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.1f %%", 100 * share);
-  return text;
-}
+std::string percent(double share) { return line("%.1f %%", 100 * share); }
 
 /// Remarks on a soil of the map: what is too soft, has no texture, or was not sampled.
 void remark_on_soil(const Region& region, const Soil& soil, const SoilPoints& points, double share,
@@ -268,7 +259,7 @@ std::vector<std::string> remarks_on(const MapSummary& summary, const MapRequest&
 
 void remark_on_elevation(const terrain::RasterSource& elevation, std::vector<std::string>& remarks) {
   constexpr double coarse = 100;  // [m]
-  for (const std::string& remark : elevation.remarks()) remarks.push_back(remark);
+  remarks.insert(remarks.end(), elevation.remarks().begin(), elevation.remarks().end());
   if (!elevation.how_warped().empty()) remarks.push_back(elevation.how_warped());
   const double cell = std::max(elevation.grid().cell_width_m(), elevation.grid().cell_height_m());
   if (cell > coarse)
@@ -325,9 +316,7 @@ MapSummary make_map(const MapRequest& request) {
   MapDigest digest{{}, Picture(grid, kPictureCells), PageCells(grid)};
   evaluate_or_forget(tiles, sources, table, digest);
   tiles.collect(table, digest);
-  MapSummary summary;
-  summary.gravity = request.model.gravity;
-  summary.area = digest.area;
+  MapSummary summary{.area = digest.area, .gravity = request.model.gravity};
   summary.area_km2 = double(summary.area.total()) * grid.cell_area_m2() * 1e-6;
   summary.remarks = remarks_on(summary, request, digest, table);
   if (summary.area.total() > 0) remark_on_ditches(request, sources, digest, table, summary.remarks);

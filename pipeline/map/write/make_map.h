@@ -28,12 +28,12 @@ struct MapRequest {
 
 struct MapSummary {
   AreaCount area;
-  double area_km2 = 0;                       // of the cells that have a slope
-  std::vector<std::filesystem::path> files;  // all that were written; map.json is the last
-  std::vector<std::string> remarks;          // one sentence each: what the map cannot say, and why
-  std::size_t tiles_found = 0;               // tiles that an interrupted run had finished
-  double gravity = kGravity;                 // of trials and ground [m/s^2]
-  bool reused = false;                       // the folder already held this map; nothing was written
+  double area_km2 = 0;                         // of the cells that have a slope
+  std::vector<std::filesystem::path> files{};  // all that were written; map.json is the last
+  std::vector<std::string> remarks{};          // one sentence each: what the map cannot say, and why
+  std::size_t tiles_found = 0;                 // tiles that an interrupted run had finished
+  double gravity = kGravity;                   // of trials and ground [m/s^2]
+  bool reused = false;                         // the folder already held this map; nothing was written
 };
 
 /// Writes the map. Does nothing if the folder holds the map of the same model, region, rasters, rules and program

@@ -1,12 +1,10 @@
 #include "pipeline/map/write/map_exports.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "base/files/file.h"
+#include "base/format.h"
 #include "base/version.h"
-#include "pipeline/map/evaluate/layers.h"
-#include "pipeline/map/write/make_map.h"
 #include "pipeline/report/figure/map_figure.h"
 #include "terrain/raster/layer/layer_picture.h"
 #include "terrain/raster/vector/write_vector.h"
@@ -18,48 +16,34 @@ using terrain::GlobePlace;
 using terrain::MapGrid;
 namespace {
 
-Json numbers(std::initializer_list<double> values) {
-  Json list = Json::array();
-  for (const double v : values) list.push_back(Json(v));
-  return list;
-}
-
 Json polygon_of(const terrain::DegreeRing& ring) {
-  Json list = Json::array(), rings = Json::array();
-  for (const auto& [x, y] : ring) list.push_back(numbers({x, y}));
-  rings.push_back(list);
-  return rings;
+  Json::Array list;
+  for (const auto& [x, y] : ring) list.push_back(Json::Array{x, y});
+  return Json::Array{Json(list)};
 }
 
 /// Cut at the antimeridian (RFC 7946, section 3.1.9).
 Json outline(const GlobePlace& place) {
-  Json geometry = Json::object(), parts = Json::array();
+  Json::Array parts;
   for (const terrain::DegreeRing& ring : place.outline) parts.push_back(polygon_of(ring));
-  const bool one = place.outline.size() == 1;
-  geometry["type"] = one ? "Polygon" : "MultiPolygon";
-  geometry["coordinates"] = one ? parts.items().front() : parts;
-  return geometry;
+  if (parts.size() == 1) return Json::Object{{"type", "Polygon"}, {"coordinates", parts.front()}};
+  return Json::Object{{"type", "MultiPolygon"}, {"coordinates", parts}};
 }
 
 /// STAC 1.0.0, projection extension 1.1.0. The rasters' time is not stated, so the interval is open; STAC asks for one.
 Json properties(const MapRequest& request, const ExportedMap& map) {
   const MapGrid& grid = map.grid;
-  Json json = Json::object(), shape = Json::array();
+  Json json;
   json["title"] = "Go/NoGo map: " + request.region.name;
   json["description"] = "Mobility of " + vehicle_text(request.model) + ", " + heading_text(request.rules) +
                         ". The time of the rasters is not stated: the interval stands for all times.";
   json["datetime"] = Json();
   json["start_datetime"] = "0001-01-01T00:00:00Z";
   json["end_datetime"] = "9999-12-31T00:00:00Z";
-  if (grid.crs_code.rfind("EPSG:", 0) == 0)
-    json["proj:epsg"] = std::stoi(grid.crs_code.substr(5));
-  else
-    json["proj:epsg"] = Json();
+  json["proj:epsg"] = grid.crs_code.rfind("EPSG:", 0) == 0 ? Json(std::stoi(grid.crs_code.substr(5))) : Json();
   json["proj:wkt2"] = grid.crs_wkt;
-  shape.push_back(Json(grid.rows));
-  shape.push_back(Json(grid.columns));
-  json["proj:shape"] = shape;
-  json["proj:transform"] = numbers({grid.cell_width, 0, grid.west, 0, -grid.cell_height, grid.north});
+  json["proj:shape"] = Json::Array{grid.rows, grid.columns};
+  json["proj:transform"] = Json::Array{grid.cell_width, 0.0, grid.west, 0.0, -grid.cell_height, grid.north};
   if (!map.place)
     json["gonogo:degrees"] = "not known";
   else if (!map.place->is_wgs84)
@@ -70,28 +54,21 @@ Json properties(const MapRequest& request, const ExportedMap& map) {
 }
 
 Json asset(const std::string& href, const std::string& title, const std::string& type, const char* role) {
-  Json json = Json::object(), roles = Json::array();
-  json["href"] = "./" + href;
-  json["title"] = title;
-  json["type"] = type;
-  roles.push_back(Json(role));
-  json["roles"] = roles;
-  return json;
+  return Json::Object{{"href", "./" + href}, {"title", title}, {"type", type}, {"roles", Json::Array{role}}};
 }
 
 /// Without a place the geometry is null and there is no bbox, as STAC asks for.
 Json stac_item(const MapRequest& request, const ExportedMap& map) {
-  Json item = Json::object(), assets = Json::object(), extensions = Json::array();
+  Json item, assets;
   item["type"] = "Feature";
   item["stac_version"] = "1.0.0";
-  extensions.push_back(Json("https://stac-extensions.github.io/projection/v1.1.0/schema.json"));
-  item["stac_extensions"] = extensions;
+  item["stac_extensions"] = Json::Array{"https://stac-extensions.github.io/projection/v1.1.0/schema.json"};
   item["id"] = "gonogo-" + request.model.hash.substr(0, 12) + "-" + request.region.file.stem().string();
   item["geometry"] = Json();
   if (map.place) {
     const terrain::DegreeBox& box = map.place->box;
     item["geometry"] = outline(*map.place);
-    item["bbox"] = numbers({box.west, box.south, box.east, box.north});
+    item["bbox"] = Json::Array{box.west, box.south, box.east, box.north};
   }
   item["properties"] = properties(request, map);
   item["links"] = Json::array();
@@ -141,11 +118,7 @@ std::string no_overlay(const std::string& because) {
 
 namespace {
 
-std::string number(double x, const char* format = "%g") {
-  char text[32];
-  std::snprintf(text, sizeof text, format, x);
-  return text;
-}
+std::string number(double x) { return line("%g", x); }
 
 void add_legends(const MapRequest& request, const MapSummary& summary, report::MapFigure& figure) {
   for (const auto& entry : class_legend(request.colour_blind_safe))
@@ -171,7 +144,7 @@ void add_curves(const SoilTable& table, const MapSummary& summary, report::MapFi
     report::FigureCurve curve;
     curve.label = table.soils[s].name;
     if (summary.area.total() > 0 && table.cells[s] > 0)
-      curve.label += "  " + number(100.0 * double(table.cells[s]) / double(summary.area.total()), "%.1f") + " %";
+      curve.label += line("  %.1f %%", 100.0 * double(table.cells[s]) / double(summary.area.total()));
     const SoilResponse& response = table.responses[s];
     for (double slope = 0; slope <= response.sampled_slope().maximum; slope += 1 / kSlopeSteps) {
       curve.slope_deg.push_back(slope);

@@ -7,10 +7,7 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/units.h"
-#include "base/version.h"
 #include "pipeline/campaign/study/contract.h"
-#include "pipeline/map/page/page.h"
-#include "pipeline/map/write/make_map.h"
 #include "terrain/raster/grid.h"
 
 namespace gonogo::map {
@@ -96,13 +93,6 @@ Json measure_json(const SlopeMeasure& m) {
                       {"across2", m.across2}, {"lowest", m.lowest}, {"highest", m.highest}};
 }
 
-double p_slow(const Prospect& prospect) {
-  double sum = 0;
-  for (std::size_t o = 0; o < prospect.outcome.size(); ++o)
-    if (campaign::contract().outcomes[o].verdict == campaign::Verdict::slow_go) sum += prospect.outcome[o];
-  return sum;
-}
-
 /// One array for each no-go reason that ever matters: [entries] from `outcome_at`.
 template <class OutcomeAt>
 void add_reasons(const std::string& table, int index, std::size_t count, std::size_t width, OutcomeAt outcome_at,
@@ -131,7 +121,7 @@ void add_heading_blobs(const SoilResponse& response, int index, std::vector<Blob
   Blob speed{"heading_speed_" + std::to_string(index), 16, width, {}};
   for (std::size_t i = 0; i < count; ++i) {
     go.value.push_back(stored(node(i).p_go));
-    slow.value.push_back(stored(std::isnan(node(i).p_go) ? NAN : p_slow(node(i).prospect)));
+    slow.value.push_back(stored(std::isnan(node(i).p_go) ? NAN : node(i).prospect.of(campaign::Verdict::slow_go)));
     if (response.has_speed())
       speed.value.push_back(stored_speed(response.heading_speed(int(i / width), int(i % width))));
   }
@@ -167,9 +157,7 @@ Json page_soil(const MapRequest& request, const Soil& soil, const SoilResponse& 
   json["measures"] = measures;
   for (const campaign::Outcome& outcome : campaign::contract().outcomes) {
     if (outcome.verdict != campaign::Verdict::no_go) continue;
-    Json entry = Json::object();
-    entry["reason"] = campaign::contract().info(outcome.reason).name;
-    outcomes.push_back(entry);
+    outcomes.push_back(Json::Object{{"reason", campaign::contract().info(outcome.reason).name}});
   }
   json["no_go_outcomes"] = outcomes;
   return json;
@@ -199,10 +187,7 @@ Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, 
       blob.value[k * nodes + std::size_t(node)] = stored(p_go[k * skip]);
   }
   if (kept > 0) blobs.push_back(std::move(blob));
-  Json json = Json::object(), rows = Json::array();
-  json["stride"] = stride;
-  json["along"] = along;
-  json["across"] = across;
+  Json rows = Json::array();
   for (std::size_t k = 0; k < kept; ++k) {
     Json row = Json::array();
     const auto x = points.sampled().subspan(k * skip * model.sampled.size(), model.sampled.size());
@@ -213,8 +198,7 @@ Json add_passage_table(const OutcomeModel& model, const SoilResponse& response, 
     }
     rows.push_back(row);
   }
-  json["points"] = rows;
-  return json;
+  return Json::Object{{"stride", stride}, {"along", along}, {"across", across}, {"points", rows}};
 }
 
 /// Appends the tables as blobs whose names end with `index`. P(go) is in steps of 1/65534 (65535: none). The
@@ -309,18 +293,15 @@ Json degrees_json(const terrain::MapGrid& grid) {
   if (!globe.place) return Json();
   const auto nodes = terrain::degree_nodes(grid, *globe.place, most);
   if (!nodes) return Json();
-  Json json = Json::object();
-  const auto list = [](const std::vector<double>& values) {
-    Json array = Json::array();
-    for (const double v : values) array.push_back(Json(std::round(v * 1e7) / 1e7));
-    return array;
+  const auto list = [](std::vector<double> values) {
+    for (double& v : values) v = std::round(v * 1e7) / 1e7;
+    return values;
   };
-  json["wgs84"] = globe.place->is_wgs84;
-  json["columns"] = nodes->columns;
-  json["rows"] = nodes->rows;
-  json["longitude"] = list(nodes->longitude);
-  json["latitude"] = list(nodes->latitude);
-  return json;
+  return Json::Object{{"wgs84", globe.place->is_wgs84},
+                      {"columns", nodes->columns},
+                      {"rows", nodes->rows},
+                      {"longitude", list(nodes->longitude)},
+                      {"latitude", list(nodes->latitude)}};
 }
 
 Json verdicts_json() {
@@ -355,11 +336,7 @@ Json land_json(const Region& region) {
   return list;
 }
 
-Json texts(const std::vector<std::string>& lines) { return Json(lines); }
-
-Json note(const std::string& title, const std::vector<std::string>& lines) {
-  return Json::Array{Json(title), texts(lines)};
-}
+Json note(const std::string& title, const std::vector<std::string>& lines) { return Json::Array{title, lines}; }
 
 /// "0.0665", "452 J/m", "2113 J/m": three digits, never in exponent form.
 std::string quantity(double x, const std::string& unit) {
@@ -425,17 +402,16 @@ Json notes_json(const MapRequest& request, const MapSummary& summary, const Page
 Json provenance_json(const MapRequest& request, const terrain::MapGrid& grid, const Metadata& metadata) {
   Json list = Json::array();
   const auto add = [&list](const std::string& name, const std::string& value) {
-    list.push_back(Json::Array{Json(name), Json(value)});
+    list.push_back(Json::Array{name, value});
   };
-  add("Elevation", request.region.elevation.source + " (" + request.region.elevation.licence + ")");
-  if (request.region.soil_class)
-    add("Soil", request.region.soil_class->source + " (" + request.region.soil_class->licence + ")");
-  if (request.region.land_cover)
-    add("Land cover", request.region.land_cover->source + " (" + request.region.land_cover->licence + ")");
-  if (request.region.moisture)
-    add("Moisture", request.region.moisture->source + " (" + request.region.moisture->licence + ")");
-  if (request.region.cone_index)
-    add("Cone index", request.region.cone_index->source + " (" + request.region.cone_index->licence + ")");
+  const auto add_raster = [&](const char* name, const RegionRaster& raster) {
+    add(name, raster.source + " (" + raster.licence + ")");
+  };
+  add_raster("Elevation", request.region.elevation);
+  if (request.region.soil_class) add_raster("Soil", *request.region.soil_class);
+  if (request.region.land_cover) add_raster("Land cover", *request.region.land_cover);
+  if (request.region.moisture) add_raster("Moisture", *request.region.moisture);
+  if (request.region.cone_index) add_raster("Cone index", *request.region.cone_index);
   if (!request.rules.moisture.empty()) add("Scenario", request.rules.moisture);
   add("Coordinates", grid.crs_code.empty() ? grid.crs_name : grid.crs_name + ", " + grid.crs_code);
   for (const auto& [key, value] : metadata)
@@ -468,20 +444,14 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
                     const std::filesystem::path& path) {
   const Heights heights = heights_of(cells);
   std::vector<Blob> blobs = cell_blobs(cells, heights);
-  Json meta = Json::object(), reduced = Json::object(), height = Json::object(), soils = Json::array();
+  Json meta, soils = Json::array();
   meta["title"] = map_title(request);
   meta["subtitle"] = "Go/NoGo map of " + request.region.name + "; " + request.rules.fidelity;
   meta["about"] = request.region.about.empty() ? request.region.name : request.region.about;
   meta["grid"] = grid_json(grid);
   meta["degrees"] = degrees_json(grid);
-  reduced["columns"] = cells.columns;
-  reduced["rows"] = cells.rows;
-  reduced["step"] = cells.step;
-  meta["cells"] = reduced;
-  height["lowest"] = heights.lowest;
-  height["highest"] = heights.highest;
-  height["step"] = heights.step;
-  meta["height"] = height;
+  meta["cells"] = Json::Object{{"columns", cells.columns}, {"rows", cells.rows}, {"step", cells.step}};
+  meta["height"] = Json::Object{{"lowest", heights.lowest}, {"highest", heights.highest}, {"step", heights.step}};
   meta["rules"] = rules_json(request.rules);
   meta["height_error"] = request.region.elevation.error * std::sqrt(1 - request.region.elevation.error_correlation);
   meta["slope_steps"] = kSlopeSteps;
@@ -500,8 +470,8 @@ void write_map_page(const MapRequest& request, const terrain::MapGrid& grid, con
   meta["max_sinkage"] = largest(request, "sinkage", 0.1);
   meta["energy_of"] = request.model.whole_vehicle ? "Energy at the wheels" : "Energy of one wheel";
   meta["not_modelled"] =
-      texts({request.region.land_cover ? "obstacles and what other vehicles did to the ground"
-                                       : "vegetation, water, obstacles and what other vehicles did to the ground"});
+      Json::Array{request.region.land_cover ? "obstacles and what other vehicles did to the ground"
+                                            : "vegetation, water, obstacles and what other vehicles did to the ground"};
   meta["land"] = land_json(request.region);
   meta["map_heading"] = heading_text(request.rules);
   meta["notes"] = notes_json(request, summary, cells);

@@ -2,10 +2,8 @@
 
 #include <omp.h>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstring>
-#include <map>
 
 #include "base/error.h"
 #include "base/parallel/for_each.h"

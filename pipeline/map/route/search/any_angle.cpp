@@ -7,7 +7,6 @@
 
 #include "base/progress.h"
 #include "base/units.h"
-#include "pipeline/map/route/search/search.h"
 
 namespace gonogo::map {
 

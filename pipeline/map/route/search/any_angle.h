@@ -43,6 +43,11 @@ bool walk_line(int columns, std::uint32_t from, std::uint32_t to, Enter enter, C
   }
   return enter(std::uint32_t(cell), begin, 1.0);
 }
+/// Past all corners.
+template <class Enter>
+bool walk_line(int columns, std::uint32_t from, std::uint32_t to, Enter enter) {
+  return walk_line(columns, from, to, enter, [](std::uint32_t, std::uint32_t) { return true; });
+}
 
 /// Direction of so many columns to the east and rows to the south [deg clockwise from grid north], whole, [0, 360).
 int heading_of(const RouteCells& cells, int columns, int rows);

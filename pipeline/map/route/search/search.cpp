@@ -3,8 +3,6 @@
 
 #include "pipeline/map/route/search/search.h"
 
-#include <algorithm>
-#include <bit>
 #include <boost/graph/breadth_first_search.hpp>
 #include <boost/graph/graph_traits.hpp>
 #include <boost/graph/two_bit_color_map.hpp>
@@ -14,7 +12,6 @@
 #include <utility>
 
 #include "base/progress.h"
-#include "pipeline/map/route/search/cost.h"
 
 namespace gonogo::map {
 
