@@ -70,10 +70,7 @@ Members plan_route(map::RouteRequest request, const map::MapFiles& files) {
 
 Members compare_maps(const std::string& first, const std::string& second, const std::string& out) {
   return members_of(long_call([&] {
-    map::CompareRequest request;
-    request.first = first;
-    request.second = second;
-    request.out = out;
+    map::CompareRequest request{.first = first, .second = second, .out = out};
     return map::compare_json(map::compare_maps(request));
   }));
 }

@@ -114,10 +114,7 @@ outcome::Decoding decoding_named(const std::string& name) {
 }
 
 outcome::DecodeSettings decode_settings(const std::string& decoding, double min_reads, double min_share) {
-  outcome::DecodeSettings settings;
-  settings.decoding = decoding_named(decoding);
-  settings.limits = {min_reads, min_share};
-  return settings;
+  return {.decoding = decoding_named(decoding), .limits = {min_reads, min_share}};
 }
 
 /// The summary, and a list for every column of the rows.

@@ -33,18 +33,13 @@ sim::SceneWorld make_world(const Numbers& size, const Numbers& origin, const Num
 void set_law(sim::SceneWorld& world, int a, int b, double friction, double rolling_friction, double cohesion_pressure) {
   if (a < 0 || b < 0 || a >= sim::kMaxMaterials || b >= sim::kMaxMaterials)
     throw InputError("set_law: materials are 0 to " + std::to_string(sim::kMaxMaterials - 1));
-  sim::PairLaw law;
-  law.friction = Real(friction);
-  law.rolling_friction = Real(rolling_friction);
-  law.cohesion_pressure = Real(cohesion_pressure);
-  world.set_law(a, b, law);
+  world.set_law(a, b, {Real(friction), Real(rolling_friction), Real(cohesion_pressure)});
 }
 
 sim::BodyIndex add_floor(sim::SceneWorld& world, double height, int material) {
   const Vec3d& o = world.origin;
-  sim::BodyState state;
-  state.position = {o.x + world.size.x / 2, o.y + world.size.y / 2, height};
-  const sim::BodyIndex body = world.add_body(state, sim::fixed_body());
+  const Vec3d middle{o.x + world.size.x / 2, o.y + world.size.y / 2, height};
+  const sim::BodyIndex body = world.add_body({middle, {}, {}, {}}, sim::fixed_body());
   sim::Shape plane;
   plane.type = sim::ShapeType::plane;
   plane.body = body;
@@ -57,9 +52,8 @@ sim::BodyIndex add_box(sim::SceneWorld& world, const Numbers& position, const Nu
                        int material) {
   const double mass = density * 8 * half[0] * half[1] * half[2];
   const auto moment = [&](int a, int b) { return Real(mass / 3 * (half[a] * half[a] + half[b] * half[b])); };
-  sim::BodyState state;
-  state.position = vec3d(position);
-  const sim::BodyIndex body = world.add_body(state, sim::solid(Real(mass), {moment(1, 2), moment(0, 2), moment(0, 1)}));
+  const sim::BodyIndex body =
+      world.add_body({vec3d(position), {}, {}, {}}, sim::solid(Real(mass), {moment(1, 2), moment(0, 2), moment(0, 1)}));
   sim::Shape box;
   box.type = sim::ShapeType::box;
   box.body = body;
@@ -71,21 +65,14 @@ sim::BodyIndex add_box(sim::SceneWorld& world, const Numbers& position, const Nu
 
 terrain::Packing settle(double length, double width, double depth, double grain_diameter, std::uint64_t seed,
                         int threads) {
-  terrain::BedSpec spec;
-  spec.length = length;
-  spec.width = width;
-  spec.depth = depth;
-  spec.grain_diameter = grain_diameter;
-  spec.seed = seed;
+  terrain::BedSpec spec{
+      .length = length, .width = width, .depth = depth, .grain_diameter = grain_diameter, .seed = seed};
   return long_call([&] { return terrain::settle_packing(spec, threads); });
 }
 
 sim::SceneWorld world_of(const terrain::Packing& packing, double friction, double rolling_friction,
                          double cohesion_pressure, double headroom) {
-  sim::PairLaw law;
-  law.friction = Real(friction);
-  law.rolling_friction = Real(rolling_friction);
-  law.cohesion_pressure = Real(cohesion_pressure);
+  const sim::PairLaw law{Real(friction), Real(rolling_friction), Real(cohesion_pressure)};
   return terrain::bed_world(packing, {law, law}, headroom);
 }
 
