@@ -1,12 +1,12 @@
 #include "base/files/file.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "base/error.h"
 
@@ -86,34 +86,53 @@ void write_file_atomically(const fs::path& path, std::string_view content) {
 
 namespace {
 
-/// The locked file, or -1 when another process holds it.
-int locked(const std::filesystem::path& folder) {
-  create_folder(folder);
-  const std::filesystem::path file = folder / ".lock";
-  const int fd = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (fd < 0)
-    throw DeviceError(folder.string() + ": cannot write there: " + std::strerror(errno) +
-                      "; choose another folder or fix its permissions");
-  if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return fd;
-  const int error = errno;
-  ::close(fd);
-  if (error == EWOULDBLOCK) return -1;
-  throw DeviceError(file.string() + ": cannot be locked: " + std::strerror(error));
+struct flock whole_file(short type) {
+  struct flock lock {};
+  lock.l_type = type;
+  lock.l_whence = SEEK_SET;
+  return lock;
 }
 
 }  // namespace
 
-FolderLock::FolderLock(const std::filesystem::path& folder) : fd_(locked(folder)) {
-  if (fd_ < 0)
-    throw InputError(folder.string() + ": another run is using this folder; wait for it or choose another folder");
+FileLock::~FileLock() {
+  if (fd_ >= 0) ::close(fd_);
 }
 
-std::unique_ptr<FolderLock> FolderLock::if_free(const std::filesystem::path& folder) {
-  const int fd = locked(folder);
-  return fd < 0 ? nullptr : std::unique_ptr<FolderLock>(new FolderLock(Opened{fd}));
+FileLock::FileLock(FileLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+
+std::optional<FileLock> FileLock::take(const fs::path& path, Kind kind) {
+  FileLock result;
+  result.fd_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (result.fd_ < 0)
+    throw InputError(path.parent_path().string() + ": cannot write here (" + reason() +
+                     "); fix its permissions or choose another folder");
+  struct flock lock = whole_file(kind == Kind::exclusive ? F_WRLCK : F_RDLCK);
+  if (::fcntl(result.fd_, F_OFD_SETLK, &lock) == 0) return result;
+  if (errno == EAGAIN || errno == EACCES) return std::nullopt;
+  throw DeviceError(path.string() + ": this filesystem has no locks (" + reason() +
+                    "), and two runs could mix; choose a folder on another one");
 }
 
-FolderLock::~FolderLock() { ::close(fd_); }
+std::optional<FileLock::Kind> FileLock::held(const fs::path& path) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) return std::nullopt;
+  struct flock lock = whole_file(F_WRLCK);
+  const bool known = ::fcntl(fd, F_OFD_GETLK, &lock) == 0;
+  ::close(fd);
+  if (!known || lock.l_type == F_UNLCK) return std::nullopt;
+  return lock.l_type == F_RDLCK ? Kind::shared : Kind::exclusive;
+}
+
+std::optional<FileLock> lock_folder_if_free(const fs::path& folder) {
+  create_folder(folder);
+  return FileLock::take(folder / ".lock", FileLock::Kind::exclusive);
+}
+
+FileLock lock_folder(const fs::path& folder) {
+  if (std::optional<FileLock> lock = lock_folder_if_free(folder)) return std::move(*lock);
+  throw InputError(folder.string() + ": another run is using this folder; wait for it or choose another folder");
+}
 
 }  // namespace gonogo
 

@@ -1,8 +1,8 @@
-// Files that are either whole or absent (write beside, fsync, rename), locks of folders, and hashes of content.
+// Files that are either whole or absent (write beside, fsync, rename), locks, and hashes of content.
 #pragma once
 #include <filesystem>
 #include <functional>
-#include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -23,25 +23,31 @@ void replace_file_atomically(const std::filesystem::path& path,
 /// Creates the folder and its parents. Throws InputError when that is not permitted or a file has the name.
 void create_folder(const std::filesystem::path& folder);
 
-/// One process at a time in a folder: holds <folder>/.lock while the object lives. The system frees it when the process
-/// ends, also after a crash. Creates the folder. Throws InputError when another process holds the lock, DeviceError
-/// when it cannot be taken.
-class FolderLock {
+/// A lock on a file, between processes and between the machines of a shared filesystem. Open file description locks
+/// (fcntl): released by the system when the process ends, passed on by NFS and Lustre.
+class FileLock {
  public:
-  explicit FolderLock(const std::filesystem::path& folder);
-  ~FolderLock();
-  /// Nothing when another process holds the lock.
-  static std::unique_ptr<FolderLock> if_free(const std::filesystem::path& folder);
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
+  enum class Kind { shared, exclusive };
+
+  FileLock() = default;
+  ~FileLock();
+  FileLock(FileLock&& other) noexcept;
+  FileLock& operator=(FileLock&&) = delete;
+
+  /// Creates the file. Empty when another holds a lock that excludes this one. Throws InputError when the file cannot
+  /// be written, DeviceError when its filesystem has no locks.
+  static std::optional<FileLock> take(const std::filesystem::path& path, Kind kind);
+  /// The lock that another process holds, if any. Takes none itself.
+  static std::optional<Kind> held(const std::filesystem::path& path);
 
  private:
-  struct Opened {
-    int fd;
-  };
-  explicit FolderLock(Opened file) : fd_(file.fd) {}
-  int fd_;
+  int fd_ = -1;
 };
+
+/// One process at a time in a folder, which is made: locks <folder>/.lock. Empty when another process holds it.
+std::optional<FileLock> lock_folder_if_free(const std::filesystem::path& folder);
+/// The same; throws InputError when another process holds it.
+FileLock lock_folder(const std::filesystem::path& folder);
 
 /// Content hash for caches and provenance (XXH3-128: fast, collision-free in practice, not cryptographic): 32
 /// hexadecimal digits.

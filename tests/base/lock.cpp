@@ -16,7 +16,7 @@ namespace {
 /// How a second process fares with the folder: 0 it got the lock, 1 it was told that another holds it.
 int second_process(const std::filesystem::path& folder) {
   const pid_t child = ::fork();
-  if (child == 0) ::_exit(contains(input_error([&] { FolderLock lock(folder); }), "another run is using") ? 1 : 0);
+  if (child == 0) ::_exit(contains(input_error([&] { lock_folder(folder); }), "another run is using") ? 1 : 0);
   int status = 0;
   ::waitpid(child, &status, 0);
   return WEXITSTATUS(status);
@@ -25,13 +25,13 @@ int second_process(const std::filesystem::path& folder) {
 TEST_CASE("a folder belongs to one process until that process lets go") {
   const TemporaryFolder folder;
   {
-    const FolderLock lock(folder / "out");
+    const FileLock lock = lock_folder(folder / "out");
     CHECK(second_process(folder / "out") == 1);
-    CHECK(FolderLock::if_free(folder / "out") == nullptr);
+    CHECK(!lock_folder_if_free(folder / "out").has_value());
   }
   CHECK(second_process(folder / "out") == 0);
-  const auto held = FolderLock::if_free(folder / "out");
-  CHECK(held != nullptr);
+  const auto held = lock_folder_if_free(folder / "out");
+  CHECK(held.has_value());
   CHECK(second_process(folder / "out") == 1);
 }
 
@@ -41,7 +41,7 @@ TEST_CASE("a killed process leaves no lock behind") {
   REQUIRE(::pipe(ready) == 0);
   const pid_t child = ::fork();
   if (child == 0) {
-    const FolderLock lock(folder.path());
+    const FileLock lock = lock_folder(folder.path());
     if (::write(ready[1], "x", 1) != 1) ::_exit(1);
     for (;;) ::pause();
   }
@@ -55,8 +55,8 @@ TEST_CASE("a killed process leaves no lock behind") {
 
 TEST_CASE("a file in the way of the folder is reported") {
   const TemporaryFolder folder;
-  { const FolderLock lock(folder.path()); }
-  CHECK(contains(input_error([&] { FolderLock lock(folder / ".lock"); }), "cannot create this folder"));
+  { const FileLock lock = lock_folder(folder.path()); }
+  CHECK(contains(input_error([&] { lock_folder(folder / ".lock"); }), "cannot create this folder"));
 }
 
 }  // namespace

@@ -252,7 +252,7 @@ std::string to_text(const RunSummary& summary) {
 /// call continues.
 void run_study(const Globals& globals, const RunRequest& request) {
   const RunPlan plan = plan_run(request, globals.threads);
-  const FolderLock lock(plan.out);
+  const FileLock lock = lock_folder(plan.out);
   std::vector<std::string> done;
   const auto run = [&](const Stage& stage) {
     if (run_stage(plan.out, stage)) done.push_back(stage.name);

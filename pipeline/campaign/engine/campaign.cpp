@@ -47,38 +47,18 @@ constexpr int kMaxKills = 5;    // of such workers, from outside
 constexpr int kPollMilliseconds = 200;
 constexpr double kShortTrial = 1;  // [s] of a worker
 
-/// Makes the folder where workers save trials, or removes what a coordinator that is `alone` finds there of trials that
-/// are done.
-void prepare_running_folder(const CampaignRequest& request, const std::vector<const DesignPoint*>& todo, bool alone) {
-  const fs::path running = running_folder(request.folder);
-  std::set<fs::path> wanted;
-  for (const DesignPoint* point : todo) wanted.insert(saved_trial_path(running, point->index));
-  if (request.checkpoint_every > 0) create_folder(running);
-  std::error_code ignored;
-  std::size_t saved = 0;
-  for (const auto& entry : fs::directory_iterator(running, ignored)) {
-    if (wanted.count(entry.path()))
-      ++saved;
-    else if (alone && entry.path().extension() == ".h5")
-      fs::remove(entry.path(), ignored);
-  }
-  if (saved > 0) log_line("campaign", "trials that go on from where they were saved: " + std::to_string(saved));
-}
-
-std::vector<std::string> worker_command(const CampaignRequest& request, std::size_t slot) {
-  std::vector<std::string> words = request.worker_command;
-  if (request.checkpoint_every > 0) {
-    words.insert(words.end(), {"--checkpoints", running_folder(request.folder).string()});
-    words.insert(words.end(), {"--checkpoint-every", std::to_string(request.checkpoint_every)});
-  }
-  if (request.gpus > 0) words.insert(words.end(), {"--gpu", std::to_string(slot % std::size_t(request.gpus))});
-  return words;
-}
-
 std::unique_ptr<Crew> make_crew(const CampaignRequest& request, std::size_t todo) {
   if (request.crew) return request.crew(todo);
   const std::size_t workers = std::size_t(std::max(1, threads_or_all(request.workers)));
-  return process_crew(std::min(workers, todo), [&request](std::size_t slot) { return worker_command(request, slot); });
+  return process_crew(std::min(workers, todo), [&request](std::size_t slot) {
+    std::vector<std::string> words = request.worker_command;
+    if (request.checkpoint_every > 0) {
+      words.insert(words.end(), {"--checkpoints", running_folder(request.folder).string()});
+      words.insert(words.end(), {"--checkpoint-every", std::to_string(request.checkpoint_every)});
+    }
+    if (request.gpus > 0) words.insert(words.end(), {"--gpu", std::to_string(slot % std::size_t(request.gpus))});
+    return words;
+  });
 }
 
 struct Deaths {
@@ -254,21 +234,33 @@ class Coordinator {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
+/// Returns how many workers died. A coordinator that is `alone` removes what workers saved of trials that are done.
 std::size_t compute_missing(const CampaignRequest& request, Ledger& ledger, const fs::path& journal, std::size_t trials,
                             bool alone) {
   const std::vector<const DesignPoint*> todo = ledger.missing();
   if (todo.empty()) return 0;
-  prepare_running_folder(request, todo, alone);
+  const fs::path running = running_folder(request.folder);
+  std::set<fs::path> wanted;
+  for (const DesignPoint* point : todo) wanted.insert(saved_trial_path(running, point->index));
+  std::error_code ignored;
+  std::size_t saved = 0;
+  for (const auto& entry : fs::directory_iterator(running, ignored)) {
+    if (wanted.count(entry.path()))
+      ++saved;
+    else if (alone && entry.path().extension() == ".h5")
+      fs::remove(entry.path(), ignored);
+  }
+  if (saved > 0) log_line("campaign", "trials that go on from where they were saved: " + std::to_string(saved));
   return Coordinator(request, ledger, todo, journal, trials).run();
 }
 
 CampaignSummary finish(const CampaignRequest& request, const Ledger& ledger, std::size_t reused, std::size_t deaths) {
+  CampaignSummary summary = summary_of(ledger, reused, deaths);
+  summary.dataset = dataset_path(request.folder);
   ledger.gather_journals();
   std::error_code not_empty;  // a file that was set aside stays
   fs::remove(running_folder(request.folder), not_empty);
   ledger.write_dataset();
-  CampaignSummary summary = summary_of(ledger, reused, deaths);
-  summary.dataset = dataset_path(request.folder);
   return summary;
 }
 
@@ -372,36 +364,23 @@ CampaignStatus campaign_status(const fs::path& folder) {
   return status;
 }
 
-namespace {
-
-struct Finished {
-  RecordsByIndex records;
-  std::optional<Provenance> provenance;  // of a committed shard
-};
-
-Finished committed(const fs::path& folder) {
-  Finished finished;
+Dataset campaign_snapshot(const fs::path& folder) {
   const ShardPlan plan = read_claim(folder);
+  RecordsByIndex finished;
+  std::optional<Provenance> provenance;  // of a committed shard
   for (std::uint64_t shard = 0; shard < plan.count(); ++shard) {
     const std::optional<ShardManifest> manifest = read_manifest(folder, shard);
     if (!manifest) continue;
     std::vector<TrialRecord> records = read_shard(folder, shard, manifest->campaign).value();
-    for (TrialRecord& record : records) finished.records.emplace(record.point.index, std::move(record));
-    if (!finished.provenance) finished.provenance = read_dataset(shard_folder(folder) / manifest->file).provenance;
+    for (TrialRecord& record : records) finished.emplace(record.point.index, std::move(record));
+    if (!provenance) provenance = read_dataset(shard_folder(folder) / manifest->file).provenance;
   }
-  return finished;
-}
-
-}  // namespace
-
-Dataset campaign_snapshot(const fs::path& folder) {
-  Finished finished = committed(folder);
-  if (!finished.provenance)
+  if (!provenance)
     throw InputError(folder.string() + ": no shard is committed yet; wait until the first " +
-                     std::to_string(read_claim(folder).per_shard) + " trials are done");
-  for (const fs::path& journal : journals_of(folder)) finished.records.merge(read_journal(journal).records);
-  Dataset dataset{.records = {}, .provenance = *finished.provenance};
-  for (auto& [index, record] : finished.records) {
+                     std::to_string(plan.per_shard) + " trials are done");
+  for (const fs::path& journal : journals_of(folder)) finished.merge(read_journal(journal).records);
+  Dataset dataset{.records = {}, .provenance = *std::move(provenance)};
+  for (auto& [index, record] : finished) {
     if (index != dataset.records.size()) break;
     dataset.records.push_back(std::move(record));
   }

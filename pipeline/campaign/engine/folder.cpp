@@ -1,11 +1,6 @@
 #include "pipeline/campaign/engine/folder.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <fstream>
 #include <utility>
 
@@ -15,46 +10,6 @@
 
 namespace gonogo::campaign {
 namespace fs = std::filesystem;
-namespace {
-
-struct flock whole_file(short type) {
-  struct flock lock {};
-  lock.l_type = type;
-  lock.l_whence = SEEK_SET;
-  return lock;
-}
-
-}  // namespace
-
-FileLock::~FileLock() {
-  if (fd_ >= 0) ::close(fd_);
-}
-
-FileLock::FileLock(FileLock&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
-
-std::optional<FileLock> FileLock::take(const std::filesystem::path& path, Kind kind) {
-  FileLock result;
-  result.fd_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (result.fd_ < 0)
-    throw InputError(path.parent_path().string() + ": cannot write here (" + std::strerror(errno) +
-                     "); fix its permissions or choose another folder");
-  struct flock lock = whole_file(kind == Kind::exclusive ? F_WRLCK : F_RDLCK);
-  if (::fcntl(result.fd_, F_OFD_SETLK, &lock) == 0) return result;
-  if (errno == EAGAIN || errno == EACCES) return std::nullopt;
-  throw DeviceError(path.string() + ": this filesystem has no locks (" + std::strerror(errno) +
-                    "), and two campaigns could mix; choose a folder on another one");
-}
-
-std::optional<FileLock::Kind> FileLock::held(const std::filesystem::path& path) {
-  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return std::nullopt;
-  struct flock lock = whole_file(F_WRLCK);
-  const bool known = ::fcntl(fd, F_OFD_GETLK, &lock) == 0;
-  ::close(fd);
-  if (!known || lock.l_type == F_UNLCK) return std::nullopt;
-  return lock.l_type == F_RDLCK ? Kind::shared : Kind::exclusive;
-}
-
 namespace {
 
 constexpr std::chrono::seconds kPaceInterval(2);
@@ -70,59 +25,65 @@ std::string shown(const std::string& value) {
   return value.size() <= kMaxShown ? value : value.substr(0, kMaxShown) + "...";
 }
 
-const Json* find_text(const Json& object, const std::string& name) {
-  const Json* value = object.find(name);
-  return value && value->is_string() ? value : nullptr;
+/// What campaign.json says.
+struct Claim {
+  ShardPlan plan;
+  Dependencies depends_on;
+};
+
+/// Empty where the folder holds no campaign.
+std::optional<Claim> find_claim(const fs::path& folder) {
+  std::error_code ec;
+  if (!fs::exists(claim_path(folder), ec)) return std::nullopt;
+  const Json file = Json::read(claim_path(folder));
+  const Json* format = file.find("format");
+  if (!format || !format->is_string() || format->string() != kCampaignFormat || !file.find("trials") ||
+      !file.find("trials_per_shard") || !file.find("depends_on"))
+    throw InputError(claim_path(folder).string() + ": is no campaign of the format " + kCampaignFormat +
+                     "; choose another folder");
+  Claim claim{{file.at("trials").unsigned_integer(), file.at("trials_per_shard").unsigned_integer()}, {}};
+  for (const auto& [name, value] : file.at("depends_on").members())
+    claim.depends_on.emplace_back(name, value.is_string() ? value.string() : value.dump());
+  return claim;
 }
 
-/// One phrase per dependency that was added, removed or changed.
-std::vector<std::string> differences(const Json& before, const Dependencies& now) {
+Claim read_whole_claim(const fs::path& folder) {
+  if (std::optional<Claim> claim = find_claim(folder)) return std::move(*claim);
+  throw InputError(folder.string() + ": holds no campaign; give the folder of gonogo campaign run --out");
+}
+
+void write_claim(const fs::path& folder, const Claim& claim) {
+  Json file = Json::object();
+  file["format"] = kCampaignFormat;
+  file["trials"] = claim.plan.trials;
+  file["trials_per_shard"] = claim.plan.per_shard;
+  Json& entries = file["depends_on"];
+  entries = Json::object();
+  for (const auto& [name, value] : claim.depends_on) entries[name] = value;
+  write_file_atomically(claim_path(folder), file.dump(2) + "\n");
+}
+
+/// Throws InputError with a phrase for each dependency that was added, changed or removed.
+void require_same(const fs::path& folder, const Dependencies& before, const Dependencies& now) {
+  const auto find = [](const Dependencies& all, const std::string& name) {
+    return std::find_if(all.begin(), all.end(), [&](const auto& entry) { return entry.first == name; });
+  };
   std::vector<std::string> phrases;
   for (const auto& [name, value] : now) {
-    const Json* old = find_text(before, name);
-    if (!old) phrases.push_back(name + " is new (" + shown(value) + ")");
-    if (old && old->string() != value)
-      phrases.push_back(name + " was " + shown(old->string()) + ", is " + shown(value));
+    const auto old = find(before, name);
+    if (old == before.end())
+      phrases.emplace_back(name + " is new (" + shown(value) + ")");
+    else if (old->second != value)
+      phrases.emplace_back(name + " was " + shown(old->second) + ", is " + shown(value));
   }
-  for (const auto& [name, value] : before.members())
-    if (std::none_of(now.begin(), now.end(), [&name = name](const auto& entry) { return entry.first == name; }))
-      phrases.push_back(name + " is gone (was " + shown(value.is_string() ? value.string() : value.dump()) + ")");
-  return phrases;
-}
-
-void require_same(const fs::path& folder, const Json& before, const Dependencies& now) {
-  const std::vector<std::string> phrases = differences(before, now);
+  for (const auto& [name, value] : before)
+    if (find(now, name) == now.end()) phrases.emplace_back(name + " is gone (was " + shown(value) + ")");
   if (phrases.empty()) return;
   std::string text;
   for (std::size_t i = 0; i < std::min(phrases.size(), kMaxNamed); ++i) text += (i > 0 ? "; " : "") + phrases[i];
   if (phrases.size() > kMaxNamed) text += "; and " + std::to_string(phrases.size() - kMaxNamed) + " more";
   throw InputError(folder.string() + ": the trials here were computed with other inputs: " + text +
                    "; undo the change or choose another folder");
-}
-
-Json read_claim_file(const fs::path& folder) {
-  Json claim = Json::read(claim_path(folder));
-  const Json* format = find_text(claim, "format");
-  if (!format || format->string() != kCampaignFormat || !claim.find("trials") || !claim.find("trials_per_shard") ||
-      !claim.find("depends_on"))
-    throw InputError(claim_path(folder).string() + ": is no campaign of the format " + kCampaignFormat +
-                     "; choose another folder");
-  return claim;
-}
-
-ShardPlan plan_in(const Json& file) {
-  return {file.at("trials").unsigned_integer(), file.at("trials_per_shard").unsigned_integer()};
-}
-
-void write_claim(const fs::path& folder, const ShardPlan& plan, const Dependencies& depends_on) {
-  Json file = Json::object();
-  file["format"] = kCampaignFormat;
-  file["trials"] = plan.trials;
-  file["trials_per_shard"] = plan.per_shard;
-  Json& entries = file["depends_on"];
-  entries = Json::object();
-  for (const auto& [name, value] : depends_on) entries[name] = value;
-  write_file_atomically(claim_path(folder), file.dump(2) + "\n");
 }
 
 }  // namespace
@@ -136,7 +97,7 @@ std::vector<fs::path> journals_of(const fs::path& folder) {
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(folder / "trials", none))
     if (entry.path().extension() == ".csv" && entry.path().filename().string()[0] != '.')
-      journals.push_back(entry.path());
+      journals.emplace_back(entry.path());
   std::sort(journals.begin(), journals.end());
   return journals;
 }
@@ -152,41 +113,19 @@ FolderUse folder_use(const fs::path& folder) {
   return *held == FileLock::Kind::shared ? FolderUse::tasks : FolderUse::coordinator;
 }
 
-ShardPlan read_claim(const fs::path& folder) {
-  std::error_code ec;
-  if (!fs::exists(claim_path(folder), ec))
-    throw InputError(folder.string() + ": holds no campaign; give the folder of gonogo campaign run --out");
-  return plan_in(read_claim_file(folder));
-}
+ShardPlan read_claim(const fs::path& folder) { return read_whole_claim(folder).plan; }
 
 namespace {
 
-FileLock lock_folder(const fs::path& folder, FolderUse use) {
+FileLock lock_campaign(const fs::path& folder, FolderUse use) {
   create_folder(folder);
   const auto kind = use == FolderUse::coordinator ? FileLock::Kind::exclusive : FileLock::Kind::shared;
   if (std::optional<FileLock> lock = FileLock::take(lock_path(folder), kind)) return std::move(*lock);
-  const bool tasks = folder_use(folder) == FolderUse::tasks;
+  const bool tasks = FileLock::held(lock_path(folder)) == FileLock::Kind::shared;
   throw InputError(folder.string() + ": " +
                    (tasks ? "tasks of this campaign are at work (gonogo campaign status shows how far they are)"
                           : "another campaign is at work in this folder") +
                    "; wait for the end or choose another folder");
-}
-
-ShardPlan claim_folder(const fs::path& folder, const ShardPlan& wanted, const Dependencies& depends_on) {
-  std::error_code ec;
-  ShardPlan plan{wanted.trials, std::max<std::uint64_t>(1, wanted.per_shard)};
-  const bool exists = fs::exists(claim_path(folder), ec);
-  if (exists) {
-    const Json file = read_claim_file(folder);
-    require_same(folder, file.at("depends_on"), depends_on);
-    plan.per_shard = plan_in(file).per_shard;
-    if (plan_in(file).trials == wanted.trials) return plan;
-  }
-  if (!exists && (!journals_of(folder).empty() || fs::exists(folder / "shards", ec)))
-    throw InputError(folder.string() + ": holds trials but no campaign.json that says what they depend on; choose " +
-                     "another folder");
-  write_claim(folder, plan, depends_on);
-  return plan;
 }
 
 /// Removes files beside their targets, and speeds. Needs the coordinator's lock.
@@ -209,23 +148,31 @@ void remove_leftovers(const fs::path& folder) {
 }  // namespace
 
 HeldFolder hold_folder(const fs::path& folder, const ShardPlan& wanted, const Dependencies& depends_on) {
-  FileLock lock = lock_folder(folder, FolderUse::coordinator);
-  const ShardPlan plan = claim_folder(folder, wanted, depends_on);
+  FileLock lock = lock_campaign(folder, FolderUse::coordinator);
+  const std::optional<Claim> before = find_claim(folder);
+  std::error_code ec;
+  if (before)
+    require_same(folder, before->depends_on, depends_on);
+  else if (!journals_of(folder).empty() || fs::exists(folder / "shards", ec))
+    throw InputError(folder.string() + ": holds trials but no campaign.json that says what they depend on; choose " +
+                     "another folder");
+  const ShardPlan plan{wanted.trials, before ? before->plan.per_shard : std::max<std::uint64_t>(1, wanted.per_shard)};
+  if (!before || before->plan.trials != plan.trials) write_claim(folder, {plan, depends_on});
   remove_leftovers(folder);
   return {std::move(lock), plan};
 }
 
 HeldFolder hold_claimed_folder(const fs::path& folder, FolderUse use, std::uint64_t trials,
                                const Dependencies& depends_on) {
-  FileLock lock = lock_folder(folder, use);
-  const ShardPlan plan = read_claim(folder);
-  require_same(folder, read_claim_file(folder).at("depends_on"), depends_on);
-  if (plan.trials != trials)
-    throw InputError(folder.string() + ": this campaign has " + std::to_string(plan.trials) +
+  FileLock lock = lock_campaign(folder, use);
+  const Claim claim = read_whole_claim(folder);
+  require_same(folder, claim.depends_on, depends_on);
+  if (claim.plan.trials != trials)
+    throw InputError(folder.string() + ": this campaign has " + std::to_string(claim.plan.trials) +
                      " trials, the study's design has " + std::to_string(trials) +
                      "; the study changed since it was submitted: submit it again");
   if (use == FolderUse::coordinator) remove_leftovers(folder);
-  return {std::move(lock), plan};
+  return {std::move(lock), claim.plan};
 }
 
 PaceWriter::PaceWriter(const fs::path& folder, const std::string& writer)

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/files/file.h"
+
 namespace gonogo::campaign {
 
 /// Finished trials of shards that are not committed yet: of the coordinator, and of a task that computes one shard.
@@ -19,27 +21,6 @@ std::filesystem::path dataset_path(const std::filesystem::path& folder);
 std::filesystem::path running_folder(const std::filesystem::path& folder);
 /// Where a worker saves a trial that is under way.
 std::filesystem::path saved_trial_path(const std::filesystem::path& running, std::uint64_t index);
-
-/// A lock on a file, between processes and between the machines of a shared filesystem. Open file description locks
-/// (fcntl): released by the system when the process ends, passed on by NFS and Lustre.
-class FileLock {
- public:
-  enum class Kind { shared, exclusive };
-
-  FileLock() = default;
-  ~FileLock();
-  FileLock(FileLock&& other) noexcept;
-  FileLock& operator=(FileLock&&) = delete;
-
-  /// Creates the file. Empty when another holds a lock that excludes this one. Throws InputError when the file cannot
-  /// be written, DeviceError when its filesystem has no locks.
-  static std::optional<FileLock> take(const std::filesystem::path& path, Kind kind);
-  /// The lock that another process holds, if any. Takes none itself.
-  static std::optional<Kind> held(const std::filesystem::path& path);
-
- private:
-  int fd_ = -1;
-};
 
 /// Who works in a campaign's folder: one coordinator, or any number of tasks of a batch system.
 enum class FolderUse { none, tasks, coordinator };

@@ -74,6 +74,7 @@ void write_journal(const fs::path& path, const std::vector<TrialRecord>& records
 }
 
 Journal::Journal(const fs::path& path) : path_(path), last_flush_(std::chrono::steady_clock::now()) {
+  create_folder(path.parent_path());
   fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
   if (fd_ < 0) fail_to(path_, "write here", errno);
 }
@@ -257,7 +258,6 @@ Ledger::Ledger(const CampaignRequest& request, ShardPlan plan, std::vector<std::
 }
 
 Ledger recovered_ledger(const CampaignRequest& request, ShardPlan plan) {
-  create_folder(request.folder / "trials");
   std::vector<std::uint64_t> shards(plan.count());
   std::iota(shards.begin(), shards.end(), std::uint64_t(0));
   Ledger ledger(request, plan, std::move(shards));

@@ -54,7 +54,7 @@ void write_journal(const std::filesystem::path& path, const std::vector<TrialRec
 
 class Journal {
  public:
-  /// Opens for appending; throws DeviceError when that is not permitted.
+  /// Opens for appending, in a folder that it makes; throws DeviceError when that is not permitted.
   explicit Journal(const std::filesystem::path& path);
   ~Journal();
   Journal(const Journal&) = delete;

@@ -186,7 +186,7 @@ CurvePoint scored(const LearningCurveRequest& request, const Split& split, const
 bool score(const LearningCurveRequest& request, const Split& split, const Point& point, const std::string& key) {
   const fs::path file = place_of(request, point) / "scores.json";
   if (earlier_scores(file, key) || !can_begin(request, point, key)) return false;
-  const auto lock = FolderLock::if_free(file.parent_path());
+  const auto lock = lock_folder_if_free(file.parent_path());
   if (!lock || earlier_scores(file, key)) return false;
   const Json kept = Json::Object{{"key", key}, {"scores", point_json(scored(request, split, point, key))}};
   write_file_atomically(file, kept.dump(2) + "\n");

@@ -87,7 +87,7 @@ TEST_CASE("a learning curve scores each subset once, goes on where it was, and s
 
   {  // Another process trains this one: it is left to it.
     const fs::path taken = request.folder / "trials_40_subset_1";
-    const FolderLock other(taken);
+    const FileLock other = lock_folder(taken);
     const LearningCurve rest = learning_curve(request);
     CHECK(rest.key != curve.key);
     CHECK(rest.points.size() == 3);
