@@ -15,12 +15,6 @@
 namespace gonogo::campaign {
 namespace {
 
-void check_sizes(const TrialSetup& s, const DesignPoint& point) {
-  for (std::size_t v = 0; v < contract().variables.size(); ++v)
-    if (is_task_variable(contract().variables[v]) && point.variables[v] != 0 && !is_varied(s, v))
-      throw InputError(contract().variables[v].name + ": " + refusal_of_size(s, v));
-}
-
 /// Largest distance of the middles of a left and a right tyre [m].
 double track_of(const vehicle::Vehicle& v) {
   double track = 0;
@@ -156,8 +150,11 @@ TrialInputs inputs_of(const DesignPoint& point) {
 }
 
 TrialSetup setup_at(const TrialSetup& setup, const DesignPoint& point) {
-  check_sizes(setup, point);
+  for (std::size_t v = 0; v < contract().variables.size(); ++v)
+    if (is_task_variable(contract().variables[v]) && point.variables[v] != 0 && !is_varied(setup, v))
+      throw InputError(contract().variables[v].name + ": " + refusal_of_size(setup, v));
   TrialSetup own = setup;
+  own.inputs = inputs_of(point);
   if (own.task_varied.empty()) return own;
   for (const TaskNumber& n : own.task_varied) own.task_given.number[n.key] = point.variables[n.variable];
   own.task = make_task(own.task_given, "trial " + std::to_string(point.index) + ": trial.task");

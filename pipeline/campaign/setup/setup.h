@@ -29,6 +29,18 @@ struct Thresholds {
   double energy_error = 0.2;  // max unexplained energy gain over the energy exchanged, of a valid trial [-]
 };
 
+/// The numbers of a design point that every trial has.
+struct TrialInputs {
+  double slope_along = 0, slope_across = 0;  // uphill, left side higher [deg]
+  terrain::MacroscopicSoil soil;
+  double tyre_friction = 0;  // between tyres and grains [-]
+  double bed_depth = 0;      // [m]
+  double payload = 0;        // of the whole vehicle [kg]
+  double speed = 0;          // commanded [m/s]
+  std::uint64_t bed_seed = 0;
+};
+TrialInputs inputs_of(const DesignPoint& point);
+
 struct TrialSetup {
   std::string name;
   std::uint64_t seed = 0;
@@ -61,6 +73,7 @@ struct TrialSetup {
   std::shared_ptr<const TrialTask> task = default_task();
   TaskValues task_given;  // of a study, without these numbers
   std::vector<TaskNumber> task_varied;
+  TrialInputs inputs;  // of one trial's point, see setup_at()
 
   /// Weight that drawbar pulls are divided by, of the vehicle or quarter with its payload [N].
   double weight(double payload) const;
@@ -104,20 +117,8 @@ void fit_to_task(TrialSetup& s);
 /// Throws InputError when compliant tyres are asked of a vehicle whose file has no tyre stiffness.
 void check_tyres(const TrialSetup& s);
 
-/// The numbers of a design point that every trial has.
-struct TrialInputs {
-  double slope_along = 0, slope_across = 0;  // uphill, left side higher [deg]
-  terrain::MacroscopicSoil soil;
-  double tyre_friction = 0;  // between tyres and grains [-]
-  double bed_depth = 0;      // [m]
-  double payload = 0;        // of the whole vehicle [kg]
-  double speed = 0;          // commanded [m/s]
-  std::uint64_t bed_seed = 0;
-};
-TrialInputs inputs_of(const DesignPoint& point);
-
-/// The setup of the trial at a point: its task has the numbers that the point gives. Throws InputError for a point that
-/// sets a number that the task has not, or has already.
+/// The setup of the trial at a point: with its inputs, and its task with the numbers that the point gives. Throws
+/// InputError for a point that sets a number that the task has not, or has already.
 TrialSetup setup_at(const TrialSetup& setup, const DesignPoint& point);
 
 /// Min tyre width in grain diameters for a label that may be published (the scale rule).

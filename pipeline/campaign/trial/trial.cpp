@@ -80,10 +80,6 @@ void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points
     settle_on_host(missing, setup, threads);
 }
 
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point) {
-  return run_trial(setup, point, TrialWatch{});
-}
-
 TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
                       const TrialCheckpoint& checkpoint, const TrialDevice& device) {
   TrialBatch batch(setup, {device.backend, 1, device.threads});
@@ -117,11 +113,11 @@ int TrialBatch::second_attempts() const { return std::max(1, settings_.places / 
 TrialBatch::AttemptPlaces& TrialBatch::places_of(std::uint64_t attempt) {
   std::unique_ptr<AttemptPlaces>& own = places_[attempt - 1];
   if (!own) {
-    const double step = attempt_numerics(setup_, attempt).step;
+    const Index look_every = std::max<Index>(1, Index(std::lround(kLookEvery / attempt_step(setup_, attempt))));
+    const sim::StepSettings settings = attempt_settings(setup_, attempt);
+    const int count = attempt == 1 ? settings_.places : second_attempts();
     own = std::make_unique<AttemptPlaces>(
-        AttemptPlaces{Places(settings_.backend, attempt_settings(setup_, attempt), settings_.threads,
-                             attempt == 1 ? settings_.places : second_attempts()),
-                      std::max<Index>(1, Index(std::lround(kLookEvery / step)))});
+        AttemptPlaces{Places(settings_.backend, settings, settings_.threads, count), look_every});
   }
   return *own;
 }

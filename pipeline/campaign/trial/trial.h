@@ -15,11 +15,6 @@ class TrialRun;
 /// Settles and stores the packings that trials at these points need, so that workers find them. Safe to repeat.
 void prepare_trials(const TrialSetup& setup, std::span<const DesignPoint> points, int threads);
 
-/// Runs one trial on one thread. Pure: depends on setup and point alone. A simulation that fails a check is repeated
-/// once with half the step; failing again it is `unknown`, never `no_go`. Throws only for bad input and missing
-/// packings.
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point);
-
 /// Where a trial saves itself while it drives, and how often.
 struct TrialCheckpoint {
   std::filesystem::path path;  // empty: nowhere
@@ -34,9 +29,11 @@ struct TrialDevice {
   int threads = 1;  // of the cpu backend
 };
 
-/// The same trial, watched and saved. Where `checkpoint` finds a file, the trial goes on from there to the same record.
-/// The file is removed at the end. Ctrl-C saves and throws Cancelled. Throws InputError for a file of another trial.
-TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch,
+/// Runs one trial, watched and saved. Pure: depends on setup and point alone. A simulation that fails a check is
+/// repeated once with half the step; failing again it is `unknown`, never `no_go`. Where `checkpoint` finds a file, the
+/// trial goes on from there to the same record. The file is removed at the end. Ctrl-C saves and throws Cancelled.
+/// Throws InputError for bad input, missing packings and a file of another trial.
+TrialRecord run_trial(const TrialSetup& setup, const DesignPoint& point, const TrialWatch& watch = {},
                       const TrialCheckpoint& checkpoint = {}, const TrialDevice& device = {});
 
 struct BatchSettings {

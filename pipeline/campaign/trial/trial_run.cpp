@@ -27,14 +27,6 @@ Clock::time_point in_seconds(double seconds) {
   return Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
-/// Part of the interval after which a trial is saved first: spread over trials, so that those of a batch that began
-/// together are not all saved together.
-double first_part(std::uint64_t index) {
-  constexpr double golden = 0.6180339887498949;
-  const double x = double(index % 1000000) * golden;
-  return 1 - (x - std::floor(x));
-}
-
 /// A running trial to be saved. The hashes (sim/io/checkpoint.h) are those of the world of its first phase and of its
 /// present world.
 struct RunState {
@@ -113,9 +105,13 @@ TrialRun::TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch
     : setup_(setup_at(setup, point)),
       watcher_(setup_, std::move(watch)),
       checkpoint_(std::move(checkpoint)),
-      conditions_(conditions_of(setup_, inputs_of(point))),
-      packing_(settled_bed(setup_, inputs_of(point))),
-      next_save_(in_seconds(checkpoint_.every * first_part(point.index))) {
+      conditions_(conditions_of(setup_, setup_.inputs)),
+      packing_(settled_bed(setup_, setup_.inputs)) {
+  // The first save comes after a part of the interval that differs from trial to trial: those of a batch that began
+  // together are not all saved together.
+  constexpr double golden = 0.6180339887498949;
+  const double turns = double(point.index % 1000000) * golden;
+  next_save_ = in_seconds(checkpoint_.every * (1 - (turns - std::floor(turns))));
   record_.point = point;
   record_.measures.assign(contract().measures.size(), kNaN);
   if (!saves() || !std::filesystem::exists(checkpoint_.path)) return;
@@ -130,12 +126,12 @@ TrialRun::TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch
 TrialRun::~TrialRun() = default;
 
 void TrialRun::enter(Places& places) {
-  numerics_ = attempt_numerics(setup_, attempt());
+  step_s_ = attempt_step(setup_, attempt());
   settings_ = attempt_settings(setup_, attempt());
   places_ = &places;
   place_ = places.take();
   bed_scene_.clear();
-  watcher_.begin_attempt(numerics_.step);
+  watcher_.begin_attempt(step_s_);
   if (saved_) {
     try {
       resume(*saved_);
@@ -207,7 +203,7 @@ Index TrialRun::due() const {
 }
 
 /// Steps between two renewals of the ground: fixed in the trial's own time, whatever the batch's looks are.
-Index TrialRun::renewal_steps() const { return std::max<Index>(1, Index(std::lround(kRenewEvery / numerics_.step))); }
+Index TrialRun::renewal_steps() const { return std::max<Index>(1, Index(std::lround(kRenewEvery / step_s_))); }
 
 void TrialRun::renew_when_due() {
   if (!setup_.moving_patch || step_ % renewal_steps() != 0) return;
@@ -250,7 +246,7 @@ TrialRun::Phase TrialRun::look_at_drive(const sim::WorldStop& stop) {
   if (!stopped) renew_when_due();
   watcher_.look(now(), stopped);
   if (!stopped) return Phase::drive;
-  return end_attempt(judge_drive(setup_, conditions_, bed_, numerics_.step, simulation(), place_));
+  return end_attempt(judge_drive(setup_, conditions_, bed_, step_s_, simulation(), place_));
 }
 
 TrialRun::Phase TrialRun::end_attempt(const DriveOutcome& outcome) {
@@ -276,7 +272,7 @@ TrialRun::Phase TrialRun::end_attempt(const DriveOutcome& outcome) {
 void TrialRun::say_what_failed(std::uint64_t failed, const DriveOutcome& outcome) {
   const std::string numbers =
       "residual " + number_text(outcome.worst_residual) + " m/s, energy error " + number_text(outcome.energy_error);
-  const std::string fault = sim::description(simulation().report(place_).fault, numerics_.step);
+  const std::string fault = sim::description(simulation().report(place_).fault, step_s_);
   say("the first attempt failed the checks " + names_of_checks(failed) + " (" + numbers +
       (fault.empty() ? "" : "; " + fault) + "); the second one takes half the step");
 }

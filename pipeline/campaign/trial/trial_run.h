@@ -98,7 +98,7 @@ class TrialRun {
   std::chrono::steady_clock::time_point next_save_;
 
   // The attempt under way.
-  terrain::Numerics numerics_;
+  double step_s_ = 0;  // length of a step [s]
   sim::StepSettings settings_;
   Places* places_ = nullptr;
   sim::WorldIndex place_ = 0;

@@ -240,14 +240,14 @@ terrain::Packing settled_bed(const TrialSetup& setup, const TrialInputs& in) {
   return bed;
 }
 
-terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt) {
-  terrain::Numerics n = setup.numerics;
-  if (attempt > 1) n.step /= 2;
-  return n;
+double attempt_step(const TrialSetup& setup, std::uint64_t attempt) {
+  return attempt > 1 ? setup.numerics.step / 2 : setup.numerics.step;
 }
 
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt) {
-  sim::StepSettings s = terrain::step_settings(setup.calibration.grain_diameter, attempt_numerics(setup, attempt));
+  terrain::Numerics numerics = setup.numerics;
+  numerics.step = attempt_step(setup, attempt);
+  sim::StepSettings s = terrain::step_settings(setup.calibration.grain_diameter, numerics);
   s.max_slowed = kMaxSlowed;
   s.recovery_speed *= Real(std::sqrt(setup.gravity / kGravity));  // a tenth of the fall through a grain
   return s;

@@ -23,8 +23,8 @@ terrain::BedSpec bed_spec_of(const TrialSetup& setup, const TrialInputs& in);
 /// The settled bed of the trial, from the cache or else settled now.
 terrain::Packing settled_bed(const TrialSetup& setup, const TrialInputs& in);
 
-/// Numerics of an attempt: those of the setup for 1; for 2 half the step, so twice the iterations per simulated time.
-terrain::Numerics attempt_numerics(const TrialSetup& setup, std::uint64_t attempt);
+/// Step of an attempt [s]: the setup's for 1; for 2 half of it, so twice the iterations per simulated time.
+double attempt_step(const TrialSetup& setup, std::uint64_t attempt);
 sim::StepSettings attempt_settings(const TrialSetup& setup, std::uint64_t attempt);
 
 /// Height of the axle of an unloaded wheel that is lowered onto the undisturbed grains until it touches one [m]: mean
