@@ -55,6 +55,12 @@ void append(SampleSet& all, const SampleSet& part) {
   all.occurrences.insert(all.occurrences.end(), part.occurrences.begin(), part.occurrences.end());
 }
 
+void add_use(const AnnealerUse& use, Json& json) {
+  json["scale"] = use.scale;
+  json["cut_coefficients"] = Json(std::uint64_t(use.cut_coefficients));
+  json["chain_break_fraction"] = use.chain_break_fraction;
+}
+
 }  // namespace
 
 AnnealerSampler::AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, std::size_t visible,
@@ -77,6 +83,13 @@ double AnnealerSampler::largest_scale(const Problem& problem) const {
 }
 
 SampleSet AnnealerSampler::sample(const Problem& problem, const SampleRequest& request) const {
+  AnnealerUse use;
+  SampleSet rows = sample(problem, request, use);
+  add_use(use, rows.info);
+  return rows;
+}
+
+SampleSet AnnealerSampler::sample(const Problem& problem, const SampleRequest& request, AnnealerUse& use) const {
   if (problem.variable_count() != variables_)
     throw InputError("sampler " + name() + ": embedded for " + std::to_string(variables_) + " variables, not " +
                      std::to_string(problem.variable_count()));
@@ -84,9 +97,8 @@ SampleSet AnnealerSampler::sample(const Problem& problem, const SampleRequest& r
   EmbeddedProblem embedded =
       embed_problem(scaled(ising, settings_.scale), graph_, embedding_, settings_.chain_coupling);
   take_off_leak(embedded.problem, settings_.susceptibility);
-  const std::size_t cut = cut_to_ranges(embedded.problem, settings_.ranges);
+  use = {settings_.scale, cut_to_ranges(embedded.problem, settings_.ranges), 0};
   SampleSet rows{.vartype = problem.vartype, .labels = problem.labels};
-  double broken = 0;
   const std::size_t gauges = std::min(std::max<std::size_t>(1, settings_.gauges), request.reads);
   for (std::size_t k = 0; k < gauges; ++k) {
     SampleRequest part = request;
@@ -98,15 +110,12 @@ SampleSet AnnealerSampler::sample(const Problem& problem, const SampleRequest& r
     const SampleSet turned = device_->sample(apply_gauge(embedded.problem, gauge), part);
     const Unembedded found =
         unembed(apply_gauge(turned, gauge), embedded.record, settings_.broken, random_bits(request.seed, kBroken, k));
-    for (double share : found.chain_break_fraction) broken += share / double(request.reads);
+    for (double share : found.chain_break_fraction) use.chain_break_fraction += share / double(request.reads);
     append(rows, found.samples);
   }
   if (problem.vartype == Vartype::binary)
     for (std::int8_t& value : rows.values) value = value > 0;
   for (std::size_t r = 0; r < rows.row_count(); ++r) rows.energies[r] = energy(problem, rows.row(r));
-  rows.info["scale"] = settings_.scale;
-  rows.info["cut_coefficients"] = Json(std::uint64_t(cut));
-  rows.info["chain_break_fraction"] = broken;
   return rows;
 }
 
@@ -175,18 +184,27 @@ constexpr double kMostBroken = 0.02;              // share of broken chains that
 constexpr std::size_t kRounds = 10;               // measurements of the temperature
 constexpr double kNear = 0.02;                    // of beta to 1
 
-SampleSet with_post_sweeps(const Problem& problem, SampleSet rows, const SampleRequest& request, std::size_t sweeps) {
-  const bool possible = sweeps > 0 && split_in_two(to_qubo(problem));
-  rows.info["post_sweeps"] = Json(std::uint64_t(possible ? sweeps : 0));
-  if (!possible) return rows;
+/// Block Gibbs from the device's rows.
+SampleSet swept_on(const Problem& problem, const SampleSet& rows, const SampleRequest& request, std::size_t sweeps) {
   SampleRequest more{
       .reads = rows.row_count(), .seed = random_bits(request.seed, kPost, 0), .sweeps = sweeps, .start = &rows};
-  SampleSet result = make_sampler("block_gibbs")->sample(problem, more);
-  result.info = rows.info;
-  return result;
+  return make_sampler("block_gibbs")->sample(problem, more);
 }
 
 }  // namespace
+
+Json to_json(const Correction& correction) {
+  Json json = Json::object();
+  add_use(correction.use, json);
+  json["chain_coupling"] = correction.chain_coupling;
+  json["beta"] = correction.beta;
+  json["beta_low"] = correction.beta_low;
+  json["beta_high"] = correction.beta_high;
+  json["masked_pairs"] = Json(std::uint64_t(correction.masked_pairs));
+  json["programmings"] = Json(std::uint64_t(correction.programmings));
+  json["post_sweeps"] = Json(std::uint64_t(correction.post_sweeps));
+  return json;
+}
 
 CorrectedAnnealer::CorrectedAnnealer(std::shared_ptr<const Sampler> device, const HardwareGraph& graph,
                                      Embedding embedding, const CorrectionSettings& settings)
@@ -215,24 +233,32 @@ AnnealerSampler CorrectedAnnealer::tuned(const Problem& problem, const SampleReq
 }
 
 SampleSet CorrectedAnnealer::sample(const Problem& problem, const SampleRequest& request) const {
+  Correction correction;
+  SampleSet rows = sample(problem, request, correction);
+  rows.info = to_json(correction);
+  return rows;
+}
+
+SampleSet CorrectedAnnealer::sample(const Problem& problem, const SampleRequest& request,
+                                    Correction& correction) const {
+  SampleRequest probe = request, final = request;
+  probe.reads = settings_.probe_reads;
+  probe.seed = random_bits(request.seed, kProbe, 0);
+  final.seed = random_bits(request.seed, kFinalRows, 0);
+  correction.masked_pairs = embedding_.uncoupled.size();
+  correction.programmings = std::min(settings_.programmings, request.reads);
+  correction.post_sweeps = settings_.post_sweeps > 0 && split_in_two(to_qubo(problem)) ? settings_.post_sweeps : 0;
   for (double strength : kStrengths) {
     const AnnealerSampler sampler = tuned(problem, request, strength);
-    SampleRequest probe = request;
-    probe.reads = settings_.probe_reads;
-    probe.seed = random_bits(request.seed, kProbe, 0);
-    const double broken = sampler.sample(problem, probe).info.at("chain_break_fraction").number();
-    if (broken > kMostBroken && strength != kStrengths[2]) continue;
-    SampleRequest final = request;
-    final.seed = random_bits(request.seed, kFinalRows, 0);
-    SampleSet rows = sampler.sample(problem, final);
+    sampler.sample(problem, probe, correction.use);
+    if (correction.use.chain_break_fraction > kMostBroken && strength != kStrengths[2]) continue;
+    SampleSet rows = sampler.sample(problem, final, correction.use);
     const BetaEstimate left = pseudo_likelihood_beta(problem, rows, request.seed);
-    rows.info["chain_coupling"] = strength;
-    rows.info["beta"] = left.beta;
-    rows.info["beta_low"] = left.low;
-    rows.info["beta_high"] = left.high;
-    rows.info["masked_pairs"] = Json(std::uint64_t(embedding_.uncoupled.size()));
-    rows.info["programmings"] = Json(std::uint64_t(std::min(settings_.programmings, request.reads)));
-    return with_post_sweeps(problem, std::move(rows), request, settings_.post_sweeps);
+    correction.chain_coupling = strength;
+    correction.beta = left.beta;
+    correction.beta_low = left.low;
+    correction.beta_high = left.high;
+    return correction.post_sweeps > 0 ? swept_on(problem, rows, request, correction.post_sweeps) : rows;
   }
   return {};  // not reached: the last strength always answers
 }

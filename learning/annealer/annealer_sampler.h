@@ -22,6 +22,13 @@ struct AnnealerSettings {
       0;  // chi of the device: fields are programmed with the leak chi J h taken off, to first order
 };
 
+/// What became of a request on the device.
+struct AnnealerUse {
+  double scale = 0;
+  std::size_t cut_coefficients = 0;  // beyond the range: they are clipped to its ends
+  double chain_break_fraction = 0;
+};
+
 class AnnealerSampler final : public Sampler {
  public:
   /// For problems of `visible` + `hidden` variables, which are embedded once as a biclique. `device` samples problems
@@ -32,8 +39,9 @@ class AnnealerSampler final : public Sampler {
   AnnealerSampler(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, Embedding embedding,
                   std::size_t variables, const AnnealerSettings& settings);
   std::string name() const override { return device_->name(); }
-  /// Coefficients beyond the range are clipped to its ends; info.cut_coefficients counts them.
+  /// info: the fields of AnnealerUse.
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
+  SampleSet sample(const Problem& problem, const SampleRequest& request, AnnealerUse& use) const;
 
   /// Largest scale with all coefficients in range and every coupling at most half of those inside chains, so that
   /// chains hold.
@@ -99,6 +107,15 @@ struct CorrectionSettings {
   CoefficientRanges ranges;
 };
 
+/// What a corrected annealer set for a request, and what it left.
+struct Correction {
+  AnnealerUse use;
+  double chain_coupling = 0;
+  double beta = 0, beta_low = 0, beta_high = 0;  // of the device's rows, with its interval
+  std::size_t masked_pairs = 0, programmings = 0, post_sweeps = 0;
+};
+Json to_json(const Correction& correction);
+
 /// An annealer whose known distortions are divided out of the rows of any problem that is embedded on it.
 ///
 /// Rows of a device follow exp(-beta E') with a beta that nobody states and an E' that is not quite the programmed E.
@@ -112,7 +129,7 @@ struct CorrectionSettings {
 /// Rows may then go through a few sweeps of block Gibbs at beta = 1 on the host, as D-Wave's own post-processing
 /// ("sampling") did on the 2X. They take out what random errors of the programmings leave.
 ///
-/// What is left is in the answer's info: the beta of the rows with its interval, broken chains, coefficients cut to the
+/// What is left is in the Correction: the beta of the rows with its interval, broken chains, coefficients cut to the
 /// range, masked pairs. Not divided out: that whole rows freeze hotter than single spins (docs/annealer.md), and the
 /// second order of random errors.
 class CorrectedAnnealer final : public Sampler {
@@ -121,9 +138,9 @@ class CorrectedAnnealer final : public Sampler {
   CorrectedAnnealer(std::shared_ptr<const Sampler> device, const HardwareGraph& graph, Embedding embedding,
                     const CorrectionSettings& settings);
   std::string name() const override { return device_->name(); }
-  /// info: scale, chain_coupling, beta, beta_low, beta_high, chain_break_fraction, cut_coefficients, masked_pairs,
-  /// programmings, post_sweeps. beta is that of the device's rows.
+  /// info: to_json() of the correction.
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override;
+  SampleSet sample(const Problem& problem, const SampleRequest& request, Correction& correction) const;
 
  private:
   AnnealerSampler tuned(const Problem& problem, const SampleRequest& request, double chain_coupling) const;

@@ -45,7 +45,7 @@ Problem disturbed(const Problem& ising, const Device& device, std::uint64_t prog
 class Emulator final : public Sampler {
  public:
   explicit Emulator(Device device);
-  std::string name() const override { return "emulator"; }
+  std::string name() const override { return kEmulator; }
   /// Throws InputError unless labels are working qubits, couplings are couplers, and coefficients are in range.
   /// Energies are those of the given problem. info: temperature, auto_scale_factor, timing [us].
   SampleSet sample(const Problem& problem, const SampleRequest& request) const override;

@@ -1,9 +1,11 @@
 #include "learning/qubo/json.h"
 
-#include "base/format.h"
-
-#include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "base/error.h"
+#include "base/format.h"
 
 namespace gonogo::learning {
 namespace {
@@ -129,23 +131,35 @@ std::string python_json(const Json& json, JsonSpaces spaces) {
 Json labels_json(const std::vector<Label>& labels) {
   Json list = Json::array();
   for (const Label& label : labels) {
-    if (const auto* number = std::get_if<std::int64_t>(&label))
+    if (const auto* tuple = std::get_if<LabelTuple>(&label))
+      list.push_back(labels_json(tuple->parts));
+    else if (const auto* number = std::get_if<std::int64_t>(&label))
       list.push_back(Json(*number));
-    else if (const auto* text = std::get_if<std::string>(&label))
-      list.push_back(Json(*text));
+    else if (const auto* fraction = std::get_if<double>(&label))
+      list.push_back(Json(*fraction));
     else
-      list.push_back(Json::parse(std::get<JsonLabel>(label).text, "label"));
+      list.push_back(Json(std::get<std::string>(label)));
   }
   return list;
 }
 
 namespace {
 
-/// Whether dimod could have written this label, or this part of one.
-bool is_label(const Json& item) {
-  if (item.is_array()) return std::all_of(item.items().begin(), item.items().end(), is_label);
-  if (item.is_integer()) return item.number() < 0 || item.unsigned_integer() <= INT64_MAX;
-  return item.is_string() || item.is_number();
+/// Empty where dimod could not have written this label.
+std::optional<Label> label_from(const Json& item) {
+  if (item.is_string()) return item.string();
+  if (item.is_integer())
+    return item.number() < 0 || item.unsigned_integer() <= INT64_MAX ? std::optional<Label>(item.integer())
+                                                                     : std::nullopt;
+  if (item.is_number() && std::isfinite(item.number())) return item.number();
+  if (!item.is_array()) return std::nullopt;
+  LabelTuple tuple;
+  for (const Json& part : item.items()) {
+    std::optional<Label> label = label_from(part);
+    if (!label) return std::nullopt;
+    tuple.parts.push_back(std::move(*label));
+  }
+  return tuple;
 }
 
 }  // namespace
@@ -153,14 +167,10 @@ bool is_label(const Json& item) {
 std::vector<Label> labels_from_json(const JsonReader& reader, const std::string& key, std::size_t count) {
   std::vector<Label> labels;
   for (const Json& item : reader.list(key)) {
-    if (item.is_string())
-      labels.emplace_back(item.string());
-    else if (item.is_integer() && is_label(item))
-      labels.emplace_back(item.integer());
-    else if (is_label(item))
-      labels.emplace_back(JsonLabel{python_json(item, JsonSpaces::after)});
-    else
+    std::optional<Label> label = label_from(item);
+    if (!label)
       reader.fail(key, "expected texts, numbers or tuples of them, found " + item.dump() + "; relabel the variables");
+    labels.push_back(std::move(*label));
   }
   reader.expect_size(key, labels.size(), count);
   return labels;

@@ -99,7 +99,7 @@ std::string python_json(const Json& json, JsonSpaces spaces);
 
 Json labels_json(const std::vector<Label>& labels);
 
-/// Texts and integers. Throws InputError for dimod's other labels (fractions, tuples) and for another count.
+/// Throws InputError for what dimod could not have written, and for another count.
 std::vector<Label> labels_from_json(const JsonReader& reader, const std::string& key, std::size_t count);
 
 /// "BINARY" or "SPIN".

@@ -11,23 +11,20 @@ namespace gonogo::learning {
 
 std::string vartype_name(Vartype vartype) { return vartype == Vartype::binary ? "BINARY" : "SPIN"; }
 
-namespace {
-
-/// As Python's repr prints a value read from JSON, with lists as tuples.
-std::string python_text(const Json& json) {
-  if (json.is_string()) return "'" + json.string() + "'";
-  if (!json.is_array()) return python_json(json, JsonSpaces::after);
-  std::string text;
-  for (const Json& item : json.items()) text += (text.empty() ? "" : ", ") + python_text(item);
-  return "(" + text + (json.items().size() == 1 ? ",)" : ")");
-}
-
-}  // namespace
+std::partial_ordering LabelTuple::operator<=>(const LabelTuple& other) const { return parts <=> other.parts; }
+bool LabelTuple::operator==(const LabelTuple& other) const { return parts == other.parts; }
 
 std::string label_text(const Label& label) {
   if (const auto* number = std::get_if<std::int64_t>(&label)) return std::to_string(*number);
+  if (const auto* number = std::get_if<double>(&label)) return python_number(*number);
   if (const auto* text = std::get_if<std::string>(&label)) return *text;
-  return python_text(Json::parse(std::get<JsonLabel>(label).text, "label"));
+  const std::vector<Label>& parts = std::get<LabelTuple>(label).parts;
+  std::string text;
+  for (const Label& part : parts) {
+    const bool quoted = std::holds_alternative<std::string>(part);
+    text += (text.empty() ? "" : ", ") + (quoted ? "'" + label_text(part) + "'" : label_text(part));
+  }
+  return "(" + text + (parts.size() == 1 ? ",)" : ")");
 }
 
 void sort_couplings(std::vector<Coupling>& couplings) {

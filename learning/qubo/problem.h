@@ -17,14 +17,17 @@ enum class Vartype { binary, spin };
 
 std::string vartype_name(Vartype vartype);  // "BINARY", "SPIN": the names of dimod
 
-/// A tuple, possibly nested, or a number that is not whole, as dimod's labels may be: the JSON text that dimod writes.
-struct JsonLabel {
-  std::string text;  // "[0, [1, \"a\"]]", "1.5"
-  auto operator<=>(const JsonLabel&) const = default;
+struct LabelTuple;
+
+/// Name of a variable in files: a whole number, a text, or another kind that dimod knows, a fraction or a tuple.
+using Label = std::variant<std::int64_t, std::string, double, LabelTuple>;
+
+struct LabelTuple {
+  std::vector<Label> parts;
+  std::partial_ordering operator<=>(const LabelTuple& other) const;
+  bool operator==(const LabelTuple& other) const;
 };
 
-/// Name of a variable in files: a whole number, a text, or another kind that dimod knows.
-using Label = std::variant<std::int64_t, std::string, JsonLabel>;
 /// For people and for headers of tables; tuples as Python prints them: (0, (1, 'a')).
 std::string label_text(const Label& label);
 

@@ -71,6 +71,12 @@ std::vector<std::string> sampler_names(bool (*fits)(const SamplerKind& kind)) {
   return names;
 }
 
+std::vector<std::string> sampler_names_and_emulator(bool (*fits)(const SamplerKind& kind)) {
+  std::vector<std::string> names = sampler_names(fits);
+  names.emplace_back(kEmulator);
+  return names;
+}
+
 const SamplerKind& sampler_named(const std::string& name) {
   for (const SamplerKind* kind : kSamplers)
     if (kind->name == name) return *kind;

@@ -67,6 +67,10 @@ struct SamplerKind {
 std::span<const SamplerKind* const> samplers();
 /// Names of those that fit, in the order of the registry.
 std::vector<std::string> sampler_names(bool (*fits)(const SamplerKind& kind) = nullptr);
+/// The emulated annealer (learning/annealer/emulator.h): a sampler beside the registry, since it needs a device.
+inline constexpr const char* kEmulator = "emulator";
+/// sampler_names(), then kEmulator.
+std::vector<std::string> sampler_names_and_emulator(bool (*fits)(const SamplerKind& kind) = nullptr);
 /// Throws InputError with the nearest name and all names.
 const SamplerKind& sampler_named(const std::string& name);
 

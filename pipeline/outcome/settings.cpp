@@ -27,13 +27,7 @@ void read_encoders(const Config& section, LearningSettings& settings) {
 
 bool draws_here(const learning::SamplerKind& kind) { return kind.origin == learning::RowOrigin::here; }
 
-/// Samplers that run without a person, and the emulated annealer.
-std::vector<std::string> training_samplers() {
-  std::vector<std::string> names = learning::sampler_names(
-      [](const learning::SamplerKind& kind) { return kind.origin != learning::RowOrigin::person; });
-  names.emplace_back("emulator");
-  return names;
-}
+bool runs_alone(const learning::SamplerKind& kind) { return kind.origin != learning::RowOrigin::person; }
 
 }  // namespace
 
@@ -79,10 +73,12 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   const auto count = [&](const char* key, std::size_t fallback, double least, double most) {
     return std::size_t(section->integer_or(key, std::int64_t(fallback), {.minimum = least, .maximum = most}));
   };
-  if (section->has("sampler")) settings.sampler = section->choice("sampler", training_samplers());
-  if (settings.sampler == "emulator") settings.emulator = read_emulator_choice(section->object_if("emulator"));
+  if (section->has("sampler"))
+    settings.sampler = section->choice("sampler", learning::sampler_names_and_emulator(runs_alone));
+  if (settings.sampler == learning::kEmulator) settings.emulator = read_emulator_choice(section->object_if("emulator"));
   if (section->has("gpu")) settings.gpu = section->choice("gpu", {"auto", "never"}) == "auto";
   if (settings.sampler == "command") settings.command = section->texts("command");
+  if (section->has("with")) section->texts("with");  // named_trials() finds them
   if (section->has("stand_in")) settings.stand_in = section->choice("stand_in", learning::sampler_names(draws_here));
   training.hidden = count("hidden", training.hidden, 1, 1024);
   training.epochs = count("epochs", training.epochs, 1, 1e6);
@@ -115,7 +111,6 @@ LearningSettings read_learning_settings(const std::optional<Config>& section) {
   if (section->has("unknown_inputs"))
     settings.uniform_inputs = section->choice("unknown_inputs", {"prior", "machine"}) == "prior";
   if (section->has("bins")) settings.quantile_bins = section->choice("bins", {"range", "quantile"}) == "quantile";
-  if (section->has("with")) section->texts("with");  // named_trials() finds them
   if (const auto encoders = section->object_if("encoders")) read_encoders(*encoders, settings);
   section->finish();
   return settings;
@@ -188,7 +183,7 @@ Json to_json(const LearningSettings& settings) {
   json["unknown_inputs"] = settings.uniform_inputs ? "prior" : "machine";
   json["gpu"] = settings.gpu ? "auto" : "never";
   json["gradients"] = learning::gradient_device_name(training.gradients);
-  if (settings.sampler == "emulator") json["emulator"] = to_json(settings.emulator);
+  if (settings.sampler == learning::kEmulator) json["emulator"] = to_json(settings.emulator);
   if (settings.sampler == "command") {
     json["command"] = Json(settings.command);
     json["stand_in"] = settings.stand_in;

@@ -171,11 +171,13 @@ Decoded sample_machine(const outcome::MachineProblem& machine, const SamplerChoi
 
 Rows sample_emulated(const ProblemArrays& arrays, const outcome::DeviceChoice& device, std::size_t reads,
                      std::uint64_t seed, std::size_t sweeps) {
+  std::optional<learning::Correction> correction;
   learning::SampleSet rows = long_call([&] {
-    return outcome::emulated_rows({problem_of(arrays), {}}, device, {.reads = reads, .seed = seed, .sweeps = sweeps});
+    return outcome::emulated_rows({problem_of(arrays), {}}, device, {.reads = reads, .seed = seed, .sweeps = sweeps},
+                                  correction);
   });
   outcome::SampleReport report = outcome::sample_report(rows);
-  if (!device.as_programmed) report.correction = rows.info;
+  report.correction = correction;
   return rows_of(std::move(rows), outcome::to_json(report));
 }
 

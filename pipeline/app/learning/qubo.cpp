@@ -168,26 +168,19 @@ void add_embed(CLI::App& qubo, const SharedQubo& options, const Globals& globals
 }
 
 /// What the corrected emulator set, and what it left.
-std::string correction_text(const Json& correction) {
-  if (correction.is_null()) return "";
-  const auto number = [&](const char* key) { return correction.at(key).number(); };
-  char text[400];
-  std::snprintf(text, sizeof text,
-                "corrected: scale %.3g, chains of strength %.2g, %.0f programmings in random gauges\n"
-                "left: beta of the rows %.3f (95 %% interval %.3f to %.3f, 1 is right), %.2f %% of the chains broken, "
-                "%.0f coefficients cut to the range, %.0f pairs masked; then %.0f sweeps of block Gibbs on the host\n",
-                number("scale"), number("chain_coupling"), number("programmings"), number("beta"), number("beta_low"),
-                number("beta_high"), 100 * number("chain_break_fraction"), number("cut_coefficients"),
-                number("masked_pairs"), number("post_sweeps"));
-  return text;
+std::string correction_text(const learning::Correction& left) {
+  return line(
+      "corrected: scale %.3g, chains of strength %.2g, %zu programmings in random gauges\n"
+      "left: beta of the rows %.3f (95 %% interval %.3f to %.3f, 1 is right), %.2f %% of the chains broken, "
+      "%zu coefficients cut to the range, %zu pairs masked; then %zu sweeps of block Gibbs on the host\n",
+      left.use.scale, left.chain_coupling, left.programmings, left.beta, left.beta_low, left.beta_high,
+      100 * left.use.chain_break_fraction, left.use.cut_coefficients, left.masked_pairs, left.post_sweeps);
 }
 
 void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& globals) {
   CLI::App* command = qubo.add_subcommand("sample", "Draw rows of a problem from P(x) proportional to exp(-E(x))");
-  std::vector<std::string> samplers = learning::sampler_names();
-  samplers.emplace_back("emulator");
   add_named(*command, "problem", options->problem, kFile, "Problem in dimod's JSON")->required();
-  add_named(*command, "--sampler", options->sampler, one_of(samplers),
+  add_named(*command, "--sampler", options->sampler, one_of(learning::sampler_names_and_emulator()),
             "Sampler; emulator stands for a D-Wave 2X, corrected for scale, "
             "temperature, chains and gauges")
       ->capture_default_str();
@@ -207,13 +200,13 @@ void add_sample(CLI::App& qubo, const SharedQubo& options, const Globals& global
     request.sweeps = options->sweeps;
     request.seed = options->seed;
     const outcome::SampleReport report =
-        options->sampler == "emulator"
+        options->sampler == learning::kEmulator
             ? outcome::sample_emulated(options->problem, options->out, options->device, request, options->in)
             : outcome::sample_problem(options->problem, options->out, *chosen_sampler(*options), request, options->in);
-    char text[200];
-    std::snprintf(text, sizeof text, ": %zu rows, mean energy %.6g, lowest %.6g\n", options->reads, report.energy_mean,
-                  report.energy_lowest);
-    print_result(globals, outcome::to_json(report), options->out + text + correction_text(report.correction));
+    std::string text = options->out + line(": %zu rows, mean energy %.6g, lowest %.6g\n", options->reads,
+                                           report.energy_mean, report.energy_lowest);
+    if (report.correction) text += correction_text(*report.correction);
+    print_result(globals, outcome::to_json(report), text);
   });
 }
 

@@ -74,11 +74,8 @@ Exported export_problem(const fs::path& model_file, const fs::path& problem_file
 }
 
 SampleReport sample_report(const learning::SampleSet& rows) {
-  SampleReport report{.answer = {},
-                      .reads = rows.row_count(),
-                      .variables = rows.variable_count(),
-                      .energy_lowest = INFINITY,
-                      .correction = {}};
+  SampleReport report{
+      .answer = {}, .reads = rows.row_count(), .variables = rows.variable_count(), .energy_lowest = INFINITY};
   for (double e : rows.energies) {
     report.energy_mean += e / double(report.reads);
     report.energy_lowest = std::min(report.energy_lowest, e);
@@ -93,7 +90,7 @@ Json to_json(const SampleReport& report) {
   json["variables"] = report.variables;
   json["energy_mean"] = report.energy_mean;
   json["energy_lowest"] = report.energy_lowest;
-  if (!report.correction.is_null()) json["correction"] = report.correction;
+  if (report.correction) json["correction"] = to_json(*report.correction);
   return json;
 }
 
@@ -163,17 +160,6 @@ learning::CorrectedAnnealer corrected(const learning::Device& device, learning::
                                      settings);
 }
 
-learning::SampleSet corrected_rows(const LoadedProblem& loaded, const learning::Device& device,
-                                   const learning::SampleRequest& request, std::size_t post_sweeps) {
-  const bool embedded = loaded.sidecar && loaded.sidecar->embedding;
-  const learning::Problem logical = embedded ? loaded.sidecar->embedding->source : learning::to_ising(loaded.problem);
-  learning::Embedding embedding = embedded ? recorded_embedding(*loaded.sidecar->embedding, device.graph)
-                                           : learning::embed(device.graph, logical, "auto");
-  const learning::CorrectedAnnealer annealer = corrected(device, std::move(embedding), post_sweeps);
-  if (embedded) return on_qubits(annealer.sample(logical, request), loaded.problem, *loaded.sidecar);
-  return annealer.sample(loaded.problem, request);
-}
-
 }  // namespace
 
 learning::Device emulated_device(const DeviceChoice& choice) {
@@ -190,20 +176,29 @@ learning::CorrectedAnnealer corrected_annealer(const learning::Problem& problem,
   return corrected(device, learning::embed(device.graph, learning::to_ising(problem), "auto"), post_sweeps);
 }
 
-learning::SampleSet emulated_rows(const LoadedProblem& problem, const DeviceChoice& choice,
-                                  const learning::SampleRequest& request) {
+learning::SampleSet emulated_rows(const LoadedProblem& loaded, const DeviceChoice& choice,
+                                  const learning::SampleRequest& request,
+                                  std::optional<learning::Correction>& correction) {
   const learning::Device device = emulated_device(choice);
-  return choice.as_programmed ? learning::Emulator(device).sample(problem.problem, request)
-                              : corrected_rows(problem, device, request, choice.post_sweeps);
+  if (choice.as_programmed) return learning::Emulator(device).sample(loaded.problem, request);
+  const bool embedded = loaded.sidecar && loaded.sidecar->embedding;
+  const learning::Problem logical = embedded ? loaded.sidecar->embedding->source : learning::to_ising(loaded.problem);
+  learning::Embedding embedding = embedded ? recorded_embedding(*loaded.sidecar->embedding, device.graph)
+                                           : learning::embed(device.graph, logical, "auto");
+  const learning::CorrectedAnnealer annealer = corrected(device, std::move(embedding), choice.post_sweeps);
+  learning::SampleSet rows = annealer.sample(embedded ? logical : loaded.problem, request, correction.emplace());
+  if (embedded) rows = on_qubits(rows, loaded.problem, *loaded.sidecar);
+  rows.info = learning::to_json(*correction);
+  return rows;
 }
 
 SampleReport sample_emulated(const fs::path& problem_file, const fs::path& answer_file, const DeviceChoice& choice,
                              const learning::SampleRequest& request, const FileChoice& file) {
   const LoadedProblem loaded = load_problem(problem_file, file);
-  learning::SampleSet rows = emulated_rows(loaded, choice, request);
-  Json left = choice.as_programmed ? Json() : rows.info;
-  SampleReport report = write_answer(loaded.problem, std::move(rows), "emulator", request, answer_file);
-  report.correction = std::move(left);
+  std::optional<learning::Correction> correction;
+  learning::SampleSet rows = emulated_rows(loaded, choice, request, correction);
+  SampleReport report = write_answer(loaded.problem, std::move(rows), learning::kEmulator, request, answer_file);
+  report.correction = correction;
   return report;
 }
 

@@ -41,7 +41,8 @@ struct SampleReport {
   std::filesystem::path answer;  // file of the rows; empty: none
   std::size_t reads = 0, variables = 0;
   double energy_mean = 0, energy_lowest = 0;
-  Json correction;  // of the emulator (annealer_sampler.h): what was corrected, and what is left; null: nothing
+  std::optional<learning::Correction>
+      correction{};  // of the emulator (annealer_sampler.h); empty: nothing was corrected
 };
 SampleReport sample_report(const learning::SampleSet& rows);
 Json to_json(const SampleReport& report);
@@ -66,9 +67,11 @@ learning::CorrectedAnnealer corrected_annealer(const learning::Problem& problem,
                                                std::size_t post_sweeps);
 
 /// Rows of the device. Corrected ones (annealer_sampler.h) answer a problem over variables, which is embedded here, or
-/// one that gonogo qubo embed wrote; its chains then come back unbroken. Throws InputError if the problem does not fit.
+/// one that gonogo qubo embed wrote; its chains then come back unbroken. `correction` is filled for corrected ones.
+/// Throws InputError if the problem does not fit.
 learning::SampleSet emulated_rows(const LoadedProblem& problem, const DeviceChoice& choice,
-                                  const learning::SampleRequest& request);
+                                  const learning::SampleRequest& request,
+                                  std::optional<learning::Correction>& correction);
 
 /// Writes them as sample_problem() does.
 SampleReport sample_emulated(const std::filesystem::path& problem, const std::filesystem::path& answer,

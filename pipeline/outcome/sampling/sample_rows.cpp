@@ -32,7 +32,7 @@ constexpr double kMinWorth = 0.05;  // least share of the reads that their weigh
 
 /// Samplers of bipartite problems cannot take a penalty, which couples visible units.
 bool sampled_as_it_is(const std::string& sampler) {
-  return sampler == "emulator" || !learning::sampler_named(sampler).any_problem;
+  return sampler == learning::kEmulator || !learning::sampler_named(sampler).any_problem;
 }
 
 learning::Problem clamped_problem(const learning::Model& model, const learning::KnownPart& known, bool penalised) {
@@ -55,7 +55,7 @@ learning::SampleSet reads_of(const learning::Problem& problem, const RowRequest&
   asked.reads = request.rows;
   asked.sweeps = std::max<std::size_t>(request.burn_in, 1);
   asked.seed = random_bits(request.seed, kReadStream, 0);
-  if (request.sampler == "emulator")
+  if (request.sampler == learning::kEmulator)
     return corrected_annealer(problem, emulated_device(request.device), request.device.post_sweeps)
         .sample(problem, asked);
   return learning::make_sampler(request.sampler)->sample(problem, asked);
@@ -274,10 +274,9 @@ void measure_mixing(SampledRows& rows) {
 
 std::vector<std::string> row_samplers() {
   std::vector<std::string> names = {"auto", "exact", "code_words", "tempering"};
-  for (const std::string& name : learning::sampler_names(
+  for (const std::string& name : learning::sampler_names_and_emulator(
            [](const learning::SamplerKind& kind) { return kind.origin == learning::RowOrigin::here; }))
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-  names.emplace_back("emulator");
   return names;
 }
 

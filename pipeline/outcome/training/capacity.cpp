@@ -170,7 +170,7 @@ std::vector<campaign::Variable> varying_variables(const TrainingData& data) {
 
 Capacity measure_capacity(const CapacityRequest& request) {
   LearningSettings settings = trainable_settings(request.learning);
-  if (settings.sampler == "emulator")
+  if (settings.sampler == learning::kEmulator)
     throw InputError("capacity: the sampler emulator has a graph of its own; name graphs by --connectivity");
   TrainingData data = make_training_data(campaign::read_dataset(request.dataset).records, request.design);
   temper_weights(data, settings.importance);

@@ -23,7 +23,7 @@ bool gpu_gains(const LearningSettings& settings, std::size_t visible) {
 TrainingSampler::TrainingSampler(const LearningSettings& settings, const learning::VisibleLayout& layout,
                                  learning::TrainingSettings& training)
     : wanted_(settings.sampler), on_gpu_(gpu_gains(settings, layout.unit_count())), choice_(settings.emulator) {
-  if (wanted_ == "emulator") {
+  if (wanted_ == learning::kEmulator) {
     use_emulator(layout, training);
   } else if (wanted_ == "command") {
     use_with_stand_in(learning::make_sampler("command", {{"program", settings.command}}), settings.stand_in);
