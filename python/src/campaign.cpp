@@ -85,7 +85,7 @@ void run_worker(const std::string& study, const std::string& device, int places,
   options.gpu = gpu;
   options.checkpoints = checkpoints;
   options.checkpoint_every = checkpoint_every;
-  long_call([&] { campaign::run_study_worker(study, options); });
+  long_call([&] { campaign::run_study_worker(campaign::read_study(study), options); });
 }
 
 }  // namespace

@@ -60,12 +60,8 @@ class Shuffle : public TrialEngine {
 };
 
 void work(int milliseconds, const std::string& behaviour, int places) {
-  if (places == 1) {
-    run_worker([&](const DesignPoint& point) { return misbehave(point, milliseconds, behaviour); });
-  } else {
-    Shuffle trials(milliseconds, behaviour, std::size_t(places));
-    run_worker(trials);
-  }
+  Shuffle trials(milliseconds, behaviour, std::size_t(places));
+  run_worker(trials);
 }
 
 CampaignRequest request_of(const std::vector<std::string>& words) {
@@ -96,8 +92,8 @@ void run_with_mpi(const std::vector<std::string>& words) {
   const MpiJob job;
   CampaignRequest request = request_of(words);
   if (job.rank() > 0) {
-    const auto trial = [&](const DesignPoint& point) { return misbehave(point, std::stoi(words.at(5)), words.at(6)); };
-    return run_worker(trial, *job.worker_line());
+    Shuffle trials(std::stoi(words.at(5)), words.at(6), 1);
+    return run_worker(trials, *job.worker_line());
   }
   request.crew = job.crew_maker();
   print(run_campaign(request));

@@ -11,7 +11,6 @@
 #include "base/files/file.h"
 #include "base/format.h"
 #include "base/progress.h"
-#include "base/version.h"
 #include "learning/model/model.h"
 #include "pipeline/app/cli/work.h"
 #include "pipeline/app/run/stage.h"
@@ -85,7 +84,7 @@ std::vector<std::filesystem::path> trials_beside(const campaign::Study& study) {
   own.study = study.config.json().dump();
   own.files = {{"vehicle", read_file(study.vehicle)},
                {"calibration", read_file(study.section("soil").path("calibration"))}};
-  outcome::require_together(own, study.file.string(), files);
+  outcome::read_other_trials(own, study.file.string(), files);  // throws where they cannot be learned together
   return files;
 }
 
@@ -115,8 +114,6 @@ RunPlan plan_run(const RunRequest& request, int threads) {
                       "missing; name the vehicle that the region's cone_index raster is held against");
   return plan;
 }
-
-std::string program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
 
 /// A section of the study as it stands in the file; null when it is not there.
 Json section_json(const campaign::Study& study, const std::string& key) {
@@ -151,7 +148,7 @@ std::optional<Config> design_of(const RunPlan& plan, const std::filesystem::path
 /// `files`: of learned_trials().
 Stage training_stage(const RunPlan& plan, const std::vector<std::filesystem::path>& files) {
   Json inputs = Json::object();
-  inputs["program"] = program();
+  inputs["program"] = campaign::campaign_program();
   inputs["dataset.h5"] = path_hash(plan.dataset());
   for (const auto& file : plan.with) inputs["with"].push_back(path_hash(file));
   inputs["seed"] = plan.study.seed;
@@ -171,7 +168,7 @@ Stage training_stage(const RunPlan& plan, const std::vector<std::filesystem::pat
 /// `dataset`: the trials that the model answers for.
 Stage map_stage(const RunPlan& plan, const std::filesystem::path& dataset) {
   Json inputs = Json::object();
-  inputs["program"] = program();
+  inputs["program"] = campaign::campaign_program();
   inputs["model.h5"] = path_hash(plan.model());
   inputs["dataset.h5"] = path_hash(dataset);
   inputs["region"] = path_hash(plan.region.file);
@@ -209,7 +206,7 @@ Json record_of(const RunPlan& plan, const RunSummary& summary) {
   Json record = Json::object();
   record["schema"] = "gonogo/run/1";
   record["study"] = plan.study.name;
-  record["program"] = program();
+  record["program"] = campaign::campaign_program();
   record["dataset_hash"] = path_hash(plan.dataset());
   record["model_hash"] = path_hash(plan.model());
   record["map_hash"] = path_hash(plan.map_folder());

@@ -112,7 +112,8 @@ void run_with_mpi(const CampaignOptions& options, const Globals& globals) {
     const std::unique_ptr<campaign::WorkerLine> line = job.worker_line();
     const campaign::Study study = campaign::read_study(options.study);
     return campaign::run_study_worker(
-        study, campaign::worker_options(study, options.folder, compute_of(options, globals), job.rank() - 1), *line);
+        study, campaign::worker_options(study, options.folder, compute_of(options, globals), job.rank() - 1),
+        line.get());
   }
   campaign::CampaignRequest request = plan(options, globals);
   request.crew = job.crew_maker();
@@ -334,7 +335,7 @@ void add_worker(CLI::App& parent) {
   command->add_option("--gpu", options->gpu);
   command->add_option("--checkpoints", options->checkpoints);
   command->add_option("--checkpoint-every", options->checkpoint_every);
-  command->callback([study, options] { campaign::run_study_worker(*study, *options); });
+  command->callback([study, options] { campaign::run_study_worker(campaign::read_study(*study), *options); });
 }
 
 }  // namespace

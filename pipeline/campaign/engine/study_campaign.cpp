@@ -12,7 +12,6 @@
 #include "base/format.h"
 #include "base/parallel/for_each.h"
 #include "base/progress.h"
-#include "base/version.h"
 #include "pipeline/campaign/design/design.h"
 #include "pipeline/campaign/engine/folder.h"
 #include "pipeline/campaign/engine/worker.h"
@@ -65,8 +64,6 @@ Dependencies dependencies(const Study& study, const Provenance& provenance) {
 
 }  // namespace
 
-std::string campaign_program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
-
 CampaignRequest plan_campaign(const Study& study, const std::filesystem::path& folder, int workers,
                               const InputFiles& inputs, const std::string& backend) {
   CampaignRequest request;
@@ -105,14 +102,8 @@ struct ComputeSettings {
   int threads = 1;               // for what the host does itself
 };
 
-struct ComputeSection {
-  std::optional<std::string> device;
-  std::optional<int> places, workers;
-  std::optional<double> checkpoint_every;
-};
-
-ComputeSection read_compute_section(const Study& study) {
-  ComputeSection s;
+ComputeRequest read_compute_section(const Study& study) {
+  ComputeRequest s;
   const auto c = study.config.object_if("compute");
   if (!c) return s;
   if (c->has("device")) s.device = c->choice("device", {"cpu", "cuda"});
@@ -139,7 +130,7 @@ void use_gpus(ComputeSettings& s) {
 
 /// Throws InputError for numbers out of range, and for a device that this build or machine lacks.
 ComputeSettings read_compute(const Study& study, const ComputeRequest& request) {
-  const ComputeSection section = read_compute_section(study);
+  const ComputeRequest section = read_compute_section(study);
   ComputeSettings s;
   s.threads = threads_or_all(request.threads);
   if (request.device.value_or(section.device.value_or("cpu")) == "cuda") use_gpus(s);
@@ -213,18 +204,11 @@ CampaignRequest plan_study_campaign(const Study& study, const std::filesystem::p
   return request;
 }
 
-void run_study_worker(const std::filesystem::path& study_file, const WorkerOptions& options) {
-  const TrialSetup setup = read_trial_setup(read_study(study_file), default_packing_folder(), options.device);
-  if (options.device == sim::Backend::cuda) sim::use_cuda_device(options.gpu);
-  BatchEngine engine(setup, options);
-  run_worker(engine);
-}
-
-void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine& line) {
+void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine* line) {
   const TrialSetup setup = read_trial_setup(study, default_packing_folder(), options.device);
   if (options.device == sim::Backend::cuda) sim::use_cuda_device(options.gpu);
   BatchEngine engine(setup, options);
-  run_worker(engine, line);
+  line ? run_worker(engine, *line) : run_worker(engine);
 }
 
 WorkerOptions worker_options(const Study& study, const std::filesystem::path& folder, const ComputeRequest& asked,
@@ -283,14 +267,6 @@ fs::path write_study(const Dataset& dataset, const fs::path& folder) {
   return folder / "study.json";
 }
 
-TrialRecord compute(const TrialSetup& setup, const DesignPoint& point, sim::Backend device, int threads) {
-  TrialBatch batch(setup, {device, 1, threads});
-  batch.start(point);
-  while (batch.running() > 0)
-    if (std::vector<TrialRecord> ended = batch.advance(); !ended.empty()) return std::move(ended.front());
-  throw DeviceError("the trial ended without a record");
-}
-
 sim::Backend device_of(const Dataset& dataset) {
   if (dataset.provenance.backend == "cpu") return sim::Backend::cpu;
   if (sim::cuda_device_names().empty())
@@ -310,7 +286,7 @@ Replay replay_trial(const Dataset& dataset, std::uint64_t index, int threads) {
   const int all = threads_or_all(threads);
   prepare_trials(setup, std::span(&stored.point, 1), all);
   Replay replay;
-  replay.record = compute(setup, stored.point, device, all);
+  replay.record = run_trial(setup, stored.point, {}, {}, {device, all});
   replay.same_program = dataset.provenance.program_version == campaign_program();
   replay.differences =
       difference({.records = {stored}, .provenance = {}}, {.records = {replay.record}, .provenance = {}}).rows;

@@ -18,9 +18,6 @@ namespace gonogo::campaign {
 /// Files that trials read, by name ("vehicle" is added by itself when the study has one).
 using InputFiles = std::vector<std::pair<std::string, std::filesystem::path>>;
 
-/// Release and revision of this program, as provenance names it.
-std::string campaign_program();
-
 /// A CampaignRequest without `prepare`. Workers are this program with "campaign worker <study>". Trials depend on
 ///   - the study's seed and its sections soil, trial and design, without the number of points;
 ///   - the content of `inputs`, and `backend` ("cpu", or "cuda" and the device's name);
@@ -56,10 +53,9 @@ struct WorkerOptions {
   double checkpoint_every = 30;       // [s]
 };
 
-/// Computes trials of the study until `line`, or standard input, ends. A trial with a saved state goes on from there. A
-/// saved state that cannot be used is set aside.
-void run_study_worker(const std::filesystem::path& study_file, const WorkerOptions& options);
-void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine& line);
+/// Computes trials of the study until `line`, or without one standard input, ends. A trial with a saved state goes on
+/// from there. A saved state that cannot be used is set aside.
+void run_study_worker(const Study& study, const WorkerOptions& options, WorkerLine* line = nullptr);
 
 /// Options of the `worker`-th worker, for engines that pass no command line.
 WorkerOptions worker_options(const Study& study, const std::filesystem::path& folder, const ComputeRequest& asked,

@@ -306,28 +306,11 @@ bool work(WorkerLine& line, TrialEngine& engine) {
   return true;
 }
 
-class OneAtATime : public TrialEngine {
- public:
-  explicit OneAtATime(const TrialFunction& trial) : trial_(trial) {}
-  bool has_room() const override { return !point_; }
-  bool is_running() const override { return point_.has_value(); }
-  void start(const DesignPoint& point) override { point_ = point; }
-  std::vector<TrialRecord> advance() override {
-    const DesignPoint point = *point_;
-    point_.reset();
-    return {trial_(point)};
-  }
-
- private:
-  const TrialFunction& trial_;
-  std::optional<DesignPoint> point_;
-};
-
 }  // namespace
 
-std::string worker_program() {
-  return std::string(program_version()) + " (" + program_revision() + "), contract " + content_hash(contract_text());
-}
+std::string campaign_program() { return std::string(program_version()) + " (" + program_revision() + ")"; }
+
+std::string worker_program() { return campaign_program() + ", contract " + content_hash(contract_text()); }
 
 void run_worker(TrialEngine& engine, WorkerLine& line) {
   try {
@@ -348,16 +331,6 @@ void run_worker(TrialEngine& engine) {
   StandardLine line(::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1));
   ::dup2(STDERR_FILENO, STDOUT_FILENO);
   run_worker(engine, line);
-}
-
-void run_worker(const TrialFunction& trial, WorkerLine& line) {
-  OneAtATime engine(trial);
-  run_worker(engine, line);
-}
-
-void run_worker(const TrialFunction& trial) {
-  OneAtATime engine(trial);
-  run_worker(engine);
 }
 
 }  // namespace gonogo::campaign

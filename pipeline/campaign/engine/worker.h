@@ -44,12 +44,10 @@ std::unique_ptr<Crew> process_crew(std::size_t size, WorkerCommand command);
 
 // The worker's side: points in, trials out, one sealed line each.
 
-/// A trial is a pure function of its point: the same bits in any process, however often it runs. Throws InputError or
-/// DeviceError only for a fault that every trial would meet; the campaign stops with that sentence. A failed simulation
-/// is a record with the verdict unknown.
-using TrialFunction = std::function<TrialRecord(const DesignPoint&)>;
-
-/// Computes trials, some of them side by side. Throws as TrialFunction, and must not be called again then.
+/// Computes trials, some of them side by side. A trial is a pure function of its point: the same bits in any process,
+/// however often it runs. A failed simulation is a record with the verdict unknown. Throws InputError or DeviceError
+/// only for a fault that every trial would meet: the campaign stops with that sentence, and the engine is not called
+/// again.
 class TrialEngine {
  public:
   virtual ~TrialEngine() = default;
@@ -77,11 +75,10 @@ void run_worker(TrialEngine& engine, WorkerLine& line);
 /// The same over standard input and output. Whatever a trial prints to standard output goes to standard error. Ends
 /// with the coordinator, however that ends.
 void run_worker(TrialEngine& engine);
-/// The same with one trial at a time.
-void run_worker(const TrialFunction& trial);
-void run_worker(const TrialFunction& trial, WorkerLine& line);
 
-/// Version of program and contract; coordinator and workers must agree in it.
+/// Release and revision of this program, as provenance names it.
+std::string campaign_program();
+/// The same and the contract; coordinator and workers must agree in it.
 std::string worker_program();
 
 // Lines from worker to coordinator start with one of these words.

@@ -22,42 +22,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string& text_of(const campaign::Provenance& provenance, const char* name, const std::string& where) {
-  if (const std::string* text = campaign::input_text(provenance, name)) return *text;
-  throw InputError(where + ": does not hold its " + name +
-                   ", so its fidelity is unknown; train on it alone, or compute its trials anew");
-}
-
 std::string rolling_text(double wheel_rolling) {
   if (wheel_rolling == 0) return ", which roll freely on it";
   return wheel_rolling == 1 ? ", which resist rolling on it"
                             : line(", which resist rolling on it %.3g-fold", wheel_rolling);
 }
 
-struct Named {
-  std::string where;
-  std::string vehicle;  // the whole one
-  Fidelity fidelity;
-  double gravity = 0;  // [m/s^2]
-};
-
-/// Name of the whole vehicle: "hmmwv" of hmmwv and of hmmwv_quarter.
-std::string whole_vehicle(const campaign::Provenance& provenance, const std::string& where) {
-  constexpr std::string_view kQuarter = "_quarter";
-  std::string name = Config::parse(text_of(provenance, "vehicle", where), where + ": vehicle").text("vehicle");
-  const bool is_quarter =
-      name.size() > kQuarter.size() && name.compare(name.size() - kQuarter.size(), kQuarter.size(), kQuarter) == 0;
-  return is_quarter ? name.substr(0, name.size() - kQuarter.size()) : name;
-}
-
-Named named(const std::string& where, const campaign::Provenance& provenance) {
-  return {where, whole_vehicle(provenance, where), fidelity_of(provenance, where),
-          campaign::settings_of(provenance, where).gravity};
-}
-
-Named named(const fs::path& file) { return named(file.string(), campaign::read_dataset(file).provenance); }
-
-void require_pair(const Named& a, const Named& b) {
+void require_pair(const TrialSource& a, const TrialSource& b) {
   if (a.gravity != b.gravity)
     throw InputError(b.where + line(": its trials had a gravity of %.4g m/s^2, those of ", b.gravity) + a.where +
                      line(" %.4g; train on each alone", a.gravity));
@@ -67,12 +38,6 @@ void require_pair(const Named& a, const Named& b) {
   if (a.fidelity == b.fidelity)
     throw InputError(b.where + ": its trials have the fidelity of " + a.where + " (" + a.fidelity.text() +
                      "); give one dataset of each fidelity");
-}
-
-/// Throws InputError unless this one and each of the others can be learned together; then adds it to them.
-void add_checked(std::vector<Named>& seen, Named next) {
-  for (const Named& earlier : seen) require_pair(earlier, next);
-  seen.push_back(std::move(next));
 }
 
 /// Appends the rows with these inputs after their variables. Their groups are new ones.
@@ -108,17 +73,27 @@ std::vector<double> Fidelity::inputs() const {
   return {double(is_whole), double(has_compliant_tyres), std::log2(grains_per_tyre), wheel_rolling};
 }
 
-Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& where) {
-  const Config file = Config::parse(text_of(provenance, "vehicle", where), where + ": vehicle");
-  const Json soil = Json::parse(text_of(provenance, "calibration", where), where + ": calibration");
-  Fidelity fidelity;
-  fidelity.is_whole = file.text("kind") != "quarter";
+TrialSource source_of(const campaign::Provenance& provenance, const std::string& where) {
+  constexpr std::string_view kQuarter = "_quarter";
+  const auto text_of = [&](const char* name) -> const std::string& {
+    if (const std::string* text = campaign::input_text(provenance, name)) return *text;
+    throw InputError(where + ": does not hold its " + name +
+                     ", so its fidelity is unknown; train on it alone, or compute its trials anew");
+  };
+  const std::string &vehicle_text = text_of("vehicle"), &soil_text = text_of("calibration");
   const campaign::TrialSettings settings = campaign::settings_of(provenance, where);
-  fidelity.has_compliant_tyres = settings.compliant_tyres;
-  fidelity.wheel_rolling = settings.wheel_rolling;
-  fidelity.grains_per_tyre =
-      vehicle::tread_width(vehicle::read_any_vehicle(file)) / soil.at("grain_diameter_m").number();
-  return fidelity;
+  const Config file = Config::parse(vehicle_text, where + ": vehicle");
+  const double grain = Json::parse(soil_text, where + ": calibration").at("grain_diameter_m").number();
+  TrialSource source{.where = where,
+                     .vehicle = file.text("vehicle"),
+                     .gravity = settings.gravity,
+                     .fidelity = {.is_whole = file.text("kind") != "quarter",
+                                  .has_compliant_tyres = settings.compliant_tyres,
+                                  .grains_per_tyre = vehicle::tread_width(vehicle::read_any_vehicle(file)) / grain,
+                                  .wheel_rolling = settings.wheel_rolling}};
+  if (source.vehicle.size() > kQuarter.size() && source.vehicle.ends_with(kQuarter))
+    source.vehicle.resize(source.vehicle.size() - kQuarter.size());
+  return source;
 }
 
 learning::TrainingTable OtherTrials::joined(const learning::TrainingTable& rows) const {
@@ -151,23 +126,20 @@ std::vector<double> OtherTrials::at_own(const std::vector<double>& points, std::
   return result;
 }
 
-void require_together(const campaign::Provenance& own, const std::string& where, const std::vector<fs::path>& others) {
-  std::vector<Named> seen{named(where, own)};
-  for (const fs::path& file : others) add_checked(seen, named(file));
-}
-
-OtherTrials read_other_trials(const fs::path& own, const std::vector<fs::path>& others) {
+OtherTrials read_other_trials(const campaign::Provenance& own, const std::string& where,
+                              const std::vector<fs::path>& others) {
   OtherTrials result;
   if (others.empty()) return result;
-  std::vector<Named> seen{named(own)};
+  std::vector<TrialSource> seen{source_of(own, where)};
   result.own = seen.front().fidelity.inputs();
   for (const fs::path& file : others) {
     const campaign::Dataset dataset = campaign::read_dataset(file);
-    add_checked(seen, named(file.string(), dataset.provenance));
-    const Fidelity& fidelity = seen.back().fidelity;
+    const TrialSource source = source_of(dataset.provenance, file.string());
+    for (const TrialSource& earlier : seen) require_pair(earlier, source);
     const learning::TrainingTable rows = make_training_data(dataset.records, std::nullopt).table;
-    append(result.table, rows, fidelity.inputs());
-    result.datasets.push_back({file_hash(file), rows.row_count(), fidelity.text()});
+    append(result.table, rows, source.fidelity.inputs());
+    result.datasets.push_back({file_hash(file), rows.row_count(), source.fidelity.text()});
+    seen.push_back(source);
   }
   return result;
 }
@@ -176,7 +148,7 @@ std::vector<fs::path> finest_first(std::vector<fs::path> datasets) {
   if (datasets.size() < 2) return datasets;
   std::vector<std::pair<Fidelity, fs::path>> order;
   for (const fs::path& file : datasets)
-    order.emplace_back(fidelity_of(campaign::read_dataset(file).provenance, file.string()), file);
+    order.emplace_back(source_of(campaign::read_dataset(file).provenance, file.string()).fidelity, file);
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first.is_finer_than(b.first); });
   for (std::size_t k = 0; k < order.size(); ++k) datasets[k] = order[k].second;
@@ -212,10 +184,8 @@ std::shared_ptr<const learning::Teaching> teaching(double weight, std::vector<do
 }
 
 std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
-                                                    const std::vector<double>& lower, const std::vector<double>& upper,
-                                                    double weight, std::uint64_t seed) {
+                                                    std::vector<double> points, double weight) {
   if (weight == 0) return nullptr;
-  std::vector<double> points = taught_points(lower, upper, seed);
   std::vector<double> probability =
       fitted_process(table, others).most_probable(others.at_own(points, table.variable_count));
   return teaching(weight, std::move(points), std::move(probability));

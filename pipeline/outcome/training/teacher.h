@@ -35,8 +35,16 @@ struct Fidelity {
   std::vector<double> inputs() const;
 };
 
+/// What trials say of themselves that are learned together with others.
+struct TrialSource {
+  std::string where;    // names the trials
+  std::string vehicle;  // the whole one: "hmmwv" of hmmwv and of hmmwv_quarter
+  double gravity = 0;   // [m/s^2]
+  Fidelity fidelity;
+};
+
 /// Throws InputError where the dataset does not hold its vehicle and soil table.
-Fidelity fidelity_of(const campaign::Provenance& provenance, const std::string& where);
+TrialSource source_of(const campaign::Provenance& provenance, const std::string& where);
 
 struct OtherDataset {
   std::string hash;        // of the file
@@ -59,14 +67,11 @@ struct OtherTrials {
   std::vector<double> at_own(const std::vector<double>& points, std::size_t variables) const;
 };
 
-/// Throws InputError where the trials of the files cannot be learned together with these: another vehicle, another
-/// gravity, or a fidelity that is there already. A quarter of a vehicle is named as it, with "_quarter" after. `where`
-/// names the own trials.
-void require_together(const campaign::Provenance& own, const std::string& where,
-                      const std::vector<std::filesystem::path>& others);
-
-/// Valid trials of other datasets than `own`. Throws InputError as require_together().
-OtherTrials read_other_trials(const std::filesystem::path& own, const std::vector<std::filesystem::path>& others);
+/// Valid trials of other datasets than the own one, which `where` names. Throws InputError where they cannot be learned
+/// together: another vehicle, another gravity, or a fidelity that is there already. A quarter of a vehicle is named as
+/// it, with "_quarter" after.
+OtherTrials read_other_trials(const campaign::Provenance& own, const std::string& where,
+                              const std::vector<std::filesystem::path>& others);
 
 /// The same files, the finest first.
 std::vector<std::filesystem::path> finest_first(std::vector<std::filesystem::path> datasets);
@@ -85,10 +90,9 @@ learning::GaussianProcessModel fitted_process(const learning::TrainingTable& row
 std::shared_ptr<const learning::Teaching> teaching(double weight, std::vector<double> points,
                                                    std::vector<double> probability);
 
-/// The teaching of a machine for all rows of `table`, whose weights the process takes too; none for weight 0. lower,
-/// upper: the sampled box.
+/// The teaching of a machine for all rows of `table`, whose weights the process takes too, at these points; none for
+/// weight 0.
 std::shared_ptr<const learning::Teaching> teach_all(const learning::TrainingTable& table, const OtherTrials& others,
-                                                    const std::vector<double>& lower, const std::vector<double>& upper,
-                                                    double weight, std::uint64_t seed);
+                                                    std::vector<double> points, double weight);
 
 }  // namespace gonogo::outcome

@@ -26,7 +26,8 @@ namespace fs = std::filesystem;
 /// Trials and settings that a model and its members are trained with.
 struct Inputs {
   LearningSettings settings;
-  double gravity = 0;  // of the trials [m/s^2]
+  std::string data_hash;  // of the dataset's file
+  double gravity = 0;     // of the trials [m/s^2]
   TrainingData data;
   learning::TrainingTable held_out;
   learning::TrainingSettings training;
@@ -46,7 +47,8 @@ Inputs read_inputs(const TrainRequest& request) {
   const std::size_t rows = in.data.table.row_count();
   in.settings = settings_for_trials(std::move(in.settings), rows);
   in.training = training_settings(in.settings, rows, request.seed);
-  in.others = read_other_trials(request.dataset, request.others);
+  in.others = read_other_trials(dataset.provenance, request.dataset.string(), request.others);
+  in.data_hash = file_hash(request.dataset);
   in.teacher_weight = in.settings.teacher.value_or(teacher_weight(rows));
   return in;
 }
@@ -208,8 +210,9 @@ class KeptWork {
 /// fold's trials score it as a baseline.
 class FoldTeachers {
  public:
-  FoldTeachers(const Inputs& in, const std::vector<std::size_t>& fold, std::uint64_t seed, const KeptWork& kept)
-      : in_(in), fold_(fold), kept_(kept), points_(taught_points(in.data.lower, in.data.upper, seed)) {}
+  FoldTeachers(const Inputs& in, const std::vector<std::size_t>& fold, const std::vector<double>& points,
+               const KeptWork& kept)
+      : in_(in), fold_(fold), points_(points), kept_(kept) {}
 
   /// What the machine of a fold is taught; none without a weight. Fitted at the first call.
   std::shared_ptr<const learning::Teaching> of_fold(std::size_t fold) {
@@ -240,8 +243,8 @@ class FoldTeachers {
 
   const Inputs& in_;
   const std::vector<std::size_t>& fold_;
+  const std::vector<double>& points_;  // that a teacher labels
   const KeptWork& kept_;
-  std::vector<double> points_;
   std::map<std::size_t, ProcessAnswers> answers_;
 };
 
@@ -384,7 +387,8 @@ TrainingReport train_model(const TrainRequest& request) {
   const KeptWork kept(request.model, work_key(request, in.settings));
   TrainingProgress progress(folds, training.epochs, source.watch());
   const std::vector<std::size_t> fold = learning::assign_folds(table, folds, training.seed);
-  FoldTeachers teachers(in, fold, request.seed, kept);
+  const std::vector<double> points = taught_points(in.data.lower, in.data.upper, request.seed);
+  FoldTeachers teachers(in, fold, points, kept);
   learning::CrossValidation validation = cross_validate(
       model.layout, table, training, source.sampler(), folds,
       [&](std::size_t done) {
@@ -398,16 +402,15 @@ TrainingReport train_model(const TrainRequest& request) {
   training.epochs = validation.best_epoch;
   progress.last_machine(training.epochs);
   if (in.settings.calibrate) model.calibration_power = calibrate(in.data, validation, fold, folds);
-  const auto lesson = progress.teach(table.row_count(), [&] {
-    return teach_all(table, in.others, in.data.lower, in.data.upper, in.teacher_weight, request.seed);
-  });
+  const auto lesson =
+      progress.teach(table.row_count(), [&] { return teach_all(table, in.others, points, in.teacher_weight); });
   model.weights =
       train_rbm(model.layout, table, training, source.sampler(), progress.watch(), nullptr, lesson.get()).weights;
   model.log = validation.log;
   describe_trials(in, model);
 
   TrainingReport report{
-      .data_hash = file_hash(request.dataset),
+      .data_hash = in.data_hash,
       .contract_hash = content_hash(campaign::contract_text()),
       .program_version = program_version(),
       .gravity = in.gravity != kGravity ? std::optional(in.gravity) : std::nullopt,
@@ -448,12 +451,12 @@ void reweigh(learning::TrainingTable& table, std::uint64_t seed, int member) {
 
 std::vector<std::filesystem::path> train_members(const TrainRequest& request, int count) {
   const learning::Model base = read_contract_model(request.model);
-  if (base.provenance.at("data_hash").string() != file_hash(request.dataset))
+  Inputs in = read_inputs(request);
+  if (base.provenance.at("data_hash").string() != in.data_hash)
     throw InputError(request.model.string() + ": was trained on other trials than " + request.dataset.string() +
                      "; train it anew with gonogo train");
-  Inputs in = read_inputs(request);
   in.training.epochs = std::size_t(base.provenance.at("epochs").unsigned_integer());
-  const bool outside = in.settings.sampler == "command" || in.settings.sampler == "emulator";
+  const bool outside = in.settings.sampler == "command" || in.settings.sampler == learning::kEmulator;
   const auto sampler = learning::make_sampler(outside ? in.settings.stand_in : in.settings.sampler);
   const KeptWork kept(request.model, work_key(request, in.settings));
   Progress progress("train", "members", std::size_t(count));
@@ -470,7 +473,8 @@ std::vector<std::filesystem::path> train_members(const TrainRequest& request, in
     reweigh(table, request.seed, member);
     in.training.seed = random_bits(request.seed, 1, std::uint64_t(member));
     learning::Model model = base;
-    const auto lesson = teach_all(table, in.others, in.data.lower, in.data.upper, in.teacher_weight, in.training.seed);
+    const auto lesson =
+        teach_all(table, in.others, taught_points(in.data.lower, in.data.upper, in.training.seed), in.teacher_weight);
     model.weights = learning::train_rbm(base.layout, table, in.training, *sampler, {}, nullptr, lesson.get()).weights;
     model.provenance["member"] = member;
     learning::write_model(files.back(), model);

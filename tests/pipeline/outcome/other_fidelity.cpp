@@ -39,6 +39,10 @@ learning::TrainingTable curved(std::size_t count, double shift, std::uint64_t se
   return table;
 }
 
+OtherTrials other_trials(const fs::path& own, const std::vector<fs::path>& others) {
+  return read_other_trials(campaign::read_dataset(own).provenance, own.string(), others);
+}
+
 std::vector<int> labels(const learning::TrainingTable& table) {
   std::vector<int> result;
   for (std::size_t y : table.outcome) result.push_back(y == 0);
@@ -49,7 +53,7 @@ std::vector<int> labels(const learning::TrainingTable& table) {
 
 TEST_CASE("the shipped trials of the whole vehicle are finer than those of a quarter of it") {
   const auto of = [](const fs::path& file) {
-    return fidelity_of(campaign::read_dataset(file).provenance, file.string());
+    return source_of(campaign::read_dataset(file).provenance, file.string()).fidelity;
   };
   const Fidelity whole = of(kVehicle), quarter = of(kQuarter);
   CHECK(whole.text() == "whole vehicle, compliant tyres, 7.9 grains across a wheel, which roll freely on it");
@@ -75,7 +79,7 @@ TEST_CASE("the shipped trials of the whole vehicle are finer than those of a qua
 }
 
 TEST_CASE("other trials follow the own ones with their fidelity as inputs, and replicates stay together") {
-  const OtherTrials others = read_other_trials(kVehicle, {kQuarter});
+  const OtherTrials others = other_trials(kVehicle, {kQuarter});
   const std::size_t variables = campaign::contract().variables.size();
   const TrainingData own = make_training_data(campaign::read_dataset(kVehicle).records, {});
   const learning::TrainingTable joined = others.joined(own.table);
@@ -91,12 +95,12 @@ TEST_CASE("other trials follow the own ones with their fidelity as inputs, and r
       CHECK((joined.group[n] == joined.group[m]) == (own.table.group[n] == own.table.group[m]));
   const std::vector<double> points = others.at_own({1, 2, 3, 4}, 2);
   CHECK(points == std::vector<double>{1, 2, 1, 1, others.own[2], 0, 3, 4, 1, 1, others.own[2], 0});
-  CHECK(read_other_trials(kVehicle, {}).joined(own.table).variables == own.table.variables);
+  CHECK(other_trials(kVehicle, {}).joined(own.table).variables == own.table.variables);
 }
 
 TEST_CASE("a process that is judged at some points does not know other trials at the same points") {
   const fs::path rolling = kData / "hmmwv_32mm/rolling.h5";  // the first points of kVehicle, at another fidelity
-  const OtherTrials others = read_other_trials(rolling, {kVehicle});
+  const OtherTrials others = other_trials(rolling, {kVehicle});
   const TrainingData own = make_training_data(campaign::read_dataset(rolling).records, {});
   const learning::TrainingTable first = own.table.subset({0, 1, 2, 3, 4});
   const OtherTrials away = others.away_from(first);
@@ -112,19 +116,19 @@ TEST_CASE("a process that is judged at some points does not know other trials at
 }
 
 TEST_CASE("two datasets of one fidelity are refused, and one that does not tell its own") {
-  refused([] { read_other_trials(kVehicle, {kQuarter, kQuarter}); }, "have the fidelity of");
-  refused([] { read_other_trials(kVehicle, {kVehicle}); }, "give one dataset of each fidelity");
-  refused([] { read_other_trials(kVehicle, {kData / "viper_32mm/dataset.h5"}); }, "gravity");
+  refused([] { other_trials(kVehicle, {kQuarter, kQuarter}); }, "have the fidelity of");
+  refused([] { other_trials(kVehicle, {kVehicle}); }, "give one dataset of each fidelity");
+  refused([] { other_trials(kVehicle, {kData / "viper_32mm/dataset.h5"}); }, "gravity");
   const fs::path mute = dataset_file("mute.h5", 30, 2);
   refused([&] { finest_first({kVehicle, mute}); }, "does not hold its vehicle");
 }
 
 TEST_CASE("trials of another vehicle are refused, those of a quarter of the same one are not") {
   campaign::Provenance other = campaign::read_dataset(kQuarter).provenance;
-  CHECK_NOTHROW(require_together(other, "quarter", {kVehicle}));
+  CHECK_NOTHROW(read_other_trials(other, "quarter", {kVehicle}));
   for (auto& [name, text] : other.files)
     if (name == "vehicle") text.replace(text.find("hmmwv_quarter"), 13, "truck_quarter");
-  refused([&] { require_together(other, "truck", {kVehicle}); }, "another vehicle needs a model of its own");
+  refused([&] { read_other_trials(other, "truck", {kVehicle}); }, "another vehicle needs a model of its own");
 }
 
 TEST_CASE("the rolling friction of grains on the wheels tells two fidelities apart") {
@@ -137,8 +141,8 @@ TEST_CASE("the rolling friction of grains on the wheels tells two fidelities apa
   };
   CHECK(campaign::settings_of(other, "quarter").wheel_rolling == 0);
   CHECK(campaign::settings_of(with_rolling("0.5"), "quarter").wheel_rolling == 0.5);
-  refused([&] { require_together(with_rolling("0"), "quarter", {kQuarter}); }, "have the fidelity of");
-  CHECK_NOTHROW(require_together(with_rolling("1"), "quarter", {kQuarter}));
+  refused([&] { read_other_trials(with_rolling("0"), "quarter", {kQuarter}); }, "have the fidelity of");
+  CHECK_NOTHROW(read_other_trials(with_rolling("1"), "quarter", {kQuarter}));
   refused([&] { campaign::settings_of(with_rolling("-1"), "quarter"); }, "wheel_rolling");
 }
 
