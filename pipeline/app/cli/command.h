@@ -87,6 +87,13 @@ CLI::Option* add_number(
   return command.add_option(name, value, about)->check(CLI::Range(range.low, range.high))->capture_default_str();
 }
 
+/// An option of several values, in one word with commas between them.
+template <class Value>
+CLI::Option* add_list(CLI::App& command, const std::string& name, std::vector<Value>& values,
+                      const std::string& about) {
+  return command.add_option(name, values, about + ", separated by commas")->delimiter(',')->allow_extra_args(false);
+}
+
 /// "{a,b,c}": the name of a value that is one of a few words.
 std::string one_of(const std::vector<std::string>& words);
 

@@ -171,21 +171,14 @@ void add_solver_bench(CLI::App& bench, const Globals& globals) {
       bench.add_subcommand("solvers", "Solvers of contact problems from files and scenes, at equal error");
   const auto request = std::make_shared<SolversRequest>();
   add_named(*command, "paths", request->paths, kFile, "Problem files, or folders of them (.hdf5, .dat)");
-  command
-      ->add_option("--scene", request->scenes,
-                   "Scenes whose steps are solved: filling, drafting, stack, wheel, separated by commas")
-      ->check(CLI::IsMember(lab::step_scene_names()))
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  command->add_option("--bodies", request->bodies, "Numbers of bodies of each scene, growing, separated by commas")
+  add_list(*command, "--scene", request->scenes,
+           "Scenes whose steps are solved: " + join_words(lab::step_scene_names()))
+      ->check(CLI::IsMember(lab::step_scene_names()));
+  add_list(*command, "--bodies", request->bodies, "Numbers of bodies of each scene, growing")
       ->check(CLI::Range(1, 1000000))
-      ->delimiter(',')
-      ->allow_extra_args(false)
       ->capture_default_str();
-  command->add_option("--engine", request->engine, "The engine's own solvers on scenes, from a cold start")
-      ->check(CLI::IsMember(cone_solvers()))
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_list(*command, "--engine", request->engine, "The engine's own solvers on scenes, from a cold start")
+      ->check(CLI::IsMember(cone_solvers()));
   add_choice(*command, "--backend", request->bench.backend, kBackends,
              "Of the engine, which also settles the scenes; cuda: its times are by the clock");
   command->add_flag("--warm", request->bench.is_warm, "nsgs, apgd and anderson start from the step before");
@@ -193,18 +186,9 @@ void add_solver_bench(CLI::App& bench, const Globals& globals) {
              "A solver that took longer at some size is not run at larger ones [s]");
   add_number(*command, "--whole", request->bench.most_whole, {0, 100000000},
              "Scenes whose matrix W has more blocks are solved without it, with products by bodies");
-  command->add_option("--solver", request->solvers, "Solvers as for gonogo validate fclib, separated by commas")
-      ->check(CLI::IsMember(sim::solver_names()))
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->capture_default_str();
-  command->add_option("--target", request->target, "coulomb, or ccp: its convex relaxation")
-      ->check(CLI::IsMember(sim::target_names()))
-      ->capture_default_str();
-  command->add_option("--tolerance", request->bench.tolerances, "Errors to reach, falling, separated by commas")
+  add_reference_solvers(*command, request->solvers, request->target);
+  add_list(*command, "--tolerance", request->bench.tolerances, "Errors to reach, falling")
       ->check(CLI::Range(1e-15, 1.0))
-      ->delimiter(',')
-      ->allow_extra_args(false)
       ->capture_default_str();
   add_number(*command, "--iterations", request->bench.settings.max_iterations, {0, 100000000},
              "Max iterations; 0: the solver's own limit");

@@ -3,7 +3,10 @@
 #include <map>
 #include <string>
 
+#include "base/format.h"
 #include "pipeline/app/cli/command.h"
+#include "sim/law/contact_law.h"
+#include "sim/local_problem/methods/solve.h"
 #include "sim/simulation/simulation.h"
 
 namespace gonogo::app {
@@ -36,8 +39,24 @@ void add_choice(CLI::App& command, const std::string& flag, Value& value, const 
 }
 
 inline void add_solver(CLI::App& command, sim::ContactMethod& solver) {
+  std::vector<std::string> laws;
+  for (const std::string& name : sim::contact_names())
+    if (sim::is_penalty(sim::contact_named(name))) laws.push_back(name);
   add_choice(command, "--solver", solver, kSolvers,
-             "Solver of the contacts; jacobi_scan is a baseline, spring_damper and hertz are penalty contact");
+             "Solver of the contacts; jacobi_scan is a baseline, and of penalty contact are " + join_words(laws));
+}
+
+/// --solver and --target of the reference solvers (sim/local_problem).
+inline void add_reference_solvers(CLI::App& command, std::vector<std::string>& solvers, std::string& target) {
+  add_list(command, "--solver", solvers,
+           "nsgs: block Gauss-Seidel; apgd: gradients; ppa: proximal Newton; pdip: interior point, pdip_spike and "
+           "pdip_krylov without factorisations; admm: alternating directions; lemke, pgs, fb_newton, qp: polygons "
+           "for discs; jacobi, gauss_seidel, nesterov, minres: ccp alone. Several are given in one word")
+      ->check(CLI::IsMember(sim::solver_names()))
+      ->capture_default_str();
+  command.add_option("--target", target, "coulomb, or ccp: its convex relaxation")
+      ->check(CLI::IsMember(sim::target_names()))
+      ->capture_default_str();
 }
 
 /// One core unless more are asked for.

@@ -101,21 +101,9 @@ void add_fclib_check(CLI::App& validate, const Globals& globals) {
       "fclib", "Frictional contact problems in the formats of FCLib and Siconos; fails when one is not solved");
   auto request = std::make_shared<FclibRequest>();
   add_named(*fclib, "paths", request->paths, kFile, "Problem files, or folders of them (.hdf5, .dat)")->required();
-  fclib
-      ->add_option(
-          "--solver", request->solvers,
-          "nsgs: block Gauss-Seidel; apgd: gradients; ppa: proximal Newton; pdip: interior point, pdip_spike and "
-          "pdip_krylov without factorisations; admm: alternating directions; lemke, pgs, fb_newton, qp: polygons "
-          "for discs; jacobi, gauss_seidel, nesterov, minres: ccp alone. Several are separated by commas")
-      ->check(CLI::IsMember(sim::solver_names()))
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->capture_default_str();
+  add_reference_solvers(*fclib, request->solvers, request->target);
   add_named(*fclib, "--impulses", request->impulses, kFile,
             "Folder for the impulses: a file per problem and solver, a line per contact, normal first");
-  fclib->add_option("--target", request->target, "coulomb, or ccp: its convex relaxation")
-      ->check(CLI::IsMember(sim::target_names()))
-      ->capture_default_str();
   add_number(*fclib, "--tolerance", request->settings.tolerance, {1e-15, 1.0}, "Error at which a solver stops");
   add_number(*fclib, "--limit", request->limit, {1e-15, 1.0}, "Error above which a problem counts as not solved");
   add_number(*fclib, "--iterations", request->settings.max_iterations, {0, 100000000},

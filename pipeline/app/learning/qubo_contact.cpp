@@ -104,12 +104,8 @@ void add_qubo_contact(CLI::App& qubo, const Globals& globals) {
       add_named(*command, "--out", request->out, kFile, "Problem file to write; the sidecar goes beside it");
   add_named(*command, "--format", request->to.format, one_of(format_names()),
             "Format to write; default: by extension, .json being dimod_json");
-  command
-      ->add_option("--sampler", request->samplers,
-                   "Samplers that solve it, separated by commas: " + join_words(samplers))
+  add_list(*command, "--sampler", request->samplers, "Samplers that solve it, of " + join_words(samplers))
       ->check(CLI::IsMember(samplers))
-      ->delimiter(',')
-      ->allow_extra_args(false)
       ->excludes(out);
   add_number(*command, "--reads", request->sampling.reads, {1, 100000000}, "Rows of a sampler");
   add_number(*command, "--sweeps", request->sampling.sweeps, {1, 1000000000}, "Sweeps of every chain");

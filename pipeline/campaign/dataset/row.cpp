@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.h"
 #include "base/json/json.h"
 #include "pipeline/campaign/study/contract.h"
 
@@ -135,7 +134,6 @@ std::vector<std::string> record_columns(bool with_task) {
   return names;
 }
 
-std::string header_row(bool with_task) { return join(record_columns(with_task)); }
 std::string point_header_row(bool with_task) { return join(point_columns(with_task)); }
 
 std::string to_row(const DesignPoint& point) {
@@ -219,29 +217,9 @@ Json provenance_json(const Provenance& provenance) {
 }  // namespace
 
 std::string to_csv(const Dataset& dataset) {
-  std::string text = header_row(has_task_values(dataset.records)) + "\n";
+  std::string text = join(record_columns(has_task_values(dataset.records))) + "\n";
   for (const TrialRecord& record : dataset.records) text += to_row(record) + "\n";
   return text;
-}
-
-Dataset parse_csv(const std::string& text, const std::string& name) {
-  Dataset dataset;
-  std::size_t begin = 0;
-  for (std::size_t line = 1; begin < text.size(); ++line) {
-    const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const std::string_view row = std::string_view(text).substr(begin, end - begin);
-    begin = end + 1;
-    if (line == 1) {
-      if (row != header_row(false) && row != header_row(true))
-        throw InputError(name + ": line 1: the columns must be " + header_row(false));
-      continue;
-    }
-    const std::optional<TrialRecord> record = parse_record(row);
-    if (!record) throw InputError(name + ": line " + std::to_string(line) + ": is not a trial of this table's columns");
-    dataset.records.push_back(*record);
-  }
-  if (text.empty()) throw InputError(name + ": is empty, a table with a header line is needed");
-  return dataset;
 }
 
 std::string to_json_text(const Dataset& dataset) {

@@ -18,7 +18,6 @@ std::vector<std::string> point_columns(bool with_task);
 std::vector<std::string> record_columns(bool with_task);
 
 /// Comma-separated, without the end of line.
-std::string header_row(bool with_task);
 std::string point_header_row(bool with_task);
 /// With the variables of tasks where one of them is set.
 std::string to_row(const DesignPoint& point);
@@ -33,10 +32,6 @@ std::optional<TrialRecord> parse_record(std::string_view row);
 
 /// Header and one line per trial.
 std::string to_csv(const Dataset& dataset);
-
-/// The inverse of to_csv, bit for bit, with an empty provenance. Throws InputError that starts with `name` and has the
-/// line.
-Dataset parse_csv(const std::string& text, const std::string& name);
 
 /// One JSON object: "provenance", "units", and "trials", an object per trial. NaN is null.
 std::string to_json_text(const Dataset& dataset);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <unordered_map>
 
 #include "base/format.h"
@@ -75,16 +74,11 @@ std::vector<SlopeBin> slope_bins(const std::vector<TrialRecord>& records) {
   return result;
 }
 
-std::string format(const char* pattern, const std::string& name, double a, double b, double c,
-                   const std::string& unit) {
-  return line(pattern, name.c_str(), a, b, c, unit.c_str());
-}
-
 std::string ranges_text(const std::string& title, const std::vector<ValueRange>& ranges) {
   std::string text = line("%-18s %12s %12s %12s\n", title.c_str(), "minimum", "mean", "maximum");
   for (const ValueRange& range : ranges)
-    text +=
-        format("%-18s %12.5g %12.5g %12.5g  %s\n", range.name, range.minimum, range.mean, range.maximum, range.unit);
+    text += line("%-18s %12.5g %12.5g %12.5g  %s\n", range.name.c_str(), range.minimum, range.mean, range.maximum,
+                 range.unit.c_str());
   return text;
 }
 
@@ -100,8 +94,6 @@ std::string histogram_text(const std::vector<SlopeBin>& bins) {
   for (const SlopeBin& bin : bins) largest = std::max(largest, bin.go + bin.slow_go + bin.no_go + bin.unknown);
   std::string text = "slope along [deg]  (+ go, o slow-go, x no-go, ? unknown)\n";
   for (const SlopeBin& bin : bins) {
-    char head[40];
-    std::snprintf(head, sizeof head, "%5.0f to %3.0f  ", bin.from, bin.to);
     std::string bar;
     std::size_t sum = 0;
     const auto extend = [&](std::size_t count, char mark) {
@@ -115,9 +107,8 @@ std::string histogram_text(const std::vector<SlopeBin>& bins) {
     extend(bin.unknown, '?');
     bar.resize(kBarWidth + 2, ' ');
     const std::size_t valid = bin.go + bin.slow_go + bin.no_go;
-    char tail[60];
-    std::snprintf(tail, sizeof tail, "%zu of %zu passable\n", bin.go + bin.slow_go, valid);
-    text += head + bar + tail;
+    text +=
+        line("%5.0f to %3.0f  ", bin.from, bin.to) + bar + line("%zu of %zu passable\n", bin.go + bin.slow_go, valid);
   }
   return text;
 }

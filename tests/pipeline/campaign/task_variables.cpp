@@ -9,6 +9,7 @@
 #include "pipeline/campaign/design/design.h"
 #include "pipeline/campaign/trial/trial.h"
 #include "pipeline/campaign/trial/world.h"
+#include "tests/pipeline/campaign/csv_records.h"
 #include "tests/support/catch.h"
 #include "tests/support/message.h"
 #include "tests/support/refused.h"
@@ -153,12 +154,12 @@ TEST_CASE("datasets and tables hold the sizes of obstacles where trials have the
   CHECK_FALSE(contains(to_json_text(plain), "ditch"));
   CHECK(contains(to_csv(ditches), ",commanded_speed,ditch_width,ditch_depth,step_height,verdict,"));
   const Dataset a = read_dataset(folder / "plain.h5"), b = read_dataset(folder / "ditches.h5");
-  const Dataset c = parse_csv(to_csv(plain), "plain"), d = parse_csv(to_csv(ditches), "ditches");
+  const auto c = csv_records(to_csv(plain)), d = csv_records(to_csv(ditches));
   for (std::size_t i = 0; i < 6; ++i) {
     CHECK(a.records[i].point.variables == plain.records[i].point.variables);
     CHECK(b.records[i].point.variables == ditches.records[i].point.variables);
-    CHECK(c.records[i].point.variables == plain.records[i].point.variables);
-    CHECK(d.records[i].point.variables == ditches.records[i].point.variables);
+    CHECK(c[i].point.variables == plain.records[i].point.variables);
+    CHECK(d[i].point.variables == ditches.records[i].point.variables);
   }
   // A row of a ditch cut off at its last columns is no row of a trial without one.
   const std::string row = to_row(ditches.records[0]);
