@@ -46,8 +46,8 @@ std::unique_ptr<Crew> process_crew(std::size_t size, WorkerCommand command);
 
 /// Computes trials, some of them side by side. A trial is a pure function of its point: the same bits in any process,
 /// however often it runs. A failed simulation is a record with the verdict unknown. Throws InputError or DeviceError
-/// only for a fault that every trial would meet: the campaign stops with that sentence, and the engine is not called
-/// again.
+/// only for a fault that every trial would meet. The campaign then stops with that sentence, and the engine is not
+/// called again.
 class TrialEngine {
  public:
   virtual ~TrialEngine() = default;

@@ -107,8 +107,7 @@ TrialRun::TrialRun(const TrialSetup& setup, const DesignPoint& point, TrialWatch
       checkpoint_(std::move(checkpoint)),
       conditions_(conditions_of(setup_, setup_.inputs)),
       packing_(settled_bed(setup_, setup_.inputs)) {
-  // The first save comes after a part of the interval that differs from trial to trial: those of a batch that began
-  // together are not all saved together.
+  // Trials of a batch begin together. Their first saves come after other parts of the interval, so as not to coincide.
   constexpr double golden = 0.6180339887498949;
   const double turns = double(point.index % 1000000) * golden;
   next_save_ = in_seconds(checkpoint_.every * (1 - (turns - std::floor(turns))));
