@@ -51,7 +51,7 @@ inline void add_reference_solvers(CLI::App& command, std::vector<std::string>& s
   add_list(command, "--solver", solvers,
            "nsgs: block Gauss-Seidel; apgd: gradients; ppa: proximal Newton; pdip: interior point, pdip_spike and "
            "pdip_krylov without factorisations; admm: alternating directions; lemke, pgs, fb_newton, qp: polygons "
-           "for discs; jacobi, gauss_seidel, nesterov, minres: ccp alone. Several are given in one word")
+           "for discs; jacobi, gauss_seidel, nesterov, minres: ccp alone. Several")
       ->check(CLI::IsMember(sim::solver_names()))
       ->capture_default_str();
   command.add_option("--target", target, "coulomb, or ccp: its convex relaxation")

@@ -104,7 +104,7 @@ void add_qubo_contact(CLI::App& qubo, const Globals& globals) {
       add_named(*command, "--out", request->out, kFile, "Problem file to write; the sidecar goes beside it");
   add_named(*command, "--format", request->to.format, one_of(format_names()),
             "Format to write; default: by extension, .json being dimod_json");
-  add_list(*command, "--sampler", request->samplers, "Samplers that solve it, of " + join_words(samplers))
+  add_list(*command, "--sampler", request->samplers, "Samplers that solve it (" + join_words(samplers) + ")")
       ->check(CLI::IsMember(samplers))
       ->excludes(out);
   add_number(*command, "--reads", request->sampling.reads, {1, 100000000}, "Rows of a sampler");
